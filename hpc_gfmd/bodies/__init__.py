@@ -17,21 +17,21 @@ COMMON = ("base", "images")  # files that are no body
 
 
 def body_classes() -> dict[str, type[Body]]:
-    """{name: class} of all elastic bodies."""
+    """Return {name: class} of all elastic bodies."""
     return {name: class_in(__name__, name) for name in names_in(__name__, COMMON)}
 
 
 def body_of(material: Material, free: tuple[bool, bool] = (False, False)) -> Body:
-    """The elastic body that a material (scene.Material) means; free: whether the surface ends along
-    x, along y.
+    """Return the elastic body that a material (scene.Material) means; free: whether the surface
+    ends along x, along y.
 
     Raises SceneError if there is none.
     """
-    bodies_ = [body for cls in body_classes().values() if (body := cls.of(material, free))]
-    if not bodies_:
-        thickness = format_quantity(material.thickness or 0.0)
-        raise SceneError(
-            f"material.thickness: found {thickness} with a free boundary, allowed: with periodic"
-            " boundaries"
-        )
-    return bodies_[0]
+    for cls in body_classes().values():
+        if body := cls.of(material, free):
+            return body
+    thickness = format_quantity(material.thickness or 0.0)
+    raise SceneError(
+        f"material.thickness: found {thickness} with a free boundary, allowed: with periodic"
+        " boundaries"
+    )

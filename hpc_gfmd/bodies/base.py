@@ -37,7 +37,7 @@ _multipliers: WeakKeyDictionary[SlabFFT, dict[Body, Any]] = WeakKeyDictionary()
 
 
 def once_per_grid(method: Callable[[Any, Grid], T]) -> Callable[[Any, Grid], T]:
-    """A method of bodies that finds what it gives once for each grid."""
+    """Make a method of bodies find what it gives once for each grid."""
 
     @wraps(method)
     def known(self: Any, grid: Grid) -> T:
@@ -58,16 +58,16 @@ class Multipliers:
     uniform = 0.0
 
     def couple(self, fft: SlabFFT, inverse: bool) -> None:
-        """Called once before the columns of a field are multiplied, for modes of different columns
-        that belong together: here there are none. Collective."""
+        """Prepare modes of different columns that belong together, once before the columns of a
+        field are multiplied: here there are none. Collective."""
 
     def stiffness(self, block: np.ndarray, m: int) -> float:
-        """block *= K/N; block: (W, n_x) complex, the columns of block m. Returns their share of <u,
-        K u>."""
+        """Multiply block by K/N; block: (W, n_x) complex, the columns of block m. Returns their
+        share of <u, K u>."""
         raise NotImplementedError
 
     def compliance(self, block: np.ndarray, m: int) -> float:
-        """block *= S/N, 0 where K is. Returns their share of <p, S p>."""
+        """Multiply block by S/N, by 0 where K is 0. Returns their share of <p, S p>."""
         raise NotImplementedError
 
 
@@ -98,7 +98,7 @@ class Body:
         "Johnson, Contact Mechanics (1985), doi:10.1017/CBO9781139171731",
         "Stanley, Kato, J. Tribol. 119 (1997) 481, doi:10.1115/1.2833523",
     )
-    table_share = 0.25  # numbers that are kept for every point of a grid and each precision
+    table_share = 0.25
     full_p_star = 0.499
     error = 0.0
 
@@ -109,7 +109,7 @@ class Body:
 
     @classmethod
     def of(cls, material: Material, free: Sequence[bool]) -> Body | None:
-        """The body of this kind that a scene means.
+        """Return the body of this kind that a scene means.
 
         Parameters
         ----------
@@ -127,11 +127,11 @@ class Body:
 
     @classmethod
     def examples(cls) -> list[Body]:
-        """A few bodies of this kind, for the contract tests."""
+        """Return a few bodies of this kind, for the contract tests."""
         return [cls()]
 
     def stiffness(self, q: np.ndarray, a: float) -> np.ndarray:
-        """The stiffness K, for E* = 1.
+        """Return the stiffness K, for E* = 1.
 
         Parameters
         ----------
@@ -148,24 +148,25 @@ class Body:
         raise NotImplementedError
 
     def waves(self, grid: Grid, q_x: np.ndarray, q_y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Wave numbers along both axes, in units of 1/a, as `stiffness` is to take them on a
-        grid."""
+        """Return the wave numbers along both axes, in units of 1/a, as `stiffness` is to take them
+        on a grid."""
         return q_x, q_y
 
     def multipliers(self, grid: Grid, fft: SlabFFT) -> Multipliers:
-        """The Multipliers for the transforms of a grid, from a table. Collective."""
+        """Return the Multipliers for the transforms of a grid, from a table. Collective."""
         return self.kept(fft, lambda: Tabled(grid, fft, self.table(grid, fft), self.absolute))
 
     def kept(self, fft: SlabFFT, make: Callable[[], T]) -> T:
-        """What `make` returns, made once for each plan of transforms, which it must not hold."""
+        """Return what `make` does, made once for each plan of transforms, which it must not
+        hold."""
         made = _multipliers.setdefault(fft, {})
         if self not in made:
             made[self] = make()
         return made[self]
 
     def table(self, grid: Grid, fft: SlabFFT) -> np.ndarray:
-        """K for this rank's columns, shape (own blocks, W, n_x//2 + 1) in the precision of fft: it
-        is even in q_x."""
+        """Tabulate K for this rank's columns, shape (own blocks, W, n_x//2 + 1) in the precision of
+        fft: it is even in q_x."""
         q_x, q_y = self.waves(
             grid,
             grid.q_x[: grid.n[0] // 2 + 1],
@@ -178,13 +179,13 @@ class Body:
 
     @once_per_grid
     def scale(self, grid: Grid) -> float:
-        """K of the shortest wave of the grid (the corner of the Brillouin zone) over sqrt 2: what
-        the finest level is weighted by."""
+        """Return K of the shortest wave of the grid (the corner of the Brillouin zone) over sqrt 2:
+        what the finest level is weighted by."""
         return float(self.stiffness(np.array([SQRT2 * grid.q_nyquist]), grid.a)[0]) / SQRT2
 
     @once_per_grid
     def bounds(self, grid: Grid) -> tuple[float, float]:
-        """The smallest and the largest K of all waves of the grid."""
+        """Return the smallest and the largest K of all waves of the grid."""
         shortest = SQRT2 * grid.q_nyquist
         longest = min(
             (2 * np.pi * grid.a / size for size, n in zip(grid.sizes, grid.n) if n > 1),
@@ -195,8 +196,9 @@ class Body:
 
     @once_per_grid
     def typical(self, grid: Grid) -> float:
-        """What K is on the average over what solvers leave, so that it tells the error of the
-        pressure from that of the energy: times a constant, `scale` where K is proportional to q."""
+        """Return what K is on the average over what solvers leave, so that it tells the error of
+        the pressure from that of the energy: times a constant, `scale` where K is proportional to
+        q."""
         shortest = SQRT2 * grid.q_nyquist
         K = self.stiffness(
             np.append(np.linspace(0, LEFT * shortest, SAMPLES)[1:], LEFT * shortest), grid.a
@@ -204,8 +206,8 @@ class Body:
         return float(K.max()) / (SQRT2 * LEFT)
 
     def weights(self, grid: Grid) -> np.ndarray:
-        """The stiffness of every level of the grid's hierarchy in the multilevel preconditioner,
-        relative to the finest.
+        """Return the stiffness of every level of the grid's hierarchy in the multilevel
+        preconditioner, relative to the finest.
 
         A wave is corrected on its own level and on all finer ones. So K of a level is the largest
         of all waves as long as its own or longer, and where it falls less than in proportion to q
@@ -233,8 +235,8 @@ class Body:
         return weights
 
     def softness(self, grid: Grid) -> np.ndarray:
-        """What every level adds to S, over S of the shortest wave: of a field of zero mean, <r, S
-        r> is bounded by its squares on the levels times this (operators/multilevel.py). Not
+        """Return what every level adds to S, over S of the shortest wave: of a field of zero mean,
+        <r, S r> is bounded by its squares on the levels times this (operators/multilevel.py). Not
         1/weights where K is flat: S of a level is the largest of all waves as short, and has to do
         for waves up to STEEP times as long, of which coarser levels see a part: where S rises in
         proportion to 1/q it does.
@@ -251,8 +253,8 @@ class Body:
 
     @once_per_grid
     def near(self, grid: Grid) -> np.ndarray:
-        """K between a point and itself, its neighbours along x, along y, and the diagonal ones (0
-        where there are none)."""
+        """Return K between a point and itself, its neighbours along x, along y, and the diagonal
+        ones (0 where there are none)."""
         n_x, n_y = (min(k, NEAR_POINTS) for k in grid.n)
         q_x, q_y = (
             2 * np.pi * np.fft.fftfreq(k) * grid.a / s for k, s in zip((n_x, n_y), grid.spacings)

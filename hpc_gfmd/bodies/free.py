@@ -35,7 +35,6 @@ COVERED = 16  # of them that a surface has at most, see surface.cell_of
 ROUNDED = 0.055
 DECAY = 18.0  # wave number times distance over which the waves of a periodic axis die out
 
-
 Matrices = dict[bool, dict[tuple[int, int], np.ndarray]]
 
 
@@ -90,7 +89,7 @@ class Free(HalfSpace):
         )
 
     def exchanged(self, grid: Grid) -> int:
-        """Numbers that a multiplication sums over all ranks."""
+        """Return how many numbers a multiplication sums over all ranks."""
         shape = self._shape(grid)
         return 4 * (shape.modes[0] + 1) * (shape.modes[1] + 1) if shape else 0
 
@@ -99,13 +98,12 @@ class Free(HalfSpace):
         return Coupled(plain, grid, fft, *_half_space(shape, fft.dtype)) if shape else plain
 
     def _shape(self, grid: Grid) -> Shape | None:
-        """None where nothing ends."""
+        """Return the Shape of a grid, None where nothing ends."""
         free = self.free[0] and grid.n[0] > 2, self.free[1] and grid.n[1] > 2
         if not any(free):
             return None
-        points = [
-            m if m < n else n // 4 for m, n in zip(grid.nominal, grid.n)
-        ]  # without a surface: of a small one
+        # without a surface: of a small one
+        points = [m if m < n else n // 4 for m, n in zip(grid.nominal, grid.n)]
         shares = [
             min(max(-(-SHARES * (m - 1) // n), 1), COVERED) / SHARES if ends else 1.0
             for m, n, ends in zip(points, grid.n, free)
@@ -126,7 +124,7 @@ class Free(HalfSpace):
 
 
 def rounded(q: np.ndarray, spacing: float, ends: bool) -> np.ndarray:
-    """|q| along an axis; where it ends the kink at pi/spacing is averaged over a normal
+    """Return |q| along an axis; where it ends the kink at pi/spacing is averaged over a normal
     distribution."""
     from scipy.special import erfc
 
@@ -146,8 +144,8 @@ def _half_space(shape: Shape, dtype: np.dtype) -> tuple[Images, Matrices]:
 
 
 def added(found: Images, S: np.ndarray, dtype: np.dtype) -> Matrices:
-    """What couples the modes, in a precision: of K and, by True, of S. S: the one without, as
-    `Images.inverse` has it."""
+    """Return what couples the modes, in a precision: of K and, by True, of S. S: the one without,
+    as `Images.inverse` has it."""
     return {
         False: {parity: K.astype(dtype) for parity, K in found.inverse(S).items()},
         True: {parity: T.astype(dtype) for parity, T in found.T.items()},
@@ -169,19 +167,14 @@ class Coupled(Multipliers):
         middle = [(m - 1) / 2 * 2 * np.pi / n for m, n in zip(grid.nominal, grid.n)]
         k_x, k_y = (np.arange(k + 1) for k in found.modes)
         self.shift_x, self.shift_y = np.exp(1j * middle[0] * k_x), np.exp(1j * middle[1] * k_y)
-        self.shift_rows = np.exp(
-            1j * (middle[0] - 2 * np.pi / grid.n[0] * grid.rows[0]) * k_x
-        )  # of this rank's alone
+        # of this rank's rows alone
+        self.shift_rows = np.exp(1j * (middle[0] - 2 * np.pi / grid.n[0] * grid.rows[0]) * k_x)
         self.norm = np.outer(*(np.where(k > 0, 2.0, np.sqrt(2)) for k in (k_x, k_y))) / 2
-        self.parts, self.scratch = (
-            np.zeros((4, *self.norm.shape)),
-            np.zeros(self.norm.size, fft.dtype),
-        )
-        self.up, self.down, self.energy = (
-            np.zeros(self.norm.shape, complex),
-            np.zeros(self.norm.shape, complex)[1:],
-            0.0,
-        )
+        self.parts = np.zeros((4, *self.norm.shape))
+        self.scratch = np.zeros(self.norm.size, fft.dtype)
+        self.up = np.zeros(self.norm.shape, complex)
+        self.down = np.zeros(self.norm.shape, complex)[1:]
+        self.energy = 0.0
 
     def couple(self, fft: SlabFFT, inverse: bool) -> None:
         """Prepare `stiffness` (or with inverse=True `compliance`) of what the row spectra hold.

@@ -45,9 +45,8 @@ class OnTheFly(Multipliers):
 
     def __init__(self, fft: SlabFFT, q_x: np.ndarray, q_y: np.ndarray, weight: np.ndarray):
         self.dtype, self.scale = fft.dtype, fft.scale
-        self.q_x = np.repeat(q_x, 2).astype(
-            fft.dtype
-        )  # kernels see real and imaginary parts as numbers of their own
+        # kernels see real and imaginary parts as numbers of their own
+        self.q_x = np.repeat(q_x, 2).astype(fft.dtype)
         self.q_y, self.weight = q_y.astype(fft.dtype), weight
 
     def stiffness(self, block: np.ndarray, m: int) -> float:

@@ -45,14 +45,15 @@ class Images:
     constant: float
 
     def stacked(self, a: np.ndarray) -> np.ndarray:
-        """Numbers of modes (m_x, m_y) as T has them, (stack, m): a periodic axis does not
+        """Return numbers of modes (m_x, m_y) as T has them, (stack, m): a periodic axis does not
         couple."""
         if all(self.free):
             return a.reshape(1, -1)
         return a.T if self.free[0] else a
 
     def inverse(self, S: np.ndarray) -> dict[tuple[int, int], np.ndarray]:
-        """(S + T)^-1 - 1/S, as T is stacked, 0 for the mean; S: of all modes k_x, k_y >= 0."""
+        """Return (S + T)^-1 - 1/S, as T is stacked, 0 for the mean; S: of all modes k_x, k_y >=
+        0."""
         out = {}
         for (a, b), T in self.T.items():
             here = S[int(a < 0) :, int(b < 0) :].copy()
@@ -74,8 +75,8 @@ def images(
     free: tuple[bool, bool],
     modes: tuple[int, int],
 ) -> Images:
-    """cell: sizes; inside: those of the surface in it; free: where it ends; modes: the highest
-    along each axis."""
+    """Find the Images. cell: sizes; inside: those of the surface in it; free: where it ends; modes:
+    the highest along each axis."""
     k_x, k_y = (np.arange(most + 1) for most in modes)
     q = 2 * np.pi * np.hypot(k_x[:, None] / cell[0], k_y / cell[1])
     T, axes = {}, [_Nodes(*axis) for axis in zip(cell, inside, modes)]
@@ -123,14 +124,15 @@ class _Nodes:
         return U, s, V.T * root[:, None]
 
     def pairs(self, parity: int) -> list[tuple[float, np.ndarray]]:
-        """The part of an even function of the distance that keeps a parity: weights, and which of
-        the offsets they are of."""
+        """Return the part of an even function of the distance that keeps a parity: weights, and
+        which of the offsets they are of."""
         i, j = self._i[:, None], self._i
         return [(0.5, abs(i - j)), (0.5 * parity, i + j + 1)]
 
 
 def _in_modes(D: np.ndarray, *axes: tuple[_Nodes, int]) -> np.ndarray:
-    """The least T with basis T basis' = D of the offsets along some axes, each with a parity.
+    """Return the least T with basis T basis' = D of the offsets along some axes, each with a
+    parity.
 
     Of small singular values only products with large ones count: of the others nothing is left but
     rounding errors.
@@ -149,8 +151,8 @@ def _in_modes(D: np.ndarray, *axes: tuple[_Nodes, int]) -> np.ndarray:
 
 
 def _without_mean(T: np.ndarray, q: np.ndarray, basis: np.ndarray) -> tuple[np.ndarray, float]:
-    """The same on the surface but for a constant, which is the second thing returned, with 0 for
-    the mean (the first mode, q = 0).
+    """Return what is T on the surface but for a constant, which is the second thing returned, with
+    0 for the mean (the first mode, q = 0).
 
     On the surface the mean is `one` of the other modes. With t of the mean and A of the others in
     T, modes scaled so that S is 1, T is A + one t' + t one' + x one one', x free by the constant.
@@ -176,8 +178,8 @@ def _without_mean(T: np.ndarray, q: np.ndarray, basis: np.ndarray) -> tuple[np.n
 
 
 def kernel(x: np.ndarray, y: np.ndarray, X: float, Y: float) -> np.ndarray:
-    """c at the offsets x, y in a cell X, Y of which both axes are free: Ewald's sum, without the
-    origin itself."""
+    """Return c at the offsets x, y in a cell X, Y of which both axes are free: Ewald's sum, without
+    the origin itself."""
     from scipy.special import erf, erfc
 
     sigma = WIDTH * np.sqrt(X * Y)
@@ -205,7 +207,8 @@ def kernel(x: np.ndarray, y: np.ndarray, X: float, Y: float) -> np.ndarray:
 
 
 def kernel_of_wave(x: np.ndarray, X: float, q: float) -> np.ndarray:
-    """c of a wave q along the periodic axis at the offsets x along the other one, of length X."""
+    """Return c of a wave q along the periodic axis at the offsets x along the other one, of length
+    X."""
     from scipy.special import k0
 
     if q > 0:

@@ -50,9 +50,8 @@ class Layer(Body):
     def stiffness(self, q: np.ndarray, a: float) -> np.ndarray:
         t = self.thickness / a
         x = np.maximum(np.asarray(q, np.float64) * t, TINY)
-        e = np.exp(
-            -2 * x
-        )  # both parts of the fraction times e: nothing overflows; the upper one over x
+        # both parts of the fraction times e: nothing overflows; the upper one over x
+        e = np.exp(-2 * x)
         if self.base == "bonded":
             k = 3 - 4 * self.nu
             upper = -k * np.expm1(-4 * x) / (2 * x) - 2 * e

@@ -30,7 +30,7 @@ from numpy.typing import DTypeLike
 from ..kernels.certify import KktExtremes, KktSums, dual_rows, kkt_residuals
 from ..operators.elastic import Elastic
 from ..operators.multilevel import Multilevel
-from .error_estimates import State, estimate, misclassified_points, relative_area, spread_of
+from .error_estimates import State, estimate, misclassified_points, relative_error, spread_of
 
 if TYPE_CHECKING:
     from ..operators.problem import Problem
@@ -70,7 +70,7 @@ class Certificate:
     precision: str = "float64"
 
     def attributes(self) -> dict[str, Any]:
-        """The violations, by name, and the precision in which they were found."""
+        """Return the violations, by name, and the precision in which they were found."""
         names = ("penetration", "tension", "complementarity", "load_balance")
         return {name: getattr(self, name) for name in names} | {
             "certificate_precision": self.precision
@@ -156,8 +156,8 @@ def certify(
 
 
 def _admissible(problem: Problem, closed_p: float, sums: KktSums) -> tuple[float, float]:
-    """The scale of p in elastic contact, and what is added to it, that give a pressure of the right
-    mean between 0 and the hardness: a scale below 0 where there is none."""
+    """Return the scale of p in elastic contact, and what is added to it, that give a pressure of
+    the right mean between 0 and the hardness: a scale below 0 where there is none."""
     load = problem.grid.N * problem.p0
     if problem.hardness is None:
         return (load / closed_p if closed_p > 0 else -1.0), 0.0
@@ -172,8 +172,8 @@ def _admissible(problem: Problem, closed_p: float, sums: KktSums) -> tuple[float
 def _errors(
     problem: Problem, levels: Multilevel, g: np.ndarray, p: np.ndarray, sums: KktSums, uKu: float
 ) -> tuple[tuple[float, float, float], tuple[float, float]]:
-    """Relative errors of area, mean gap and pressure field, and what no iteration makes smaller of
-    the last two; sums: KktSums of all ranks."""
+    """Return the relative errors of area, mean gap and pressure field, and what no iteration makes
+    smaller of the last two; sums: KktSums of all ranks."""
     grid, contact = problem.grid, sums.contact
     levels.restrict(g, p, problem.limit)
     rr, tt, rt, _, ts, rs = grid.comm.sum(levels.sweep()[2:])
@@ -202,4 +202,4 @@ def _errors(
     wrong = misclassified_points(problem, g, p, found.squares, spread)
     # the one point that may be open is a gap that is not known
     gap = found.gap if wrong == 0 or contact < grid.N else np.inf
-    return (relative_area(wrong, contact), gap, found.pressure), found.attainable
+    return (relative_error(wrong, contact), gap, found.pressure), found.attainable

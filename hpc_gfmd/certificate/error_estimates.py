@@ -41,6 +41,7 @@ import numpy as np
 from ..kernels.certify import BINS, PER_OCTAVE, count_uncertain, open_moments
 from ..operators.multilevel import EQUIVALENCE
 from ..operators.problem import ROUNDING
+from ..parallel.threads import added
 
 if TYPE_CHECKING:
     from ..operators.multilevel import Multilevel
@@ -96,8 +97,8 @@ class State(NamedTuple):
     """Sums over all points, and all ranks, of a state at the mean pressure p0.
 
     open_p, open_pp: of p and p^2 out of contact, less the hardness where a point yields; closed_pp:
-    of p^2 in contact; contact: points; yielded: of these; uKu: <u, K u>; rr, tt, rt, ts, rs: what
-    Multilevel.sweep returns of p out of contact.
+    of p^2 in contact; contact: points; yielded: of these; gap: of gaps; uKu: <u, K u>; rr, tt,
+    rt, ts, rs: what Multilevel.sweep returns of p out of contact.
     """
 
     p0: float
@@ -128,7 +129,7 @@ class Estimate(NamedTuple):
 
 
 def estimate(problem: Problem, levels: Multilevel, state: State) -> Estimate:
-    """The Estimate of a state, for solver and certificate alike.
+    """Return the Estimate of a state, for solver and certificate alike.
 
     p^ is the pressure in contact, more by as much at each point as makes up for what is left out of
     contact. Rounding errors of the working precision are those of the heights, which are
@@ -164,19 +165,24 @@ def estimate(problem: Problem, levels: Multilevel, state: State) -> Estimate:
     loaded = CALIBRATION.loaded * (response**2 + compliance * N)
     least = body.error * p0 * min(loaded, last)
     least += eps * (p0 * response**2 + gap) + problem.rounding * (N - contact)
-    attainable = _relative(least, gap) if wrong < least else 0.0, floor
-    return Estimate(_relative(wrong + least, gap), pressure, attainable, squares, opened * shift)
+    attainable = relative_error(least, gap) if wrong < least else 0.0, floor
+    return Estimate(
+        relative_error(wrong + least, gap), pressure, attainable, squares, opened * shift
+    )
 
 
-def _relative(shift: float, gap: float) -> float:
-    return float(shift / (gap - shift)) if shift < gap else (0.0 if shift == 0 else np.inf)
+def relative_error(wrong: float, value: float) -> float:
+    """Return the error of a number relative to the true one, from which it is `wrong` away at
+    most."""
+    return float(wrong / (value - wrong)) if wrong < value else (0.0 if wrong == 0 else np.inf)
 
 
 def misclassified_points(
     problem: Problem, g: np.ndarray, p: np.ndarray, squares: float, spread: float
 ) -> float:
-    """How many points may be in the wrong set, in contact or out of it; squares: of the error of
-    the pressure, summed over points; spread: number of points that it is spread over. Collective.
+    """Count how many points may be in the wrong set, in contact or out of it; squares: of the error
+    of the pressure, summed over points; spread: number of points that it is spread over.
+    Collective.
 
     Those whose change takes little beside the rms of that error, no more than it takes to use
     `squares` up, the easiest first. Points in contact and out of it are counted apart: they change
@@ -209,30 +215,24 @@ def misclassified_points(
 
 
 def moments_of_open(problem: Problem, g: np.ndarray, p: np.ndarray) -> np.ndarray:
-    """Sums of p^2 and p^4 off contact, less the hardness where a point yields, on this rank."""
+    """Return the sums of p^2 and p^4 off contact, less the hardness where a point yields, on this
+    rank."""
     (rows, points), limit = problem.grid.inside, problem.limit
 
     def moments(i0: int, i1: int) -> tuple[float, float]:
         return open_moments(g[i0:i1], p[i0:i1], limit, (i1 - i0, points))
 
-    sums = problem.grid.by_rows(moments, rows)
-    return np.sum(np.reshape(sums, (-1, 2)), axis=0)
+    return added(problem.grid.by_rows(moments, rows), 2)
 
 
 def spread_of(squares: float, fourth: float, contact: float, N: int) -> float:
-    """Number of points that the error of the pressure is spread over, as what is left out of
-    contact is (sums of p^2 and p^4); no more than are in contact, or out of it."""
+    """Return the number of points that the error of the pressure is spread over, as what is left
+    out of contact is (sums of p^2 and p^4); no more than are in contact, or out of it."""
     return max(min(squares**2 / fourth if fourth > 0 else 1.0, contact, N - contact), 1.0)
 
 
 def full_contact_error(problem: Problem) -> float:
-    """Relative error of the pressure field where all points touch: of S and of storing heights and
-    pressures in the working precision."""
+    """Return the relative error of the pressure field where all points touch: of S and of storing
+    heights and pressures in the working precision."""
     eps = ROUNDING * float(np.finfo(problem.dtype).eps)
     return float(np.linalg.norm([problem.rounding / problem.p0, eps, problem.body.error]))
-
-
-def relative_area(wrong: float, contact: float) -> float:
-    """Relative error of the area if `wrong` of the points in contact may be too many, or too
-    few."""
-    return float(wrong / (contact - wrong)) if wrong < contact else np.inf

@@ -30,13 +30,13 @@ COMMON = ("base", "contact")  # files that are no observable
 
 
 def all_observables() -> dict[str, Observable]:
-    """{name: Observable}, those of one file in the order they are given there."""
+    """Return {name: Observable}, those of one file in the order they are given there."""
     return _merged("OBSERVABLES")
 
 
 def default_observables() -> list[str]:
-    """Names of the observables that cost no more than a look at each point: every result has
-    them."""
+    """Return the names of the observables that cost no more than a look at each point: every result
+    has them."""
     return [
         name
         for module in _observables()
@@ -46,30 +46,31 @@ def default_observables() -> list[str]:
 
 
 def observable_names() -> set[str]:
-    """What a scene may ask for: names of observables, and names that stand for several of them."""
+    """Return what a scene may ask for: names of observables, and names that stand for several of
+    them."""
     return {*all_observables(), *_merged("TOGETHER")}
 
 
 def names_together(name: str) -> tuple[str, ...]:
-    """The observables that a name stands for where it stands for several, otherwise none."""
+    """Return the observables that a name stands for where it stands for several, otherwise none."""
     return _merged("TOGETHER").get(name, ())
 
 
 def observables_named(names: Iterable[str]) -> dict[str, Observable]:
-    """{name: Observable} of those that these names stand for."""
+    """Return {name: Observable} of those that these names stand for."""
     together = _merged("TOGETHER")
     wanted = {one for name in names for one in together.get(name, (name,))}
     return {name: f for name, f in all_observables().items() if name in wanted}
 
 
 def all_distributions() -> dict[str, Distribution]:
-    """{name: Distribution} of all of them."""
+    """Return {name: Distribution} of all of them."""
     return _merged("DISTRIBUTIONS")
 
 
 def all_numbers() -> dict[str, tuple[str, str]]:
-    """{name: (meaning, unit)} of all that a result may have of a load, distributions included; for
-    units see base.py."""
+    """Return {name: (meaning, unit)} of all that a result may have of a load, distributions
+    included; for units see base.py."""
     counted = {
         f"{name}_{what}": (f"{one.meaning}; {what}", unit)
         for name, one in all_distributions().items()
@@ -80,7 +81,8 @@ def all_numbers() -> dict[str, tuple[str, str]]:
 
 
 def distribution_names(free: tuple[bool, bool] = (False, False)) -> set[str]:
-    """What a scene may ask for; free: whether the surface ends along x, along y."""
+    """Return the names of distributions that a scene may ask for; free: whether the surface ends
+    along x, along y."""
     fit = [
         module
         for module in _observables()
@@ -102,8 +104,8 @@ def require_periodic(names: Iterable[str], free: tuple[bool, bool], key: str) ->
 
 
 def distributions_named(names: Iterable[str], contact: Contact) -> dict[str, Arrays]:
-    """{name: {what: array of numbers}} of the distributions of a contact by these names that have
-    anything to count. Collective."""
+    """Return {name: {what: array of numbers}} of the distributions of a contact by these names that
+    have anything to count. Collective."""
     found = {name: f(contact) for name, f in all_distributions().items() if name in names}
     return {name: arrays for name, arrays in found.items() if arrays is not None}
 

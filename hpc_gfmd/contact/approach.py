@@ -12,9 +12,9 @@ if TYPE_CHECKING:
 
 
 def approach(contact: Contact) -> float | None:
-    """How far the bodies have come together since they touched undeformed: against a base, or
-    infinity where the surface ends along both axes; None on a half-space that is periodic along an
-    axis, which gives way without end."""
+    """Return how far the bodies have come together since they touched undeformed: against a base,
+    or infinity where the surface ends along both axes; None on a half-space that is periodic along
+    an axis, which gives way without end."""
     return contact.approach if isfinite(contact.approach) else None
 
 

@@ -31,17 +31,17 @@ SQUARE = 0.01  # relative difference of a_x and a_y up to which points count as 
 
 
 def a_r(contact: Contact) -> float:
-    """Points in contact over all points."""
+    """Return points in contact over all points."""
     return contact.contact_points / contact.N
 
 
 def a_plastic(contact: Contact) -> float | None:
-    """Points at the hardness over all points; None without a hardness."""
+    """Return points at the hardness over all points; None without a hardness."""
     return None if contact.hardness is None else contact.certificate.yielded / contact.N
 
 
 def a_r_corrected(contact: Contact) -> float | None:
-    """a_r less the area that the pixels on the contact boundary do not fill; None where
+    """Return a_r less the area that the pixels on the contact boundary do not fill; None where
     EDGE_CORRECTION does not hold."""
     a_x, a_y = contact.surface.grid.spacings
     if _one_dimensional(contact) or abs(a_x / a_y - 1) > SQUARE:
@@ -50,7 +50,7 @@ def a_r_corrected(contact: Contact) -> float | None:
 
 
 def a_r_discretisation(contact: Contact) -> float:
-    """Estimated relative error of a_r by the size of a grid point, which says nothing of the
+    """Estimate the relative error of a_r by the size of a grid point, which says nothing of the
     solver's; inf where nothing touches.
 
     (b S + sqrt(S/12))/n_c for n_c points in contact with S boundary segments: the whole edge

@@ -1,7 +1,7 @@
 """What is said of each number and each distribution of a load: meaning, sign, unit.
 
-Units are products of "length", "pressure" and "force"; `quantity.in_units` puts in those of a
-surface. "" is dimensionless.
+Units are products of "length", "pressure" and "force"; `util.quantities.in_units` puts in those of
+a surface. "" is dimensionless.
 """
 
 from __future__ import annotations

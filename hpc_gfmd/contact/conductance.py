@@ -20,7 +20,8 @@ ON_REQUEST = True
 
 
 def conductance(contact: Contact) -> float | None:
-    """Stiffness over E*: by the mean gap of a periodic surface, by the approach of one that ends.
+    """Return the stiffness over E*: by the mean gap of a periodic surface, by the approach of one
+    that ends.
 
     None for layers, for surfaces that end along one axis alone, where nothing touches and where
     everything does.

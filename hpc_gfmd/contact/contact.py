@@ -199,7 +199,7 @@ class Contact:
 
         surface = self.surface
         fields: dict[str, Callable[[int, int], np.ndarray]] = {
-            "gap": lambda i0, i1: self._gap(slice(i0, i1)),
+            "gap": lambda i0, i1: self.gap_rows(slice(i0, i1)),
             "pressure": lambda i0, i1: self.pressure_rows(slice(i0, i1)),
         }
         if (h := surface.h) is not None:
@@ -221,14 +221,14 @@ class Contact:
         return nominal[0] == n[0], nominal[1] == n[1]
 
     def touching(self, i0: int, i1: int) -> np.ndarray:
-        """Which points touch in the rows i0 <= i < i1 of this rank's part of the surface: bool, (i1
-        - i0, points of the surface)."""
+        """Return which points touch in the rows i0 <= i < i1 of this rank's part of the surface:
+        bool, (i1 - i0, points of the surface)."""
         points = self.surface.grid.nominal[1]
         return (self.g[i0:i1, :points] <= 0) & (self.p[i0:i1, :points] > 0)
 
     def pressure_rows(self, take: slice) -> np.ndarray:
-        """The pressure in rows of this rank's part of the surface, in the problem's unit: 0 out of
-        contact, the hardness where a point yields."""
+        """Return the pressure in rows of this rank's part of the surface, in the problem's unit: 0
+        out of contact, the hardness where a point yields."""
         points = self.surface.grid.nominal[1]
         g, p = self.g[take, :points], self.p[take, :points]
         p = np.where((g <= 0) & (p > 0), p, 0)
@@ -237,14 +237,16 @@ class Contact:
             p = np.where(g < 0, most, np.minimum(p, most))
         return p
 
-    def _gap(self, take: slice) -> np.ndarray:
+    def gap_rows(self, take: slice) -> np.ndarray:
+        """Return the gap in rows of this rank's part of the surface, in the problem's unit: 0 where
+        there is a dent."""
         g = self.g[take, : self.surface.grid.nominal[1]]
         return g if self.hardness is None else np.maximum(g, 0)
 
     def clusters(
         self, of_contact: bool = True, corners: bool = False, open_axis: int | None = None
     ) -> Clusters:
-        """The parallel.clusters.Clusters of the points that touch, or of those that do not, found
+        """Find the parallel.clusters.Clusters of the points that touch, or of those that do not,
         once. Collective.
 
         corners: whether points belong together that share a corner only; open_axis: one along which
@@ -263,7 +265,7 @@ class Contact:
         corners: bool = False,
         open_axis: int | None = None,
     ) -> Clusters:
-        """The Clusters of the points of a mask; mask(i0, i1): as `touching`. Collective."""
+        """Find the Clusters of the points of a mask; mask(i0, i1): as `touching`. Collective."""
         from ..parallel.clusters import find_clusters
 
         grid = self.surface.grid
@@ -283,6 +285,7 @@ class Contact:
         """
         from ..kernels.certify import contact_edges
         from ..parallel import halo
+        from ..parallel.threads import added
 
         grid = self.surface.grid
         if grid.N == 1:
@@ -299,8 +302,7 @@ class Contact:
             inside = i1 - i0, grid.inside[1]
             return contact_edges(g[i0:i1], p[i0:i1], inside, after[0], after[1], around_y)
 
-        found = np.reshape(grid.by_rows(edges, rows), (-1, 2)).sum(axis=0)
-        along_x, along_y = grid.comm.sum(found)
+        along_x, along_y = grid.comm.sum(added(grid.by_rows(edges, rows), 2))
         return int(along_x), int(along_y)
 
     @property
@@ -309,7 +311,7 @@ class Contact:
         return sum(self.edges)
 
     def field(self, name: str) -> LazyField:
-        """One of FIELDS as a local slab of the whole grid, computed as it is read.
+        """Return one of FIELDS as a local slab of the whole grid, computed as it is read.
 
         In the precision of the solution, or in double precision where single cannot hold it in the
         scene's units.
@@ -328,7 +330,7 @@ class Contact:
         def values(take: slice) -> np.ndarray:
             if name == "pressure":
                 return self.pressure_rows(take) * real(self.pressure_unit)
-            g = self._gap(take)
+            g = self.gap_rows(take)
             if name == "displacement":
                 assert self.surface.h is not None  # refused beforehand with solver.low_memory
                 g = g - self.surface.h[take]
@@ -340,8 +342,8 @@ class Contact:
 
 
 def heights_of(surface: Surface) -> LazyField:
-    """Heights of a surface.Surface in the scene's unit, peaks up, <= 0 with the highest at 0: as
-    Contact.field."""
+    """Return the heights of a surface.Surface in the scene's unit, peaks up, <= 0 with the highest
+    at 0: as Contact.field."""
     h = surface.h
     assert h is not None  # asked for before a sweep in low memory gives them away
     dtype = field_dtype("heights", h.dtype, 0.0, surface)
@@ -353,7 +355,8 @@ def heights_of(surface: Surface) -> LazyField:
 def _on_the_whole_grid(
     surface: Surface, values: Callable[[slice], np.ndarray], dtype: np.dtype
 ) -> LazyField:
-    """The local slab, with an axis that was left out, of what values(rows of the arrays) gives."""
+    """Make the local slab, with an axis that was left out, of what values(rows of the arrays)
+    gives."""
     left_out = surface.reduced_axis
 
     def rows(i0: int, i1: int) -> np.ndarray:

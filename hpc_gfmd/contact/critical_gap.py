@@ -24,7 +24,8 @@ SOURCES = (
 
 
 def _critical(axis: int) -> Callable[[Contact], float]:
-    """By bisection: positive numbers are in the order of their bits, read as a whole number."""
+    """Make the observable along an axis, found by bisection: positive numbers are in the order of
+    their bits, read as a whole number."""
 
     def critical_gap(contact: Contact) -> float:
         rows, points = contact.surface.grid.inside

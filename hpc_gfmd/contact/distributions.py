@@ -25,8 +25,8 @@ GAP_OCTAVES, GAP_BINS = 20, 4
 
 
 def pressure(contact: Contact) -> Arrays | None:
-    """Of the points that touch: a_r times it is Persson's P(p) at p > 0. Linear bins, their width a
-    power of two in units of E* g_rms.
+    """Return the distribution of the pressure at points that touch: a_r times it is Persson's P(p)
+    at p > 0. Linear bins, their width a power of two in units of E* g_rms.
 
     edges: pressures; density: per pressure. None where nothing touches.
     """
@@ -45,18 +45,19 @@ def pressure(contact: Contact) -> Arrays | None:
 
 
 def gap(contact: Contact) -> Arrays | None:
-    """Of the points that do not touch: 1 - a_r times it is P(g) at g > 0. Four bins in a factor of
-    two, from h_rms down to 1e-6 h_rms.
+    """Return the distribution of the gap at points that do not touch: 1 - a_r times it is P(g) at g
+    > 0. Four bins in a factor of two, from h_rms down to 1e-6 h_rms.
 
     edges: gaps; density: per gap. None where all points touch.
     """
-    surface, points = contact.surface, contact.surface.grid.inside[1]
+    surface = contact.surface
     if surface.h_rms == 0:
         return None
     unit, lowest = surface.height_unit / surface.h_rms, -GAP_BINS * GAP_OCTAVES - 1
 
     def bins(i0: int, i1: int) -> np.ndarray:
-        gaps = contact.g[i0:i1, :points][~contact.touching(i0, i1)].astype(np.float64) * unit
+        g = contact.gap_rows(slice(i0, i1)).astype(np.float64) * unit
+        gaps = g[~contact.touching(i0, i1) & np.isfinite(g)]
         with np.errstate(divide="ignore"):
             return np.maximum(np.floor(GAP_BINS * np.log2(gaps)), lowest).astype(np.int64)
 
@@ -71,7 +72,7 @@ OfRows = Callable[[int, int], np.ndarray]
 
 
 def _range(contact: Contact, values: OfRows) -> tuple[float, float]:
-    """(lowest, highest) of all ranks; (inf, -inf) where there is none."""
+    """Return (lowest, highest) of all ranks; (inf, -inf) where there is none."""
     grid = contact.surface.grid
 
     def ends(i0: int, i1: int) -> tuple[float, float]:
@@ -84,7 +85,7 @@ def _range(contact: Contact, values: OfRows) -> tuple[float, float]:
 
 
 def _counts(contact: Contact, bins: OfRows, first: int, last: int) -> np.ndarray:
-    """How often each number from first to last is among those of all ranks."""
+    """Count how often each number from first to last is among those of all ranks."""
     grid, none = contact.surface.grid, np.zeros(last - first + 1)
 
     def counts(i0: int, i1: int) -> np.ndarray:

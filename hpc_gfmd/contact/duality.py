@@ -2,9 +2,9 @@
 
 With e = u - u* the distance from the solution, <e, K e> <= 2 G. So the pressure is wrong by at most
 sqrt(2 G K_max) (L2), and by what is left of it out of contact, where it is not counted; the mean
-gap by at most |e|_K (|u*|_K/p0 + |v|_S)/N, see certificate/error_estimates.py. Errors of rounding
-and of the operator (Body.error) come on top. Half an FFT pair, so only on request (and for solvers
-without error estimates).
+gap, without a hardness, by at most |e|_K (|u*|_K/p0 + |v|_S)/N, see certificate/error_estimates.py.
+Errors of rounding and of the operator (Body.error) come on top. Half an FFT pair, so only on
+request (and for solvers without error estimates).
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 
 def duality_gap(contact: Contact) -> float | None:
-    """G/(p0 gap_mean): bounds the error of the energy from above (see certificate/certificate.py);
-    None where it was not asked for."""
+    """Return G/(p0 gap_mean), which bounds the error of the energy from above (see
+    certificate/certificate.py); None where it was not asked for."""
     return contact.certificate.duality_gap
 
 
@@ -38,11 +38,12 @@ def pressure_bound(contact: Contact) -> float | None:
 
 
 def gap_bound(contact: Contact) -> float | None:
-    """Bound the relative error of the mean gap; None as for the pressure."""
+    """Bound the relative error of the mean gap; None as for the pressure, and with a hardness: gaps
+    and dents together have a bound then, the gaps alone have none."""
     from ..operators.problem import Problem  # names of observables need no kernels
 
     energy, certificate = _energy_norm(contact), contact.certificate
-    if energy is None:
+    if energy is None or contact.hardness is not None:
         return None
     p0, grid = contact.p_mean / contact.pressure_unit, contact.surface.grid
     problem = Problem(grid, contact.g, p0, body=contact.body)
@@ -51,7 +52,7 @@ def gap_bound(contact: Contact) -> float | None:
 
 
 def _energy_norm(contact: Contact) -> float | None:
-    """|e|_K at most; None where it is not known."""
+    """Return |e|_K at most; None where it is not known."""
     found = contact.certificate
     if found.duality_gap is None or not np.isfinite(found.duality_gap):
         return None
@@ -60,7 +61,7 @@ def _energy_norm(contact: Contact) -> float | None:
 
 
 def _relative(wrong: float, value: float) -> float | None:
-    """What is wrong over the true value, at most."""
+    """Return what is wrong over the true value, at most."""
     if wrong == 0:
         return 0.0
     return float(wrong / (value - wrong)) if wrong < value else None
@@ -70,7 +71,9 @@ BOUNDS = {
     "pressure_bound": Observable(
         pressure_bound, "bound of the relative error of the pressure field (L2), but for rounding"
     ),
-    "gap_bound": Observable(gap_bound, "bound of the relative error of gap_mean, but for rounding"),
+    "gap_bound": Observable(
+        gap_bound, "bound of the relative error of gap_mean, but for rounding; none with a hardness"
+    ),
 }
 OBSERVABLES = {
     "duality_gap": Observable(

@@ -12,7 +12,8 @@ if TYPE_CHECKING:
 
 
 def energy(contact: Contact) -> float | None:
-    """U/A, on a half-space (E*/4) sum_q |q| |u_q|^2 (eq. elaEnerg2D); None where it has no end."""
+    """Return U/A, on a half-space (E*/4) sum_q |q| |u_q|^2 (eq. elaEnerg2D); None where it has no
+    end."""
     return contact.energy if isfinite(contact.energy) else None
 
 

@@ -11,17 +11,17 @@ if TYPE_CHECKING:
 
 
 def gap_mean(contact: Contact) -> float:
-    """Mean of u + h over the cell."""
+    """Return the mean of u + h over the nominal area, without the depth of dents."""
     return contact.gap_mean
 
 
 def gap_over_h_rms(contact: Contact) -> float | None:
-    """Mean gap over the rms height."""
+    """Return the mean gap over the rms height."""
     return contact.gap_mean / contact.h_rms if contact.h_rms > 0 else None
 
 
 def gap_over_g_rms_lam_s(contact: Contact) -> float | None:
-    """Mean gap over g_rms lam_s; only for surfaces whose lam_s is known."""
+    """Return the mean gap over g_rms lam_s; only for surfaces whose lam_s is known."""
     return (
         contact.gap_mean / (contact.g_rms * contact.lam_s)
         if contact.lam_s and contact.g_rms > 0

@@ -25,24 +25,21 @@ BINS_PER_OCTAVE = 2
 
 
 def _area(contact: Contact) -> float:
-    """Of one point."""
+    """Return the area of one point."""
     a_x, a_y = contact.surface.grid.spacings
     return a_x * a_y
 
 
 def _of_patches(corners: bool) -> dict[str, Observable]:
-    """Number of patches, largest and mean size; a mean needs a patch."""
+    """Make the observables: number of patches, largest and mean size; a mean needs a patch."""
     end, how = ("_8", "a side or a corner") if corners else ("", "a side")
 
     def number(contact: Contact) -> int:
         return int(contact.surface.grid.comm.sum([len(contact.clusters(corners=corners).sizes)])[0])
 
     def largest(contact: Contact) -> float:
-        return float(
-            contact.surface.grid.comm.max([contact.clusters(corners=corners).sizes.max(initial=0)])[
-                0
-            ]
-        ) * _area(contact)
+        own = contact.clusters(corners=corners).sizes.max(initial=0)
+        return float(contact.surface.grid.comm.max([own])[0]) * _area(contact)
 
     def mean(contact: Contact) -> float | None:
         patches = number(contact)
@@ -58,11 +55,11 @@ def _of_patches(corners: bool) -> dict[str, Observable]:
 
 
 def _sizes(corners: bool) -> Callable[[Contact], Arrays | None]:
-    """The distribution of patch sizes: see `sizes`."""
+    """Make the distribution of patch sizes: see `sizes`."""
 
     def sizes(contact: Contact) -> Arrays | None:
-        """edges of bins, two in a factor of two (1, 2, 3, 4, 6, 8, 12, ... points); density: share
-        of the patches per area, integrates to 1. None without a patch."""
+        """Return edges of bins, two in a factor of two (1, 2, 3, 4, 6, 8, 12, ... points); density:
+        share of the patches per area, integrates to 1. None without a patch."""
         comm, found = contact.surface.grid.comm, contact.clusters(corners=corners).sizes
         largest = comm.max([found.max(initial=0)])[0]
         if largest == 0:
@@ -82,8 +79,9 @@ def _sizes(corners: bool) -> Callable[[Contact], Arrays | None]:
 
 
 def patch_table(contact: Contact) -> Arrays:
-    """Arrays over the patches, the largest first: area, load (the force it carries), centre x and
-    y, perimeter, periodic (whether it goes on across an edge of the cell). On one process only."""
+    """Return arrays over the patches, the largest first: area, load (the force it carries), centre
+    x and y, perimeter, periodic (whether it goes on across an edge of the cell). On one process
+    only."""
     from scipy import ndimage
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components

@@ -15,8 +15,8 @@ ON_REQUEST = True
 
 
 def perimeter(contact: Contact) -> float:
-    """Length of the edges of all patches, from the sides between points that touch and points that
-    do not.
+    """Return the length of the edges of all patches, from the sides between points that touch and
+    points that do not.
 
     By Cauchy and Crofton: a line of length S with no preferred direction crosses the rows and the
     columns of a grid as often as the sides of grid points say, whose lengths add up to 4/pi S,
@@ -31,7 +31,7 @@ def perimeter(contact: Contact) -> float:
 
 
 def average_direction(contact: Contact) -> float:
-    """Length of an edge over that of the sides of points along it, see `perimeter`."""
+    """Return the length of an edge over that of the sides of points along it, see `perimeter`."""
     return 1.0 if 1 in contact.surface.grid.nominal else np.pi / 4
 
 

@@ -14,8 +14,8 @@ ON_REQUEST = True
 
 
 def stiffness(contact: Contact) -> float | None:
-    """-dp/d(mean gap) while no point changes sides, with a relative error of at most the accuracy
-    asked for.
+    """Return -dp/d(mean gap) while no point changes sides, with a relative error of at most the
+    accuracy asked for.
 
     None in full contact, where it is infinite, where nothing touches, and where it was not found to
     that accuracy.

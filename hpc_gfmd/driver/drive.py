@@ -68,14 +68,9 @@ class LoopState:
     best_at: int = 0
 
     def begin_again(self, iterations: int) -> None:
-        """The load has changed: what was reached before does not count."""
-        self.refusals, self.refused, self.threshold, self.best, self.best_at = (
-            0,
-            np.inf,
-            1.0,
-            np.inf,
-            iterations,
-        )
+        """Forget what was reached so far: the load has changed."""
+        self.refusals, self.refused, self.threshold = 0, np.inf, 1.0
+        self.best, self.best_at = np.inf, iterations
 
 
 def drive(
@@ -85,7 +80,7 @@ def drive(
     loop: LoopState | None = None,
     load: GivenLoad | None = None,
 ) -> tuple[str, Certificate, float]:
-    """Iterate; returns the status of the load, see contact.Contact, its certificate, and the FFT
+    """Iterate; return the status of the load, see contact.Contact, its certificate, and the FFT
     pairs that certificates took. watch(iterations, progress), if given, is called after every step
     and returns a true value to stop.
 
@@ -119,7 +114,7 @@ def drive(
             left = max(solved, load.learn(solver, certificate))
             if left < 1:
                 return _status(target, certificate), certificate, loop.checks
-            if not left < 1 and measure < loop.threshold:
+            if measure < loop.threshold:
                 error = certificate.errors[2] if target.residual is None else certificate.residual
                 loop.refusals = (
                     loop.refusals + 1 if not error < CALIBRATION.improvement * loop.refused else 0
@@ -158,7 +153,7 @@ def drive(
 
 
 def certificate_of(solver: Solver, target: Target) -> Certificate:
-    """The certificate of the solver's state. Collective."""
+    """Return the certificate of the solver's state. Collective."""
     if target.in_turn:
         solver.make_room()
     found = certify(
@@ -178,8 +173,8 @@ def certificate_of(solver: Solver, target: Target) -> Certificate:
 
 
 def _measure(progress: Progress, target: Target) -> float:
-    """How far from the target, by the solver's own numbers: below 1 it believes that it is there;
-    UNKNOWN without estimates."""
+    """Tell how far from the target, by the solver's own numbers: below 1 it believes that it is
+    there; UNKNOWN without estimates."""
     if target.residual is not None:
         return progress.residual / target.residual
     if progress.estimate is None:
@@ -189,7 +184,7 @@ def _measure(progress: Progress, target: Target) -> float:
 
 
 def _left(target: Target, certificate: Certificate) -> float:
-    """How far from the target, by the certificate: below 1 it is reached."""
+    """Tell how far from the target, by the certificate: below 1 it is reached."""
     if not certificate.finite:
         return np.inf
     if target.residual is not None:
@@ -200,13 +195,13 @@ def _left(target: Target, certificate: Certificate) -> float:
 def _beyond(
     target: Target, errors: tuple[float, float, float], attainable: tuple[float, float]
 ) -> float:
-    """The largest over what is asked for of the errors that iterations make smaller."""
+    """Return the largest over what is asked for of the errors that iterations make smaller."""
     best = (0.0, *attainable)
     left = [e for e, least in zip(errors, best, strict=True) if least < target.tolerance]
     return max(left, default=0.0) / target.tolerance
 
 
 def _status(target: Target, certificate: Certificate) -> str:
-    """Of what is as accurate as it will be."""
+    """Tell the status of what is as accurate as it will be."""
     asked = target.residual is not None or max(certificate.errors) < target.tolerance
     return "converged" if asked else "stagnated"

@@ -34,15 +34,15 @@ def closed_contact(
 
 
 def closing_load(problem: Problem) -> tuple[float, float]:
-    """The least p0 at which u = -h is the solution, and the FFT pairs that it took: the largest
-    tension without any. Collective."""
+    """Return the least p0 at which u = -h is the solution, and the FFT pairs that it took: the
+    largest tension without any. Collective."""
     _, p, certificate = closed_contact(problem)
     return float(problem.p0 + sum(tension_of(problem, p))), certificate.pairs
 
 
 def tension_of(problem: Problem, p: np.ndarray) -> tuple[float, float]:
-    """The largest tension of a closed contact (below 0: there is none), and the rounding error of
-    its pressure p. Collective."""
+    """Return the largest tension of a closed contact (below 0: there is none), and the rounding
+    error of its pressure p. Collective."""
     tension, largest = problem.grid.comm.max(
         [-float(p.min(initial=np.inf)), float(np.abs(p).max(initial=0))]
     )
@@ -62,7 +62,7 @@ class FullContact(GivenLoad):
         self.tolerance, self.unit = tolerance, unit
 
     def numbers(self) -> dict[str, Any]:
-        """What makes a checkpoint: there is no other state."""
+        """Give what makes a checkpoint: there is no other state."""
         return {"kind": "full contact"}
 
     def adjust(self, solver: Solver, progress: Progress) -> bool:
@@ -74,11 +74,11 @@ class FullContact(GivenLoad):
         return self._press(solver, rounding - lowest + more)
 
     def may_be_met(self, solver: Solver, progress: Progress, accuracy: float) -> bool:
-        """A point that is about to open is no error."""
+        """Tell that it may: a point that is about to open is no error."""
         return True
 
     def learn(self, solver: Solver, certificate: Certificate) -> float:
-        """All is to be closed, and the load the least."""
+        """Miss the target until all is closed, and the load the least."""
         lowest, rounding = self._lowest(solver)
         least = lowest <= max(2 * rounding, self.tolerance * solver.p0)
         return 0.0 if certificate.contact == solver.N and least else np.inf
@@ -91,7 +91,7 @@ class FullContact(GivenLoad):
         return self._press(solver, rounding - lowest)
 
     def _lowest(self, solver: Solver) -> tuple[float, float]:
-        """The load beyond that at which the first point opens, and its rounding error.
+        """Return the load beyond that at which the first point opens, and its rounding error.
         Collective."""
         rows, points = solver.grid.inside
 
@@ -120,5 +120,8 @@ class FullContact(GivenLoad):
 
         solver.p0 += by
         solver.grid.by_rows(press)
-        solver.correct_load(solver.p0) if solver.iterations else solver.refresh()
+        if solver.iterations:
+            solver.correct_load(solver.p0)
+        else:
+            solver.refresh()
         return True

@@ -27,7 +27,7 @@ class HeightStatistics(NamedTuple):
 
     @classmethod
     def of(cls, grid: Grid, h: np.ndarray) -> HeightStatistics:
-        """h: this rank's slab, in the problem's unit. Collective."""
+        """Measure the heights h: this rank's slab, in the problem's unit. Collective."""
         lowest = grid.comm.min([float(h.min(initial=np.inf))])[0]
         squares = sum(float(np.square(row[1:] - row[:-1]).sum(dtype=float)) for row in h)
         total, squares = grid.comm.sum([h.sum(dtype=float), squares])
@@ -61,23 +61,24 @@ class GivenLoad:
         return self.p0
 
     def on_grid(self, problem: Problem) -> Problem:
-        """The problem of the next coarse grid, at the load to begin with. Collective."""
+        """Give the problem of the next coarse grid, at the load to begin with. Collective."""
         return problem
 
     def on_finest_grid(self) -> float:
-        """The load to begin with there."""
+        """Give the load to begin with on the finest grid."""
         return self.p0
 
     def numbers(self) -> dict[str, Any] | None:
-        """What makes a checkpoint."""
+        """Give what makes a checkpoint."""
         return None
 
     def agree(self, comm: Comm) -> None:
-        """All ranks go on with what rank 0 has found."""
+        """Take over on all ranks what rank 0 has found. Collective."""
         vars(self).update(comm.bcast(vars(self)))
 
     def near(self, solver: Solver, progress: Progress) -> bool:
-        """Whether the load on a coarse grid is as near as it need be; if not, it may be changed."""
+        """Tell whether the load on a coarse grid is as near as it need be; if not, it may be
+        changed."""
         return True
 
     def adjust(self, solver: Solver, progress: Progress) -> bool:
@@ -85,7 +86,8 @@ class GivenLoad:
         return False
 
     def may_be_met(self, solver: Solver, progress: Progress, accuracy: float) -> bool:
-        """Whether the certificate may find the area as accurate as asked: a look at all points."""
+        """Tell whether the certificate may find the area as accurate as asked: a look at all
+        points."""
         found = progress.estimate
         return found is None or solver.expected_area(found.squares) < accuracy
 

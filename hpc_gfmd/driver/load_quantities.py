@@ -28,7 +28,7 @@ class AreaSearch(LoadSearch):
     kind, usual, steps = "a_r", 1.0, True
 
     def guess(self, surface: Surface) -> float:
-        """The area is about 2 p*; with a hardness `straight` is about x."""
+        """Guess by an area of about 2 p*; with a hardness `straight` is about x."""
         return log(self.half_area) if isinf(self.closes_at) else self.straight(self.target)
 
     @property
@@ -46,12 +46,12 @@ class AreaSearch(LoadSearch):
         return max(aim, self.heights.highest / self.heights.points)
 
     def miss(self, y: float) -> float:
-        """A point more or less is nothing."""
+        """Take a point more or less for none."""
         miss = super().miss(y)
         return miss if miss * self.aim * self.heights.points > POINT else 0.0
 
     def straight(self, y: float) -> float:
-        """By the inverse of Persson's area, erf(c p0), and of p0 over the hardness."""
+        """Invert Persson's area, erf(c p0), and p0 over the hardness."""
         y = min(y, 1 - 0.25 / self.heights.points)
         if y <= 0:
             return -inf
@@ -61,19 +61,21 @@ class AreaSearch(LoadSearch):
         return x_of(1 / hypot(2 / elastic, 1 / (y * self.closes_at)), self.closes_at)
 
     def predicted(self, solver: Solver, progress: Progress, errors: Errors) -> Value | None:
-        """By the load that the points in contact carry: as uncertain as the pressure."""
+        """Predict the area by the load that the points in contact carry: as uncertain as the
+        pressure."""
         return (round(progress.predicted[0]) / solver.N, errors[1]) if progress.predicted else None
 
     def within(self, solver: Solver, progress: Progress, room: float) -> bool:
-        """By a look at all points."""
+        """Look at all points."""
         return GivenLoad.may_be_met(self, solver, progress, room)
 
     def certified(self, solver: Solver, certificate: Certificate) -> Value:
-        """The area of the certificate."""
+        """Give the area of the certificate."""
         return certificate.contact / solver.N, certificate.errors[0]
 
     def learn(self, solver: Solver, certificate: Certificate) -> float:
-        """As any value; an area that is less than any load has is missed, which is said."""
+        """Learn as of any value; an area that is less than any load has is missed, which `note`
+        says."""
         left = super().learn(solver, certificate)
         point = POINT / self.heights.points
         if left < 1 and self.aim - self.target > max(self.tolerance * self.target, point):
@@ -87,26 +89,27 @@ class GapSearch(LoadSearch):
     kind, usual = "gap_mean", 0.4
 
     def guess(self, surface: Surface) -> float:
-        """That of self-affine walls, or where one point carries all."""
+        """Guess as of self-affine walls, or where one point carries all."""
         alone = (self.heights.top - self.target) / (surface.grid.a * self.heights.points)
         return max(-1 - 2 * self.target * surface.slope / surface.h_rms, log(alone))
 
     def straight(self, y: float) -> float:
-        """The mean gap decreases like exp(-c p0^s)."""
+        """Use that the mean gap decreases like exp(-c p0^s)."""
         return log(log(self.heights.top / y)) if 0 < y < self.heights.top else copysign(inf, -y)
 
     def predicted(self, solver: Solver, progress: Progress, errors: Errors) -> Value | None:
-        """As uncertain as the mean gap, or the pressure where nothing is open yet."""
+        """Predict the mean gap: as uncertain as it is, or as the pressure where nothing is open
+        yet."""
         error = max(errors) if progress.contact == solver.N else errors[0]
         return (progress.predicted[1] * solver.grid.a, error) if progress.predicted else None
 
     def within(self, solver: Solver, progress: Progress, room: float) -> bool:
-        """By the estimated error of the mean gap."""
+        """Compare the estimated error of the mean gap."""
         found = progress.estimate
         return not found or found.gap < room or found.attainable[0] >= self.tolerance
 
     def certified(self, solver: Solver, certificate: Certificate) -> Value:
-        """The mean gap of the certificate."""
+        """Give the mean gap of the certificate."""
         limited = certificate.attainable[0] >= self.tolerance  # no iteration helps
         error = 0.0 if limited else certificate.errors[1]
         return certificate.gap_mean * solver.grid.a, error
@@ -124,7 +127,7 @@ class OpeningSearch(GapSearch):
         return cls(target, *known, known[-1], closes_at, x, cls.usual)
 
     def straight(self, y: float) -> float:
-        """Its logarithm."""
+        """Take the logarithm of that power."""
         return log(self.heights.top / y) if y > 0 else inf
 
 
@@ -134,15 +137,15 @@ class ApproachSearch(LoadSearch):
     kind, usual = "approach", 0.8
 
     def guess(self, surface: Surface) -> float:
-        """That of a punch as large as the surface."""
+        """Guess as of a punch as large as the surface."""
         return log(self.target / max(surface.sizes))
 
     def straight(self, y: float) -> float:
-        """A power law."""
+        """Use that the approach is a power of the load."""
         return log(y) if y > 0 else -inf
 
     def predicted(self, solver: Solver, progress: Progress, errors: Errors) -> Value | None:
-        """By the displacement as it is."""
+        """Predict the approach by the displacement as it is."""
         grid, heights = solver.grid, self.heights
         share, mean = grid.N / grid.cell_points, grid.comm.sum([solver.g.sum(dtype=float)])[0]
         y = (solver.p_cell / solver.elastic.multipliers.uniform - mean / grid.cell_points) * grid.a
@@ -150,18 +153,18 @@ class ApproachSearch(LoadSearch):
         return y, _error(y, progress.gap_mean * grid.a, *errors)
 
     def within(self, solver: Solver, progress: Progress, room: float) -> bool:
-        """By the error of what is predicted."""
+        """Compare the error of what is predicted."""
         found = self._prediction(solver, progress)
         return not found or found[1] < room
 
     def certified(self, solver: Solver, certificate: Certificate) -> Value:
-        """The approach of the certificate."""
+        """Give the approach of the certificate."""
         y, a = certificate.approach * solver.grid.a, solver.grid.a
         return y, _error(y, certificate.gap_mean * a, *certificate.errors[1:])
 
 
 def _error(y: float, gap: float, gap_error: float, pressure_error: float) -> float:
-    """Of an approach y at a mean gap."""
+    """Estimate the error of an approach y at a mean gap."""
     return gap_error * gap / y + CALIBRATION.field * pressure_error if y > 0 else inf
 
 

@@ -1,5 +1,5 @@
-"""The load: a mean pressure that is given, or the one that gives an area, a mean gap or an
-approach, which a bracketed secant method with inexact solves finds.
+"""The search for the load that gives an area, a mean gap or an approach: a bracketed secant method
+with inexact solves.
 
 All three are monotone in the mean pressure p0, and a solver goes on at another p0 without a
 transform. So after every iteration, on every grid of a nested start, the load is changed where the
@@ -68,7 +68,7 @@ Errors = tuple[float, float]
 
 
 def x_of(p0: float, closes_at: float | None) -> float:
-    """The variable x of a search for p0, which is below closes_at where there is one."""
+    """Return the variable x of a search for p0, which is below closes_at where there is one."""
     return -log(1 / p0 - 1 / closes_at) if closes_at and isfinite(closes_at) else log(p0)
 
 
@@ -230,7 +230,8 @@ class LoadSearch(GivenLoad):
         return (self.miss(y) + (error if self.counts else 0.0)) / self.tolerance
 
     def _bound(self, y: float) -> None:
-        """Where the bounds meet and the target stays between them the value jumps."""
+        """Bound the load by the value y; where bounds meet and the target stays between them it
+        jumps."""
         small, here = y < self.aim, (self.x, y)
         low, high = (here, self.high) if small else (self.low, here)
         if low and high and low[0] >= high[0]:  # one of them was none

@@ -32,8 +32,8 @@ class LoadTarget:
 
 
 def loads_of(load: Load, start: Start) -> Sequence[float | LoadTarget]:
-    """What `Sweep.solve` takes for the loads of a scene: mean pressures, or LoadTarget where they
-    have to be found. A gap of 0 is an area of 1. start: what the Sweep solves with.
+    """Return what `Sweep.solve` takes for the loads of a scene: mean pressures, or LoadTarget where
+    they have to be found. A gap of 0 is an area of 1. start: what the Sweep solves with.
 
     Raises SceneError for what a flat surface does not have, what the precision cannot hold, and
     what no pressure gives. Collective.

@@ -24,7 +24,7 @@ from ..kernels.prolong import HALO, SWEEPS, prolong_gap
 from ..parallel import interrupt
 from ..parallel.coarsening import agglomerated, halved
 from ..parallel.grid import Grid
-from ..parallel.halo import Windows, neighbours, rows_of
+from ..parallel.halo import neighbours, rows_of
 from ..parallel.threads import on_threads
 from .full_contact import closed_contact
 
@@ -72,7 +72,7 @@ CALIBRATION = Calibration()
 
 
 def cold_gap(problem: Problem) -> np.ndarray:
-    """A flat displacement pressed into the surface: the gap of a rigid plane that rests on the
+    """Press a flat displacement into the surface: the gap of a rigid plane that rests on the
     heights above mean + rms.
 
     Beyond the surface the displacement is that of the plane.
@@ -84,7 +84,7 @@ def cold_gap(problem: Problem) -> np.ndarray:
     mean = s1 / N
     level = h.dtype.type(max(mean - np.sqrt(max(s2 / N - mean * mean, 0.0)), 0.0))
     rows, points = problem.grid.inside
-    g = np.empty(problem.grid.shape, h.dtype) if problem.grid.padded else np.empty_like(h)
+    g = np.empty(problem.grid.shape, h.dtype)
     g[rows:], g[:rows, points:] = -level, -level
     np.maximum(h - level, 0, out=g[:rows, :points])
     return g
@@ -105,7 +105,7 @@ class Decimation:
 
     @classmethod
     def of(cls, grid: Grid) -> Decimation | None:
-        """Of a grid, or None where it is coarse already. No memory, but communicators:
+        """Decimate a grid; None where it is coarse already. Takes no memory, but communicators:
         collective."""
         n, _ = halved(grid.n, grid.spacings, SLIM)
         coarsened = [a != b for a, b in zip(n, grid.n)]
@@ -130,17 +130,13 @@ class Decimation:
         return [2 if a != b else 1 for a, b in zip(self.n, self.fine.n, strict=True)]
 
     def problem(self, problem: Problem) -> Problem | None:
-        """The problem of every second point, None where this rank has none. Units of height and
-        pressure stay, lengths become those of the coarser grid. Collective."""
+        """Return the problem of every second point, None where this rank has none. Units of height
+        and pressure stay, lengths become those of the coarser grid. Collective."""
         step = self.steps
         h = problem.heights[(-self.fine.rows[0]) % step[0] :: step[0], :: step[1]]
         beside, starts = (np.minimum(rows, self.nominal[0]) for rows in (self.beside, self.starts))
         if not np.array_equal(beside, starts):
-            rank = self.fine.comm.rank
-            windows = Windows(rank, starts, beside[:-1], beside[1:])
-            owned = np.zeros((starts[rank + 1] - starts[rank], h.shape[1]), h.dtype)
-            windows.add(self.fine.comm, h, owned)
-            h = owned
+            h = rows_of(self.fine.comm, h, beside, starts[:-1], starts[1:])
         if self.coarse is None:
             return None
         scale, heights = h.dtype.type(self.coarse.a / self.fine.a), np.empty(h.shape, h.dtype)
@@ -152,8 +148,8 @@ class Decimation:
         return replace(problem, grid=self.coarse, h=heights)
 
     def around(self, a: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The rows of a coarse field beside this rank's fine rows: HALO before, these, and HALO
-        after them. a: this rank's own rows of it, None where it has none. Collective."""
+        """Return the rows of a coarse field beside this rank's fine rows: HALO before, these, and
+        HALO after them. a: this rank's own rows of it, perhaps none. Collective."""
         comm, first, last = self.fine.comm, self.beside[:-1], self.beside[1:]
         if np.array_equal(self.beside, self.starts):
             before, after = neighbours(comm, a, self.starts, HALO)
@@ -167,7 +163,7 @@ class Nested:
     it."""
 
     def __init__(self, grid: Grid, dtype: DTypeLike, finer: int = 0):
-        """finer: number of grids that are finer."""
+        """Plan the grids below `grid`; finer: number of grids that are finer."""
         self.grid, self.step = grid, Decimation.of(grid)
         self.coarser: Nested | None = None
         self.reduction = CALIBRATION.reduction ** (finer + 1)
@@ -187,8 +183,8 @@ class Nested:
         load: GivenLoad,
         into: np.ndarray | None = None,
     ) -> tuple[np.ndarray, float]:
-        """A starting gap (local slab) for a problem on the grid, and the FFT pairs that it took, in
-        pairs of that grid.
+        """Return a starting gap (local slab) for a problem on the grid, and the FFT pairs that it
+        took, in pairs of that grid.
 
         into: memory for the gap; may be that of problem.h, which is then lost. load: as it is
         searched for on every grid. Raises Stopped on all ranks when the run is to stop.
@@ -217,8 +213,8 @@ class Nested:
         return _prolong(problem, self.step, coarse, solver, full, into), pairs
 
     def may_be_full(self, problem: Problem) -> tuple[bool, float]:
-        """Whether full contact is likely, and the FFT pairs this took: from the pressure of the
-        closed contact on the next grid."""
+        """Tell whether full contact is likely, and the FFT pairs this took: from the pressure of
+        the closed contact on the next grid."""
         if self.step is None:
             return True, 0.0
         coarse, likely, pairs = self.step.problem(problem), False, 0.0
@@ -233,8 +229,8 @@ class Nested:
 def _roughly_solved(
     problem: Problem, make_solver: MakeSolver, g: np.ndarray, reduction: float, load: GivenLoad
 ) -> Solver:
-    """A solver that has come from the gap g to a residual that is so much smaller, and to a load
-    that is near enough."""
+    """Return a solver that has come from the gap g to a residual that is so much smaller, and to a
+    load that is near enough."""
     solver = make_solver(problem)
     solver.start(g)
     progress = solver.progress()
@@ -257,9 +253,9 @@ def _prolong(
     full: bool,
     into: np.ndarray | None,
 ) -> np.ndarray:
-    """The gap on the grid of `problem` from a solver on the coarse one, whose gap is lost; coarse
-    and solver: the coarse problem, None where this rank has no part in it. into: memory for the
-    gap, or None."""
+    """Return the gap on the grid of `problem` from a solver on the coarse one, whose gap is lost;
+    coarse and solver: the coarse problem, None where this rank has no part in it. into: memory for
+    the gap, or None."""
     fine, real = problem.grid, problem.dtype.type
     out = fine.empty(problem.dtype) if into is None else into
     if full:
@@ -277,7 +273,9 @@ def _prolong(
 
         grid.by_rows(displacement)
     heights, pieces = problem.heights, fine.pieces()
-    before, after = _heights_around(problem)
+    # beyond the surface there are no heights: what stands for them does not count
+    owned = np.minimum(fine.starts, fine.nominal[0])
+    before, after = neighbours(fine.comm, heights, fine.starts, SWEEPS, owned)
     # copies: where `out` is the memory of the heights, other threads write to it
     borders = [heights[i - SWEEPS : i + SWEEPS].copy() for i, _ in pieces[1:]]
     befores = [before, *(rows[:SWEEPS] for rows in borders)]
@@ -296,12 +294,3 @@ def _prolong(
     each = [(*rows, *around) for rows, *around in zip(pieces, befores, afters)]
     on_threads(fine.threads, prolong, each)
     return out
-
-
-def _heights_around(problem: Problem) -> tuple[np.ndarray, np.ndarray]:
-    """The rows of h before and after this rank's rows of the grid; beyond the surface, where there
-    are none, they do not count."""
-    grid = problem.grid
-    return neighbours(
-        grid.comm, problem.heights, grid.starts, SWEEPS, np.minimum(grid.starts, grid.nominal[0])
-    )

@@ -50,7 +50,7 @@ CALIBRATION = Calibration()
 
 
 def first_precision(settings: Settings) -> np.dtype:
-    """The precision that a sweep begins with; settings: scene.Solver."""
+    """Return the precision that a sweep begins with; settings: scene.Solver."""
     if settings.precision != "auto":
         return np.dtype({"single": np.float32, "double": np.float64}[settings.precision])
     loose = settings.accuracy is not None and settings.accuracy >= CALIBRATION.accuracy
@@ -58,21 +58,21 @@ def first_precision(settings: Settings) -> np.dtype:
 
 
 def few_points(N: int, p_star: float, accuracy: float | None) -> bool:
-    """Whether so few of N points will touch that single precision, which may err in a few of them,
-    cannot give the area to an accuracy (None where a residual is asked for)."""
+    """Tell whether so few of N points will touch that single precision, which may err in a few of
+    them, cannot give the area to an accuracy (None where a residual is asked for)."""
     expected = N * min(1.0, 2 * p_star)  # a_r is about 2 p*
     return accuracy is not None and CALIBRATION.few_points / expected > accuracy
 
 
 def too_little(settings: Settings, N: int, p_star: float) -> bool:
-    """Whether single precision is too little for a load on N points."""
+    """Tell whether single precision is too little for a load on N points."""
     return few_points(N, p_star, settings.accuracy) or not single_solves(p_star, N)
 
 
 def precisions(scene: Scene, n: tuple[int, int]) -> list[np.dtype | None]:
-    """The precision of each load, as far as it is known beforehand; None: the first one, unless
-    few points turn out to touch, or rounding errors to count. Once a load is in double precision
-    all others are."""
+    """Return the precision of each load, as far as it is known beforehand; None: the first one,
+    unless few points turn out to touch, or rounding errors to count. Once a load is in double
+    precision all others are."""
     settings, found = scene.solver, first_precision(scene.solver)
     out: list[np.dtype | None] = []
     g_rms, h_rms = known_heights(scene, n)
@@ -92,7 +92,7 @@ def precisions(scene: Scene, n: tuple[int, int]) -> list[np.dtype | None]:
 
 
 def known_p_stars(scene: Scene, g_rms: float | None) -> list[float | None]:
-    """p* of each load, as far as it is known beforehand."""
+    """Return p* of each load, as far as it is known beforehand."""
     name, values = scene.load.given
     if name == "p_star":
         return list(values)
@@ -106,8 +106,9 @@ def known_p_stars(scene: Scene, g_rms: float | None) -> list[float | None]:
 
 
 def known_heights(scene: Scene, n: tuple[int, int]) -> tuple[float | None, float | None]:
-    """g_rms, and h_rms over g_rms times the grid spacing, of a surface of n points, as far as they
-    are known beforehand: from the spectrum, or a coarse grid; None of a map and on a form."""
+    """Return g_rms, and h_rms over g_rms times the grid spacing, of a surface of n points, as far
+    as they are known beforehand: from the spectrum, or a coarse grid; None of a map and on a
+    form."""
     surface = scene.surface
     if surface.kind == "file" or (surface.kind == "self-affine" and surface.radius):
         return None, None
@@ -123,6 +124,6 @@ def known_heights(scene: Scene, n: tuple[int, int]) -> tuple[float | None, float
 
 
 def counting(asked: Target | Settings, p_star: float) -> float:
-    """Errors of the pressure at all open points, in the problem's unit, that count as much as what
-    is asked for."""
+    """Return the errors of the pressure at all open points, in the problem's unit, that count as
+    much as what is asked for."""
     return asked.residual * p_star if asked.residual else (asked.accuracy or 0.0) * p_star**0.5

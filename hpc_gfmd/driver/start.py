@@ -109,8 +109,8 @@ class Start:
             self.solver.start(g)
 
     def _is_worse_than_undeformed(self) -> bool:
-        """Whether the start has far more energy than a flat body that just touches: at light loads
-        on flat tops what coarse grids make of edges is larger than what the load does."""
+        """Tell whether the start has far more energy than a flat body that just touches: at light
+        loads on flat tops what coarse grids make of edges is larger than what the load does."""
         solver = self.solver
         if self.surface.grid.padded or not self.solver_class.takes_gap:
             return False
@@ -156,12 +156,12 @@ class Start:
         return g
 
     def _make(self, problem: Problem, g: np.ndarray | None = None) -> Any:
-        """A solver; g: memory for its gap, which it may take over."""
+        """Make a solver; g: memory for its gap, which it may take over."""
         taken = {"g": g} if g is not None and self.solver_class.takes_gap else {}
         return self.solver_class(problem, self.settings.options, **taken)
 
     def _goes_on_at(self, p_star: float) -> bool:
-        """Whether a load starts from the present state."""
+        """Tell whether a load starts from the present state."""
         return self.solver is not None and not self._load.closes and self._near(p_star)
 
     def _near(self, p_star: float) -> bool:
@@ -169,19 +169,20 @@ class Start:
         return 1 / WARM_DOWN < ratio < WARM_UP
 
     def _reset_counts(self) -> None:
-        """A load begins."""
+        """Begin the counts of a load."""
         self._first_pairs, self.solver.iterations, self.loop = self.solver.pairs, 0, LoopState()
 
     def _choose_certificate(self) -> None:
-        """Its precision, and that of the first pressure: double where rounding errors would
-        count."""
+        """Choose the precision of the certificate and of the first pressure: double where rounding
+        errors would count."""
         double = self._rounding_counts(self.solver.problem_now)
         dtype = np.float64 if double else self.dtype.type
         self.target = replace(self.target, certificate_dtype=dtype, closes=self._load.closes)
 
     def _rounding_counts(self, problem: Problem) -> bool:
-        """Whether rounding errors of the pressure may, which the certificate cannot tell from
-        pressure out of contact: those of single points where few of them touch, or few do not."""
+        """Tell whether rounding errors of the pressure may count, which the certificate cannot tell
+        from pressure out of contact: those of single points where few of them touch, or few do
+        not."""
         few = (
             few_points(problem.grid.N, problem.p0, self.target.accuracy)
             or problem.p0 >= HALF_SPACE.full_p_star

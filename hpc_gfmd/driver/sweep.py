@@ -34,7 +34,7 @@ NEARLY = 0.2  # of E* g_rms: full contact takes 0.3 to 20
 
 
 def _needs_double(contact: Contact) -> bool:
-    """Whether single precision turned out to be too little for a load."""
+    """Tell whether single precision turned out to be too little for a load."""
     return contact.status in ("stagnated", "nonfinite") or contact.gap_is_rounding
 
 
@@ -48,7 +48,7 @@ class Sweep(Start):
     _history: Sequence[dict[str, float]] = ()  # what the last two loads gave
 
     def pressures(self, load: Load) -> Sequence[float | LoadTarget]:
-        """What `solve` takes for the loads of scene.Load on this surface: mean pressures, or
+        """Return what `solve` takes for the loads of scene.Load on this surface: mean pressures, or
         LoadTarget where they have to be found.
 
         Raises SceneError for what a flat surface does not have, what the precision cannot hold, and
@@ -59,7 +59,7 @@ class Sweep(Start):
     def solve(
         self, load: float | LoadTarget, watch: Watch | None = None, midway: bool = False
     ) -> Contact:
-        """The contact at a load: a mean pressure (unit of E_star), or LoadTarget.
+        """Solve the contact at a load: a mean pressure (unit of E_star), or LoadTarget.
 
         watch(iterations, progress) is called after every iteration, a true value stops. midway: go
         on where `restore` went back to.
@@ -83,16 +83,15 @@ class Sweep(Start):
             contact = self._solve(watch, False)
         assert contact is not None  # without `promote` there is one
         self._failed = contact.status not in ("converged", "interrupted")
-        # what is given comes back as it was, without rounding errors of the unit
-        return contact if isinstance(load, LoadTarget) else replace(contact, p_mean=load)
+        return contact
 
     def _forget_failure(self) -> None:
-        """After a load that failed the next one starts afresh."""
+        """Forget the state of a load that failed: the next one starts afresh."""
         if self._failed:
             self.solver, self._failed = None, False
 
     def _load_for(self, load: float | LoadTarget) -> GivenLoad:
-        """What finds the load."""
+        """Make what finds the load."""
         if not isinstance(load, LoadTarget):
             return GivenLoad(self._p_star(load), load)
         tolerance, heights = self.settings.tolerance, self.heights
@@ -118,14 +117,14 @@ class Sweep(Start):
         return search_for(load, self.surface, known, self._history, self._limit)
 
     def _too_little(self) -> bool:
-        """Whether single precision is too little for the load."""
+        """Tell whether single precision is too little for the load."""
         return too_little(self.settings, self.surface.grid.N, self._load.half_area)
 
     def state(
         self, upcoming: float | LoadTarget | None = None
     ) -> tuple[dict[str, Any], dict[str, Any]]:
-        """What `restore` needs to go on in the present load or, given the load that is upcoming, at
-        its beginning: local slabs by name, and numbers."""
+        """Return what `restore` needs to go on in the present load or, given the load that is
+        upcoming, at its beginning: local slabs by name, and numbers."""
         if upcoming is not None:
             self._forget_failure()
         arrays: dict[str, Any] = {}
@@ -180,16 +179,16 @@ class Sweep(Start):
             self._go_back(p0, arrays, numbers)
 
     def _may_start_here(self, load: float | LoadTarget) -> bool:
-        """Whether a load, or one that follows it if it closes the gap at once, may start from the
-        present state."""
+        """Tell whether a load, or one that follows it if it closes the gap at once, may start from
+        the present state."""
         if self.solver is None or isinstance(load, LoadTarget):
             return self.solver is not None
         p_star = self._p_star(load)
         return self._near(p_star) or p_star >= self.body.full_p_star
 
     def _solve(self, watch: Watch | None, midway: bool, promote: bool = False) -> Contact | None:
-        """promote: give None back where the search on coarser grids finds that single precision is
-        too little."""
+        """Solve the present load; promote: return None where the search on coarser grids finds that
+        single precision is too little."""
         if not midway:
             full = self._full_contact(self._load.p0)
             if full is not None:
@@ -204,7 +203,8 @@ class Sweep(Start):
         return self._contact(self._p_mean(solver.p0), *found)
 
     def _p_mean(self, p0: float) -> float:
-        """The mean pressure in the scene's unit: as it was given, where it was."""
+        """Return the mean pressure in the scene's unit: as it was given, where it was, without
+        rounding errors of the unit."""
         return self._load.p_mean or p0 * (self.E_star * self.surface.slope)
 
     def _contact(
@@ -250,8 +250,8 @@ class Sweep(Start):
         return self._punch
 
     def _full_contact(self, p0: float) -> Contact | None:
-        """The contact where u = -h is the solution, which needs no iteration; None where it is
-        not."""
+        """Return the contact where u = -h is the solution, which needs no iteration; None where it
+        is not."""
         if not (self.closed_form and self._load.given):
             return None
         problem = self._problem(p0)
@@ -276,7 +276,7 @@ class Sweep(Start):
         return self._contact(self._p_mean(p0), g, p, "converged", exact, pairs=self._spent)
 
     def _flat(self, p_mean: float) -> Contact:
-        """A flat wall: full contact at any load, nothing to compute."""
+        """Give full contact, which a flat wall has at any load: there is nothing to compute."""
         g = np.zeros_like(self.surface.h)
         certificate = Certificate(
             contact=self.surface.grid.N, errors=(0.0, 0.0, 0.0), duality_gap=0.0

@@ -55,8 +55,9 @@ def compile_once(
         if comm.rank == 0:
             with on_first_compile(say):
                 retry_without_cache(solve)
-    if comm.rank != 0:
-        retry_without_cache(solve)
+    with collective_errors(comm, "compiling"):
+        if comm.rank != 0:
+            retry_without_cache(solve)
 
 
 def _tiny_contact(
@@ -65,7 +66,7 @@ def _tiny_contact(
     material: Material,
     observe: Iterable[Observable],
 ) -> None:
-    """In every precision that the run may use."""
+    """Solve a tiny contact in every precision that the run may use."""
     scene = Scene.from_dict({"surface": TINY | {"boundary": boundary}, "load": {"p_star": 0.05}})
     first = PRECISIONS[first_precision(settings)]
     for precision in {first, "double"} if settings.precision == "auto" else {first}:
@@ -76,10 +77,10 @@ def _tiny_contact(
             hardness=material.hardness and 1.0,
         )
         contact = sweep.solve(0.05)
-        # which a contact that is not accurate may not have been asked for
+        # a contact that is less accurate than asked may not have called it
         sweep.solver.expected_area(1.0)
         for function in observe:
             function(contact)
         grid, dtype = sweep.surface.grid, sweep.dtype
-        # levels that only larger grids spread
+        # for the levels that only larger grids distribute
         Multilevel(grid, HALF_SPACE, dtype, grid.n[0], coarsest_points=0).sweep()

@@ -14,12 +14,12 @@ from .jit import inline
 
 
 def stored_dtype(dtype):
-    """The dtype of such numbers beside fields of `dtype`."""
+    """Return the dtype of such numbers beside fields of `dtype`."""
     return np.dtype(np.uint16 if np.dtype(dtype) == np.float32 else np.float32)
 
 
 def _same_bits(of, to, kind):
-    """A function of kernels: the bits of a number of 32 bits as one of another type."""
+    """Make a function of kernels that reads the 32 bits of a number as one of another type."""
 
     @intrinsic
     def cast(_, number):
@@ -33,7 +33,7 @@ _number = _same_bits(types.uint32, types.float32, ir.FloatType())
 
 
 def _encode(number):
-    """For `overload`, as _decode."""
+    """Stand for what `overload` compiles; so does `_decode`."""
 
 
 def _decode(number):
@@ -56,13 +56,13 @@ def _decode_in_kernels(number):
 
 @inline
 def encode(number):
-    """A number as it is stored."""
+    """Return a number as it is stored."""
     return _encode(number)
 
 
 @inline
 def decode(number):
-    """The number that it stands for."""
+    """Return the number that a stored one stands for."""
     return _decode(number)
 
 
@@ -83,7 +83,7 @@ class Decoded:
 
 
 def encoded(numbers, dtype):
-    """An array of numbers as they are stored beside fields of `dtype`."""
+    """Return an array of numbers as they are stored beside fields of `dtype`."""
     numbers = np.asarray(numbers, np.float32)
     if stored_dtype(dtype) == np.float32:
         return numbers

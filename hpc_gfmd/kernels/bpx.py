@@ -1,8 +1,8 @@
 """Kernels of the projected, preconditioned conjugate gradients: one pass before and one after the
 Fourier transform.
 
-State, local slabs (n_loc, n_y): gap g >= 0, pressure p, last step d in bfloat16
-(bfloat16.py): one that is as rough costs no iteration. Contact A = {g <= 0 and p > 0}, the active
+State, local slabs (n_loc, n_y): gap g >= 0, pressure p, last step d in bfloat16 (bfloat16.py): one
+that is as rough costs no iteration. Contact A = {g <= 0 and p > 0}, the active
 set; free F = the rest. With a hardness g < 0 is the depth of a dent, A the elastic contact, and
 points that yield, which are free, have the residual p - hardness in place of p (yielding.py).
 `rows` = (i0, i1) are the local rows of one pass, x is scratch (>= i1 - i0, n_y) that begins with
@@ -46,7 +46,7 @@ class UpdateSums(NamedTuple):
 
     @classmethod
     def total(cls, parts):
-        """The sum of what the passes returned, perhaps none."""
+        """Add up what the passes returned, perhaps none."""
         return cls(*np.sum(np.reshape(parts, (-1, len(cls._fields))), axis=0))
 
 
@@ -112,7 +112,7 @@ def projected_step(g, p, d, x, rows, z_coarse, transfer, step, hardness, inside,
 
 @kernel
 def update_state(state, x, s, rows, coarse, edges, transfer, hardness, inside, scratch):
-    """g += s d, p += s x, and everything that the next step needs of the new state = (g, p, d);
+    """Set g += s d, p += s x, and everything that the next step needs of the new state = (g, p, d);
     returns UpdateSums. d begins with row i0, as x.
 
     Restricts p on F, the indicator of A, and x on F to the coarser grid: coarse
@@ -124,9 +124,8 @@ def update_state(state, x, s, rows, coarse, edges, transfer, hardness, inside, s
     k0, f_x = transfer[:2]
     RR = PP = PD = DX = PX = CONTACT = GAP = OPENING = CLOSING = YIELDED = DEPTH = 0.0
     ends = k0[i0], k0[i1 - 1] + 1
-    scratch[3:6] = (
-        0  # 0-2: a complete coarse row, 3-5: what is there of the next one; p, indicator, x each
-    )
+    # 0-2: a complete coarse row, 3-5: what is there of the next one; p, indicator, x each
+    scratch[3:6] = 0
     i = i0
     while i < i1:
         K = k0[i]
@@ -156,7 +155,7 @@ def update_state(state, x, s, rows, coarse, edges, transfer, hardness, inside, s
 
 @inline
 def _update_rows(state, x, s, i0, start, end, hardness, inside):
-    """Rows start..end of `update_state`: new g and p, and their sums."""
+    """Make new g and p on rows start..end for `update_state`; returns their sums."""
     g, p, d = state
     zero, one, clipped = g.dtype.type(0), g.dtype.type(1), encode(g.dtype.type(-np.inf))
     rr = pp = pd = dx = px = contact = gap = opening = closing = yielded = depth = zero
@@ -206,8 +205,8 @@ def _update_rows(state, x, s, i0, start, end, hardness, inside):
 
 @inline
 def _gather_rows(g, p, x, i0, start, end, f_x, hardness, inside, rows):
-    """Add up the rows beside one coarse row, as `multilevel.gather_rows`: p on F,
-    the indicator of A, x on F.
+    """Add up the rows beside one coarse row, as `multilevel.gather_rows`: p on F, the indicator of
+    A, x on F.
 
     A loop of its own, and rows of one array: with more pointers than this the compiler gives up on
     vectors.
@@ -215,9 +214,8 @@ def _gather_rows(g, p, x, i0, start, end, f_x, hardness, inside, rows):
     n = g.shape[1]
     zero, one = g.dtype.type(0), g.dtype.type(1)
     most = limit(hardness, zero)
-    if (
-        end == start + 2 and start + 1 != inside[0]
-    ):  # two rows, both of the surface or both beyond it
+    # two rows, both of the surface or both beyond it
+    if end == start + 2 and start + 1 != inside[0]:
         k = start + 1
         f0, f1 = f_x[start], f_x[k]
         inner = points_inside(k, inside)

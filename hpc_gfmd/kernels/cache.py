@@ -33,7 +33,7 @@ ATTEMPTS = 100  # on a disk without room every kernel may fail once: when it is 
 
 @cache
 def stamp() -> str:
-    """Changes with any kernel and with all that makes machine code of them."""
+    """Return a text that changes with any kernel and with all that makes machine code of them."""
     made_by = (
         numba.__version__,
         llvmlite.__version__,
@@ -48,7 +48,7 @@ def stamp() -> str:
 
 @contextmanager
 def cached() -> Iterator[bool]:
-    """Block in which numba is told the folder; gives whether there is one that can be written.
+    """Tell numba the folder, for a block; gives whether there is one that can be written.
     NUMBA_CACHE_DIR moves it."""
     users, path = numba.config.CACHE_DIR, folder()
     numba.config.CACHE_DIR = str(path or users)
@@ -60,8 +60,8 @@ def cached() -> Iterator[bool]:
 
 @contextmanager
 def on_first_compile(say: Callable[[str], object] | None) -> Iterator[None]:
-    """Block in which say(text), if it is not None, is called once, before the first kernel that has
-    not been kept is compiled."""
+    """Call say(text), if it is not None, once in a block: before the first kernel is compiled that
+    has not been kept."""
 
     def first() -> None:
         here = folder()
@@ -93,13 +93,13 @@ class _Once(event.Listener):  # type: ignore[misc]
 
 
 def folder() -> Path | None:
-    """The folder of the present state, or None where it cannot be written."""
+    """Return the folder of the present state, or None where it cannot be written."""
     return _folder(Path(numba.config.CACHE_DIR or cache_folder() / "kernels"), stamp())
 
 
 @cache
 def _folder(root: Path, state: str) -> Path | None:
-    """As `folder`, in a root. Making it removes the oldest ones."""
+    """Return the folder of a state in a root, as `folder`; making it removes the oldest ones."""
     path = root / f"hpc-gfmd-{state}"
     try:
         if not path.is_dir():
@@ -114,8 +114,7 @@ def _folder(root: Path, state: str) -> Path | None:
 
 
 def retry_without_cache(call: Callable[[], T]) -> T:
-    """call(), again and with emptied folders where numba fails to read or to write them; returns
-    what it returned."""
+    """Return call(), with emptied folders where numba fails to read or to write them."""
     for _ in range(ATTEMPTS):
         try:
             return call()

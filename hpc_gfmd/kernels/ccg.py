@@ -12,7 +12,7 @@ from .jit import kernel
 
 @kernel
 def start_pressure(g, p, x, p0, inside, i0, i1):
-    """p = p0 + x where the gap is closed (x = K u), no tension, 0 elsewhere; returns the sum of
+    """Set p = p0 + x where the gap is closed (x = K u), no tension, 0 elsewhere; returns the sum of
     p."""
     zero = p.dtype.type(0)
     total = 0.0
@@ -31,7 +31,7 @@ def start_pressure(g, p, x, p0, inside, i0, i1):
 
 @kernel
 def gap_in_contact(gap0, p, x, i0, i1, shift):
-    """x = e in contact, 0 elsewhere."""
+    """Set x = e in contact, 0 elsewhere."""
     zero = p.dtype.type(0)
     for i in range(i0, i1):
         for j in range(p.shape[1]):
@@ -40,7 +40,7 @@ def gap_in_contact(gap0, p, x, i0, i1, shift):
 
 @kernel
 def conjugate_direction(t, p, x, i0, i1, b):
-    """t <- x + b t in contact, 0 elsewhere; returns the sum of x and the number of points in
+    """Set t <- x + b t in contact, 0 elsewhere; returns the sum of x and the number of points in
     contact."""
     zero = p.dtype.type(0)
     total = 0.0
@@ -58,7 +58,7 @@ def conjugate_direction(t, p, x, i0, i1, b):
 
 @kernel
 def search_direction(t, gap0, p, x, i0, i1, shift, a, b, c):
-    """t <- a e + b t - c in contact, 0 elsewhere, also to x; returns the sums of e t and t."""
+    """Set t <- a e + b t - c in contact, 0 elsewhere, also to x; returns the sums of e t and t."""
     zero = p.dtype.type(0)
     ET = T = 0.0
     for i in range(i0, i1):
@@ -77,7 +77,7 @@ def search_direction(t, gap0, p, x, i0, i1, shift, a, b, c):
 
 @kernel
 def response_sums(p, x, i0, i1):
-    """Of x = S t: its sum in contact, and the number of points in contact."""
+    """Return the sum of x = S t in contact, and the number of points in contact."""
     zero = p.dtype.type(0)
     R = 0.0
     contact = 0
@@ -93,7 +93,7 @@ def response_sums(p, x, i0, i1):
 
 @kernel
 def pressure_step(p, t, gap0, x, i0, i1, shift, tau, kick, inside):
-    """p <- max(p - tau t, 0) in contact; where the gap out of contact is negative, p = -kick e;
+    """Set p <- max(p - tau t, 0) in contact; where the gap out of contact is negative, p = -kick e;
     also to x.
 
     Returns the sum of p and the number of points taken into contact.
@@ -120,8 +120,8 @@ def pressure_step(p, t, gap0, x, i0, i1, shift, tau, kick, inside):
 
 @kernel
 def new_gap(p, gap0, h, x, i0, i1, scale, offset):
-    """p <- scale p and gap0 = scale x + h - offset, x = S p before scaling; returns the sum of gap0
-    in contact, contact points."""
+    """Set p <- scale p and gap0 = scale x + h - offset, x = S p before scaling; returns the sum of
+    gap0 in contact, contact points."""
     zero = p.dtype.type(0)
     total = 0.0
     contact = 0
@@ -143,8 +143,8 @@ def new_gap(p, gap0, h, x, i0, i1, scale, offset):
 
 @kernel
 def feasible_state(p, gap0, g, p_out, shift, inside, i0, i1):
-    """The feasible state: p_out = p, g = 0 in contact and max(e, 0) elsewhere; e itself beyond the
-    surface.
+    """Make the feasible state: p_out = p, g = 0 in contact and max(e, 0) elsewhere; e itself beyond
+    the surface.
 
     Returns sums: e^2 in contact, e^2 where negative out of contact, points in contact, g.
     """

@@ -42,7 +42,7 @@ class KktExtremes(NamedTuple):
 
 @kernel
 def displacement_rows(g, h, x, i0, i1, level):
-    """x = u - level, u = g - h, in the precision of x, rows from 0; u = g beyond h."""
+    """Set x = u - level, u = g - h, in the precision of x, rows from 0; u = g beyond h."""
     for i in range(i0, i1):
         m = points_inside(i, h.shape)
         for j in range(m):
@@ -53,13 +53,12 @@ def displacement_rows(g, h, x, i0, i1, level):
 
 @making_arrays
 def kkt_residuals(g, p, x, p0, hardness, inside, i0, i1):
-    """p = p0 + x on rows i0..i1 (x = K u, rows from 0), and how it violates p >= 0, p g = 0;
-    returns KktSums and KktExtremes."""
+    """Set p = p0 + x on rows i0..i1 (x = K u, rows from 0); returns how it violates p >= 0, p g =
+    0: KktSums and KktExtremes."""
     open_p = open_pp = open_p4 = closed_pp = pg = gap = contact = yielded = depth = 0.0
     most = limit(hardness, 0.0)
-    worst = np.zeros(
-        (2, g.shape[1])
-    )  # row after row: one maximum over all points would not use vectors
+    # row after row: one maximum over all points would not use vectors
+    worst = np.zeros((2, g.shape[1]))
     for i in range(i0, i1):
         m = points_inside(i, inside)
         for j in range(m, np.uint64(g.shape[1])):
@@ -68,11 +67,8 @@ def kkt_residuals(g, p, x, p0, hardness, inside, i0, i1):
             open_p += p_new
             open_pp += p_new * p_new
             open_p4 += (p_new * p_new) * (p_new * p_new)
-        for j in range(
-            m
-            # products and selections instead of branches: those keep the compiler from using
-            # vectors
-        ):
+        # products and selections instead of branches: those keep the compiler from using vectors
+        for j in range(m):
             p_new = p0 + x[i - i0, j]
             gij = 1.0 * g[i, j]
             p[i, j] = p_new
@@ -100,7 +96,7 @@ def kkt_residuals(g, p, x, p0, hardness, inside, i0, i1):
 
 @kernel
 def open_moments(g, p, hardness, inside):
-    """Sums of p^2 and p^4 off contact, less the hardness where a point yields."""
+    """Return the sums of p^2 and p^4 off contact, less the hardness where a point yields."""
     squares = fourth = 0.0
     most = limit(hardness, 0.0)
     for i in range(inside[0]):
@@ -152,9 +148,8 @@ def count_uncertain(g, p, inside, compliance, tie, sure, largest, counts):
 
 @kernel
 def dual_rows(g, p, x, scale, shift, hardness, inside, i0, i1):
-    """x = e = p^ - p with the admissible pressure p^ = scale p + shift in contact, the hardness
-    where
-    a point yields, 0 elsewhere; returns the sum of p^ g (0 if g >= 0) out of dents."""
+    """Set x = e = p^ - p with the admissible pressure p^ = scale p + shift in contact, the hardness
+    where a point yields, 0 elsewhere; returns the sum of p^ g (0 if g >= 0) out of dents."""
     total = 0.0
     zero, one = x.dtype.type(0), x.dtype.type(1)
     most = limit(hardness, zero)
@@ -174,8 +169,8 @@ def dual_rows(g, p, x, scale, shift, hardness, inside, i0, i1):
 
 @kernel
 def contact_edges(g, p, inside, below_g, below_p, around):
-    """Segments between a contact point and a point out of contact, in this slab: those along x and
-    those along y.
+    """Count the segments between a contact point and a point out of contact, in this slab: those
+    along x and those along y.
 
     below: the first row after the slab; around: whether the last point of a row is beside the
     first.

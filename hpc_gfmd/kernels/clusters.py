@@ -6,7 +6,7 @@ from .jit import inline, kernel
 
 @inline
 def _top(node, parent, shift):
-    """The root of a node, which becomes the parent of all on the way there."""
+    """Return the root of a node, which becomes the parent of all on the way there."""
     x = y = 0
     top = node
     while parent[top] != top:

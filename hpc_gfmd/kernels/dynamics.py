@@ -25,7 +25,7 @@ class DynamicsSums(NamedTuple):
 
 @kernel
 def verlet_step(g, p, d, x, i0, i1, a, b, inside):
-    """One time step d <- b d - a p, g <- g + d, on rows i0..i1; x (scratch, rows from 0): the
+    """Make one time step, d <- b d - a p, g <- g + d, on rows i0..i1; x (scratch, rows from 0): the
     change of g.
 
     The constraint g >= 0 stops what hits the wall (zero restitution): there g = 0 and d = 0, but x
@@ -51,7 +51,7 @@ def verlet_step(g, p, d, x, i0, i1, a, b, inside):
 
 @kernel
 def update_pressure(g, p, d, x, i0, i1, inside):
-    """p <- p + x on rows i0..i1, x (scratch, rows from 0): K times the change of g.
+    """Set p <- p + x on rows i0..i1, x (scratch, rows from 0): K times the change of g.
 
     Returns DynamicsSums.
     """

@@ -32,8 +32,8 @@ making_arrays = partial(kernel, makes_arrays=True)
 
 @inline
 def points_inside(i: int, inside: tuple[int, int]) -> np.uint64:
-    """How many points of row i belong to the surface, where `inside` is the shape of a slab's part
-    of it.
+    """Return how many points of row i belong to the surface, where `inside` is the shape of a
+    slab's part of it.
 
     Without a sign: a loop that begins at a number that might be negative, counted from the end,
     does not use vectors.

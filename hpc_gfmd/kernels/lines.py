@@ -10,7 +10,8 @@ WIDTH = 8  # numbers in a line
 
 @intrinsic
 def move_line(_, target, i, source, j):
-    """For kernels: target[i:i + WIDTH] = source[j:j + WIDTH], of flat contiguous float64 arrays."""
+    """Copy source[j:j + WIDTH] to target[i:i + WIDTH], in kernels, of flat contiguous float64
+    arrays."""
 
     def generate(context, builder, signature, values):
         def pointer(k):

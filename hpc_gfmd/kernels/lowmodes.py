@@ -10,8 +10,8 @@ from .jit import kernel
 
 @kernel
 def split(waves, shift_x, shift_y, norm, parts):
-    """The parts of columns (n_x, m_y) that have been transformed, shifted along both axes to the
-    middle of the surface."""
+    """Make the parts of columns (n_x, m_y) that have been transformed, shifted along both axes to
+    the middle of the surface."""
     n = waves.shape[0]
     for k in range(norm.shape[0]):
         for j in range(norm.shape[1]):
@@ -29,7 +29,7 @@ def split(waves, shift_x, shift_y, norm, parts):
 
 @kernel
 def multiply(part, matrices, by_columns, x):
-    """part = matrices part, in place; returns <part, matrices part>. matrices (stack, m, m),
+    """Set part = matrices part, in place; returns <part, matrices part>. matrices (stack, m, m),
     symmetric: of all of it (stack = 1), of each column (by_columns) or of each row; x: scratch (>=
     m,)."""
     stack, m = matrices.shape[:2]
@@ -52,8 +52,8 @@ def multiply(part, matrices, by_columns, x):
 
 @kernel
 def join(parts, shift_x, shift_y, norm, unit, up, down):
-    """The inverse of `split`, times unit: what stands at wave numbers k_x >= 0 and at -k_x < 0 from
-    the last one on."""
+    """Undo `split`, times unit: what stands at wave numbers k_x >= 0 and at -k_x < 0 from the last
+    one on."""
     m_x = norm.shape[0]
     for k in range(m_x):
         for j in range(norm.shape[1]):

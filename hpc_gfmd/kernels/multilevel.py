@@ -18,18 +18,16 @@ from .jit import inline, kernel, making_arrays
 
 @inline
 def restrict_row(fine, coarse, factor, mode, j0, f):
-    """coarse = factor P^T fine along one row."""
+    """Set coarse = factor P^T fine along one row."""
     one = fine.dtype.type(1)
     n = fine.shape[0]
     m = coarse.shape[0]
     if mode == 1:
         half = factor * fine.dtype.type(0.5)
         before = half * fine[n - 1]
-        for J in range(
-            m
-            # even and odd points are read together: vectors of every second point alone would be
-            # gathered
-        ):
+        # even and odd points are read together: vectors of every second point alone would be
+        # gathered
+        for J in range(m):
             after = half * fine[2 * J + 1]
             coarse[J] = factor * fine[2 * J] + after + before
             before = after
@@ -50,7 +48,7 @@ def restrict_row(fine, coarse, factor, mode, j0, f):
 
 @inline
 def interpolate_row(coarse, fine, mode, j0, f):
-    """fine = P coarse along one row."""
+    """Set fine = P coarse along one row."""
     one, half = fine.dtype.type(1), fine.dtype.type(0.5)
     n = fine.shape[0]
     m = coarse.shape[0]
@@ -75,7 +73,7 @@ def interpolate_row(coarse, fine, mode, j0, f):
 
 @inline
 def combine_rows(coarse, k, f, out):
-    """out = (1 - f) coarse[k] + f coarse[k + 1]."""
+    """Set out = (1 - f) coarse[k] + f coarse[k + 1]."""
     m = out.shape[0]
     one = out.dtype.type(1)
     if f == 0.0:
@@ -100,8 +98,8 @@ def join_edges(coarse, edges, lo, hi, adds_lo, adds_hi):
 
 @making_arrays
 def restrict_level(fine, coarse, transfer, i0, i1):
-    """coarse = factor P^T fine for all fields: fine (c, rows + 2, n) with valid own rows; coarse
-    (c, rows' + 2, m), halo included.
+    """Set coarse = factor P^T fine for all fields: fine (c, rows + 2, n) with valid own rows;
+    coarse (c, rows' + 2, m), halo included.
 
     Makes the coarse rows that own rows i0..i1 lie on or after; i0 opens a coarse row. With the last
     row also the one that comes next; coarse rows that no fine row lies beside are left as they are.
@@ -162,8 +160,8 @@ def gather_rows(fine, k0, f_x, i, here, after):
 
 @making_arrays
 def smooth_level(rt, z_coarse, out, weight, damping, transfer, nominal, i0, i1):
-    """out = r/(weight + damping t) + P z_coarse on own rows i0..i1; rt: (>=2, rows + 2, n). Returns
-    <r, out>, <x, out>, <r, r>, <t, t>, <r, t>, <t, s> and <r, s>.
+    """Set out = r/(weight + damping t) + P z_coarse on own rows i0..i1; rt: (>=2, rows + 2, n).
+    Returns <r, out>, <x, out>, <r, r>, <t, t>, <r, t>, <t, s> and <r, s>.
 
     x is the third field of rt if there is one; s is the product of nominal = (rows,), (n,). out may
     be rt[0].
@@ -209,8 +207,7 @@ def smooth_level(rt, z_coarse, out, weight, damping, transfer, nominal, i0, i1):
 
 @making_arrays
 def sweep_coarsest(r, t, shapes, offsets, weights, softness, damping, mode, at):
-    """The sweep over the levels that one rank holds completely, in place: r of the finest of them
-    becomes z.
+    """Sweep the levels that one rank holds completely, in place: r of the finest of them becomes z.
 
     r, t: flat storage of all levels; level k is r[offsets[k]:...] of shape shapes[k]; r and t of
     level 0 are given. mode: flat, added to z on level `at` times its product with r there. Returns
@@ -260,7 +257,7 @@ def sweep_coarsest(r, t, shapes, offsets, weights, softness, damping, mode, at):
 
 @making_arrays
 def _axis(n, m, dtype_of):
-    """Mode and tables of one axis of a level that one rank holds completely."""
+    """Make mode and tables of one axis of a level that one rank holds completely."""
     mode = 0 if n == m else (1 if n == 2 * m and n > 2 else 2)
     j0 = np.empty(n, np.int32)
     f = np.empty(n, dtype_of.dtype)
@@ -293,7 +290,7 @@ def _restrict(fine, coarse):
 
 @making_arrays
 def _interpolate(coarse, fine):
-    """fine += P coarse."""
+    """Add P coarse to fine."""
     one = fine.dtype.type(1)
     n_x, n_y = fine.shape
     m_x, m_y = coarse.shape

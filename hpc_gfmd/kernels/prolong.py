@@ -17,16 +17,15 @@ import numpy as np
 from .jit import inline, making_arrays
 
 SWEEPS = 3  # gradient steps; each widens the halo by a row
-HALO = max(
-    SWEEPS, SWEEPS // 2 + 2
-)  # coarse rows needed beyond a rank's own: an axis may not be coarsened, or take a cubic
+# coarse rows needed beyond a rank's own: an axis may not be coarsened, or take a cubic
+HALO = max(SWEEPS, SWEEPS // 2 + 2)
 RING = SWEEPS + 1  # rows of every quantity that are kept
 
 
 @making_arrays
 def prolong_gap(u, p, h, g, fine_rows, coarse_rows, halved, compliance, stencil, most, nominal):
-    """The gap g on this rank's rows; fine_rows: the first of them and how many there are on all
-    ranks, coarse_rows: likewise.
+    """Make the gap g on this rank's rows; fine_rows: the first of them and how many there are on
+    all ranks, coarse_rows: likewise.
 
     u, p: displacement and pressure of the coarse solution, h: initial gap; each the rows before
     this rank's own, those, and the rows after: HALO of u and p, SWEEPS of h. halved: whether the
@@ -113,7 +112,7 @@ def prolong_gap(u, p, h, g, fine_rows, coarse_rows, halved, compliance, stencil,
 
 @making_arrays
 def _row(before, own, after, k):
-    """Row k of own rows and those before and after."""
+    """Return row k of own rows and those before and after."""
     if k < 0:
         return before[before.shape[0] + k]
     if k >= own.shape[0]:
@@ -143,8 +142,8 @@ def _wrap(row):
 
 @inline
 def _relax(t, v, i, n, inner, most, s0, s1, s2, s3):
-    """One step for row i, of which `inner` points are of the surface: t[v + ...] is the ring of its
-    input."""
+    """Make one step for row i, of which `inner` points are of the surface: t[v + ...] is the ring
+    of its input."""
     a, b, c = v + (i - 1 + RING) % RING, v + (i + RING) % RING, v + (i + 1 + RING) % RING
     lowest, p, out, last = (
         (i + RING) % RING,

@@ -34,7 +34,7 @@ def to_blocks(rows, blocks, edges, n_loc, i0, count):
 
 @kernel
 def from_blocks(blocks, rows, edges, n_loc, i0, count):
-    """The inverse of `to_blocks`."""
+    """Undo `to_blocks`."""
     source, target = blocks.view(np.float64), rows.view(np.float64)
     n = target.shape[1]
     words = n // rows.shape[1]
@@ -52,8 +52,8 @@ def from_blocks(blocks, rows, edges, n_loc, i0, count):
 
 @kernel
 def transpose(memory, first, rows, columns):
-    """columns (W, n_x) = a block (n_x, W) transposed, a cache line of either at a time. The block
-    is in pieces: its rows rows[k, 0] <= i < rows[k, 1] stand at memory[first[k]:]."""
+    """Set columns (W, n_x) = a block (n_x, W) transposed, a cache line of either at a time. The
+    block is in pieces: its rows rows[k, 0] <= i < rows[k, 1] stand at memory[first[k]:]."""
     W = columns.shape[0]
     for k in range(first.shape[0]):
         i0, n = rows[k, 0], rows[k, 1] - rows[k, 0]
@@ -70,7 +70,7 @@ def transpose(memory, first, rows, columns):
 
 @kernel
 def transpose_back(columns, memory, first, rows):
-    """The inverse of `transpose`."""
+    """Undo `transpose`."""
     W = columns.shape[0]
     for k in range(first.shape[0]):
         i0, n = rows[k, 0], rows[k, 1] - rows[k, 0]
@@ -87,8 +87,8 @@ def transpose_back(columns, memory, first, rows):
 
 @kernel
 def multiply_stiffness(columns, q_x, q_y, weight, factor):
-    """columns *= factor |q|, in place; returns sum(weight factor |q| |columns|^2) of the values
-    before.
+    """Multiply columns by factor |q|, in place; returns sum(weight factor |q| |columns|^2) of the
+    values before.
 
     columns: (W, 2 n_x), real and imaginary parts in turn; q_x: (2 n_x,), every number twice; q_y,
     weight: (W,), weight is the multiplicity of a column in the half spectrum, 0 for padding.
@@ -111,8 +111,8 @@ def multiply_stiffness(columns, q_x, q_y, weight, factor):
 
 @kernel
 def multiply_compliance(columns, q_x, q_y, weight, factor):
-    """columns *= factor/|q|, in place, and 0 at q = 0; returns sum(weight factor/|q| |columns|^2)
-    of the values before."""
+    """Multiply columns by factor/|q|, by 0 at q = 0, in place; returns sum(weight factor/|q|
+    |columns|^2) of the values before."""
     W, n = columns.shape
     energy = 0.0
     zero = q_y.dtype.type(0)
@@ -133,8 +133,8 @@ def multiply_compliance(columns, q_x, q_y, weight, factor):
 
 @kernel
 def multiply_by_table(columns, table, weight, factor):
-    """columns *= factor table, in place; returns sum(weight factor table |columns|^2) of the values
-    before.
+    """Multiply columns by factor table, in place; returns sum(weight factor table |columns|^2) of
+    the values before.
 
     columns: (W, 2 n_x), real and imaginary parts in turn; table: (W, n_x//2 + 1) for q_x = 0 and
     the positive ones; weight: (W,).
@@ -147,7 +147,7 @@ def multiply_by_table(columns, table, weight, factor):
 
 @kernel
 def divide_by_table(columns, table, weight, factor):
-    """columns *= factor/table, and 0 where the table is; returns sum(weight factor/table
+    """Multiply columns by factor/table, by 0 where the table is 0; returns sum(weight factor/table
     |columns|^2) of the values before."""
     energy = 0.0
     for w in range(columns.shape[0]):
@@ -157,7 +157,7 @@ def divide_by_table(columns, table, weight, factor):
 
 @inline
 def _multiply(column, table, factor, divide):
-    """One column; the energy is summed up over PIECE numbers in their own precision."""
+    """Multiply one column; the energy is summed up over PIECE numbers in their own precision."""
     n, half = column.shape[0] // 2, table.shape[0]
     zero = factor * 0
     energy = 0.0
@@ -176,8 +176,8 @@ def _multiply(column, table, factor, divide):
 
 @kernel
 def spectrum_sums(columns, q_x, q_y, weight):
-    """sum(weight |columns|^2) and sum(weight q^2 |columns|^2), both without q = 0; columns: (W,
-    n_x) complex."""
+    """Return sum(weight |columns|^2) and sum(weight q^2 |columns|^2), both without q = 0; columns:
+    (W, n_x) complex."""
     W, n_x = columns.shape
     s0 = 0.0
     s2 = 0.0

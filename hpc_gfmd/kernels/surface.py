@@ -14,7 +14,7 @@ _S30, _S27, _S31, _S11 = np.uint64(30), np.uint64(27), np.uint64(31), np.uint64(
 
 @inline
 def _mix(x):
-    """The finaliser of SplitMix64: a bijection of 64-bit words that scrambles all bits."""
+    """Apply the finaliser of SplitMix64: a bijection of 64-bit words that scrambles all bits."""
     x = x + _A
     x = (x ^ (x >> _S30)) * _B
     x = (x ^ (x >> _S27)) * _C
@@ -23,14 +23,14 @@ def _mix(x):
 
 @inline
 def _uniform(x):
-    """Uniform on (-1, 1)."""
+    """Return a number uniform on (-1, 1) from 64 random bits."""
     return (np.float64(x >> _S11) + 0.5) * (2.0 / 9007199254740992.0) - 1.0
 
 
 @inline
 def _mode(k_x, k_y, spectrum):
-    """Amplitude of the mode (k_x, k_y), any signs: the conjugate of that of (-k_x, -k_y); 0 outside
-    the band.
+    """Return the amplitude of the mode (k_x, k_y), any signs: the conjugate of that of (-k_x,
+    -k_y); 0 outside the band.
 
     spectrum: (seed, aspect, low, high, rolloff, exponent); wave numbers k are in units of 2 pi/L_x,
     aspect = L_y/L_x.
@@ -59,7 +59,7 @@ def _mode(k_x, k_y, spectrum):
 
 @kernel
 def self_affine(block, keep, factor, j0, columns, n_y, spectrum):
-    """block = keep block + factor modes; block: complete columns (W, n_x) of the half spectrum;
+    """Set block = keep block + factor modes; block: complete columns (W, n_x) of the half spectrum;
     spectrum: as of `_mode`.
 
     Column w is mode number k_y = j0 + w, w < columns.

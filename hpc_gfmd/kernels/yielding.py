@@ -9,7 +9,7 @@ from .jit import inline
 
 @inline
 def limit(hardness, zero):
-    """The pressure of a point that yields."""
+    """Return the pressure of a point that yields: the hardness, 0 without one."""
     if hardness is None:
         return zero
     return hardness
@@ -17,7 +17,7 @@ def limit(hardness, zero):
 
 @inline
 def yields(g, p, hardness, zero, one):
-    """1 for a point that has a dent, or is about to have one, otherwise 0."""
+    """Return 1 for a point that has a dent, or is about to have one, otherwise 0."""
     if hardness is None:
         return zero
     return one if g < zero or (g <= zero and p >= hardness) else zero
@@ -25,8 +25,8 @@ def yields(g, p, hardness, zero, one):
 
 @inline
 def landing(v, y, length, hardness, zero):
-    """Where a point that a step has taken to the gap v comes to: the proximal map. y: what `yields`
-    returns of it; length: of the step, for a pressure of 1."""
+    """Return where a point comes to that a step has taken to the gap v: the proximal map. y: what
+    `yields` returns of it; length: of the step, for a pressure of 1."""
     if hardness is None:
         return max(v, zero)
     if y > zero:
@@ -36,7 +36,7 @@ def landing(v, y, length, hardness, zero):
 
 @inline
 def at_contact(w, g, e, hardness, zero):
-    """Whether a point that is to come to w from g is at 0: by the step e it would, but for
+    """Return whether a point that is to come to w from g is at 0: by the step e it would, but for
     rounding, be there or beyond."""
     if hardness is None:
         return w <= zero or e <= -g

@@ -34,8 +34,8 @@ class CoarsestLevels:
         self.mode, self.at = np.zeros(0, dtype), 0
 
     def sweep(self, r: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, list[float], float]:
-        """z on the first level from r and t there; the sums over levels of softness times <r, r>,
-        <t, t> and <r, t>, as sums over the points of the first; the mean of r."""
+        """Return z on the first level from r and t there; the sums over levels of softness times
+        <r, r>, <t, t> and <r, t>, as sums over the points of the first; the mean of r."""
         n = r.size
         self.r[:n] = r.ravel()
         self.t[:n] = t.ravel()
@@ -53,6 +53,6 @@ class CoarsestLevels:
         return self.r[:n].reshape(r.shape), squares, mean
 
     def contact(self, k: int) -> np.ndarray:
-        """t of level k in the last sweep."""
+        """Return t of level k in the last sweep."""
         n = self.shapes[k]
         return self.t[self.offsets[k] : self.offsets[k] + n[0] * n[1]].reshape(n)

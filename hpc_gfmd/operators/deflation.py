@@ -80,11 +80,11 @@ class GapMode:
         self.K = K.astype(weights.dtype)
 
     def wanted(self, share: float) -> bool:
-        """Whether there is one where so much of the grid is in contact."""
+        """Return whether there is a mode where so much of the grid is in contact."""
         return self.at is not None and 0 < share < 1
 
     def find(self, t: np.ndarray) -> np.ndarray:
-        """w sqrt((1 - mu)/<1, w>) where t is the share of contact."""
+        """Return w sqrt((1 - mu)/<1, w>) where t is the share of contact."""
         real = t.dtype.type
         w, r, d, rz = np.zeros_like(t), np.ones_like(t), np.zeros_like(t), np.inf
         known = float(self.levels.sweep(r, t)[0].sum())

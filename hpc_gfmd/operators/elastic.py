@@ -7,11 +7,10 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, DTypeLike
+from numpy.typing import DTypeLike
 
 if TYPE_CHECKING:
     from ..bodies.base import Body
-    from ..parallel.comm import Comm
     from ..parallel.fft import Passes
     from ..parallel.grid import Grid
     from .problem import Columns, Rows
@@ -33,12 +32,12 @@ class Elastic:
         self.plan()
 
     def plan(self) -> None:
-        """Have the memory of the transforms. Collective."""
+        """Take the memory of the transforms. Collective."""
         self.fft = self.grid.fft(self.dtype)
         self.multipliers = self.body.multipliers(self.grid, self.fft)
 
     def make_room(self) -> None:
-        """Give it back, until `plan`."""
+        """Give the memory of the transforms back, until `plan`."""
         del self.fft, self.multipliers
         self.grid.forget_fft(self.dtype)
 
@@ -60,41 +59,35 @@ class Elastic:
         return float(sum(self.fft.columns(apply, backward=backward)))
 
     def pressure_rows(self, fill: RowFunction, passes: Passes | None = None) -> list:
-        """First third of an application of K: rows of u are made by fill; returns what it
-        returned."""
+        """Begin an application of K: rows of u are made by fill; returns what it returned."""
         return self.fft.forward_rows(fill, passes)
 
     def pressure_columns(self, add: Columns | None = None) -> float:
-        """Second third; returns this rank's share of <u, K u>, summed over all points. add(block,
-        m) completes the columns first."""
+        """Multiply the columns by K; returns this rank's share of <u, K u>, summed over all points.
+        add(block, m) completes the columns first."""
         return self._columns(self.multipliers.stiffness, add=add)
 
     def use_rows(self, use: RowFunction, passes: Passes | None = None) -> list:
-        """Last third: rows of K u are given to use; returns what it returned."""
+        """End an application of K: rows of K u are given to use; returns what it returned."""
         self.pairs += 1
         return self.fft.backward_rows(use, passes)
 
     def displacement_columns(self) -> float:
-        """After `pressure_rows` of a pressure: S p with zero mean, for `use_rows`; returns this
-        rank's share of <p, S p>."""
+        """Multiply the columns by S after `pressure_rows` of a pressure, for `use_rows` of S p with
+        zero mean; returns this rank's share of <p, S p>."""
         return self._columns(self.multipliers.compliance)
 
     def compliance_columns(self) -> float:
-        """After `pressure_rows` of a pressure: this rank's share of <p, S p>. Half a pair in all,
-        nothing is transformed back."""
+        """Return, after `pressure_rows` of a pressure, this rank's share of <p, S p>. Half a pair
+        in all, nothing is transformed back."""
         self.pairs += 0.5
         return self._columns(self.multipliers.compliance, backward=False)
 
 
 def reader(field: np.ndarray) -> Rows:
-    """fill function that copies rows of a local slab."""
+    """Return a fill function that copies rows of a local slab."""
 
     def fill(i0: int, i1: int, x: np.ndarray) -> None:
         x[: i1 - i0] = field[i0:i1]
 
     return fill
-
-
-def total(comm: Comm, sums: ArrayLike) -> np.ndarray:
-    """Sum the per-pass tuples of numbers over passes and ranks; returns an array of float64."""
-    return comm.sum(np.sum(np.asarray(sums, dtype=np.float64), axis=0))

@@ -66,8 +66,8 @@ class Step:
 def steps_of(
     grid: Grid, dtype: DTypeLike, coarsest_points: int | None = None
 ) -> tuple[list[Step], list[Level]]:
-    """The Steps down to the first level that rank 0 has alone, and the levels, of the rank that
-    grid.comm says. coarsest_points: see COARSEST_POINTS."""
+    """Return the Steps down to the first level that rank 0 has alone, and the levels, of the rank
+    that grid.comm says. coarsest_points: see COARSEST_POINTS."""
     most = COARSEST_POINTS if coarsest_points is None else coarsest_points
     hierarchy, rank = levels(grid), grid.comm.rank
     if len(hierarchy) == 1:  # a single point: a level that equals it, so that there is always one
@@ -88,7 +88,7 @@ def steps_of(
 
 
 def traffic_of(steps: Sequence[Step], itemsize: int) -> tuple[int, int]:
-    """(bytes, messages) that a rank sends in a sweep."""
+    """Return (bytes, messages) that a rank sends in a sweep."""
     nbytes, messages = np.sum([step.traffic for step in steps], axis=0)
     return int(nbytes) * itemsize, int(messages)
 
@@ -113,11 +113,12 @@ class Hierarchy:
     def of(
         cls, grid: Grid, body: Body, dtype: np.dtype, coarsest_points: int | None = None
     ) -> Hierarchy:
-        """That of a grid."""
+        """Make the hierarchy of a grid, a body and a precision."""
         steps, levels = steps_of(grid, dtype, coarsest_points)
+        # a single point has one weight for its two levels
         weights, softness = (
             np.resize(a, len(levels)) for a in (body.weights(grid), body.softness(grid))
-        )  # as often as levels
+        )
         weights, alone = weights.astype(dtype), len(steps)
         area = NominalArea(grid, levels, softness, alone)
         starts, rank = [grid.starts, *(step.starts for step in steps)], grid.comm.rank

@@ -23,7 +23,7 @@ from numpy.typing import DTypeLike
 from ..kernels.bfloat16 import stored_dtype
 from ..kernels.bpx import UpdateSums, update_state
 from ..kernels.multilevel import join_edges, restrict_level, smooth_level
-from ..parallel.threads import on_threads
+from ..parallel.threads import added, on_threads
 from ..util.aligned import LINE, zeros_aligned
 from .coarsest import DAMPING, CoarsestLevels
 from .hierarchy import Hierarchy
@@ -82,7 +82,7 @@ class Multilevel:
         self._joining, self._half = Lock(), [False] * (len(self.passes) + 1)
 
     def scratch(self) -> tuple[np.ndarray, np.ndarray]:
-        """Memory that `update_rows` needs, of each thread its own."""
+        """Return the memory that `update_rows` needs, of each thread its own."""
         rows = zeros_aligned((6, self.grid.n[1] + LINE // self.dtype.itemsize), self.dtype)
         return rows, np.zeros((2, 3, self.transfers[0].m[1]), self.dtype)
 
@@ -97,8 +97,8 @@ class Multilevel:
         scratch: tuple[np.ndarray, np.ndarray],
         hardness: np.floating | None = None,
     ) -> tuple[float, ...]:
-        """Pass k of the solver's update of its state, see kernels/bpx.py; d: of the rows of the
-        pass. Returns its UpdateSums as a plain tuple."""
+        """Make pass k of the solver's update of its state, see kernels/bpx.py; d: of the rows of
+        the pass. Returns its UpdateSums as a plain tuple."""
         rows, edges = scratch
         transfer = self.transfers[0].tables
         sums = update_state(
@@ -138,7 +138,7 @@ class Multilevel:
 
     @property
     def mode(self) -> str:
-        """The gap mode that M has (gapmode.py), as a text."""
+        """The gap mode that M has (deflation.py), as a text."""
         return b64encode(self.coarsest.mode.tobytes()).decode() if self.coarsest else ""
 
     @mode.setter
@@ -150,8 +150,8 @@ class Multilevel:
             )
 
     def sweep(self, anew: bool = False) -> tuple[float, ...]:
-        """From what was restricted to level 1, in the windows of all ranks, make z on level 1 (own
-        rows and halo). anew: by an M that has the gap mode of this contact.
+        """Make z on level 1 (own rows and halo) from what was restricted to it in the windows of
+        all ranks. anew: by an M that has the gap mode of this contact.
 
         Returns this rank's share of <p, M' p> and <x, M' p>, both on F, as sums over level 1 times
         N/N_1: M' is M without the finest level; of the sums over these levels of softness times <r,
@@ -185,8 +185,8 @@ class Multilevel:
         )
 
     def smooth(self, k: int, fields: np.ndarray, out: np.ndarray) -> np.ndarray:
-        """z of level k from that of the next one, see kernels/multilevel.py; fields: its r, t and
-        perhaps x. Returns the sums."""
+        """Make z of level k from that of the next one, see kernels/multilevel.py; fields: its r, t
+        and perhaps x. Returns the sums."""
         z, transfer = self.fields[k][0], self.transfers[k]
         weight, nominal = self.hierarchy.weights[k], self.hierarchy.nominal[k]
 
@@ -196,17 +196,16 @@ class Multilevel:
             )
 
         sums = on_threads(self.grid.threads, smooth, transfer.pieces)
-        return np.sum(np.reshape(sums, (-1, 7)), axis=0)
+        return added(sums, 7)
 
     def _add_up(self, k: int, rows: np.ndarray) -> None:
-        """The rows of level k + 1 that this rank owns, (fields, rows, m): the sum over all
-        windows."""
+        """Add up all windows on the rows of level k + 1 that this rank owns, (fields, rows, m)."""
         if not np.may_share_memory(rows, self.fields[k]):
             rows[...] = 0
         self.steps[k].windows.add(self.comm, self.fields[k][: len(rows)], rows)
 
     def _hand_out(self, k: int, z: np.ndarray) -> None:
-        """z on this rank's rows of level k + 1, (1, rows, m), into all windows."""
+        """Copy z on this rank's rows of level k + 1, (1, rows, m), into all windows."""
         self.steps[k].windows.fill(self.comm, z, self.fields[k][:1])
 
     def test_products(
@@ -220,8 +219,8 @@ class Multilevel:
         ts: float,
         rs: float,
     ) -> tuple[float, float, float]:
-        """|w|_S^2, share^2 |v|_S^2 and share <v, S w>, over the compliance of the shortest wave, by
-        sums over levels.
+        """Return |w|_S^2, share^2 |v|_S^2 and share <v, S w>, over the compliance of the shortest
+        wave, by sums over levels.
 
         w = r - missing t is the pressure r that is out of contact less that load in contact; v =
         t/share - s the test pressure of certificate/error_estimates.py, share that of the surface
@@ -242,7 +241,7 @@ class Multilevel:
         hardness: np.floating | None = None,
         d: np.ndarray | None = None,
     ) -> UpdateSums:
-        """From a state that no step has led to, what the update passes restrict; returns
+        """Restrict what the update passes do, from a state that no step has led to; returns
         UpdateSums, with <p, d> on F where there is a d."""
         longest = max((i1 - i0 for i0, i1 in self.passes), default=0)
         still = np.zeros((longest, self.grid.n[1]), self.dtype)
@@ -288,5 +287,5 @@ class Multilevel:
 
 
 def _dot(a: np.ndarray, b: np.ndarray) -> float:
-    """Not by BLAS, whose threads would get into the way of the other ranks."""
+    """Return <a, b>, not by BLAS, whose threads would get into the way of the other ranks."""
     return float(np.einsum("ij,ij->", a, b))

@@ -38,8 +38,8 @@ class NominalArea:
         )
 
     def products_of_coarsest(self, field: np.ndarray) -> float:
-        """softness <field, s> N/N_l, summed over the levels from `alone` on; field: complete, on
-        the first of them."""
+        """Return softness <field, s> N/N_l, summed over the levels from `alone` on; field:
+        complete, on the first of them."""
         along_x, along_y = self._tables
         return float(np.vdot(along_x, field @ along_y.astype(field.dtype)))
 

@@ -142,34 +142,31 @@ class Problem:
         return float(self.p_cell * np.sqrt(self.grid.cell_points))
 
     def noise(self, h_rms: float) -> float:
-        """The rms error of the pressure from transforms in the working precision, at most; h_rms:
-        of the heights."""
-        varies = (
-            h_rms
-            if self.stored is None
-            else self.sunk
-            if self.grid.padded
-            else min(h_rms, self.sunk)
-        )
+        """Return the rms error of the pressure from transforms in the working precision, at most;
+        h_rms: of the heights."""
+        if self.stored is None:
+            varies = h_rms
+        else:
+            varies = self.sunk if self.grid.padded else min(h_rms, self.sunk)
         return TRANSFORMED * float(np.finfo(self.dtype).eps) * varies
 
     def level(self, g: np.ndarray) -> float:
-        """The mean of what is transformed of u = g - h, about. K does not see it, but rounding
-        errors go with it. Collective."""
+        """Return about the mean of what is transformed of u = g - h. K does not see it, but
+        rounding errors go with it. Collective."""
         few = g[::EVERY]
         heights = 0.0 if self.stored is None else self.stored[::EVERY].sum()
         total, points = self.grid.comm.sum([few.sum() - heights, few.size])
         return float(total / points)
 
     def displacement_rows(self, g: np.ndarray, level: float) -> Rows:
-        """fill(i0, i1, x): rows of u - level, u = g - h (g itself beyond the surface), or of g
-        where `adder` does the rest; x may be of another precision."""
+        """Return fill(i0, i1, x): rows of u - level, u = g - h (g itself beyond the surface), or of
+        g where `adder` does the rest; x may be of another precision."""
         from ..kernels.certify import displacement_rows
 
         h = np.zeros((0, 0), self.dtype) if self.stored is None else self.stored
         return lambda i0, i1, x: displacement_rows(g, h, x, i0, i1, level)
 
     def adder(self, fft: SlabFFT) -> Columns | None:
-        """What completes the columns of u after a transform of its rows: None where the rows are
-        those of u already."""
+        """Return what completes the columns of u after a transform of its rows: None where the rows
+        are those of u already."""
         return self.h.add(fft) if isinstance(self.h, HeightSpectrum) else None

@@ -49,8 +49,8 @@ class Spectra:
         self._lengths = [size for size, n in zip(self.grid.sizes, self.grid.n) if n > 1] or [1.0]
 
     def power(self, name: str) -> dict[str, np.ndarray] | None:
-        """Radial power spectrum of "heights", "pressure" or "gap": {"q": in 1/length, "power": C};
-        None on a grid of one point."""
+        """Return the radial power spectrum of "heights", "pressure" or "gap": {"q": in 1/length,
+        "power": C}; None on a grid of one point."""
         q_x, q_y = self.grid.q_x / self.grid.a, self.grid.q_y / self.grid.a
         longest = 2 * np.pi / max(self._lengths)
         weight = self.grid.multiplicity(np.arange(len(q_y)))
@@ -72,8 +72,8 @@ class Spectra:
         return {"q": q, "power": power} if len(q) else None
 
     def autocorrelation(self, name: str) -> dict[str, np.ndarray]:
-        """Radial autocorrelation of "heights", "pressure" or "gap": {"r": distances, up to half of
-        the cell, "correlation": A}."""
+        """Return the radial autocorrelation of "heights", "pressure" or "gap": {"r": distances, up
+        to half of the cell, "correlation": A}."""
 
         def square(block: np.ndarray, m: int) -> None:
             block *= self.fft.dtype.type(self.fft.scale)
@@ -88,11 +88,7 @@ class Spectra:
             for n, spacing in zip(self.grid.n, self.grid.spacings)
         )
         x = x[slice(*self.grid.rows)]
-        nearest = (
-            min(a for a, n in zip(self.grid.spacings, self.grid.n) if n > 1)
-            if self.grid.N > 1
-            else 1.0
-        )
+        nearest = min((a for a, n in zip(self.grid.spacings, self.grid.n) if n > 1), default=1.0)
 
         def sums(i0: int, i1: int, values: np.ndarray) -> np.ndarray:
             r = np.hypot(x[i0:i1, None], y)
@@ -124,8 +120,8 @@ class Spectra:
         return self.fft.columns(added, forward=False, backward=backward)
 
     def _means(self, parts: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-        """Means over the rings (distance, value) of what all blocks of all ranks summed up, without
-        empty rings."""
+        """Return means over the rings (distance, value) of what all blocks of all ranks summed up,
+        without empty rings."""
         comm = self.grid.comm
         rings = int(comm.max([max((part.shape[1] for part in parts), default=0)])[0])
         total = np.zeros((3, rings))
@@ -139,8 +135,8 @@ class Spectra:
 def _ring_sums(
     distance: np.ndarray, first: float, weight: np.ndarray, values: np.ndarray
 ) -> np.ndarray:
-    """Sums over the points in each ring of (weight, weight distance, weight value), (3, rings);
-    ring 0 is distance 0."""
+    """Return sums over the points in each ring of (weight, weight distance, weight value), (3,
+    rings); ring 0 is distance 0."""
     with np.errstate(divide="ignore"):
         ring = np.maximum(1 + np.floor(RINGS * np.log2(distance / first) + 0.5), 0).astype(np.int64)
     return np.stack([np.bincount(ring, w) for w in (weight, weight * distance, weight * values)])

@@ -53,7 +53,7 @@ class Tangent:
 def tangent(
     grid: Grid, body: Body, contact: np.ndarray, dtype: DTypeLike, accuracy: float
 ) -> Tangent:
-    """The Tangent of the contact of a body: a local slab that is true where points touch.
+    """Find the Tangent of the contact of a body: a local slab that is true where points touch.
     Collective.
 
     Needs four fields and the levels of the preconditioner besides the transforms.

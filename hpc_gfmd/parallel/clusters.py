@@ -44,7 +44,7 @@ def find_clusters(
     periodic: tuple[bool, bool] = (True, True),
     corners: bool = False,
 ) -> Clusters:
-    """The Clusters of the points where a mask is true. Collective.
+    """Find the Clusters of the points where a mask is true. Collective.
 
     mask(i0, i1): local rows i0 <= i < i1, shape (i1 - i0, n_y), bool; rows: (start, stop) of this
     rank, may be empty; n: (n_x, n_y); periodic: whether opposite edges touch, along x and along y;
@@ -101,7 +101,7 @@ class _Joiner:
         self.whole = [(np.zeros(0, np.int64), np.zeros(0, np.uint8))]
 
     def labelled(self, mask: np.ndarray, first_row: int, last_row: int) -> _Block:
-        """The block of a strip; first_row, last_row: what edges of the cell its ends are."""
+        """Make the block of a strip; first_row, last_row: what edges of the cell its ends are."""
         from scipy import ndimage
 
         structure = ndimage.generate_binary_structure(2, 2 if self.corners else 1)
@@ -110,15 +110,17 @@ class _Joiner:
         lines = labels[0], labels[-1], labels[:, 0], labels[:, -1]
         for line, side in zip(lines, (first_row, last_row, FIRST_COLUMN, LAST_COLUMN)):
             sides[line] |= side
+        # of a point outside the mask the label is NOTHING
         first, last, left, right = (
             np.stack([line.astype(np.int64) - 1, 0 * line, 0 * line]) for line in lines
-        )  # of a point outside the mask the label is NOTHING
+        )
         pairs = self._pairs(right, left, (0, 1), False) if self.around else []
         sizes = np.bincount(labels.ravel(), minlength=found + 1)[1:]
         return self._joined(pairs, sizes, sides[1:], np.zeros(2, np.bool_), first, last)
 
     def together(self, upper: _Block | None, lower: _Block | None) -> _Block | None:
-        """One block of two, of which the second begins where the first one ends; None is none."""
+        """Make one block of two, of which the second begins where the first one ends; None is
+        none."""
         if upper is None or lower is None:
             return lower if upper is None else upper
         first, last = lower.first.copy(), lower.last.copy()
@@ -134,8 +136,8 @@ class _Joiner:
         )
 
     def closed(self, block: _Block, around: bool) -> _Block:
-        """What is left of the block of all rows, all clusters being whole: no border. around:
-        whether its last row touches its first."""
+        """Return what is left of the block of all rows, all clusters being whole: no border.
+        around: whether its last row touches its first."""
         pairs = self._pairs(block.last, block.first, (1, 0), self.around) if around else []
         border = block.first[:, :0]
         return self._joined(pairs, block.sizes, block.sides, block.wraps, border, border)
@@ -143,8 +145,8 @@ class _Joiner:
     def _pairs(
         self, a: np.ndarray, b: np.ndarray, across: tuple[int, int], around: bool
     ) -> list[np.ndarray]:
-        """Edges (4, m), as `join` takes them transposed, between the points that touch on
-        neighbouring lines. across: borders crossed from a to b; around: whether the ends of the
+        """Return the edges (4, m), as `join` takes them transposed, between the points that touch
+        on neighbouring lines. across: borders crossed from a to b; around: whether the ends of the
         lines touch."""
         ways = [(slice(None), slice(None), 0)]
         if self.corners:
@@ -168,7 +170,7 @@ class _Joiner:
         first: np.ndarray,
         last: np.ndarray,
     ) -> _Block:
-        """The block of rows from line `first` to line `last` whose pieces have these sizes and
+        """Make the block of rows from line `first` to line `last` whose pieces have these sizes and
         sides; counts the clusters that reach neither line."""
         parent, shift = np.arange(len(sizes)), np.zeros((len(sizes), 2), np.int64)
         edges = np.concatenate([np.zeros((4, 0), np.int64), *pairs], axis=1)

@@ -36,7 +36,7 @@ class Level:
 
 
 def levels(grid: Grid) -> list[Level]:
-    """All levels of a grid, finest first, down to one point.
+    """List all levels of a grid, finest first, down to one point.
 
     Axes whose spacing is more than sqrt 2 larger than that of the other are not coarsened in that
     step (semi-coarsening), so stretched cells and grids with very different n_x and n_y approach
@@ -53,15 +53,15 @@ def levels(grid: Grid) -> list[Level]:
 def halved(
     n: tuple[int, int], spacing: tuple[float, ...], fewest: int = 2
 ) -> tuple[tuple[int, int], tuple[float, ...]]:
-    """The points of the next coarser level, and their spacing; axes of fewer than `fewest` points
-    stay as they are."""
+    """Return the points of the next coarser level, and their spacing; axes of fewer than `fewest`
+    points stay as they are."""
     finest = min((s for s, k in zip(spacing, n) if k >= fewest), default=0.0)
     coarse = [(k + 1) // 2 if k >= fewest and s < SQRT2 * finest else k for k, s in zip(n, spacing)]
     return (coarse[0], coarse[1]), tuple(s * k / c for s, k, c in zip(spacing, n, coarse))
 
 
 def _nyquist(n: Sequence[int], spacing: Sequence[float]) -> float:
-    """As Grid.q_nyquist; 1 for a single point."""
+    """Return the q_nyquist of a Grid of n points; 1 for a single point."""
     q = [np.pi / s for s, k in zip(spacing, n) if k > 1]
     return float(np.sqrt(sum(x * x for x in q) / 2)) or 1.0
 
@@ -70,39 +70,39 @@ def _nyquist(n: Sequence[int], spacing: Sequence[float]) -> float:
 def axis_tables(
     n: int, m: int, dtype: np.dtype, start: int = 0, stop: int | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """J0 and f of the fine points start <= i < stop (default: all) of one axis (see
+    """Return J0 and f of the fine points start <= i < stop (default: all) of one axis (see
     kernels/multilevel.py), not to be written to."""
     i = np.arange(start, n if stop is None else stop, dtype=np.int64)
     return (i * m // n).astype(np.int32), ((i * m % n) / n).astype(dtype)
 
 
 def restrict_axis(x: np.ndarray, m: int) -> np.ndarray:
-    """A field of one axis on the next coarser level, of m points."""
+    """Restrict a field of one axis to the next coarser level, of m points."""
     J0, f = axis_tables(len(x), m, np.float64)
     return (np.bincount(J0, (1 - f) * x, m) + np.bincount((J0 + 1) % m, f * x, m)) * (m / len(x))
 
 
 def restrict_axis_back(x: np.ndarray, n: int) -> np.ndarray:
-    """The transposed map: <restrict_axis(y, m), x> = <y, restrict_axis_back(x, n)>."""
+    """Apply the transposed map: <restrict_axis(y, m), x> = <y, restrict_axis_back(x, n)>."""
     J0, f = axis_tables(n, len(x), np.float64)
     return ((1 - f) * x[J0] + f * x[(J0 + 1) % len(x)]) * (len(x) / n)
 
 
 def axis_mode(n: int, m: int) -> int:
-    """How the column axis is coarsened: 0 not at all, 1 exactly halved, 2 anything else."""
+    """Tell how the column axis is coarsened: 0 not at all, 1 exactly halved, 2 anything else."""
     return 0 if n == m else (1 if n == 2 * m and n > 2 else 2)
 
 
 def owned_rows(starts: ArrayLike, n: int, m: int) -> np.ndarray:
-    """First coarse row of every rank, and m: coarse row J belongs to the rank that owns the first
-    fine row with J0 = J."""
+    """Return the first coarse row of every rank, and m: coarse row J belongs to the rank that owns
+    the first fine row with J0 = J."""
     return -(-np.asarray(starts, dtype=np.int64) * m // n)
 
 
 def agglomerated(starts: ArrayLike, points: int, share: int) -> np.ndarray:
-    """First row of every rank, and their number, when the rows of a grid of so many points are
-    agglomerated on ranks 0, s, 2 s, ..., s the least power of two that leaves each of them `share`
-    points and a row."""
+    """Return the first row of every rank, and their number, when the rows of a grid of so many
+    points are agglomerated on ranks 0, s, 2 s, ..., s the least power of two that leaves each of
+    them `share` points and a row."""
     starts = np.asarray(starts)
     size = int(np.flatnonzero(np.diff(starts))[-1]) + 1  # the last rank that has any
     most = max(1, min(int(starts[-1]), points // share))
@@ -171,8 +171,8 @@ class Transfer:
         return self.passes(piece_rows(self.n[1]))
 
     def passes(self, longest: int) -> list[tuple[int, int]]:
-        """Row ranges of at most `longest` rows (or one coarse row's) that begin where a coarse row
-        begins."""
+        """List row ranges of at most `longest` rows (or one coarse row's) that begin where a coarse
+        row begins."""
         out, begin, n_loc = [], 0, len(self.k0)
         firsts = np.flatnonzero(np.diff(self.k0, prepend=-2)).tolist()  # that open a coarse row
         while begin < n_loc:

@@ -29,31 +29,32 @@ class SerialComm:
     max = min = sum
 
     def bcast(self, obj: Any, root: int = 0) -> Any:
-        """The object of one rank."""
+        """Return the object of one rank."""
         return obj
 
     def allgather(self, obj: Any) -> list:
-        """The list of every rank's object."""
+        """Return the list of every rank's object."""
         return [obj]
 
     def gather(self, obj: Any) -> list | None:
-        """The list of every rank's object on rank 0, None on the others."""
+        """Return the list of every rank's object on rank 0, None on the others."""
         return [obj]
 
     def exchange(self, send: Mapping[int, np.ndarray], receive: Mapping[int, np.ndarray]) -> None:
-        """Messages between two ranks each: send[rank] goes to that rank, receive[rank] is filled
-        from it; contiguous arrays."""
+        """Pass messages between two ranks each: send[rank] goes to that rank, receive[rank] is
+        filled from it; contiguous arrays."""
 
     def alltoall_bytes(self, send: tuple, receive: tuple) -> None:
-        """send, receive: (array, bytes for or from each rank, their offsets)."""
+        """Pass bytes from all ranks to all; send, receive: (array, bytes for or from each rank,
+        their offsets)."""
 
     def reduce(self, obj: T, join: Callable[[T, T], T]) -> T | None:
-        """The objects of all ranks in their order, joined two at a time by join(one, next one), on
+        """Join the objects of all ranks in their order, two at a time by join(one, next one), on
         rank 0; None on the others."""
         return obj
 
     def subcomm(self, ranks: Sequence[int]) -> "Comm | None":
-        """The communicator of these ranks alone, rank 0 first; None on others."""
+        """Return the communicator of these ranks alone, rank 0 first; None on others."""
         return self
 
     def barrier(self) -> None:
@@ -69,7 +70,8 @@ class SerialComm:
 
 
 def stages(size: int) -> int:
-    """How many messages a rank sends in a reduction over so many ranks, by recursive doubling."""
+    """Tell how many messages a rank sends in a reduction over so many ranks, by recursive
+    doubling."""
     return (size - 1).bit_length()
 
 
@@ -125,7 +127,7 @@ class MpiComm:
         )
 
     def reduce(self, obj: T, join: Callable[[T, T], T]) -> T | None:
-        """The objects of all ranks in their order, joined two at a time by join(one, next one), on
+        """Join the objects of all ranks in their order, two at a time by join(one, next one), on
         rank 0; None on the others. Up a tree: a rank gets log2(ranks) messages at most."""
         step = 1
         while step < self.size:
@@ -138,8 +140,8 @@ class MpiComm:
         return obj
 
     def subcomm(self, ranks: Sequence[int]) -> "Comm | None":
-        """The communicator of these ranks alone, rank 0 first; None on others. Made once: MPI has
-        few of them. Collective."""
+        """Return the communicator of these ranks alone, rank 0 first; None on others. Made once:
+        MPI has few of them. Collective."""
         from mpi4py import MPI
 
         ranks = tuple(map(int, ranks))
@@ -166,9 +168,8 @@ class MpiComm:
     def node(self) -> "Comm":
         """That of the ranks that have memory in common with this one: all on the machine, or none.
         Collective as `machine`."""
-        return (
-            self.machine if self.machine.size > 1 and can_share(self.machine) else SerialComm(self)
-        )
+        together = self.machine.size > 1 and can_share(self.machine)
+        return self.machine if together else SerialComm(self)
 
     @cached_property
     def node_ranks(self) -> np.ndarray:
@@ -177,14 +178,13 @@ class MpiComm:
 
 
 class DryRunComm:
-    """Rank `rank` of `size`, as a communicator that cannot send. nodes: that of every rank
-    (default: each has one to itself, so that everything between ranks is a message)."""
+    """Rank `rank` of `size`, as a communicator that cannot send. nodes: number of the node of every
+    rank; between nodes everything is a message."""
 
     mpi = parent = None
 
-    def __init__(self, rank: int, size: int, nodes: ArrayLike | None = None):
-        self.rank, self.size = rank, size
-        self._nodes = np.arange(size) if nodes is None else np.asarray(nodes)
+    def __init__(self, rank: int, size: int, nodes: np.ndarray):
+        self.rank, self.size, self._nodes = rank, size, nodes
 
     @property
     def node_ranks(self) -> np.ndarray:
@@ -192,7 +192,7 @@ class DryRunComm:
         return np.flatnonzero(self._nodes == self._nodes[self.rank])
 
     def subcomm(self, ranks: list[int]) -> "DryRunComm | None":
-        """The communicator of these ranks alone, None where this rank is not one of them."""
+        """Return the communicator of these ranks alone, None where this rank is not one of them."""
         if self.rank not in ranks:
             return None
         return DryRunComm(ranks.index(self.rank), len(ranks), self._nodes[ranks])
@@ -202,7 +202,7 @@ Comm = SerialComm | MpiComm
 
 
 def same_machine(mpi: Any) -> Any:
-    """The part of an mpi4py communicator that is on one machine. Collective."""
+    """Return the part of an mpi4py communicator that is on one machine. Collective."""
     from mpi4py import MPI
 
     return mpi.Split_type(MPI.COMM_TYPE_SHARED, mpi.Get_rank())

@@ -41,9 +41,8 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 Passes = Sequence[tuple[int, int]]  # row ranges (i0, i1)
-Scratch = tuple[
-    np.ndarray, ...
-]  # of a thread: real rows, their spectra, columns, what other nodes have sent
+# of a thread: real rows, their spectra, columns, what other nodes have sent
+Scratch = tuple[np.ndarray, ...]
 
 
 class SlabFFT(Layout):
@@ -64,9 +63,8 @@ class SlabFFT(Layout):
         self.scale = 1.0 / (n_x * n_y)
         self.threads = threads
         self._memory, first, self.blocks = self._common(complex_dtype)
-        self._rows = np.stack(
-            [self.starts[self.node_ranks], self.starts[self.node_ranks + 1]], axis=1
-        )  # of the node
+        # those of each rank of the node
+        self._rows = np.stack([self.starts[self.node_ranks + end] for end in (0, 1)], axis=1)
         self._far_rows = _runs(np.repeat(self.far, np.diff(self.starts)))
         own = self.edges[:-1].reshape(self.K, self.size)[:, self.rank]
         self._own_widths = np.diff(self.edges).reshape(self.K, self.size)[:, self.rank].tolist()
@@ -94,8 +92,8 @@ class SlabFFT(Layout):
             a[...] = 0  # planning has left noise
 
     def _common(self, dtype: np.dtype) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """(memory, first, blocks): memory that the ranks of the node have in common, where the part
-        of each begins in it, and that of this rank, which holds its rows of the blocks."""
+        """Return (memory, first, blocks): memory that the ranks of the node have in common, where
+        the part of each begins in it, and that of this rank, which holds its rows of the blocks."""
         node, length = self.comm.node, self.n_loc * self.n_c
         if node.size == 1:
             blocks = empty_aligned((length,), dtype)  # a pass writes all of them
@@ -117,7 +115,7 @@ class SlabFFT(Layout):
         return [scratch[0] for scratch in self._scratch]
 
     def passes(self) -> Passes:
-        """The row ranges [(i0, i1), ...], local, that one pass handles at a time."""
+        """Return the row ranges [(i0, i1), ...], local, that one pass handles at a time."""
         return [(i, min(i + self.R, self.n_loc)) for i in range(0, self.n_loc, self.R)]
 
     def forward_rows(
@@ -150,7 +148,7 @@ class SlabFFT(Layout):
         return self._map(one, passes or self.passes())
 
     def first_columns(self, count: int) -> np.ndarray:
-        """The first columns of the row spectra, (n_loc, count) complex."""
+        """Return the first columns of the row spectra, (n_loc, count) complex."""
         blocks = [
             self._slab(m, m + 1).reshape(self.n_loc, self.edges[m + 1] - self.edges[m])
             for m in range(np.searchsorted(self.edges, count))
@@ -186,14 +184,15 @@ class SlabFFT(Layout):
         return results
 
     def _exchange(self, group: range, back: bool) -> None:
-        """The all-to-alls of some numbers, each into the scratch of a thread, or back from it."""
+        """Do the all-to-alls of some numbers, each into the scratch of a thread, or back from
+        it."""
         for k, scratch in zip(group, self._scratch):
             blocks = self._slab(k * self.size, (k + 1) * self.size)
             ends = (blocks, *self.sent(k)), (scratch[3], *self.received(k))
             self.comm.alltoall_bytes(*(reversed(ends) if back else ends))
 
     def _slab(self, first: int, last: int) -> np.ndarray:
-        """The memory of some blocks of this rank's rows."""
+        """Return the memory of some blocks of this rank's rows."""
         return self.blocks[self.n_loc * self.edges[first] : self.n_loc * self.edges[last]]
 
     def _one_block(
@@ -205,13 +204,12 @@ class SlabFFT(Layout):
         forward: bool,
         backward: bool,
     ) -> T:
-        """This rank's block number k; received: rows of it that come from other nodes, and go back
-        there."""
+        """Transform this rank's block number k; received: rows of it that come from other nodes,
+        and go back there."""
         m = k * self.size + self.rank
         width = self._own_widths[k]
-        for_plan = columns[
-            : next(w for w in self.widths if w >= width)
-        ]  # as many as there is a plan for
+        # as many as there is a plan for
+        for_plan = columns[: next(w for w in self.widths if w >= width)]
         columns = for_plan[:width]
         pieces = [(_moved(self._memory), self._first[k], self._rows)]
         if received is not None:
@@ -231,15 +229,15 @@ class SlabFFT(Layout):
         return result
 
     def _map(self, one: Callable[[int, int, Scratch], T], ranges: Passes) -> list[T]:
-        """one(a, b, scratch) for all ranges, on all threads."""
+        """Call one(a, b, scratch) for all ranges, on all threads."""
         return on_threads(self.threads, one, ranges, self._scratch)
 
 
 def _moved(a: np.ndarray) -> np.ndarray:
-    """The same memory in a type that the compiler moves at once."""
+    """View the same memory in a type that the compiler moves at once."""
     return a.view(np.float64) if a.dtype == np.complex64 else a
 
 
 def _runs(mask: np.ndarray) -> np.ndarray:
-    """(runs, 2): where a mask is true, from ... to."""
+    """Return (runs, 2): where a mask is true, from ... to."""
     return np.flatnonzero(np.diff(mask, prepend=False, append=False)).reshape(-1, 2)

@@ -13,7 +13,8 @@ MODULES = {"float64": "fftw_xfftn", "float32": "fftwf_xfftn"}
 
 @cache
 def load_fftw() -> dict[str, Any] | None:
-    """mpi4py-fft's modules of FFTW by the names of their real numbers; None where they are missing.
+    """Return mpi4py-fft's modules of FFTW by the names of their real numbers; None where they are
+    missing.
 
     Its packages import mpi4py, which starts MPI, or, where told not to, is left as it is for
     whoever needs MPI later in this process: the compiled modules are taken without them.
@@ -44,5 +45,5 @@ def _compiled() -> dict[str, Any] | None:
 
 
 def fft_library() -> str:
-    """Name of the library that does the transforms."""
+    """Name the library that does the transforms."""
     return "FFTW (mpi4py-fft)" if load_fftw() else "scipy.fft"

@@ -74,8 +74,8 @@ class Grid:
         starts: ArrayLike | None = None,
         nominal: Sequence[int] | None = None,
     ) -> Grid:
-        """The grid, with its transforms and tables, that this thread has used before where it is of
-        one process; otherwise a new one."""
+        """Return the grid, with its transforms and tables, that this thread has used before where
+        it is of one process; otherwise a new one."""
         if comm.size > 1 or comm.parent is not None:
             return cls(n, sizes, comm, threads, starts, nominal)
         ends = None if nominal is None else tuple(map(int, nominal))
@@ -154,22 +154,22 @@ class Grid:
         return float(np.sqrt(sum(x * x for x in q) / 2)) or 1.0
 
     def multiplicity(self, j: ArrayLike) -> np.ndarray:
-        """How often columns j of the half spectrum occur in the full one: 1 or 2; 0 beyond the last
-        column."""
+        """Tell how often columns j of the half spectrum occur in the full one: 1 or 2; 0 beyond the
+        last column."""
         j = np.asarray(j)
         n_y = self.n[1]
         twice = (j > 0) & (2 * j != n_y)
         return np.where(j > n_y // 2, 0, np.where(twice, 2, 1))
 
     def fft(self, dtype: DTypeLike) -> SlabFFT:
-        """The transforms of this grid in one precision, planned once."""
+        """Return the transforms of this grid in one precision, planned once."""
         dtype = np.dtype(dtype)
         if dtype not in self._fft:
             self._fft[dtype] = SlabFFT(self.comm, self.n, self.starts, dtype, self.threads)
         return self._fft[dtype]
 
     def planned(self) -> list[SlabFFT]:
-        """The transforms that have been planned, all precisions."""
+        """Return the transforms that have been planned, all precisions."""
         return list(self._fft.values())
 
     def forget_fft(self, dtype: DTypeLike) -> None:
@@ -179,12 +179,12 @@ class Grid:
             del self._fft[fft.dtype]
 
     def empty(self, dtype: DTypeLike) -> np.ndarray:
-        """An uninitialised local slab."""
+        """Make an uninitialised local slab."""
         return empty_aligned(self.shape, dtype)
 
     def pieces(self, rows: int | None = None) -> list[tuple[int, int]]:
-        """Ranges of all local rows, or of the first `rows` of them, that a thread works on at a
-        time."""
+        """List ranges of all local rows, or of the first `rows` of them, that a thread works on at
+        a time."""
         rows = self.shape[0] if rows is None else rows
         starts = row_starts(rows, max(1, rows // piece_rows(self.n[1])))
         return [(i0, i1) for i0, i1 in zip(starts.tolist(), starts[1:].tolist()) if i0 < i1]
@@ -194,14 +194,14 @@ class Grid:
         return on_threads(self.threads, work, self.pieces(rows))
 
     def once(self, key: Hashable, make: Callable[[], T]) -> T:
-        """What make() returns, called the first time alone: what depends on the grid and the
+        """Return what make() returns, called the first time alone: what depends on the grid and the
         key."""
         if key not in self._known:
             self._known[key] = make()
         return self._known[key]
 
     def column_tables(self, fft: SlabFFT) -> tuple[np.ndarray, np.ndarray]:
-        """q_y and multiplicity of every column of the blocks of `fft`, shape (M, W), in its
+        """Return q_y and multiplicity of every column of the blocks of `fft`, shape (M, W), in its
         precision; 0 beyond a narrower block."""
         j = fft.edges[:-1, None] + np.arange(fft.W)
         weight = np.where(j < fft.edges[1:, None], self.multiplicity(j), 0)

@@ -64,23 +64,17 @@ def on_rank_0(comm: Comm, doing: str, work: Callable[[], T]) -> T:
 def raise_on_all(comm: Comm, error: Exception | None) -> None:
     """Raise on every rank if any rank has an error (an exception or None): the first one's, as the
     same type."""
-    if comm.size == 1:
-        if error is not None:
-            raise error
-        return
     first = int(comm.min([comm.size if error is None else comm.rank])[0])
     if first == comm.size:
         return
     kind, text = comm.bcast(None if error is None else (type(error), str(error)), first)
-    raise (
-        error
-        if error is not None
-        else (kind(text) if issubclass(kind, GfmdError) else GfmdError(text))
-    )
+    if error is not None:
+        raise error
+    raise kind(text) if issubclass(kind, GfmdError) else GfmdError(text)
 
 
 def one_line(error: BaseException) -> str:
-    """What went wrong in one line; of HDF5's long messages only the reason the system gave."""
+    """Say what went wrong in one line; of HDF5's long messages only the reason the system gave."""
     text = getattr(error, "strerror", None) or str(error) or type(error).__name__
     reason = re.search(r"error message = '([^']+)'", text)
     if reason:

@@ -46,15 +46,11 @@ class Stored:
     def pieces(
         self, comm: Comm | None = None, rows: tuple[int, int] | None = None
     ) -> Iterator[tuple[int, np.ndarray]]:
-        """(start, rows from there on), ... as many on every rank; rows: (start, stop) of this one
-        (default: all of one process). Collective; raises GfmdError, for damaged numbers after the
-        last row of a pass over all of them, in one call or several."""
-        comm, rows, found, doing = (
-            comm or SerialComm(),
-            rows or (0, self.shape[0]),
-            0,
-            f"reading {self.path}",
-        )
+        """Yield (start, rows from there on), ... as many on every rank; rows: (start, stop) of this
+        one (default: all of one process). Collective; raises GfmdError, for damaged numbers after
+        the last row of a pass over all of them, in one call or several."""
+        comm, rows = comm or SerialComm(), rows or (0, self.shape[0])
+        found, doing = 0, f"reading {self.path}"
         with opened(comm, self.path, "r", doing) as file:
             for start, stop in _cuts(comm, rows, self.shape[1] * self.dtype.itemsize):
                 with collective_errors(comm, doing):  # before the others begin to read together
@@ -71,7 +67,8 @@ class Stored:
                 raise GfmdError(f"{self.path}: the numbers of {self.dataset} are damaged")
 
     def slab(self, comm: Comm, rows: tuple[int, int]) -> np.ndarray:
-        """This rank's rows (start, stop) in one array. Collective; raises GfmdError as `pieces`."""
+        """Read this rank's rows (start, stop) in one array. Collective; raises GfmdError as
+        `pieces`."""
         with collective_errors(comm, f"reading {self.path}"):
             found = np.empty((rows[1] - rows[0], self.shape[1]), self.dtype)
         for start, part in self.pieces(comm, rows):
@@ -79,14 +76,14 @@ class Stored:
         return found
 
     def read(self, start: int = 0, stop: int | None = None) -> np.ndarray:
-        """Rows start <= i < stop. Not collective: every rank may read what it needs. Raises
+        """Read rows start <= i < stop. Not collective: every rank may read what it needs. Raises
         GfmdError as `pieces`."""
         return self.slab(SerialComm(), (start, self.shape[0] if stop is None else stop))
 
 
 def io_way(comm: Comm) -> str:
-    """How fields are written and read: "mpio", where opening and closing are collective, on several
-    ranks if HDF5 has it, or "serial"."""
+    """Tell how fields are written and read: "mpio", where opening and closing are collective, on
+    several ranks if HDF5 has it, or "serial"."""
     import h5py
 
     return "mpio" if comm.size > 1 and h5py.get_config().mpi else "serial"
@@ -111,11 +108,8 @@ def write_file(
     GfmdError on every rank when any of them fails (disk full, folder gone, field of a wrong shape,
     Stored one damaged).
     """
-    tmp, doing, together = (
-        path.with_name(path.name + ".tmp"),
-        f"writing {path}",
-        io_way(comm) == "mpio",
-    )
+    tmp, doing = path.with_name(path.name + ".tmp"), f"writing {path}"
+    together = io_way(comm) == "mpio"
     types, stored = {name: np.dtype(dtype or field.dtype) for name, field in fields.items()}, {}
     try:
         on_rank_0(comm, doing, lambda: _lay_out(tmp, n, types, describe, compressed))
@@ -136,7 +130,7 @@ def write_file(
             if comm.rank == 0 or together:
                 sync(tmp)
         on_rank_0(comm, doing, lambda: sync(tmp.replace(path).parent))
-    except GfmdError:
+    except BaseException:  # Ctrl-C, too
         if comm.rank == 0:
             tmp.unlink(missing_ok=True)
         raise
@@ -192,8 +186,8 @@ def reading(path: Path) -> Any:
 
 
 def inside(group: Any, name: str) -> Any:
-    """The group or dataset `name`. Raises ValueError if it, or its numbers, lie in another file: a
-    link, a virtual or an external dataset could name any one of the machine."""
+    """Find the group or dataset `name`. Raises ValueError if it, or its numbers, lie in another
+    file: a link, a virtual or an external dataset could name any one of the machine."""
     import h5py
 
     found = group[name]
@@ -211,8 +205,8 @@ def _lay_out(
     describe: Callable[[Any], object],
     compressed: bool,
 ) -> Any:
-    """The file without the numbers of the fields, and the disk space for all of it. One process
-    only."""
+    """Write the file without the numbers of the fields, and take the disk space for all of it. One
+    process only."""
     import h5py
 
     image, space = io.BytesIO(), _SLACK * bool(types)
@@ -239,7 +233,7 @@ def _lay_out(
 def _parts(
     comm: Comm, field: Any, dtype: np.dtype, n: tuple[int, int], rows: tuple[int, int], doing: str
 ) -> Iterator[tuple[int, np.ndarray]]:
-    """(start, rows from there on), ... of a Stored field or a local slab."""
+    """Yield (start, rows from there on), ... of a Stored field or a local slab."""
     if isinstance(field, Stored):
         yield from field.pieces(comm, rows)
         return
@@ -252,7 +246,7 @@ def _parts(
 
 
 def _cuts(comm: Comm, rows: tuple[int, int], row_bytes: int) -> list[tuple[int, int]]:
-    """(start, stop) of pieces of this rank's rows, as many on every rank."""
+    """Return (start, stop) of pieces of this rank's rows, as many on every rank."""
     ranks = comm.size if io_way(comm) == "serial" else 1  # of which rank 0 has a piece each
     step = max(1, PIECE_BYTES // (row_bytes * ranks))
     calls = int(comm.max([-((rows[0] - rows[1]) // step)])[0])
@@ -263,15 +257,12 @@ def _cuts(comm: Comm, rows: tuple[int, int], row_bytes: int) -> list[tuple[int, 
 
 
 def _transfer(dataset: Any, start: int, rows: np.ndarray, what: str) -> None:
-    """HDF5's "read" or "write", collective by MPI-IO; low-level because h5py's own leaves out ranks
-    without rows."""
+    """Call HDF5's "read" or "write", collective by MPI-IO; low-level because h5py's own leaves out
+    ranks without rows."""
     from h5py import h5fd, h5p, h5s
 
-    memory, space, how = (
-        h5s.create_simple(rows.shape),
-        dataset.id.get_space(),
-        h5p.create(h5p.DATASET_XFER),
-    )
+    memory, space = h5s.create_simple(rows.shape), dataset.id.get_space()
+    how = h5p.create(h5p.DATASET_XFER)
     if dataset.file.driver == "mpio":
         how.set_dxpl_mpio(h5fd.MPIO_COLLECTIVE)
     space.select_hyperslab((start, 0), rows.shape)
@@ -279,8 +270,8 @@ def _transfer(dataset: Any, start: int, rows: np.ndarray, what: str) -> None:
 
 
 def _checksum(rows: np.ndarray, start: int) -> int:
-    """Of rows start, start + 1, ...: the sum of their words, times an odd number of the row; adds
-    up over pieces and ranks."""
+    """Add up rows start, start + 1, ...: the sum of their words, times an odd number of the row;
+    adds up over pieces and ranks."""
     words = rows.view("u8" if rows.shape[1] * rows.itemsize % 8 == 0 else "u4")
     return int(
         words.sum(axis=1, dtype=np.uint64)

@@ -69,12 +69,12 @@ class Windows:
             owned[..., own, :] += values
 
     def _apart(self, owned: np.ndarray, window: np.ndarray) -> list[tuple[slice, slice]]:
-        """Own pieces of the own window that are not the same memory."""
+        """List own pieces of the own window that are not the same memory."""
         together = self.in_place and np.may_share_memory(owned, window)
         return [piece for piece in self.own if not (together and piece[0] == self.interior)]
 
     def sent_rows(self, adding: bool) -> dict[int, int]:
-        """{rank: rows sent to it} by `add` or by `fill`."""
+        """Return {rank: rows sent to it} by `add` or by `fill`."""
         sent = self.take if adding else self.give
         return {peer: sum(map(_length, pieces)) for peer, pieces in sent.items()}
 
@@ -104,9 +104,9 @@ def _length(rows: slice) -> int:
 
 
 def _met(first: Any, last: Any, lo: Any, hi: Any, n: int, turns: Iterable[int]) -> Iterator[tuple]:
-    """(rank, (rows of [first, last) counted from first), (rows of that rank's [lo, hi) counted from
-    lo)) where [first, last) meets [lo, hi) of each rank shifted by some turns of the ring, in the
-    order of the first interval for each turn."""
+    """Yield (rank, (rows of [first, last) counted from first), (rows of that rank's [lo, hi)
+    counted from lo)) where [first, last) meets [lo, hi) of each rank shifted by some turns of the
+    ring, in the order of the first interval for each turn."""
     for turn in turns:
         a, b = np.maximum(lo + turn * n, first), np.minimum(hi + turn * n, last)
         for rank in np.flatnonzero(a < b):
@@ -115,8 +115,8 @@ def _met(first: Any, last: Any, lo: Any, hi: Any, n: int, turns: Iterable[int]) 
 
 
 def _by_peer(pieces: Iterable[tuple[int, int, slice]]) -> Pieces:
-    """{peer: rows} of (peer, first row in the window, rows), in the order of the window: both sides
-    of a message then have the same order."""
+    """Return {peer: rows} of (peer, first row in the window, rows), in the order of the window:
+    both sides of a message then have the same order."""
     found: Pieces = {}
     for peer, _, rows in sorted(pieces, key=itemgetter(0, 1)):
         found.setdefault(peer, []).append(rows)
@@ -131,8 +131,8 @@ def rows_of(
     hi: np.ndarray,
     n: int | None = None,
 ) -> np.ndarray:
-    """The rows lo[rank] <= i < hi[rank] of the field of which this rank's part is a; rows that
-    belong to nobody are 0. Collective."""
+    """Gather the rows lo[rank] <= i < hi[rank] of the field of which this rank's part is a; rows
+    that belong to nobody are 0. Collective."""
     window = np.zeros((*a.shape[:-2], int(hi[comm.rank] - lo[comm.rank]), a.shape[-1]), a.dtype)
     _windows(
         comm.rank, n, *(np.asarray(rows, np.int64).tobytes() for rows in (starts, lo, hi))
@@ -149,8 +149,8 @@ def _windows(rank: int, n: int | None, *rows: bytes) -> Windows:
 def neighbours(
     comm: Any, a: np.ndarray, starts: np.ndarray, width: int, owned: ArrayLike | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The `width` rows before and after the rows of this rank, as `starts` has them. owned: the
-    starts of those that a field has on each rank, if these are not all. Collective."""
+    """Gather the `width` rows before and after the rows of this rank, as `starts` has them. owned:
+    the starts of those that a field has on each rank, if these are not all. Collective."""
     first, last = np.asarray(starts)[:-1], np.asarray(starts)[1:]
     owned, n = starts if owned is None else owned, int(starts[-1])
     return rows_of(comm, a, owned, first - width, first, n), rows_of(
@@ -159,7 +159,7 @@ def neighbours(
 
 
 def next_row(comm: Any, a: np.ndarray, starts: ArrayLike) -> np.ndarray:
-    """The row after this rank's rows a (..., rows, m); starts: first row of every rank, and their
-    number. Periodic. Collective."""
+    """Gather the row after this rank's rows a (..., rows, m); starts: first row of every rank, and
+    their number. Periodic. Collective."""
     last = np.asarray(starts)[1:]
     return rows_of(comm, a, starts, last, last + 1)[..., 0, :]

@@ -100,8 +100,8 @@ class Interrupt:
         return 130 if self.agreed == signal.SIGINT else 143
 
     def poll(self) -> tuple[bool, bool]:
-        """(stop, save), the same on all ranks: whether to stop now, and whether a checkpoint is
-        due. Collective."""
+        """Return (stop, save), the same on all ranks: whether to stop now, and whether a checkpoint
+        is due. Collective."""
         due = (
             self.every is not None
             and self.comm.rank == 0
@@ -128,8 +128,8 @@ class Interrupt:
         return self.deadline is not None and time.monotonic() - self.begun > self.deadline
 
     def cheap(self) -> bool:
-        """Whether a checkpoint now would take little beside the time since the last one, the same
-        on all ranks. Collective."""
+        """Tell whether a checkpoint now would take little beside the time since the last one, the
+        same on all ranks. Collective."""
         return bool(
             self.comm.max(
                 [self.comm.rank == 0 and self.cost < CHEAP * (time.monotonic() - self.last)]
@@ -137,13 +137,13 @@ class Interrupt:
         )
 
     def saved(self, begun: float) -> None:
-        """A checkpoint has been written; it was begun at that time.monotonic()."""
+        """Note that a checkpoint has been written; begun: the time.monotonic() at which."""
         self.last = time.monotonic()
         self.cost = self.last - begun
 
 
 def _sigaction(number: int, new: Any = None) -> Any:
-    """What handles a signal, as the system knows it; new: what is to do so from now on, as a
+    """Tell what handles a signal, as the system knows it; new: what is to do so from now on, as a
     previous call gave it."""
     if os.name == "nt":
         return None

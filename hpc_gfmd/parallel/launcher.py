@@ -12,17 +12,15 @@ LAUNCHER = "HPC_GFMD_LAUNCHER"
 
 
 def launched() -> tuple[bool, int | None]:
-    """Whether an MPI launcher started this process, and the number of processes if the launcher
-    tells it (else None).
+    """Tell whether an MPI launcher started this process, and the number of processes if the
+    launcher tells it (else None).
 
     The variable HPC_GFMD_LAUNCHER says "mpi" or "none" where that cannot be seen.
     """
     said = os.environ.get(LAUNCHER)
     if said == "none":
         return False, None
-    size = next(
-        (int(os.environ[k]) for k in LAUNCHER_SIZE if os.environ.get(k, "").isdigit()), None
-    )
+    size = number_in(*LAUNCHER_SIZE)
     by_launcher = said == "mpi" or size is not None or any(k in os.environ for k in LAUNCHER_RANK)
     if by_launcher and size is None:
         size = srun_size()  # PMIx tells processes their rank only
@@ -30,30 +28,26 @@ def launched() -> tuple[bool, int | None]:
 
 
 def srun_size() -> int | None:
-    """Number of processes that srun started with this one, or None."""
-    text = os.environ.get("SLURM_STEP_NUM_TASKS", "")
-    return int(text) if text.isdigit() else None
+    """Return the number of processes that srun started with this one, or None."""
+    return number_in("SLURM_STEP_NUM_TASKS")
 
 
 def tasks_per_node() -> int | None:
-    """Number of processes on each node (the fullest one) of the Slurm job around this process, or
-    None."""
-    said = os.environ.get("SLURM_NTASKS_PER_NODE") or os.environ.get(
-        "SLURM_TASKS_PER_NODE", ""
-    )  # the latter as in "16(x3),8"
+    """Return the number of processes on each node (the fullest one) of the Slurm job around this
+    process, or None."""
+    said = os.environ.get("SLURM_NTASKS_PER_NODE") or os.environ.get("SLURM_TASKS_PER_NODE", "")
+    # the latter as in "16(x3),8"
     found = [int(number) for number in re.findall(r"(?:^|,)(\d+)", said)]
     return max(found, default=0) or None
 
 
 def launcher_rank() -> int:
-    """This process's number as the launcher tells it; 0 without a launcher."""
+    """Return this process's number as the launcher tells it; 0 without a launcher."""
     if os.environ.get(LAUNCHER) == "none":
         return 0
-    return next(
-        (
-            int(os.environ[k])
-            for k in (*LAUNCHER_RANK, "SLURM_PROCID")
-            if os.environ.get(k, "").isdigit()
-        ),
-        0,
-    )
+    return number_in(*LAUNCHER_RANK, "SLURM_PROCID") or 0
+
+
+def number_in(*names: str) -> int | None:
+    """Read the first of these environment variables that is a whole number; None without one."""
+    return next((int(text) for name in names if (text := os.environ.get(name, "")).isdigit()), None)

@@ -15,7 +15,7 @@ MIN_WIDTH, MAX_WIDTH = 8, 64
 
 
 def row_starts(n_x: int, size: int) -> np.ndarray:
-    """First row of every rank, and n_x: the block distribution of mpi4py-fft."""
+    """Return the first row of every rank, and n_x: the block distribution of mpi4py-fft."""
     return np.array([r * (n_x // size) + min(r, n_x % size) for r in range(size + 1)])
 
 
@@ -51,16 +51,15 @@ class Layout:
         self.far[self.node_ranks] = False
 
     def _edges(self) -> np.ndarray:
-        """Blocks of complete columns that fit the cache. On several ranks all have the same number
-        of them, and as many columns but for one: the last blocks are the wider ones, so that all
-        others begin on cache lines, as those of one rank do, which needs no such balance."""
+        """Cut blocks of complete columns that fit the cache. On several ranks all have the same
+        number of them, and as many columns but for one: the last blocks are the wider ones, so that
+        all others begin on cache lines, as those of one rank do, which needs no such balance."""
         wanted = int(np.clip(COLUMN_BYTES // (self.n[0] * self.itemsize), MIN_WIDTH, MAX_WIDTH))
         if self.size > 1:
             K = max(1, round(self.n_c / self.size / wanted))
             edges = row_starts(self.n_c, K * self.size)
-            return (
-                edges if self.n_c < K * self.size else self.n_c - edges[::-1]
-            )  # q = 0 is in block 0
+            # q = 0 is in block 0
+            return edges if self.n_c < K * self.size else self.n_c - edges[::-1]
         K = -(-self.n_c // wanted)
         W = -(-self.n_c // K)
         if K > 1:
@@ -75,7 +74,7 @@ class Layout:
         return R + R % 2 if R > 1 else R  # even: a coarse row then belongs to one pass
 
     def columns_of(self, m: int) -> tuple[int, int]:
-        """The columns [j0, j1) of the half spectrum that block m holds."""
+        """Return the columns [j0, j1) of the half spectrum that block m holds."""
         return int(self.edges[m]), int(self.edges[m + 1])
 
     @property
@@ -100,26 +99,23 @@ class Layout:
         return self.n_loc * self.n_c * self.itemsize
 
     def sent(self, k: int) -> tuple[np.ndarray, np.ndarray]:
-        """Bytes to every rank, and their offsets in the slab of the all-to-all number k."""
+        """Return the bytes to every rank, and their offsets in the slab of the all-to-all number
+        k."""
         edges = self.edges[k * self.size : (k + 1) * self.size + 1]
-        return self.far * np.diff(edges) * (self.n_loc * self.itemsize), (edges[:-1] - edges[0]) * (
-            self.n_loc * self.itemsize
-        )
+        column = self.n_loc * self.itemsize
+        return self.far * np.diff(edges) * column, (edges[:-1] - edges[0]) * column
 
     def received(self, k: int) -> tuple[np.ndarray, np.ndarray]:
-        """Bytes from every rank of complete columns, and their offsets."""
+        """Return the bytes from every rank of complete columns, and their offsets."""
         j0, j1 = self.columns_of(k * self.size + self.rank)
-        return self.far * np.diff(self.starts) * ((j1 - j0) * self.itemsize), self.starts[:-1] * (
-            (j1 - j0) * self.itemsize
-        )
+        row = (j1 - j0) * self.itemsize
+        return self.far * np.diff(self.starts) * row, self.starts[:-1] * row
 
     def traffic(self) -> tuple[int, int]:
-        """(bytes, messages) that this rank sends to ranks on other nodes in a transform there and
-        back."""
-        widths, rows = (
-            np.diff(self.edges).reshape(self.K, self.size),
-            np.diff(self.starts) * self.far,
-        )
+        """Return (bytes, messages) that this rank sends to ranks on other nodes in a transform
+        there and back."""
+        widths = np.diff(self.edges).reshape(self.K, self.size)
+        rows = np.diff(self.starts) * self.far
         mine = widths[:, self.rank]
         nbytes = (self.n_loc * widths[:, self.far].sum() + rows.sum() * mine.sum()) * self.itemsize
         there = np.count_nonzero(widths[:, self.far]) * (self.n_loc > 0)

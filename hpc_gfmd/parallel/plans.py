@@ -43,17 +43,8 @@ class Plans:
     def _scipy(self, n_y: int) -> None:
         from scipy import fft
 
-        def rows_forward(x: np.ndarray, out: np.ndarray) -> None:
-            out[...] = fft.rfft(x, axis=1)
-
-        def rows_backward(x: np.ndarray, out: np.ndarray) -> None:
-            out[...] = fft.irfft(x, n=n_y, axis=1, norm="forward")
-
-        def columns_forward(x: np.ndarray) -> None:
-            x[...] = fft.fft(x, axis=1)
-
-        def columns_backward(x: np.ndarray) -> None:
-            x[...] = fft.ifft(x, axis=1, norm="forward")
-
-        self.rows_forward, self.rows_backward = rows_forward, rows_backward
-        self.columns_forward, self.columns_backward = columns_forward, columns_backward
+        put, back = np.copyto, {"axis": 1, "norm": "forward"}
+        self.rows_forward = lambda x, out: put(out, fft.rfft(x, axis=1))
+        self.rows_backward = lambda x, out: put(out, fft.irfft(x, n=n_y, **back))
+        self.columns_forward = lambda x: put(x, fft.fft(x, axis=1))
+        self.columns_backward = lambda x: put(x, fft.ifft(x, **back))

@@ -16,8 +16,8 @@ PAGE = mmap.PAGESIZE
 
 
 def common_memory(comm: Any, nbytes: int) -> tuple[np.ndarray, np.ndarray]:
-    """(memory, offsets): the bytes of all ranks of a communicator, zero, and where those of each
-    rank begin; nbytes: of this rank.
+    """Return (memory, offsets): the bytes of all ranks of a communicator, zero, and where those of
+    each rank begin; nbytes: of this rank.
 
     Raises OSError on all ranks where they cannot have it together, such as on several machines.
     Collective.
@@ -66,8 +66,8 @@ def _mapped(path: str, token: int, total: int) -> np.ndarray:
 
 
 def can_share(comm: Any) -> bool:
-    """Whether the ranks of a communicator can have memory in common: on one machine, and allowed
-    to. Collective."""
+    """Tell whether the ranks of a communicator can have memory in common: on one machine, and
+    allowed to. Collective."""
     try:
         common_memory(comm, 0)
     except OSError:

@@ -10,6 +10,8 @@ from concurrent.futures import ThreadPoolExecutor, wait
 from functools import cache
 from typing import Any, TypeVar
 
+import numpy as np
+
 T = TypeVar("T")
 
 # points of a field that a thread works on at a time, and rows at least
@@ -17,7 +19,7 @@ PIECE_POINTS, PIECE_ROWS = 2**17, 8
 
 
 def piece_rows(n_y: int) -> int:
-    """Rows of a field, of n_y points each, that a thread works on at a time."""
+    """Return how many rows of a field, of n_y points each, that a thread works on at a time."""
     return max(PIECE_ROWS, PIECE_POINTS // n_y)
 
 
@@ -53,9 +55,14 @@ def on_threads(
     return found
 
 
+def added(parts: Sequence[Sequence[float]], count: int) -> np.ndarray:
+    """Add up the `count` numbers that every piece, of which there may be none, returned."""
+    return np.sum(np.reshape(parts, (-1, count)), axis=0)
+
+
 @cache
 def _pool() -> ThreadPoolExecutor:
-    """The threads of this process, made as they are needed."""
+    """Make the threads of this process, as they are needed."""
     return ThreadPoolExecutor(2**16, "hpc-gfmd")
 
 

@@ -38,18 +38,17 @@ LIMIT = 2**20
 
 
 def planned(comm: Comm, dtype: DTypeLike, make: Callable[[], T], shapes: Hashable) -> T:
-    """make() makes plans by measurement; returns what it returned, planned alike on all ranks.
-    shapes: of these plans. Collective."""
+    """Call make(), which makes plans by measurement, so that all ranks plan alike; return what it
+    returned. shapes: of these plans. Collective."""
     if load_fftw() is None:
         return make()
     wisdom = _wisdom(np.dtype(dtype).name)
-    if (
-        comm.size == 1 and shapes in wisdom.made
-    ):  # writing out all that FFTW knows takes longer than making a plan that is known
+    # writing out all that FFTW knows takes longer than making a plan that is known
+    if comm.size == 1 and shapes in wisdom.made:
         return make()
     wisdom.made.add(shapes)
     if comm.size == 1:
-        wisdom.version = None  # what is known is no longer what rank 0 has sent
+        wisdom.version = None  # what is known is not what rank 0 has sent
     if comm.rank == 0:
         if len(wisdom.text()) > 2 * LIMIT:
             wisdom.replace(b"")
@@ -126,7 +125,8 @@ class _Wisdom:
         return self._lines
 
     def text(self) -> bytes:
-        """All of it, as FFTW writes it; empty where there is no room for a temporary file."""
+        """Return all of it, as FFTW writes it; empty where there is no room for a temporary
+        file."""
         try:
             with tempfile.NamedTemporaryFile() as file:
                 self.library.export_wisdom(os.fsencode(file.name))
@@ -140,11 +140,8 @@ class _Wisdom:
             with tempfile.NamedTemporaryFile() as file:
                 file.write(text)
                 file.flush()
-                return (
-                    _lines(text)
-                    if text and self.library.import_wisdom(os.fsencode(file.name))
-                    else set()
-                )
+                known = text and self.library.import_wisdom(os.fsencode(file.name))
+                return _lines(text) if known else set()
         except OSError:
             return set()
 
@@ -166,7 +163,8 @@ def _wisdom(name: str) -> _Wisdom:
 
 
 def _content(path: Path, most: float = np.inf) -> bytes:
-    """What a file of at most so many bytes holds; nothing where it is longer or cannot be read."""
+    """Read what a file of at most so many bytes holds; nothing where it is longer or cannot be
+    read."""
     try:
         content = path.read_bytes()
     except OSError:
@@ -175,5 +173,5 @@ def _content(path: Path, most: float = np.inf) -> bytes:
 
 
 def _lines(text: bytes) -> set[bytes]:
-    """One for each (part of a) plan."""
+    """Split wisdom into lines: one for each (part of a) plan."""
     return set(text.split(b"\n"))

@@ -12,7 +12,7 @@ from ..util.errors import GfmdError, SceneError
 from ..util.machine import cores
 from ..util.streams import Stream
 from .comm import Comm, MpiComm, SerialComm
-from .launcher import LAUNCHER, launched, launcher_rank, srun_size, tasks_per_node
+from .launcher import LAUNCHER, launched, launcher_rank, number_in, srun_size, tasks_per_node
 
 THREADS_PER_CORE = 8  # more are a mistake
 THREADED_POINTS = 2**20  # of a surface; two threads take as long as one for a quarter of them
@@ -22,7 +22,7 @@ _world: Comm | None = None
 
 
 def world() -> Comm:
-    """The communicator of all processes of this run.
+    """Return the communicator of all processes of this run.
 
     Raises GfmdError when a launcher started several processes but mpi4py is missing: they would all
     do the same work; SceneError for a HPC_GFMD_LAUNCHER that means nothing.
@@ -86,8 +86,8 @@ def collective_exit(
 
 
 def comm_of(given: Any) -> Comm:
-    """The communicator that a caller means: None for this process alone, one of mpi4py, or one of
-    this file. Raises SceneError."""
+    """Return the communicator that a caller means: None for this process alone, one of mpi4py, or
+    one of comm.py. Raises SceneError."""
     if given is None or isinstance(given, SerialComm | MpiComm):
         return given or SerialComm()
     if not hasattr(given, "Allreduce"):
@@ -99,8 +99,8 @@ def comm_of(given: Any) -> Comm:
 
 
 def threads_of(comm: Comm, wanted: int | str, points: int) -> int:
-    """Threads for each rank: a number as it is; "auto": what Slurm was asked for (--cpus-per-task),
-    else as `auto_threads`; points: of the surface.
+    """Choose the threads for each rank: a number as it is; "auto": what Slurm was asked for
+    (--cpus-per-task), else as `auto_threads`; points: of the surface.
 
     Raises SceneError on all ranks for more than some machine can bear: every thread takes memory of
     its own. Collective.
@@ -114,26 +114,26 @@ def threads_of(comm: Comm, wanted: int | str, points: int) -> int:
                 f" ({THREADS_PER_CORE} per core)"
             )
         return wanted
-    here, of_slurm = len(cores()), os.environ.get("SLURM_CPUS_PER_TASK", "")
-    asked = int(comm.min([int(of_slurm) if of_slurm.isdigit() else 0])[0])
+    here = len(cores())
+    asked = int(comm.min([number_in("SLURM_CPUS_PER_TASK") or 0])[0])
     return min(asked, here) or auto_threads(points, comm.size, here)
 
 
 def auto_threads(points: int, ranks: int, cores: int) -> int:
-    """Threads for each rank where nobody says how many: one of several ranks; all cores for one
-    process, or one where the points are so few that more do not pay."""
+    """Choose the threads for each rank where nobody says how many: one of several ranks; all cores
+    for one process, or one where the points are so few that more do not pay."""
     return cores if ranks == 1 and points >= THREADED_POINTS else 1
 
 
 def ranks_per_node(ranks: int, threads: int) -> int:
-    """How many of so many ranks share a node, as long as nobody says: as many as Slurm starts on
-    one, else as the cores that this process may use are enough for."""
+    """Tell how many of so many ranks share a node, as long as nobody says: as many as Slurm starts
+    on one, else as the cores that this process may use are enough for."""
     return min(ranks, tasks_per_node() or max(1, len(cores()) // threads))
 
 
 def _abort_on_error(mpi: Any, hook: Hook) -> Hook:
-    """An exception that nobody caught on one rank ends all ranks: the others would wait for it
-    forever."""
+    """Make an excepthook by which an exception that nobody caught on one rank ends all ranks: the
+    others would wait for it forever."""
 
     def excepthook(
         kind: type[BaseException], value: BaseException, traceback: TracebackType | None

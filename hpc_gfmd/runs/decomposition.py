@@ -44,7 +44,7 @@ class Share:
 
     @staticmethod
     def layout_of(grid: Grid, dtype: DTypeLike) -> Layout:
-        """The same of any grid."""
+        """Work out the layout of any grid."""
         return Layout(
             grid.n, grid.starts, grid.comm.rank, 2 * np.dtype(dtype).itemsize, grid.comm.node_ranks
         )
@@ -146,8 +146,9 @@ def share_of(
     sizes: Sequence[float] = (1.0, 1.0),
     per_node: int = 1,
 ) -> Share:
-    """The Share of one rank of a grid of n points; nominal: those of the surface; per_node: ranks
-    on each node, dealt out in their order, which need no messages to transpose among themselves."""
+    """Work out the Share of one rank of a grid of n points; nominal: those of the surface;
+    per_node: ranks on each node, dealt out in their order, which need no messages to transpose
+    among themselves."""
     comm: Any = DryRunComm(rank, ranks, np.arange(ranks) // per_node)
     return Share(Grid(n, sizes, comm, nominal=nominal), np.dtype(dtype), nested)
 
@@ -155,7 +156,7 @@ def share_of(
 def busiest(
     n: Sequence[int], dtype: DTypeLike, ranks: int, per_node: int = 1, **how: Any
 ) -> list[Share]:
-    """Shares of ranks among which is the one with most of everything: rank 0 has a part in all
-    levels, and all remainders; ranks of the last node, which may be fewer, send more."""
+    """List the Shares of ranks among which is the one with most of everything: rank 0 has a part in
+    all levels, and all remainders; ranks of the last node, which may be fewer, send more."""
     chosen = {0, min(1, ranks - 1), ranks // 2, (ranks - 1) // per_node * per_node, ranks - 1}
     return [share_of(n, dtype, ranks, rank, per_node=per_node, **how) for rank in sorted(chosen)]

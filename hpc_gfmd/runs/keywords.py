@@ -27,8 +27,8 @@ HOMES = {  # key: its table
 def scene_of_keywords(
     given: dict[str, Any], more: dict[str, Any], surface: PreparedSurface | None = None
 ) -> Scene:
-    """The scene of what was given (None: not given) and more, on a surface, or on an array (None).
-    Raises SceneError."""
+    """Make the scene of what was given (None: not given) and more, on a surface, or on an array
+    (None). Raises SceneError."""
     for key in more:
         if key in OF_RUNS:
             raise SceneError(f"{CALLER}: found {key}, allowed: in a scene, whose run writes a file")
@@ -61,6 +61,6 @@ def scene_of_keywords(
 
 
 def several_loads(given: dict[str, Any]) -> bool:
-    """Whether the load that was given is a list of loads."""
+    """Tell whether the load that was given is a list of loads."""
     values = (given.get(key) for key in Load.model_fields)
     return any(np.ndim(value) > 0 for value in values if value is not None)

@@ -66,7 +66,8 @@ def check(scene: Scene) -> None:
 
 
 def asked(output: Output) -> list[Callable[[Contact], Any]]:
-    """The functions of a contact.Contact that `step_attributes` calls; output: scene.Output."""
+    """List the functions of a contact.Contact that `step_attributes` calls; output:
+    scene.Output."""
     distributions = (all_distributions()[name] for name in output.distributions)
     return [*_observables(output).values(), a_r_discretisation, *distributions]
 
@@ -76,8 +77,8 @@ def _observables(output: Output) -> dict[str, Observable]:
 
 
 def sweep_of(scene: Scene, make_surface: Callable[[np.dtype], Surface]) -> Sweep:
-    """The driver.sweep.Sweep of a scene; make_surface(dtype) -> surface.Surface. Collective. Raises
-    SceneError."""
+    """Make the driver.sweep.Sweep of a scene; make_surface(dtype) -> surface.Surface. Collective.
+    Raises SceneError."""
     kind = LowMemorySweep if scene.solver.low_memory else Sweep
     sweep = kind(
         make_surface,
@@ -116,7 +117,7 @@ def _require_like_units(scene: Scene, surface: Surface) -> None:
 
 
 def surface_attributes(scene: Scene, surface: Surface) -> dict[str, Any]:
-    """What is said of a surface.Surface, by the names of the result file."""
+    """Give what is said of a surface.Surface, by the names of the result file."""
     spec = scene.surface
     attributes = {
         "n": list(surface.n),
@@ -144,8 +145,8 @@ def solved(
     first: int = 0,
     spent: float | None = None,
 ) -> Iterator[tuple[int, Contact, float]]:
-    """The only loop over loads: solve them from the first on, each when it is asked for; (index,
-    contact, seconds spent). The next load overwrites the fields of a contact. Collective.
+    """Run the only loop over loads: solve them from the first on, each when it is asked for;
+    (index, contact, seconds spent). The next load overwrites the fields of a contact. Collective.
 
     loads: those of the scene as sweep.pressures has them; watch(index, seconds) is called after
     every iteration, a true value stops it; spent: seconds, where the first load goes on in its
@@ -159,10 +160,10 @@ def solved(
             say.watch(iterations, progress)
             return watch(index, time.monotonic() - begun)
 
-        asked = [(key.removeprefix("target_"), x) for key, x in _target(scene.load, index).items()]
-        if not asked and not isinstance(load, LoadTarget):
-            asked = [("p*", load / (sweep.E_star * sweep.surface.slope))]
-        say.step(index, len(loads), *asked[0])
+        target = [(key.removeprefix("target_"), x) for key, x in _target(scene.load, index).items()]
+        if not target and not isinstance(load, LoadTarget):
+            target = [("p*", load / (sweep.E_star * sweep.surface.slope))]
+        say.step(index, len(loads), *target[0])
         try:
             contact = sweep.solve(load, watched, spent is not None)
         finally:
@@ -174,14 +175,14 @@ def solved(
 
 
 def _target(load: Load, index: int) -> dict[str, float]:
-    """What the load gives in place of a mean pressure."""
+    """Return what the load gives in place of a mean pressure."""
     name, values = load.given
     return {} if name in ("p_star", "pressure") else {f"target_{name}": float(values[index])}
 
 
 def step_attributes(scene: Scene, index: int, contact: Contact, seconds: float) -> dict[str, Any]:
-    """What is said of a solved load, the index-th of a scene.Scene, by the
-    names of the result file; None for what has no value. seconds: spent on it. Collective."""
+    """Give what is said of a solved load, the index-th of a scene.Scene, by the names of the result
+    file; None for what has no value. seconds: spent on it. Collective."""
     numbers = {name: f(contact) for name, f in _observables(scene.output).items()}
     for name, found in distributions_named(scene.output.distributions, contact).items():
         numbers |= {f"{name}_{what}": values.tolist() for what, values in found.items()}
@@ -205,5 +206,5 @@ def step_attributes(scene: Scene, index: int, contact: Contact, seconds: float) 
 
 
 def worst(steps: Sequence[dict]) -> str:
-    """The status of a run whose steps have these attributes."""
+    """Return the status of a run whose steps have these attributes."""
     return max((step["status"] for step in steps), key=STATUS_ORDER.index)

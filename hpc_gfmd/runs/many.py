@@ -82,6 +82,8 @@ def solve_many(
     for name in OURS:
         if name in how:
             raise SceneError(f"{name}: found in solve_many, allowed: in solve")
+    if loads is not None and how.get("pressure") is not None:
+        raise SceneError("pressure: found beside loads, allowed: one of them")
     given = {"pressure": loads, "fields": fields} | how
     for key in given.keys() & Load.model_fields.keys():
         if given[key] is not None and np.ndim(given[key]) == 0:
@@ -148,7 +150,8 @@ class _Worker:
         there.close()
 
     def ask(self, task: tuple) -> tuple[Any, list]:
-        """The Solutions, or what was raised, and the warnings: (kind, text) of each."""
+        """Have a task done; return the Solutions, or what was raised, and the warnings: (kind,
+        text) of each."""
         if self.process.poll() is not None:
             self.begin()
         try:

@@ -98,10 +98,10 @@ def memory_of(
     per_node: int = 1,
     unknown: DTypeLike | None = None,
 ) -> Memory:
-    """The Memory of a scene, whose surface has n points and these sizes, on one of a number of
-    ranks with so many threads each, so many on each node; rank 0 has a part in everything.
-    unknown: precision of the loads of which it is not known beforehand, without it the first one.
-    """
+    """Work out the Memory of a scene, whose surface has n points and these sizes, on one of a
+    number of ranks with so many threads each, so many on each node; rank 0 has a part in
+    everything. unknown: precision of the loads of which it is not known beforehand, without it the
+    first one."""
     other = np.dtype(unknown or first_precision(scene.solver))
     each = [dtype or other for dtype in precisions(scene, n)]
     dtype = max(each, key=lambda dtype: dtype.itemsize)
@@ -160,14 +160,15 @@ def memory_of(
 
 
 def _closes(scene: Scene) -> bool:
-    """Whether a load is to be full contact, for which a flat surface that ends is solved for and
-    kept."""
+    """Tell whether a load is to be full contact, for which a flat surface that ends is solved for
+    and kept."""
     name, values = scene.load.given
     return any(value == (name == "a_r") for value in values)
 
 
 def _in_double(scene: Scene, n: tuple[int, int], cell: tuple[int, int]) -> bool:
-    """Whether a surface in low memory may be certified in double precision, see lowmemory.py."""
+    """Tell whether a surface in low memory may be certified in double precision, see
+    lowmemory.py."""
     g_rms, h_rms = known_heights(scene, n)
     known = [p_star for p_star in known_p_stars(scene, g_rms) if p_star is not None]
     p_star = min(known, default=0.0)

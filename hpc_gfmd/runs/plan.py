@@ -26,7 +26,7 @@ def plan_of(
     threads: int,
     cores: int,
 ) -> dict[str, Any]:
-    """What a scene takes, by name."""
+    """Work out what a scene takes, by name."""
     cell = cell_of(n, scene.surface.free, sizes)
     first, known = first_precision(scene.solver), precisions(scene, n)
     decided = np.dtype(np.float64) if np.float64 in known else first
@@ -80,14 +80,15 @@ def plan_of(
 
 
 def text_of(plan: dict[str, Any]) -> str:
-    """The plan as it is printed."""
+    """Write the plan as it is printed."""
     (n_x, n_y), ranks, per_node = plan["n"], plan["ranks"], plan["ranks_per_node"]
     on = f", solved on {plan['cell'][0]} x {plan['cell'][1]}" if plan["cell"] != plan["n"] else ""
     lines = [
-        f"{n_x} x {n_y} = {plan['points']:.4g} points{on}, {plan['loads']} loads, {ranks} ranks",
+        f"{n_x} x {n_y} = {plan['points']:.4g} points{on}, {counted(plan['loads'], 'load')},"
+        f" {counted(ranks, 'rank')}",
         f"memory: {plan['gib_per_rank']:.2f} GiB per rank, {plan['gib_per_node']:.2f} GiB per node"
-        f" of {per_node} ranks, {plan['gib']:.2f} GiB in all; {plan['gib_available']:.2f} GiB"
-        " available on this machine",
+        f" of {counted(per_node, 'rank')}, {plan['gib']:.2f} GiB in all;"
+        f" {plan['gib_available']:.2f} GiB available on this machine",
         f"        of a rank's fields {plan['fields_gib']:.2f}, transforms"
         f" {plan['transforms_gib']:.2f}, certificate {plan['certificate_gib']:.2f}, process"
         f" {plan['process_gib']:.2f}",
@@ -115,8 +116,8 @@ def text_of(plan: dict[str, Any]) -> str:
         else ""
     )
     lines.append(
-        f"time:   about {duration(plan['seconds'])}{in_double} of solving with {ranks} ranks on"
-        f" this machine; on nodes of {Cluster.cores} cores, by a model,"
+        f"time:   about {duration(plan['seconds'])}{in_double} of solving with"
+        f" {counted(ranks, 'rank')} on this machine; on nodes of {Cluster.cores} cores, by a model,"
         f" {duration(plan['seconds_on_nodes'])}"
     )
     if plan["idle_ranks"] or plan["idle_ranks_of_columns"]:
@@ -127,7 +128,12 @@ def text_of(plan: dict[str, Any]) -> str:
     return "\n".join(lines + [f"note:   {line}" for line in plan["notes"]])
 
 
+def counted(number: int, what: str) -> str:
+    """Write a number of things: 1 rank, 2 ranks."""
+    return f"{number} {what}{'s' * (number != 1)}"
+
+
 def duration(seconds: float) -> str:
-    """Two digits, and no power of ten where a person reads it: 0.35 s, 110 s, 12000 s."""
+    """Write two digits, and no power of ten where a person reads it: 0.35 s, 110 s, 12000 s."""
     digits = 1 - int(np.floor(np.log10(max(seconds, 1e-3))))
     return f"{round(seconds, digits):.{max(digits, 0)}f} s"

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from ..plotting.style import Figure
 
 
-PERIODIC = {"boundary", "mirror", "window"}  # keys that settle the edges
+OF_EDGES = {"boundary", "mirror", "window"}  # keys that say how the surface ends
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,9 +53,8 @@ class PreparedSurface:
     prepared: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     free: tuple[bool, bool] = (False, False)
-    table: dict | None = field(
-        default=None, init=False, repr=False
-    )  # the scene's [surface]; not of a copy with other heights
+    # the scene's [surface]; None of a copy with other heights
+    table: dict | None = field(default=None, init=False, repr=False)
 
     @cached_property
     def h_rms(self) -> float:
@@ -136,7 +135,7 @@ def prepare_surface(heights: Any, **keys: Any) -> PreparedSurface:
     if is_topography(heights):
         doubt = unreliable(heights)
         heights, said = of_topography(heights)
-        if not said.periodic and not keys.keys() & PERIODIC:
+        if not said.periodic and not keys.keys() & OF_EDGES:
             keys["boundary"] = "free"
     elif not keys.keys() & {"physical_sizes", "unit"}:
         keys["physical_sizes"] = 1.0, 1.0

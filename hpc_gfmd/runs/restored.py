@@ -10,7 +10,6 @@ from ..certificate.certificate import Certificate
 from ..contact.contact import Contact
 from ..output.read import Result
 from ..parallel.comm import SerialComm
-from ..parallel.grid import Grid
 from ..surface import Surface, grid_of
 from ..util.errors import SceneError
 
@@ -18,8 +17,8 @@ ROUNDING = 1e-6  # relative, of stored pressures
 
 
 def restored_contact(result: Result) -> Contact:
-    """The Contact of a Result with one load, on one process. Raises SceneError without its pressure
-    and gap."""
+    """Make the Contact of a Result with one load, on one process. Raises SceneError without its
+    pressure and gap."""
     step, stored, said = result.steps[0], result.fields[0], result.surface
     missing = [name for name in ("pressure", "gap") if name not in stored]
     if missing:
@@ -54,10 +53,9 @@ def restored_contact(result: Result) -> Contact:
         energy=np.nan,
     )
     E_star, pressure_unit = scene.material.E_star, scene.material.E_star * surface.slope
-    g, p = (
-        _in_cell(values, grid)
-        for values in (fields["gap"] / surface.height_unit, fields["pressure"] / pressure_unit)
-    )
+    beyond = [(0, cell - own) for cell, own in zip(grid.shape, fields["gap"].shape)]
+    g = np.pad(fields["gap"] / surface.height_unit, beyond)
+    p = np.pad(fields["pressure"] / pressure_unit, beyond)
     return Contact(
         surface,
         E_star,
@@ -74,16 +72,8 @@ def restored_contact(result: Result) -> Contact:
 
 
 def _constant_axis(*fields: np.ndarray) -> int | None:
+    """Find the axis along which nothing varies, the first of two; None where there is none."""
     for axis in (0, 1):
         if all((values == values.take([0], axis)).all() for values in fields):
             return axis
     return None
-
-
-def _in_cell(values: np.ndarray, grid: Grid) -> np.ndarray:
-    """The values on the whole grid, 0 beyond the surface."""
-    if not grid.padded:
-        return values
-    cell = np.zeros(grid.shape, values.dtype)
-    cell[: values.shape[0], : values.shape[1]] = values
-    return cell

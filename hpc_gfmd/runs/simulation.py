@@ -25,7 +25,7 @@ from ..parallel import wisdom
 from ..parallel.comm import Comm
 from ..parallel.guard import on_rank_0
 from ..parallel.interrupt import Interrupt, Stopped
-from ..parallel.world import threads_of, world
+from ..parallel.world import comm_of, threads_of, world
 from ..scene import Scene, load_scene, with_overrides
 from ..surface import build_surface, grid_of, surface_size
 from ..surface.units import field_dtype
@@ -78,7 +78,7 @@ def run_scene(
     quiet
         Print nothing.
     comm
-        A communicator of parallel.comm; default: all processes that the MPI launcher started.
+        A communicator of mpi4py; default: all processes that the MPI launcher started.
 
     Returns
     -------
@@ -93,7 +93,7 @@ def run_scene(
         For what failed while running.
     """
     begun = time.monotonic()
-    comm = comm or world()
+    comm = world() if comm is None else comm_of(comm)
     scene = on_rank_0(comm, "reading the scene", lambda: _read_scene(scene, overrides, out))
     check(scene)
     n, sizes = on_rank_0(comm, "reading the surface", lambda: surface_size(scene.surface))
@@ -193,14 +193,14 @@ class _Run:
         return status
 
     def _watch(self, index: int, seconds: float) -> bool:
-        """After an iteration: a checkpoint where one is due; whether to stop."""
+        """Write a checkpoint after an iteration where one is due; tell whether to stop."""
         stop, due = self.interrupt.poll()
         if stop or due:
             self._save(index, seconds)
         return stop
 
     def _after(self, index: int, contact: Contact, seconds: float) -> None:
-        """After a load: write it if it is new, and go on, or raise Stopped."""
+        """Finish a load: write it if it is new, and go on, or raise Stopped."""
         stop = contact.status == "interrupted"
         if not stop:
             if index not in self.file.finished:
@@ -221,7 +221,7 @@ class _Run:
         self.say.say(self.table.add({index: attributes}))
 
     def _save(self, index: int, seconds: float | None = None) -> None:
-        """A checkpoint in the middle of a load (seconds: spent on it so far) or at its
+        """Write a checkpoint in the middle of a load (seconds: spent on it so far) or at its
         beginning."""
         surface, begun = self.sweep.surface, time.monotonic()
         if surface.reduced_axis is None and (surface.g_rms > 0 or surface.grid.padded):
@@ -233,10 +233,9 @@ class _Run:
             self.interrupt.saved(begun)
 
     def _go_back(self, unfinished: int) -> tuple[int, float | None]:
-        """To the last checkpoint, so that all goes on as if nothing had happened: loads finished
+        """Go to the last checkpoint, so that all goes on as if nothing had happened: loads finished
         since then are repeated, not written again. unfinished: the first load to be solved. Returns
-        the load to begin with and, in the middle of it, the seconds spent on it.
-        """
+        the load to begin with and, in the middle of it, the seconds spent on it."""
         first, seconds = 0, None  # died before its first checkpoint
         try:
             found = self.file.checkpoint(self.sweep.solver_class.name)
@@ -313,7 +312,7 @@ def restart(
 
 
 def _left_scene(path: Path) -> Scene:
-    """The scene of the interrupted run that writes `path`."""
+    """Read the scene of the interrupted run that writes `path`."""
     folder = partial_folder(path)
     if not ((folder / HEAD).exists() or is_held(folder)):
         clear(folder)  # what a run that died after it had finished the file left

@@ -248,8 +248,8 @@ _surfaces: WeakKeyDictionary[PreparedSurface, dict[np.dtype, Surface]] = WeakKey
 def _kept_surface(
     known: PreparedSurface | None, dtype: np.dtype, comm: Comm, threads: int
 ) -> Surface | None:
-    """What was found of a surface in an earlier solve of this process, on the grid that this thread
-    keeps."""
+    """Return what was found of a surface in an earlier solve of this process, on the grid that this
+    thread keeps."""
     made = _surfaces.get(known, {}).get(dtype) if known and comm.size == 1 else None
     if made is None:
         return None
@@ -264,7 +264,7 @@ def _keep_surface(known: PreparedSurface | None, dtype: np.dtype, made: Surface)
 
 
 def _fields(names: Iterable[str], contact: Contact) -> dict[str, Slab]:
-    """{name: Slab} of a contact, computed as they are read."""
+    """Return {name: Slab} of a contact, computed as they are read."""
     surface = contact.surface
     start, n = surface.rows[0], (surface.n[0], surface.n[1])
     return {
@@ -274,7 +274,7 @@ def _fields(names: Iterable[str], contact: Contact) -> dict[str, Slab]:
 
 
 def _quality_notes(comm: Comm, found: Topography) -> tuple[str, ...]:
-    """Notes on an array of which nobody said that it is periodic. Collective."""
+    """Find notes on an array of which nobody said that it is periodic. Collective."""
     rows = found.rows
     found = replace(found, rows=lambda i, j: checked(rows(i, j), i, "surface"))
     return tuple(MapQuality(found, comm).notes((True, True)))
@@ -295,8 +295,8 @@ def _warn(comm: Comm, steps: Sequence[dict]) -> None:
                 f"{which}not converged ({step['status']}): estimated errors of area, mean gap,"
                 f" pressure: {errors}",
                 NotConverged,
-                stacklevel=3,
-            )  # where the caller of solve is
+                stacklevel=3,  # where the caller of solve is
+            )
 
 
 def _require_the_same(comm: Comm, scene: Scene, shape: tuple[int, ...]) -> None:
@@ -310,7 +310,7 @@ def _require_the_same(comm: Comm, scene: Scene, shape: tuple[int, ...]) -> None:
 
 
 def _complete(heights: Any) -> np.ndarray:
-    """The array as it is. Raises SceneError for what is no complete height map."""
+    """Return the array as it is. Raises SceneError for what is no complete height map."""
     heights = checked_array(heights)
     if np.ma.is_masked(heights):
         raise SceneError(

@@ -54,7 +54,7 @@ PER_CENT = {"a_r": "% +- solver", "a_r_discretisation": "%", "pressure_error": "
 
 
 def table(steps: Mapping[int, dict], surface: dict | None = None) -> str:
-    """Text for the steps, by number the attributes of the result file; surface: those of its
+    """Write the table of steps, by number the attributes of the result file; surface: those of its
     surface, which know the units.
 
     Errors stand behind +- in the unit of their column: those of the solver. What the size of a grid
@@ -72,8 +72,8 @@ class GrowingTable:
         self._heading: list[list[str]] = []
 
     def add(self, steps: dict[int, dict]) -> str:
-        """Rows of more steps, by their numbers; above them the headings where these are not the
-        last ones any more, as in other units."""
+        """Write rows of more steps, by their numbers; above them the headings where they are not
+        those that were written last, as in other units."""
         self._steps |= steps
         rows = cells(self._steps, self._surface)
         lines, same = _lines(rows, ROOM), rows[:2] == self._heading
@@ -81,19 +81,19 @@ class GrowingTable:
         return "\n".join([*(() if same else lines[:2]), *lines[-len(steps) :]])
 
     def end(self) -> list[str]:
-        """What is said below the rows, a line each."""
+        """List what is said below the rows, a line each."""
         return remarks(self._steps)
 
 
 def _lines(rows: list[list[str]], least: int = 0) -> list[str]:
-    """Texts of rows of cells, each column as wide as its widest cell, and at least so wide."""
+    """Write rows of cells, each column as wide as its widest cell, and at least so wide."""
     widths = [max(least, *map(len, column)) for column in zip(*rows)]
     lines = ("  ".join(map(str.rjust, row, widths)) for row in rows)
     return [line.rstrip() for line in lines]
 
 
 def html_table(result: Result, across: bool = True) -> str:
-    """HTML of what `table` says; across: a row for each step, otherwise a column."""
+    """Write HTML of what `table` says; across: a row for each step, otherwise a column."""
     from pandas import DataFrame
 
     steps, surface = result.numbered, result.surface
@@ -105,15 +105,13 @@ def html_table(result: Result, across: bool = True) -> str:
 
 
 def cells(steps: Mapping[int, dict], surface: dict | None = None) -> list[list[str]]:
-    """The same as rows of texts: headings, units, and one row per step."""
+    """Return the table as rows of texts: headings, units, and one row per step."""
     marked = (f"{'! ' * (not converged(step))}{k}" for k, step in steps.items())
     columns = [["step", "", *marked]]
     for key, name in COLUMNS.items():
-        # of any file
-        values = [
-            x if isinstance(x := step.get(key), int | float | str) else None
-            for step in steps.values()
-        ]
+        found = [step.get(key) for step in steps.values()]
+        # a file that another program wrote may hold anything
+        values = [x if isinstance(x, int | float | str) else None for x in found]
         if any(value is not None for value in values):
             scale, heading = _scale(key, list(filter(is_number, values)), surface or {})
             shown = (_cell(key, value, scale, step) for value, step in zip(values, steps.values()))
@@ -122,8 +120,8 @@ def cells(steps: Mapping[int, dict], surface: dict | None = None) -> list[list[s
 
 
 def _scale(key: str, values: list[float], surface: dict) -> tuple[float, str]:
-    """(scale, heading) of a column: with the prefix that suits its largest value where the surface
-    knows the unit, a_r and errors in per cent."""
+    """Return (scale, heading) of a column: with the prefix that suits its largest value where the
+    surface knows the unit, a_r and errors in per cent."""
     if key in PER_CENT:
         return 0.01, f"[{PER_CENT[key]}]"
     unit = all_numbers()[key][1]
@@ -147,7 +145,7 @@ def _cell(key: str, value: Any, scale: float, step: dict) -> str:
 
 
 def remarks(steps: Mapping[int, dict]) -> list[str]:
-    """What to say below the table, a line each."""
+    """List what to say below the table, a line each."""
     remarks = [LEGEND] if any("a_r_discretisation" in step for step in steps.values()) else []
     said: dict[str, list[str]] = {}
     for index, step in steps.items():

@@ -10,7 +10,9 @@ from numpy.typing import DTypeLike
 
 from ..driver.precision import first_precision, precisions
 from ..driver.sweep import Sweep
+from ..parallel.comm import SerialComm
 from ..scene import Scene
+from ..surface import build_surface
 from ..util.caches import cache_folder, keep
 
 SAMPLE = {
@@ -37,8 +39,8 @@ class Pairs:
 def expected_pairs(
     scene: Scene, n: tuple[int, int], unknown: DTypeLike | None = None
 ) -> dict[np.dtype, float]:
-    """FFT pairs of all loads of a scene whose surface has n points, by precision; unknown: as
-    memory_of has it."""
+    """Estimate the FFT pairs of all loads of a scene whose surface has n points, by precision;
+    unknown: as memory_of has it."""
     settings, pairs, known = scene.solver, dict[np.dtype, float](), Pairs()
     decades = -np.log10(settings.tolerance) - 3
     each = BASELINE_PAIRS.get(settings.name, known.each)
@@ -57,8 +59,8 @@ def expected_seconds(
     cell: tuple[int, int] | None = None,
     unknown: DTypeLike | None = None,
 ) -> float:
-    """Seconds of solving all loads of a scene on `ranks` ranks that share `cores` cores of this
-    machine. cell: points that are solved, if more than the n of the surface."""
+    """Estimate the seconds of solving all loads of a scene on `ranks` ranks that share `cores`
+    cores of this machine. cell: points that are solved, if more than the n of the surface."""
     points = float(np.prod(cell or n))
     work = points * np.log2(max(points, 2)) / min(ranks, cores)
     pairs = expected_pairs(scene, n, unknown)
@@ -79,8 +81,8 @@ class Cluster:
     latency: float = 40e-6
 
     def seconds(self, alone: float, pairs: float, traffic: tuple[int, int], ranks: int) -> float:
-        """Of a solve on `ranks` of its cores that takes so many seconds on one core here; traffic:
-        (bytes, messages) that a rank sends in an FFT pair."""
+        """Model the seconds of a solve on `ranks` of its cores that takes so many seconds on one
+        core here; traffic: (bytes, messages) that a rank sends in an FFT pair."""
         nodes = -(-ranks // self.cores)
         nbytes, messages = traffic
         sent = nbytes * (ranks / nodes) / self.bandwidth * (nodes > 1) + messages * self.latency
@@ -88,8 +90,8 @@ class Cluster:
 
 
 def seconds_per_work(dtype: DTypeLike) -> float:
-    """Seconds per FFT pair (with everything that goes along with it) and N log2 N; measured once,
-    then read."""
+    """Return the seconds per FFT pair (with everything that goes along with it) and N log2 N;
+    measured once, then read."""
     path = cache_folder() / f"speed-{np.dtype(dtype).name}-{platform.node()}"
     try:
         return float(path.read_text())
@@ -100,9 +102,6 @@ def seconds_per_work(dtype: DTypeLike) -> float:
 
 
 def _measure(dtype: DTypeLike) -> float:
-    from ..parallel.comm import SerialComm
-    from ..surface import build_surface
-
     precision = "single" if np.dtype(dtype) == np.float32 else "double"
     scene = Scene.from_dict(
         {"surface": SAMPLE, "load": {"p_star": 0.05}, "solver": {"precision": precision}}

@@ -13,10 +13,10 @@ COMMON = ("base", "options")  # files that are no solver
 
 
 def solver_names() -> list[str]:
-    """Names of all solvers, without importing them."""
+    """Return the names of all solvers, without importing them."""
     return list(names_in(__name__, COMMON))
 
 
 def solver_class(name: str) -> type[Solver]:
-    """The solver class of a name; "auto" is the default solver."""
+    """Return the solver class of a name; "auto" is the default solver."""
     return class_in(__name__, "bpx" if name == "auto" else name)

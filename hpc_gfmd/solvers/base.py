@@ -131,7 +131,7 @@ class Solver:
         self.refresh()
 
     def _lay(self, g: np.ndarray) -> None:
-        """The gap g, no step yet, and the same pressure everywhere."""
+        """Lay down the gap g, no last step, and the same pressure everywhere."""
 
         def lay(i0: int, i1: int) -> None:
             if g is not self.g:
@@ -142,7 +142,7 @@ class Solver:
         self.grid.by_rows(lay)
 
     def _set_load(self, p0: float) -> None:
-        """Another mean pressure: p changes by a constant."""
+        """Set another mean pressure: p changes by a constant."""
         before, self.p0 = self.p_cell, float(p0)
         change = self.problem.dtype.type(self.p_cell - before)
 
@@ -152,21 +152,21 @@ class Solver:
         self.grid.by_rows(shift)
 
     def correct_load(self, p0: float) -> None:
-        """As `continue_at`, for a change that is small beside what is still to be done."""
+        """Do as `continue_at`, for a change that is small beside what is still to be done."""
         self.continue_at(p0)
 
     def refresh(self, uKu: float | None = None) -> None:
-        """self.p has just been computed anew from self.g, or shifted: go on from there. uKu: <u, K
-        u>, None if that has not changed."""
+        """Go on after self.p has been computed anew from self.g, or shifted. uKu: <u, K u>, None if
+        that has not changed."""
         raise NotImplementedError
 
     def resume(self) -> None:
-        """self.p has just been computed anew from self.g, and self.levels used by somebody else: go
-        on as if nothing had happened."""
+        """Go on as if nothing had happened after self.p has been computed anew from self.g, and
+        self.levels used by somebody else."""
 
     def make_room(self) -> None:
-        """Until `take_room` somebody else needs the memory of the transforms and of the last step,
-        which is lost."""
+        """Give the memory of the transforms and of the last step, which is lost, to somebody else
+        until `take_room`."""
         raise NotImplementedError
 
     def take_room(self) -> None:
@@ -174,28 +174,28 @@ class Solver:
         raise NotImplementedError
 
     def step(self) -> None:
-        """One iteration: new g and p."""
+        """Make one iteration: new g and p."""
         raise NotImplementedError
 
     def progress(self) -> Progress:
-        """How far the solver is."""
+        """Tell how far the solver is."""
         raise NotImplementedError
 
     def expected_area(self, squares: float) -> float:
-        """What the certificate is expected to give as relative error of the area if the squares of
-        the pressure's error add up to `squares`."""
+        """Return the relative error of the area that the certificate is expected to find if the
+        squares of the pressure's error add up to `squares`."""
         return 0.0
 
     def state(self) -> tuple[dict[str, Any], ...]:
-        """Everything that a bit-identical continuation needs: local slabs by name, and a dict of
-        numbers."""
+        """Return everything that a bit-identical continuation needs: local slabs by name, and a
+        dict of numbers."""
         return tuple(
             {name: getattr(self, name) for name in names}
             for names in (self.state_names, self.scalar_names)
         )
 
     def load_state(self, arrays: dict[str, np.ndarray], numbers: dict[str, Any]) -> None:
-        """The inverse of `state`."""
+        """Undo `state`: take over what it returned."""
         for name in self.state_names:
             getattr(self, name)[...] = arrays[name]
         for name in self.scalar_names:

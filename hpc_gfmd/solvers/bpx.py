@@ -7,9 +7,8 @@ feasible set, and the energy along the (feasible) chord is minimised exactly, so
 Where clipping spoils the descent the step is replaced by a plain projected gradient step.
 
 One iteration is three passes over memory: `projected_step` + row transforms, column transforms with
-K between them, row transforms + `update_state`.
-The displacement itself never appears: with the gap g = u + h and p = p0 + K u, steps change both by
-the same d and K d.
+K between them, row transforms + `update_state`. The displacement itself never appears: with the gap
+g = u + h and p = p0 + K u, a step d changes them by d and by K d.
 """
 
 from functools import cached_property
@@ -23,20 +22,20 @@ from ..certificate.error_estimates import (
     estimate,
     misclassified_points,
     moments_of_open,
-    relative_area,
+    relative_error,
     spread_of,
 )
 from ..kernels.bfloat16 import Decoded, encoded, stored_dtype
 from ..kernels.bpx import UpdateSums, projected_step
-from ..operators.elastic import Elastic, total
+from ..operators.elastic import Elastic
 from ..operators.multilevel import Multilevel
 from ..operators.problem import Problem
+from ..parallel.threads import added
 from .base import Progress, Solver
 from .options import read_options
 
 DESCENT = 0.2  # share of the predicted descent that clipping must leave
 SHORT = 0.9  # a step is made shorter only below this: clipped points stay a little open then
-
 # of what certificate/error_estimates.py says that the mean gap is wrong by
 SHIFT = 0.62
 
@@ -91,7 +90,7 @@ class Bpx(Solver):
         return 1.0 / (self.compliance * self.problem.body.bounds(self.grid)[1])
 
     def _make_scratch(self) -> None:
-        """Rows for each thread."""
+        """Make scratch rows for each thread."""
         self._scratch = {id(x): self.levels.scratch() for x in self.elastic.fft.row_scratch}
 
     def make_room(self) -> None:
@@ -125,8 +124,8 @@ class Bpx(Solver):
         self._begin(self.levels.restrict(self.g, self.p, self.problem.limit))
 
     def correct_load(self, p0: float) -> None:
-        """The last step stays what the next one begins with: on F M is about 1/K, so that <z, K d>
-        changes by as much as <p, d>."""
+        """Keep the last step as what the next one begins with: on F M is about 1/K, so that <z, K
+        d> changes by as much as <p, d>."""
         self._set_load(p0)
         rd, zKd, dKd = self.rd, self.zKd, self.dKd
         self._measure(self.levels.restrict(self.g, self.p, self.problem.limit, self.d))
@@ -137,7 +136,7 @@ class Bpx(Solver):
         self.levels.sweep()  # z on the coarse levels follows from g and p
 
     def _begin(self, sums: UpdateSums) -> None:
-        """A new descent begins: no momentum, no memory of the Rayleigh quotient."""
+        """Begin a new descent: no momentum, no memory of the Rayleigh quotient."""
         self.s = 1.0
         self.rayleigh = 1.0
         self._measure(sums, anew=True)
@@ -156,7 +155,7 @@ class Bpx(Solver):
     # -- one iteration
 
     def _descend_to_contact(self) -> None:
-        """Nothing is in contact: come down until something is. A rigid shift costs no elastic
+        """Come down until something is in contact, where nothing is. A rigid shift costs no elastic
         energy, but would take many steps.
 
         The descent goes on as it is: the pressure does not change.
@@ -189,15 +188,15 @@ class Bpx(Solver):
             zKz = dKd - 2 * a * b * self.zKd - b * b * self.dKd
             self.rayleigh = zKz / (a * a * self.rz)
         self._measure(sums)
-        self.uKu += (
-            2 * self.s * (pd - self.p_cell * self.grid.cell_points * mean) + self.s**2 * dKd
-        )  # K u = p - p_cell
+        # K u = p - p_cell
+        self.uKu += 2 * self.s * (pd - self.p_cell * self.grid.cell_points * mean) + self.s**2 * dKd
         if self.problem.hardness is not None:  # pd has the work of dents
             self.uKu -= 2 * self.s * self.problem.hardness * deeper
         self.iterations += 1
 
     def _coefficients(self) -> tuple[float, float]:
-        """a and b of the step -(a z + b d): the minimum of the energy in the plane of z and d.
+        """Return a and b of the step -(a z + b d): the minimum of the energy in the plane of z and
+        d.
 
         It had better be too long than too short: the line search can only shorten it.
         """
@@ -214,8 +213,8 @@ class Bpx(Solver):
         return (a, b) if a > 0 else (1.0 / rho, 0.0)
 
     def _search(self, a: float, b: float, coupling: float) -> list[float]:
-        """First pass: the next step into d and its row spectra; returns <p, d>, and by how much
-        dents become deeper."""
+        """Make the first pass: the next step into d, and its row spectra; returns <p, d>, and by
+        how much dents become deeper."""
         z, transfer, inside = self.levels.z, self.levels.transfers[0].tables, self.grid.inside
         step = tuple(self.problem.dtype.type(x) for x in (a, b * self.s, coupling, self.compliance))
         scratch = self._scratch
@@ -227,10 +226,10 @@ class Bpx(Solver):
             )
 
         found = self.elastic.pressure_rows(fill, self.passes)
-        return total(self.grid.comm, np.reshape(found, (-1, 2))).tolist()
+        return self.grid.comm.sum(added(found, 2)).tolist()
 
     def _update(self, s: float) -> UpdateSums:
-        """Last pass: x = K d by rows, new g and p; returns this rank's UpdateSums."""
+        """Make the last pass: x = K d by rows, new g and p; returns this rank's UpdateSums."""
         return UpdateSums.total(
             self.elastic.use_rows(lambda i0, i1, x: self._update_rows(i0, i1, x, s), self.passes)
         )
@@ -268,7 +267,7 @@ class Bpx(Solver):
         return Progress(float(residual), self.contact, self.gap_mean, found, finite, predicted)
 
     def _estimate(self) -> Estimate:
-        """What the certificate will say, but for rounding errors that p has gathered."""
+        """Estimate what the certificate will say, but for rounding errors that p has gathered."""
         state = State(
             self.p0,
             self.mean * self.grid.cell_points,
@@ -283,7 +282,8 @@ class Bpx(Solver):
         return estimate(self.problem, self.levels, state)
 
     def _predicted(self, found: Estimate) -> tuple[float, float] | None:
-        """The area goes with the load that the contact carries."""
+        """Predict the converged area and gap: the area goes with the load that the contact
+        carries."""
         load, n = self.p_cell - self.mean, self.contact
         if n == 0 or load <= 0:
             return None
@@ -296,4 +296,4 @@ class Bpx(Solver):
         open_pp, open_p4 = self.grid.comm.sum(moments_of_open(self.problem, self.g, self.p))
         spread = spread_of(open_pp, open_p4, self.contact, self.N)
         wrong = misclassified_points(self.problem, self.g, self.p, squares, spread)
-        return relative_area(max(wrong, self.changing), self.contact)
+        return relative_error(max(wrong, self.changing), self.contact)

@@ -1,12 +1,12 @@
 """Constrained conjugate gradients on the pressure (Polonsky and Keer, Wear 231, 206, 1999).
 
-Minimises 1/2 <p, S p> + <p, h> over pressures p >= 0 of mean p0, S the inverse of K. In contact, {p
-> 0}, the gap e = S p + h - constant has to vanish; the constant is such that its mean there does.
-One iteration: conjugate direction t from e, exact line search (one convolution with S), p <- max(p
-- tau t, 0), pressure for points out of contact that penetrate (the direction is then forgotten),
-  rescaling of p to the mean p0 (the load balance), and the new gap (a second convolution): two FFT
-  pairs. With the option
-`preconditioned` the direction is made from K e instead of e, which takes a third.
+Minimises 1/2 <p, S p> + <p, h> over pressures p >= 0 of mean p0, S the inverse of K. In contact,
+p > 0, the gap e = S p + h - constant has to vanish; the constant is such that its mean there does.
+One iteration: conjugate direction t from e, exact line search (one convolution with S),
+p <- max(p - tau t, 0), pressure for points out of contact that penetrate (the direction is then
+forgotten), rescaling of p to the mean p0 (the load balance), and the new gap (a second
+convolution): two FFT pairs. With the option `preconditioned` the direction is made from K e instead
+of e, which takes a third.
 
 The gap that is returned is closed, g = 0, wherever p > 0, and max(e, 0) elsewhere.
 """
@@ -18,7 +18,7 @@ import numpy as np
 from ..kernels import ccg as kernels
 from ..operators.elastic import Elastic, reader
 from ..operators.problem import Problem
-from ..parallel.threads import on_threads
+from ..parallel.threads import added, on_threads
 from ..util.aligned import zeros_aligned
 from .base import Progress, Solver
 from .options import read_options
@@ -115,7 +115,7 @@ class Ccg(Solver):
         self.refresh()
 
     def refresh(self, uKu: float | None = None) -> None:
-        """Only the direction is carried on from one iteration to the next: it is forgotten."""
+        """Forget the direction: only that is carried on from one iteration to the next."""
         self.fresh, self.previous = True, 1.0
 
     # -- one iteration
@@ -137,8 +137,8 @@ class Ccg(Solver):
         self.iterations += 1
 
     def _search(self) -> float:
-        """The direction t, and the step tau along it that minimises the energy at constant mean
-        pressure."""
+        """Make a new direction t and return the step tau along it, which minimises the energy at
+        constant mean pressure."""
         shift = self.real(self.shift)
         size, a, c = self.ee, 1.0, 0.0
         if self.preconditioned:
@@ -167,7 +167,7 @@ class Ccg(Solver):
         )
         tSt = self.elastic.displacement_columns()
         r = self.elastic.use_rows(lambda i0, i1, x: kernels.response_sums(self.iterate, x, i0, i1))
-        et, t, r, n, tSt = self.grid.comm.sum([*_total(et, 2), *_total(r, 2), tSt])
+        et, t, r, n, tSt = self.grid.comm.sum([*added(et, 2), *added(r, 2), tSt])
         curvature = tSt - r * t / n
         # S_CC >= 1/(largest eigenvalue of K), S_CC K_CC >= 1; where nothing is left to do in
         # contact the quotient is noise
@@ -190,7 +190,7 @@ class Ccg(Solver):
         )
 
     def _set_gap(self, parts: Parts) -> None:
-        """The mean of gap0 in contact, and the state that is returned; parts: what `new_gap`
+        """Set the mean of gap0 in contact, and the state that is returned; parts: what `new_gap`
         returned."""
         total, n = self._sum(parts, 2)
         self.shift = float(total / n)
@@ -201,21 +201,16 @@ class Ccg(Solver):
         self.ee, self.below, self.contact, self.gap = self._sum(sums, 4).tolist()
 
     def _sum(self, parts: Parts, count: int) -> np.ndarray:
-        return self.grid.comm.sum(_total(parts, count))
+        return self.grid.comm.sum(added(parts, count))
 
     # -- how far
 
     def progress(self) -> Progress:
-        """residual: an estimate of K applied to what is left of the gap: e in contact, and e < 0
-        elsewhere."""
+        """Tell how far the solver is. residual: an estimate of K applied to what is left of the
+        gap: e in contact, and e < 0 elsewhere."""
         residual = (
             RESIDUAL * self.stiffest * float(np.sqrt((self.ee + self.below) / self.N)) / self.p0
         )
         return Progress(
             residual, self.contact, self.gap / self.N, None, bool(np.isfinite(residual + self.gap))
         )
-
-
-def _total(parts: Parts, count: int) -> np.ndarray:
-    """Sum of what the passes returned."""
-    return np.sum(np.reshape(parts, (-1, count)), axis=0)

@@ -25,7 +25,7 @@ import numpy as np
 from ..kernels.dynamics import DynamicsSums, update_pressure, verlet_step
 from ..operators.elastic import Elastic
 from ..operators.problem import Problem
-from ..parallel.threads import on_threads
+from ..parallel.threads import added, on_threads
 from ..util.aligned import zeros_aligned
 from .base import Progress, Solver
 from .options import read_options
@@ -50,11 +50,8 @@ class Gfmd(Solver):
         self.options = read_options(self.name, self.options, self.allowed)
         grid, dtype = self.grid, problem.dtype
         self.elastic = Elastic(grid, problem.body, dtype)
-        self.g, self.p, self.d = (
-            grid.empty(dtype),
-            grid.empty(dtype),
-            zeros_aligned(grid.shape, dtype),
-        )
+        self.g, self.p = grid.empty(dtype), grid.empty(dtype)
+        self.d = zeros_aligned(grid.shape, dtype)
         self.longest, self.stiffest = problem.body.bounds(grid)
         self.patience = max(
             4 * self.patience, int(PATIENCE * np.sqrt(self.stiffest / self.longest))
@@ -80,7 +77,7 @@ class Gfmd(Solver):
         self._begin()
 
     def _begin(self) -> None:
-        """The solids are at rest."""
+        """Begin with solids at rest."""
 
     # -- one time step
 
@@ -94,7 +91,7 @@ class Gfmd(Solver):
         self.iterations += 1
 
     def _coefficients(self) -> tuple[float, float]:
-        """a and b of d <- b d - a p."""
+        """Return a and b of d <- b d - a p."""
         damping = self.options.get("damping")
         if damping is not None:
             mu = min(damping * damping * self.longest, self.stiffest)
@@ -114,9 +111,7 @@ class Gfmd(Solver):
 
     def _measure(self, parts: Sequence[tuple[float, ...]]) -> None:
         """Sum DynamicsSums over passes and ranks."""
-        sums = self.grid.comm.sum(
-            np.sum(np.reshape(parts, (-1, len(DynamicsSums._fields))), axis=0)
-        )
+        sums = self.grid.comm.sum(added(parts, len(DynamicsSums._fields)))
         self.rr, self.pp, self.pd, self.dd, self.dx, self.contact, self.gap = map(
             float, DynamicsSums(*sums)
         )

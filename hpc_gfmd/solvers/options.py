@@ -9,9 +9,10 @@ from ..util.errors import SceneError
 def read_options(
     solver: str, options: Mapping[str, float], allowed: Mapping[str, tuple[float, float]]
 ) -> dict[str, float]:
-    """The given options as floats. allowed: {name: (smallest, largest value)}.
+    """Return the given options as floats. allowed: {name: (smallest, largest value)}; where these
+    are of type int, whole numbers.
 
-    Raises SceneError for an unknown name or a value out of bounds.
+    Raises SceneError for an unknown name or a value that is not allowed.
     """
     for name, value in options.items():
         if name not in allowed:
@@ -21,9 +22,9 @@ def read_options(
                 f"solver.options: found {found}, allowed for the solver {solver!r}: {known}"
             )
         low, high = allowed[name]
-        if not low <= value <= high:
+        kind = "a whole number" if isinstance(low, int) else "a number"
+        if not low <= value <= high or (isinstance(low, int) and value % 1):
             raise SceneError(
-                f"solver.options.{name}: found {value!r}, allowed: a number from {low:g} to"
-                f" {high:g}"
+                f"solver.options.{name}: found {value!r}, allowed: {kind} from {low:g} to {high:g}"
             )
     return {name: float(value) for name, value in options.items()}

@@ -7,6 +7,7 @@ import numpy as np
 from ..kernels.spectral import spectrum_sums
 from ..parallel import halo
 from ..parallel.grid import Grid
+from ..parallel.threads import added
 
 
 def rms(grid: Grid, fill: Any) -> tuple[float, float]:
@@ -50,6 +51,6 @@ def rms_of_columns(grid: Grid, fft: Any, make: Any, backward: bool = False) -> t
         return spectrum_sums(block, q_x, q_y[m], weight[m])
 
     sums = fft.columns(apply, forward=make is None, backward=backward)
-    s0, s2 = grid.comm.sum(np.sum(np.reshape(sums, (-1, 2)), axis=0))
+    s0, s2 = grid.comm.sum(added(sums, 2))
     norm = fft.scale if make is None else 1.0
     return float(np.sqrt(s0) * norm), float(np.sqrt(s2) * norm)

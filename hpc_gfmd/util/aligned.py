@@ -10,7 +10,7 @@ LINE = 64  # bytes
 
 
 def empty_aligned(shape: Sequence[int], dtype: DTypeLike) -> np.ndarray:
-    """An uninitialised C-contiguous array whose first element is aligned to LINE bytes."""
+    """Make an uninitialised C-contiguous array whose first element is aligned to LINE bytes."""
     nbytes = int(np.prod(shape)) * np.dtype(dtype).itemsize
     raw = np.empty(nbytes + LINE, np.uint8)
     start = -raw.ctypes.data % LINE
@@ -18,7 +18,7 @@ def empty_aligned(shape: Sequence[int], dtype: DTypeLike) -> np.ndarray:
 
 
 def zeros_aligned(shape: Sequence[int], dtype: DTypeLike) -> np.ndarray:
-    """The same, zeroed."""
+    """Make the same, zeroed."""
     a = empty_aligned(shape, dtype)
     a[...] = 0
     return a

@@ -9,7 +9,7 @@ from .atomic import atomic_write
 
 
 def cache_folder() -> Path:
-    """The user's cache folder of this program; HPC_GFMD_CACHE or XDG_CACHE_HOME move it."""
+    """Return the user's cache folder of this program; HPC_GFMD_CACHE or XDG_CACHE_HOME move it."""
     root = os.environ.get("HPC_GFMD_CACHE")
     if root:
         return Path(root)

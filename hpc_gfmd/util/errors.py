@@ -20,7 +20,7 @@ class NotConverged(UserWarning):
 
 
 def one_line(text: str, longest: int = 200) -> str:
-    """A foreign text without line ends or other control characters, of bounded length."""
+    """Return a foreign text without line ends or other control characters, of bounded length."""
     text = "".join(c if c.isprintable() else " " for c in text[: 100 * longest])
     text = " ".join(text.split())
     return text if len(text) <= longest else f"{text[: longest - 60]} ... {text[-50:]}"

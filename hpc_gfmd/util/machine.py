@@ -67,7 +67,7 @@ def limit_gib() -> float:
 
 
 def _table(path: Path) -> dict[str, int]:
-    """{first word: number that follows} of the lines of a file; empty without it."""
+    """Return {first word: number that follows} of the lines of a file; empty without it."""
     try:
         lines = [line.split() for line in path.read_text().splitlines()]
     except OSError:

@@ -37,9 +37,11 @@ def module_in(package: str, name: str) -> Any:
 
 @cache
 def class_in(package: str, name: str) -> Any:
-    """Find the class of a drop-in file whose `name` is the file's."""
-    found = vars(module_in(package, name)).values()
-    return next(c for c in found if isinstance(c, type) and c.__dict__.get("name") == name)
+    """Find the class of a drop-in file whose `name` is the file's. Raises GfmdError without one."""
+    for found in vars(module_in(package, name)).values():
+        if isinstance(found, type) and vars(found).get("name") == name:
+            return found
+    raise GfmdError(f'{package}: {name} has no class with name = "{name}"')
 
 
 @cache

@@ -39,7 +39,7 @@ class Quantity(float):
 
 
 def parse(text: str, dimension: str) -> Quantity:
-    """The Quantity that "100 um" or "50 GPa" stands for; dimension: a key of SI. Raises
+    """Read the Quantity that "100 um" or "50 GPa" stands for; dimension: a key of SI. Raises
     ValueError."""
     found = _QUANTITY.fullmatch(text[:100])
     if not found:
@@ -50,7 +50,8 @@ def parse(text: str, dimension: str) -> Quantity:
 
 
 def format_quantity(value: float, like: float | None = None) -> str:
-    """A number as messages say it: as it was given, or in the unit of `like`, which was given."""
+    """Write a number as messages say it: as it was given, or in the unit of `like`, which was
+    given."""
     if like is None:
         return value.text if isinstance(value, Quantity) else f"{value:g}"
     unit = _QUANTITY.fullmatch(like.text) if isinstance(like, Quantity) else None
@@ -59,7 +60,8 @@ def format_quantity(value: float, like: float | None = None) -> str:
 
 @cache
 def factor(unit: str, dimension: str = "length") -> float:
-    """One `unit` in the SI unit of a dimension. Raises ValueError for what is no unit of it."""
+    """Return one `unit` in the SI unit of a dimension. Raises ValueError for what is no unit of
+    it."""
     unit = str(unit).strip()
     if found := _in_si(unit, dimension):
         return found
@@ -92,8 +94,8 @@ def _registry() -> Any:
 
 
 def in_units(unit: str, surface: Mapping[str, Any]) -> str:
-    """A product of "length", "pressure" and "force" in the units that attributes of a surface name:
-    "m^2"; "1" of "", and "" where one of them has no name."""
+    """Write a product of "length", "pressure" and "force" in the units that attributes of a surface
+    name: "m^2"; "1" of "", and "" where one of them has no name."""
     said = [surface.get(key) for key in ("unit", "pressure_unit")]
     length, pressure = (name if isinstance(name, str) else "" for name in said)
     names = {"length": length, "pressure": pressure, "force": "N" if length and pressure else ""}
@@ -107,7 +109,7 @@ PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "u", -3: "m", 0: "", 3: "k", 6: "M"
 
 
 def prefixed(values: Iterable[Any], unit: str) -> tuple[float, str]:
-    """(what one prefixed unit is in `unit`, its name) for numbers to be read together: (1e6,
+    """Return (what one prefixed unit is in `unit`, its name) for numbers to be read together: (1e6,
     "MPa"). (1.0, "") without a unit."""
     largest = max(
         (abs(value) for value in values if isinstance(value, int | float) and isfinite(value)),

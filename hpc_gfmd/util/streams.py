@@ -21,17 +21,17 @@ class Stream:
         self.lost = OSError(errno.EBADF, os.strerror(errno.EBADF)) if stream is None else None
 
     def write(self, text: str) -> int:
-        """Returns the number of characters, printed or not."""
+        """Print a text; return the number of characters, printed or not."""
         encoding = getattr(self._inside, "encoding", None) or "utf-8"
         self._unless_lost("write", text.encode(encoding, "backslashreplace").decode(encoding))
         return len(text)
 
     def flush(self) -> None:
-        """As far as it goes."""
+        """Flush as far as it goes."""
         self._unless_lost("flush")
 
     def isatty(self) -> bool:
-        """Whether somebody watches."""
+        """Tell whether somebody watches."""
         return bool(self._unless_lost("isatty"))
 
     def _unless_lost(self, method: str, *args: str) -> Any:

@@ -10,14 +10,14 @@ PACKAGES = ("numpy", "numba", "scipy", "h5py", "mpi4py", "mpi4py-fft")
 
 @cache
 def versions() -> dict[str, str | None]:
-    """{name: version}, of what is installed, without importing it."""
+    """Return {name: version}, of what is installed, without importing it."""
     found = {"hpc_gfmd": _version("hpc-gfmd"), "python": platform.python_version()}
     return found | {name: v for name in PACKAGES if (v := _version(name))}
 
 
 @cache
 def processor() -> str:
-    """The model of this machine's processor."""
+    """Return the model of this machine's processor."""
     try:
         lines = Path("/proc/cpuinfo").read_text().splitlines()
         return next(

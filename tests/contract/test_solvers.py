@@ -216,6 +216,7 @@ def test_stops(name):
         ("gfmd", {"damping": -1}, "0 to"),
         ("fire", {"damping": 1.0}, "'fire': dt"),
         ("ccg", {"dt": 1.0}, "preconditioned"),
+        ("ccg", {"preconditioned": 0.5}, "a whole number from 0 to 1"),
     ],
 )
 def test_options_are_checked(name, options, message):

@@ -12,11 +12,8 @@ NODES = {
     "pairs": lambda rank: rank // 2,
     "in turn": lambda rank: rank % 2,
 }
-PER_NODE = {
-    "one": None,
-    "each its own": 1,
-    "pairs": 2,
-}  # ranks of a node, None: all, where they are dealt out in their order
+# ranks of a node, None: all, where they are dealt out in their order
+PER_NODE = {"one": None, "each its own": 1, "pairs": 2}
 
 
 class CountingComm(MpiComm):

@@ -44,9 +44,8 @@ def test_small_loads(comm):
         sweep, step = solved(comm)
     assert (step.status, step.certificate.precision) == ("converged", "float64")
     assert step.certificate.residual < RESIDUAL
-    assert [fft.dtype for fft in sweep.surface.grid.planned()] == [
-        np.float32
-    ]  # those of the certificate have given their memory back
+    # those of the certificate have given their memory back
+    assert [fft.dtype for fft in sweep.surface.grid.planned()] == [np.float32]
     assert step.contact_points == solved(SerialComm())[1].contact_points
 
 

@@ -56,9 +56,10 @@ def test_messages_are_those_between_nodes(machines, nodes):
         planned = share_of(sweep.surface.grid.n, sweep.dtype, machines.size, machines.rank, **how)
         assert planned.traffic == share.traffic
         assert planned.layout.scratch_bytes == share.layout.scratch_bytes
+        # what `plan` says
         most = [
             one.traffic for one in busiest(sweep.surface.grid.n, sweep.dtype, machines.size, **how)
-        ]  # what `plan` says
+        ]
         assert tuple(machines.max(share.traffic)) == tuple(map(max, zip(*most, strict=True)))
 
 

@@ -7,10 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from contacts import random_heights
+from contacts import random_heights, rough
 
 import hpc_gfmd
 from hpc_gfmd import SceneError
+from hpc_gfmd.scene import Scene
 
 pytestmark = pytest.mark.mpi
 Z = random_heights((24, 20), 3) / 100
@@ -62,6 +63,10 @@ def test_a_communicator_of_mpi4py(comm):
     assert found.pressure.shape == (found.rows[1] - found.rows[0], 20)
     with pytest.raises(SceneError, match="spread over"):
         found.plot()
+    scene = Scene.from_dict({"surface": rough(), "load": {"p_star": 0.1}})
+    assert hpc_gfmd.run(scene, out="run.h5", quiet=True, comm=comm.mpi).status == "converged"
+    with pytest.raises(SceneError, match=r"^comm: found int, allowed"):
+        hpc_gfmd.run(scene, comm=3)
 
 
 def test_the_example(comm, shared_path, monkeypatch):

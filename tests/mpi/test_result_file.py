@@ -176,15 +176,13 @@ def test_many_pieces(comm, shared_path, monkeypatch):
             assert np.array_equal(numbers(path, "a/b"), whole)
             found.add(checksum(path, "a/b"))
             comm.barrier()
-    h5.write_file(
-        comm, path, n, rows, {"c": h5.Stored(path, "a/b", n, whole.dtype, *found)}
-    )  # a copy of itself, by all ranks
+    # a copy of itself, by all ranks
+    h5.write_file(comm, path, n, rows, {"c": h5.Stored(path, "a/b", n, whole.dtype, *found)})
     assert np.array_equal(numbers(path, "c"), whole)
     monkeypatch.setattr(h5, "PIECE_BYTES", 2**26)
     h5.write_file(SerialComm(), shared_path / f"alone-{comm.rank}.h5", n, (0, 60), {"a/b": whole})
-    assert found == {
-        checksum(shared_path / f"alone-{comm.rank}.h5", "a/b")
-    }  # whatever the ranks and pieces
+    # whatever the ranks and pieces
+    assert found == {checksum(shared_path / f"alone-{comm.rank}.h5", "a/b")}
 
 
 def test_damage_on_one_rank_stops_all(comm, shared_path):

@@ -18,9 +18,8 @@ def spread_levels(sweep):
     """Levels of the preconditioner and grids of the nested start, beside the finest, that no rank
     holds as a whole."""
     grids = len([coarse for coarse in sweep.nested.grids if coarse.comm.size > 1])
-    return sweep.solver.levels.distributed, int(
-        sweep.surface.grid.comm.max([grids])[0]
-    )  # a rank may have no part in the last ones
+    # a rank may have no part in the last ones
+    return sweep.solver.levels.distributed, int(sweep.surface.grid.comm.max([grids])[0])
 
 
 def compare_all(comm, surface, loads, **solver):

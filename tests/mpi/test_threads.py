@@ -94,9 +94,8 @@ def test_same_with_threads(comm, case, small):
     if comm.size > 2:  # nothing new, and many threads for a small machine
         return
     (one, fewest), (several, _) = (solved(comm, case, threads) for threads in (1, 4 - comm.size))
-    assert comm.rank > 0 or fewest == (
-        case not in WITHOUT_GRIDS
-    )  # rank 0 is alone with the coarsest grid
+    # rank 0 is alone with the coarsest grid
+    assert comm.rank > 0 or fewest == (case not in WITHOUT_GRIDS)
     for (numbers, fields), (found, there) in zip(one, several, strict=True):
         assert found == numbers
         for wanted, other in zip(fields, there, strict=True):

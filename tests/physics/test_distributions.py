@@ -1,5 +1,7 @@
 """Histograms, spectra and autocorrelations against NumPy on the whole field."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from contacts import rough, solve_scene
@@ -45,6 +47,15 @@ def test_narrow_and_empty():
     assert len(all_distributions()["pressure"](contact_of(np.zeros((2, 3))))["density"]) == 1
     open_ = contact_of(np.ones((20, 30)))
     assert all_distributions()["pressure"](open_) is all_distributions()["patches"](open_) is None
+
+
+def test_of_what_is_not_solved():
+    """Dents under tension are gaps of 0; what is no number is not counted."""
+    g, p = np.array([[0.0, np.nan], [-1.0, 1.0]]), np.array([[1.0, 0.0], [-1.0, 0.0]])
+    edges, density = all_distributions()["gap"](replace(contact_of(g, p), hardness=2.0)).values()
+    shares = density * np.diff(edges)
+    assert edges[0] == 0
+    assert shares[[0, -1]] == pytest.approx([0.5, 0.5])
 
 
 def rings(distance, values, first):

@@ -62,7 +62,9 @@ def test_one_that_dies_and_one_that_does_not_converge(monkeypatch):
     assert str(found[1]) == "the process that solved it has ended (3)"
 
 
-@pytest.mark.parametrize("how", [{"processes": 0}, {"processes": "all"}, {"threads": 2}])
+@pytest.mark.parametrize(
+    "how", [{"processes": 0}, {"processes": "all"}, {"threads": 2}, {"pressure": 0.2}]
+)
 def test_refused(how):
     name = next(iter(how))
     with refused(f"{name}: found"):

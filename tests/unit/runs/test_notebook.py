@@ -2,6 +2,7 @@
 what more is asked of them."""
 
 import pickle
+import signal
 import warnings
 from pathlib import Path
 
@@ -25,6 +26,7 @@ from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.output.folder import partial_folder
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.output.record import RunFile
+from hpc_gfmd.parallel import h5
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.runs.simulation import run_scene
 from hpc_gfmd.runs.solution import LOST
@@ -272,7 +274,12 @@ def test_another_file_is_not_overwritten(sweep, tmp_path):
         sweep.save("out.npz")
 
 
-def test_a_save_that_fails_leaves_nothing(saved, tmp_path):
+def test_a_save_that_fails_leaves_nothing(saved, tmp_path, monkeypatch):
+    """Nor one that Ctrl-C ends."""
+    with monkeypatch.context() as patched:
+        patched.setattr(h5, "_checksum", lambda *_: signal.raise_signal(signal.SIGINT))
+        with pytest.raises(KeyboardInterrupt):
+            saved.save("other.h5")
     with h5py.File("saved.h5", "r+") as file:
         file["steps/0001/gap"][3, 4] += 1
     with refused(r"the numbers of .*gap are damaged$", GfmdError):

@@ -40,6 +40,9 @@ def test_the_examples_of_the_developers_page_as_a_package(tmp_path):
     observed, highest, bodies = found(None, ["-c", SCRIPT], env=env)
     assert observed == highest > 0
     assert bodies[0] == "graded"
-    (package / "calm.py").write_text("import nothing_of_this_name")
-    words = "hpc_gfmd.solvers: calm = gfmd_extra.calm does not load: No module"
-    assert words in python(None, ["-c", SCRIPT], env=env).stderr
+    for code, error in (
+        ("import nothing_of_this_name", "calm = gfmd_extra.calm does not load: No module"),
+        ("", 'calm has no class with name = "calm"'),
+    ):
+        (package / "calm.py").write_text(code)
+        assert f"hpc_gfmd.solvers: {error}" in python(None, ["-c", SCRIPT], env=env).stderr
