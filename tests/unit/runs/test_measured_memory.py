@@ -14,9 +14,6 @@ from hpc_gfmd.scene import Scene
 PEAK = Path(__file__).with_name("peak.py")
 WITHIN = 0.1  # of the estimate
 LIBRARIES_GIB = 0.1  # of files in the estimate, which peak.py leaves out
-ranks_1_and_slowly_2 = pytest.mark.parametrize(
-    "ranks", [1, pytest.param(2, marks=pytest.mark.slow)]
-)
 
 
 def scene(n, p_star=(0.1,), threads=1, fields=(), observables=None, boundary="periodic", **solver):
@@ -70,63 +67,44 @@ def check(table, ranks, folder, precision):
     assert (1 - WITHIN) * least < found < (1 + WITHIN) * most
 
 
-@ranks_1_and_slowly_2
-def test_few_points(ranks, tmp_path):
-    """Where single precision cannot tell so few points apart, all is in double precision."""
-    check(scene(1024, [1e-4]), ranks, tmp_path, "float64")
-
-
-@ranks_1_and_slowly_2
-def test_free_edges(ranks, tmp_path):
-    """Making the table of the stiffness takes no more than what is solved with it."""
-    check(
-        scene(1024, boundary="free", low_memory=True, precision="single", accuracy=1e-2),
-        ranks,
-        tmp_path,
+FREE = {"boundary": "free", "low_memory": True, "precision": "single"}
+# where single precision cannot tell so few points apart, all is in double; making the table of the
+# stiffness takes no more than what is solved with it
+WAYS = {
+    "quick, few points": (scene(1024, [1e-4]), "float64"),
+    "quick, free edges": (scene(1024, accuracy=1e-2, **FREE), "float32"),
+    "small": (scene(1024), "float32"),
+    "few points": (scene(2048, [1e-4]), "float64"),
+    "small, few points, threads": (scene(1024, [1e-4], 4), "float64"),
+    "4 threads": (scene(2048, threads=4), "float32"),
+    "16 threads": (scene(2048, threads=16), "float32"),
+    "two loads": (scene(2048, [0.1, 0.3]), "float32"),
+    "two loads, double": (scene(2048, [0.1, 0.3], precision="double"), "float64"),
+    "few points later": (scene(2048, [0.1, 1e-4], 4), "float64"),
+    "low memory": (scene(2048, low_memory=True), "float32"),
+    "field": (scene(2048, fields=["gap"]), "float32"),
+    "stiffness": (scene(2048, observables=["stiffness"]), "float32"),
+    "large, double": (scene(4096, precision="double"), "float64"),
+    "large, low memory": (scene(4096, [0.1, 0.3], low_memory=True), "float32"),
+    "large, low memory, certified in double": (
+        scene(4096, [0.002], low_memory=True, precision="single", accuracy=4e-4),
         "float32",
-    )
+    ),
+    "free edges, low memory": (scene(2048, **FREE), "float32"),
+    "free edges": (scene(2048, boundary="free"), "float32"),
+}
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("ranks", [1, 2])
 @pytest.mark.parametrize(
-    ("table", "precision"),
+    ("name", "ranks"),
     [
-        (scene(1024), "float32"),
-        (scene(2048, [1e-4]), "float64"),
-        (scene(1024, [1e-4], 4), "float64"),
-        (scene(2048, threads=4), "float32"),
-        (scene(2048, threads=16), "float32"),
-        (scene(2048, [0.1, 0.3]), "float32"),
-        (scene(2048, [0.1, 0.3], precision="double"), "float64"),
-        (scene(2048, [0.1, 1e-4], 4), "float64"),
-        (scene(2048, low_memory=True), "float32"),
-        (scene(2048, fields=["gap"]), "float32"),
-        (scene(2048, observables=["stiffness"]), "float32"),
-        (scene(4096, precision="double"), "float64"),
-        (scene(4096, [0.1, 0.3], low_memory=True), "float32"),
-        (scene(4096, [0.002], low_memory=True, precision="single", accuracy=4e-4), "float32"),
-        (scene(2048, boundary="free", low_memory=True, precision="single"), "float32"),
-        (scene(2048, boundary="free"), "float32"),
-    ],
-    ids=[
-        "small",
-        "few points",
-        "small, few points, threads",
-        "4 threads",
-        "16 threads",
-        "two loads",
-        "two loads, double",
-        "few points later",
-        "low memory",
-        "field",
-        "stiffness",
-        "large, double",
-        "large, low memory",
-        "large, low memory, certified in double",
-        "free edges, low memory",
-        "free edges",
+        pytest.param(
+            name, ranks, marks=() if name[:5] == "quick" and ranks == 1 else pytest.mark.slow
+        )
+        for name in WAYS
+        for ranks in (1, 2)
     ],
 )
-def test_all_ways(table, precision, ranks, tmp_path):
+def test_memory(name, ranks, tmp_path):
+    table, precision = WAYS[name]
     check(table, ranks, tmp_path, precision)
