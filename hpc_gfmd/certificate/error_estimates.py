@@ -72,7 +72,8 @@ class Calibration:
     reach : float
         Points change sides if that takes less than so many times the rms error of the pressure,
         where that error is: 0.5 for random roughness, 1.3 for lattices of alike points. One half of
-        this range counts, the one with more points: random roughness has as many in both.
+        this range counts, the one with more points: random roughness has as many in both. Counts
+        of n points scatter by the root of n, which is added.
     farthest, few : float
         So many points change sides if that takes less than `farthest` times that rms.
     rounding : float
@@ -208,7 +209,8 @@ def misclassified_points(
     wrong, reach = 0.0, CALIBRATION.reach
     for points in np.reshape(grid.comm.sum(counts.ravel()), (2, BINS)):
         near, far = (points[takes < mean_square * x**2].sum() for x in (reach / 2, reach))
-        likely = max(near, far - near, min(points.sum(), CALIBRATION.few))
+        most = max(near, far - near)
+        likely = max(most + np.sqrt(most), min(points.sum(), CALIBRATION.few))
         spent, easiest = np.cumsum((points * takes)[::-1]), np.cumsum(points[::-1])
         wrong = max(wrong, min(likely, np.floor(np.interp(squares, spent, easiest))))
     return float(wrong)

@@ -129,9 +129,11 @@ def _hdf5(path: Path, spec: Any) -> tuple[Stored, Metadata]:
             lambda name, item: names.append(name) if isinstance(item, h5py.Dataset) else None
         )
         maps = [name for name in names if len(file[name].shape or ()) == 2]
-        named = isinstance(file.get(spec.dataset), h5py.Dataset)
-        name = spec.dataset if named else _one_of(maps, spec)
-        data = inside(file, name)
+        name = spec.dataset if spec.dataset in file else _one_of(maps, spec)
+        data = inside(file, name)  # before anything follows a link to another file
+        if not isinstance(data, h5py.Dataset):  # a group
+            name = _one_of(maps, spec)
+            data = inside(file, name)
         if data.ndim != 2:
             return Stored(data.shape, data.dtype, lambda part: data), Metadata()
         axes = [
