@@ -27,7 +27,7 @@ class Parser(argparse.ArgumentParser):
     """argparse whose complaints are SceneErrors, so that under MPI they are printed once."""
 
     def error(self, message: str) -> NoReturn:
-        raise SceneError(f"{self.prog}: {message} (see {self.prog} --help)")
+        raise SceneError(f"{message} (see {self.prog} --help)")
 
 
 def build_parser(commands: Sequence[str] = COMMANDS) -> argparse.ArgumentParser:

@@ -73,6 +73,7 @@ def _autocorrelation(ax: Any, context: FigureContext, name: str) -> None:
     length = context.units.lengths()
     ax.axhline(0, color="0.8", linewidth=0.7, zorder=0)
     for r, found, how in _lines(context, name, "autocorrelation_r", "autocorrelation_correlation"):
-        ax.plot(r / length.unit, found / found[0], **how)
+        if found[0] > 0:  # not of a gap that is closed
+            ax.plot(r / length.unit, found / found[0], **how)
     symbol = FIELDS[name]
     ax.set(xlabel=length.label("r"), ylabel=f"$A_{symbol}(r)/A_{symbol}(0)$", title=name)

@@ -199,4 +199,4 @@ def plain(value: Any) -> Any:
     """NumPy's numbers and arrays, alone or in a list, and tuples, as what a scene is made of."""
     if isinstance(value, list | tuple):
         return [plain(item) for item in value]
-    return value.tolist() if isinstance(value, np.ndarray | np.generic) else value
+    return value.tolist() if hasattr(value, "tolist") else value

@@ -53,6 +53,10 @@ def checked_array(heights: Any) -> np.ndarray:
         raise SceneError(
             f"heights: found {path}, allowed: an array, or hpc_gfmd.read_surface({path})"
         )
+    if [str(name).lower() for name in getattr(heights, "dims", ())] == ["y", "x"]:
+        raise SceneError(
+            'heights: found axes y, x, allowed: x, y, as of heights.transpose("x", "y")'
+        )
     try:
         heights = np.asanyarray(heights)
     except (TypeError, ValueError) as error:

@@ -47,11 +47,13 @@ def opened(path: str | Path, channel: str) -> tuple[Any, bool]:
             f" npz, text, hdf5, netcdf, tiff, png and, of instruments, {known}"
         ) from None
     maps = [found for found in reader.channels if found.dim == 2]
+    if not maps:
+        raise ValueError("it has no map of heights, only profiles")
     wanted = [found for found in maps if found.name == channel]
-    if not maps or (not wanted and channel != ANY):
+    if not wanted and channel != ANY:
         raise ValueError(
             f"surface.dataset = {channel!r}: it has the maps"
-            f" {', '.join(str(found.name) for found in maps) or '(none)'}"
+            f" {', '.join(str(found.name) for found in maps)}"
         )
     info = wanted[0] if wanted else reader.default_channel
     info = info if info.dim == 2 else maps[0]

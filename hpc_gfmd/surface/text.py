@@ -64,8 +64,30 @@ def layout_of(lines: list[str], spec: Any) -> Layout | None:
     """Find the layout with the most columns that lines have to their end; None: there are no
     numbers.
 
-    Raises ValueError where some of the lines before them look like numbers, too.
+    Raises ValueError where some of the lines before them look like numbers, too, and where only the
+    last line does not.
     """
+    best = _best(lines, spec)
+    if best is None and (cut := _best(lines[:-1], spec)) and cut.columns > 2 and not cut.skip:
+        raise ValueError(f"line {len(lines)} is not like those before it: is the file complete?")
+    if best and spec.skip_lines is None:
+        of_lines = (
+            _columns(line, best.mark, best.decimal, spec.missing) for line in lines[: best.skip]
+        )
+        most = max(of_lines, default=0)
+        if most > best.columns:
+            raise ValueError(
+                f"line {best.skip + 1} is shorter than those before it: is the file complete?"
+            )
+        if most == best.columns:
+            raise ValueError(
+                f"line {best.skip} is not like those before and after it; surface.missing names"
+                " what stands for missing points, surface.skip_lines how long the header is"
+            )
+    return best
+
+
+def _best(lines: list[str], spec: Any) -> Layout | None:
     decimals = (spec.decimal,) if spec.decimal else (".", ",")
     found = [
         layout
@@ -73,15 +95,7 @@ def layout_of(lines: list[str], spec: Any) -> Layout | None:
         for mark in MARKS
         if mark != decimal and (layout := _layout(lines, spec, mark, decimal))
     ]
-    best = max(found, key=lambda layout: (layout.columns, -layout.skip), default=None)
-    if best and spec.skip_lines is None:
-        for line in lines[: best.skip]:
-            if _columns(line, best.mark, best.decimal, spec.missing) == best.columns:
-                raise ValueError(
-                    f"line {best.skip} is not like those before and after it; surface.missing names"
-                    " what stands for missing points, surface.skip_lines how long the header is"
-                )
-    return best
+    return max(found, key=lambda layout: (layout.columns, -layout.skip), default=None)
 
 
 def _layout(lines: list[str], spec: Any, mark: str | None, decimal: str) -> Layout | None:

@@ -245,6 +245,13 @@ def test_pressures_of_a_wave_are_those_of_westergaard():
             )
 
 
+def test_a_closed_gap_has_no_autocorrelation():
+    closed = hpc_gfmd.solve(np.eye(8), a_r=1.0)
+    closed.distribution("gap_autocorrelation")
+    with np.errstate(all="raise"):
+        assert not plot(closed, "spectra").axes[0].get_lines()[1:]  # but for the axis
+
+
 @pytest.mark.parametrize("kind", ["wave", "rough"])
 def test_a_spectrum_is_drawn_whole(kind):
     """That of a wave is a single point, in units of a profile."""

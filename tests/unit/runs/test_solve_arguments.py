@@ -3,6 +3,7 @@
 import tomllib
 import warnings
 from decimal import Decimal
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -25,6 +26,7 @@ REFUSED = [
     ({"pressure": None}, "load: not given"),
     ({"heights": np.where(Z == Z.max(), np.inf, Z)}, "surface: found inf"),
     ({"heights": np.ma.masked_less(Z, 0)}, "found"),
+    ({"heights": SimpleNamespace(dims=("y", "x"))}, "heights: found axes y, x, allowed: x, y"),
     *[
         ({"heights": wrong}, "heights: found")
         for wrong in (

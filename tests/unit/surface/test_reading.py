@@ -253,8 +253,11 @@ NO_TEXT = "cannot be read as text: .*"
         (points() + "\n0.52 0 8", NO_TEXT + "not those of a regular grid"),
         (points("x [um] y [mm] z [nm]\n"), NO_TEXT + "axes are in different units, um and mm"),
         (written(",", holes=[(3, "x")]), "line 4 is not like those .*surface.missing names"),
+        (written(" ").rstrip()[:-20] + "e-", "is not like those before it: is the file complete"),
+        (written(" ").rstrip()[:-20], "line .* is shorter than those before"),
+        ("1\n2\n3\n", NO_TEXT + "it has no map of heights, only profiles"),
     ],
-    ids=["twice", "between", "units", "no header"],
+    ids=["twice", "between", "units", "no header", "cut", "shorter", "profile"],
 )
 def test_text_that_is_no_map(text, words):
     Path("z.txt").write_text(text)
