@@ -15,7 +15,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from ..kernels.spectral import divide_by_table, multiply_by_table
+from ..kernels.spectral import multiply
 from ..parallel.coarsening import levels
 
 if TYPE_CHECKING:
@@ -49,26 +49,43 @@ def once_per_grid(method: Callable[[Any, Grid], T]) -> Callable[[Any, Grid], T]:
 class Multipliers:
     """What multiplies the columns of a spectrum by K and S, in place and with 1/N folded in.
 
+    fft: whose columns; K: q_x (n_x,) and q_y (own blocks, W) of K = |q|/2, or its table.
+
     Attributes
     ----------
     uniform : float
         The K(0) that load control leaves out: 0, or nan, where the body gives way without end.
+    factors : tuple
+        What kernels/spectral.py multiplies by.
+    alone : bool
+        Whether that is all, so that whole passes are multiplied at once.
     """
 
     uniform = 0.0
+    alone = True
+
+    def __init__(
+        self,
+        grid: Grid,
+        fft: SlabFFT,
+        q: tuple[np.ndarray, np.ndarray] | None = None,
+        table: np.ndarray | None = None,
+    ):
+        self.dtype, self.ranks = fft.dtype, grid.comm.size
+        weight = np.ascontiguousarray(grid.column_tables(fft)[1][grid.comm.rank :: self.ranks])
+        # kernels see real and imaginary parts as numbers of their own
+        q_x, q_y = (np.zeros(0), np.zeros((0, 0))) if q is None else (np.repeat(q[0], 2), q[1])
+        waves = (np.ascontiguousarray(a, fft.dtype) for a in (q_x, q_y))
+        self.factors = fft.dtype.type(fft.scale), weight, *waves, table
 
     def couple(self, fft: SlabFFT, inverse: bool) -> None:
         """Prepare modes of different columns that belong together, once before the columns of a
         field are multiplied: here there are none. Collective."""
 
-    def stiffness(self, block: np.ndarray, m: int) -> float:
-        """Multiply block by K/N; block: (W, n_x) complex, the columns of block m. Returns their
-        share of <u, K u>."""
-        raise NotImplementedError
-
-    def compliance(self, block: np.ndarray, m: int) -> float:
-        """Multiply block by S/N, by 0 where K is 0. Returns their share of <p, S p>."""
-        raise NotImplementedError
+    def multiply(self, block: np.ndarray, m: int, inverse: bool) -> float:
+        """Multiply block by K/N, or by S/N, 0 where K is 0; block: (W, n_x) complex, the columns of
+        block m. Returns their share of <u, K u>, or of <p, S p>."""
+        return float(multiply(block.view(self.dtype), m // self.ranks, inverse, *self.factors))
 
 
 class Body:
@@ -271,25 +288,9 @@ class Tabled(Multipliers):
     anything."""
 
     def __init__(self, grid: Grid, fft: SlabFFT, table: np.ndarray, absolute: bool = True):
-        self.ranks, self.scale, self.dtype = grid.comm.size, fft.scale, fft.dtype
-        self.weight = grid.column_tables(fft)[1]
+        super().__init__(grid, fft, table=table)
         self.uniform = (
             float(grid.comm.bcast(table[0, 0, 0] if table.size else 0.0)) if absolute else np.nan
         )
         if grid.comm.rank == 0:
             table[0, 0, 0] = 0  # the rigid translation
-        self.table = table
-
-    def stiffness(self, block: np.ndarray, m: int) -> float:
-        return self._call(multiply_by_table, block, m)
-
-    def compliance(self, block: np.ndarray, m: int) -> float:
-        return self._call(divide_by_table, block, m)
-
-    def _call(self, kernel: Any, block: np.ndarray, m: int) -> float:
-        return kernel(
-            block.view(self.dtype),
-            self.table[m // self.ranks],
-            self.weight[m],
-            self.dtype.type(self.scale),
-        )

@@ -156,6 +156,8 @@ class Coupled(Multipliers):
     """Multipliers that couple the lowest modes of the cell. plain: those without; found: Images;
     matrices: as of `added`."""
 
+    alone = False
+
     def __init__(
         self, plain: Multipliers, grid: Grid, fft: SlabFFT, found: Images, matrices: Matrices
     ):
@@ -177,7 +179,7 @@ class Coupled(Multipliers):
         self.energy = 0.0
 
     def couple(self, fft: SlabFFT, inverse: bool) -> None:
-        """Prepare `stiffness` (or with inverse=True `compliance`) of what the row spectra hold.
+        """Prepare `multiply` of what the row spectra hold.
         Collective."""
         from scipy.fft import fft as transform
 
@@ -203,13 +205,8 @@ class Coupled(Multipliers):
             self.down,
         )
 
-    def stiffness(self, block: np.ndarray, m: int) -> float:
-        return self._and_modes(self.plain.stiffness(block, m), block, m)
-
-    def compliance(self, block: np.ndarray, m: int) -> float:
-        return self._and_modes(self.plain.compliance(block, m), block, m)
-
-    def _and_modes(self, energy: float, block: np.ndarray, m: int) -> float:
+    def multiply(self, block: np.ndarray, m: int, inverse: bool) -> float:
+        energy = self.plain.multiply(block, m, inverse)
         columns = slice(int(self.edges[m]), int(min(self.edges[m + 1], self.modes[1] + 1)))
         width = columns.stop - columns.start
         if width > 0:

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..kernels.spectral import multiply_compliance, multiply_stiffness
 from .base import Body, Multipliers
 
 if TYPE_CHECKING:
@@ -32,34 +31,8 @@ class HalfSpace(Body):
         return q / 2
 
     def multipliers(self, grid: Grid, fft: SlabFFT) -> Multipliers:
-        q_y, weight = grid.column_tables(fft)
-        return OnTheFly(fft, *self.waves(grid, grid.q_x, q_y), weight)
+        q_y = grid.column_tables(fft)[0][grid.comm.rank :: grid.comm.size]
+        return Multipliers(grid, fft, self.waves(grid, grid.q_x, q_y))
 
 
 HALF_SPACE = HalfSpace()
-
-
-class OnTheFly(Multipliers):
-    """Multiplies by K = |q|/2 and S = 2/|q| without a table. q_x: (n_x,); q_y, weight: as
-    Grid.column_tables."""
-
-    def __init__(self, fft: SlabFFT, q_x: np.ndarray, q_y: np.ndarray, weight: np.ndarray):
-        self.dtype, self.scale = fft.dtype, fft.scale
-        # kernels see real and imaginary parts as numbers of their own
-        self.q_x = np.repeat(q_x, 2).astype(fft.dtype)
-        self.q_y, self.weight = q_y.astype(fft.dtype), weight
-
-    def stiffness(self, block: np.ndarray, m: int) -> float:
-        return self._call(multiply_stiffness, block, m, 0.5)
-
-    def compliance(self, block: np.ndarray, m: int) -> float:
-        return self._call(multiply_compliance, block, m, 2.0)
-
-    def _call(self, kernel: Any, block: np.ndarray, m: int, factor: float) -> float:
-        return kernel(
-            block.view(self.dtype),
-            self.q_x,
-            self.q_y[m],
-            self.weight[m],
-            self.dtype.type(factor * self.scale),
-        )

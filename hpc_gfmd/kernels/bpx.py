@@ -1,5 +1,5 @@
-"""Kernels of the projected, preconditioned conjugate gradients: one pass before and one after the
-Fourier transform.
+"""Kernels of the projected, preconditioned conjugate gradients: the rows before and after the
+columns of a Fourier transform.
 
 State, local slabs (n_loc, n_y): gap g >= 0, pressure p, last step d in bfloat16 (bfloat16.py): one
 that is as rough costs no iteration. Contact A = {g <= 0 and p > 0}, the active
@@ -21,6 +21,7 @@ import numpy as np
 from .bfloat16 import decode, encode
 from .jit import inline, kernel, points_inside
 from .multilevel import combine_rows, interpolate_row, restrict_row
+from .transforms import load_rows, store_rows
 from .yielding import at_contact, landing, limit, yields
 
 
@@ -46,8 +47,51 @@ class UpdateSums(NamedTuple):
 
     @classmethod
     def total(cls, parts):
-        """Add up what the passes returned, perhaps none."""
-        return cls(*np.sum(np.reshape(parts, (-1, len(cls._fields))), axis=0))
+        """Add up those of the passes, (passes, sums), perhaps none."""
+        return cls(*np.sum(parts, axis=0))
+
+
+@kernel
+def search_passes(passes, k0, k1, rows, scratch, found, g, p, d, z, transfer, step, limit, inside):
+    """Make `projected_step` and transform its rows, pass after pass; found[k] gets what it returns.
+    rows: see transforms.py."""
+    for k in range(k0, k1):
+        i0, i1 = passes[k, 0], passes[k, 1]
+        found[k, 0], found[k, 1] = projected_step(
+            g, p, d, rows[0], (i0, i1), z, transfer, step, limit, inside, scratch
+        )
+        store_rows(rows, i0, i1)
+
+
+@kernel
+def update_passes(
+    passes, k0, k1, rows, scratch, first, found, g, p, d, s, comes, coarse, transfer, limit, inside
+):
+    """Transform rows back and make `update_state` of them, pass after pass; found[k] gets the sums.
+    comes=False: the rows are there; d: of the slab, or of one pass.
+
+    The coarse row that this pass and the next one share is the sum of both; `first` (3, m) gets the
+    part of pass k0. scratch: that of `update_state`, and its `edges`.
+    """
+    work, edges = scratch
+    zero = g.dtype.type(0)
+    for k in range(k0, k1):
+        i0, i1 = passes[k, 0], passes[k, 1]
+        if comes:
+            load_rows(rows, i0, i1)
+        of_slab = i0 if d.shape[0] == g.shape[0] else 0
+        state = (g, p, d[of_slab : of_slab + i1 - i0])
+        sums = update_state(
+            state, rows[0], s, (i0, i1), coarse, edges, transfer, limit, inside, work
+        )
+        for c in range(len(sums)):
+            found[k, c] = sums[c]
+        lo, hi = transfer[0][i0], transfer[0][i1 - 1] + 1
+        for c in range(3):
+            target = first[c] if k == k0 else coarse[c, lo]
+            for j in range(target.shape[0]):
+                target[j] = edges[0, c, j] + (zero if k == k0 else target[j])
+                coarse[c, hi, j] = edges[1, c, j]
 
 
 @kernel

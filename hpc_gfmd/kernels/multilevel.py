@@ -13,7 +13,7 @@ rows have one row before and one after the rank's own rows.
 
 import numpy as np
 
-from .jit import inline, kernel, making_arrays
+from .jit import inline, making_arrays
 
 
 @inline
@@ -82,18 +82,6 @@ def combine_rows(coarse, k, f, out):
     else:
         for J in range(m):
             out[J] = coarse[k, J] * (one - f) + coarse[k + 1, J] * f
-
-
-@kernel
-def join_edges(coarse, edges, lo, hi, adds_lo, adds_hi):
-    """Store the first and the last row of one pass, edges (2, c, m), as rows lo and hi of coarse
-    (c, rows + 2, m), or add them to what is there."""
-    c, _, m = coarse.shape
-    for k in range(c):
-        for row, target, adds in ((0, lo, adds_lo), (1, hi, adds_hi)):
-            for J in range(m):
-                before = coarse[k, target, J] if adds else coarse.dtype.type(0)
-                coarse[k, target, J] = before + edges[row, k, J]
 
 
 @making_arrays

@@ -42,19 +42,20 @@ class Elastic:
         self.grid.forget_fft(self.dtype)
 
     def _columns(
-        self,
-        multiply: Callable[[np.ndarray, int], float],
-        backward: bool = True,
-        add: Columns | None = None,
+        self, inverse: bool = False, backward: bool = True, add: Columns | None = None
     ) -> float:
-        self.multipliers.couple(self.fft, multiply == self.multipliers.compliance)
+        multipliers = self.multipliers
+        multipliers.couple(self.fft, inverse)
+        if add is None and multipliers.alone:
+            energy, self.mean = self.fft.multiply_columns(multipliers.factors, inverse, backward)
+            return energy
 
         def apply(block: np.ndarray, m: int) -> float:
             if add is not None:
                 add(block, m)
             if m == 0:  # whoever has q = 0
                 self.mean = float(block[0, 0].real) * self.fft.scale
-            return multiply(block, m)
+            return multipliers.multiply(block, m, inverse)
 
         return float(sum(self.fft.columns(apply, backward=backward)))
 
@@ -65,7 +66,7 @@ class Elastic:
     def pressure_columns(self, add: Columns | None = None) -> float:
         """Multiply the columns by K; returns this rank's share of <u, K u>, summed over all points.
         add(block, m) completes the columns first."""
-        return self._columns(self.multipliers.stiffness, add=add)
+        return self._columns(add=add)
 
     def use_rows(self, use: RowFunction, passes: Passes | None = None) -> list:
         """End an application of K: rows of K u are given to use; returns what it returned."""
@@ -75,13 +76,13 @@ class Elastic:
     def displacement_columns(self) -> float:
         """Multiply the columns by S after `pressure_rows` of a pressure, for `use_rows` of S p with
         zero mean; returns this rank's share of <p, S p>."""
-        return self._columns(self.multipliers.compliance)
+        return self._columns(inverse=True)
 
     def compliance_columns(self) -> float:
         """Return, after `pressure_rows` of a pressure, this rank's share of <p, S p>. Half a pair
         in all, nothing is transformed back."""
         self.pairs += 0.5
-        return self._columns(self.multipliers.compliance, backward=False)
+        return self._columns(inverse=True, backward=False)
 
 
 def reader(field: np.ndarray) -> Rows:

@@ -14,16 +14,16 @@ hierarchy.py.
 from __future__ import annotations
 
 from base64 import b64decode, b64encode
-from threading import Lock
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import DTypeLike
 
 from ..kernels.bfloat16 import stored_dtype
-from ..kernels.bpx import UpdateSums, update_state
-from ..kernels.multilevel import join_edges, restrict_level, smooth_level
-from ..parallel.threads import added, on_threads
+from ..kernels.bpx import UpdateSums, update_passes
+from ..kernels.multilevel import restrict_level, smooth_level
+from ..parallel.threads import added, on_threads, shares
 from ..util.aligned import LINE, zeros_aligned
 from .coarsest import DAMPING, CoarsestLevels
 from .hierarchy import Hierarchy
@@ -77,59 +77,47 @@ class Multilevel:
 
         first = self.transfers[0]
         self.passes = first.passes(longest)
-        self.lo = np.array([first.k0[a] for a, _ in self.passes], np.int64)
-        self.hi = np.array([first.k0[b - 1] + 1 for _, b in self.passes], np.int64)
-        self._joining, self._half = Lock(), [False] * (len(self.passes) + 1)
+        self.ends = np.array(self.passes, np.int64).reshape(-1, 2)
+        rows, edges = (6, grid.n[1] + LINE // self.dtype.itemsize), (2, 3, first.m[1])
+        # of the solver's passes, of each thread: rows, and what passes share
+        self.scratch = [
+            (zeros_aligned(rows, self.dtype), np.zeros(edges, self.dtype))
+            for _ in range(grid.threads)
+        ]
 
-    def scratch(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return the memory that `update_rows` needs, of each thread its own."""
-        rows = zeros_aligned((6, self.grid.n[1] + LINE // self.dtype.itemsize), self.dtype)
-        return rows, np.zeros((2, 3, self.transfers[0].m[1]), self.dtype)
-
-    def update_rows(
+    def update(
         self,
-        k: int,
         g: np.ndarray,
         p: np.ndarray,
         d: np.ndarray,
-        x: np.ndarray,
         s: float,
-        scratch: tuple[np.ndarray, np.ndarray],
+        rows: Sequence[tuple],
         hardness: np.floating | None = None,
-    ) -> tuple[float, ...]:
-        """Make pass k of the solver's update of its state, see kernels/bpx.py; d: of the rows of
-        the pass. Returns its UpdateSums as a plain tuple."""
-        rows, edges = scratch
-        transfer = self.transfers[0].tables
-        sums = update_state(
-            (g, p, d),
-            x,
-            s,
-            self.passes[k],
-            self.fields[0],
-            edges,
-            transfer,
-            hardness,
-            self.inside,
-            rows,
-        )
-        self._join(k, edges)
-        return sums
+        comes: bool = True,
+    ) -> UpdateSums:
+        """Make the solver's update of its state, see kernels/bpx.py: update_passes, and restrict it
+        to level 1. rows: of the transforms, of each thread; d: of the slab, or of one pass. Returns
+        this rank's UpdateSums."""
+        coarse, tables, ends = self.fields[0], self.transfers[0].tables, self.ends
+        found = np.zeros((len(ends), len(UpdateSums._fields)))
+        if not len(ends):
+            return UpdateSums.total(found)
+        parts = shares(len(ends), self.grid.threads)
+        first = np.empty((len(parts), 3, coarse.shape[2]), self.dtype)
+        args = g, p, d, self.dtype.type(s), comes, coarse, tables, hardness, self.inside
 
-    def _join(self, k: int, edges: np.ndarray) -> None:
-        """Store the rows that pass k shares with those before and after it, or add them where the
-        other one has been there: which of two is first does not change their sum."""
-        half, lo = self._half, self.lo[k]
-        with self._joining:
-            if k == 0:
-                self.fields[0][:, :lo] = 0
-            join_edges(self.fields[0], edges, lo, self.hi[k], half[k], half[k + 1])
-            if k > 0:
-                half[k] = not half[k]
-            if k + 1 < len(self.passes):
-                half[k + 1] = not half[k + 1]
-            else:
-                self.fields[0][:, self.hi[k] + 1 :] = 0
+        def some(share: int, k0: int, k1: int, thread: int) -> None:
+            own = rows[thread], self.scratch[thread], first[share], found
+            update_passes(ends, k0, k1, *own, *args)
+
+        pieces = [(share, *part) for share, part in enumerate(parts)]
+        on_threads(self.grid.threads, some, pieces, range(self.grid.threads))
+        row_of = tables[0]
+        coarse[:, : row_of[0] + 1] = 0
+        coarse[:, row_of[-1] + 2 :] = 0
+        for (k0, _), row in zip(parts, first):
+            coarse[:, row_of[ends[k0, 0]]] += row
+        return UpdateSums.total(found)
 
     @property
     def z(self) -> np.ndarray:
@@ -243,18 +231,13 @@ class Multilevel:
     ) -> UpdateSums:
         """Restrict what the update passes do, from a state that no step has led to; returns
         UpdateSums, with <p, d> on F where there is a d."""
-        longest = max((i1 - i0 for i0, i1 in self.passes), default=0)
+        longest = int(np.diff(self.ends).max(initial=0))
         still = np.zeros((longest, self.grid.n[1]), self.dtype)
-        none, nowhere = self.dtype.type(0), np.zeros(still.shape, stored_dtype(self.dtype))
-
-        def restrict(k: int, i0: int, i1: int, scratch: tuple) -> tuple[float, ...]:
-            rows = nowhere if d is None else d[i0:i1]
-            return self.update_rows(k, g, p, rows, still, none, scratch, hardness)
-
-        passes = [(k, *rows) for k, rows in enumerate(self.passes)]
-        threads = self.grid.threads
-        own = [self.scratch() for _ in range(threads)]
-        return UpdateSums.total(on_threads(threads, restrict, passes, own))
+        if d is None:
+            d = np.zeros(still.shape, stored_dtype(self.dtype))
+        none = np.zeros((1, 1), np.result_type(self.dtype, np.complex64))
+        rows = still, none, none[0], np.zeros(1, np.int64), 0, (0, 0), (0, 0)
+        return self.update(g, p, d, 0.0, [rows] * self.grid.threads, hardness, comes=False)
 
     def _sweep_coarsest(self, anew: bool) -> tuple[float, ...]:
         """Rank 0 sweeps the levels that it has alone; returns what `sweep` does, of these

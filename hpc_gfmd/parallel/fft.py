@@ -3,7 +3,8 @@
 Every rank owns a slab of rows of the real field. A transform is never done on a whole field: the
 caller hands in functions that make or use a few rows at a time (they stay in cache between the
 caller's arithmetic and the row transform), and functions that work on a few complete columns of the
-spectrum (likewise). One field of complex numbers is all the memory a convolution needs:
+spectrum (likewise); or a compiled pass over many of them calls the transforms by itself
+(kernels/transforms.py). One field of complex numbers is all the memory a convolution needs:
 
     forward_rows(fill)    fill(i0, i1, x) makes rows i0..i1 of the real field -> row spectra
     columns(apply)        transpose a block of columns, transform it, apply(block, m), and back
@@ -23,17 +24,18 @@ leave out 1/N in both directions; `scale` = 1/N is folded into the kernels that 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
-from ..kernels.spectral import from_blocks, to_blocks, transpose, transpose_back
+from ..kernels.spectral import multiply_blocks
+from ..kernels.transforms import load_columns, load_rows, store_columns, store_rows
 from ..util.aligned import empty_aligned, zeros_aligned
 from .layout import Layout
 from .plans import Plans
 from .shared import common_memory
-from .threads import on_threads
+from .threads import on_threads, shares
 from .wisdom import planned
 
 if TYPE_CHECKING:
@@ -41,8 +43,6 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 Passes = Sequence[tuple[int, int]]  # row ranges (i0, i1)
-# of a thread: real rows, their spectra, columns, what other nodes have sent
-Scratch = tuple[np.ndarray, ...]
 
 
 class SlabFFT(Layout):
@@ -70,7 +70,7 @@ class SlabFFT(Layout):
         self._own_widths = np.diff(self.edges).reshape(self.K, self.size)[:, self.rank].tolist()
         # where the node's rows of this rank's blocks begin
         self._first = first + np.diff(self._rows)[:, 0] * own[:, None]
-        self._scratch = []
+        self._scratch = []  # of a thread: real rows, their spectra, columns, what has been sent
         for _ in range(threads):
             received = (n_x * self.W,) if self.far.any() else (0,)
             self._scratch.append(
@@ -90,6 +90,25 @@ class SlabFFT(Layout):
         )
         for a in (real, half, columns):
             a[...] = 0  # planning has left noise
+        self.rows, self._columns = zip(*map(self._for_kernels, self._scratch))
+
+    def _for_kernels(self, scratch: tuple[np.ndarray, ...]) -> tuple[tuple, tuple]:
+        """Return `rows` and `columns` of a thread, as kernels/transforms.py has them."""
+        real, half, columns, received = scratch
+        plans, widths = self.plans, self._own_widths
+        rows = (real, half, self.blocks, self.edges, self.n_loc)
+        planned = [next(w for w in self.widths if w >= width) for width in widths]
+        of_blocks = [
+            (width, w, plans.columns_forward[w][1], plans.columns_backward[w][1])
+            for width, w in zip(widths, planned)
+        ]
+        return (*rows, plans.rows_forward, plans.rows_backward), (
+            _moved(columns),
+            (_moved(self._memory), self._first, self._rows),
+            (_moved(received), np.outer(widths, self._far_rows[:, 0]), self._far_rows),
+            plans.columns_forward[self.W][0],
+            np.array(of_blocks),
+        )
 
     def _common(self, dtype: np.dtype) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return (memory, first, blocks): memory that the ranks of the node have in common, where
@@ -112,7 +131,7 @@ class SlabFFT(Layout):
     @property
     def row_scratch(self) -> list[np.ndarray]:
         """The arrays x that row functions are called with: one for each thread."""
-        return [scratch[0] for scratch in self._scratch]
+        return [rows[0] for rows in self.rows]
 
     def passes(self) -> Passes:
         """Return the row ranges [(i0, i1), ...], local, that one pass handles at a time."""
@@ -124,14 +143,12 @@ class SlabFFT(Layout):
         """Transform rows made by fill(i0, i1, x), x: (R, n_y) scratch; returns what fill returned,
         in the order of the passes."""
 
-        def one(i0: int, i1: int, scratch: Scratch) -> T:
-            real, half = scratch[:2]
-            result = fill(i0, i1, real)
-            self.plans.rows_forward(real, half)
-            to_blocks(half, self.blocks, self.edges, self.n_loc, i0, i1 - i0)
+        def one(i0: int, i1: int, rows: tuple) -> T:
+            result = fill(i0, i1, rows[0])
+            store_rows(rows, i0, i1)
             return result
 
-        return self._map(one, passes or self.passes())
+        return on_threads(self.threads, one, passes or self.passes(), self.rows)
 
     def backward_rows(
         self, use: Callable[[int, int, np.ndarray], T], passes: Passes | None = None
@@ -139,13 +156,11 @@ class SlabFFT(Layout):
         """Hand the rows of the real field to use(i0, i1, x), x: (R, n_y) scratch; returns what use
         returned, in order."""
 
-        def one(i0: int, i1: int, scratch: Scratch) -> T:
-            real, half = scratch[:2]
-            from_blocks(self.blocks, half, self.edges, self.n_loc, i0, i1 - i0)
-            self.plans.rows_backward(half, real)
-            return use(i0, i1, real)
+        def one(i0: int, i1: int, rows: tuple) -> T:
+            load_rows(rows, i0, i1)
+            return use(i0, i1, rows[0])
 
-        return self._map(one, passes or self.passes())
+        return on_threads(self.threads, one, passes or self.passes(), self.rows)
 
     def first_columns(self, count: int) -> np.ndarray:
         """Return the first columns of the row spectra, (n_loc, count) complex."""
@@ -164,24 +179,52 @@ class SlabFFT(Layout):
         forward/backward=False leaves out the transform along axis 0 (and what goes before and after
         it) on that side; a block that was not transformed forward is all zero. Collective.
         """
-        sends = self.far.any()
-        at_once = self.threads if sends else self.K
-        results = []
+        results: list[Any] = [None] * self.K
+
+        def some(k0: int, k1: int, columns: tuple) -> None:
+            block = columns[0].view(self.blocks.dtype)
+            for k in range(k0, k1):
+                if self._own_widths[k]:
+                    load_columns(columns, k, forward)
+                    m = k * self.size + self.rank
+                    results[k] = apply(block[: self._own_widths[k]], m)
+                    if backward:
+                        store_columns(columns, k)
+
+        self._on_blocks(some, forward, backward)
+        return [result for result, width in zip(results, self._own_widths) if width]
+
+    def multiply_columns(
+        self, factors: tuple, inverse: bool, backward: bool = True
+    ) -> tuple[float, float]:
+        """Multiply all columns as kernels/spectral.py: multiply does; returns the sum of what that
+        returns, and the mean of the field before (0 where another rank has it). Collective."""
+        found = np.zeros((self.K, 2))
+
+        def some(k0: int, k1: int, columns: tuple) -> None:
+            numbers = columns[0].view(self.dtype)
+            multiply_blocks(columns, k0, k1, numbers, factors, inverse, backward, found)
+
+        self._on_blocks(some, True, backward)
+        return sum(found[:, 0].tolist()), float(found[0, 1]) * self.scale * (self.rank == 0)
+
+    def _on_blocks(
+        self, work: Callable[[int, int, tuple], None], forward: bool, backward: bool
+    ) -> None:
+        """Call work(k0, k1, columns) for all of this rank's blocks, with what other nodes have of
+        them there. Collective."""
         self.comm.node.barrier()  # all rows of the node are there
-        for k0 in range(0, self.K, at_once):
-            group = range(k0, min(k0 + at_once, self.K))
-            if forward and sends:
-                self._exchange(group, back=False)
-
-            def one(k: int, first: int, scratch: Scratch) -> T:
-                received = self._scratch[k - first][3] if sends else None
-                return self._one_block(k, scratch[2], received, apply, forward, backward)
-
-            results += self._map(one, [(k, k0) for k in group if self._own_widths[k]])
-            if backward and sends:
-                self._exchange(group, back=True)
+        if self.far.any():
+            for k0 in range(0, self.K, self.threads):
+                group = range(k0, min(k0 + self.threads, self.K))
+                if forward:
+                    self._exchange(group, back=False)
+                on_threads(self.threads, work, [(k, k + 1, self._columns[k - k0]) for k in group])
+                if backward:
+                    self._exchange(group, back=True)
+        else:
+            on_threads(self.threads, work, shares(self.K, self.threads), self._columns)
         self.comm.node.barrier()  # all columns are back
-        return results
 
     def _exchange(self, group: range, back: bool) -> None:
         """Do the all-to-alls of some numbers, each into the scratch of a thread, or back from
@@ -194,43 +237,6 @@ class SlabFFT(Layout):
     def _slab(self, first: int, last: int) -> np.ndarray:
         """Return the memory of some blocks of this rank's rows."""
         return self.blocks[self.n_loc * self.edges[first] : self.n_loc * self.edges[last]]
-
-    def _one_block(
-        self,
-        k: int,
-        columns: np.ndarray,
-        received: np.ndarray | None,
-        apply: Callable[[np.ndarray, int], T],
-        forward: bool,
-        backward: bool,
-    ) -> T:
-        """Transform this rank's block number k; received: rows of it that come from other nodes,
-        and go back there."""
-        m = k * self.size + self.rank
-        width = self._own_widths[k]
-        # as many as there is a plan for
-        for_plan = columns[: next(w for w in self.widths if w >= width)]
-        columns = for_plan[:width]
-        pieces = [(_moved(self._memory), self._first[k], self._rows)]
-        if received is not None:
-            pieces.append((_moved(received), self._far_rows[:, 0] * width, self._far_rows))
-        if forward:
-            for_plan[width:] = 0
-            for memory, first, rows in pieces:
-                transpose(memory, first, rows, _moved(columns))
-            self.plans.columns_forward(for_plan)
-        else:
-            for_plan[...] = 0
-        result = apply(columns, m)
-        if backward:
-            self.plans.columns_backward(for_plan)
-            for memory, first, rows in pieces:
-                transpose_back(_moved(columns), memory, first, rows)
-        return result
-
-    def _map(self, one: Callable[[int, int, Scratch], T], ranges: Passes) -> list[T]:
-        """Call one(a, b, scratch) for all ranges, on all threads."""
-        return on_threads(self.threads, one, ranges, self._scratch)
 
 
 def _moved(a: np.ndarray) -> np.ndarray:

@@ -1,50 +1,84 @@
-"""One-dimensional transforms of many rows or columns at once: FFTW through mpi4py-fft, or scipy.fft
-where that is missing.
+"""One-dimensional transforms of many rows or columns at once, as kernels call them: FFTW through
+mpi4py-fft, or scipy.fft where that is missing.
 
-Rows are called as plan(input, output) on arrays of the planned shape, columns as plan(array), in
-place, with one of the numbers of columns that were planned. Plans work without normalisation in
-both directions.
+A transform is (address of a C function, plan): the function takes the plan and the addresses of
+input and output, of the shapes and the alignment that were planned. Nothing is normalised.
 """
 
-from collections.abc import Callable, Sequence
+import ctypes
+import weakref
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from .fftw import load_fftw
 
+Transform = tuple[int, int]
+FORWARD, BACKWARD, MEASURE = -1, 1, 0  # of FFTW
+CALL = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 3)
+
 
 class Plans:
     """The four transforms of a slab: rows forward and back (real <-> complex), columns forward and
-    back (complex).
+    back (complex, in place), these by their number.
 
     real: (R, n_y), half: (R, n_y//2 + 1), blocks: (some columns, n_x) each: scratch arrays of the
     shapes to plan for. Their contents are lost.
     """
 
     def __init__(self, real: np.ndarray, half: np.ndarray, blocks: Sequence[np.ndarray]):
+        plan = self._fftw if load_fftw() else self._scipy
+        self._known: list[Any] = []
+        self.rows_forward = plan("_r2c", real, half)
+        self.rows_backward = plan("_c2r", half, real)
+        self.columns_forward = {len(block): plan("", block, block, FORWARD) for block in blocks}
+        self.columns_backward = {len(block): plan("", block, block, BACKWARD) for block in blocks}
+
+    def _fftw(self, kind: str, x: np.ndarray, out: np.ndarray, *sign: int) -> Transform:
+        """Plan by measurement, with the lock of Python: FFTW plans for one thread at a time."""
         libraries = load_fftw()
-        if libraries is None:
-            self._scipy(real.shape[1])
-            return
-        fftw = libraries[real.dtype.name]
+        assert libraries is not None
+        single = x.dtype in (np.float32, np.complex64)
+        library = ctypes.PyDLL(libraries["float32" if single else "float64"].__file__)
+        prefix = "fftwf_" if single else "fftw_"
+        make, destroy = library[f"{prefix}plan_many_dft{kind}"], library[f"{prefix}destroy_plan"]
+        make.restype = ctypes.c_void_p
+        ends = [(a.ctypes.data_as(ctypes.c_void_p), None, 1, a.shape[1]) for a in (x, out)]
+        n = ctypes.byref(ctypes.c_int(max(x.shape[1], out.shape[1])))
+        plan = make(1, n, len(x), *ends[0], *ends[1], *sign, MEASURE)
+        weakref.finalize(self, destroy, ctypes.c_void_p(plan))
+        return _address(library[f"{prefix}execute_dft{kind}"]), plan
 
-        def plan(x: np.ndarray, out: np.ndarray, kind: int) -> Callable:
-            return fftw.FFT(x, out, (1,), kind, 1, fftw.FFTW_MEASURE)
-
-        self.rows_forward, self.rows_backward = (
-            plan(real, half, fftw.R2C),
-            plan(half, real, fftw.C2R),
-        )
-        forward = {len(block): plan(block, block, fftw.C2C_FORWARD) for block in blocks}
-        backward = {len(block): plan(block, block, fftw.C2C_BACKWARD) for block in blocks}
-        self.columns_forward = lambda x: forward[len(x)](x, x)
-        self.columns_backward = lambda x: backward[len(x)](x, x)
-
-    def _scipy(self, n_y: int) -> None:
+    def _scipy(self, kind: str, x: np.ndarray, out: np.ndarray, *sign: int) -> Transform:
         from scipy import fft
 
-        put, back = np.copyto, {"axis": 1, "norm": "forward"}
-        self.rows_forward = lambda x, out: put(out, fft.rfft(x, axis=1))
-        self.rows_backward = lambda x, out: put(out, fft.irfft(x, n=n_y, **back))
-        self.columns_forward = lambda x: put(x, fft.fft(x, axis=1))
-        self.columns_backward = lambda x: put(x, fft.ifft(x, **back))
+        back = {"axis": 1, "norm": "forward"}
+        transform = {
+            "_r2c": lambda a: fft.rfft(a, axis=1),
+            "_c2r": lambda a: fft.irfft(a, n=out.shape[1], **back),
+            "": lambda a: fft.fft(a, axis=1) if sign == (FORWARD,) else fft.ifft(a, **back),
+        }[kind]
+
+        if not self._known:
+            self._called = CALL(self._call)
+        self._known.append((transform, x, out))
+        return _address(self._called), len(self._known)
+
+    def _call(self, plan: int, source: int, target: int) -> None:
+        """Do what FFTW does, by the number of a plan."""
+        transform, x, out = self._known[plan - 1]
+        _at(target, out)[...] = transform(_at(source, x))
+
+
+def _at(address: int, like: np.ndarray) -> np.ndarray:
+    """View memory as an array of the type and shape of another one."""
+    memory: Any = (ctypes.c_char * like.nbytes).from_address(address)
+    return np.ndarray(like.shape, like.dtype, memory)
+
+
+def _address(function: Any) -> int:
+    """Return where a C function begins."""
+    address = ctypes.cast(function, ctypes.c_void_p).value
+    assert address is not None
+    return address

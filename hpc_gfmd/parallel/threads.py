@@ -16,11 +16,20 @@ T = TypeVar("T")
 
 # points of a field that a thread works on at a time, and rows at least
 PIECE_POINTS, PIECE_ROWS = 2**17, 8
+SHARES = 4  # of a compiled pass that each thread does
 
 
 def piece_rows(n_y: int) -> int:
     """Return how many rows of a field, of n_y points each, that a thread works on at a time."""
     return max(PIECE_ROWS, PIECE_POINTS // n_y)
+
+
+def shares(count: int, threads: int) -> list[tuple[int, int]]:
+    """Cut range(count) into what a thread does in one compiled call: on several threads several
+    times each, because none of them is always as fast as the others."""
+    parts = max(1, min(count, SHARES * threads if threads > 1 else 1))
+    ends = [count * part // parts for part in range(parts + 1)]
+    return list(zip(ends, ends[1:]))
 
 
 def on_threads(

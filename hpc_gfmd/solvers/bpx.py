@@ -6,9 +6,9 @@ a second FFT, is predicted from the Rayleigh quotient of the last step. The step
 feasible set, and the energy along the (feasible) chord is minimised exactly, so it never rises.
 Where clipping spoils the descent the step is replaced by a plain projected gradient step.
 
-One iteration is three passes over memory: `projected_step` + row transforms, column transforms with
-K between them, row transforms + `update_state`. The displacement itself never appears: with the gap
-g = u + h and p = p0 + K u, a step d changes them by d and by K d.
+One iteration is three passes over memory: `search_passes` (projected step, row transforms), column
+transforms with K between them, `update_passes` (row transforms, new state). The displacement itself
+never appears: with the gap g = u + h and p = p0 + K u, a step d changes them by d and by K d.
 """
 
 from functools import cached_property
@@ -26,11 +26,11 @@ from ..certificate.error_estimates import (
     spread_of,
 )
 from ..kernels.bfloat16 import Decoded, encoded, stored_dtype
-from ..kernels.bpx import UpdateSums, projected_step
+from ..kernels.bpx import UpdateSums, search_passes
 from ..operators.elastic import Elastic
 from ..operators.multilevel import Multilevel
 from ..operators.problem import Problem
-from ..parallel.threads import added
+from ..parallel.threads import on_threads, shares
 from .base import Progress, Solver
 from .options import read_options
 
@@ -80,18 +80,12 @@ class Bpx(Solver):
         self.passes = self.levels.passes
         self.g = grid.empty(dtype) if g is None else g
         self.p, self.d = grid.empty(dtype), grid.empty(stored_dtype(dtype))
-        self._make_scratch()
         self.compliance = 1.0 / body.scale(grid)  # of the shortest wave
-        self._number = {a: k for k, (a, _) in enumerate(self.passes)}
 
     @cached_property
     def gradient(self) -> float:
         """The length of a projected gradient step."""
         return 1.0 / (self.compliance * self.problem.body.bounds(self.grid)[1])
-
-    def _make_scratch(self) -> None:
-        """Make scratch rows for each thread."""
-        self._scratch = {id(x): self.levels.scratch() for x in self.elastic.fft.row_scratch}
 
     def make_room(self) -> None:
         del self.d
@@ -99,7 +93,6 @@ class Bpx(Solver):
 
     def take_room(self) -> None:
         self.elastic.plan()
-        self._make_scratch()
         self.d = self.grid.empty(stored_dtype(self.problem.dtype))
         self.d[...] = 0
         self.rd = self.zKd = self.dKd = 0.0
@@ -215,29 +208,25 @@ class Bpx(Solver):
     def _search(self, a: float, b: float, coupling: float) -> list[float]:
         """Make the first pass: the next step into d, and its row spectra; returns <p, d>, and by
         how much dents become deeper."""
-        z, transfer, inside = self.levels.z, self.levels.transfers[0].tables, self.grid.inside
+        levels, fft, ends = self.levels, self.elastic.fft, self.levels.ends
         step = tuple(self.problem.dtype.type(x) for x in (a, b * self.s, coupling, self.compliance))
-        scratch = self._scratch
+        tables, last = levels.transfers[0].tables, (self.problem.limit, self.grid.inside)
+        args = self.g, self.p, self.d, levels.z, tables, step, *last
+        found = np.zeros((len(ends), 2))
 
-        def fill(i0: int, i1: int, x: np.ndarray) -> tuple[float, float]:
-            rows, own, hardness = (i0, i1), scratch[id(x)][0], self.problem.limit
-            return projected_step(
-                self.g, self.p, self.d, x, rows, z, transfer, step, hardness, inside, own
-            )
+        def some(k0: int, k1: int, thread: int) -> None:
+            own = fft.rows[thread], levels.scratch[thread][0], found
+            search_passes(ends, k0, k1, *own, *args)
 
-        found = self.elastic.pressure_rows(fill, self.passes)
-        return self.grid.comm.sum(added(found, 2)).tolist()
+        parts = shares(len(ends), fft.threads)
+        on_threads(fft.threads, some, parts, range(fft.threads))
+        return self.grid.comm.sum(np.sum(found, axis=0)).tolist()
 
     def _update(self, s: float) -> UpdateSums:
         """Make the last pass: x = K d by rows, new g and p; returns this rank's UpdateSums."""
-        return UpdateSums.total(
-            self.elastic.use_rows(lambda i0, i1, x: self._update_rows(i0, i1, x, s), self.passes)
-        )
-
-    def _update_rows(self, i0: int, i1: int, x: np.ndarray, s: float) -> tuple[float, ...]:
-        scratch = self._scratch[id(x)]
-        k, s, hardness = self._number[i0], self.problem.dtype.type(s), self.problem.limit
-        return self.levels.update_rows(k, self.g, self.p, self.d[i0:i1], x, s, scratch, hardness)
+        self.elastic.pairs += 1
+        rows = self.elastic.fft.rows
+        return self.levels.update(self.g, self.p, self.d, s, rows, self.problem.limit)
 
     def _measure(self, sums: UpdateSums, anew: bool = False) -> None:
         """Sweep the levels and sum over ranks: all scalars of the next step and of the stopping

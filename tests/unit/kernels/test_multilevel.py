@@ -57,10 +57,7 @@ def swept(grid, p, closed):
     """M' p on level 1 by the solver's own sweep, and the sum <p, M' p>."""
     sweep = Multilevel(grid, HalfSpace(), np.float64, max(grid.n[0], 1))
     g = np.where(closed, 0.0, 1.0)
-    q = np.where(closed, 1.0, p)
-    zero, work = np.zeros(grid.n), sweep.scratch()
-    for k in range(len(sweep.passes)):
-        sweep.update_rows(k, g, q.copy(), zero.astype(np.float32), zero, 0.0, work)
+    sweep.restrict(g, np.where(closed, 1.0, p))
     sums = sweep.sweep()
     return sweep.z[1:-1].copy(), sums[0]
 
