@@ -10,6 +10,13 @@ from ..theory import tfc
 from ..util.errors import SceneError
 from .common import number
 
+# what is not given, of an extrapolation and of a fit
+EXTRAPOLATION = dict.fromkeys(("hurst", "p_star", *tfc.RATIOS, "value", "sigma")) | {
+    "observable": "kappa",
+    "table": "paper",
+}
+FIT = {"terms": "tfc", "free": ""}
+
 
 def add_parser(subparsers: Any) -> ArgumentParser:
     parser = subparsers.add_parser(
@@ -21,14 +28,13 @@ def add_parser(subparsers: Any) -> ArgumentParser:
             " given as 0.25, 1e-3 or 1/1024."
         ),
     )
-    parser.add_argument("--observable", default="kappa", help="kappa (default) or gap_over_h_rms")
+    parser.add_argument("--observable", help="kappa (default) or gap_over_h_rms")
     for name in ("hurst", "p-star", "eps-t", "eps-f", "eps-c", "value"):
         parser.add_argument(f"--{name}", type=number)
     parser.add_argument("--sigma", type=number, help="uncertainty of the value")
     parser.add_argument(
         "--table",
         metavar="TABLE",
-        default="paper",
         help=(
             "coefficients: paper (default), ours (fitted to our own runs), or a JSON file of the"
             " same form"
@@ -39,33 +45,40 @@ def add_parser(subparsers: Any) -> ArgumentParser:
         metavar="RUNS.csv",
         help="fit the coefficients to the columns eps_t, eps_f, eps_c, value[, sigma]",
     )
+    parser.add_argument("--terms", help="terms to fit, any of t, f, c (default: tfc)")
     parser.add_argument(
-        "--terms", default="tfc", help="terms to fit, any of t, f, c (default: tfc)"
-    )
-    parser.add_argument(
-        "--free",
-        default="",
-        metavar="TERMS",
-        help="terms whose exponent is fitted too (default: none)",
+        "--free", metavar="TERMS", help="terms whose exponent is fitted too (default: none)"
     )
     parser.add_argument("--json", action="store_true", help="print JSON instead of text")
+    parser.set_defaults(**EXTRAPOLATION, **FIT)
     return parser
 
 
 def main(args: Namespace) -> int:
     """Extrapolate a value or fit coefficients. Raises SceneError for what is missing or out of
     range."""
+    unused = EXTRAPOLATION if args.fit else FIT
+    given = [name for name, usual in unused.items() if getattr(args, name) != usual]
+    if given:
+        raise SceneError(
+            f"tfc: found {_options(given)}, allowed: {'without' if args.fit else 'with'} --fit"
+        )
     report, text = _fit(args) if args.fit else _extrapolate(args)
     print(json.dumps(report) if args.json else text)
     return 0
 
 
+def _options(names: list[str]) -> str:
+    """Write names of arguments as options."""
+    return ", ".join(f"--{name.replace('_', '-')}" for name in names)
+
+
 def _extrapolate(args: Namespace) -> Any:
     given = {name: getattr(args, name) for name in ("hurst", "p_star", *tfc.RATIOS, "value")}
-    missing = [f"--{name.replace('_', '-')}" for name, found in given.items() if found is None]
+    missing = [name for name, found in given.items() if found is None]
     if missing:
         raise SceneError(
-            f"tfc: found no {', '.join(missing)}, allowed: all of them, or --fit RUNS.csv"
+            f"tfc: found no {_options(missing)}, allowed: all of them, or --fit RUNS.csv"
         )
     extrapolated, sigma, terms = tfc.extrapolate(
         observable=args.observable, sigma=args.sigma, table=tfc.table_of(args.table), **given

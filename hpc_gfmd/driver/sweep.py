@@ -161,7 +161,9 @@ class Sweep(Start):
             if found and found["kind"] == "full contact":
                 self._load = FullContact(self.settings.tolerance, self._flat_solution())
             else:
-                self._load = restored(found) if found else GivenLoad(numbers.get("p0", 1.0))
+                # of what has to be found only the load that closes the gap is known at once
+                known = GivenLoad(numbers.get("p0", 1.0), closes=isinstance(load, LoadTarget))
+                self._load = restored(found) if found else known
         except (KeyError, TypeError):
             raise SceneError(OTHER_VERSION) from None
         if "p0" in numbers:

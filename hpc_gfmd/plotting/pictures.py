@@ -170,6 +170,8 @@ def chosen_steps(result: Result, what: Any, step: Any = None) -> list[int]:
     """List the places in result.steps of the load steps that a picture shows. Raises SceneError for
     numbers that it does not have."""
     if step is not None:
+        if not np.size(step):
+            raise SceneError("step: found none, allowed: the number of a load step or several")
         return result.places(np.atleast_1d(step).tolist())
     able = _steps(result, what)
     if what == "heights":

@@ -9,9 +9,11 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from ..bodies import body_of
+from ..bodies.halfspace import HALF_SPACE
 from ..driver.precision import (
     CALIBRATION,
     counting,
+    few_points,
     first_precision,
     known_heights,
     known_p_stars,
@@ -41,7 +43,7 @@ class Needs:
     tangent : float
         What the stiffness takes.
     piece_gib, modes_gib : float
-        Of a field that is written at a time; while the modes are made that free edges couple.
+        Of a field that is written at a time; of the modes that free edges couple, on all grids.
     process_gib : float
         Interpreter, libraries, compiled kernels, MPI buffers.
     threads_gib, thread_gib : float
@@ -55,7 +57,7 @@ class Needs:
     solver: float = 4.0
     tangent: float = 4.0
     piece_gib: float = 1 / 16
-    modes_gib: float = 0.025
+    modes_gib: float = 0.04
     process_gib: float = 0.21
     threads_gib: float = 0.01
     thread_gib: float = 0.0015
@@ -141,7 +143,9 @@ def memory_of(
         scratch(precision, grids) for precision in {dtype, first_precision(scene.solver)}
     )
     certificate = 0.0
-    if not low and itemsize == 4:
+    # heights that do not end are made in its transforms; ranks touch them as they plan
+    touched = not any(free) or ranks > 1
+    if not low and itemsize == 4 and (touched or _in_double(scene, n, cell)):
         certificate = spectra(np.float64, grids[:1]) * with_table + scratch(np.float64, grids[:1])
     elif itemsize == 4 and with_table == 1 and _in_double(scene, n, cell):
         # in turn with the solver's transforms, half as large, and d
@@ -167,16 +171,20 @@ def _closes(scene: Scene) -> bool:
 
 
 def _in_double(scene: Scene, n: tuple[int, int], cell: tuple[int, int]) -> bool:
-    """Tell whether a surface in low memory may be certified in double precision, see
+    """Tell whether a solution in single precision may be certified in double, see start.py and
     lowmemory.py."""
     g_rms, h_rms = known_heights(scene, n)
     known = [p_star for p_star in known_p_stars(scene, g_rms) if p_star is not None]
     p_star = min(known, default=0.0)
     varies = p_star * math.prod(n) / math.sqrt(math.prod(cell)) if n != cell else h_rms
-    if varies is None:
+    if varies is None or not known:
         return True
     noise = TRANSFORMED * float(np.finfo(np.float32).eps) * varies
-    return noise > CALIBRATION.noise * counting(scene.solver, p_star)
+    if noise > CALIBRATION.noise * counting(scene.solver, p_star):
+        return True
+    few = few_points(math.prod(n), p_star, scene.solver.accuracy)
+    full = scene.load.found or max(known) >= HALF_SPACE.full_p_star
+    return (few or full) and not scene.solver.low_memory
 
 
 def require_memory(

@@ -337,6 +337,9 @@ class Interrupted(KeyboardInterrupt):
         )
         self.solutions = solutions
 
+    def __reduce__(self) -> tuple:
+        return Interrupted, (self.solutions,)
+
 
 def load(path: str | PathLike) -> Solutions:
     """The solutions in a result file, those of an interrupted run included.

@@ -148,8 +148,9 @@ def fit_tfc(
         For terms that there are not.
     """
     terms = tuple(terms)
-    if set(terms) - set(TERMS):
-        raise SceneError(f"terms: found {''.join(terms)!r}, allowed: letters of tfc")
+    for name, given in (("terms", terms), ("alpha", tuple(alpha or ()))):
+        if set(given) - set(TERMS):
+            raise SceneError(f"{name}: found {''.join(map(str, given))!r}, allowed: letters of tfc")
     value = np.atleast_1d(within("value", value, -np.inf, np.inf))
     eps = {
         i: np.broadcast_to(within(f"eps_{i}", e, 0, 1, open_low=True), value.shape)

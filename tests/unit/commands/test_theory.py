@@ -62,10 +62,13 @@ persson | --gamma 9 | gamma: found
 tfc |  | --value
 tfc | --value nan | value: found nan
 tfc | --value 2 --hurst 0.1 | hurst
-tfc | --fit /nowhere.csv | runs: found
-tfc | --fit /nowhere.csv --free x | free: found
+tfc | --value 2 --terms t | tfc: found --terms, allowed: with --fit
+fit |  | runs: found
+fit | --free x | free: found
+fit | --eps-t 1 --table ours | tfc: found --eps-t, --table, allowed: without --fit
 tfc | --value 2 --sigma -1 | sigma
 """),
 )
 def test_refused_in_one_line(command, options, says, cli):
-    assert says in cli.refused(f"{PERSSON if command == 'persson' else TFC} {options}")
+    begin = {"persson": PERSSON, "tfc": TFC, "fit": "tfc --fit /nowhere.csv"}
+    assert says in cli.refused(f"{begin[command]} {options}")

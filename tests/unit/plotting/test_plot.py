@@ -438,6 +438,7 @@ def test_what_there_is_not_is_refused():
         ({"what": "map"}, "what: found 'map', allowed: curves"),
         ({"what": "maps"}, "need output.fields"),
         ({"what": "curves", "step": 7}, "step: found 7, allowed: 0, 1"),
+        ({"what": "curves", "step": []}, "step: found none, allowed: the number"),
         ({"what": "curves", "step": 0.5}, r"step: found 0\.5, allowed: 0, 1"),
     ):
         with refused(words):

@@ -14,13 +14,13 @@ from hpc_gfmd.scene import Load, Scene
 from hpc_gfmd.surface import build_surface
 
 
-def sweep():
-    return sweep_of(rough((2, 8, 2)), accuracy=1e-6)
+def sweep(accuracy=1e-6, **material):
+    return sweep_of(rough((2, 8, 2)), layer=material, accuracy=accuracy)
 
 
-def stopped(load):
+def stopped(load, **how):
     """Arrays and numbers of a sweep that is stopped in the middle of a load."""
-    one = sweep()
+    one = sweep(**how)
     one.solve(load, watch=lambda iterations, _: iterations == 3)
     arrays, numbers = one.state()
     return {name: np.array(data) for name, data in arrays.items()}, numbers
@@ -53,6 +53,16 @@ def test_the_state_of_another_version_is_refused():
     again = sweep()
     again.restore(lambda _: held, numbers, load)
     assert again.solve(load, midway=True).status == "converged"
+
+
+def test_the_load_that_closes_the_gap_goes_on_as_such():
+    """With a hardness it takes iterations."""
+    load, hard = LoadTarget("a_r", 1.0), {"accuracy": 1e-2, "hardness": 2.0}
+    held, numbers = stopped(load, **hard)
+    again = sweep(**hard)
+    again.restore(lambda _: held, numbers, load)
+    found, wanted = again.solve(load, midway=True), sweep(**hard).solve(load)
+    assert (found.status, found.iterations) == ("converged", wanted.iterations)
 
 
 @pytest.mark.parametrize("loads", [{"pressure": [0.1, 0.11]}, {"a_r": [0.1, 0.12]}], ids=str)

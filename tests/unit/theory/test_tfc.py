@@ -117,6 +117,8 @@ def test_fits_that_cannot_be_are_refused():
         tfc.fit_tfc(eps_t, eps_f, eps_c, value * np.nan)
     with refused("terms: found 'tx', allowed: letters of tfc"):
         tfc.fit_tfc(eps_t, eps_f, eps_c, value, terms="tx")
+    with refused("alpha: found 'x', allowed: letters of tfc"):
+        tfc.fit_tfc(eps_t, eps_f, eps_c, value, alpha={"x": 1})
     with refused("sigma: found 0"):
         tfc.fit_tfc(eps_t, eps_f, eps_c, value, sigma=0)
 
