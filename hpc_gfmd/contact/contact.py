@@ -149,7 +149,7 @@ class Contact:
         limit, grid = high / self.pressure_unit, self.surface.grid
 
         def above(i0: int, i1: int) -> int:
-            return np.count_nonzero(self.pressure_rows(slice(i0, i1)) > limit)
+            return int(np.count_nonzero(self.pressure_rows(slice(i0, i1)) > limit))
 
         found = grid.comm.sum([sum(grid.by_rows(above, grid.inside[0]))])[0]
         return YIELDS if found > MANY * self.contact_points else None
