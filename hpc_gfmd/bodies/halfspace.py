@@ -31,8 +31,11 @@ class HalfSpace(Body):
         return q / 2
 
     def multipliers(self, grid: Grid, fft: SlabFFT) -> Multipliers:
-        q_y = grid.column_tables(fft)[0][grid.comm.rank :: grid.comm.size]
-        return Multipliers(grid, fft, self.waves(grid, grid.q_x, q_y))
+        def make() -> Multipliers:
+            q_y = grid.column_tables(fft)[0][grid.comm.rank :: grid.comm.size]
+            return Multipliers(grid, fft, self.waves(grid, grid.q_x, q_y))
+
+        return self.kept(fft, make)
 
 
 HALF_SPACE = HalfSpace()

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..bodies.halfspace import HALF_SPACE
-from ..output.fields import FIELDS, LAZY_ROWS, LazyField
+from ..output.fields import FIELDS, LazyField
 from ..scene.model import TOUCHING
 from ..surface.quality import load_notes
 from ..surface.units import field_dtype
@@ -146,10 +146,12 @@ class Contact:
             return None
         if self.p_mean < MANY * area * high:
             return None
-        limit, (rows, _) = high / self.pressure_unit, self.surface.grid.inside
-        parts = (slice(i, min(i + LAZY_ROWS, rows)) for i in range(0, rows, LAZY_ROWS))
-        above = [float(np.count_nonzero(self.pressure_rows(part) > limit)) for part in parts]
-        found = self.surface.grid.comm.sum([sum(above)])[0]
+        limit, grid = high / self.pressure_unit, self.surface.grid
+
+        def above(i0: int, i1: int) -> int:
+            return int(np.count_nonzero(self.pressure_rows(slice(i0, i1)) > limit))
+
+        found = grid.comm.sum([sum(grid.by_rows(above, grid.inside[0]))])[0]
         return YIELDS if found > MANY * self.contact_points else None
 
     @property
@@ -365,4 +367,5 @@ def _on_the_whole_grid(
         found = values(slice(0, 1) if left_out == 0 else slice(first + i0, first + i1))
         return found if left_out is None else np.broadcast_to(found, (i1 - i0, surface.n[1]))
 
-    return LazyField(rows, (surface.rows[1] - surface.rows[0], surface.n[1]), dtype)
+    shape = surface.rows[1] - surface.rows[0], surface.n[1]
+    return LazyField(rows, shape, dtype, surface.grid.by_rows)

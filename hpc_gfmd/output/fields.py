@@ -8,19 +8,23 @@ from typing import Any
 import numpy as np
 
 FIELDS = ("pressure", "gap", "displacement", "plastic")
-LAZY_ROWS = 64  # of a field that are computed at a time
 
 
 class LazyField:
     """A local slab that is computed a few rows at a time when it is sliced; np.asarray makes all of
-    it."""
+    it. by_rows: as Grid.by_rows."""
 
     ndim = 2
 
     def __init__(
-        self, rows: Callable[[int, int], np.ndarray], shape: tuple[int, int], dtype: np.dtype
+        self,
+        rows: Callable[[int, int], np.ndarray],
+        shape: tuple[int, int],
+        dtype: np.dtype,
+        by_rows: Callable[[Callable[[int, int], None], int], Any],
     ):
         self.rows, self.shape, self.dtype = rows, shape, np.dtype(dtype)
+        self.by_rows = by_rows
 
     def __len__(self) -> int:
         return self.shape[0]
@@ -28,9 +32,11 @@ class LazyField:
     def __getitem__(self, rows: slice) -> np.ndarray:
         i0, i1, _ = rows.indices(self.shape[0])
         out = np.empty((max(i1 - i0, 0), self.shape[1]), self.dtype)
-        for i in range(i0, i1, LAZY_ROWS):
-            j = min(i + LAZY_ROWS, i1)
-            out[i - i0 : j - i0] = self.rows(i, j)
+
+        def fill(i: int, j: int) -> None:
+            out[i:j] = self.rows(i0 + i, i0 + j)
+
+        self.by_rows(fill, len(out))
         return out
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray:

@@ -30,17 +30,22 @@ MEANINGS = {
 }
 
 
-def numbers(steps: Sequence[Attributes]) -> dict[str, np.ndarray]:
-    """Collect what load steps say in one number or text, over the steps; nan or "" where one does
-    not say it. What is no identifier stays out: it may be a path."""
-    names = dict.fromkeys(
+def names_of(steps: Sequence[Attributes]) -> dict[str, None]:
+    """List what load steps say in one number or text, in their order. What is no identifier stays
+    out: it may be a path."""
+    return dict.fromkeys(
         name
         for step in steps
         for name, value in step.items()
         if name.isidentifier() and isinstance(value, bool | int | float | str)
     )
+
+
+def numbers(steps: Sequence[Attributes]) -> dict[str, np.ndarray]:
+    """Collect the numbers and texts of `names_of`, over the steps; nan or "" where one does not say
+    it."""
     found = {}
-    for name in names:
+    for name in names_of(steps):
         values = [step.get(name) for step in steps]
         missing = "" if any(isinstance(value, str) for value in values) else np.nan
         found[name] = np.array([missing if value is None else value for value in values])

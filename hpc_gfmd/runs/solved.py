@@ -10,7 +10,7 @@ import numpy as np
 
 from ..contact import all_numbers, all_observables, default_observables
 from ..output.export import FORMATS, export
-from ..output.numbers import axes, numbers, said_of
+from ..output.numbers import axes, names_of, numbers, said_of
 from ..output.read import Result
 from ..output.save import save
 from ..parallel.comm import SerialComm
@@ -62,7 +62,7 @@ class Solved:
 
     def _known(self) -> Iterator[str]:
         """Names of the numbers that are there or cost nothing."""
-        yield from numbers(self.result.steps)
+        yield from names_of(self.result.steps)
         yield from default_observables()
 
     def __getattr__(self, name: str) -> Any:

@@ -11,6 +11,7 @@ from hpc_gfmd.certificate.certificate import certify
 from hpc_gfmd.certificate.criterion import Target
 from hpc_gfmd.certificate.error_estimates import Estimate
 from hpc_gfmd.driver.drive import drive
+from hpc_gfmd.driver.nested import cold_gap
 from hpc_gfmd.operators.multilevel import Multilevel
 from hpc_gfmd.operators.problem import Problem
 from hpc_gfmd.parallel.grid import Grid
@@ -26,8 +27,9 @@ def surface():
 
 
 def started(surface, p_star, name="bpx", hardness=None):
-    solver = solver_class(name)(Problem(surface.grid, surface.h, p_star, hardness=hardness))
-    solver.start(surface.h.copy())
+    problem = Problem(surface.grid, surface.h, p_star, hardness=hardness)
+    solver = solver_class(name)(problem)
+    solver.start(cold_gap(problem))
     return solver
 
 
