@@ -34,6 +34,7 @@ from ..parallel.threads import on_threads, shares
 from .base import Progress, Solver
 from .options import read_options
 
+FIRST = 0.75  # Rayleigh quotient of first steps: 0.52 to 0.75 was seen; less makes them too long
 DESCENT = 0.2  # share of the predicted descent that clipping must leave
 SHORT = 0.9  # a step is made shorter only below this: clipped points stay a little open then
 # of what certificate/error_estimates.py says that the mean gap is wrong by
@@ -131,7 +132,7 @@ class Bpx(Solver):
     def _begin(self, sums: UpdateSums) -> None:
         """Begin a new descent: no momentum, a Rayleigh quotient as first steps have."""
         self.s = 1.0
-        self.rayleigh = 0.75  # of first steps 0.52 to 0.75 was seen; less makes them too long
+        self.rayleigh = FIRST
         self._measure(sums, anew=True)
         if self.levels.gap_mode.wanted((self.contact - self.yielded) / self.grid.cell_points):
             self.elastic.pairs += self.levels.gap_mode.pairs
