@@ -4,7 +4,7 @@ import re
 
 import numpy as np
 import pytest
-from contacts import random_heights, rough
+from contacts import random_heights, scene_text
 from scene_tables import tables
 
 import hpc_gfmd
@@ -34,8 +34,7 @@ def test_accepted_and_written_as_given():
 def test_run_plan_and_show(tmp_path, cli):
     """The result has the pressure that was found and what was asked for; what cannot be had ends
     with one line and exit code 2."""
-    scene = Scene.from_dict({"surface": rough((2, 8, 2)), "load": {"gap_over_h_rms": [0.4, 0.3]}})
-    (tmp_path / "scene.toml").write_text(scene.to_toml())
+    (tmp_path / "scene.toml").write_text(scene_text(load={"gap_over_h_rms": [0.4, 0.3]}))
     assert cli.data("plan scene.toml")["loads"] == 2
     cli.prints("run scene.toml -q")
     steps = cli.data("show contact.h5")["steps"]
