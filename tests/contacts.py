@@ -43,7 +43,10 @@ def sweep_of(surface, E_star=1.0, comm=None, duality=False, layer=None, **solver
         }
     )
     return loads.sweep_of(
-        scene, lambda dtype: build_surface(scene.surface, comm or SerialComm(), dtype)
+        scene,
+        lambda dtype: build_surface(
+            scene.surface, comm or SerialComm(), dtype, low_memory=scene.solver.low_memory
+        ),
     )
 
 
@@ -90,6 +93,12 @@ def random_heights(n, seed=0, correlated=True):
             if n[axis] > 4:
                 z = z + 0.5 * (np.roll(z, 1, axis) + np.roll(z, -1, axis))
     return z
+
+
+def wave_numbers(n, sizes=(1.0, 1.0)):
+    """|q| of the waves of a discrete Fourier transform."""
+    q_x, q_y = (2 * np.pi * np.fft.fftfreq(k, L / k) for k, L in zip(n, sizes, strict=True))
+    return np.hypot(q_x[:, None], q_y)
 
 
 def relative(found, wanted):

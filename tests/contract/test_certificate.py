@@ -38,6 +38,14 @@ def in_contact(g, p):
     return np.where((g <= 0) & (p > 0), p, 0)
 
 
+def judged(solver, **how):
+    """The certificate of a solver's state, and the pressure of its gap; the solver may go on."""
+    p = np.empty_like(solver.p)
+    certificate = certify(solver.problem_now, solver.g, p, solver.levels, **how)
+    solver.resume()
+    return certificate, p
+
+
 @pytest.mark.parametrize("wrong", [1e-9, 0.0])
 def test_a_wrong_estimate_is_vetoed(surface, monkeypatch, wrong):
     """A solver that believes from the first iteration on that it is there goes on until it is."""
@@ -59,9 +67,7 @@ def test_the_errors_hold_on_the_way(surface, name):
     wanted, norm = in_contact(truth.g, truth.p), np.linalg.norm(truth.p)
     solver, seen = started(surface, 0.05, name), 0
     for _ in range(40 if name == "bpx" else 200):
-        p = np.empty_like(solver.p)
-        certificate = certify(solver.problem_now, solver.g, p, solver.levels)
-        solver.resume()
+        certificate, p = judged(solver)
         area, gap, pressure = certificate.errors
         if max(certificate.errors) < 0.1:
             seen += 1
@@ -81,9 +87,7 @@ def test_energy_bound_against_the_duality_gap(surface, p_star, hardness):
     solver, seen = started(surface, p_star, hardness=hardness), 0
     for _ in range(24):
         solver.step()
-        p = np.empty_like(solver.p)
-        certificate = certify(solver.problem_now, solver.g, p, solver.levels, dual=True)
-        solver.resume()
+        certificate, p = judged(solver, dual=True)
         if not (certificate.duality_gap < np.inf and 1e-12 < certificate.errors[2] < 0.5):
             continue
         closed = np.sum(np.minimum(p, hardness or np.inf)[(solver.g <= 0) & (p > 0)] ** 2)

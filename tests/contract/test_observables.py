@@ -2,7 +2,6 @@
 being there."""
 
 from math import isfinite
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -22,7 +21,6 @@ from hpc_gfmd.output.numbers import said_of
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.runs.simulation import run_scene
 from hpc_gfmd.scene import Scene
-from hpc_gfmd.util.errors import SceneError
 
 every_observable = pytest.mark.parametrize("name", all_observables())
 every_distribution = pytest.mark.parametrize("name", all_distributions())
@@ -157,25 +155,6 @@ def test_of_surfaces_that_end(boundary):
     (step,) = run(rough((1, 8, 2), boundary=boundary), counts, loads=[0.1]).steps
     arrays = {"pressure_density", "gap_edges", "patches_density"}
     assert {"patches", "perimeter"} | arrays <= step.keys()
-
-
-@pytest.mark.parametrize(
-    ("output", "words"),
-    [
-        ({"observables": ["a_rr"]}, 'nearest: "a_r"'),
-        (  # waves only of periodic surfaces
-            {"distributions": ["gap_spectrum"]},
-            r"output\.distributions: found 'gap_spectrum'.* allowed: gap, patches, patches_8,"
-            r" pressure",
-        ),
-    ],
-)
-@pytest.mark.parametrize("boundary", ["free", ["periodic", "free"]], ids=str)
-def test_what_is_not_there(boundary, output, words):
-    """That is said before anything is solved."""
-    with pytest.raises(SceneError, match=words):
-        run(rough((1, 8, 2), boundary=boundary), output)
-    assert not list(Path().iterdir())
 
 
 @pytest.mark.parametrize("accuracy", [1e-1, 1e-3])

@@ -1,20 +1,12 @@
-"""What every solver promises. A new file in hpc_gfmd/solvers is tested by being there."""
+"""What every solver promises. A new file in hpc_gfmd/solvers is tested by being there, here and on
+grids of any shape in tests/physics/test_oracle.py."""
 
 import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from contacts import (
-    EXACT,
-    field,
-    random_heights,
-    relative,
-    rough,
-    solve_scene,
-    surface_over,
-    sweep_of,
-)
+from contacts import EXACT, field, relative, rough, solve_scene, sweep_of
 
 from hpc_gfmd.certificate.certificate import certify
 from hpc_gfmd.certificate.criterion import Target
@@ -174,17 +166,6 @@ def test_another_load(name):
     wanted = solve_scene(SURFACE, 0.12, **EXACT)
     height = wanted.surface.height_unit
     assert certificate.gap_mean * height == pytest.approx(wanted.gap_mean, rel=1e-6)
-
-
-@every_solver
-@pytest.mark.parametrize("n", [(1, 16), (16, 1), (5, 7), (2, 2), (3, 1), (32, 3)], ids=str)
-def test_any_grid(name, n):
-    z = random_heights(n, seed=11)
-    made = surface_over(z)
-    assert (
-        drive(started(name, Problem(made.grid, made.h, 0.1)), Target(residual=1e-8))[0]
-        == "converged"
-    )
 
 
 @every_solver

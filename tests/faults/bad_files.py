@@ -103,6 +103,7 @@ ARRAYS = {  # that are no heights
     "allowed: real numbers.": lambda: Z.astype("M8[s]"),
     "found nan at (7, 5)": lambda: with_value(np.nan),
     "found -inf at (7, 5)": lambda: with_value(-np.inf),
+    "found 1.7e+308 at (7, 5)": lambda: with_value(1.7e308),
     "inf": lambda: with_value(1).astype("g") * np.longdouble("1e400"),
     "two axes": lambda: Z.ravel(),
     "two axes.": lambda: Z.reshape(2, 4, 6),

@@ -5,14 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from contacts import rough
+from contacts import rough, sweep_of
 
 from hpc_gfmd.driver import start
-from hpc_gfmd.driver.lowmemory import LowMemorySweep
 from hpc_gfmd.parallel import grid
 from hpc_gfmd.parallel.comm import SerialComm
-from hpc_gfmd.scene import Scene
-from hpc_gfmd.surface import build_surface
 
 pytestmark = pytest.mark.mpi
 P_STAR, RESIDUAL = 0.002, 2e-4
@@ -20,21 +17,8 @@ P_STAR, RESIDUAL = 0.002, 2e-4
 
 def solved(comm):
     """The sweep and its step at a small load, in single precision and low memory."""
-    scene = Scene.from_dict(
-        {
-            "surface": rough((2, 32, 2)),
-            "load": {"p_star": [P_STAR]},
-            "solver": {
-                "residual": RESIDUAL,
-                "precision": "single",
-                "low_memory": True,
-                "max_iterations": 60,
-            },
-        }
-    )
-    sweep = LowMemorySweep(
-        lambda dtype: build_surface(scene.surface, comm, dtype, low_memory=True), scene.solver
-    )
+    how = {"residual": RESIDUAL, "precision": "single", "low_memory": True, "max_iterations": 60}
+    sweep = sweep_of(rough((2, 32, 2)), comm=comm, **how)
     return sweep, sweep.solve(P_STAR * sweep.surface.g_rms)
 
 

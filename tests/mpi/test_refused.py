@@ -16,7 +16,7 @@ load.pressure = 0.1
 BAD = rows("""
 load.presure=1 | pressure
 solver.options={bogus = 1} | bogus
-output.path=missing/a.h5 | missing
+output.path=missing/a.h5 | output.path: the folder missing does not exist
 machine.threads=65536 | machine.threads
 surface.n=[1048576, 1048576] | GiB
 surface.amplitude=0 ; load={p_star = [0.1]} | load.p_star

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from contacts import rough, solve_scene
+from contacts import rough, solve_scene, wave_numbers
 from counted import contact_of, random_fields
 
 import hpc_gfmd
@@ -69,8 +69,7 @@ def rings(distance, values, first):
 @every_field
 def test_power_spectrum(made, name):
     contact, fields = made
-    q_x, q_y = (2 * np.pi * np.fft.fftfreq(n, L / n) for n, L in zip(N, SIZES, strict=True))
-    q = np.hypot(q_x[:, None], q_y)
+    q = wave_numbers(N, SIZES)
     C = np.abs(np.fft.fft2(fields[name]) / np.prod(N)) ** 2 * np.prod(SIZES)
     wanted = rings(q[q > 0], C[q > 0], 2 * np.pi / max(SIZES))
     found = all_distributions()[f"{name}_spectrum"](contact)

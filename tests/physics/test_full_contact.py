@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from contacts import random_heights
+from contacts import random_heights, wave_numbers
 
 import hpc_gfmd
 
@@ -10,8 +10,7 @@ import hpc_gfmd
 @pytest.mark.parametrize("n", [(16, 16), (15, 12), (1, 16), (8, 1)], ids=str)
 def test_full_contact(n):
     z = random_heights(n)
-    kx, ky = (np.fft.fftfreq(k, 1 / k) for k in n)
-    p_full = np.fft.ifft2(np.pi * np.hypot(kx[:, None], ky) * np.fft.fft2(z)).real * 5.0
+    p_full = np.fft.ifft2(wave_numbers(n) / 2 * np.fft.fft2(z)).real * 5.0
     mean = -1.01 * p_full.min()
     found = hpc_gfmd.solve(z, mean, E_star=5.0, accuracy=1e-3, precision="double")
     assert (found.status, found.iterations, found.a_r, found.gap_mean) == ("converged", 0, 1.0, 0.0)
@@ -51,8 +50,7 @@ def test_a_pit_in_a_plate(n, below):
     of single precision hide it; what is insisted on does not claim more than it knows."""
     z = np.zeros((n, n))
     z[n // 3, n // 4] = -1.0
-    q = np.hypot(*np.meshgrid(*[2 * np.pi * np.fft.fftfreq(n, 1 / n)] * 2))
-    closing = np.fft.ifft2(q / 2 * np.fft.fft2(-z)).real.max()
+    closing = np.fft.ifft2(wave_numbers(z.shape) / 2 * np.fft.fft2(-z)).real.max()
     for precision in ("auto", "single"):
         found = hpc_gfmd.solve(z, closing * (1 - below), accuracy=1e-3, precision=precision)
         wrong = abs(found.gap_mean / (below / n**2) - 1)

@@ -11,6 +11,7 @@ from contacts import (
     rough,
     solve_scene,
     sweep_of,
+    wave_numbers,
 )
 
 import hpc_gfmd
@@ -154,16 +155,12 @@ def test_realised_roughness():
         surface = rough(n_over, hurst=hurst, physical_sizes=[2.0, 2.0])
         h_rms = sweep_of(surface | {"g_rms": 0.3}).surface.h_rms
         z = heights_of(surface | {"g_rms": 0.3})
-        n = z.shape[0]
-        z_q = np.fft.fft2(z) / z.size
-        q = 2 * np.pi * np.fft.fftfreq(n, 2.0 / n)
-        g_rms = np.sqrt(np.sum((q[:, None] ** 2 + q**2) * np.abs(z_q) ** 2))
+        power, q = np.abs(np.fft.fft2(z) / z.size) ** 2, wave_numbers(z.shape, (2.0, 2.0))
+        g_rms = np.sqrt(np.sum(q**2 * power))
         assert g_rms == pytest.approx(0.3, rel=1e-10)
         assert h_rms == pytest.approx(np.std(z), rel=1e-10)
         assert np.abs(heights_of(surface | {"h_rms": h_rms}) - z).max() < 1e-10
-        k = np.hypot(*np.meshgrid(np.fft.fftfreq(n, 1 / n), np.fft.fftfreq(n, 1 / n)))
-        power = np.abs(z_q).T ** 2
-        low, high = n_over[0], n_over[0] * n_over[1]
+        k, low, high = q / np.pi, n_over[0], n_over[0] * n_over[1]
         band = (k >= low * (1 - 1e-9)) & (k <= high * (1 + 1e-9))
         assert power[~band & (k > 0)].max(initial=0) < 1e-24 * power.max()
         assert (power[band] > 0).mean() > 0.99  # both ends included
@@ -172,17 +169,10 @@ def test_realised_roughness():
 def test_spectrum_follows_the_exponent():
     """Mean power ~ q^(-2-2H), flat below the roll-off."""
     for hurst in (0.0, 0.5, 1.0):
-        power = np.zeros((128, 128))
+        power, k = np.zeros((128, 128)), wave_numbers((128, 128)) / (2 * np.pi)
         for seed in range(8):
-            power += (
-                np.abs(
-                    np.fft.fft2(
-                        heights_of(rough((1, 64, 2), hurst=hurst, seed=seed, lam_l_over_lam_r=4))
-                    )
-                )
-                ** 2
-            )
-        k = np.hypot(*np.meshgrid(np.fft.fftfreq(128, 1 / 128), np.fft.fftfreq(128, 1 / 128)))
+            z = heights_of(rough((1, 64, 2), hurst=hurst, seed=seed, lam_l_over_lam_r=4))
+            power += np.abs(np.fft.fft2(z)) ** 2
         centres = np.array([6, 10, 16, 26, 42])
         mean = [power[(k > c * 0.9) & (k < c * 1.1)].mean() for c in centres]
         assert np.polyfit(np.log(centres), np.log(mean), 1)[0] == pytest.approx(

@@ -12,6 +12,11 @@ def observed(contact, *names):
     return {name: f(contact) for name, f in observables_named(names).items()}
 
 
+def percolates(found):
+    """Whether the contact goes around along x and y, and the gap."""
+    return [found[f"{name}_percolates_{axis}"] for name in ("contact", "gap") for axis in "xy"]
+
+
 def mask_contact(mask, sizes=(1.0, 1.0)):
     return contact_of(np.where(mask, 0.0, 1.0), sizes=sizes)
 
@@ -63,12 +68,7 @@ def test_no_patch():
     found = observed(mask_contact(np.zeros((4, 5), bool)), "patches", "perimeter", "percolation")
     assert found["patches"] == found["patch_largest"] == found["perimeter"] == 0
     assert found["patch_mean"] is None
-    assert [found[f"{name}_percolates_{axis}"] for name in ("contact", "gap") for axis in "xy"] == [
-        False,
-        False,
-        True,
-        True,
-    ]
+    assert percolates(found) == [False, False, True, True]
 
 
 def test_percolation_of_a_stripe_with_a_corner():
@@ -109,8 +109,4 @@ def test_a_profile_is_made_of_stripes():
     assert found.observables["patches"] == 2
     assert found.observables["patch_largest"] == pytest.approx(found.a_r * 0.5 / 2)
     assert found.observables["perimeter"] == pytest.approx(4 * 0.5)
-    assert [
-        found.observables[f"{name}_percolates_{axis}"]
-        for name in ("contact", "gap")
-        for axis in "xy"
-    ] == [False, True, False, True]
+    assert percolates(found.observables) == [False, True, False, True]

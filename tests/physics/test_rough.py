@@ -4,11 +4,11 @@ correction."""
 import numpy as np
 import pytest
 from contacts import rough, solve_scene, sweep_of
+from scene_tables import scene_of
 
 from hpc_gfmd import reference
 from hpc_gfmd.contact import all_observables
 from hpc_gfmd.parallel.comm import SerialComm
-from hpc_gfmd.scene import Scene
 from hpc_gfmd.surface import build_surface
 
 P_STAR = 0.01 / np.sqrt(2)
@@ -21,14 +21,19 @@ CASES = [  # hurst, lam_l/lam_s, seeds, kappa, its uncertainty, edge-corrected k
 ]
 
 
+def mean_and_error(contacts, *names):
+    """The means of observables over contacts of several surfaces, and the errors of the means."""
+    found = [[all_observables()[name](contact) for name in names] for contact in contacts]
+    return np.mean(found, axis=0), np.std(found, axis=0, ddof=1) / np.sqrt(len(found))
+
+
 @pytest.mark.parametrize(("hurst", "ratio", "seeds", "kappa", "sigma", "corrected"), CASES)
 def test_kappa(hurst, ratio, seeds, kappa, sigma, corrected):
-    found = []
-    for seed in range(1, seeds + 1):
-        sweep = sweep_of(rough((2, ratio, 2), hurst=hurst, seed=seed), accuracy=3e-3)
-        contact = sweep.solve(P_STAR)
-        found.append([all_observables()[name](contact) for name in ("kappa", "kappa_corrected")])
-    mean, spread = np.mean(found, axis=0), np.std(found, axis=0, ddof=1) / np.sqrt(seeds)
+    contacts = (
+        sweep_of(rough((2, ratio, 2), hurst=hurst, seed=seed), accuracy=3e-3).solve(P_STAR)
+        for seed in range(1, seeds + 1)
+    )
+    mean, spread = mean_and_error(contacts, "kappa", "kappa_corrected")
     error = 2 * np.hypot(sigma, spread)  # two standard errors of the difference
     assert abs(mean[0] - kappa) < error[0], (mean, spread)
     assert abs(mean[1] - corrected) < error[1], (mean, spread)
@@ -39,18 +44,13 @@ def test_kappa(hurst, ratio, seeds, kappa, sigma, corrected):
 def test_the_published_curve(hurst, p_star):
     """Other surfaces on a fine grid, edge-corrected, are where the reference data say that the
     limit of fine grids lies."""
-    found = []
-    for seed in (101, 102, 103):
-        contact = solve_scene(rough((4, 16, 8), hurst=hurst, seed=seed), p_star, accuracy=1e-3)
-        found.append(
-            [all_observables()[name](contact) for name in ("a_r_corrected", "gap_over_h_rms")]
-        )
-    for value, spread, limit in zip(
-        np.mean(found, axis=0),
-        np.std(found, axis=0, ddof=1) / 3**0.5,
-        (reference.contact_area, reference.mean_gap),
-        strict=True,
-    ):
+    contacts = (
+        solve_scene(rough((4, 16, 8), hurst=hurst, seed=seed), p_star, accuracy=1e-3)
+        for seed in (101, 102, 103)
+    )
+    found = mean_and_error(contacts, "a_r_corrected", "gap_over_h_rms")
+    limits = reference.contact_area, reference.mean_gap
+    for value, spread, limit in zip(*found, limits, strict=True):
         expected, sigma = limit(p_star, hurst, 1 / 16)
         assert (
             abs(value - expected) < 3 * np.hypot(spread, sigma) + 0.01 * expected
@@ -80,7 +80,7 @@ def test_pairs_do_not_grow_with_the_grid(p_star, most):
 def test_heights_in_single_precision_are_rounded_once():
     """Their transforms are in double precision; in low memory they are not, and errors are a few
     times larger."""
-    spec = Scene.from_dict({"surface": rough((2, 32, 2)), "load": {"p_star": 0.1}}).surface
+    spec = scene_of("surface.lam_l_over_lam_s = 32").surface
     exact = build_surface(spec, SerialComm(), np.float64).h
     unit = np.finfo(np.float32).eps * exact
     once, saving = (

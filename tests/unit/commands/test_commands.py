@@ -134,6 +134,7 @@ plan scene.toml --ranks 0 | --ranks
 plan scene.toml --set surface.lam_l_over_lam_s=262144 | GiB
 persson --hurst 2 --eps-f 0.1 --p-star 0.1 | urst
 run scene.toml --set solver.name=gfdm | solver.name
+run scene.toml --set surface.boundary=free --set 'output.distributions=["gap_spectrum"]' | spectrum
 run scene.toml -o here.txt | output.path
  | COMMAND
 run scene.toml --set machine.memory_gib=1e-6 | GiB

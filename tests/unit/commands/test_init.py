@@ -40,15 +40,16 @@ def test_every_key_stands_in_it_and_is_one(kind):
     assert max(map(len, lines)) < 150
 
 
-def tilted(path, sizes, unit):
+def tilted(sizes=(240.0, 160.0)):
+    """A map that may say its sizes, in nm."""
     x = np.linspace(0, 1, 24)
     z = np.random.default_rng(1).normal(size=(24, 16)) + 40 * x[:, None]
     z[3, 4] = np.nan
-    np.savez(path, z=z, **({"physical_sizes": sizes, "unit": unit} if sizes else {}))
+    np.savez("map.npz", z=z, **({"physical_sizes": sizes, "unit": "nm"} if sizes else {}))
 
 
 def test_a_map_is_read_and_what_it_needs_is_written(tmp_path):
-    tilted("map.npz", [240.0, 160.0], "nm")
+    tilted()
     written, missing, about = compose("map.npz", Path("scene.toml"))
     assert not missing
     for words in (
@@ -73,7 +74,7 @@ def test_a_map_is_read_and_what_it_needs_is_written(tmp_path):
 
 
 def test_a_map_that_knows_its_sizes_runs_as_init_wrote_it(cli):
-    tilted("map.npz", [240.0, 160.0], "nm")
+    tilted()
     for command in ("init map.npz", "run scene.toml -q", "plan scene.toml"):
         cli.prints(command)
 
@@ -111,7 +112,7 @@ def test_what_the_heights_show(z, chosen, outliers):
 
 
 def test_what_nobody_says_is_not_invented(cli):
-    tilted("map.npz", None, None)
+    tilted(sizes=None)
     assert "before it runs it needs surface.physical_sizes and surface.unit" in cli.prints(
         "init map.npz"
     )
@@ -126,7 +127,7 @@ def test_what_nobody_says_is_not_invented(cli):
 
 def test_nothing_is_overwritten_and_nothing_unknown_is_taken(tmp_path, cli):
     (tmp_path / "scene.toml").write_text("mine")
-    tilted("map.npz", [240.0, 160.0], "nm")
+    tilted()
     for arguments, words in (
         ("init", "which exists"),
         ("init wave -o no/a.toml", "the folder no does not exist"),

@@ -6,10 +6,9 @@ import tracemalloc
 
 import numpy as np
 import pytest
-from contacts import rough
+from contacts import scene_text
 
 from hpc_gfmd.runs.decomposition import busiest, share_of
-from hpc_gfmd.scene import Scene
 
 MIB = 2**20
 SIZES = [2**k for k in range(12, 18)]
@@ -69,12 +68,8 @@ def test_plan_says_it(tmp_path, cli, monkeypatch):
     def planned(*args):
         return cli.data("plan scene.toml", *args)
 
-    scene = {
-        "surface": rough((2, 4096, 8)),
-        "load": {"p_star": [0.1]},
-        "solver": {"precision": "single"},
-    }
-    (tmp_path / "scene.toml").write_text(Scene.from_dict(scene).to_toml())
+    text = scene_text((2, 4096, 8), [0.1], solver={"precision": "single"})
+    (tmp_path / "scene.toml").write_text(text)
     plan = planned("--ranks", 4096, "--threads", 2, "--ranks-per-node", 48)
     share = share_of((65536, 65536), np.float32, 4096)
     assert (plan["ranks"], plan["threads"]) == (4096, 2)
@@ -84,15 +79,8 @@ def test_plan_says_it(tmp_path, cli, monkeypatch):
     assert plan["bytes_per_rank"] > plan["points_per_rank"] * 4 * 6
 
     def sent(per_node):
-        return tuple(
-            map(
-                max,
-                zip(
-                    *(one.traffic for one in busiest((65536, 65536), np.float32, 4096, per_node)),
-                    strict=True,
-                ),
-            )
-        )
+        shares = busiest((65536, 65536), np.float32, 4096, per_node)
+        return tuple(np.max([one.traffic for one in shares], axis=0))
 
     assert (plan["message_bytes_per_pair"], plan["messages_per_pair"]) == sent(48) < sent(1)
     # By default as many share a node as this machine's cores are enough for, or as Slurm says.

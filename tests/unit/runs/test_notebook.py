@@ -6,7 +6,6 @@ import signal
 import warnings
 from pathlib import Path
 
-import h5py
 import numpy as np
 import pytest
 from contacts import random_heights, rough
@@ -14,7 +13,6 @@ from mpi_harness import printed
 from refusal import refused
 
 import hpc_gfmd
-from hpc_gfmd import GfmdError
 from hpc_gfmd.contact import (
     all_distributions,
     all_observables,
@@ -274,16 +272,10 @@ def test_another_file_is_not_overwritten(sweep, tmp_path):
         sweep.save("out.npz")
 
 
-def test_a_save_that_fails_leaves_nothing(saved, tmp_path, monkeypatch):
-    """Nor one that Ctrl-C ends."""
-    with monkeypatch.context() as patched:
-        patched.setattr(h5, "_checksum", lambda *_: signal.raise_signal(signal.SIGINT))
-        with pytest.raises(KeyboardInterrupt):
-            saved.save("other.h5")
-    with h5py.File("saved.h5", "r+") as file:
-        file["steps/0001/gap"][3, 4] += 1
-    with refused(r"the numbers of .*gap are damaged$", GfmdError):
-        hpc_gfmd.load("saved.h5").save("other.h5")
+def test_a_save_that_ctrl_c_ends_leaves_nothing(saved, tmp_path, monkeypatch):
+    monkeypatch.setattr(h5, "_checksum", lambda *_: signal.raise_signal(signal.SIGINT))
+    with pytest.raises(KeyboardInterrupt):
+        saved.save("other.h5")
     assert [file.name for file in tmp_path.iterdir()] == ["saved.h5"]
 
 

@@ -8,10 +8,7 @@ from contacts import random_heights, rough, sweep_of
 from refusal import refused
 
 from hpc_gfmd.driver.load_target import LoadTarget
-from hpc_gfmd.driver.sweep import Sweep
-from hpc_gfmd.parallel.comm import SerialComm
-from hpc_gfmd.scene import Load, Scene
-from hpc_gfmd.surface import build_surface
+from hpc_gfmd.scene import Load
 
 
 def sweep(accuracy=1e-6, **material):
@@ -83,10 +80,7 @@ def test_heights_that_change_while_a_run_goes_on(tmp_path):
     path, z = tmp_path / "z.npy", random_heights((32, 32))
     np.save(path, z)
     surface = {"kind": "file", "path": str(path), "physical_sizes": [1, 1]}
-    scene = Scene.from_dict(
-        {"surface": surface, "load": {"p_star": 1.0}, "solver": {"accuracy": 1e-2}}
-    )
-    one = Sweep(lambda dtype: build_surface(scene.surface, SerialComm(), dtype), scene.solver)
+    one = sweep_of(surface, accuracy=1e-2)
     assert one.solve(0.4 * one.surface.g_rms).g.dtype == np.float32
     np.save(path, 2 * z)
     with refused("heights have changed"):

@@ -24,7 +24,14 @@ REFUSED = [
     ({"physical_sizes": (HUGE, 1)}, "surface.physical_sizes"),
     ({"accuracy": HUGE}, "solver.accuracy"),
     ({"pressure": None}, "load: not given"),
-    ({"heights": np.where(Z == Z.max(), np.inf, Z)}, "surface: found inf"),
+    ({"pressure": None, "gap_mean": 1e3}, "load.gap_mean: found 1000, allowed: below "),
+    ({"pressure": None, "a_r": 1e-9}, "load.a_r: found 1e-09, less than half"),
+    ({"heights": 1e-320 * Z}, "heights that differ by"),
+    ({"heights": 1e99 * Z, "physical_sizes": (1e-100, 1e-100), "E_star": 1e100}, "E_star*g_rms"),
+    *[
+        ({"heights": np.where(Z == Z.max(), value, Z)}, "surface: found ")
+        for value in (1.7e308, -1.7e308, 1e101, np.inf, -np.inf, np.nan)
+    ],
     ({"heights": np.ma.masked_less(Z, 0)}, "found"),
     ({"heights": SimpleNamespace(dims=("y", "x"))}, "heights: found axes y, x, allowed: x, y"),
     *[
@@ -38,6 +45,11 @@ REFUSED = [
         (tomllib.loads(arguments.replace(" ; ", "\n")), words)
         for arguments, words in rows("""
 E_star = 1e308 | material.E_star: found 1e
+E_star = 1e-20 ; pressure = 1e90 | load: found p* = 7.41932e+108, allowed: 1e-100 to 1e+100
+pressure = 1e-40 ; precision = "single" | solver.precision: found "single"
+pressure = 1e40 ; precision = "single" | solver.precision: found "single"
+pressure = 1e40 ; boundary = "free" | load: found p* = 7.95782e+38, allowed: 1e-100 to
+pressure = 1e20 ; boundary = "free" ; precision = "single" | solver.precision: found "single"
 E_star = 1e-320 | material.E_star: found 1e-320
 E_star = true | material.E_star: found true
 E_star = "1" | material.E_star: found '1', it is no number with a unit, allowed
@@ -62,7 +74,7 @@ path = "x.h5" | found path, allowed: in a scene
 wall_seconds = 3 | found wall_seconds, allowed: in a scene
 comm = 3 | comm: found int, allowed: a communicator
 boundary = "open" | surface.boundary: found 'open'
-name = "gfdm" | nearest: "gfmd"
+name = "gfm" | solver.name: found 'gfm', nearest: "gfmd", allowed: auto
 adhesion = 0.1 | hpc_gfmd.solve: adhesion: not modelled (elastic, frictionless, non-adhesive contact only)
 hardness = 0.1 | load.pressure: found a pressure of 0.1, allowed: below material.hardness, 0.1
 hardness = 1 ; name = "ccg" | solver.name: found "ccg" with material.hardness, allowed: "bpx"
@@ -70,10 +82,13 @@ hardness = "6 GPa" | load.pressure: found 0.1 beside material.hardness = '6 GPa'
 fields = ["plastic"] | output.fields: found "plastic", allowed with material.hardness
 thickness = 1 ; nu = 0.3 ; nu1 = 0.4 | found nu and nu1
 boundary = ["free", "periodic"] ; accuracy = 1e-7 | solver.accuracy: found 1e-07, allowed with a free boundary: above
-boundary = "free" ; distributions = ["gap_spectrum"] | 'gap_spectrum', which needs periodic boundaries, allowed
+boundary = "free" ; distributions = ["gap_spectrum"] | 'gap_spectrum', which needs periodic boundaries, allowed: gap, patches, patches_8, pressure
+boundary = ["periodic", "free"] ; distributions = ["gap_spectrum"] | allowed: gap, patches, patches_8, pressure
+distributions = ["gapp"] | output.distributions: found 'gapp', nearest: "gap
 observables = ["wear"] | found 'wear', not modelled
+observables = ["friction"] | 'friction', not modelled
 observables = "a_r" | output.observables
-observables = ["a_rr"] | nearest: "a_r"
+observables = ["a_rr"] | output.observables: found 'a_rr', nearest: "a_r"
 pressure = [0.1, -1] | load.pressure
 pressure = "0.1" | load.pressure
 p_star = 0.1 | load: found p_star and pressure

@@ -11,7 +11,6 @@ from refusal import refused
 from scene_tables import FILE, scene_of, tables
 
 import hpc_gfmd
-from hpc_gfmd.runs.loads import check
 from hpc_gfmd.scene import Scene, load_scene
 
 
@@ -120,17 +119,3 @@ def test_overrides(tmp_path):
 def test_a_bad_override_is_refused_in_one_line(tmp_path, override, words):
     with refused(re.escape(words)):
         load_scene(write(tmp_path, tomli_w.dumps(tables())), [override])
-
-
-@pytest.mark.parametrize(
-    ("table", "key", "value", "words"),
-    [
-        ("solver", "name", "gfm", "solver.name: found 'gfm', nearest: \"gfmd\", allowed: auto, "),
-        ("output", "observables", ["a_rr"], "output.observables: found 'a_rr', nearest: \"a_r\""),
-        ("output", "distributions", ["gapp"], "output.distributions: found 'gapp', nearest: \"gap"),
-        ("output", "observables", ["friction"], "'friction', not modelled"),
-    ],
-)
-def test_names_against_the_registries(table, key, value, words):
-    with refused(re.escape(words)):
-        check(Scene.from_dict(tables(**{table: {key: value}})))
