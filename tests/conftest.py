@@ -123,6 +123,13 @@ def own_folder(request, monkeypatch):
 
 
 @pytest.fixture
+def folder(request, tmp_path):
+    """The current folder, in which scene.toml is what the file of the test calls SCENE."""
+    (tmp_path / "scene.toml").write_text(request.module.SCENE, encoding="utf-8")
+    return tmp_path
+
+
+@pytest.fixture
 def path(tmp_path):
     """Of a result file."""
     return tmp_path / "out.h5"

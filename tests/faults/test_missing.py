@@ -20,12 +20,6 @@ def without(folder, *modules):
     return env | {"PYTHONPATH": f"{folder / 'gone'}:{env['PYTHONPATH']}"}
 
 
-@pytest.fixture
-def folder(tmp_path):
-    (tmp_path / "scene.toml").write_text(SCENE)
-    return tmp_path
-
-
 @pytest.mark.skipif(missing() != "", reason="needs an MPI launcher")
 def test_mpirun_without_mpi4py(folder):
     run = call(2, ["run", "scene.toml"], env=without(folder, "mpi4py"), cwd=folder)

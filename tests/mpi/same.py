@@ -2,10 +2,21 @@
 
 import numpy as np
 import pytest
-from contacts import EXACT, field, sweep_of
+from contacts import EXACT, field, rough, sweep_of
 
 from hpc_gfmd.contact import all_observables
 from hpc_gfmd.parallel.comm import SerialComm
+
+every_size = pytest.mark.parametrize(
+    "surface",
+    [
+        rough(),
+        rough((1, 31, 2.0), seed=3),
+        rough((2, 8, 3), hurst=0.3, physical_sizes=[1.0, 0.5]),
+        rough((1, 97, 2), hurst=1.0),
+    ],
+    ids=["64x64", "62x62", "48x24", "194x194"],
+)
 
 
 def assert_same(comm, step, serial, tolerance=1e-10):

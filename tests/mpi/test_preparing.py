@@ -21,15 +21,15 @@ PLANE, BOWL = 5 + 3 * X - 2 * Y, 5 + 3 * X - 2 * Y + X * X - X * Y + 4 * Y * Y
 
 @pytest.fixture
 def prepared(comm):
-    """prepared(z, **keys): the heights after the keys of [surface], of all ranks, and the
-    Topography."""
+    """prepared(z, **keys): the heights after the keys of [surface], of all ranks, the Topography,
+    and what was done."""
 
-    def call(z, **keys):
+    def call(z, boundary="periodic", **keys):
         comm.barrier()
         if comm.rank == 0:
             np.save("z.npy", z)
         comm.barrier()
-        spec = File(kind="file", path="z.npy", physical_sizes=SIZES, **keys)
+        spec = File(kind="file", path="z.npy", physical_sizes=SIZES, boundary=boundary, **keys)
         found = prepare(open_topography(spec), spec, comm)
         starts = row_starts(found.n[0], comm.size)
         mine = found.rows(int(starts[comm.rank]), int(starts[comm.rank + 1]))
@@ -41,13 +41,11 @@ def prepared(comm):
 def test_detrended(prepared):
     z = random_heights(N)
     for what, trend in (("mean", 5.0), ("tilt", PLANE), ("curvature", BOWL)):
-        bare, with_it = (
-            prepared(heights, detrend=what, boundary="periodic")[0] for heights in (z, z + trend)
-        )
+        bare, with_it = (prepared(heights, detrend=what)[0] for heights in (z, z + trend))
         assert np.allclose(with_it, bare, atol=1e-11)
-        assert np.allclose(prepared(bare, detrend=what, boundary="periodic")[0], bare, atol=1e-12)
+        assert np.allclose(prepared(bare, detrend=what)[0], bare, atol=1e-12)
         assert abs(bare.mean()) < 1e-13
-    left = prepared(z, detrend="tilt", boundary="periodic")[0]
+    left = prepared(z, detrend="tilt")[0]
     assert abs(np.sum(left * (X - X.mean()))) + abs(np.sum(left * (Y - Y.mean()))) < 1e-11
 
 
@@ -58,13 +56,13 @@ def test_harmonic_functions_come_back(prepared):
     holes = z.copy()
     holes[3:9, 4:8] = np.nan
     holes[11, 1] = holes[6, 2] = np.nan
-    found, topography, done = prepared(holes, fill="harmonic", boundary="periodic")
+    found, topography, done = prepared(holes, fill="harmonic")
     assert np.allclose(found, z, atol=1e-12)
     assert topography.filled == 26
     assert "26 points (19 %) filled" in done
     edge = z.copy()
     edge[0, 0] = edge[13, 3] = np.nan
-    filled = prepared(edge, fill="harmonic", boundary="periodic")[0]
+    filled = prepared(edge, fill="harmonic")[0]
     assert filled[0, 0] == pytest.approx((z[0, 1] + z[1, 0]) / 2)
     assert filled[13, 3] == pytest.approx((z[13, 2] + z[13, 4] + z[12, 3]) / 3)
     with pytest.raises(SceneError, match=r"found nan at \(0, 0\) in .*, 2 points without"):
@@ -76,14 +74,12 @@ def test_harmonic_functions_come_back(prepared):
 def test_a_trend_is_that_of_the_measured_points(prepared):
     holes = PLANE.copy()
     holes[2:5, 3:9] = np.nan
-    assert np.allclose(
-        prepared(holes, fill="harmonic", detrend="tilt", boundary="periodic")[0], 0, atol=1e-12
-    )
+    assert np.allclose(prepared(holes, fill="harmonic", detrend="tilt")[0], 0, atol=1e-12)
 
 
 def test_cropped_flipped_mirrored(prepared):
     z = random_heights(N)
-    found, topography, done = prepared(z, crop=(2 / 7, 0.2, 10 / 7, 0.9), boundary="periodic")
+    found, topography, done = prepared(z, crop=(2 / 7, 0.2, 10 / 7, 0.9))
     assert np.array_equal(found, z[2:10, 2:9])
     assert topography.sizes == pytest.approx((8 / 7, 0.7))
     assert done == ("cropped to 8 x 7 points",)

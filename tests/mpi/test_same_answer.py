@@ -6,7 +6,7 @@ import h5py
 import numpy as np
 import pytest
 from contacts import EXACT, random_heights, rough, sweep_of, sweep_over
-from mpi.same import assert_same, compare, sweeps
+from mpi.same import assert_same, compare, every_size, sweeps
 
 from hpc_gfmd.certificate.error_estimates import misclassified_points
 from hpc_gfmd.driver.load_target import LoadTarget
@@ -20,16 +20,7 @@ pytestmark = pytest.mark.mpi
 
 
 @pytest.mark.parametrize("pressure", [0.02, 0.3])
-@pytest.mark.parametrize(
-    "surface",
-    [
-        rough(),
-        rough((1, 31, 2.0), seed=3),
-        rough((2, 8, 3), hurst=0.3, physical_sizes=[1.0, 0.5]),
-        rough((1, 97, 2), hurst=1.0),
-    ],
-    ids=["64x64", "62x62", "48x24", "194x194"],
-)
+@every_size
 def test_rough(comm, surface, pressure):
     compare(comm, surface, pressure)
 
@@ -69,7 +60,12 @@ def test_prescribed(comm, quantity, value, low_memory, hardness):
         assert_same(comm, *steps, tolerance=1e-5)
 
 
-@pytest.mark.parametrize("boundary", ["free", ["free", "periodic"], ["periodic", "free"]], ids=str)
+with_edges = pytest.mark.parametrize(
+    "boundary", ["free", ["free", "periodic"], ["periodic", "free"]], ids=str
+)
+
+
+@with_edges
 def test_a_gap_that_closes(comm, boundary):
     pair = sweeps(comm, rough(boundary=boundary), accuracy=1e-6)
     steps = [sweep.solve(LoadTarget("a_r", 1.0)) for sweep in pair]
@@ -78,7 +74,7 @@ def test_a_gap_that_closes(comm, boundary):
     assert_same(comm, *steps, tolerance=1e-5)
 
 
-@pytest.mark.parametrize("boundary", ["free", ["free", "periodic"], ["periodic", "free"]], ids=str)
+@with_edges
 @pytest.mark.parametrize(
     "surface",
     [

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 from contacts import EXACT, rough
-from mpi.same import assert_same, sweeps
+from mpi.same import assert_same, every_size, sweeps
 
 from hpc_gfmd.driver import nested
 from hpc_gfmd.operators import hierarchy
@@ -38,11 +38,7 @@ def test_large_grid(comm):
     assert spread_levels(sweep) == (3, 3 if comm.size > 1 else 0)
 
 
-@pytest.mark.parametrize(
-    "surface",
-    [rough(), rough((1, 31, 2.0), seed=3), rough((2, 8, 3), hurst=0.3, physical_sizes=[1.0, 0.5])],
-    ids=["64x64", "62x62", "48x24"],
-)
+@every_size
 def test_small_limits(comm, surface, monkeypatch):
     """The same paths on small grids, where answers can be exact."""
     monkeypatch.setattr(hierarchy, "COARSEST_POINTS", 16)

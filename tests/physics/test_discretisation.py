@@ -1,7 +1,6 @@
 """What the size of a grid point does to the contact area: estimated, and told wherever the area
 is."""
 
-import json
 from dataclasses import replace
 
 import numpy as np
@@ -119,10 +118,7 @@ def test_told_wherever_the_area_is(tmp_path, cli):
     table = cli.prints("run s.toml")
     headline = next(line for line in table.splitlines() if "points," in line)
     assert "float32 until a load needs float64" in headline
-    shown, steps = (
-        cli.prints("show contact.h5"),
-        json.loads(cli.prints("show --json contact.h5"))["steps"],
-    )
+    shown, steps = cli.prints("show contact.h5"), cli.data("show contact.h5")["steps"]
     assert [step["precision"] for step in steps] == ["float32", "float64"]
     for text in (table, shown):
         rows = [line for line in text.splitlines() if line.endswith("  converged")]

@@ -41,6 +41,12 @@ def sentences(text):
     return [s for part in parts for s in re.split(r"(?<=[.!?])\s", " ".join(part.split()))]
 
 
+def assert_short(said):
+    """All cells of tables and all sentences are."""
+    assert [cell for cell in cells(said) if len(cell) > 120] == []
+    assert [sentence for sentence in sentences(said) if len(sentence.split()) > 30] == []
+
+
 def written(path):
     """The words of a page, but for tables that are made of measured rows."""
     return _tables.PLACE.sub("", path.read_text(encoding="utf-8")).split()
@@ -55,8 +61,7 @@ def test_a_reader_gets_to_the_end(path):
     text = path.read_text(encoding="utf-8")
     assert len(written(path)) <= 2000
     said = plain(text)
-    assert [cell for cell in cells(said) if len(cell) > 120] == []
-    assert [sentence for sentence in sentences(said) if len(sentence.split()) > 30] == []
+    assert_short(said)
     assert path == CHANGES or HISTORY.findall(said) == []
     lines = [line for block in BLOCK.findall(text) for line in block.splitlines()]
     assert [line for line in lines if len(line) > 100] == []
@@ -64,9 +69,7 @@ def test_a_reader_gets_to_the_end(path):
 
 @pytest.mark.parametrize("page", ["scene", "observables", "gallery"])
 def test_the_reference_reads_as_well(page):
-    said = plain(_pages.made()[page])
-    assert [cell for cell in cells(said) if len(cell) > 120] == []
-    assert [sentence for sentence in sentences(said) if len(sentence.split()) > 30] == []
+    assert_short(plain(_pages.made()[page]))
 
 
 @pytest.mark.parametrize("path", STUDY, ids=name)

@@ -25,12 +25,6 @@ SURFACE = {"n", "physical_sizes", "h_rms", "g_rms", "eps_t", "eps_f", "eps_c", "
 HEAD = {"format_version", "scene", "versions", "start_time", "end_time", "ranks", "setup_seconds"}
 
 
-@pytest.fixture
-def folder(tmp_path):
-    (tmp_path / "scene.toml").write_text(SCENE)
-    return tmp_path
-
-
 @pytest.fixture(scope="module")
 def solved(tmp_path_factory):
     folder = tmp_path_factory.mktemp("solved")

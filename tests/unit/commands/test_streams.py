@@ -7,7 +7,8 @@ import sys
 
 import pytest
 from contacts import scene_text
-from mpi_harness import call, environment, missing
+from mpi_harness import environment, missing
+from result_files import complete
 
 import hpc_gfmd
 from hpc_gfmd.output.read import read_result
@@ -20,20 +21,6 @@ HOW = {
     "full disk": ">/dev/full 2>&-",
     "an ASCII terminal": "",
 }
-
-
-@pytest.fixture
-def folder(tmp_path):
-    (tmp_path / "scene.toml").write_text(SCENE, encoding="utf-8")
-    return tmp_path
-
-
-@pytest.fixture(scope="module")
-def solved(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("streams")
-    (folder / "scene.toml").write_text(SCENE, encoding="utf-8")
-    assert call(None, ["run", "scene.toml", "-o", "out.h5"], cwd=folder).returncode == 0
-    return folder
 
 
 def shell(folder, before, args, after, env=None):
@@ -81,15 +68,16 @@ def test_ranks_nobody_can_hear(folder, after):
 @pytest.mark.parametrize(
     ("args", "after", "said"),
     [
-        (["show", "out.h5"], ">/dev/full", "standard output: No space left on device"),
-        (["plan", "scene.toml"], ">&-", "standard output: "),
-        (["show", "--json", "out.h5"], "| exec 0<&-", ""),
+        ("show out.h5", ">/dev/full", "standard output: No space left on device"),
+        ("plan scene.toml", ">&-", "standard output: "),
+        ("show --json out.h5", "| exec 0<&-", ""),
     ],
     ids=["full disk", "closed", "pipe"],
 )
-def test_what_is_printed_is_the_result(solved, args, after, said):
+def test_what_is_printed_is_the_result(folder, args, after, said):
     """Here nothing is left where it cannot be printed."""
-    code, _, err = shell(solved, [], args, after)
+    complete(folder / "out.h5")
+    code, _, err = shell(folder, [], args.split(), after)
     assert code == 1
     assert err == (f"hpc-gfmd: {said}{err.partition(said)[2]}" if said else "")
     assert err.count("\n") == bool(said)

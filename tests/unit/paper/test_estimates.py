@@ -29,6 +29,11 @@ def desk(hurst=0.8, **how):
     return runs_of([replace(case, p_star=(LOW,)) for case in ratios("desk", hurst)], **how)
 
 
+def those(runs, **wanted):
+    """The runs that have these values."""
+    return [run for run in runs if wanted.items() <= run.items()]
+
+
 def test_scatter_is_found_and_shared():
     runs = desk(scatter=0.06, noise=4e-4)
     scatter = Scatter.of(runs, "kappa")
@@ -36,16 +41,13 @@ def test_scatter_is_found_and_shared():
         found = scatter.relative({"eps_t": eps_t, "eps_f": 1 / 64})
         assert found == pytest.approx(0.06 * eps_t, rel=0.25)
     assert abs(scatter.law[1]) < 0.15  # the same at all eps_f
-    same = (1, 128, 2)
-    names = ("seed", "lam_l_over_lam_s", "L_over_lam_l")
-    pair = [run for run in runs if tuple(run[name] for name in names) == same][:2]
-    other = next(run for run in runs if run["seed"] == 2)
-    covariance = scatter.covariance([*pair, other], "kappa")
+    pair = those(runs, seed=1, lam_l_over_lam_s=128, L_over_lam_l=2)[:2]
+    covariance = scatter.covariance([*pair, those(runs, seed=2)[0]], "kappa")
     sigma = np.sqrt(np.diag(covariance))
     assert covariance[0, 1] / sigma[0] / sigma[1] > 0.99
     assert covariance[0, 2] == 0
     with pytest.raises(SceneError, match="one realisation"):
-        fit_observable([run for run in runs if run["seed"] == 1], "kappa", "desk")
+        fit_observable(those(runs, seed=1), "kappa", "desk")
 
 
 def test_averages():
@@ -124,11 +126,7 @@ def test_the_limit_and_its_exponent(alpha, agrees):
     for row in rows:
         assert row["agrees"] is agrees
         assert abs(row["kappa_tfc"] - 2.1) < 4 * row["kappa_tfc_se"] < (0.15 if agrees else 0.5)
-    for few in (
-        [run for run in runs if run["lam_l_over_lam_s"] == 32],
-        [run for run in runs if run["seed"] == 1],
-        [run for run in runs if run["lam_s_over_a"] == 2],
-    ):
+    for few in (those(runs, lam_l_over_lam_s=32), those(runs, seed=1), those(runs, lam_s_over_a=2)):
         assert estimates.limits(few) == []
 
 
@@ -190,8 +188,8 @@ def test_continuum_knows_its_errors(loads, jitter):
 def test_continuum_refuses_what_it_cannot_tell():
     runs = made_up(0.01)
     for some, observable, said in (
-        ([run for run in runs if run["eps_c"] == 0.5], "kappa_edge", "too few grids"),
-        ([run for run in runs if run["seed"] == 1], "kappa_edge", "two of some"),
+        (those(runs, eps_c=0.5), "kappa_edge", "too few grids"),
+        (those(runs, seed=1), "kappa_edge", "two of some"),
         ([run | {"gap_over_h_rms": 0.0} for run in runs], "gap_over_h_rms", "zeros"),
     ):
         with pytest.raises(SceneError, match=said):
@@ -302,14 +300,8 @@ def test_distributions_keep_their_integral_and_mean():
     inside = distributions.theory(0.3, edges[:-1], edges[1:])
     assert np.sum(inside * np.diff(edges)) == pytest.approx(1, abs=1e-3)
     rows = [
-        {
-            "kind": "patches",
-            "low": x,
-            "high": 2 * x,
-            "density": x**-1.7,
-            "density_se": 0.01 * x**-1.7,
-        }
-        for x in 2.0 ** np.arange(-3, 8)
+        {"kind": "patches", "low": x, "high": 2 * x, "density": y, "density_se": 0.01 * y}
+        for x, y in ((x, x**-1.7) for x in 2.0 ** np.arange(-3, 8))
     ]
     assert distributions.patch_exponent(rows) == pytest.approx((1.7, 0), abs=1e-6)
 

@@ -66,8 +66,9 @@ def write(
                 "kappa": 0.5 / p,
                 "gap_mean": 0.4,
                 "gap_over_h_rms": 4.0,
-            }
-            step |= {"a_r_error": 1e-3, "status": status} | attributes
+                "a_r_error": 1e-3,
+                "status": status,
+            } | attributes
             run.write_step(index, step, {name: whole[name] for name in fields})
         run.finish(status)
     return path
@@ -390,7 +391,7 @@ def test_the_gap_of_theory_is_that_of_the_surface(rolloff):
     assert apart < 1e-9 if rolloff == 1 else apart > 0.05
 
 
-def test_a_spike_does_not_take_the_colours_and_is_said(tmp_path):
+def test_a_spike_does_not_take_the_colours_and_is_said():
     for spike, said in ((1.0, False), (100.0, True)):
         fig = plot(write(f"{spike}.h5", spike=spike), "pressure", step=0)
         (image,) = fig.axes[0].get_images()
@@ -400,7 +401,7 @@ def test_a_spike_does_not_take_the_colours_and_is_said(tmp_path):
         assert (image.colorbar.extend == "max") == said
 
 
-def test_one_touching_point_of_many_shows_on_its_ground(monkeypatch):
+def test_one_touching_point_of_many_shows_on_its_ground():
     pressure = np.zeros((400, 300))
     pressure[201, 33] = 1e-3
     found = survey.survey({"pressure": Whole(pressure)}, 20)

@@ -24,19 +24,15 @@ LOW = 'load = {pressure = 0.1} ; solver = {precision = "single", low_memory = tr
 
 def group(folder, limit, used, cached=0, version=2):
     folder.mkdir(parents=True, exist_ok=True)
-    names = (
-        ("memory.max", "memory.current")
-        if version == 2
-        else ("memory.limit_in_bytes", "memory.usage_in_bytes")
-    )
+    names = ("max", "current") if version == 2 else ("limit_in_bytes", "usage_in_bytes")
     for name, value in zip(names, (limit, used), strict=True):
-        (folder / name).write_text(f"{value}\n")
+        (folder / f"memory.{name}").write_text(f"{value}\n")
     (folder / "memory.stat").write_text(f"anon 5\ninactive_file {cached}\n")
 
 
-def own(tmp_path, text):
-    (tmp_path / "own").write_text(text)
-    return tmp_path / "own"
+def assert_too_little(words):
+    with refused(words):
+        memory.require_memory(SerialComm(), SCENE, SCENE.surface.n, (1.0, 1.0), 1)
 
 
 @pytest.mark.parametrize(
@@ -47,20 +43,16 @@ def test_the_tightest_control_group_counts(tmp_path, monkeypatch, version, top, 
     """That of a batch job is seldom the innermost one; file contents that are only cached do not
     count as used."""
     root = tmp_path / "root"
-    group(
-        root / top / "system/job_7/step_0",
-        "max" if version == 2 else 2**63 - 4096,
-        GIB,
-        version=version,
-    )
-    group(root / top / "system/job_7", GIB // 2, GIB // 4, GIB // 8, version=version)
-    folders = machine.control_groups(root, own(tmp_path, f"3:cpu:/elsewhere\n{line}\n"))
-    assert root / top / "system/job_7/step_0" in folders
+    outer, inner = root / top / "system/job_7", root / top / "system/job_7/step_0"
+    group(inner, "max" if version == 2 else 2**63 - 4096, GIB, version=version)
+    group(outer, GIB // 2, GIB // 4, GIB // 8, version=version)
+    (tmp_path / "own").write_text(f"3:cpu:/elsewhere\n{line}\n")
+    folders = machine.control_groups(root, tmp_path / "own")
+    assert inner in folders
     assert not any("elsewhere" in str(folder) for folder in folders)
     monkeypatch.setattr(machine, "control_groups", lambda: folders)
     assert machine.available_gib() == pytest.approx(0.375)
-    with refused(r"has 0\.38 GiB"):
-        memory.require_memory(SerialComm(), SCENE, (8192, 8192), (1.0, 1.0), 1)
+    assert_too_little(r"has 0\.38 GiB")
 
 
 def test_no_control_groups(tmp_path):
@@ -72,8 +64,7 @@ def test_the_limit_of_the_process(monkeypatch):
     assert machine.limit_gib() > 1
     monkeypatch.setattr(resource, "getrlimit", lambda _: (2 * GIB, 2 * GIB))
     assert 0 < machine.limit_gib() < 2
-    with refused("ulimit -v"):
-        memory.require_memory(SerialComm(), SCENE, (8192, 8192), (1.0, 1.0), 1)
+    assert_too_little("ulimit -v")
 
 
 @pytest.mark.parametrize("ranks", [1, 2, 3, 8])

@@ -20,11 +20,7 @@ def test_the_main_job():
     scene = load_scene(next(path for path in SHIPPED if path.stem == "rough"))
     assert scene.surface.n == (1024, 1024)
     assert scene.load.p_star == (0.007, 0.353)
-    assert (scene.surface.eps_t, scene.surface.eps_f, scene.surface.eps_c) == (
-        1 / 2,
-        1 / 256,
-        1 / 2,
-    )
+    assert (scene.surface.eps_t, scene.surface.eps_f, scene.surface.eps_c) == (0.5, 1 / 256, 0.5)
     assert scene.output.fields == ("pressure", "gap")
 
 
@@ -49,7 +45,6 @@ def test_alternatives_switch_the_default_off():
     assert scene.surface.g_rms is None
     assert scene.solver.residual == 1e-8
     assert scene.solver.accuracy is None
-    assert Scene.from_toml(scene.to_toml()) == scene
 
 
 @pytest.mark.parametrize(
@@ -65,7 +60,6 @@ def test_material(material, E_star, base):
     scene = scene_of(f"material = {material}")
     assert scene.material.E_star == pytest.approx(E_star, rel=1e-15)
     assert base in (None, scene.material.base)
-    assert Scene.from_toml(scene.to_toml()) == scene
 
 
 def test_one_load_is_a_list_of_one():
