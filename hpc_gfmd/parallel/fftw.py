@@ -1,5 +1,6 @@
 """FFTW, which comes with mpi4py-fft, where it is installed."""
 
+import ctypes
 import sys
 from functools import cache
 from importlib import import_module
@@ -8,7 +9,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-MODULES = {"float64": "fftw_xfftn", "float32": "fftwf_xfftn"}
+# of the functions of FFTW for numbers of a type, and of the modules
+PREFIXES = {"float64": "fftw_", "float32": "fftwf_"}
 
 
 @cache
@@ -36,12 +38,17 @@ def load_fftw() -> dict[str, Any] | None:
 
 
 def _compiled() -> dict[str, Any] | None:
+    """Return the modules; None where they, or the functions of FFTW in them, cannot be had."""
     try:
-        return {
-            real: import_module(f"mpi4py_fft.fftw.{module}") for real, module in MODULES.items()
+        found = {
+            real: import_module(f"mpi4py_fft.fftw.{prefix}xfftn")
+            for real, prefix in PREFIXES.items()
         }
-    except ImportError:
+        for real, prefix in PREFIXES.items():
+            ctypes.PyDLL(found[real].__file__)[f"{prefix}plan_many_dft"]
+    except (ImportError, OSError, AttributeError):
         return None
+    return found
 
 
 def fft_library() -> str:

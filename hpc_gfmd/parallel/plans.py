@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from .fftw import load_fftw
+from .fftw import PREFIXES, load_fftw
 
 Transform = tuple[int, int]
 FORWARD, BACKWARD, MEASURE = -1, 1, 0  # of FFTW
@@ -39,9 +39,8 @@ class Plans:
         """Plan by measurement, with the lock of Python: FFTW plans for one thread at a time."""
         libraries = load_fftw()
         assert libraries is not None
-        single = x.dtype in (np.float32, np.complex64)
-        library = ctypes.PyDLL(libraries["float32" if single else "float64"].__file__)
-        prefix = "fftwf_" if single else "fftw_"
+        real = x.real.dtype.name
+        library, prefix = ctypes.PyDLL(libraries[real].__file__), PREFIXES[real]
         make, destroy = library[f"{prefix}plan_many_dft{kind}"], library[f"{prefix}destroy_plan"]
         make.restype = ctypes.c_void_p
         ends = [(a.ctypes.data_as(ctypes.c_void_p), None, 1, a.shape[1]) for a in (x, out)]
