@@ -42,8 +42,7 @@ class Cells(Free):
             return plain
         tabled = Tabled(grid, fft, _table(grid, fft))
         found, length = images(*shape[:-1]), np.sqrt(np.prod(grid.sizes)) / grid.a
-        table = tabled.factors[-1]
-        lowest = table.reshape(-1, table.shape[-1])
+        lowest = np.concatenate(tabled.factors[-1])
         modes = length * lowest[: found.modes[1] + 1, : found.modes[0] + 1].T
         S = np.divide(1, modes, out=np.zeros(modes.shape), where=modes > 0)
         return Coupled(tabled, grid, fft, found, added(found, S, fft.dtype))

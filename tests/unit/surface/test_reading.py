@@ -348,7 +348,7 @@ def test_read_surface_does_what_the_scene_does(keys, tmp_path):
         about = file["surface"].attrs
         assert about["physical_sizes"] == pytest.approx(surface.sizes)
         assert (about["unit"], about["pressure_unit"]) == ("m", "Pa")
-        assert about["boundary"] == ("free, free" if "boundary" in keys else "periodic")
+        assert about["boundary"] == ("free, free" if "boundary" in keys else "periodic, periodic")
 
 
 MASKED = np.ma.masked_greater(Z, 0.9 * Z.max())
