@@ -51,11 +51,6 @@ def observable_names() -> set[str]:
     return {*all_observables(), *_merged("TOGETHER")}
 
 
-def names_together(name: str) -> tuple[str, ...]:
-    """Return the observables that a name stands for where it stands for several, otherwise none."""
-    return _merged("TOGETHER").get(name, ())
-
-
 def observables_named(names: Iterable[str]) -> dict[str, Observable]:
     """Return {name: Observable} of those that these names stand for."""
     together = _merged("TOGETHER")

@@ -5,6 +5,7 @@ import os
 import zipfile
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -14,9 +15,8 @@ from ..parallel.h5 import write_file
 from ..util.atomic import atomic_write
 from ..util.errors import GfmdError, SceneError
 from ..util.libraries import surface_topography
-from ..util.quantities import in_units
 from .describe import coordinates, describe, name_it
-from .numbers import About, axes, numbers, said_of
+from .numbers import About, axes, numbers, said_of, unit_of
 from .read import Result
 
 HEIGHTS = "heights"  # the same for all loads
@@ -100,17 +100,25 @@ def to_npz(result: Result, path: Path, about: About) -> None:
                     file.write(np.ascontiguousarray(rows, dtype).tobytes())
 
 
+def frame(result: Result, about: About) -> Any:
+    """Make a pandas table of the numbers of a result: a row for each load step, a column for each
+    number; units by column in its `attrs`."""
+    from pandas import DataFrame, Index
+
+    found = DataFrame(numbers(result.steps), Index(result.indices, name="step"))
+    found.attrs["units"] = {name: unit_of(name, result.surface, about) for name in found}
+    return found
+
+
 def to_csv(result: Result, path: Path, about: About) -> None:
     """Write one line per load step, no fields; headings such as "gap_mean [m]" where a unit is
     known."""
-    from pandas import DataFrame
-
-    found = {"step": np.array(result.indices)} | numbers(result.steps)
-    units = [in_units(about.get(name, ("", ""))[1], result.surface) for name in found]
+    found = frame(result, about)
     headings = [
-        name if unit in ("", "1") else f"{name} [{unit}]" for name, unit in zip(found, units)
+        name if unit in ("", "1") else f"{name} [{unit}]"
+        for name, unit in found.attrs["units"].items()
     ]
-    DataFrame(found).to_csv(path, header=headings, index=False, na_rep="nan")
+    found.to_csv(path, header=headings, na_rep="nan")
 
 
 def to_gwy(result: Result, path: Path, about: About) -> None:

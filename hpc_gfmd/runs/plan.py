@@ -37,7 +37,7 @@ def plan_of(
     traffic = max(nbytes for nbytes, _ in sent), max(messages for _, messages in sent)
     memory = memory_of(scene, n, sizes, ranks, threads, per_node=per_node)
     pairs = sum(expected_pairs(scene, n).values())
-    alone = expected_seconds(scene, n, 1, cores, cell)
+    alone, busy = expected_seconds(scene, n, cell), min(ranks, cores)
     fields = len(scene.output.fields) * n[0] * n[1] / GIB
     written = {"single": 4, "double": 8, None: decided.itemsize}[scene.output.dtype]
     plan = {
@@ -68,14 +68,14 @@ def plan_of(
         "file_gib": len(known) * fields * written,
         "checkpoint_gib": (NEEDS.fields + NEEDS.step) * cell[0] * cell[1] * decided.itemsize / GIB,
         "notes": scene.warnings(),
-        "seconds": expected_seconds(scene, n, ranks, cores, cell),
+        "seconds": alone / busy,
         "seconds_on_nodes": Cluster().seconds(alone, pairs, traffic, ranks),
     }
     if any(dtype is None for dtype in known):
         double = np.float64
         other = memory_of(scene, n, sizes, ranks, threads, per_node=per_node, unknown=double)
         plan["gib_per_rank_in_double"], plan["gib_in_double"] = other.total, other.on_all(ranks)
-        plan["seconds_in_double"] = expected_seconds(scene, n, ranks, cores, cell, double)
+        plan["seconds_in_double"] = expected_seconds(scene, n, cell, double) / busy
     return plan
 
 

@@ -4,18 +4,18 @@ cache."""
 import platform
 import time
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import DTypeLike
 
 from ..driver.precision import first_precision, precisions
-from ..driver.sweep import Sweep
-from ..parallel.comm import SerialComm
 from ..scene import Scene
-from ..surface import build_surface
 from ..util.caches import cache_folder, keep
+from .prepared import make_surface
+from .solve import solve
 
-SAMPLE = {
+SAMPLE: dict[str, Any] = {
     "kind": "self-affine",
     "hurst": 0.8,
     "L_over_lam_l": 2,
@@ -52,17 +52,12 @@ def expected_pairs(
 
 
 def expected_seconds(
-    scene: Scene,
-    n: tuple[int, int],
-    ranks: int,
-    cores: int,
-    cell: tuple[int, int] | None = None,
-    unknown: DTypeLike | None = None,
+    scene: Scene, n: tuple[int, int], cell: tuple[int, int], unknown: DTypeLike | None = None
 ) -> float:
-    """Estimate the seconds of solving all loads of a scene on `ranks` ranks that share `cores`
-    cores of this machine. cell: points that are solved, if more than the n of the surface."""
-    points = float(np.prod(cell or n))
-    work = points * np.log2(max(points, 2)) / min(ranks, cores)
+    """Estimate the seconds of solving all loads of a scene on one core of this machine. cell:
+    points that are solved, of which the surface has n."""
+    points = float(np.prod(cell))
+    work = points * np.log2(max(points, 2))
     pairs = expected_pairs(scene, n, unknown)
     return float(sum(pairs[dtype] * work * seconds_per_work(dtype) for dtype in pairs))
 
@@ -103,14 +98,10 @@ def seconds_per_work(dtype: DTypeLike) -> float:
 
 def _measure(dtype: DTypeLike) -> float:
     precision = "single" if np.dtype(dtype) == np.float32 else "double"
-    scene = Scene.from_dict(
-        {"surface": SAMPLE, "load": {"p_star": 0.05}, "solver": {"precision": precision}}
-    )
-    sweep = Sweep(lambda d: build_surface(scene.surface, SerialComm(), d), scene.solver)
-    best = np.inf
-    for p_star in (0.05, 0.4, 0.01):  # far apart: each starts anew
+    wall, best = make_surface(**SAMPLE), np.inf
+    for p_star in (0.05, 0.4, 0.01):
         begun = time.perf_counter()
-        contact = sweep.solve(p_star * sweep.surface.g_rms)
-        best = min(best, (time.perf_counter() - begun) / contact.fft_pairs)
-    N = sweep.surface.grid.N
+        pairs = solve(wall, p_star=p_star, precision=precision, fields=(), threads=1).fft_pairs
+        best = min(best, (time.perf_counter() - begun) / pairs)
+    N = wall.heights.size
     return best / (N * np.log2(N))
