@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..contact import all_numbers, all_observables, default_observables
-from ..output.export import FORMATS, export, frame
+from ..output.export import FORMATS, common_fields, export, frame
 from ..output.numbers import axes, names_of, numbers, said_of
 from ..output.read import Result
 from ..output.record import RunFile
@@ -144,7 +144,7 @@ class Solved:
             return dims, values, said_of(name, result.surface, all_numbers())
 
         content = {name: variable(name, ("load",), values) for name, values in found.items()}
-        for name in set.intersection(*map(set, result.fields)):
+        for name in common_fields(result):
             values = [fields[name].read() for fields in result.fields]
             content[name] = (
                 variable(name, ("x", "y"), values[0])

@@ -3,13 +3,13 @@ cache."""
 
 import platform
 import time
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import DTypeLike
 
-from ..driver.precision import first_precision, precisions
 from ..scene import Scene
 from ..util.caches import cache_folder, keep
 from .prepared import make_surface
@@ -36,30 +36,21 @@ class Pairs:
     searching: float = 1.5
 
 
-def expected_pairs(
-    scene: Scene, n: tuple[int, int], unknown: DTypeLike | None = None
-) -> dict[np.dtype, float]:
-    """Estimate the FFT pairs of all loads of a scene whose surface has n points, by precision;
-    unknown: as memory_of has it."""
-    settings, pairs, known = scene.solver, dict[np.dtype, float](), Pairs()
+def expected_pairs(scene: Scene) -> float:
+    """Estimate the FFT pairs of each load of a scene."""
+    settings, known = scene.solver, Pairs()
     decades = -np.log10(settings.tolerance) - 3
     each = BASELINE_PAIRS.get(settings.name, known.each)
     each *= max(0.6, 1 + decades * known.per_decade / known.each)
-    for found in precisions(scene, n):
-        dtype = np.dtype(found or unknown or first_precision(settings))
-        pairs[dtype] = pairs.get(dtype, 0.0) + each * (known.searching if scene.load.found else 1)
-    return pairs
+    return each * (known.searching if scene.load.found else 1)
 
 
-def expected_seconds(
-    scene: Scene, n: tuple[int, int], cell: tuple[int, int], unknown: DTypeLike | None = None
-) -> float:
-    """Estimate the seconds of solving all loads of a scene on one core of this machine. cell:
-    points that are solved, of which the surface has n."""
+def expected_seconds(pairs: float, precisions: Iterable[DTypeLike], cell: tuple[int, int]) -> float:
+    """Estimate the seconds of solving loads on one core of this machine. pairs: FFT pairs of each
+    load; precisions: of all loads; cell: points that are solved."""
     points = float(np.prod(cell))
     work = points * np.log2(max(points, 2))
-    pairs = expected_pairs(scene, n, unknown)
-    return float(sum(pairs[dtype] * work * seconds_per_work(dtype) for dtype in pairs))
+    return float(pairs * work * sum(map(seconds_per_work, precisions)))
 
 
 @dataclass(frozen=True)
