@@ -12,8 +12,6 @@ from numpy.typing import DTypeLike
 
 from ..scene import Scene
 from ..util.caches import cache_folder, keep
-from .prepared import make_surface
-from .solve import solve
 
 SAMPLE: dict[str, Any] = {
     "kind": "self-affine",
@@ -88,6 +86,9 @@ def seconds_per_work(dtype: DTypeLike) -> float:
 
 
 def _measure(dtype: DTypeLike) -> float:
+    from .prepared import make_surface
+    from .solve import solve
+
     precision = "single" if np.dtype(dtype) == np.float32 else "double"
     wall, best = make_surface(**SAMPLE), np.inf
     for p_star in (0.05, 0.4, 0.01):
