@@ -34,15 +34,13 @@ def prolong_gap(u, p, h, g, fine_rows, coarse_rows, halved, compliance, stencil,
     diagonal ones. most: compliance times the hardness, inf without one. g may be h's own rows.
     Coarse point J lies on fine point 2 J; points in between get the cubic through the four nearest,
     (-1, 9, 9, -1)/16, of u, and the mean of two of p."""
-    u_before, u, u_after = u
-    p_before, p, p_after = p
     h_before, h, h_after = h
     start, n_x = fine_rows
     first, m_x = coarse_rows
     halve_x, halve_y = halved
     step_x = 2 if halve_x else 1
     rows, n = g.shape
-    one, half = g.dtype.type(1), g.dtype.type(0.5)
+    zero, one, half = g.dtype.type(0), g.dtype.type(1), g.dtype.type(0.5)
     near, far = g.dtype.type(9.0 / 16.0), g.dtype.type(-1.0 / 16.0)
     s0, s1, s2, s3 = (
         one - compliance * stencil[0],
@@ -50,8 +48,7 @@ def prolong_gap(u, p, h, g, fine_rows, coarse_rows, halved, compliance, stencil,
         -compliance * stencil[2],
         -compliance * stencil[3],
     )
-    m = u.shape[1]
-    line = np.empty(m + 3, u.dtype)
+    line = np.empty(u[1].shape[1] + 3, g.dtype)
     # Rows in rings, one more point on either side: first -g_c, then compliance P p, then v after 0,
     # 1, ... steps; the last is scratch.
     t = np.zeros(((SWEEPS + 3) * RING + 1, n + 2), g.dtype)
@@ -65,38 +62,19 @@ def prolong_gap(u, p, h, g, fine_rows, coarse_rows, halved, compliance, stencil,
         inner = nominal[1] if x < nominal[0] else 0
         k = x // step_x - shift
         between = halve_x and x % 2 == 1
-        if between:
-            a, b, c, d = (
-                _row(u_before, u, u_after, k - 1),
-                _row(u_before, u, u_after, k),
-                _row(u_before, u, u_after, k + 1),
-                _row(u_before, u, u_after, k + 2),
-            )
-            for J in range(m):
-                line[J + 1] = near * (b[J] + c[J]) + far * (a[J] + d[J])
-        else:
-            line[1 : m + 1] = _row(u_before, u, u_after, k)
-        _interpolate_row(line, t[slot], halve_y, near, far)
+        _interpolate(u, k, between, halve_y, one, near, far, line, t[slot])
         v = 2 * RING + slot
         if inner > 0:
             a = h_before[r + SWEEPS] if r < 0 else (h[r] if r < rows else h_after[r - rows])
             for j in range(inner):
                 g_c = t[slot, j + 1] + a[j]
                 t[slot, j + 1] = -g_c
-                t[v, j + 1] = max(min(-g_c, most), g.dtype.type(0))
+                t[v, j + 1] = max(min(-g_c, most), zero)
         for j in range(inner, n):
             t[slot, j + 1] = -t[slot, j + 1]
-            t[v, j + 1] = g.dtype.type(0)
+            t[v, j + 1] = zero
         _wrap(t[v])
-        if between:
-            a, b = _row(p_before, p, p_after, k), _row(p_before, p, p_after, k + 1)
-            for J in range(m):
-                line[J + 1] = compliance * half * (a[J] + b[J])
-        else:
-            a = _row(p_before, p, p_after, k)
-            for J in range(m):
-                line[J + 1] = compliance * a[J]
-        _interpolate_row(line, t[RING + slot], halve_y, half, g.dtype.type(0))
+        _interpolate(p, k, between, halve_y, compliance, half, zero, line, t[RING + slot])
         for s in range(1, SWEEPS + 1):
             i = r - s
             if i >= s - SWEEPS:
@@ -111,8 +89,9 @@ def prolong_gap(u, p, h, g, fine_rows, coarse_rows, halved, compliance, stencil,
 
 
 @making_arrays
-def _row(before, own, after, k):
-    """Return row k of own rows and those before and after."""
+def _row(field, k):
+    """Return row k of a field: of own rows, or of those before and after."""
+    before, own, after = field
     if k < 0:
         return before[before.shape[0] + k]
     if k >= own.shape[0]:
@@ -121,9 +100,18 @@ def _row(before, own, after, k):
 
 
 @making_arrays
-def _interpolate_row(line, fine, halve_y, near, far):
-    """Interpolate coarse points line[1:-2] along the row, fine[1:-1]."""
+def _interpolate(field, k, between, halve_y, scale, near, far, line, fine):
+    """Set fine[1:-1] = scale field on its row k, or between that and the next one; near, far:
+    weights of the two nearest points and of the two beyond; line: scratch."""
     n, m = fine.shape[0] - 2, line.shape[0] - 3
+    b = _row(field, k)
+    if between:
+        a, c, d = _row(field, k - 1), _row(field, k + 1), _row(field, k + 2)
+        for J in range(m):
+            line[J + 1] = scale * near * (b[J] + c[J]) + scale * far * (a[J] + d[J])
+    else:
+        for J in range(m):
+            line[J + 1] = scale * b[J]
     if not halve_y:
         fine[1 : n + 1] = line[1 : m + 1]
         return

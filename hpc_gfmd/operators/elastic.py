@@ -1,19 +1,16 @@
 """Applying the stiffness K of an elastic body, or its compliance S = 1/K, to fields: p = p0 + K u
 in the units of operators/problem.py."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import DTypeLike
 
-if TYPE_CHECKING:
-    from ..bodies.base import Body
-    from ..parallel.fft import Passes
-    from ..parallel.grid import Grid
-    from .problem import Columns, Rows
+from ..bodies.base import Body
+from ..parallel.fft import Passes
+from ..parallel.grid import Grid
+from .problem import Columns, Rows
 
 RowFunction = Callable[[int, int, np.ndarray], Any]  # makes or uses rows i0..i1
 

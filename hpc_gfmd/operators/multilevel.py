@@ -55,7 +55,7 @@ class Multilevel:
         self.damping = np.array([DAMPING], self.dtype)[0]
         known = grid.once(
             (Hierarchy, body, self.dtype, coarsest_points),
-            lambda: Hierarchy.of(grid, body, self.dtype, coarsest_points),
+            lambda: Hierarchy(grid, body, self.dtype, coarsest_points),
         )
         self.hierarchy, self.steps, self.gap_mode = known, known.steps, known.gap_mode
         self.transfers = [step.transfer for step in self.steps]

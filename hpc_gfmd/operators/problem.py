@@ -11,21 +11,16 @@ With a hardness H the pressure is at most that, and where it is, the body has a 
     0 <= p <= H,    p = 0 where g > 0,    p = H where g < 0
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..bodies.base import Body
 from ..bodies.halfspace import HALF_SPACE
-
-if TYPE_CHECKING:
-    from ..parallel.fft import SlabFFT
-    from ..parallel.grid import Grid
+from ..parallel.fft import SlabFFT
+from ..parallel.grid import Grid
 
 Rows = Callable[[int, int, np.ndarray], None]  # makes rows i0..i1 of a field in x
 Columns = Callable[[np.ndarray, int], None]  # changes block m of the columns of a spectrum

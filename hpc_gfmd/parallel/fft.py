@@ -62,6 +62,7 @@ class SlabFFT(Layout):
         n_x, n_y = n
         self.scale = 1.0 / (n_x * n_y)
         self.threads = threads
+        self.multipliers: dict[Any, Any] = {}  # of a body: what it multiplies these columns by
         self._memory, first, self.blocks = self._common(complex_dtype)
         # those of each rank of the node
         self._rows = np.stack([self.starts[self.node_ranks + end] for end in (0, 1)], axis=1)

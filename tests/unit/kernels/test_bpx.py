@@ -7,6 +7,7 @@ from transfers import SIZES, interpolated, restricted, whole
 from hpc_gfmd.bodies.halfspace import HalfSpace
 from hpc_gfmd.kernels import bpx
 from hpc_gfmd.kernels.bfloat16 import Decoded, decode, encode, encoded, stored_dtype
+from hpc_gfmd.kernels.jit import kernel
 from hpc_gfmd.operators.elastic import reader
 from hpc_gfmd.operators.multilevel import Multilevel
 from hpc_gfmd.parallel.grid import Grid
@@ -81,8 +82,9 @@ def test_storage_of_the_last_step(random, dtype, rough):
     halves = encoded(numbers, dtype)
     assert halves.dtype == stored_dtype(dtype)
     assert halves.itemsize == numbers.itemsize // 2
-    assert np.array_equal([encode(number) for number in numbers], halves)
-    assert np.array_equal([decode(one) for one in halves], Decoded(halves)[:])
+    compiled = kernel(lambda number: encode(number)), kernel(lambda number: decode(number))
+    for function, given, wanted in zip(compiled, (numbers, halves), (halves, Decoded(halves)[:])):
+        assert np.array_equal([function(number) for number in given], wanted)
     assert np.allclose(Decoded(halves)[:], numbers, rtol=rough, atol=0)
     assert dtype == np.float64 or np.all(np.abs(Decoded(halves)[:]) <= np.abs(numbers))
     assert Decoded(halves)[-2:].tolist() == [-np.inf, np.inf]
