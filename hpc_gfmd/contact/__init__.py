@@ -11,19 +11,14 @@ said of the other numbers of a load.
 properties, so that what nobody asks for is not computed. Numbers are in the scene's units.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from functools import cache
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..util.errors import SceneError
 from ..util.plugins import module_in, names_in
-from .base import OF_EVERY_LOAD
-
-if TYPE_CHECKING:
-    from .base import Distribution, Observable
+from .base import OF_EVERY_LOAD, Distribution, Observable
 
 COMMON = ("base", "contact")  # files that are no observable
 
