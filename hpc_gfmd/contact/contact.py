@@ -1,29 +1,26 @@
 """A solved contact at one load: fields and the sums that observables are made of, in the scene's
 units."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..bodies.base import Body
 from ..bodies.halfspace import HALF_SPACE
+from ..certificate.certificate import Certificate
+from ..operators.tangent import Tangent, tangent
 from ..output.fields import FIELDS, LazyField
+from ..parallel.clusters import Clusters, find_clusters
+from ..parallel.grid import Grid
+from ..parallel.halo import next_row
+from ..parallel.threads import added
 from ..scene.model import TOUCHING
+from ..surface import Surface
 from ..surface.quality import load_notes
 from ..surface.units import field_dtype
 from ..util.errors import SceneError
-
-if TYPE_CHECKING:
-    from ..bodies.base import Body
-    from ..certificate.certificate import Certificate
-    from ..operators.tangent import Tangent
-    from ..parallel.clusters import Clusters
-    from ..parallel.grid import Grid
-    from ..surface import Surface
 
 PLASTIC, MANY = 0.2, 0.1  # pressure over E*, and share of the contact, at which solids yield
 YIELDS = (
@@ -192,8 +189,6 @@ class Contact:
     @cached_property
     def tangent(self) -> Tangent:
         """The operators.tangent.Tangent of this contact. Collective; some FFT pairs."""
-        from ..operators.tangent import tangent
-
         rows, points = self.grid.inside
         touching = np.zeros(self.g.shape, dtype=bool)
         touching[:rows, :points] = self.touching(0, rows)
@@ -263,8 +258,6 @@ class Contact:
         open_axis: int | None = None,
     ) -> Clusters:
         """Find the Clusters of the points of a mask; mask(i0, i1): as `touching`. Collective."""
-        from ..parallel.clusters import find_clusters
-
         grid = self.grid
         periodic = self.periodic[0] and open_axis != 0, self.periodic[1] and open_axis != 1
         return find_clusters(grid.comm, mask, grid.nominal_rows, grid.nominal, periodic, corners)
@@ -280,12 +273,9 @@ class Contact:
 
         The edge of a surface that ends is none.
         """
-        from ..parallel import halo
-        from ..parallel.threads import added
-
         grid, (rows, points) = self.grid, self.grid.inside
         starts = np.minimum(grid.starts, grid.nominal[0])
-        g, p = (halo.next_row(grid.comm, field[:rows], starts) for field in (self.g, self.p))
+        g, p = (next_row(grid.comm, field[:rows], starts) for field in (self.g, self.p))
         below = ((g <= 0) & (p > 0))[None, :points]
         around_x, around_y = self.periodic
         if not around_x and grid.nominal_rows[1] == grid.nominal[0]:

@@ -40,7 +40,7 @@ def prolong_gap(u, p, h, g, fine_rows, coarse_rows, halved, compliance, stencil,
     halve_x, halve_y = halved
     step_x = 2 if halve_x else 1
     rows, n = g.shape
-    zero, one, half = g.dtype.type(0), g.dtype.type(1), g.dtype.type(0.5)
+    one, half = g.dtype.type(1), g.dtype.type(0.5)
     near, far = g.dtype.type(9.0 / 16.0), g.dtype.type(-1.0 / 16.0)
     s0, s1, s2, s3 = (
         one - compliance * stencil[0],
@@ -48,7 +48,8 @@ def prolong_gap(u, p, h, g, fine_rows, coarse_rows, halved, compliance, stencil,
         -compliance * stencil[2],
         -compliance * stencil[3],
     )
-    line = np.empty(u[1].shape[1] + 3, g.dtype)
+    m = u[1].shape[1]
+    line = np.empty(m + 3, g.dtype)
     # Rows in rings, one more point on either side: first -g_c, then compliance P p, then v after 0,
     # 1, ... steps; the last is scratch.
     t = np.zeros(((SWEEPS + 3) * RING + 1, n + 2), g.dtype)
@@ -62,19 +63,33 @@ def prolong_gap(u, p, h, g, fine_rows, coarse_rows, halved, compliance, stencil,
         inner = nominal[1] if x < nominal[0] else 0
         k = x // step_x - shift
         between = halve_x and x % 2 == 1
-        _interpolate(u, k, between, halve_y, one, near, far, line, t[slot])
+        if between:
+            a, b, c, d = (_row(u, k - 1), _row(u, k), _row(u, k + 1), _row(u, k + 2))
+            for J in range(m):
+                line[J + 1] = near * (b[J] + c[J]) + far * (a[J] + d[J])
+        else:
+            line[1 : m + 1] = _row(u, k)
+        _interpolate_row(line, t[slot], halve_y, near, far)
         v = 2 * RING + slot
         if inner > 0:
             a = h_before[r + SWEEPS] if r < 0 else (h[r] if r < rows else h_after[r - rows])
             for j in range(inner):
                 g_c = t[slot, j + 1] + a[j]
                 t[slot, j + 1] = -g_c
-                t[v, j + 1] = max(min(-g_c, most), zero)
+                t[v, j + 1] = max(min(-g_c, most), g.dtype.type(0))
         for j in range(inner, n):
             t[slot, j + 1] = -t[slot, j + 1]
-            t[v, j + 1] = zero
+            t[v, j + 1] = g.dtype.type(0)
         _wrap(t[v])
-        _interpolate(p, k, between, halve_y, compliance, half, zero, line, t[RING + slot])
+        if between:
+            a, b = _row(p, k), _row(p, k + 1)
+            for J in range(m):
+                line[J + 1] = compliance * half * (a[J] + b[J])
+        else:
+            a = _row(p, k)
+            for J in range(m):
+                line[J + 1] = compliance * a[J]
+        _interpolate_row(line, t[RING + slot], halve_y, half, g.dtype.type(0))
         for s in range(1, SWEEPS + 1):
             i = r - s
             if i >= s - SWEEPS:
@@ -100,18 +115,9 @@ def _row(field, k):
 
 
 @making_arrays
-def _interpolate(field, k, between, halve_y, scale, near, far, line, fine):
-    """Set fine[1:-1] = scale field on its row k, or between that and the next one; near, far:
-    weights of the two nearest points and of the two beyond; line: scratch."""
+def _interpolate_row(line, fine, halve_y, near, far):
+    """Interpolate coarse points line[1:-2] along the row, fine[1:-1]."""
     n, m = fine.shape[0] - 2, line.shape[0] - 3
-    b = _row(field, k)
-    if between:
-        a, c, d = _row(field, k - 1), _row(field, k + 1), _row(field, k + 2)
-        for J in range(m):
-            line[J + 1] = scale * near * (b[J] + c[J]) + scale * far * (a[J] + d[J])
-    else:
-        for J in range(m):
-            line[J + 1] = scale * b[J]
     if not halve_y:
         fine[1 : n + 1] = line[1 : m + 1]
         return
