@@ -287,7 +287,8 @@ class Contact:
             along_y = np.count_nonzero(here[1:] != here[:-1])
             here = here[: i1 - i0]
             along_x = np.count_nonzero(here[:, 1:] != here[:, :-1])
-            return along_x + around_y * np.count_nonzero(here[:, 0] != here[:, -1]), along_y
+            along_x += around_y * np.count_nonzero(here[:, 0] != here[:, -1])
+            return int(along_x), int(along_y)
 
         along_x, along_y = grid.comm.sum(added(grid.by_rows(edges, rows), 2))
         return int(along_x), int(along_y)
