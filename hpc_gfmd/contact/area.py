@@ -39,7 +39,7 @@ def a_r_corrected(contact: Contact) -> float | None:
     """Return a_r less the area that the pixels on the contact boundary do not fill; None where
     EDGE_CORRECTION does not hold."""
     a_x, a_y = contact.grid.spacings
-    if _one_dimensional(contact) or abs(a_x / a_y - 1) > SQUARE:
+    if 1 in contact.grid.nominal or abs(a_x / a_y - 1) > SQUARE:
         return None
     return a_r(contact) - EDGE_CORRECTION * contact.boundary_segments / contact.N
 
@@ -63,16 +63,12 @@ def a_r_discretisation(contact: Contact) -> float:
     * 320 profiles (Westergaard): 0.2 +- 0.3 points per edge, 0.7 at most, hence b = EDGE_1D there.
     """
     segments = contact.boundary_segments
-    bias = EDGE_1D if _one_dimensional(contact) else EDGE_CORRECTION
+    bias = EDGE_1D if 1 in contact.grid.nominal else EDGE_CORRECTION
     return (
         (bias * segments + LATTICE * np.sqrt(segments)) / contact.contact_points
         if contact.contact_points
         else float("inf")
     )
-
-
-def _one_dimensional(contact: Contact) -> bool:
-    return min(contact.grid.nominal) == 1
 
 
 def kappa(area: Callable[[Contact], float | None], contact: Contact) -> float | None:
