@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import fft
 
 from ..bodies.base import Body
 from ..parallel.coarsening import Level
@@ -89,7 +90,7 @@ class GapMode:
             if rz < CALIBRATION.solved * known:
                 break
             d = z + real(rz / before) * d
-            x = np.fft.irfft2(self.K * np.fft.rfft2(d), d.shape).astype(real) + t * d
+            x = fft.irfft2(self.K * fft.rfft2(d), d.shape) + t * d
             step = real(rz / float((d * x).sum()))
             w += step * d
             r -= step * x
