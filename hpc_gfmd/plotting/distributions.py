@@ -1,6 +1,6 @@
 """Distributions of pressure, gap and patch sizes, with what theory says of the pressure."""
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
@@ -10,7 +10,7 @@ from .context import FigureContext
 from .page import Page
 from .style import THEORY, colour, log_axis
 from .survey import histogram
-from .units import good, label
+from .units import label
 
 HARDNESS = {"color": "0.5", "linewidth": 0.8, "linestyle": ":"}
 DECADES = 5  # of the gap, below the largest one; smaller ones are rounding
@@ -21,28 +21,18 @@ NAMES = {  # symbol, density, title; how many of the smallest count a bin has at
 }
 
 
-def distributions(context: FigureContext) -> Page:
-    """Make a panel for each distribution that the result has, stored or in its fields."""
-    names = [
-        name
-        for name in NAMES
-        if any(has_distribution(context.result, k, name) for k in context.chosen)
-    ]
-    return Page([[partial(_panel, context=context, name=name) for name in names]], height=2.45)
-
-
-def has_distribution(result: Any, k: int, name: str) -> bool:
-    """Tell whether the k-th load step has a distribution of this name, or the field for it."""
-    return f"{name}_edges" in result.steps[k] or name in result.fields[k]
+def distributions(contexts: Sequence[FigureContext], names: list[str]) -> Page:
+    """Make a panel for each distribution of one result, stored or of its fields."""
+    return Page([partial(_panel, context=contexts[0], name=name) for name in names])
 
 
 def _panel(ax: Any, context: FigureContext, name: str) -> None:
     symbol, density_symbol, title, _ = NAMES[name]
-    found = [(k, *_density(context, k, name)) for k in range(len(context.chosen))]
+    found = [(k, *_density(context, k, name)) for k in range(len(context.result.steps))]
     found = [one for one in found if len(one[1])]
     highest = max((edges[-1] for _, edges, _ in found), default=1.0)
     power = 2 if name == "patches" else 1
-    scale = context.units.lengths() if power == 2 else context.units.of(name, [highest])
+    scale = context.lengths if power == 2 else context.units.of(name, [highest])
     unit = scale.unit**power
     for k, edges, values in found:
         how = {"baseline": None, "color": colour(k), "label": context.name_of(k)}
@@ -51,7 +41,7 @@ def _panel(ax: Any, context: FigureContext, name: str) -> None:
     ax.set_title(title)
     if not found:  # all points touch
         return
-    drawn = np.concatenate([values[values > 0] for *_, values in found]) * unit
+    drawn = np.concatenate([values for *_, values in found]) * unit
     ax.set_ylim(drawn.min() / 2, drawn.max() * 3)
     log_axis(ax, "y")
     if name == "pressure":
@@ -72,7 +62,7 @@ def _theory(ax: Any, context: FigureContext, found: list[Any], unit: float) -> N
         return
     for k, edges, _ in found:
         x = np.linspace(0, edges[-1], 301)[1:]
-        y = theory.density(x, context.steps[k]["p"])
+        y = theory.density(x, context.result.steps[k]["p"])
         ax.plot(x / unit, y * unit, **THEORY | {"color": colour(k)})
     ax.plot([], [], label=theory.name, **THEORY)
 
@@ -80,21 +70,14 @@ def _theory(ax: Any, context: FigureContext, found: list[Any], unit: float) -> N
 def _density(context: FigureContext, k: int, name: str) -> tuple[np.ndarray, np.ndarray]:
     """Return (edges, density), which integrates to the share of the area, that of patches to 1;
     empty where there is none."""
-    step, fewest = context.steps[k], NAMES[name][-1]
+    step, fields, fewest = context.result.steps[k], context.result.fields[k], NAMES[name][-1]
     if f"{name}_edges" in step:
         edges, density = (np.array(step[f"{name}_{x}"], float) for x in ("edges", "density"))
-        shares = density * np.diff(edges) * _share(step, name, edges, density)
-        return _joined(edges, shares, fewest)
-    if name in context.fields(k):
-        return _joined(*histogram(context.fields(k), name), fewest)
+        share = {"pressure": step["a_r"], "gap": 1 - step["a_r"]}.get(name, 1.0)
+        return _joined(edges, density * np.diff(edges) * share, fewest)
+    if name in fields:
+        return _joined(*histogram(fields, name), fewest)
     return np.zeros(0), np.zeros(0)
-
-
-def _share(step: Mapping[str, Any], name: str, edges: np.ndarray, density: np.ndarray) -> float:
-    """Return the share of the area that a stored distribution is of: the mean over the whole area
-    over its own mean."""
-    whole = step.get({"pressure": "p", "gap": "gap_mean"}.get(name, ""))
-    return whole / (density * np.diff(edges**2) / 2).sum() if good(whole) else 1.0
 
 
 def _joined(edges: np.ndarray, shares: np.ndarray, fewest: int) -> tuple[np.ndarray, np.ndarray]:

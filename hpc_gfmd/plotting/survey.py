@@ -33,14 +33,15 @@ def survey(fields: dict, pixels: int, window: tuple | None = None) -> Survey:
     for slab in _slabs(fields, i0, i1, f_x, slice(j0, j1)):
         if "pressure" in slab:
             slab["pressure"] = np.where(slab["contact"], slab["pressure"], 0)
+        slab["points"] = np.ones(next(iter(slab.values())).shape)
         for name, values in slab.items():
             parts.setdefault(name, []).append(_pixel_sums(values, f_x, f_y))
             largest[name] = max(largest.get(name, -np.inf), float(values.max()))
     sums: dict[str, Any] = {name: np.concatenate(blocks) for name, blocks in parts.items()}
-    points = np.outer(np.diff([*range(i0, i1, f_x), i1]), np.diff([*range(j0, j1, f_y), j1]))
-    means = {name: total / points for name, total in sums.items()}
-    if "pressure" in sums:
-        means["pressure"] = sums["pressure"] / np.maximum(sums["contact"], 1)
+    means = {
+        name: total / np.maximum(sums["contact" if name == "pressure" else "points"], 1)
+        for name, total in sums.items()
+    }
     return Survey(means, largest)
 
 
