@@ -102,6 +102,7 @@ def _points(
 def _limits(ax: Any) -> None:
     """Frame what has been drawn."""
     _, low, _, high = ax.dataLim.extents
+    ax.autoscale()
     ax.margins(0.1)
     if low > 0 and high > 10 * low:
         log_axis(ax, "y")

@@ -14,10 +14,10 @@ from .units import label
 
 HARDNESS = {"color": "0.5", "linewidth": 0.8, "linestyle": ":"}
 DECADES = 5  # of the gap, below the largest one; smaller ones are rounding
-NAMES = {  # symbol, density, title; how many of the smallest count a bin has at least
-    "pressure": ("p", "P(p)", "pressure in the contact", 4),
-    "gap": ("g", "P(g)", "gap outside", 4),
-    "patches": ("A", "P(A)", "contact patches", 1),
+NAMES = {  # symbol, title, how many of the smallest count a bin has at least, power of the unit
+    "pressure": ("p", "pressure in the contact", 4, 1),
+    "gap": ("g", "gap outside", 4, 1),
+    "patches": ("A", "contact patches", 1, 2),
 }
 
 
@@ -27,18 +27,21 @@ def distributions(contexts: Sequence[FigureContext], names: list[str]) -> Page:
 
 
 def _panel(ax: Any, context: FigureContext, name: str) -> None:
-    symbol, density_symbol, title, _ = NAMES[name]
-    found = [(k, *_density(context, k, name)) for k in range(len(context.result.steps))]
-    found = [one for one in found if len(one[1])]
+    symbol, title, fewest, power = NAMES[name]
+    steps = zip(context.result.steps, context.result.fields)
+    found = [
+        (k, *_joined(*shares, fewest))
+        for k, (step, fields) in enumerate(steps)
+        if (shares := _shares(step, fields, name))
+    ]
     highest = max((edges[-1] for _, edges, _ in found), default=1.0)
-    power = 2 if name == "patches" else 1
     scale = context.lengths if power == 2 else context.units.of(name, [highest])
     unit = scale.unit**power
     for k, edges, values in found:
         how = {"baseline": None, "color": colour(k), "label": context.name_of(k)}
         ax.stairs(values * unit, edges / unit, linewidth=1.1, **how)
-    ax.set(xlabel=scale.label(symbol, power), ylabel=label(density_symbol, (scale, -power)))
-    ax.set_title(title)
+    density = label(f"P({symbol})", (scale, -power))
+    ax.set(xlabel=scale.label(symbol, power), ylabel=density, title=title)
     if not found:  # all points touch
         return
     drawn = np.concatenate([values for *_, values in found]) * unit
@@ -67,30 +70,26 @@ def _theory(ax: Any, context: FigureContext, found: list[Any], unit: float) -> N
     ax.plot([], [], label=theory.name, **THEORY)
 
 
-def _density(context: FigureContext, k: int, name: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return (edges, density), which integrates to the share of the area, that of patches to 1;
-    empty where there is none."""
-    step, fields, fewest = context.result.steps[k], context.result.fields[k], NAMES[name][-1]
+def _shares(step: dict, fields: dict, name: str) -> tuple[np.ndarray, np.ndarray] | None:
+    """Return (edges, share of the area in each bin, of patches of their number) of a load step;
+    None where there is nothing."""
+    edges, shares = np.zeros(0), np.zeros(0)
     if f"{name}_edges" in step:
         edges, density = (np.array(step[f"{name}_{x}"], float) for x in ("edges", "density"))
         share = {"pressure": step["a_r"], "gap": 1 - step["a_r"]}.get(name, 1.0)
-        return _joined(edges, density * np.diff(edges) * share, fewest)
-    if name in fields:
-        return _joined(*histogram(fields, name), fewest)
-    return np.zeros(0), np.zeros(0)
+        shares = density * np.diff(edges) * share
+    elif name in fields:
+        edges, shares = histogram(fields, name)
+    return (edges, shares) if shares.any() else None
 
 
 def _joined(edges: np.ndarray, shares: np.ndarray, fewest: int) -> tuple[np.ndarray, np.ndarray]:
     """Return (edges, density) of a histogram without empty ends, in bins that are joined until each
     has `fewest` times the smallest count of all."""
     filled = np.flatnonzero(shares)
-    if not len(filled):
-        return np.zeros(0), np.zeros(0)
-    first, last = filled[0], filled[-1] + 1
-    total, chosen = np.append(0.0, shares.cumsum()), [first]
+    last, chosen, total = filled[-1] + 1, [filled[0]], np.append(0.0, shares.cumsum())
     least = fewest * shares[filled].min() * (1 - 1e-9)
-    for k in range(first + 1, last + 1):
-        if total[k] - total[chosen[-1]] >= least:
-            chosen.append(k)
+    while (k := np.searchsorted(total, total[chosen[-1]] + least)) <= last:
+        chosen.append(k)
     chosen = [*chosen[: max(1, len(chosen) - 1)], last]
     return edges[chosen], np.diff(total[chosen]) / np.diff(edges[chosen])
