@@ -13,9 +13,10 @@ from .context import FigureContext
 from .page import Page
 from .style import CONTACT_MAP, DPI, GROUND, PRESSURE_MAP, WARNING, WIDTH
 from .survey import Survey, survey
-from .units import good
+from .units import Scale, good
 
 FIELDS = {  # symbol, colours
+    "contact": ("", CONTACT_MAP),
     "pressure": ("p", PRESSURE_MAP),
     "gap": ("g", "viridis"),
     "heights": ("z", "cividis"),
@@ -63,18 +64,15 @@ def maps(contexts: Sequence[FigureContext], names: list[str]) -> Page:
 
 
 def _field(ax: Any, context: FigureContext, found: Survey, name: str) -> None:
-    ax.set_aspect("equal")
-    ax.tick_params(color="0.5")
-    ax.set(xlabel=context.lengths.label("x"), ylabel=context.lengths.label("y"))
-    if name == "contact":
-        share = np.ma.masked_equal(found.means[name], 0)
-        _show(ax, context, share, CONTACT_MAP, Normalize(0, 1))
-        return
+    symbol, colours = FIELDS[name]
     values, largest = found.means[name], found.largest[name]
-    scale = context.units.of(name, [largest, float(values.min())])
+    scale = context.units.of(name, [largest, float(values.min())]) if symbol else Scale()
     values, largest = values / scale.unit, largest / scale.unit
     clipped = False
-    if name == "pressure":
+    norm = Normalize(values.min(), values.max())
+    if name == "contact":
+        values, norm = np.ma.masked_equal(values, 0), Normalize(0, 1)
+    elif name == "pressure":
         ax.set_facecolor(GROUND)
         values = np.ma.masked_where(found.means["contact"] == 0, values)
         top = np.percentile(values.compressed(), 99.5) if values.count() else 1.0
@@ -83,10 +81,13 @@ def _field(ax: Any, context: FigureContext, found: Survey, name: str) -> None:
     elif name == "gap":  # square root: most of what matters happens at small gaps
         values = np.ma.masked_where(found.means["contact"] >= 0.5, values)
         norm = PowerNorm(0.5, vmin=0, vmax=max(largest, 1e-300))
-    else:
-        norm = Normalize(values.min(), values.max())
-    symbol, colours = FIELDS[name]
-    image = _show(ax, context, values, colours, norm)
+    extent = [edge / context.lengths.unit for edge in context.window]
+    how = {"origin": "lower", "extent": extent, "interpolation": "nearest"}
+    image = ax.imshow(values.T, cmap=colours, norm=norm, **how)
+    ax.tick_params(color="0.5")
+    ax.set(xlabel=context.lengths.label("x"), ylabel=context.lengths.label("y"))
+    if name == "contact":
+        return
     bar = ax.figure.colorbar(
         image,
         cax=ax.inset_axes([1.04, 0, 0.06, 0.95 if clipped else 1]),
@@ -95,10 +96,3 @@ def _field(ax: Any, context: FigureContext, found: Survey, name: str) -> None:
     bar.set_label(scale.label(symbol))
     if clipped:
         bar.ax.set_title(f"max {largest:.3g}", fontsize=6.5, pad=2, loc="left")
-
-
-def _show(ax: Any, context: FigureContext, values: Any, colours: Any, norm: Any) -> Any:
-    extent = [edge / context.lengths.unit for edge in context.window]
-    return ax.imshow(
-        values.T, origin="lower", extent=extent, interpolation="nearest", cmap=colours, norm=norm
-    )

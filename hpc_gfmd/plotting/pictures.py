@@ -30,10 +30,10 @@ class Kind(NamedTuple):
     step needs one}."""
 
     make: Callable[[list[FigureContext], list[str]], Page]
-    panels: dict[str, tuple[str, ...]]
+    panels: Mapping[str, tuple[str, ...]]
 
 
-MAPS = {"contact": ("pressure", "gap")} | {name: (name,) for name in FIELDS}
+MAPS = {name: (name,) for name in FIELDS} | {"contact": ("pressure", "gap")}
 CURVES = {name: (name,) for name in QUANTITIES}
 PAGES = {
     "maps": Kind(maps, {name: MAPS[name] for name in ("contact", "pressure", "gap")}),
