@@ -219,7 +219,7 @@ def _steps(result: Result, panels: Mapping[str, tuple[str, ...]]) -> list[int]:
     return [
         k
         for k, (step, fields) in enumerate(zip(result.steps, result.fields))
-        if any(key in fields or good(step.get(key)) or np.ndim(step.get(key)) for key in keys)
+        if any(key in fields or good(step.get(key)) or np.ndim(step.get(key, 0)) for key in keys)
     ]
 
 

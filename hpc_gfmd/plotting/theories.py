@@ -1,7 +1,7 @@
 """What theory says of a surface, where there is one: Persson's of self-affine surfaces, Hertz' of
 spheres, Westergaard's of waves."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import pi
 from typing import Any
@@ -38,7 +38,7 @@ def scene_of(result: Result) -> Scene | None:
         return None
 
 
-def theory_of(scene: Scene | None, found: Mapping[str, Any]) -> Theory | None:
+def theory_of(scene: Scene | None, found: Any) -> Theory | None:
     """Find the theory of a surface, of which a result says `found`; None for measured ones, layers,
     and where a theory is only of periodic or of free ones."""
     if scene is None or scene.material.thickness is not None:
@@ -61,7 +61,7 @@ def _areas(area: Callable, unit: float) -> dict[str, Callable]:
     return {"a_r": area, "kappa": lambda p: unit * area(p) / p}
 
 
-def _persson(surface: Any, unit: float, found: Mapping[str, Any]) -> Theory:
+def _persson(surface: Any, unit: float, found: Any) -> Theory:
     name, eps_f = "Persson", found.get("eps_f")
     curves = _areas(lambda p: persson.contact_area(p / unit), unit)
     if good(eps_f) and eps_f < 1:
