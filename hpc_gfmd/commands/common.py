@@ -1,14 +1,7 @@
-"""What several commands take and give: numbers such as 0.25, 1e-3 and 1/1024, changes of a scene,
-JSON."""
+"""What several commands take and give: numbers such as 0.25, 1e-3 and 1/1024, JSON."""
 
-from argparse import ArgumentParser
 from math import isfinite
 from typing import Any
-
-
-def add_set(parser: ArgumentParser, what: str) -> None:
-    """Add the argument --set, a list of texts "table.key=value"."""
-    parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help=what)
 
 
 def number(text: str) -> float:

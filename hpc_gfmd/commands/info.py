@@ -1,11 +1,6 @@
 """`hpc-gfmd info`: what this installation can do."""
 
-from argparse import ArgumentParser, Namespace
-from typing import Any
-
-
-def add_parser(subparsers: Any) -> ArgumentParser:
-    return subparsers.add_parser("info", help="versions, MPI, parallel HDF5, FFT, threads")
+from argparse import Namespace
 
 
 def main(args: Namespace) -> int:

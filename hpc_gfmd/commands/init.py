@@ -2,45 +2,13 @@
 
 import os
 import tomllib
-from argparse import ArgumentParser, Namespace
+from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from ..util.atomic import atomic_write
 from ..util.errors import SceneError, one_line
-from .common import add_set
-
-DEFAULT = "self-affine"
-
-
-def add_parser(subparsers: Any) -> ArgumentParser:
-    parser = subparsers.add_parser(
-        "init",
-        help="write a commented scene that runs",
-        description=(
-            "Write a scene with a comment on every key: for a kind of surface (self-affine, wave,"
-            " sphere) or for a height map, which is read to see what it says of sizes and units,"
-            " whether points are missing, whether it is tilted and has an edge."
-        ),
-    )
-    parser.add_argument(
-        "what",
-        metavar="KIND|MAP",
-        nargs="?",
-        default=DEFAULT,
-        help=f"kind of surface or a file (default: {DEFAULT})",
-    )
-    parser.add_argument(
-        "-o",
-        "--output",
-        metavar="SCENE.toml",
-        default="scene.toml",
-        help="scene file (default: %(default)s)",
-    )
-    add_set(parser, "what the scene is to say: table.key=value")
-    parser.add_argument("--force", action="store_true", help="overwrite a scene that is there")
-    return parser
 
 
 def main(args: Namespace) -> int:
