@@ -1,7 +1,9 @@
 """What several commands take and give: numbers such as 0.25, 1e-3 and 1/1024, JSON."""
 
-from math import isfinite
+import json
 from typing import Any
+
+from pydantic_core import to_json
 
 
 def number(text: str) -> float:
@@ -16,10 +18,4 @@ def number(text: str) -> float:
 def finite(value: Any) -> Any:
     """Replace what JSON does not know, infinity and NaN, by null, and what is no number, text or
     list by its text."""
-    if isinstance(value, dict):
-        return {key: finite(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [finite(item) for item in value]
-    if isinstance(value, float) and not isfinite(value):
-        return None
-    return value if value is None or isinstance(value, bool | int | float | str) else str(value)
+    return json.loads(to_json(value, inf_nan_mode="null", fallback=str))

@@ -12,5 +12,6 @@ def main(args: Namespace) -> int:
     file cannot go there."""
     result = read_result(args.file).only(args.step, args.fields)
     print(export(result, args.to, args.output, all_numbers()))
-    print(*result.remarks, sep="\n", end="\n" * bool(result.remarks))
+    for line in result.remarks:
+        print(line)
     return 0

@@ -21,7 +21,7 @@ def facts() -> dict[str, str]:
     from ..util.machine import available_gib, cores
     from ..util.versions import versions
 
-    found = {name: version for name, version in versions().items() if version}
+    found = dict(versions())
     found["FFT"] = fft_library()
     found["MPI"] = _mpi_library()
     found["HDF5"] = f"{h5py.version.hdf5_version}, {_io()}"

@@ -4,6 +4,7 @@ import os
 import tomllib
 from argparse import Namespace
 from collections.abc import Sequence
+from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
@@ -27,15 +28,11 @@ def main(args: Namespace) -> int:
             tmp.write_text(text, encoding="utf-8")
     except OSError as error:
         raise SceneError(f"-o: cannot write {path}: {one_line(str(error))}") from None
-    print(*about, sep="\n", end="\n" * bool(about))
-    print(
-        f"{path}: hpc-gfmd run {path}"
-        if not missing
-        else (
-            f"{path}: before it runs it needs {' and '.join(f'surface.{key}' for key in missing)},"
-            f" which {args.what} does not say"
-        )
-    )
+    for line in about:
+        print(line)
+    needs = " and ".join(f"surface.{key}" for key in missing)
+    todo = f"before it runs it needs {needs}, which {args.what} does not say" if needs else ""
+    print(f"{path}: {todo or f'hpc-gfmd run {path}'}")
     return 0
 
 
@@ -50,23 +47,24 @@ def compose(
     from ..scene import Scene
     from ..scene.load import apply_override
     from ..scene.surface import KINDS
-    from ..scene.template import Suggestion, template
+    from ..scene.template import CHOSEN, Suggestion, template
 
-    tables: dict[str, Any] = {}
+    tables: dict[str, Any] = deepcopy(CHOSEN)
     for override in overrides:
         apply_override(tables, override)
     tables = {
         name: keys for name, keys in tables.items() if name == "title" or isinstance(keys, dict)
     }
-    if what in KINDS and what != "file":
+    made = [kind for kind in KINDS if kind != "file"]
+    if what in made:
         kind, found = what, Suggestion()
     elif Path(what).is_file():
         kind, found = "file", _of_map(what, path, tables)
         tables = {"title": Path(what).name} | tables
     else:
-        kinds = ", ".join(kind for kind in KINDS if kind != "file")
         raise SceneError(
-            f"init: found {what}, allowed: a kind of surface ({kinds}) or the path of a height map"
+            f"init: found {what}, allowed: a kind of surface ({', '.join(made)}) or the path of a"
+            " height map"
         )
     head = f"hpc-gfmd run {path.name}. Lines that begin with # show defaults and examples."
     text = template(kind, tables, found, head)

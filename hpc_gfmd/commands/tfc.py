@@ -2,12 +2,12 @@
 coefficients."""
 
 import json
-import math
 from argparse import Namespace
 from typing import Any
 
 from ..theory import tfc
 from ..util.errors import SceneError
+from .common import finite
 
 GIVEN = ("hurst", "p_star", *tfc.RATIOS, "value")  # of what is to be extrapolated
 # what is not given, of an extrapolation and of a fit
@@ -74,18 +74,14 @@ def _fit(args: Namespace) -> Any:
     fit = tfc.fit_tfc(
         **tfc.read_runs(args.fit), alpha=dict.fromkeys(args.free), terms=tuple(args.terms)
     )
-    report = {
+    numbers = {
         "limit": fit.limit,
         **{f"C_{i}": c for i, c in fit.C.items()},
         **{f"alpha_{i}": a for i, a in fit.alpha.items()},
-        "sigma": {name: x if math.isfinite(x) else None for name, x in fit.sigma.items()},
-        "chi2": fit.chi2,
-        "dof": fit.dof,
     }
-    lines = []
-    for name, x in report.items():
-        if name in fit.sigma:
-            lines.append(f"{name:>8} = {x:.5g} +- {fit.sigma[name]:.2g}")
-        elif name.startswith("alpha"):
-            lines.append(f"{name:>8} = {x:.5g} (fixed)")
+    report = numbers | {"sigma": finite(fit.sigma), "chi2": fit.chi2, "dof": fit.dof}
+    lines = [
+        f"{name:>8} = {x:.5g} " + (f"+- {fit.sigma[name]:.2g}" if name in fit.sigma else "(fixed)")
+        for name, x in numbers.items()
+    ]
     return report, "\n".join([*lines, f"chi2 = {fit.chi2:.4g}, {fit.dof} degrees of freedom"])
