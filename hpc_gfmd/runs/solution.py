@@ -14,7 +14,6 @@ from ..contact import (
     all_distributions,
     all_numbers,
     all_observables,
-    distribution_names,
     observable_names,
     observables_named,
     require_periodic,
@@ -147,16 +146,16 @@ class Solution(Solved):
         where what is left of the contact does not tell it.
         """
         require_known("observable", name, observable_names())
-        asked = observables_named([name])
-        for one, found in asked.items():
+        found = observables_named([name])
+        for one, observable in found.items():
             if one not in self._step:
                 if self._contact is None and one in LOST:
                     raise SceneError(
                         f"{one}: not in {self.result.path}, allowed: a run that has it in"
                         " output.observables"
                     )
-                self._step[one] = found(self._whole_contact)
-        return self._step[name] if name in asked else {one: self._step[one] for one in asked}
+                self._step[one] = observable(self._whole_contact)
+        return self._step[name] if name in self._step else {one: self._step[one] for one in found}
 
     def distribution(self, name: str) -> Distribution | None:
         """Arrays by the name they have in the scene's output.distributions, computed now if they
@@ -166,7 +165,7 @@ class Solution(Solved):
         {"q", "power"}; ... with their `units`. None where there is nothing to count. Collective.
         Raises SceneError as `observable`.
         """
-        require_known("distribution", name, distribution_names())
+        require_known("distribution", name, all_distributions())
         if not self._stored_distribution(name):
             require_periodic([name], self.result.scene.surface.free, "distribution")
             contact = self._whole_contact
