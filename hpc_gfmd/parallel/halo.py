@@ -7,9 +7,7 @@ are windows, and so are the rows that a rank has before they are agglomerated on
 talks to those alone whose rows or windows meet its own.
 """
 
-from collections.abc import Iterable, Iterator
 from functools import lru_cache
-from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -26,31 +24,32 @@ class Windows:
         self, rank: int, starts: ArrayLike, lo: np.ndarray, hi: np.ndarray, n: int | None = None
     ):
         starts, lo, hi = (np.asarray(a, np.int64) for a in (starts, lo, hi))
-        n = int(starts[-1]) if n is None else n
         self.rank = rank
-        taken = list(
-            _met(
-                int(lo[rank]),
-                int(hi[rank]),
-                starts[:-1],
-                starts[1:],
-                n,
-                range(lo[rank] // n, -(-hi[rank] // n)),
-            )
-        )
-        turns = range(int(lo.min()) // n, -(-int(hi.max()) // n))
-        given = list(_met(int(starts[rank]), int(starts[rank + 1]), lo, hi, n, [-t for t in turns]))
-        # A halo around a rank's own rows lives in one array with them, which then has nothing to be
-        # copied.
-        width = int(starts[0] - lo[0])
-        self.in_place = bool(
-            np.all((hi <= lo) | ((starts[:-1] - lo == width) & (hi - starts[1:] == width)))
-        )
-        self.interior = slice(width, width + int(starts[rank + 1] - starts[rank]))
+        # of every row of all windows: whose window, whose row, where in these
+        length = np.maximum(hi - lo, 0)
+        taker = np.repeat(np.arange(len(lo)), length)
+        at = np.arange(len(taker)) - np.repeat(np.cumsum(length) - length, length)
+        row = (lo[taker] + at) % (n or starts[-1])
+        owner = np.searchsorted(starts, row, "right") - 1
+        rows = np.stack([taker, owner, at, row - starts[owner]])
+        rows = rows[:, ((taker == rank) | (owner == rank)) & (row < starts[-1])]
         # (rows of the window, own rows); by peer: rows of the window, own rows
-        self.own = [(slice(*w), slice(*o)) for peer, w, o in taken if peer == rank]
-        self.take = _by_peer((peer, w[0], slice(*w)) for peer, w, _ in taken if peer != rank)
-        self.give = _by_peer((peer, w[0], slice(*o)) for peer, o, w in given if peer != rank)
+        self.own: list[tuple[slice, slice]] = []
+        self.take: Pieces = {}
+        self.give: Pieces = {}
+        begins = np.diff([*rows[:2], rows[2] - rows[3]], axis=1, prepend=-1).any(axis=0)
+        for piece in np.split(rows, np.flatnonzero(begins), axis=1)[1:]:
+            to, source, *first = piece[:, 0].tolist()
+            in_window, in_own = (slice(i, i + piece.shape[1]) for i in first)
+            if to == source:
+                self.own.append((in_window, in_own))
+            elif to == rank:
+                self.take.setdefault(source, []).append(in_window)
+            else:
+                self.give.setdefault(to, []).append(in_own)
+        # where an array of a rank's own rows and a halo is given as both
+        begin = int(starts[rank] - lo[rank])
+        self.interior = slice(begin, begin + int(starts[rank + 1] - starts[rank]))
 
     def fill(self, comm: Any, owned: np.ndarray, window: np.ndarray) -> None:
         """Copy the rows of all windows from those that own them."""
@@ -70,7 +69,7 @@ class Windows:
 
     def _apart(self, owned: np.ndarray, window: np.ndarray) -> list[tuple[slice, slice]]:
         """List own pieces of the own window that are not the same memory."""
-        together = self.in_place and np.may_share_memory(owned, window)
+        together = np.may_share_memory(owned, window)
         return [piece for piece in self.own if not (together and piece[0] == self.interior)]
 
     def sent_rows(self, adding: bool) -> dict[int, int]:
@@ -101,26 +100,6 @@ def _exchange(comm: Any, a: np.ndarray, give: Pieces, b: np.ndarray, take: Piece
 
 def _length(rows: slice) -> int:
     return rows.stop - rows.start
-
-
-def _met(first: Any, last: Any, lo: Any, hi: Any, n: int, turns: Iterable[int]) -> Iterator[tuple]:
-    """Yield (rank, (rows of [first, last) counted from first), (rows of that rank's [lo, hi)
-    counted from lo)) where [first, last) meets [lo, hi) of each rank shifted by some turns of the
-    ring, in the order of the first interval for each turn."""
-    for turn in turns:
-        a, b = np.maximum(lo + turn * n, first), np.minimum(hi + turn * n, last)
-        for rank in np.flatnonzero(a < b):
-            begin, end, shift = int(a[rank]), int(b[rank]), int(lo[rank]) + turn * n
-            yield int(rank), (begin - first, end - first), (begin - shift, end - shift)
-
-
-def _by_peer(pieces: Iterable[tuple[int, int, slice]]) -> Pieces:
-    """Return {peer: rows} of (peer, first row in the window, rows), in the order of the window:
-    both sides of a message then have the same order."""
-    found: Pieces = {}
-    for peer, _, rows in sorted(pieces, key=itemgetter(0, 1)):
-        found.setdefault(peer, []).append(rows)
-    return found
 
 
 def rows_of(
