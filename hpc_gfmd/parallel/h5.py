@@ -1,5 +1,5 @@
-"""HDF5 files with fields of n_x times n_y points that are spread over the ranks as slabs of rows:
-by MPI-IO where there are several.
+"""HDF5 files with fields of n_x times n_y points that are spread over the ranks as slabs of rows,
+written by MPI-IO where there are several.
 
 A file is written in three moves: rank 0 puts its layout (attributes, empty datasets), made in
 memory, into NAME.tmp and takes the disk space for all of it; all ranks fill in their rows; once

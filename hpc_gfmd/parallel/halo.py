@@ -24,23 +24,26 @@ class Windows:
         self, rank: int, starts: ArrayLike, lo: np.ndarray, hi: np.ndarray, n: int | None = None
     ):
         starts, lo, hi = (np.asarray(a, np.int64) for a in (starts, lo, hi))
+        n = int(starts[-1]) if n is None else n
         self.rank = rank
-        # of every row of all windows: whose window, whose row, where in these
-        length = np.maximum(hi - lo, 0)
-        taker = np.repeat(np.arange(len(lo)), length)
-        at = np.arange(len(taker)) - np.repeat(np.cumsum(length) - length, length)
-        row = (lo[taker] + at) % (n or starts[-1])
-        owner = np.searchsorted(starts, row, "right") - 1
-        rows = np.stack([taker, owner, at, row - starts[owner]])
-        rows = rows[:, ((taker == rank) | (owner == rank)) & (row < starts[-1])]
+        # this rank takes from all, and others take from it
+        ranks = np.arange(len(lo))
+        others = np.delete(ranks, rank)
+        taker = np.append(np.full(len(ranks), rank), others)
+        owner = np.append(ranks, np.full(len(others), rank))
+        pieces: list[list[int]] = []
+        for turn in range(int(lo.min()) // n, -(-int(hi.max()) // n)):
+            first, last = starts[owner] + turn * n, starts[owner + 1] + turn * n
+            begin = np.maximum(first, lo[taker])
+            length = np.minimum(last, hi[taker]) - begin
+            found = np.stack([taker, owner, begin - lo[taker], begin - first, length], axis=1)
+            pieces += found[length > 0].tolist()
         # (rows of the window, own rows); by peer: rows of the window, own rows
         self.own: list[tuple[slice, slice]] = []
         self.take: Pieces = {}
         self.give: Pieces = {}
-        begins = np.diff([*rows[:2], rows[2] - rows[3]], axis=1, prepend=-1).any(axis=0)
-        for piece in np.split(rows, np.flatnonzero(begins), axis=1)[1:]:
-            to, source, *first = piece[:, 0].tolist()
-            in_window, in_own = (slice(i, i + piece.shape[1]) for i in first)
+        for to, source, at, own_at, count in sorted(pieces):  # in the order of the window
+            in_window, in_own = slice(at, at + count), slice(own_at, own_at + count)
             if to == source:
                 self.own.append((in_window, in_own))
             elif to == rank:
