@@ -21,7 +21,7 @@ class Windows:
     starts[-1] where the last rows belong to nobody: those are left as they are."""
 
     def __init__(
-        self, rank: int, starts: ArrayLike, lo: np.ndarray, hi: np.ndarray, n: int | None = None
+        self, rank: int, starts: ArrayLike, lo: ArrayLike, hi: ArrayLike, n: int | None = None
     ):
         starts, lo, hi = (np.asarray(a, np.int64) for a in (starts, lo, hi))
         n = int(starts[-1]) if n is None else n
@@ -81,6 +81,9 @@ class Windows:
         return {peer: sum(map(_length, pieces)) for peer, pieces in sent.items()}
 
 
+_windows = lru_cache(maxsize=64)(Windows)
+
+
 def _exchange(comm: Any, a: np.ndarray, give: Pieces, b: np.ndarray, take: Pieces) -> list[tuple]:
     """Send rows of a to other ranks; returns (rows of b, their values) for what they send."""
     send = {
@@ -116,16 +119,9 @@ def rows_of(
     """Gather the rows lo[rank] <= i < hi[rank] of the field of which this rank's part is a; rows
     that belong to nobody are 0. Collective."""
     window = np.zeros((*a.shape[:-2], int(hi[comm.rank] - lo[comm.rank]), a.shape[-1]), a.dtype)
-    _windows(
-        comm.rank, n, *(np.asarray(rows, np.int64).tobytes() for rows in (starts, lo, hi))
-    ).fill(comm, a, window)
+    rows = (tuple(np.asarray(ends).tolist()) for ends in (starts, lo, hi))
+    _windows(comm.rank, *rows, n).fill(comm, a, window)
     return window
-
-
-@lru_cache(maxsize=64)
-def _windows(rank: int, n: int | None, *rows: bytes) -> Windows:
-    starts, lo, hi = (np.frombuffer(one, np.int64) for one in rows)
-    return Windows(rank, starts, lo, hi, n)
 
 
 def neighbours(
