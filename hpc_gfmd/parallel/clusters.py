@@ -151,11 +151,13 @@ class _Joiner:
         parent, shift = np.arange(pieces), np.zeros((pieces, 2), np.int64)
         edges = np.concatenate([np.zeros((4, 0), np.int64), *pairs], axis=1)
         join(np.ascontiguousarray(edges.T), parent, shift, self.percolates)
-        joined = np.stack([np.bincount(parent, count, pieces) for count in counts]).astype(np.int64)
+        joined, merged = counts.copy(), np.flatnonzero(parent != np.arange(pieces))
+        np.add.at(joined.T, parent[merged], counts.T[merged])
+        joined[:, merged] = 0
         reached = np.zeros(pieces, np.bool_)
         for line in first, last:
             reached[parent[line[0, line[0] != NOTHING]]] = True
-        whole = joined[:, ~reached & (joined[0] > 0)]  # pieces that are no root have no points
+        whole = joined[:, ~reached & (joined[0] > 0)]  # those that are no root have no points
         self.whole.append(whole[0])
         across = (np.minimum(whole[1::2], whole[2::2]) > 0).any(axis=1)
         self.percolates |= across & ~np.array(self.periodic)
