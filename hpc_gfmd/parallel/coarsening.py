@@ -43,10 +43,10 @@ def levels(grid: Grid) -> list[Level]:
     square spacing.
     """
     n, spacing = grid.n, tuple(s / grid.a for s in grid.spacings)
-    out = [Level(n, q_nyquist(n, spacing))]
+    out = [Level(n, _nyquist(n, spacing))]
     while max(n) > 1:
         n, spacing = halved(n, spacing)
-        out.append(Level(n, q_nyquist(n, spacing) if max(n) > 1 else out[-1].q / 2))
+        out.append(Level(n, _nyquist(n, spacing) if max(n) > 1 else out[-1].q / 2))
     return out
 
 
@@ -60,10 +60,9 @@ def halved(
     return (coarse[0], coarse[1]), tuple(s * k / c for s, k, c in zip(spacing, n, coarse))
 
 
-def q_nyquist(n: Sequence[int], spacing: Sequence[float], a: float = 1.0) -> float:
-    """Return |q| in units of 1/a at the corner of the Brillouin zone divided by sqrt 2, pi/a on a
-    square grid; an axis of one point does not count, a single point has 1."""
-    q = [np.pi * a / s for s, k in zip(spacing, n) if k > 1]
+def _nyquist(n: Sequence[int], spacing: Sequence[float]) -> float:
+    """Return the q_nyquist of a Grid of n points; 1 for a single point."""
+    q = [np.pi / s for s, k in zip(spacing, n) if k > 1]
     return float(np.sqrt(sum(x * x for x in q) / 2)) or 1.0
 
 

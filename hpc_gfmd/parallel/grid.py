@@ -20,7 +20,6 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
 from ..util.aligned import empty_aligned
-from .coarsening import q_nyquist
 from .fft import SlabFFT
 from .layout import row_starts
 from .threads import on_threads, piece_rows
@@ -149,8 +148,10 @@ class Grid:
 
     @cached_property
     def q_nyquist(self) -> float:
-        """The largest wave number over sqrt 2, see coarsening.py."""
-        return q_nyquist(self.n, self.spacings, self.a)
+        """|q| at the corner of the Brillouin zone divided by sqrt 2: pi/a on a square grid. An axis
+        of one point does not count."""
+        q = [np.pi * self.a / s for s, n in zip(self.spacings, self.n) if n > 1]
+        return float(np.sqrt(sum(x * x for x in q) / 2)) or 1.0
 
     def multiplicity(self, j: ArrayLike) -> np.ndarray:
         """Tell how often columns j of the half spectrum occur in the full one: 1 or 2; 0 beyond the
