@@ -82,9 +82,7 @@ class Share:
         """What the preconditioner holds, windows counted, too."""
         steps, _ = self.hierarchy
         numbers = sum(math.prod(step.window_shape) for step in steps)
-        numbers += sum(
-            math.prod(step.owned_shape) for step in steps[:-1] if not step.windows.in_place
-        )
+        numbers += sum(math.prod(step.owned_shape) for step in steps[:-1] if not step.in_place)
         return (numbers + 2 * self._points_alone(len(steps))) * self.dtype.itemsize
 
     @property
