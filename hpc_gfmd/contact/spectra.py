@@ -13,15 +13,19 @@ and r are means over their points. Along one axis alone (the other has one point
 Transforms are those that the solve has planned, in the better precision of them.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..parallel.fft import SlabFFT
-from ..parallel.grid import Grid
 from .base import Arrays, Contact, Distribution
+
+if TYPE_CHECKING:  # names of distributions need no kernels
+    from ..parallel.fft import SlabFFT
+    from ..parallel.grid import Grid
 
 RINGS = 8
 FIELDS = {"heights": "length", "pressure": "pressure", "gap": "length"}
