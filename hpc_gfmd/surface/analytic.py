@@ -10,13 +10,9 @@ Rows = Callable[[int, int], np.ndarray]  # (start, stop) -> heights, float64 (st
 
 def wave_rows(spec: Any) -> Rows:
     """Return the rows of z = A cos(2 pi k_x x/L_x) cos(2 pi k_y y/L_y)."""
-    x, y = (_cosine(k, n) for k, n in zip(spec.periods, spec.n))
-    return lambda start, stop: spec.amplitude * np.outer(x[start:stop], y)
-
-
-def _cosine(k: int, n: int) -> np.ndarray:
     # k i mod n first: the argument is then exact, and the samples have the symmetry of the wave.
-    return np.cos(2 * np.pi * ((k * np.arange(n)) % n) / n)
+    x, y = (np.cos(2 * np.pi * ((k * np.arange(n)) % n) / n) for k, n in zip(spec.periods, spec.n))
+    return lambda start, stop: spec.amplitude * np.outer(x[start:stop], y)
 
 
 def flat_rows(start: int, stop: int) -> np.ndarray:

@@ -94,7 +94,7 @@ class Surface:
     @property
     def slope(self) -> float:
         """The unit of slopes: g_rms, 1 on a flat surface."""
-        return self.g_rms if self.g_rms > 0 else 1.0
+        return self.g_rms or 1.0
 
     @property
     def height_unit(self) -> float:
