@@ -102,8 +102,7 @@ def _hdf5(path: Path, spec: Any) -> Map:
         if not isinstance(data, h5py.Dataset):  # nothing, or a group
             names: list[str] = []
             file.visit(names.append)
-            shapes = {name: getattr(file[name], "shape", None) or () for name in names}
-            maps = [name for name, shape in shapes.items() if len(shape) == 2]
+            maps = [name for name in names if len(getattr(file[name], "shape", None) or ()) == 2]
             data = inside(file, _one_of(maps, spec))
         axes = [
             (axis[0].name.rpartition("/")[2], dict(axis[0].attrs), axis[0])

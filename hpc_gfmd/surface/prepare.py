@@ -148,8 +148,8 @@ def _mirrored(found: Topography) -> Topography:
 
     return found.after(
         "mirrored",
-        n=(2 * found.n[0], 2 * found.n[1]),
-        sizes=(2 * found.sizes[0], 2 * found.sizes[1]),
+        n=tuple(2 * k for k in found.n),
+        sizes=tuple(2 * size for size in found.sizes),
         rows=rows,
         periodic=True,
     )
