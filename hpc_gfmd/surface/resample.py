@@ -30,11 +30,12 @@ def resampled(
 def _columns(z: np.ndarray, rows: np.ndarray, columns: np.ndarray, comm: Any) -> np.ndarray:
     """Turn this rank's rows z of a field into its columns, all rows of them; rows, columns: where
     those of each rank begin, and how many there are. Collective."""
-    parts = dict(enumerate(map(np.ascontiguousarray, np.split(z, columns[1:-1], axis=1))))
-    own = parts.pop(comm.rank)
-    found = {rank: np.empty((k, own.shape[1])) for rank, k in enumerate(np.diff(rows))}
-    comm.exchange(parts, {rank: found[rank] for rank in parts})
-    return np.concatenate([*(found | {comm.rank: own}).values()])
+    whole = np.empty((rows[-1], np.diff(columns)[comm.rank]))
+    receive = dict(enumerate(np.split(whole, rows[1:-1])))
+    send = dict(enumerate(map(np.ascontiguousarray, np.split(z, columns[1:-1], axis=1))))
+    receive.pop(comm.rank)[...] = send.pop(comm.rank)
+    comm.exchange(send, receive)
+    return whole
 
 
 def _series(z: np.ndarray, n: int, axis: int, ends: bool) -> np.ndarray:
