@@ -231,7 +231,7 @@ class Bpx(Solver):
         rule. anew: a descent begins."""
         *totals, rz1, xz1, r1, t1, rt1, self.mean, ts1, rs1 = self.grid.comm.sum(
             [*sums, *self.levels.sweep(anew)]
-        )
+        ).tolist()
         sums = UpdateSums(*totals)
         s, compliance = self.s, self.compliance
         self.rz = compliance * (sums.rr + rz1)  # <p, z> on F

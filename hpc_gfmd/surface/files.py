@@ -42,8 +42,11 @@ def open_map(spec: Any) -> Map:
         raise SceneError(
             f"surface.path: found {path}, which is no file, allowed: the path of a height map"
         )
+    suffix = path.suffix.lower()
+    kind = next((kind for kind, (_, own) in OPENERS.items() if suffix in own.split()), "other")
+    opener, _ = OPENERS[kind]
     try:
-        data, said = OPENERS[spec.format](path, spec)
+        data, said = opener(path, spec)
         if len(data.shape) != 2 or min(data.shape) < 1:
             raise SceneError(
                 f"surface.path: found an array of shape {tuple(data.shape)} in {path}, allowed: two"
@@ -58,7 +61,7 @@ def open_map(spec: Any) -> Map:
         raise
     except Exception as error:
         raise SceneError(
-            f"surface.path: {path} cannot be read as {spec.format}: {one_line(str(error))}"
+            f"surface.path: {path} cannot be read as {kind}: {one_line(str(error))}"
         ) from None
     return data, said
 
@@ -162,12 +165,12 @@ def _one_of(names: list[str], spec: Any) -> str:
     return name
 
 
-OPENERS: dict[str, Callable[[Path, Any], Map]] = {
-    "npy": _npy,
-    "npz": _npz,
-    "hdf5": _hdf5,
-    "netcdf": _netcdf,
-    "text": text.read,
-    "picture": pictures.read,
-    "other": instruments.read,
+OPENERS: dict[str, tuple[Callable[[Path, Any], Map], str]] = {  # and the extensions of each
+    "npy": (_npy, ".npy"),
+    "npz": (_npz, ".npz"),
+    "hdf5": (_hdf5, ".h5 .hdf5"),
+    "netcdf": (_netcdf, ".nc"),
+    "text": (text.read, ".txt .csv .asc .dat .xyz"),
+    "picture": (pictures.read, ".tif .tiff .png"),
+    "other": (instruments.read, ""),  # by SurfaceTopography
 }
