@@ -23,7 +23,7 @@ leave out 1/N in both directions; `scale` = 1/N is folded into the kernels that 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
@@ -42,7 +42,6 @@ if TYPE_CHECKING:
     from .comm import Comm
 
 T = TypeVar("T")
-Passes = Sequence[tuple[int, int]]  # row ranges (i0, i1)
 
 
 class SlabFFT(Layout):
@@ -62,25 +61,26 @@ class SlabFFT(Layout):
         n_x, n_y = n
         self.scale = 1.0 / (n_x * n_y)
         self.threads = threads
+        self.multipliers: dict[Any, Any] = {}  # of a body: what it multiplies these columns by
         self._memory, first, self.blocks = self._common(complex_dtype)
-        # those of each rank of the node
-        self._rows = np.stack([self.starts[self.node_ranks + end] for end in (0, 1)], axis=1)
-        self._far_rows = _runs(np.repeat(self.far, np.diff(self.starts)))
+        self._near_rows, self._far_rows = (
+            np.stack([self.starts[ranks], self.starts[ranks + 1]], axis=1)
+            for ranks in (self.node_ranks, np.flatnonzero(self.far))
+        )
         own = self.edges[:-1].reshape(self.K, self.size)[:, self.rank]
-        self._own_widths = np.diff(self.edges).reshape(self.K, self.size)[:, self.rank].tolist()
+        self._own_widths = self.block_widths[:, self.rank].tolist()
         # where the node's rows of this rank's blocks begin
-        self._first = first + np.diff(self._rows)[:, 0] * own[:, None]
-        self._scratch = []  # of a thread: real rows, their spectra, columns, what has been sent
-        for _ in range(threads):
-            received = (n_x * self.W,) if self.far.any() else (0,)
-            self._scratch.append(
-                (
-                    zeros_aligned((self.R, n_y), self.dtype),
-                    zeros_aligned((self.R, self.n_c), complex_dtype),
-                    zeros_aligned((self.W, n_x), complex_dtype),
-                    zeros_aligned(received, complex_dtype),
-                )
+        self._first = first + np.diff(self._near_rows)[:, 0] * own[:, None]
+        received = n_x * self.W if self.far.any() else 0
+        self._scratch = [  # of a thread: real rows, their spectra, columns, what has been sent
+            (
+                zeros_aligned((self.R, n_y), self.dtype),
+                zeros_aligned((self.R, self.n_c), complex_dtype),
+                zeros_aligned((self.W, n_x), complex_dtype),
+                zeros_aligned((received,), complex_dtype),
             )
+            for _ in range(threads)
+        ]
         real, half, columns, _ = self._scratch[0]
         self.plans = planned(
             comm,
@@ -104,7 +104,7 @@ class SlabFFT(Layout):
         ]
         return (*rows, plans.rows_forward, plans.rows_backward), (
             _moved(columns),
-            (_moved(self._memory), self._first, self._rows),
+            (_moved(self._memory), self._first, self._near_rows),
             (_moved(received), np.outer(widths, self._far_rows[:, 0]), self._far_rows),
             plans.columns_forward[self.W][0],
             np.array(of_blocks),
@@ -124,22 +124,15 @@ class SlabFFT(Layout):
         return memory, first, blocks
 
     @property
-    def nbytes(self) -> int:
-        """Bytes that this object holds on this rank."""
-        return self.blocks.nbytes + sum(a.nbytes for s in self._scratch for a in s)
-
-    @property
     def row_scratch(self) -> list[np.ndarray]:
         """The arrays x that row functions are called with: one for each thread."""
         return [rows[0] for rows in self.rows]
 
-    def passes(self) -> Passes:
+    def passes(self) -> list[tuple[int, int]]:
         """Return the row ranges [(i0, i1), ...], local, that one pass handles at a time."""
         return [(i, min(i + self.R, self.n_loc)) for i in range(0, self.n_loc, self.R)]
 
-    def forward_rows(
-        self, fill: Callable[[int, int, np.ndarray], T], passes: Passes | None = None
-    ) -> list[T]:
+    def forward_rows(self, fill: Callable[[int, int, np.ndarray], T]) -> list[T]:
         """Transform rows made by fill(i0, i1, x), x: (R, n_y) scratch; returns what fill returned,
         in the order of the passes."""
 
@@ -148,11 +141,9 @@ class SlabFFT(Layout):
             store_rows(rows, i0, i1)
             return result
 
-        return on_threads(self.threads, one, passes or self.passes(), self.rows)
+        return on_threads(self.threads, one, self.passes(), self.rows)
 
-    def backward_rows(
-        self, use: Callable[[int, int, np.ndarray], T], passes: Passes | None = None
-    ) -> list[T]:
+    def backward_rows(self, use: Callable[[int, int, np.ndarray], T]) -> list[T]:
         """Hand the rows of the real field to use(i0, i1, x), x: (R, n_y) scratch; returns what use
         returned, in order."""
 
@@ -160,7 +151,7 @@ class SlabFFT(Layout):
             load_rows(rows, i0, i1)
             return use(i0, i1, rows[0])
 
-        return on_threads(self.threads, one, passes or self.passes(), self.rows)
+        return on_threads(self.threads, one, self.passes(), self.rows)
 
     def first_columns(self, count: int) -> np.ndarray:
         """Return the first columns of the row spectra, (n_loc, count) complex."""
@@ -242,8 +233,3 @@ class SlabFFT(Layout):
 def _moved(a: np.ndarray) -> np.ndarray:
     """View the same memory in a type that the compiler moves at once."""
     return a.view(np.float64) if a.dtype == np.complex64 else a
-
-
-def _runs(mask: np.ndarray) -> np.ndarray:
-    """Return (runs, 2): where a mask is true, from ... to."""
-    return np.flatnonzero(np.diff(mask, prepend=False, append=False)).reshape(-1, 2)

@@ -78,7 +78,6 @@ class Bpx(Solver):
         grid, body, dtype = self.grid, problem.body, problem.dtype
         self.elastic = Elastic(grid, body, dtype)
         self.levels = Multilevel(grid, body, dtype, self.elastic.fft.R)
-        self.passes = self.levels.passes
         self.g = grid.empty(dtype) if g is None else g
         self.p, self.d = grid.empty(dtype), grid.empty(stored_dtype(dtype))
         self.compliance = 1.0 / body.scale(grid)  # of the shortest wave
@@ -103,7 +102,7 @@ class Bpx(Solver):
     def start(self, g: np.ndarray) -> None:
         self._lay(g)
         self.elastic.pressure_rows(
-            self.problem.displacement_rows(self.g, self.problem.level(self.g)), self.passes
+            self.problem.displacement_rows(self.g, self.problem.level(self.g))
         )
         self.uKu = float(
             self.grid.comm.sum(

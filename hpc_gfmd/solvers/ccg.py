@@ -150,15 +150,15 @@ class Ccg(Solver):
         self.previous = size
         if self.preconditioned:
             b_ = self.real(b)
-            z, n = self._sum(
+            (z,) = self._sum(
                 self.elastic.use_rows(
                     lambda i0, i1, x: kernels.conjugate_direction(
                         self.t, self.iterate, x, i0, i1, b_
                     )
                 ),
-                2,
+                1,
             )
-            a, b, c = 0.0, 1.0, z / n
+            a, b, c = 0.0, 1.0, z / self.contact
         args = shift, self.real(a), self.real(b), self.real(c)
         et = self.elastic.pressure_rows(
             lambda i0, i1, x: kernels.search_direction(
@@ -166,9 +166,9 @@ class Ccg(Solver):
             )
         )
         tSt = self.elastic.displacement_columns()
-        r = self.elastic.use_rows(lambda i0, i1, x: kernels.response_sums(self.iterate, x, i0, i1))
-        et, t, r, n, tSt = self.grid.comm.sum([*added(et, 2), *added(r, 2), tSt])
-        curvature = tSt - r * t / n
+        r = self.elastic.use_rows(lambda i0, i1, x: kernels.response_sum(self.iterate, x, i0, i1))
+        et, t, r, tSt = self.grid.comm.sum([*added(et, 2), *added(r, 1), tSt])
+        curvature = tSt - r * t / self.contact
         # S_CC >= 1/(largest eigenvalue of K), S_CC K_CC >= 1; where nothing is left to do in
         # contact the quotient is noise
         largest = 1.0 if self.preconditioned else self.stiffest
@@ -192,13 +192,13 @@ class Ccg(Solver):
     def _set_gap(self, parts: Parts) -> None:
         """Set the mean of gap0 in contact, and the state that is returned; parts: what `new_gap`
         returned."""
-        total, n = self._sum(parts, 2)
-        self.shift = float(total / n)
+        total, contact = self._sum(parts, 2)
+        self.shift, self.contact = float(total / contact), float(contact)
         fields, shift = (self.iterate, self.gap0, self.g, self.p), self.real(self.shift)
         sums = self.grid.by_rows(
             lambda i0, i1: kernels.feasible_state(*fields, shift, self.grid.inside, i0, i1)
         )
-        self.ee, self.below, self.contact, self.gap = self._sum(sums, 4).tolist()
+        self.ee, self.below, self.gap = self._sum(sums, 3).tolist()
 
     def _sum(self, parts: Parts, count: int) -> np.ndarray:
         return self.grid.comm.sum(added(parts, count))

@@ -13,13 +13,7 @@ from mpi_harness import printed
 from refusal import refused
 
 import hpc_gfmd
-from hpc_gfmd.contact import (
-    all_distributions,
-    all_observables,
-    distribution_names,
-    duality,
-    observable_names,
-)
+from hpc_gfmd.contact import all_distributions, all_observables, duality, observable_names
 from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.output.folder import partial_folder
 from hpc_gfmd.output.read import read_result
@@ -169,7 +163,7 @@ def test_a_file_is_saved_again(sweep, saved):
 def test_more_is_asked_later(sweep, saved, of_file):
     """As if it had been asked for with the load."""
     names = sorted(observable_names() - {"error_bounds", *duality.OBSERVABLES})
-    spreads = sorted(distribution_names())
+    spreads = sorted(all_distributions())
     asked = solve(LOADS, observables=names, distributions=spreads)
     for one, known in zip(saved if of_file else sweep, asked, strict=True):
         for name, value in known.observables.items():
@@ -211,17 +205,20 @@ def test_the_patches_as_a_table(boundary):
     assert min(table.x[0], 1 - table.x[0]) + min(table.y[0], 1 - table.y[0]) < 1e-9
 
 
-def test_what_is_not_there_is_said():
+def test_what_is_not_there_is_said(saved):
     bare = solve(LOADS, fields=())
     assert all(one.a_r > 0 and one.a_r_corrected > 0 for one in bare)
     with refused(r'^pressure: not kept, allowed: fields = \["pressure", ...\]'):
         _ = bare[0].pressure
     bare.save("bare.h5")
     one, *_ = hpc_gfmd.load("bare.h5")
+    saved[0].observable("spanning")  # of what its fields tell
     for ask, words in [
         (lambda: one.gap, r"^gap: not in .*bare.h5, allowed"),
         (lambda: one.observable("patches"), "has no pressure and no gap"),
         (lambda: one.observable("duality_gap"), "^duality_gap: not in"),
+        (lambda: saved[0].observable("duality_gap"), "^duality_gap: not in"),
+        (lambda: saved[0].plastic, "^plastic: not in"),
         (
             lambda: one.distribution("presure"),
             '^distribution: found .presure., nearest: "pressure"',
