@@ -28,7 +28,6 @@ TINY = {
     "lam_s_over_a": 10,
     "seed": 1,
 }
-PRECISIONS = {np.dtype(np.float32): "single", np.dtype(np.float64): "double"}
 
 
 def compile_once(
@@ -68,7 +67,7 @@ def _tiny_contact(
 ) -> None:
     """Solve a tiny contact in every precision that the run may use."""
     scene = Scene.from_dict({"surface": TINY | {"boundary": boundary}, "load": {"p_star": 0.05}})
-    first = PRECISIONS[first_precision(settings)]
+    first = "single" if first_precision(settings) == np.float32 else "double"
     for precision in {first, "double"} if settings.precision == "auto" else {first}:
         sweep = Sweep(
             lambda dtype: build_surface(scene.surface, SerialComm(), dtype),
