@@ -25,7 +25,7 @@ from ..parallel import interrupt
 from ..parallel.coarsening import agglomerated, halved
 from ..parallel.grid import Grid
 from ..parallel.halo import neighbours, rows_of
-from ..parallel.threads import on_threads
+from ..parallel.threads import on_threads, threads_for
 from .full_contact import closed_contact
 
 if TYPE_CHECKING:
@@ -117,10 +117,10 @@ class Decimation:
         starts = agglomerated(beside, n[0] * n[1], CALIBRATION.rank_points)
         ranks = np.flatnonzero(np.diff(starts)).tolist()
         comm = grid.comm.subcomm(ranks)
+        own = np.append(starts[ranks], n[0])
+        threads = threads_for(n[0] * n[1] // len(ranks), grid.threads)
         coarse = (
-            Grid.kept(n, grid.sizes, comm, grid.threads, np.append(starts[ranks], n[0]), (n_x, n_y))
-            if comm is not None
-            else None
+            Grid.kept(n, grid.sizes, comm, threads, own, (n_x, n_y)) if comm is not None else None
         )
         return cls(grid, coarse, n, (n_x, n_y), beside, starts)
 

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy import fft
 
 from .coarsest import DAMPING, CoarsestLevels
 
@@ -94,7 +95,7 @@ class GapMode:
             if rz < CALIBRATION.solved * known:
                 break
             d = z + real(rz / before) * d
-            x = np.fft.irfft2(self.K * np.fft.rfft2(d), d.shape).astype(real) + t * d
+            x = fft.irfft2(self.K * fft.rfft2(d), d.shape) + t * d
             step = real(rz / float((d * x).sum()))
             w += step * d
             r -= step * x

@@ -40,17 +40,15 @@ class NominalArea:
     def products_of_coarsest(self, field: np.ndarray) -> float:
         """Return softness <field, s> N/N_l, summed over the levels from `alone` on; field:
         complete, on the first of them."""
-        along_x, along_y = self._tables
-        return float(np.vdot(along_x, field @ along_y.astype(field.dtype)))
+        return float(np.einsum("ij,ij->", self._of_coarsest, field))  # no threads of BLAS
 
     @cached_property
-    def _tables(self) -> tuple[np.ndarray, np.ndarray]:
-        """A, B, a column for each of these levels: the sum of A (f B) is `products_of_coarsest` of
-        f."""
+    def _of_coarsest(self) -> np.ndarray:
+        """The field whose product with another is `products_of_coarsest` of that."""
         columns: tuple[list, list] = [], []
         for k in range(self.alone, len(self.levels)):
             for axis, s in enumerate(self.s[k]):
                 for finer in reversed(self.levels[self.alone : k]):
                     s = restrict_axis_back(s, finer.n[axis])
                 columns[axis].append(s if axis else self.weights[k] * s)
-        return np.transpose(columns[0]), np.transpose(columns[1])
+        return np.transpose(columns[0]) @ np.array(columns[1])

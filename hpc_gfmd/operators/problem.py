@@ -33,7 +33,7 @@ Columns = Callable[[np.ndarray, int], None]  # changes block m of the columns of
 # rms of the error of K h over the rms of h, in units of the working precision: the largest seen
 ROUNDING = 2.5
 TRANSFORMED = 1.5  # of a transformed K u over the rms of u about its mean, likewise
-EVERY = 8  # rows of which one says what the mean is
+SAMPLE = 64  # rows, at least, that say what the mean is
 
 
 @dataclass(frozen=True)
@@ -153,8 +153,9 @@ class Problem:
     def level(self, g: np.ndarray) -> float:
         """Return about the mean of what is transformed of u = g - h. K does not see it, but
         rounding errors go with it. Collective."""
-        few = g[::EVERY]
-        heights = 0.0 if self.stored is None else self.stored[::EVERY].sum()
+        every = max(1, len(g) // SAMPLE)
+        few = g[::every]
+        heights = 0.0 if self.stored is None else self.stored[::every].sum()
         total, points = self.grid.comm.sum([few.sum() - heights, few.size])
         return float(total / points)
 

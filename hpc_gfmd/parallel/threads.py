@@ -24,6 +24,11 @@ def piece_rows(n_y: int) -> int:
     return max(PIECE_ROWS, PIECE_POINTS // n_y)
 
 
+def threads_for(points: int, threads: int) -> int:
+    """Return how many of these threads pay for a grid of so many points: those that get a piece."""
+    return max(1, min(threads, points // PIECE_POINTS))
+
+
 def shares(count: int, threads: int) -> list[tuple[int, int]]:
     """Cut range(count) into what a thread does in one compiled call: on several threads several
     times each, because none of them is always as fast as the others."""

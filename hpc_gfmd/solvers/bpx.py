@@ -211,7 +211,7 @@ class Bpx(Solver):
     def _measure(self, sums: UpdateSums, anew: bool = False) -> None:
         """Sweep the levels and sum over ranks: all scalars of the next step and of the stopping
         rule. anew: a descent begins."""
-        totals = self.grid.comm.sum([*sums, *self.levels.sweep(anew)])
+        totals = self.grid.comm.sum([*sums, *self.levels.sweep(anew)]).tolist()
         rz1, xz1, self.mean, *self.level_sums = totals[len(sums) :]
         sums = UpdateSums(*totals[: len(sums)])
         s, compliance = self.s, self.compliance
