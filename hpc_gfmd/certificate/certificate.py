@@ -176,7 +176,7 @@ def _errors(
     smaller of the last two; sums: KktSums of all ranks."""
     grid, contact = problem.grid, sums.contact
     levels.restrict(g, p, problem.limit)
-    level_sums = grid.comm.sum(levels.sweep()[3:])
+    level_sums = grid.comm.sum(levels.sweep()[3:]).tolist()
     found = estimate(
         problem,
         levels,
