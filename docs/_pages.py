@@ -60,7 +60,7 @@ def commands():
     """Take what `--help` of every command prints."""
     sections = [
         f"## hpc-gfmd {name}\n\n```text\n{_printed(name, '--help').strip()}\n```\n"
-        for name in (*COMMANDS, "restart")
+        for name in COMMANDS
     ]
     about = (
         "Made of what `hpc-gfmd COMMAND --help` prints. `python -m hpc_gfmd` is the same program."

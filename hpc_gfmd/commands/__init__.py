@@ -1,2 +1,2 @@
-"""One module per subcommand of hpc-gfmd: add_parser(subparsers) -> its parser, and main(args) ->
-exit code."""
+"""One module per subcommand of hpc-gfmd: main(args) -> exit code; the arguments of all stand in
+commands.toml."""

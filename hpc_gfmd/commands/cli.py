@@ -1,21 +1,25 @@
 """The command line: arguments in, exit code out, errors as one line on stderr, once whatever the
-number of ranks."""
+number of ranks. What the commands and their arguments are stands in commands.toml."""
 
-import argparse
 import importlib
 import sys
+import tomllib
 import traceback
+from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Sequence
 from errno import ENOMEM
 from functools import partial
-from typing import NoReturn
+from pathlib import Path
+from typing import Any, NoReturn
 
 from .. import __version__
 from ..util.errors import GfmdError, SceneError, one_line
 from ..util.streams import unfailing_output
+from .common import number
 
 ALONE = 1.0  # seconds that a rank with an error which others may not have waits for them
-COMMANDS = ("init", "help", "run", "plan", "show", "plot", "export", "persson", "tfc", "info")
+COMMANDS = tomllib.loads(Path(__file__).with_name("commands.toml").read_text("utf-8"))
+TYPES = {"int": int, "number": number}
 DESCRIPTION = (
     "Elastic contact of rough surfaces. Start with: hpc-gfmd init; hpc-gfmd run scene.toml;"
     " hpc-gfmd plot contact.h5. With a measured map: hpc-gfmd init scan.x3p. Every key of a scene:"
@@ -23,26 +27,45 @@ DESCRIPTION = (
 )
 
 
-class Parser(argparse.ArgumentParser):
+class Parser(ArgumentParser):
     """argparse whose complaints are SceneErrors, so that under MPI they are printed once."""
 
     def error(self, message: str) -> NoReturn:
         raise SceneError(f"{message} (see {self.prog} --help)")
 
 
-def build_parser(commands: Sequence[str] = COMMANDS) -> argparse.ArgumentParser:
-    """Make the parser with these commands."""
+def build_parser() -> ArgumentParser:
+    """Make the parser of all commands."""
     parser = Parser(prog="hpc-gfmd", description=DESCRIPTION)
     parser.add_argument("--version", action="version", version=f"hpc-gfmd {__version__}")
     subparsers = parser.add_subparsers(metavar="COMMAND", required=True, parser_class=Parser)
-    for name in commands:
-        command = importlib.import_module(f".{name}", __package__)
-        command.add_parser(subparsers).set_defaults(main=command.main)
+    for name, about in COMMANDS.items():
+        command = subparsers.add_parser(
+            name, help=about["help"], description=about.get("description")
+        )
+        command.set_defaults(main=partial(_command, name), **about.get("defaults", {}))
+        alternatives = None
+        for flags, given in about.get("arguments", {}).items():
+            place: Any = command
+            options = dict(given)
+            if options.pop("one_of", False):
+                alternatives = alternatives or command.add_mutually_exclusive_group(required=True)
+                place = alternatives
+            if "type" in options:
+                options["type"] = TYPES[options["type"]]
+            if isinstance(options.get("metavar"), list):
+                options["metavar"] = tuple(options["metavar"])
+            place.add_argument(*flags.split(), **options)
     return parser
 
 
+def _command(name: str, args: Namespace) -> int:
+    """Run the command of a name: main(args) of its file."""
+    return importlib.import_module(f".{name}", __package__).main(args)
+
+
 def main(
-    argv: Sequence[str] | None = None, script: Callable[[], argparse.ArgumentParser] | None = None
+    argv: Sequence[str] | None = None, script: Callable[[], ArgumentParser] | None = None
 ) -> int:
     """Run one command; returns its exit code. What cannot be printed stops no command, but is an
     error where it was the result.
@@ -59,17 +82,13 @@ def main(
         return 1
 
 
-def _run(
-    argv: Sequence[str], script: Callable[[], argparse.ArgumentParser] | None
-) -> tuple[int, bool]:
+def _run(argv: Sequence[str], script: Callable[[], ArgumentParser] | None) -> tuple[int, bool]:
     """Run one command; returns (exit code, whether the result is what was printed)."""
     from ..parallel.world import collective_exit
 
-    # The restart command lives with run; what is not asked for is not imported.
-    asked = {"restart": "run"}.get(argv[0], argv[0]) if argv else None
+    asked = argv[0] if argv else None
     try:
-        parser = script() if script else build_parser([asked] if asked in COMMANDS else COMMANDS)
-        args = parser.parse_args(argv)
+        args = (script or build_parser)().parse_args(argv)
         return args.main(args) or 0, not getattr(args, "saves", False)
     except (GfmdError, ModuleNotFoundError) as error:
         if isinstance(error, ModuleNotFoundError):

@@ -1,14 +1,9 @@
-"""What several commands take and give: numbers such as 0.25, 1e-3 and 1/1024, changes of a scene,
-JSON."""
+"""What several commands take and give: numbers such as 0.25, 1e-3 and 1/1024, JSON."""
 
-from argparse import ArgumentParser
-from math import isfinite
+import json
 from typing import Any
 
-
-def add_set(parser: ArgumentParser, what: str) -> None:
-    """Add the argument --set, a list of texts "table.key=value"."""
-    parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help=what)
+from pydantic_core import to_json
 
 
 def number(text: str) -> float:
@@ -23,10 +18,4 @@ def number(text: str) -> float:
 def finite(value: Any) -> Any:
     """Replace what JSON does not know, infinity and NaN, by null, and what is no number, text or
     list by its text."""
-    if isinstance(value, dict):
-        return {key: finite(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [finite(item) for item in value]
-    if isinstance(value, float) and not isfinite(value):
-        return None
-    return value if value is None or isinstance(value, bool | int | float | str) else str(value)
+    return json.loads(to_json(value, inf_nan_mode="null", fallback=str))

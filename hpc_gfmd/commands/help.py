@@ -1,32 +1,8 @@
 """`hpc-gfmd help`: what the commands do, every key of a scene, every number of a result."""
 
-from argparse import ArgumentParser, Namespace
-from typing import Any
+from argparse import Namespace
 
 from ..util.errors import SceneError
-
-
-def add_parser(subparsers: Any) -> ArgumentParser:
-    parser = subparsers.add_parser(
-        "help",
-        help="every key of a scene: default, unit, meaning",
-        description=(
-            "Explain the keys of a scene (help scene), one table or key of it (help scene solver,"
-            " help scene solver.accuracy), the numbers of a result (help observables), or a command"
-            " (help run)."
-        ),
-    )
-    parser.add_argument(
-        "topic",
-        metavar="scene|observables|COMMAND",
-        nargs="?",
-        help="what about (default: the commands)",
-    )
-    parser.add_argument("key", metavar="KEY", nargs="?", help="a table or a key of a scene")
-    parser.add_argument(
-        "--markdown", action="store_true", help="scene, observables: as a page in Markdown"
-    )
-    return parser
 
 
 def main(args: Namespace) -> int:
@@ -85,8 +61,9 @@ def _numbers(row: str) -> str:
 def _of_command(name: str | None) -> int:
     from .cli import COMMANDS, build_parser
 
-    known = (*COMMANDS, "restart")  # which lives with run
-    if name not in (None, *known):
-        raise SceneError(f"help: found {name!r}, allowed: scene, observables, {', '.join(known)}")
+    if name not in (None, *COMMANDS):
+        raise SceneError(
+            f"help: found {name!r}, allowed: scene, observables, {', '.join(COMMANDS)}"
+        )
     build_parser().parse_args([*([name] if name else []), "--help"])
     return 0

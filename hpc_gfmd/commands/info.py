@@ -1,11 +1,6 @@
 """`hpc-gfmd info`: what this installation can do."""
 
-from argparse import ArgumentParser, Namespace
-from typing import Any
-
-
-def add_parser(subparsers: Any) -> ArgumentParser:
-    return subparsers.add_parser("info", help="versions, MPI, parallel HDF5, FFT, threads")
+from argparse import Namespace
 
 
 def main(args: Namespace) -> int:
@@ -26,7 +21,7 @@ def facts() -> dict[str, str]:
     from ..util.machine import available_gib, cores
     from ..util.versions import versions
 
-    found = {name: version for name, version in versions().items() if version}
+    found = dict(versions())
     found["FFT"] = fft_library()
     found["MPI"] = _mpi_library()
     found["HDF5"] = f"{h5py.version.hdf5_version}, {_io()}"

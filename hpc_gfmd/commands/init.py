@@ -2,45 +2,14 @@
 
 import os
 import tomllib
-from argparse import ArgumentParser, Namespace
+from argparse import Namespace
 from collections.abc import Sequence
+from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
 from ..util.atomic import atomic_write
 from ..util.errors import SceneError, one_line
-from .common import add_set
-
-DEFAULT = "self-affine"
-
-
-def add_parser(subparsers: Any) -> ArgumentParser:
-    parser = subparsers.add_parser(
-        "init",
-        help="write a commented scene that runs",
-        description=(
-            "Write a scene with a comment on every key: for a kind of surface (self-affine, wave,"
-            " sphere) or for a height map, which is read to see what it says of sizes and units,"
-            " whether points are missing, whether it is tilted and has an edge."
-        ),
-    )
-    parser.add_argument(
-        "what",
-        metavar="KIND|MAP",
-        nargs="?",
-        default=DEFAULT,
-        help=f"kind of surface or a file (default: {DEFAULT})",
-    )
-    parser.add_argument(
-        "-o",
-        "--output",
-        metavar="SCENE.toml",
-        default="scene.toml",
-        help="scene file (default: %(default)s)",
-    )
-    add_set(parser, "what the scene is to say: table.key=value")
-    parser.add_argument("--force", action="store_true", help="overwrite a scene that is there")
-    return parser
 
 
 def main(args: Namespace) -> int:
@@ -59,15 +28,11 @@ def main(args: Namespace) -> int:
             tmp.write_text(text, encoding="utf-8")
     except OSError as error:
         raise SceneError(f"-o: cannot write {path}: {one_line(str(error))}") from None
-    print(*about, sep="\n", end="\n" * bool(about))
-    print(
-        f"{path}: hpc-gfmd run {path}"
-        if not missing
-        else (
-            f"{path}: before it runs it needs {' and '.join(f'surface.{key}' for key in missing)},"
-            f" which {args.what} does not say"
-        )
-    )
+    for line in about:
+        print(line)
+    needs = " and ".join(f"surface.{key}" for key in missing)
+    todo = f"before it runs it needs {needs}, which {args.what} does not say" if needs else ""
+    print(f"{path}: {todo or f'hpc-gfmd run {path}'}")
     return 0
 
 
@@ -82,23 +47,24 @@ def compose(
     from ..scene import Scene
     from ..scene.load import apply_override
     from ..scene.surface import KINDS
-    from ..scene.template import Suggestion, template
+    from ..scene.template import CHOSEN, Suggestion, template
 
-    tables: dict[str, Any] = {}
+    tables: dict[str, Any] = deepcopy(CHOSEN)
     for override in overrides:
         apply_override(tables, override)
     tables = {
         name: keys for name, keys in tables.items() if name == "title" or isinstance(keys, dict)
     }
-    if what in KINDS and what != "file":
+    made = [kind for kind in KINDS if kind != "file"]
+    if what in made:
         kind, found = what, Suggestion()
     elif Path(what).is_file():
         kind, found = "file", _of_map(what, path, tables)
         tables = {"title": Path(what).name} | tables
     else:
-        kinds = ", ".join(kind for kind in KINDS if kind != "file")
         raise SceneError(
-            f"init: found {what}, allowed: a kind of surface ({kinds}) or the path of a height map"
+            f"init: found {what}, allowed: a kind of surface ({', '.join(made)}) or the path of a"
+            " height map"
         )
     head = f"hpc-gfmd run {path.name}. Lines that begin with # show defaults and examples."
     text = template(kind, tables, found, head)

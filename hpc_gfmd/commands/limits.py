@@ -17,15 +17,14 @@ SCATTER = (
 )
 
 
-def to_limits(result: Result, table_name: str = "") -> dict:
+def to_limits(result: Result, table: str = "ours") -> dict:
     """Take the steps of a result to the limits.
 
     Returns {"table": its name, "steps": one dict per load step}: observable -> value, sigma, the
     corrections t, f, c and their sum, "extrapolated" with its sigma (of the value and, where the
     table has it, of the coefficients), notes; or "refused" with the reason.
 
-    table_name: as of theory.tfc.table_of; "": ours. Raises SceneError for a surface that is not
-    self-affine.
+    table: as of theory.tfc.table_of. Raises SceneError for a surface that is not self-affine.
     """
     surface = result.surface
     missing = [
@@ -36,15 +35,14 @@ def to_limits(result: Result, table_name: str = "") -> dict:
             f"--tfc: found a surface of kind {surface.get('kind', 'unknown')!r} without"
             f" {', '.join(missing)}, allowed: results of a self-affine surface"
         )
-    name = table_name or "ours"
-    table = tfc.table_of(name)
-    where = {key: float(surface[key]) for key in ("hurst", *tfc.RATIOS)}
+    where: dict[str, Any] = {key: float(surface[key]) for key in ("hurst", *tfc.RATIOS)}
+    where["table"] = tfc.table_of(table)
     steps = [
         {"step": index, "p_star": step["p_star"]}
-        | {o: _limit(step, o, error, where, table) for o, error in OBSERVABLES.items() if o in step}
+        | {o: _limit(step, o, error, where) for o, error in OBSERVABLES.items() if o in step}
         for index, step in result.numbered.items()
     ]
-    return {"table": name, "steps": steps}
+    return {"table": table, "steps": steps}
 
 
 def limits_text(limits: dict) -> str:
@@ -69,15 +67,13 @@ def limits_text(limits: dict) -> str:
     return "\n".join([*lines, *(f"note: {note}" for note in dict.fromkeys(notes))])
 
 
-def _limit(
-    step: dict, observable: str, error: str, where: dict[str, Any], table: Any
-) -> dict[str, Any]:
+def _limit(step: dict, observable: str, error: str, where: dict[str, Any]) -> dict[str, Any]:
     value, relative = step[observable], step.get(error)
     sigma = abs(value * relative) if relative is not None and isfinite(relative) else None
     found = {"value": value, "sigma": sigma}
     try:
         extrapolated, whole, terms = tfc.extrapolate(
-            value, observable, p_star=step["p_star"], sigma=sigma, table=table, **where
+            value, observable, p_star=step["p_star"], sigma=sigma, **where
         )
     except SceneError as refusal:
         return found | {"refused": str(refusal)}

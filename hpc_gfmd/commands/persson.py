@@ -1,7 +1,7 @@
 """`hpc-gfmd persson`: contact area, mean gap and stiffness of Persson's theory."""
 
 import json
-from argparse import ArgumentParser, Namespace
+from argparse import Namespace
 from typing import Any
 
 import numpy as np
@@ -11,48 +11,7 @@ from ..theory import persson
 from ..theory.checks import within
 from ..theory.elastic import KAPPA_BGT
 from ..util.errors import SceneError
-from .common import finite, number
-
-
-def add_parser(subparsers: Any) -> ArgumentParser:
-    parser = subparsers.add_parser(
-        "persson",
-        help="theory curves of Persson's contact mechanics",
-        description=(
-            "Relative contact area, mean gap and stiffness -dp/d(gap) for a self-affine surface."
-            " Units: stiffness in E* g_rms/h_rms, stiffness_lam_s in E*/lam_s. Numbers may be given"
-            " as 0.25, 1e-3 or 1/1024."
-        ),
-    )
-    parser.add_argument("--hurst", type=number, required=True, help="Hurst exponent, 0 to 1")
-    parser.add_argument("--eps-f", type=number, required=True, help="lam_s/lam_l, 0 to 1")
-    pressure = parser.add_mutually_exclusive_group(required=True)
-    pressure.add_argument(
-        "--p-star", type=number, nargs="+", metavar="P", help="pressures p0/(E* g_rms)"
-    )
-    pressure.add_argument(
-        "--p-star-range",
-        type=number,
-        nargs=3,
-        metavar=("LO", "HI", "N"),
-        help="N pressures from LO to HI, equally spaced on a logarithmic axis",
-    )
-    parser.add_argument(
-        "--gamma",
-        type=number,
-        default=persson.GAMMA,
-        help=(
-            "energy factor of partial contact (default %(default)s as in the literature; 1: first"
-            " theory)"
-        ),
-    )
-    parser.add_argument(
-        "--printed",
-        action="store_true",
-        help="the mean gap as published in 2014, where a factor of 2 is missing in one term",
-    )
-    parser.add_argument("--json", action="store_true", help="print JSON instead of a table")
-    return parser
+from .common import finite
 
 
 def main(args: Namespace) -> int:

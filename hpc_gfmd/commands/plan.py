@@ -1,45 +1,9 @@
 """`hpc-gfmd plan`: what a scene would take, without allocating it."""
 
 import json
-from argparse import ArgumentParser, Namespace
-from typing import Any
+from argparse import Namespace
 
 from ..util.errors import SceneError
-from .common import add_set
-
-
-def add_parser(subparsers: Any) -> ArgumentParser:
-    parser = subparsers.add_parser(
-        "plan",
-        help="grid, memory per rank, expected time of a scene",
-        description=(
-            "Say what a scene takes on a number of ranks of this machine. Exit code 2 if it does"
-            " not fit."
-        ),
-    )
-    parser.add_argument("scene", metavar="SCENE.toml")
-    parser.add_argument(
-        "--ranks",
-        type=int,
-        default=1,
-        metavar="K",
-        help="number of ranks (default 1), as many as you like",
-    )
-    parser.add_argument(
-        "--threads", type=int, metavar="T", help="threads of each rank instead of machine.threads"
-    )
-    parser.add_argument(
-        "--ranks-per-node",
-        type=int,
-        metavar="P",
-        help=(
-            "ranks on each node, which share memory (default: what Slurm says, else what this"
-            " machine's cores take)"
-        ),
-    )
-    add_set(parser, "change the scene: table.key=value")
-    parser.add_argument("--json", action="store_true")
-    return parser
 
 
 def main(args: Namespace) -> int:

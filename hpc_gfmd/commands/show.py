@@ -2,41 +2,12 @@
 
 import json
 import sys
-from argparse import ArgumentParser, Namespace
-from typing import Any
+from argparse import Namespace
 
 from ..output.read import Result, read_result
 from ..output.summary import surface_line
 from ..runs.table import table
 from .common import finite
-
-
-def add_parser(subparsers: Any) -> ArgumentParser:
-    parser = subparsers.add_parser(
-        "show",
-        help="the result table of a file",
-        description=(
-            "Print the results of a finished, running or interrupted run. Lengths are in the unit"
-            " of the surface, pressures in the unit of E*; +- is the estimated error of the solver"
-            " on its grid, a_r_discretisation that of a_r by the size of a grid point."
-        ),
-    )
-    parser.add_argument("file", metavar="OUT.h5", help="result file")
-    parser.add_argument("--json", action="store_true", help="print JSON instead of a table")
-    parser.add_argument(
-        "--tfc",
-        metavar="TABLE",
-        nargs="?",
-        const="",
-        help=(
-            "take kappa and gap/h_rms to the thermodynamic, fractal and continuum limits, with the"
-            " coefficients of TABLE: paper, ours (default) or a JSON file"
-        ),
-    )
-    parser.add_argument(
-        "--references", action="store_true", help="what to cite: the papers behind the numbers"
-    )
-    return parser
 
 
 def main(args: Namespace) -> int:

@@ -2,56 +2,17 @@
 coefficients."""
 
 import json
-import math
-from argparse import ArgumentParser, Namespace
+from argparse import Namespace
 from typing import Any
 
 from ..theory import tfc
 from ..util.errors import SceneError
-from .common import number
+from .common import finite
 
+GIVEN = ("hurst", "p_star", *tfc.RATIOS, "value")  # of what is to be extrapolated
 # what is not given, of an extrapolation and of a fit
-EXTRAPOLATION = dict.fromkeys(("hurst", "p_star", *tfc.RATIOS, "value", "sigma")) | {
-    "observable": "kappa",
-    "table": "paper",
-}
+EXTRAPOLATION = dict.fromkeys((*GIVEN, "sigma")) | {"observable": "kappa", "table": "paper"}
 FIT = {"terms": "tfc", "free": ""}
-
-
-def add_parser(subparsers: Any) -> ArgumentParser:
-    parser = subparsers.add_parser(
-        "tfc",
-        help="extrapolate to the thermodynamic, fractal and continuum limits",
-        description=(
-            "Extrapolate a simulated value with tabulated coefficients (the paper's unless --table"
-            " names others), or fit the coefficients to the runs in a CSV file. Numbers may be"
-            " given as 0.25, 1e-3 or 1/1024."
-        ),
-    )
-    parser.add_argument("--observable", help="kappa (default) or gap_over_h_rms")
-    for name in ("hurst", "p-star", "eps-t", "eps-f", "eps-c", "value"):
-        parser.add_argument(f"--{name}", type=number)
-    parser.add_argument("--sigma", type=number, help="uncertainty of the value")
-    parser.add_argument(
-        "--table",
-        metavar="TABLE",
-        help=(
-            "coefficients: paper (default), ours (fitted to our own runs), or a JSON file of the"
-            " same form"
-        ),
-    )
-    parser.add_argument(
-        "--fit",
-        metavar="RUNS.csv",
-        help="fit the coefficients to the columns eps_t, eps_f, eps_c, value[, sigma]",
-    )
-    parser.add_argument("--terms", help="terms to fit, any of t, f, c (default: tfc)")
-    parser.add_argument(
-        "--free", metavar="TERMS", help="terms whose exponent is fitted too (default: none)"
-    )
-    parser.add_argument("--json", action="store_true", help="print JSON instead of text")
-    parser.set_defaults(**EXTRAPOLATION, **FIT)
-    return parser
 
 
 def main(args: Namespace) -> int:
@@ -74,7 +35,7 @@ def _options(names: list[str]) -> str:
 
 
 def _extrapolate(args: Namespace) -> Any:
-    given = {name: getattr(args, name) for name in ("hurst", "p_star", *tfc.RATIOS, "value")}
+    given = {name: getattr(args, name) for name in GIVEN}
     missing = [name for name, found in given.items() if found is None]
     if missing:
         raise SceneError(
@@ -113,18 +74,14 @@ def _fit(args: Namespace) -> Any:
     fit = tfc.fit_tfc(
         **tfc.read_runs(args.fit), alpha=dict.fromkeys(args.free), terms=tuple(args.terms)
     )
-    report = {
+    numbers = {
         "limit": fit.limit,
         **{f"C_{i}": c for i, c in fit.C.items()},
         **{f"alpha_{i}": a for i, a in fit.alpha.items()},
-        "sigma": {name: x if math.isfinite(x) else None for name, x in fit.sigma.items()},
-        "chi2": fit.chi2,
-        "dof": fit.dof,
     }
-    lines = []
-    for name, x in report.items():
-        if name in fit.sigma:
-            lines.append(f"{name:>8} = {x:.5g} +- {fit.sigma[name]:.2g}")
-        elif name.startswith("alpha"):
-            lines.append(f"{name:>8} = {x:.5g} (fixed)")
+    report = numbers | {"sigma": finite(fit.sigma), "chi2": fit.chi2, "dof": fit.dof}
+    lines = [
+        f"{name:>8} = {x:.5g} " + (f"+- {fit.sigma[name]:.2g}" if name in fit.sigma else "(fixed)")
+        for name, x in numbers.items()
+    ]
     return report, "\n".join([*lines, f"chi2 = {fit.chi2:.4g}, {fit.dof} degrees of freedom"])

@@ -10,7 +10,8 @@ from pydantic import BaseModel, ValidationError
 from ..util.errors import SceneError, one_line
 from ..util.quantities import DECIMAL_COMMA, NO_COMMA
 from .not_modelled import not_modelled
-from .table import LARGEST, SMALLEST, allowed
+from .surface import KINDS
+from .table import LARGEST, SMALLEST, about
 
 _short = reprlib.Repr()
 _short.maxstring = _short.maxother = _short.maxlong = 60
@@ -69,41 +70,39 @@ def printable(key: str) -> str:
 Model = type[BaseModel]
 
 
-def explain(error: ValidationError, scene: Model, kinds: Mapping[str, Model], data: dict) -> str:
-    """Put the first eight errors in one line. kinds: the models of [surface] by their kind; data:
-    what was validated."""
+def explain(error: ValidationError, scene: Model, data: dict) -> str:
+    """Put the first eight errors in one line. data: what was validated."""
     # several errors of one key (alternatives of a type, entries of a list) are one; a misspelt key
     # first: it explains the "missing" that comes with it
     lines: dict[tuple, str] = {}
     errors = error.errors(include_url=False)
     for item in sorted(errors, key=lambda e: e["type"] != "extra_forbidden"):
         if item["type"] != "default_factory_not_called":  # only follows from another error
-            key, line = _line(item, scene, kinds, data)
+            key, line = _line(item, scene, data)
             lines.setdefault(key, line)
     found = [*lines.values()]
     return "; ".join(found[:8]) + f" (and {len(found) - 8} more)" * (len(found) > 8)
 
 
-def _line(item: Any, scene: Model, kinds: Mapping[str, Model], data: dict) -> tuple[tuple, str]:
+def _line(item: Any, scene: Model, data: dict) -> tuple[tuple, str]:
     if not item["loc"]:  # a rule on the whole scene
         return (), str(item["ctx"]["error"])
     name, *rest = item["loc"]
-    model = _model(scene, name)
-    if name == "surface" and rest and rest[0] in kinds:
-        model = kinds[rest.pop(0)]
-    path, key = printable(name), (name, *rest[:1])
-    if item["type"] == "extra_forbidden":
-        inner = item["input"] if not rest and isinstance(item["input"], dict) else ()
-        of = model if rest else None
-        return key, _unknown(rest[-1] if rest else name, of, path, scene, kinds, inner)
+    fields = _fields(scene, name)
+    if name == "surface" and rest and rest[0] in KINDS:
+        fields = KINDS[rest.pop(0)].model_fields
+    key = (name, *rest[:1])
+    path, of_table = ".".join(map(printable, key)), f"{name}." * bool(rest)
     if item["type"].startswith("union_tag"):
-        return key, _kind(data[name].get("kind"), kinds)
-    if not rest and item["type"] == "value_error" and model:
+        return key, _kind(data[name].get("kind"))
+    if not rest and item["type"] == "value_error" and fields:
         return key, f"{path}: {item['ctx']['error']}"  # a rule on the whole table has its own words
     field, *deeper = rest or [name]
-    table = data[name] if rest else data
-    fields = (model if rest and model else scene).model_fields
-    path += f".{field}" * bool(rest)
+    table, fields = (data[name], fields) if rest else (data, scene.model_fields)
+    if item["type"] == "extra_forbidden":
+        inner = table[field] if not rest and isinstance(table[field], dict) else ()
+        why = not_modelled(field, *inner) or _nearest(field, of_table, fields, scene)
+        return key, f"{path}: {why}, allowed: {', '.join(fields)}"
     found, value = "not given", table.get(field)
     if field in table:
         for place in deeper[:1]:  # of a list or a table; otherwise one of several types
@@ -112,7 +111,7 @@ def _line(item: Any, scene: Model, kinds: Mapping[str, Model], data: dict) -> tu
             elif isinstance(value, dict) and place in value:
                 path, value = f"{path}.{printable(place)}", value[place]
         found = f"found {shown(value)}"
-    what = f"{allowed(fields[field])}{_limits(item)}"
+    what = about(fields[field])["allowed"] + _limits(item)
     why = _why(item) if rest else ""
     return key, f"{path}: {found}, {why}allowed: {what}"
 
@@ -138,47 +137,27 @@ def _limits(item: Any) -> str:
     )
 
 
-def _model(scene: Model, table: str) -> Model | None:
-    annotation = scene.model_fields[table].annotation if table in scene.model_fields else None
-    return (
-        annotation if isinstance(annotation, type) and issubclass(annotation, BaseModel) else None
-    )
+def _fields(scene: Model, table: str) -> Mapping[str, Any]:
+    """Return the keys of a table, none where it has kinds or is none."""
+    field = scene.model_fields.get(table)
+    return getattr(field and field.annotation, "model_fields", {})
 
 
-def _unknown(
-    name: str,
-    model: Model | None,
-    table: str,
-    scene: Model,
-    kinds: Mapping[str, Model],
-    inner: Iterable[str],
-) -> str:
-    """Describe an unknown key: the most similar one of the same table, and where the same name is a
-    key of another one, that, too. inner: its own keys, if it is a table."""
-    here = list((model or scene).model_fields)
-    tables = {key: _model(scene, key) for key in scene.model_fields}
-    elsewhere = {
-        field: f"{key}.{field}"
-        for key, other in tables.items()
-        if other is not None
-        for field in other.model_fields
-    }
-    elsewhere |= {
-        field: f"surface.{field}" for kind in kinds.values() for field in kind.model_fields
-    }
-    path, prefix = (f"{table}.{printable(name)}", f"{table}.") if model else (table, "")
-    if why := not_modelled(name, *inner):
-        return f"{path}: {why}, allowed: {', '.join(here)}"
-    guess = prefix + nearest(name, here)
-    other = name if name in scene.model_fields else elsewhere.get(name, path)
-    if other != path:
+def _nearest(name: str, of_table: str, here: Iterable[str], scene: Model) -> str:
+    """Name the key that is most like an unknown one of the same table ("" or "TABLE."), and where
+    the same name is a key of another one, that, too."""
+    known = {key: f"{table}.{key}" for table in scene.model_fields for key in _fields(scene, table)}
+    known |= {key: f"surface.{key}" for kind in KINDS.values() for key in kind.model_fields}
+    known |= {table: table for table in scene.model_fields}
+    guess, other = of_table + nearest(name, here), known.get(name)
+    if other and other != of_table + name:  # that is a key of another kind of surface
         # without a table it is a key that lost its own
-        guess = f"{guess} ({other} is a key, too)" if model else other
-    return f"{path}: unknown key, nearest: {guess}, allowed: {', '.join(here)}"
+        guess = f"{guess} ({other} is a key, too)" if of_table else other
+    return f"unknown key, nearest: {guess}"
 
 
-def _kind(found: object, kinds: Mapping[str, Model]) -> str:
-    allowed = ", ".join(f'"{kind}"' for kind in kinds)
-    guess = f'nearest: "{nearest(found, kinds)}", ' if isinstance(found, str) else ""
+def _kind(found: object) -> str:
+    allowed = ", ".join(f'"{kind}"' for kind in KINDS)
+    guess = f'nearest: "{nearest(found, KINDS)}", ' if isinstance(found, str) else ""
     said = "not given" if found is None else f"found {shown(found)}"
     return f"surface.kind: {said}, {guess}allowed: {allowed}"

@@ -13,13 +13,12 @@ import tomli_w
 from pydantic import ValidationError, model_validator
 
 from ..util.errors import SceneError, one_line
-from ..util.quantities import NO_COMMA
+from ..util.quantities import NO_COMMA, SI
 from .explain import explain
 from .settings import Load, Machine, Material, Output, Solver
-from .surface import KINDS, AnySurface, File, SelfAffine, Surface, Wave
-from .table import Table, Text, alike, has_unit, key
+from .surface import AnySurface, File, SelfAffine, Surface, Wave
+from .table import Table, Text, about, alike, has_unit, key
 
-LENGTHS = ("physical_sizes", "h_rms", "amplitude", "radius")
 RESOLVED = 8  # points in a wave length; with fewer the contact is one of single points
 TOUCHING = 100  # fewer contact points than this say little about a rough contact
 
@@ -55,24 +54,26 @@ class Scene(Table):
 
     @model_validator(mode="after")
     def _units(self) -> Self:
-        surface, material, load = self.surface, self.material, self.load
+        parts = {"surface": self.surface, "load": self.load, "material": self.material}
+        lengths, pressures, forces = (
+            {
+                f"{name}.{key}": getattr(table, key)
+                for name, table in parts.items()
+                for key, field in type(table).model_fields.items()
+                if about(field).get("unit") == dimension
+            }
+            for dimension in SI
+        )
+        if self.material.E1 is not None:
+            del pressures["material.E_star"]  # computed
         # a file may know units: what is built of it is compared later
-        measured = isinstance(surface, File)
-        lengths: dict[str, Any] = {}
+        measured = isinstance(self.surface, File)
         if not measured:
-            lengths = {f"surface.{key}": getattr(surface, key, None) for key in LENGTHS}
-            lengths |= {f"load.{key}": getattr(load, key) for key in ("gap_mean", "approach")}
-            lengths["material.thickness"] = material.thickness
-        pressures: dict[str, Any] = {"load.pressure": load.pressure, "load.force": load.force}
-        moduli = ("hardness", "base_E", *(("E_star",) if material.E1 is None else ("E1", "E2")))
-        pressures |= {f"material.{key}": getattr(material, key) for key in moduli}
-        alike("lengths", lengths)
-        alike("pressures and forces" if load.force else "pressures", pressures)
+            alike("lengths", lengths)
+        alike("pressures and forces" if self.load.force else "pressures", pressures | forces)
         if self.load.force and not measured:
-            alike(
-                "lengths and forces",
-                {"surface.physical_sizes": surface.physical_sizes, "load.force": self.load.force},
-            )
+            sizes = {"surface.physical_sizes": self.surface.physical_sizes}
+            alike("lengths and forces", sizes | forces)
         return self
 
     @model_validator(mode="after")
@@ -111,7 +112,7 @@ class Scene(Table):
         try:
             return cls.model_validate(data, context=folder and os.path.abspath(folder))
         except ValidationError as error:
-            raise SceneError(f"{origin}: {explain(error, cls, KINDS, data)}") from None
+            raise SceneError(f"{origin}: {explain(error, cls, data)}") from None
 
     @classmethod
     def from_toml(cls, text: str, origin: str = "scene") -> "Scene":

@@ -7,13 +7,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from pydantic_core import PydanticUndefined
-
 from ..util.errors import SceneError
 from .explain import nearest, printable
 from .model import Scene
 from .not_modelled import not_modelled
 from .surface import KINDS, Surface
+from .table import about
 
 UNITS = {
     "length": "in the unit of the surface, or with a unit",
@@ -75,12 +74,12 @@ def sections(names: Mapping[str, Any] | None = None) -> list[Section]:
             keys = [
                 _key(name, model.model_fields[name], (names or {}).get(f"{table}.{name}"))
                 for name in model.__annotations__  # its own, not those that every kind has
-                if name in model.model_fields and name != "kind"
+                if name != "kind"
             ]
             keys = [KIND] * (model is Surface) + keys
             heading = f"[{table}]" + f' of kind = "{kind}"' * bool(kind)
-            about, what = " ".join(model.__doc__.split()), field.description or ""
-            found.append(Section(table, heading, what, about, tuple(keys), kind))
+            what, meaning = field.description or "", " ".join(model.__doc__.split())
+            found.append(Section(table, heading, what, meaning, tuple(keys), kind))
     return found
 
 
@@ -138,18 +137,17 @@ def _listed(allowed: str) -> str:
 
 
 def _key(name: str, field: Any, known: Any = ()) -> Key:
-    extra, value = field.json_schema_extra, field.default
-    value = None if value is PydanticUndefined else value
-    given = field.default is not PydanticUndefined
-    default = extra["said"] or (None if not given else "none" if value is None else toml(value))
+    extra, value = about(field), "none" if field.default is None else toml(field.default)
+    default = extra["said"] or (None if field.is_required() else value)
     what = extra["allowed"] + (f": {', '.join(sorted(known))}" if known else "")
-    example = value if extra["example"] is None else extra["example"]
-    return Key(name, field.description, what, extra["unit"], default, example)
+    return Key(name, field.description, what, extra["unit"], default, extra["example"])
 
 
 def _chosen(key: str | None, found: list[Section]) -> list[Section]:
-    if key is None or key in {section.table for section in found if section.table}:
-        return [section for section in found if key in (None, section.table)]
+    if key is None:
+        return found
+    if whole := [section for section in found if key and section.table == key]:
+        return whole
     table, _, name = key.rpartition(".")
     fits = [
         replace(section, keys=keys)

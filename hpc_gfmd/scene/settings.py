@@ -1,5 +1,6 @@
 """The tables beside [surface]: [material], [load], [solver], [output] and [machine]."""
 
+from math import inf
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
@@ -42,15 +43,13 @@ POISSON = "a number above -1 and up to 0.5"
 NAMES = "a list of names, each once"
 
 
-def effective_modulus(E1: float, nu1: float, E2: float = float("inf"), nu2: float = 0.0) -> float:
-    """Return E* of two linear elastic solids, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 (eq. effMod);
-    the second one is rigid by default."""
-    return 1 / ((1 - nu1**2) / E1 + (1 - nu2**2) / E2)
-
-
-def _E_star(given: dict) -> float:
-    solids = {key: given[key] for key in SOLIDS if given.get(key) is not None}
-    return effective_modulus(**solids) if tuple(solids) in (SOLIDS[:2], SOLIDS) else 1.0
+def _effective_modulus(given: dict) -> float:
+    """Return E* of the solids, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 (eq. effMod); the second one
+    is rigid if it is not given; 1 without solids."""
+    E1, nu1, E2, nu2 = (given.get(key) for key in SOLIDS)
+    if E1 is None or nu1 is None:
+        return 1.0
+    return 1 / ((1 - nu1**2) / E1 + (1 - (nu2 or 0.0) ** 2) / (E2 or inf))
 
 
 class Material(Table):
@@ -77,7 +76,7 @@ class Material(Table):
     E_star: Pressure = key(
         "effective modulus, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2",
         MODULUS,
-        default_factory=_E_star,
+        default_factory=_effective_modulus,
         unit="pressure",
         example=1.0,
         said="1, or from E1, nu1, E2, nu2",
@@ -114,20 +113,14 @@ class Material(Table):
         # E_star is in the set only if it was given, not if it was computed
         given = "E_star" in self.model_fields_set
         found = ["E_star"] * given + [key for key in SOLIDS if getattr(self, key) is not None]
-        ways = {"E1, nu1": "a rigid counterface"}
-        if self.thickness is None:
-            ways |= {"": "", "E_star": "", ", ".join(SOLIDS): ""}
-        else:
-            ways |= {"nu1": "E_star = 1", "E_star, nu1": ""}
-        if found == ["nu1"] and self.thickness is None:
+        said, layer = ", ".join(found), "thickness with " * (self.thickness is not None)
+        if said == "nu1" and not layer:
             raise ValueError("found nu1 (nu) alone, allowed: with E1, or with thickness (a layer)")
-        if ", ".join(found) not in ways:
-            allowed = "; ".join(
-                f"{way} ({why})" if why else way for way, why in ways.items() if way
-            )
-            with_it = "" if self.thickness is None else "thickness with "
+        ways = ["E1, nu1 (a rigid counterface)"]
+        ways += ["nu1 (E_star = 1)", "E_star, nu1"] if layer else ["E_star", "E1, nu1, E2, nu2"]
+        if (said or layer) and said not in [way.partition(" (")[0] for way in ways]:
             raise ValueError(
-                f"found {with_it}{', '.join(found) or 'nothing else'}, allowed: {with_it}{allowed}"
+                f"found {layer}{said or 'nothing else'}, allowed: {layer}{'; '.join(ways)}"
             )
         return self
 

@@ -2,7 +2,6 @@
 L_y."""
 
 from math import inf
-from pathlib import PurePath
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
@@ -76,9 +75,8 @@ class Surface(Table):
     @property
     def free(self) -> tuple[bool, bool]:
         """Whether the surface ends along x, along y."""
-        if self.boundary is None:  # a height map that has to be periodic: see surface/quality.py
-            return False, False
-        along = (self.boundary, self.boundary) if isinstance(self.boundary, str) else self.boundary
+        # None: a height map that has to be periodic, see surface/quality.py
+        along = self.boundary if isinstance(self.boundary, tuple) else (self.boundary,) * 2
         return along[0] == "free", along[1] == "free"
 
 
@@ -347,31 +345,11 @@ class File(Surface):
         return self
 
     @property
-    def format(self) -> str:
-        """Of one map, by the extension; "other" is read by SurfaceTopography."""
-        return FORMATS.get(PurePath(str(self.path)).suffix.lower(), "other")
-
-    @property
     def n(self) -> None:
         """Unknown before the file is read."""
         return None
 
 
-FORMATS = {
-    ".npy": "npy",
-    ".npz": "npz",
-    ".h5": "hdf5",
-    ".hdf5": "hdf5",
-    ".nc": "netcdf",
-    ".txt": "text",
-    ".csv": "text",
-    ".asc": "text",
-    ".dat": "text",
-    ".xyz": "text",
-    ".tif": "picture",
-    ".tiff": "picture",
-    ".png": "picture",
-}
 KINDS: dict[str, type[Surface]] = {
     "self-affine": SelfAffine,
     "wave": Wave,

@@ -138,18 +138,15 @@ def key(
     example: a value where there is no default, or none that says how it is written; said: what
     stands for the default where that depends on other keys; more: of pydantic.Field.
     """
-    default = {} if "default_factory" in more else {"default": default}
-    return Field(
-        description=meaning,
-        json_schema_extra={"allowed": allowed, "unit": unit, "example": example, "said": said},
-        **default,
-        **more,
-    )
+    example = default if example is None else example
+    extra = {"allowed": allowed, "unit": unit, "example": example, "said": said}
+    return Field(default, description=meaning, json_schema_extra=extra, **more)
 
 
-def allowed(field: Any) -> str:
-    """Say what a field made by `key` may be."""
-    return field.json_schema_extra["allowed"]
+def about(field: Any) -> dict[str, Any]:
+    """Return what a field made by `key` says of itself, by the names of its arguments; nothing of
+    others."""
+    return field.json_schema_extra or {}
 
 
 def one_of(table: BaseModel, *keys: str) -> None:

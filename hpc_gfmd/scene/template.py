@@ -8,7 +8,7 @@ from .reference import Key, sections, toml
 from .surface import KINDS
 
 COLUMN = 40  # where comments begin
-CHOSEN: Mapping[str, Mapping[str, Any]] = {  # beside what must be given
+CHOSEN = {  # what is set, beside what must be given, unless somebody says otherwise
     "load": {"p_star": [0.01, 0.1]},
     "solver": {"accuracy": 1e-3},
     "output": {"path": "contact.h5", "fields": ["pressure", "gap"]},
@@ -33,12 +33,10 @@ class Suggestion:
 
 
 def template(kind: str, tables: Mapping[str, Any], found: Suggestion, head: str) -> str:
-    """Write TOML of a scene with this kind of surface; tables: what is set, beside CHOSEN and what
-    must be given; found: of a height map; head: the first line."""
+    """Write TOML of a scene with this kind of surface; tables: what is set, beside what must be
+    given; found: of a height map; head: the first line."""
     surface = {"kind": kind} | tables.get("surface", {}) | found.values
-    values = dict(CHOSEN) | {"": {"title": kind} | dict(tables), "surface": surface}
-    for table in tables.keys() - {"surface", "title"}:
-        values[table] = {**(values.get(table, {}) if table != "load" else {}), **tables[table]}
+    values = {"": {"title": kind} | dict(tables), **tables, "surface": surface}
     own = {key.name for section in sections() if section.kind == kind for key in section.keys}
     lines, last = [f"# {line}" for line in (head, *found.about)], None
     for section in sections():

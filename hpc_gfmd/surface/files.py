@@ -78,13 +78,16 @@ def open_map(spec: Any) -> HeightMap:
         raise SceneError(
             f"surface.path: found {path}, which is no file, allowed: the path of a height map"
         )
+    suffix = path.suffix.lower()
+    kind = next((kind for kind, (_, own) in OPENERS.items() if suffix in own.split()), "other")
+    opener, _ = OPENERS[kind]
     try:
-        return HeightMap(*OPENERS[spec.format](path, spec), path)
+        return HeightMap(*opener(path, spec), path)
     except SceneError:
         raise
     except Exception as error:
         raise SceneError(
-            f"surface.path: {path} cannot be read as {spec.format}: {one_line(str(error))}"
+            f"surface.path: {path} cannot be read as {kind}: {one_line(str(error))}"
         ) from None
 
 
@@ -194,12 +197,13 @@ def _one_of(names: list[str], spec: Any) -> str:
     return name
 
 
-OPENERS: dict[str, Callable[[Path, Any], tuple[Stored | np.ndarray, Metadata]]] = {
-    "npy": _npy,
-    "npz": _npz,
-    "hdf5": _hdf5,
-    "netcdf": _netcdf,
-    "text": text.read,
-    "picture": pictures.read,
-    "other": instruments.read,
+Opener = Callable[[Path, Any], tuple[Stored | np.ndarray, Metadata]]
+OPENERS: dict[str, tuple[Opener, str]] = {  # and the extensions of each
+    "npy": (_npy, ".npy"),
+    "npz": (_npz, ".npz"),
+    "hdf5": (_hdf5, ".h5 .hdf5"),
+    "netcdf": (_netcdf, ".nc"),
+    "text": (text.read, ".txt .csv .asc .dat .xyz"),
+    "picture": (pictures.read, ".tif .tiff .png"),
+    "other": (instruments.read, ""),  # by SurfaceTopography
 }

@@ -15,7 +15,7 @@ from .errors import GfmdError
 
 
 @cache
-def names_in(package: str, apart: Sequence[str] = ("base",)) -> Sequence[str]:
+def names_in(package: str, apart: Sequence[str]) -> Sequence[str]:
     """List what other packages add to a folder, then its drop-in files, without importing them;
     apart: its other files."""
     path = importlib.import_module(package).__path__

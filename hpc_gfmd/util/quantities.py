@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Mapping
 from functools import cache
 from math import floor, isfinite, log10
-from typing import Any, Self
+from typing import Any
 
 from .errors import one_line
 
@@ -29,14 +29,6 @@ class Quantity(float):
 
     text: str
 
-    def __new__(cls, value: float, text: str) -> Self:
-        made = super().__new__(cls, value)
-        made.text = text
-        return made
-
-    def __getnewargs__(self) -> tuple[float, str]:  # type: ignore[override]  # as __new__
-        return float(self), self.text
-
 
 def parse(text: str, dimension: str) -> Quantity:
     """Read the Quantity that "100 um" or "50 GPa" stands for; dimension: a key of SI. Raises
@@ -46,7 +38,9 @@ def parse(text: str, dimension: str) -> Quantity:
         raise ValueError(
             NO_COMMA if DECIMAL_COMMA.fullmatch(text) else "it is no number with a unit"
         )
-    return Quantity(float(found[1]) * factor(found[2], dimension), text)
+    quantity = Quantity(float(found[1]) * factor(found[2], dimension))
+    quantity.text = text
+    return quantity
 
 
 def format_quantity(value: float, like: float | None = None) -> str:

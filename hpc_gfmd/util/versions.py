@@ -1,18 +1,22 @@
 """Versions of everything that a result may depend on, and the processor."""
 
 import platform
+from contextlib import suppress
 from functools import cache
 from importlib import metadata
 from pathlib import Path
 
-PACKAGES = ("numpy", "numba", "scipy", "h5py", "mpi4py", "mpi4py-fft")
+PACKAGES = ("hpc_gfmd", "numpy", "numba", "scipy", "h5py", "mpi4py", "mpi4py-fft")
 
 
 @cache
-def versions() -> dict[str, str | None]:
+def versions() -> dict[str, str]:
     """Return {name: version}, of what is installed, without importing it."""
-    found = {"hpc_gfmd": _version("hpc-gfmd"), "python": platform.python_version()}
-    return found | {name: v for name in PACKAGES if (v := _version(name))}
+    found = {"python": platform.python_version()}
+    for name in PACKAGES:
+        with suppress(metadata.PackageNotFoundError):
+            found[name] = metadata.version(name)
+    return found
 
 
 @cache
@@ -25,10 +29,3 @@ def processor() -> str:
         )
     except (OSError, StopIteration):
         return platform.processor() or platform.machine()
-
-
-def _version(name: str) -> str | None:
-    try:
-        return metadata.version(name)
-    except metadata.PackageNotFoundError:
-        return None
