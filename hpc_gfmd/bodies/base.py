@@ -10,18 +10,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import wraps
-from typing import TYPE_CHECKING, Any, TypeVar
-from weakref import WeakKeyDictionary
+from typing import Any, TypeVar
 
 import numpy as np
 
 from ..kernels.spectral import multiply
 from ..parallel.coarsening import levels
-
-if TYPE_CHECKING:
-    from ..parallel.fft import SlabFFT
-    from ..parallel.grid import Grid
-    from ..scene import Material
+from ..parallel.fft import SlabFFT
+from ..parallel.grid import Grid
+from ..scene import Material
 
 NEAR_POINTS = 64  # along an axis are enough to know what K is between neighbours
 SAMPLES = 400  # of K between the longest and the shortest wave, where it may not be monotone
@@ -32,8 +29,7 @@ STEEP = 4  # times as long: what coarser levels see of a wave
 SQRT2 = np.sqrt(2.0)
 
 T = TypeVar("T")
-
-_multipliers: WeakKeyDictionary[SlabFFT, dict[Body, Any]] = WeakKeyDictionary()
+Waves = tuple[np.ndarray, np.ndarray]  # wave numbers along x and along y
 
 
 def once_per_grid(method: Callable[[Any, Grid], T]) -> Callable[[Any, Grid], T]:
@@ -49,7 +45,8 @@ def once_per_grid(method: Callable[[Any, Grid], T]) -> Callable[[Any, Grid], T]:
 class Multipliers:
     """What multiplies the columns of a spectrum by K and S, in place and with 1/N folded in.
 
-    fft: whose columns; K: q_x (n_x,) and q_y (own blocks, W) of K = |q|/2, or its table.
+    fft: whose columns; q: q_x (n_x,) and q_y (own blocks, W) of K = |q|/2; table: K where it is
+    another one.
 
     Attributes
     ----------
@@ -61,21 +58,20 @@ class Multipliers:
         Whether that is all, so that whole passes are multiplied at once.
     """
 
-    uniform = 0.0
     alone = True
 
     def __init__(
         self,
         grid: Grid,
         fft: SlabFFT,
-        q: tuple[np.ndarray, np.ndarray] | None = None,
+        q: Waves,
         table: np.ndarray | None = None,
+        uniform: float = 0.0,
     ):
-        self.dtype, self.ranks = fft.dtype, grid.comm.size
+        self.dtype, self.ranks, self.uniform = fft.dtype, grid.comm.size, uniform
         weight = np.ascontiguousarray(grid.column_tables(fft)[1][grid.comm.rank :: self.ranks])
         # kernels see real and imaginary parts as numbers of their own
-        q_x, q_y = (np.zeros(0), np.zeros((0, 0))) if q is None else (np.repeat(q[0], 2), q[1])
-        waves = (np.ascontiguousarray(a, fft.dtype) for a in (q_x, q_y))
+        waves = (np.ascontiguousarray(a, fft.dtype) for a in (np.repeat(q[0], 2), q[1]))
         self.factors = fft.dtype.type(fft.scale), weight, *waves, table
 
     def couple(self, fft: SlabFFT, inverse: bool) -> None:
@@ -119,11 +115,6 @@ class Body:
     full_p_star = 0.499
     error = 0.0
 
-    @property
-    def absolute(self) -> bool:
-        """Whether a uniform pressure has a finite effect, so that the approach is known."""
-        return True
-
     @classmethod
     def of(cls, material: Material, free: Sequence[bool]) -> Body | None:
         """Return the body of this kind that a scene means.
@@ -164,35 +155,31 @@ class Body:
         """
         raise NotImplementedError
 
-    def waves(self, grid: Grid, q_x: np.ndarray, q_y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def waves(self, grid: Grid, q_x: np.ndarray, q_y: np.ndarray) -> Waves:
         """Return the wave numbers along both axes, in units of 1/a, as `stiffness` is to take them
         on a grid."""
         return q_x, q_y
 
     def multipliers(self, grid: Grid, fft: SlabFFT) -> Multipliers:
-        """Return the Multipliers for the transforms of a grid, from a table. Collective."""
-        return self.kept(fft, lambda: Tabled(grid, fft, self.table(grid, fft), self.absolute))
+        """Return the Multipliers for the transforms of a grid, made once for each plan of them.
+        Collective."""
+        if self not in fft.multipliers:
+            q_y = grid.column_tables(fft)[0][grid.comm.rank :: grid.comm.size]
+            q = self.waves(grid, grid.q_x, q_y)
+            fft.multipliers[self] = self.make_multipliers(grid, fft, q)
+        return fft.multipliers[self]
 
-    def kept(self, fft: SlabFFT, make: Callable[[], T]) -> T:
-        """Return what `make` does, made once for each plan of transforms, which it must not
-        hold."""
-        made = _multipliers.setdefault(fft, {})
-        if self not in made:
-            made[self] = make()
-        return made[self]
-
-    def table(self, grid: Grid, fft: SlabFFT) -> np.ndarray:
-        """Tabulate K for this rank's columns, shape (own blocks, W, n_x//2 + 1) in the precision of
-        fft: it is even in q_x."""
-        q_x, q_y = self.waves(
-            grid,
-            grid.q_x[: grid.n[0] // 2 + 1],
-            grid.column_tables(fft)[0][grid.comm.rank :: grid.comm.size],
-        )
-        out = np.empty((*q_y.shape, len(q_x)), fft.dtype)
-        for block, q in zip(out, np.asarray(q_y, np.float64)):
-            block[...] = self.stiffness(np.hypot(q_x, q[:, None]), grid.a)
-        return out
+    def make_multipliers(self, grid: Grid, fft: SlabFFT, q: Waves) -> Multipliers:
+        """Make the Multipliers from a table of K for this rank's columns, shape (own blocks, W,
+        n_x//2 + 1) in the precision of fft: it is even in q_x. They do not hold fft. Collective."""
+        q_x, q_y = q[0][: grid.n[0] // 2 + 1], q[1]
+        table = np.empty((*q_y.shape, len(q_x)), fft.dtype)
+        for block, q_block in zip(table, np.asarray(q_y, np.float64)):
+            block[...] = self.stiffness(np.hypot(q_x, q_block[:, None]), grid.a)
+        uniform = float(grid.comm.bcast(table[0, 0, 0] if table.size else 0.0))
+        if grid.comm.rank == 0:
+            table[0, 0, 0] = 0  # the rigid translation
+        return Multipliers(grid, fft, q, table, uniform)
 
     @once_per_grid
     def scale(self, grid: Grid) -> float:
@@ -281,16 +268,3 @@ class Body:
         return np.array(
             [K[0, 0], K[1 % n_x, 0] * x, K[0, 1 % n_y] * y, K[1 % n_x, 1 % n_y] * (x and y)]
         )
-
-
-class Tabled(Multipliers):
-    """The multipliers of a body whose K stands in a table. absolute: whether its K(0) means
-    anything."""
-
-    def __init__(self, grid: Grid, fft: SlabFFT, table: np.ndarray, absolute: bool = True):
-        super().__init__(grid, fft, table=table)
-        self.uniform = (
-            float(grid.comm.bcast(table[0, 0, 0] if table.size else 0.0)) if absolute else np.nan
-        )
-        if grid.comm.rank == 0:
-            table[0, 0, 0] = 0  # the rigid translation

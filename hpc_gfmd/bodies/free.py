@@ -10,24 +10,20 @@ axis, and so images of its own that are no 1/r. The wave numbers of an axis that
 there, so that K is smooth and S knows nothing of the cell.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from ..kernels.lowmodes import join, multiply, split
-from .base import Body, Multipliers, once_per_grid
+from ..parallel.fft import SlabFFT
+from ..parallel.grid import Grid
+from ..scene import Material
+from .base import Body, Multipliers, Waves, once_per_grid
 from .halfspace import HalfSpace
 from .images import ALONE, NEEDED, PARITIES, Images, images
-
-if TYPE_CHECKING:
-    from ..parallel.fft import SlabFFT
-    from ..parallel.grid import Grid
-    from ..scene import Material
 
 SHARES = 24  # shares of a cell that are told apart: nearly the same grids have the same modes
 COVERED = 16  # of them that a surface has at most, see surface.cell_of
@@ -61,11 +57,6 @@ class Free(HalfSpace):
     # loads
     error = 5e-7
 
-    @property
-    def absolute(self) -> bool:
-        """Along a periodic axis the load never ends: it sinks in without end."""
-        return all(self.free)
-
     @classmethod
     def of(cls, material: Material, free: Sequence[bool]) -> Body | None:
         return cls((free[0], free[1])) if material.thickness is None and any(free) else None
@@ -79,23 +70,22 @@ class Free(HalfSpace):
         smallest, largest = super().bounds(grid)
         return 0.4 * smallest, largest  # S of a mode is at most 2.5 times that of the cell
 
-    def waves(self, grid: Grid, q_x: np.ndarray, q_y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def waves(self, grid: Grid, q_x: np.ndarray, q_y: np.ndarray) -> Waves:
         q_x, q_y = map(rounded, (q_x, q_y), np.divide(grid.spacings, grid.a), self.free)
         return q_x, q_y
 
-    def multipliers(self, grid: Grid, fft: SlabFFT) -> Multipliers:
-        return self.kept(
-            fft, lambda: self._coupled(super(Free, self).multipliers(grid, fft), grid, fft)
+    def make_multipliers(self, grid: Grid, fft: SlabFFT, q: Waves) -> Multipliers:
+        shape = self._shape(grid)
+        return (
+            Coupled(grid, fft, q, *_half_space(shape, fft.dtype))
+            if shape
+            else super().make_multipliers(grid, fft, q)
         )
 
     def exchanged(self, grid: Grid) -> int:
         """Return how many numbers a multiplication sums over all ranks."""
         shape = self._shape(grid)
         return 4 * (shape.modes[0] + 1) * (shape.modes[1] + 1) if shape else 0
-
-    def _coupled(self, plain: Multipliers, grid: Grid, fft: SlabFFT) -> Multipliers:
-        shape = self._shape(grid)
-        return Coupled(plain, grid, fft, *_half_space(shape, fft.dtype)) if shape else plain
 
     def _shape(self, grid: Grid) -> Shape | None:
         """Return the Shape of a grid, None where nothing ends."""
@@ -137,35 +127,30 @@ def rounded(q: np.ndarray, spacing: float, ends: bool) -> np.ndarray:
 
 @lru_cache(maxsize=16)
 def _half_space(shape: Shape, dtype: np.dtype) -> tuple[Images, Matrices]:
+    """Return the Images of a shape, and what couples the modes, in a precision: of K and, by True,
+    of S."""
     waves = [2 * np.pi / size * np.arange(k + 1) for size, k in zip(shape.cell, shape.modes)]
     q_x, q_y = map(rounded, waves, np.divide(shape.cell, shape.points), shape.free)
     q, found = np.hypot(q_x[:, None], q_y), images(*shape[:-1])
-    return found, added(found, np.divide(2, q, out=np.zeros_like(q), where=q > 0), dtype)
-
-
-def added(found: Images, S: np.ndarray, dtype: np.dtype) -> Matrices:
-    """Return what couples the modes, in a precision: of K and, by True, of S. S: the one without,
-    as `Images.inverse` has it."""
-    return {
-        False: {parity: K.astype(dtype) for parity, K in found.inverse(S).items()},
-        True: {parity: T.astype(dtype) for parity, T in found.T.items()},
+    S = np.divide(2, q, out=np.zeros_like(q), where=q > 0)
+    return found, {
+        inverse: {parity: matrix.astype(dtype) for parity, matrix in matrices.items()}
+        for inverse, matrices in ((False, found.inverse(S)), (True, found.T))
     }
 
 
 class Coupled(Multipliers):
-    """Multipliers that couple the lowest modes of the cell. plain: those without; found: Images;
-    matrices: as of `added`."""
+    """Multipliers that couple the lowest modes of the cell. found, matrices: as of
+    `_half_space`."""
 
     alone = False
 
-    def __init__(
-        self, plain: Multipliers, grid: Grid, fft: SlabFFT, found: Images, matrices: Matrices
-    ):
-        self.plain, self.comm, self.found, self.matrices = plain, grid.comm, found, matrices
-        self.modes, self.edges = found.modes, fft.edges
+    def __init__(self, grid: Grid, fft: SlabFFT, q: Waves, found: Images, matrices: Matrices):
         length = np.sqrt(np.prod(grid.sizes)) / grid.a
+        super().__init__(grid, fft, q, uniform=1 / (found.constant * length))
+        self.comm, self.found, self.matrices = grid.comm, found, matrices
+        self.modes, self.edges = found.modes, fft.edges
         self.unit = {False: fft.scale / length, True: fft.scale * length}
-        self.uniform = 1 / (found.constant * length)
         middle = [(m - 1) / 2 * 2 * np.pi / n for m, n in zip(grid.nominal, grid.n)]
         k_x, k_y = (np.arange(k + 1) for k in found.modes)
         self.shift_x, self.shift_y = np.exp(1j * middle[0] * k_x), np.exp(1j * middle[1] * k_y)
@@ -206,7 +191,7 @@ class Coupled(Multipliers):
         )
 
     def multiply(self, block: np.ndarray, m: int, inverse: bool) -> float:
-        energy = self.plain.multiply(block, m, inverse)
+        energy = super().multiply(block, m, inverse)
         columns = slice(int(self.edges[m]), int(min(self.edges[m + 1], self.modes[1] + 1)))
         width = columns.stop - columns.start
         if width > 0:

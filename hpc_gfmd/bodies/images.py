@@ -59,11 +59,8 @@ class Images:
             here = S[int(a < 0) :, int(b < 0) :].copy()
             if a > 0 and b > 0:
                 here[0, 0] = 1.0
-            here, diagonal = self.stacked(here), np.arange(T.shape[1])
-            K = T.copy()
-            K[:, diagonal, diagonal] += here
-            K = np.linalg.inv(K)
-            K[:, diagonal, diagonal] -= 1 / here
+            here, one = self.stacked(here)[..., None], np.eye(T.shape[1])
+            K = np.linalg.inv(T + here * one) - one / here
             out[a, b] = (K + K.transpose(0, 2, 1)) / 2
         return out
 

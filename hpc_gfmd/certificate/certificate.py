@@ -99,14 +99,13 @@ def certify(
     grid = problem.grid
     elastic = Elastic(grid, problem.body, dtype)
     p0, N = float(problem.p0), grid.N
-    passes = elastic.fft.passes()
 
     level = problem.level(g)
-    elastic.pressure_rows(problem.displacement_rows(g, level), passes)
+    elastic.pressure_rows(problem.displacement_rows(g, level))
     uKu = elastic.pressure_columns(problem.adder(elastic.fft))
     limit = problem.limit
     parts = elastic.use_rows(
-        lambda i0, i1, x: kkt_residuals(g, p, x, problem.p_cell, limit, grid.inside, i0, i1), passes
+        lambda i0, i1, x: kkt_residuals(g, p, x, problem.p_cell, limit, grid.inside, i0, i1)
     )
     found, largest = zip(*parts) if parts else ([KktSums(*[0.0] * 9)], [KktExtremes(0.0, 0.0)])
     *totals, uKu, mean = grid.comm.sum([*np.sum(found, axis=0), uKu, elastic.mean])
@@ -120,8 +119,7 @@ def certify(
         scale, shift = _admissible(problem, closed_p, sums)
         if scale >= 0:
             pg_dual = elastic.pressure_rows(
-                lambda i0, i1, x: dual_rows(g, p, x, scale, shift, limit, grid.inside, i0, i1),
-                passes,
+                lambda i0, i1, x: dual_rows(g, p, x, scale, shift, limit, grid.inside, i0, i1)
             )
             pg_dual, eSe = grid.comm.sum([sum(pg_dual), elastic.compliance_columns()])
             G = max(pg_dual + 0.5 * eSe, 0.0)

@@ -41,7 +41,7 @@ import numpy as np
 
 from ..kernels.certify import BINS, PER_OCTAVE, count_uncertain, open_moments
 from ..operators.multilevel import EQUIVALENCE
-from ..operators.problem import ROUNDING
+from ..operators.problem import ROUNDING, self_energy
 from ..parallel.threads import added
 
 if TYPE_CHECKING:
@@ -153,7 +153,7 @@ def estimate(problem: Problem, levels: Multilevel, state: State) -> Estimate:
         return Estimate(0.0, pressure, (0.0, floor), squares, 0.0)
     shift = compliance * product / share
     norm = sqrt(max(state.uKu, 0.0))
-    first = e * ((norm + e) / p0 + problem.self_energy)
+    first = e * ((norm + e) / p0 + self_energy(problem.grid))
     second = CALIBRATION.unknown * response * e + CALIBRATION.shift * abs(shift)
     if state.yielded:
         first += (second - first) * (1 - p0 / (problem.hardness or inf))

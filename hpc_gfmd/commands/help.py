@@ -14,14 +14,14 @@ def main(args: Namespace) -> int:
         return 0
     if args.topic != "scene":
         return _of_command(args.topic)
-    from ..contact import distribution_names, observable_names
+    from ..contact import all_distributions, observable_names
     from ..scene.reference import markdown, text
     from ..solvers import solver_names
 
     names = {
         "solver.name": solver_names(),
         "output.observables": observable_names(),
-        "output.distributions": distribution_names(),
+        "output.distributions": all_distributions(),
     }
     print(markdown(names) if args.markdown else text(args.key, names))
     return 0

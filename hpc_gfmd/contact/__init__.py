@@ -4,27 +4,21 @@ a contact, meaning, unit)}. A function returns a number, or None, which is left 
 ON_REQUEST = True marks a file whose observables take FFT pairs or passes over the fields of their
 own: only where the scene names them. TOGETHER = {name: names of observables} has names that stand
 for several. DISTRIBUTIONS = {name: Distribution(function of a contact, meaning, units)}, always on
-request, becomes the attributes NAME_WHAT of a load step; PERIODIC = True: not for surfaces that
-end. base.py has these classes, and what is said of the other numbers of a load.
+request, becomes the attributes NAME_WHAT of a load step. base.py has these classes, and what is
+said of the other numbers of a load.
 
 `contact` is a contact.contact.Contact; sums that several observables share are its cached
 properties, so that what nobody asks for is not computed. Numbers are in the scene's units.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from functools import cache
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..util.errors import SceneError
 from ..util.plugins import module_in, names_in
-from .base import OF_EVERY_LOAD
-
-if TYPE_CHECKING:
-    from .base import Arrays, Distribution, Observable
-    from .contact import Contact
+from .base import OF_EVERY_LOAD, Distribution, Observable
 
 COMMON = ("base", "contact")  # files that are no observable
 
@@ -51,11 +45,6 @@ def observable_names() -> set[str]:
     return {*all_observables(), *_merged("TOGETHER")}
 
 
-def names_together(name: str) -> tuple[str, ...]:
-    """Return the observables that a name stands for where it stands for several, otherwise none."""
-    return _merged("TOGETHER").get(name, ())
-
-
 def observables_named(names: Iterable[str]) -> dict[str, Observable]:
     """Return {name: Observable} of those that these names stand for."""
     together = _merged("TOGETHER")
@@ -80,34 +69,16 @@ def all_numbers() -> dict[str, tuple[str, str]]:
     return OF_EVERY_LOAD | observed | counted
 
 
-def distribution_names(free: tuple[bool, bool] = (False, False)) -> set[str]:
-    """Return the names of distributions that a scene may ask for; free: whether the surface ends
-    along x, along y."""
-    fit = [
-        module
-        for module in _observables()
-        if not (any(free) and getattr(module, "PERIODIC", False))
-    ]
-    return {name for module in fit for name in getattr(module, "DISTRIBUTIONS", ())}
-
-
 def require_periodic(names: Iterable[str], free: tuple[bool, bool], key: str) -> None:
     """Raise SceneError where a distribution by one of these names needs periodic boundaries; free:
     whether the surface ends along x, along y; key: where the names stand."""
-    known = distribution_names(free)
+    periodic = [name for name, one in all_distributions().items() if one.periodic and any(free)]
     for name in names:
-        if name in distribution_names() - known:
+        if name in periodic:
             raise SceneError(
                 f"{key}: found {name!r}, which needs periodic boundaries, allowed:"
-                f" {', '.join(sorted(known))}"
+                f" {', '.join(sorted(all_distributions().keys() - periodic))}"
             )
-
-
-def distributions_named(names: Iterable[str], contact: Contact) -> dict[str, Arrays]:
-    """Return {name: {what: array of numbers}} of the distributions of a contact by these names that
-    have anything to count. Collective."""
-    found = {name: f(contact) for name, f in all_distributions().items() if name in names}
-    return {name: arrays for name, arrays in found.items() if arrays is not None}
 
 
 @cache

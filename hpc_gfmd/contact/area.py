@@ -9,17 +9,12 @@ that vary along one axis only, nor where points are not square; a_r_corrected an
 are None there.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from functools import partial
 
 import numpy as np
 
-from .base import Observable
-
-if TYPE_CHECKING:
-    from .contact import Contact
+from .base import Contact, Observable
 
 EDGE_CORRECTION = (np.pi - 1 + np.log(2)) / 24
 EDGE_1D = 0.2  # the same in one dimension: measured, 0.198 on 320 waves of 32 to 333 points
@@ -43,8 +38,8 @@ def a_plastic(contact: Contact) -> float | None:
 def a_r_corrected(contact: Contact) -> float | None:
     """Return a_r less the area that the pixels on the contact boundary do not fill; None where
     EDGE_CORRECTION does not hold."""
-    a_x, a_y = contact.surface.grid.spacings
-    if _one_dimensional(contact) or abs(a_x / a_y - 1) > SQUARE:
+    a_x, a_y = contact.grid.spacings
+    if 1 in contact.grid.nominal or abs(a_x / a_y - 1) > SQUARE:
         return None
     return a_r(contact) - EDGE_CORRECTION * contact.boundary_segments / contact.N
 
@@ -68,7 +63,7 @@ def a_r_discretisation(contact: Contact) -> float:
     * 320 profiles (Westergaard): 0.2 +- 0.3 points per edge, 0.7 at most, hence b = EDGE_1D there.
     """
     segments = contact.boundary_segments
-    bias = EDGE_1D if _one_dimensional(contact) else EDGE_CORRECTION
+    bias = EDGE_1D if 1 in contact.grid.nominal else EDGE_CORRECTION
     return (
         (bias * segments + LATTICE * np.sqrt(segments)) / contact.contact_points
         if contact.contact_points
@@ -76,21 +71,15 @@ def a_r_discretisation(contact: Contact) -> float:
     )
 
 
-def _one_dimensional(contact: Contact) -> bool:
-    return min(contact.surface.grid.nominal) == 1
-
-
-def _over_p_star(area: Callable[[Contact], float | None]) -> Callable[[Contact], float | None]:
-    def kappa(contact: Contact) -> float | None:
-        value = area(contact) if contact.g_rms > 0 else None
-        return None if value is None else value / contact.p_star
-
-    return kappa
+def kappa(area: Callable[[Contact], float | None], contact: Contact) -> float | None:
+    """Return an area over p_star."""
+    value = area(contact) if contact.g_rms > 0 else None
+    return None if value is None else value / contact.p_star
 
 
 OBSERVABLES = {
     "a_r": Observable(a_r, "relative contact area: points in contact over all points"),
-    "kappa": Observable(_over_p_star(a_r), "a_r/p_star"),
+    "kappa": Observable(partial(kappa, a_r), "a_r/p_star"),
     "a_plastic": Observable(
         a_plastic,
         "share of the area where the pressure is the hardness: the part of a_r that yields",
@@ -102,6 +91,6 @@ OBSERVABLES = {
         sources=SOURCES,
     ),
     "kappa_corrected": Observable(
-        _over_p_star(a_r_corrected), "a_r_corrected/p_star", sources=SOURCES
+        partial(kappa, a_r_corrected), "a_r_corrected/p_star", sources=SOURCES
     ),
 }

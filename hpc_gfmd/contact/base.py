@@ -4,16 +4,16 @@ Units are products of "length", "pressure" and "force"; `util.quantities.in_unit
 a surface. "" is dimensionless.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 if TYPE_CHECKING:  # contacts need the kernels, names of observables do not
     from .contact import Contact
+else:
+    Contact = Any
 
 Arrays = dict[str, np.ndarray]
 
@@ -33,12 +33,13 @@ class Observable:
 
 @dataclass(frozen=True)
 class Distribution:
-    """Arrays of a contact; `of` returns None where there is nothing to count. units: of each
-    array."""
+    """Arrays of a contact; `of` returns None where there is nothing to count. units: of each array;
+    periodic: not for surfaces that end."""
 
     of: Callable[[Contact], Arrays | None]
     meaning: str
     units: Mapping[str, str]
+    periodic: bool = False
 
     def __call__(self, contact: Contact) -> Arrays | None:
         return self.of(contact)

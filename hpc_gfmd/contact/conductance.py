@@ -6,15 +6,9 @@ So the conductance per nominal area, without films and with an insulating gap, i
 stiffness times 2 k1 k2/(k1 + k2) over E* (Barber 2003), k1 and k2 being the conductivities.
 """
 
-from __future__ import annotations
-
 from math import inf
-from typing import TYPE_CHECKING
 
-from .base import Observable
-
-if TYPE_CHECKING:
-    from .contact import Contact
+from .base import Contact, Observable
 
 ON_REQUEST = True
 

@@ -1,29 +1,26 @@
 """A solved contact at one load: fields and the sums that observables are made of, in the scene's
 units."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..bodies.base import Body
 from ..bodies.halfspace import HALF_SPACE
+from ..certificate.certificate import Certificate
+from ..operators.tangent import Tangent, tangent
 from ..output.fields import FIELDS, LazyField
+from ..parallel.clusters import Clusters, find_clusters
+from ..parallel.grid import Grid
+from ..parallel.halo import next_row
+from ..parallel.threads import added
 from ..scene.model import TOUCHING
+from ..surface import Surface
 from ..surface.quality import load_notes
 from ..surface.units import field_dtype
 from ..util.errors import SceneError
-
-if TYPE_CHECKING:
-    from ..bodies.base import Body
-    from ..certificate.certificate import Certificate
-    from ..operators.spectra import Spectra
-    from ..operators.tangent import Tangent
-    from ..parallel.clusters import Clusters
-    from ..surface import Surface
 
 PLASTIC, MANY = 0.2, 0.1  # pressure over E*, and share of the contact, at which solids yield
 YIELDS = (
@@ -85,9 +82,14 @@ class Contact:
     hardness: float | None = None
 
     @property
+    def grid(self) -> Grid:
+        """The grid that was solved."""
+        return self.surface.grid
+
+    @property
     def N(self) -> int:
-        """Number of points of the grid that was solved."""
-        return self.surface.grid.N
+        """Number of points of the surface."""
+        return self.grid.N
 
     @property
     def g_rms(self) -> float:
@@ -146,10 +148,10 @@ class Contact:
             return None
         if self.p_mean < MANY * area * high:
             return None
-        limit, grid = high / self.pressure_unit, self.surface.grid
+        limit, grid = high / self.pressure_unit, self.grid
 
         def above(i0: int, i1: int) -> int:
-            return int(np.count_nonzero(self.pressure_rows(slice(i0, i1)) > limit))
+            return int(np.count_nonzero(self.pressure_rows(i0, i1) > limit))
 
         found = grid.comm.sum([sum(grid.by_rows(above, grid.inside[0]))])[0]
         return YIELDS if found > MANY * self.contact_points else None
@@ -158,7 +160,7 @@ class Contact:
     def _doubt(self) -> str | None:
         """Why a solution that is converged may yet say little."""
         points = self.contact_points
-        if self.g_rms == 0 and not self.surface.grid.padded:
+        if self.g_rms == 0 and not self.grid.padded:
             return "flat surface: every point touches at any load"
         if points == self.N:
             return "full contact: every point touches, the gap is zero"
@@ -187,62 +189,50 @@ class Contact:
     @cached_property
     def tangent(self) -> Tangent:
         """The operators.tangent.Tangent of this contact. Collective; some FFT pairs."""
-        from ..operators.tangent import tangent
-
-        rows, points = self.surface.grid.inside
+        rows, points = self.grid.inside
         touching = np.zeros(self.g.shape, dtype=bool)
         touching[:rows, :points] = self.touching(0, rows)
-        return tangent(self.surface.grid, self.body, touching, self.g.dtype, self.accuracy)
+        found = tangent(self.grid, self.body, touching, self.g.dtype, self.accuracy)
+        self.asked_pairs.append(found.pairs)
+        return found
 
     @cached_property
-    def spectra(self) -> Spectra:
-        """The operators.spectra.Spectra of this contact."""
-        from ..operators.spectra import Spectra
-
-        surface = self.surface
-        fields: dict[str, Callable[[int, int], np.ndarray]] = {
-            "gap": lambda i0, i1: self.gap_rows(slice(i0, i1)),
-            "pressure": lambda i0, i1: self.pressure_rows(slice(i0, i1)),
-        }
-        if (h := surface.h) is not None:
-            fields["heights"] = lambda i0, i1: h[i0:i1]
-        length = surface.height_unit
-        units = {"gap": length, "pressure": self.pressure_unit, "heights": length}
-        return Spectra(surface.grid, self.g.dtype, fields, units, surface.add_spectrum)
+    def asked_pairs(self) -> list[float]:
+        """FFT pairs of the observables that were asked for so far."""
+        return []
 
     @property
     def fft_pairs(self) -> float:
-        """Everything counted: `pairs`, and those of the observables that were asked for so far."""
-        asked = [vars(self)[name].pairs for name in ("tangent", "spectra") if name in vars(self)]
-        return self.pairs + sum(asked)
+        """Everything counted: `pairs` and `asked_pairs`."""
+        return self.pairs + sum(self.asked_pairs)
 
     @property
     def periodic(self) -> tuple[bool, bool]:
         """Whether opposite edges of the surface touch, along x and along y."""
-        nominal, n = self.surface.grid.nominal, self.surface.grid.n
+        nominal, n = self.grid.nominal, self.grid.n
         return nominal[0] == n[0], nominal[1] == n[1]
 
     def touching(self, i0: int, i1: int) -> np.ndarray:
         """Return which points touch in the rows i0 <= i < i1 of this rank's part of the surface:
         bool, (i1 - i0, points of the surface)."""
-        points = self.surface.grid.nominal[1]
+        points = self.grid.nominal[1]
         return (self.g[i0:i1, :points] <= 0) & (self.p[i0:i1, :points] > 0)
 
-    def pressure_rows(self, take: slice) -> np.ndarray:
+    def pressure_rows(self, i0: int, i1: int) -> np.ndarray:
         """Return the pressure in rows of this rank's part of the surface, in the problem's unit: 0
         out of contact, the hardness where a point yields."""
-        points = self.surface.grid.nominal[1]
-        g, p = self.g[take, :points], self.p[take, :points]
+        points = self.grid.nominal[1]
+        g, p = self.g[i0:i1, :points], self.p[i0:i1, :points]
         p = np.where((g <= 0) & (p > 0), p, 0)
         if self.hardness is not None:
             most = p.dtype.type(self.hardness / self.pressure_unit)
             p = np.where(g < 0, most, np.minimum(p, most))
         return p
 
-    def gap_rows(self, take: slice) -> np.ndarray:
+    def gap_rows(self, i0: int, i1: int) -> np.ndarray:
         """Return the gap in rows of this rank's part of the surface, in the problem's unit: 0 where
         there is a dent."""
-        g = self.g[take, : self.surface.grid.nominal[1]]
+        g = self.g[i0:i1, : self.grid.nominal[1]]
         return g if self.hardness is None else np.maximum(g, 0)
 
     def clusters(
@@ -268,9 +258,7 @@ class Contact:
         open_axis: int | None = None,
     ) -> Clusters:
         """Find the Clusters of the points of a mask; mask(i0, i1): as `touching`. Collective."""
-        from ..parallel.clusters import find_clusters
-
-        grid = self.surface.grid
+        grid = self.grid
         periodic = self.periodic[0] and open_axis != 0, self.periodic[1] and open_axis != 1
         return find_clusters(grid.comm, mask, grid.nominal_rows, grid.nominal, periodic, corners)
 
@@ -285,24 +273,22 @@ class Contact:
 
         The edge of a surface that ends is none.
         """
-        from ..kernels.certify import contact_edges
-        from ..parallel import halo
-        from ..parallel.threads import added
-
-        grid = self.surface.grid
-        if grid.N == 1:
-            return 0, 0
-        g, p, rows = self.g, self.p, grid.inside[0]
+        grid, (rows, points) = self.grid, self.grid.inside
         starts = np.minimum(grid.starts, grid.nominal[0])
-        below = [halo.next_row(grid.comm, field[:rows], starts) for field in (g, p)]
+        g, p = (next_row(grid.comm, field[:rows], starts) for field in (self.g, self.p))
+        below = ((g <= 0) & (p > 0))[None, :points]
         around_x, around_y = self.periodic
-        if not around_x and rows and grid.nominal_rows[1] == grid.nominal[0]:
-            below = [g[rows - 1], p[rows - 1]]
+        if not around_x and grid.nominal_rows[1] == grid.nominal[0]:
+            below = below[:0]
 
         def edges(i0: int, i1: int) -> tuple[int, int]:
-            after = below if i1 == rows else [g[i1], p[i1]]
-            inside = i1 - i0, grid.inside[1]
-            return contact_edges(g[i0:i1], p[i0:i1], inside, after[0], after[1], around_y)
+            here = self.touching(i0, min(i1 + 1, rows))
+            here = np.concatenate([here, below]) if i1 == rows else here
+            along_y = np.count_nonzero(here[1:] != here[:-1])
+            here = here[: i1 - i0]
+            along_x = np.count_nonzero(here[:, 1:] != here[:, :-1])
+            along_x += around_y * np.count_nonzero(here[:, 0] != here[:, -1])
+            return int(along_x), int(along_y)
 
         along_x, along_y = grid.comm.sum(added(grid.by_rows(edges, rows), 2))
         return int(along_x), int(along_y)
@@ -329,15 +315,15 @@ class Contact:
         dtype = field_dtype(name, self.g.dtype, self.p_mean, self.surface)
         real = dtype.type
 
-        def values(take: slice) -> np.ndarray:
+        def values(i0: int, i1: int) -> np.ndarray:
             if name == "pressure":
-                return self.pressure_rows(take) * real(self.pressure_unit)
-            g = self.gap_rows(take)
+                return self.pressure_rows(i0, i1) * real(self.pressure_unit)
+            g = self.gap_rows(i0, i1)
             if name == "displacement":
                 assert self.surface.h is not None  # refused beforehand with solver.low_memory
-                g = g - self.surface.h[take]
+                g = g - self.surface.h[i0:i1]
             elif name == "plastic":
-                g = g - self.g[take, : g.shape[1]]
+                g = g - self.g[i0:i1, : g.shape[1]]
             return g * real(self.surface.height_unit)
 
         return _on_the_whole_grid(self.surface, values, dtype)
@@ -350,12 +336,12 @@ def heights_of(surface: Surface) -> LazyField:
     assert h is not None  # asked for before a sweep in low memory gives them away
     dtype = field_dtype("heights", h.dtype, 0.0, surface)
     return _on_the_whole_grid(
-        surface, lambda take: h[take] * -dtype.type(surface.height_unit), dtype
+        surface, lambda i0, i1: h[i0:i1] * -dtype.type(surface.height_unit), dtype
     )
 
 
 def _on_the_whole_grid(
-    surface: Surface, values: Callable[[slice], np.ndarray], dtype: np.dtype
+    surface: Surface, values: Callable[[int, int], np.ndarray], dtype: np.dtype
 ) -> LazyField:
     """Make the local slab, with an axis that was left out, of what values(rows of the arrays)
     gives."""
@@ -364,7 +350,7 @@ def _on_the_whole_grid(
     def rows(i0: int, i1: int) -> np.ndarray:
         # with the second axis left out every rank has all rows
         first = surface.rows[0] if left_out == 1 else 0
-        found = values(slice(0, 1) if left_out == 0 else slice(first + i0, first + i1))
+        found = values(0, 1) if left_out == 0 else values(first + i0, first + i1)
         return found if left_out is None else np.broadcast_to(found, (i1 - i0, surface.n[1]))
 
     shape = surface.rows[1] - surface.rows[0], surface.n[1]

@@ -5,17 +5,11 @@ from edge to edge (points connected where they share a side; periodic along the 
 surface is). Most of what leaks passes there (Persson and Yang 2008).
 """
 
-from __future__ import annotations
-
-from collections.abc import Callable
-from typing import TYPE_CHECKING
+from functools import partial
 
 import numpy as np
 
-from .base import Observable
-
-if TYPE_CHECKING:
-    from .contact import Contact
+from .base import Contact, Observable
 
 ON_REQUEST = True
 SOURCES = (
@@ -23,37 +17,33 @@ SOURCES = (
 )
 
 
-def _critical(axis: int) -> Callable[[Contact], float]:
-    """Make the observable along an axis, found by bisection: positive numbers are in the order of
-    their bits, read as a whole number."""
+def critical_gap(axis: int, contact: Contact) -> float:
+    """Find the critical gap along an axis by bisection: positive numbers are in the order of their
+    bits, read as a whole number."""
+    rows, points = contact.grid.inside
+    g, comm = contact.g[:rows, :points], contact.grid.comm
+    whole = np.dtype(f"i{g.dtype.itemsize}")
 
-    def critical_gap(contact: Contact) -> float:
-        rows, points = contact.surface.grid.inside
-        g, comm = contact.g[:rows, :points], contact.surface.grid.comm
-        whole = np.dtype(f"i{g.dtype.itemsize}")
+    def bits(value: float) -> int:
+        return int(g.dtype.type(value).view(whole))
 
-        def bits(value: float) -> int:
-            return int(g.dtype.type(value).view(whole))
+    def spans(least: float) -> bool:
+        wide = contact.clusters_of(lambda i0, i1: g[i0:i1] >= least, open_axis=axis)
+        return wide.percolates[axis]
 
-        def spans(least: float) -> bool:
-            wide = contact.clusters_of(lambda i0, i1: g[i0:i1] >= least, open_axis=axis)
-            return wide.percolates[axis]
-
-        low, high = 0, bits(comm.max([g.max(initial=0)])[0])
-        while low < high:
-            least = whole.type((low + high + 1) // 2).view(g.dtype)
-            if spans(least):
-                low = bits(comm.min([g.min(where=g >= least, initial=np.inf)])[0])
-            else:
-                high = bits(comm.max([g.max(where=g < least, initial=0)])[0])
-        return float(whole.type(low).view(g.dtype)) * contact.surface.height_unit
-
-    return critical_gap
+    low, high = 0, bits(comm.max([g.max(initial=0)])[0])
+    while low < high:
+        least = whole.type((low + high + 1) // 2).view(g.dtype)
+        if spans(least):
+            low = bits(comm.min([g.min(where=g >= least, initial=np.inf)])[0])
+        else:
+            high = bits(comm.max([g.max(where=g < least, initial=0)])[0])
+    return float(whole.type(low).view(g.dtype)) * contact.surface.height_unit
 
 
 OBSERVABLES = {
     f"critical_gap_{'xy'[axis]}": Observable(
-        _critical(axis),
+        partial(critical_gap, axis),
         f"largest t for which points with a larger gap reach along {'xy'[axis]} from edge to edge",
         "length",
         SOURCES,

@@ -5,18 +5,12 @@ and those of other loads are joined or split to be compared. Rows of the fields 
 at a time.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from math import floor, log2
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .base import Arrays, Distribution
-
-if TYPE_CHECKING:
-    from .contact import Contact
+from .base import Arrays, Contact, Distribution
 
 FINE = 7  # at most 2^FINE bins of pressure, more than half as many
 NARROW = 2.0**-10  # relative: a distribution narrower than that gets no finer bins
@@ -33,7 +27,7 @@ def pressure(contact: Contact) -> Arrays | None:
 
     def values(i0: int, i1: int) -> np.ndarray:
         touching = contact.touching(i0, i1)
-        return contact.pressure_rows(slice(i0, i1))[touching].astype(np.float64)
+        return contact.pressure_rows(i0, i1)[touching].astype(np.float64)
 
     low, high = _range(contact, values)
     if high < low:
@@ -56,7 +50,7 @@ def gap(contact: Contact) -> Arrays | None:
     unit, lowest = surface.height_unit / surface.h_rms, -GAP_BINS * GAP_OCTAVES - 1
 
     def bins(i0: int, i1: int) -> np.ndarray:
-        g = contact.gap_rows(slice(i0, i1)).astype(np.float64) * unit
+        g = contact.gap_rows(i0, i1).astype(np.float64) * unit
         gaps = g[~contact.touching(i0, i1) & np.isfinite(g)]
         with np.errstate(divide="ignore"):
             return np.maximum(np.floor(GAP_BINS * np.log2(gaps)), lowest).astype(np.int64)
@@ -73,7 +67,7 @@ OfRows = Callable[[int, int], np.ndarray]
 
 def _range(contact: Contact, values: OfRows) -> tuple[float, float]:
     """Return (lowest, highest) of all ranks; (inf, -inf) where there is none."""
-    grid = contact.surface.grid
+    grid = contact.grid
 
     def ends(i0: int, i1: int) -> tuple[float, float]:
         found = values(i0, i1).astype(np.float64)
@@ -86,7 +80,7 @@ def _range(contact: Contact, values: OfRows) -> tuple[float, float]:
 
 def _counts(contact: Contact, bins: OfRows, first: int, last: int) -> np.ndarray:
     """Count how often each number from first to last is among those of all ranks."""
-    grid, none = contact.surface.grid, np.zeros(last - first + 1)
+    grid, none = contact.grid, np.zeros(last - first + 1)
 
     def counts(i0: int, i1: int) -> np.ndarray:
         return np.bincount(bins(i0, i1) - first, minlength=len(none))

@@ -7,16 +7,9 @@ Errors of rounding and of the operator (Body.error) come on top. Half an FFT pai
 request (and for solvers without error estimates).
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from .base import Observable
-
-if TYPE_CHECKING:
-    from .contact import Contact
+from .base import Contact, Observable
 
 
 def duality_gap(contact: Contact) -> float | None:
@@ -31,7 +24,7 @@ def pressure_bound(contact: Contact) -> float | None:
     energy, certificate = _energy_norm(contact), contact.certificate
     if energy is None:
         return None
-    grid = contact.surface.grid
+    grid = contact.grid
     left = certificate.residual * contact.p_mean / contact.pressure_unit * np.sqrt(grid.N)
     wrong = energy * np.sqrt(contact.body.bounds(grid)[1]) + left
     return _relative(wrong, certificate.pressures)
@@ -40,15 +33,14 @@ def pressure_bound(contact: Contact) -> float | None:
 def gap_bound(contact: Contact) -> float | None:
     """Bound the relative error of the mean gap; None as for the pressure, and with a hardness: gaps
     and dents together have a bound then, the gaps alone have none."""
-    from ..operators.problem import Problem  # names of observables need no kernels
+    from ..operators.problem import self_energy  # names of observables need no kernels
 
     energy, certificate = _energy_norm(contact), contact.certificate
     if energy is None or contact.hardness is not None:
         return None
-    p0, grid = contact.p_mean / contact.pressure_unit, contact.surface.grid
-    problem = Problem(grid, contact.g, p0, body=contact.body)
+    p0, grid = contact.p_mean / contact.pressure_unit, contact.grid
     norm = np.sqrt(max(certificate.uKu, 0.0)) + energy
-    return _relative(energy * (norm / p0 + problem.self_energy) / grid.N, certificate.gap_mean)
+    return _relative(energy * (norm / p0 + self_energy(grid)) / grid.N, certificate.gap_mean)
 
 
 def _energy_norm(contact: Contact) -> float | None:

@@ -1,14 +1,8 @@
 """Elastic energy per area."""
 
-from __future__ import annotations
-
 from math import isfinite
-from typing import TYPE_CHECKING
 
-from .base import Observable
-
-if TYPE_CHECKING:
-    from .contact import Contact
+from .base import Contact, Observable
 
 
 def energy(contact: Contact) -> float | None:

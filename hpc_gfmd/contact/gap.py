@@ -1,13 +1,6 @@
 """Mean gap, absolute and in units of the surface."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
-from .base import Observable
-
-if TYPE_CHECKING:
-    from .contact import Contact
+from .base import Contact, Observable
 
 
 def gap_mean(contact: Contact) -> float:

@@ -7,18 +7,12 @@ nobody knows; names that end in _8 join them (8-connected). Sizes are areas, in 
 squared.
 """
 
-from __future__ import annotations
-
-from collections.abc import Callable
-from typing import TYPE_CHECKING
+from functools import partial
 
 import numpy as np
 
-from .base import Arrays, Distribution, Observable
+from .base import Arrays, Contact, Distribution, Observable
 from .perimeter import average_direction
-
-if TYPE_CHECKING:
-    from .contact import Contact
 
 ON_REQUEST = True
 BINS_PER_OCTAVE = 2
@@ -26,7 +20,7 @@ BINS_PER_OCTAVE = 2
 
 def _area(contact: Contact) -> float:
     """Return the area of one point."""
-    a_x, a_y = contact.surface.grid.spacings
+    a_x, a_y = contact.grid.spacings
     return a_x * a_y
 
 
@@ -35,11 +29,11 @@ def _of_patches(corners: bool) -> dict[str, Observable]:
     end, how = ("_8", "a side or a corner") if corners else ("", "a side")
 
     def number(contact: Contact) -> int:
-        return int(contact.surface.grid.comm.sum([len(contact.clusters(corners=corners).sizes)])[0])
+        return int(contact.grid.comm.sum([len(contact.clusters(corners=corners).sizes)])[0])
 
     def largest(contact: Contact) -> float:
         own = contact.clusters(corners=corners).sizes.max(initial=0)
-        return float(contact.surface.grid.comm.max([own])[0]) * _area(contact)
+        return float(contact.grid.comm.max([own])[0]) * _area(contact)
 
     def mean(contact: Contact) -> float | None:
         patches = number(contact)
@@ -54,28 +48,22 @@ def _of_patches(corners: bool) -> dict[str, Observable]:
     }
 
 
-def _sizes(corners: bool) -> Callable[[Contact], Arrays | None]:
-    """Make the distribution of patch sizes: see `sizes`."""
-
-    def sizes(contact: Contact) -> Arrays | None:
-        """Return edges of bins, two in a factor of two (1, 2, 3, 4, 6, 8, 12, ... points); density:
-        share of the patches per area, integrates to 1. None without a patch."""
-        comm, found = contact.surface.grid.comm, contact.clusters(corners=corners).sizes
-        largest = comm.max([found.max(initial=0)])[0]
-        if largest == 0:
-            return None
-        octaves = int(np.log2(largest)) + 1
-        edges = np.unique(
-            np.ceil(2.0 ** (np.arange(BINS_PER_OCTAVE * octaves + 1) / BINS_PER_OCTAVE))
-        )
-        edges = edges[: np.searchsorted(edges, largest, "right") + 1]
-        counts = comm.sum(np.histogram(found, edges)[0])
-        return {
-            "edges": edges * _area(contact),
-            "density": counts / counts.sum() / (np.diff(edges) * _area(contact)),
-        }
-
-    return sizes
+def sizes(corners: bool, contact: Contact) -> Arrays | None:
+    """Return the distribution of patch sizes: edges of bins, two in a factor of two (1, 2, 3, 4, 6,
+    8, 12, ... points); density: share of the patches per area, integrates to 1. None without a
+    patch."""
+    comm, found = contact.grid.comm, contact.clusters(corners=corners).sizes
+    largest = comm.max([found.max(initial=0)])[0]
+    if largest == 0:
+        return None
+    octaves = int(np.log2(largest)) + 1
+    edges = np.unique(np.ceil(2.0 ** (np.arange(BINS_PER_OCTAVE * octaves + 1) / BINS_PER_OCTAVE)))
+    edges = edges[: np.searchsorted(edges, largest, "right") + 1]
+    counts = comm.sum(np.histogram(found, edges)[0])
+    return {
+        "edges": edges * _area(contact),
+        "density": counts / counts.sum() / (np.diff(edges) * _area(contact)),
+    }
 
 
 def patch_table(contact: Contact) -> Arrays:
@@ -86,7 +74,7 @@ def patch_table(contact: Contact) -> Arrays:
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
-    grid, periodic = contact.surface.grid, contact.periodic
+    grid, periodic = contact.grid, contact.periodic
     rows = grid.inside[0]
     mask = contact.touching(0, rows)
     labels, found = ndimage.label(mask)
@@ -104,7 +92,7 @@ def patch_table(contact: Contact) -> Arrays:
         return np.bincount(of, values, patches) / count
 
     table: Arrays = {"area": count * _area(contact)}
-    p = contact.pressure_rows(slice(0, rows))[mask].astype(np.float64) * contact.pressure_unit
+    p = contact.pressure_rows(0, rows)[mask].astype(np.float64) * contact.pressure_unit
     table["load"] = mean(p) * table["area"]
     sides = np.zeros(patches)
     for axis, name in enumerate("xy"):
@@ -140,7 +128,7 @@ OBSERVABLES = SIDES | CORNERS
 TOGETHER = {"patches": tuple(SIDES), "patches_8": tuple(CORNERS)}
 DISTRIBUTIONS = {
     f"patches{end}": Distribution(
-        _sizes(corners),
+        partial(sizes, corners),
         f"distribution of the areas of the patches{end}: share of them per area",
         {"edges": "length^2", "density": "1/length^2"},
     )

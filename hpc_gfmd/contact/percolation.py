@@ -15,14 +15,7 @@ alone: a fluid that enters along one edge of a seal comes out at the other. In a
 so up to larger contact areas.
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
-from .base import Observable
-
-if TYPE_CHECKING:
-    from .contact import Contact
+from .base import Contact, Observable
 
 ON_REQUEST = True
 SOURCES = ("Newman, Ziff, Phys. Rev. E 64 (2001) 016706, doi:10.1103/PhysRevE.64.016706",)

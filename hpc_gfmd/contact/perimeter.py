@@ -1,15 +1,8 @@
 """Length of the edge of the contact."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from .base import Observable
-
-if TYPE_CHECKING:
-    from .contact import Contact
+from .base import Contact, Observable
 
 ON_REQUEST = True
 
@@ -25,14 +18,14 @@ def perimeter(contact: Contact) -> float:
     length. Contacts that vary along one axis only have such edges alone: there it is the lengths
     themselves.
     """
-    (along_x, along_y), grid = contact.edges, contact.surface.grid
+    (along_x, along_y), grid = contact.edges, contact.grid
     a_x, a_y = grid.spacings
     return average_direction(contact) * (along_x * a_x + along_y * a_y)
 
 
 def average_direction(contact: Contact) -> float:
     """Return the length of an edge over that of the sides of points along it, see `perimeter`."""
-    return 1.0 if 1 in contact.surface.grid.nominal else np.pi / 4
+    return 1.0 if 1 in contact.grid.nominal else np.pi / 4
 
 
 OBSERVABLES = {

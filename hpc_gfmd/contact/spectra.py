@@ -1,36 +1,163 @@
-"""Power spectra and autocorrelations of heights, pressure and gap, averaged over directions: see
-operators/spectra.py."""
+"""Power spectra and autocorrelations of heights, pressure and gap, averaged over directions, by the
+transforms of the grid.
 
-from __future__ import annotations
+With f_q = (1/N) sum_r f(r) exp(-i q.r), without the mean (q = 0):
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING
+    C(q) = L_x L_y <|f_q|^2>    averaged over the wave vectors in a ring
+    A(r) = <f(x) f(x + r)>      averaged over x and the distances r in a ring (minimal image)
 
-from .base import Arrays, Distribution
+The variance of f is sum_q C(q)/(L_x L_y) = A(0).
 
-if TYPE_CHECKING:
-    from .contact import Contact
+Rings are RINGS to a factor of two, beginning at the longest wave and at the nearest neighbours; q
+and r are means over their points. Along one axis alone (the other has one point) C is L <|f_q|^2>.
+Transforms are those that the solve has planned, in the better precision of them.
+"""
 
-PERIODIC = True
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from ..parallel.fft import SlabFFT
+from ..parallel.grid import Grid
+from .base import Arrays, Contact, Distribution
+
+RINGS = 8
 FIELDS = {"heights": "length", "pressure": "pressure", "gap": "length"}
 
 
-def _of(name: str, what: str) -> Callable[[Contact], Arrays | None]:
-    return lambda contact: getattr(contact.spectra, what)(name)
+def power(name: str, contact: Contact) -> Arrays | None:
+    """Return the radial power spectrum of a field: {"q", "power": C}; None on a grid of one point.
+    Half an FFT pair. Collective."""
+    grid, fft = contact.grid, _transforms(contact)
+    q_x, q_y = grid.q_x / grid.a, grid.q_y / grid.a
+    longest = 2 * np.pi / max(_lengths(grid))
+    weight = grid.multiplicity(np.arange(len(q_y)))
+    scale = np.prod(_lengths(grid)) * (fft.scale * _unit(contact, name)) ** 2
+
+    def sums(block: np.ndarray, m: int) -> np.ndarray:
+        mine = slice(*fft.columns_of(m))
+        q = np.hypot(q_x, q_y[mine, None])
+        use = (q > 0) & (weight[mine, None] > 0)
+        squares = scale * (block.real.astype(np.float64) ** 2 + block.imag.astype(np.float64) ** 2)
+        return _ring_sums(
+            q[use], longest, np.broadcast_to(weight[mine, None], q.shape)[use], squares[use]
+        )
+
+    q, power = _means(grid, _columns(contact, name, fft, sums, backward=False))
+    contact.asked_pairs.append(0.5)
+    return {"q": q, "power": power} if len(q) else None
+
+
+def autocorrelation(name: str, contact: Contact) -> Arrays:
+    """Return the radial autocorrelation of a field: {"r": distances, up to half of the cell,
+    "correlation": A}. One FFT pair. Collective."""
+    grid, fft = contact.grid, _transforms(contact)
+
+    def square(block: np.ndarray, m: int) -> None:
+        block *= fft.dtype.type(fft.scale)
+        block[...] = block.real**2 + block.imag**2
+        if fft.columns_of(m)[0] == 0:
+            block[0, 0] = 0
+
+    _columns(contact, name, fft, square, backward=True)
+    contact.asked_pairs.append(1.0)
+    x, y = (
+        np.minimum(np.arange(n), n - np.arange(n)) * spacing
+        for n, spacing in zip(grid.n, grid.spacings)
+    )
+    x = x[slice(*grid.rows)]
+    nearest = min((a for a, n in zip(grid.spacings, grid.n) if n > 1), default=1.0)
+
+    def sums(i0: int, i1: int, values: np.ndarray) -> np.ndarray:
+        r = np.hypot(x[i0:i1, None], y)
+        use = r <= min(_lengths(grid)) / 2
+        return _ring_sums(r[use], nearest, np.ones(np.count_nonzero(use)), values[: i1 - i0][use])
+
+    r, correlation = _means(grid, fft.backward_rows(sums))
+    return {"r": r, "correlation": _unit(contact, name) ** 2 * correlation}
+
+
+def _transforms(contact: Contact) -> SlabFFT:
+    grid = contact.grid
+    planned = grid.planned() or [grid.fft(contact.g.dtype)]
+    return max(planned, key=lambda fft: fft.dtype.itemsize)
+
+
+def _lengths(grid: Grid) -> list[float]:
+    return [size for size, n in zip(grid.sizes, grid.n) if n > 1] or [1.0]
+
+
+def _unit(contact: Contact, name: str) -> float:
+    """Return the unit of the rows of a field in the scene's."""
+    return contact.pressure_unit if name == "pressure" else contact.surface.height_unit
+
+
+def _columns(
+    contact: Contact,
+    name: str,
+    fft: SlabFFT,
+    apply: Callable[[np.ndarray, int], Any],
+    backward: bool,
+) -> list:
+    """Transform a field, in the program's units, and call apply(block, m) on its columns; returns
+    what that returned."""
+    h: Any = contact.surface.h
+    if name == "heights" and h is None:
+        assert contact.surface.add_spectrum is not None
+        add = contact.surface.add_spectrum(fft)
+
+        def added(block: np.ndarray, m: int) -> Any:
+            add(block, m)
+            return apply(block, m)
+
+        return fft.columns(added, forward=False, backward=backward)
+    rows = {"pressure": contact.pressure_rows, "gap": contact.gap_rows}
+
+    def fill(i0: int, i1: int, out: np.ndarray) -> None:
+        out[: i1 - i0] = rows[name](i0, i1) if name in rows else h[i0:i1]
+
+    fft.forward_rows(fill)
+    return fft.columns(apply, backward=backward)
+
+
+def _means(grid: Grid, parts: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """Return means over the rings (distance, value) of what all blocks of all ranks summed up,
+    without empty rings."""
+    rings = int(grid.comm.max([max((part.shape[1] for part in parts), default=0)])[0])
+    total = np.zeros((3, rings))
+    for part in parts:
+        total[:, : part.shape[1]] += part
+    counts, distances, values = grid.comm.sum(total)
+    filled = counts > 0
+    return distances[filled] / counts[filled], values[filled] / counts[filled]
+
+
+def _ring_sums(
+    distance: np.ndarray, first: float, weight: np.ndarray, values: np.ndarray
+) -> np.ndarray:
+    """Return sums over the points in each ring of (weight, weight distance, weight value), (3,
+    rings); ring 0 is distance 0."""
+    with np.errstate(divide="ignore"):
+        ring = np.maximum(1 + np.floor(RINGS * np.log2(distance / first) + 0.5), 0).astype(np.int64)
+    return np.stack([np.bincount(ring, w) for w in (weight, weight * distance, weight * values)])
 
 
 DISTRIBUTIONS = {
     f"{name}_spectrum": Distribution(
-        _of(name, "power"),
+        partial(power, name),
         f"radial power spectrum of the {name}: L_x L_y <|f_q|^2>, over the wave number",
         {"q": "1/length", "power": f"{unit}^2 length^2"},
+        periodic=True,
     )
     for name, unit in FIELDS.items()
 } | {
     f"{name}_autocorrelation": Distribution(
-        _of(name, "autocorrelation"),
+        partial(autocorrelation, name),
         f"radial autocorrelation of the {name}, without their mean, over the distance",
         {"r": "length", "correlation": f"{unit}^2"},
+        periodic=True,
     )
     for name, unit in FIELDS.items()
 }

@@ -1,14 +1,8 @@
 """Contact stiffness: the tangent of the load curve."""
 
-from __future__ import annotations
-
 from math import inf
-from typing import TYPE_CHECKING
 
-from .base import Observable
-
-if TYPE_CHECKING:
-    from .contact import Contact
+from .base import Contact, Observable
 
 ON_REQUEST = True
 

@@ -6,11 +6,8 @@ becomes larger than it was.
 """
 
 import numpy as np
-from llvmlite import ir
 from numba import types
-from numba.extending import intrinsic, overload
-
-from .jit import inline
+from numba.extending import overload
 
 
 def stored_dtype(dtype):
@@ -18,52 +15,26 @@ def stored_dtype(dtype):
     return np.dtype(np.uint16 if np.dtype(dtype) == np.float32 else np.float32)
 
 
-def _same_bits(of, to, kind):
-    """Make a function of kernels that reads the 32 bits of a number as one of another type."""
-
-    @intrinsic
-    def cast(_, number):
-        return to(of), lambda context, builder, signature, values: builder.bitcast(values[0], kind)
-
-    return cast
+def encode(number):
+    """Return a number as it is stored; in kernels alone, as `decode`."""
 
 
-_bits = _same_bits(types.float32, types.uint32, ir.IntType(32))
-_number = _same_bits(types.uint32, types.float32, ir.FloatType())
+def decode(number):
+    """Return the number that a stored one stands for."""
 
 
+@overload(encode)
 def _encode(number):
-    """Stand for what `overload` compiles; so does `_decode`."""
-
-
-def _decode(number):
-    pass
-
-
-@overload(_encode)
-def _encode_in_kernels(number):
     if number == types.float32:
-        return lambda number: np.uint16(_bits(number) >> np.uint32(16))
+        return lambda number: np.uint16(np.float32(number).view(np.uint32) >> np.uint32(16))
     return lambda number: np.float32(number)
 
 
-@overload(_decode)
-def _decode_in_kernels(number):
+@overload(decode)
+def _decode(number):
     if number == types.uint16:
-        return lambda number: _number(np.uint32(number) << np.uint32(16))
+        return lambda number: np.uint32(np.uint32(number) << np.uint32(16)).view(np.float32)
     return lambda number: np.float64(number)
-
-
-@inline
-def encode(number):
-    """Return a number as it is stored."""
-    return _encode(number)
-
-
-@inline
-def decode(number):
-    """Return the number that a stored one stands for."""
-    return _decode(number)
 
 
 class Decoded:

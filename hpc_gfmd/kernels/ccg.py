@@ -40,20 +40,17 @@ def gap_in_contact(gap0, p, x, i0, i1, shift):
 
 @kernel
 def conjugate_direction(t, p, x, i0, i1, b):
-    """Set t <- x + b t in contact, 0 elsewhere; returns the sum of x and the number of points in
-    contact."""
+    """Set t <- x + b t in contact, 0 elsewhere; returns the sum of x there."""
     zero = p.dtype.type(0)
     total = 0.0
-    contact = 0
     for i in range(i0, i1):
         s = zero
         for j in range(p.shape[1]):
             touching = p[i, j] > zero
             t[i, j] = x[i - i0, j] + b * t[i, j] if touching else zero
             s += x[i - i0, j] if touching else zero
-            contact += 1 if touching else 0
         total += s
-    return total, 1.0 * contact
+    return total
 
 
 @kernel
@@ -76,19 +73,16 @@ def search_direction(t, gap0, p, x, i0, i1, shift, a, b, c):
 
 
 @kernel
-def response_sums(p, x, i0, i1):
-    """Return the sum of x = S t in contact, and the number of points in contact."""
+def response_sum(p, x, i0, i1):
+    """Return the sum of x = S t in contact."""
     zero = p.dtype.type(0)
     R = 0.0
-    contact = 0
     for i in range(i0, i1):
         s = zero
         for j in range(p.shape[1]):
-            touching = p[i, j] > zero
-            s += x[i - i0, j] if touching else zero
-            contact += 1 if touching else 0
+            s += x[i - i0, j] if p[i, j] > zero else zero
         R += s
-    return R, 1.0 * contact
+    return R
 
 
 @kernel
@@ -146,13 +140,12 @@ def feasible_state(p, gap0, g, p_out, shift, inside, i0, i1):
     """Make the feasible state: p_out = p, g = 0 in contact and max(e, 0) elsewhere; e itself beyond
     the surface.
 
-    Returns sums: e^2 in contact, e^2 where negative out of contact, points in contact, g.
+    Returns sums: e^2 in contact, e^2 where negative out of contact, g.
     """
     zero = p.dtype.type(0)
-    EE = NEGATIVE = CONTACT = GAP = 0.0
+    EE = NEGATIVE = GAP = 0.0
     for i in range(i0, i1):
         ee = negative = gap = zero
-        contact = 0
         m = inside[1] if i < inside[0] else 0
         for j in range(m, p.shape[1]):
             g[i, j] = gap0[i, j] - shift
@@ -163,13 +156,11 @@ def feasible_state(p, gap0, g, p_out, shift, inside, i0, i1):
             below = e < zero and not touching
             ee += e * e if touching else zero
             negative += e * e if below else zero
-            contact += 1 if touching else 0
             gij = zero if touching or below else e
             g[i, j] = gij
             p_out[i, j] = p[i, j]
             gap += gij
         EE += ee
         NEGATIVE += negative
-        CONTACT += contact
         GAP += gap
-    return EE, NEGATIVE, CONTACT, GAP
+    return EE, NEGATIVE, GAP

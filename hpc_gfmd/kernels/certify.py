@@ -165,25 +165,3 @@ def dual_rows(g, p, x, scale, shift, hardness, inside, i0, i1):
             x[i - i0, j] = admissible - pij + y * most
             total += admissible * g[i, j]
     return total
-
-
-@kernel
-def contact_edges(g, p, inside, below_g, below_p, around):
-    """Count the segments between a contact point and a point out of contact, in this slab: those
-    along x and those along y.
-
-    below: the first row after the slab; around: whether the last point of a row is beside the
-    first.
-    """
-    rows, n = inside
-    along_x = along_y = 0
-    for i in range(rows):
-        for j in range(n):
-            here = g[i, j] <= 0 and p[i, j] > 0
-            right = j + 1 if j + 1 < n else (0 if around else j)
-            along_x += here != (g[i, right] <= 0 and p[i, right] > 0)
-            if i + 1 < rows:
-                along_y += here != (g[i + 1, j] <= 0 and p[i + 1, j] > 0)
-            else:
-                along_y += here != (below_g[j] <= 0 and below_p[j] > 0)
-    return along_x, along_y

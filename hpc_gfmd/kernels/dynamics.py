@@ -35,18 +35,13 @@ def verlet_step(g, p, d, x, i0, i1, a, b, inside):
     for i in range(i0, i1):
         gi, pi, di, xi = g[i], p[i], d[i], x[i - i0]
         inner = inside[1] if i < inside[0] else 0
-        for j in range(inner):
+        for j in range(g.shape[1]):
             v = b * di[j] - a * pi[j]
             g_new = gi[j] + v
-            hit = g_new <= zero
+            hit = j < inner and g_new <= zero
             xi[j] = -gi[j] if hit else v
             gi[j] = zero if hit else g_new
             di[j] = zero if hit else v
-        for j in range(inner, g.shape[1]):
-            v = b * di[j] - a * pi[j]
-            xi[j] = v
-            gi[j] += v
-            di[j] = v
 
 
 @kernel

@@ -34,8 +34,6 @@ def prolong_gap(u, p, h, g, fine_rows, coarse_rows, halved, compliance, stencil,
     diagonal ones. most: compliance times the hardness, inf without one. g may be h's own rows.
     Coarse point J lies on fine point 2 J; points in between get the cubic through the four nearest,
     (-1, 9, 9, -1)/16, of u, and the mean of two of p."""
-    u_before, u, u_after = u
-    p_before, p, p_after = p
     h_before, h, h_after = h
     start, n_x = fine_rows
     first, m_x = coarse_rows
@@ -50,8 +48,8 @@ def prolong_gap(u, p, h, g, fine_rows, coarse_rows, halved, compliance, stencil,
         -compliance * stencil[2],
         -compliance * stencil[3],
     )
-    m = u.shape[1]
-    line = np.empty(m + 3, u.dtype)
+    m = u[1].shape[1]
+    line = np.empty(m + 3, g.dtype)
     # Rows in rings, one more point on either side: first -g_c, then compliance P p, then v after 0,
     # 1, ... steps; the last is scratch.
     t = np.zeros(((SWEEPS + 3) * RING + 1, n + 2), g.dtype)
@@ -66,16 +64,11 @@ def prolong_gap(u, p, h, g, fine_rows, coarse_rows, halved, compliance, stencil,
         k = x // step_x - shift
         between = halve_x and x % 2 == 1
         if between:
-            a, b, c, d = (
-                _row(u_before, u, u_after, k - 1),
-                _row(u_before, u, u_after, k),
-                _row(u_before, u, u_after, k + 1),
-                _row(u_before, u, u_after, k + 2),
-            )
+            a, b, c, d = (_row(u, k - 1), _row(u, k), _row(u, k + 1), _row(u, k + 2))
             for J in range(m):
                 line[J + 1] = near * (b[J] + c[J]) + far * (a[J] + d[J])
         else:
-            line[1 : m + 1] = _row(u_before, u, u_after, k)
+            line[1 : m + 1] = _row(u, k)
         _interpolate_row(line, t[slot], halve_y, near, far)
         v = 2 * RING + slot
         if inner > 0:
@@ -89,11 +82,11 @@ def prolong_gap(u, p, h, g, fine_rows, coarse_rows, halved, compliance, stencil,
             t[v, j + 1] = g.dtype.type(0)
         _wrap(t[v])
         if between:
-            a, b = _row(p_before, p, p_after, k), _row(p_before, p, p_after, k + 1)
+            a, b = _row(p, k), _row(p, k + 1)
             for J in range(m):
                 line[J + 1] = compliance * half * (a[J] + b[J])
         else:
-            a = _row(p_before, p, p_after, k)
+            a = _row(p, k)
             for J in range(m):
                 line[J + 1] = compliance * a[J]
         _interpolate_row(line, t[RING + slot], halve_y, half, g.dtype.type(0))
@@ -111,8 +104,9 @@ def prolong_gap(u, p, h, g, fine_rows, coarse_rows, halved, compliance, stencil,
 
 
 @making_arrays
-def _row(before, own, after, k):
-    """Return row k of own rows and those before and after."""
+def _row(field, k):
+    """Return row k of a field: of own rows, or of those before and after."""
+    before, own, after = field
     if k < 0:
         return before[before.shape[0] + k]
     if k >= own.shape[0]:

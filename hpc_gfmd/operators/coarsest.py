@@ -1,16 +1,11 @@
 """The coarse levels of the preconditioner that one rank sweeps alone, in one call."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..kernels.multilevel import sweep_coarsest
-
-if TYPE_CHECKING:
-    from ..parallel.coarsening import Level
+from ..parallel.coarsening import Level
 
 DAMPING = 4.0  # of a level by the contact on it, over its stiffness
 

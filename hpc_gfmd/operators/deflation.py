@@ -11,21 +11,16 @@ gradients for (K + theta) w = 1, K in units of that of the grid's shortest wave,
 the levels from there on. Single points in contact are as soft then as on the grid.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy import fft
 
+from ..bodies.base import Body
+from ..parallel.coarsening import Level
+from ..parallel.grid import Grid
 from .coarsest import DAMPING, CoarsestLevels
-
-if TYPE_CHECKING:
-    from ..bodies.base import Body
-    from ..parallel.coarsening import Level
-    from ..parallel.grid import Grid
 
 
 @dataclass(frozen=True)

@@ -1,19 +1,15 @@
 """Applying the stiffness K of an elastic body, or its compliance S = 1/K, to fields: p = p0 + K u
 in the units of operators/problem.py."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import DTypeLike
 
-if TYPE_CHECKING:
-    from ..bodies.base import Body
-    from ..parallel.fft import Passes
-    from ..parallel.grid import Grid
-    from .problem import Columns, Rows
+from ..bodies.base import Body
+from ..parallel.grid import Grid
+from .problem import Columns, Rows
 
 RowFunction = Callable[[int, int, np.ndarray], Any]  # makes or uses rows i0..i1
 
@@ -59,19 +55,19 @@ class Elastic:
 
         return float(sum(self.fft.columns(apply, backward=backward)))
 
-    def pressure_rows(self, fill: RowFunction, passes: Passes | None = None) -> list:
+    def pressure_rows(self, fill: RowFunction) -> list:
         """Begin an application of K: rows of u are made by fill; returns what it returned."""
-        return self.fft.forward_rows(fill, passes)
+        return self.fft.forward_rows(fill)
 
     def pressure_columns(self, add: Columns | None = None) -> float:
         """Multiply the columns by K; returns this rank's share of <u, K u>, summed over all points.
         add(block, m) completes the columns first."""
         return self._columns(add=add)
 
-    def use_rows(self, use: RowFunction, passes: Passes | None = None) -> list:
+    def use_rows(self, use: RowFunction) -> list:
         """End an application of K: rows of K u are given to use; returns what it returned."""
         self.pairs += 1
-        return self.fft.backward_rows(use, passes)
+        return self.fft.backward_rows(use)
 
     def displacement_columns(self) -> float:
         """Multiply the columns by S after `pressure_rows` of a pressure, for `use_rows` of S p with

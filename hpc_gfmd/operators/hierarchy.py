@@ -6,23 +6,18 @@ the ranks that own the rows: those beside the fine rows, or fewer and fewer of t
 small (coarsening.py). The rest of the levels is small enough for rank 0 alone.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import DTypeLike
 
+from ..bodies.base import Body
 from ..parallel.coarsening import Level, Transfer, agglomerated, levels
+from ..parallel.grid import Grid
 from ..parallel.halo import Windows
 from .deflation import GapMode
 from .nominal import NominalArea
-
-if TYPE_CHECKING:
-    from ..bodies.base import Body
-    from ..parallel.grid import Grid
 
 COARSEST_POINTS = 128 * 128  # levels of at most this many points are swept by rank 0
 RANK_POINTS = 2048  # of a level on one rank, at least: fewer take less time than a message
@@ -93,38 +88,25 @@ def traffic_of(steps: Sequence[Step], itemsize: int) -> tuple[int, int]:
     return int(nbytes) * itemsize, int(messages)
 
 
-@dataclass(frozen=True)
 class Hierarchy:
     """What the sweep of a grid, body and precision needs besides memory for fields, made once.
 
-    weights, softness: of every level; area: see nominal.py; nominal: of every level that ranks
-    share, what the indicator of the nominal area is a product of, on this rank's rows.
+    steps, levels: see `steps_of`; weights, softness: of every level; area: see nominal.py; nominal:
+    of every level that ranks share, what the indicator of the nominal area is a product of, on this
+    rank's rows.
     """
 
-    steps: list[Step]
-    levels: list[Level]
-    weights: np.ndarray
-    softness: np.ndarray
-    area: NominalArea
-    nominal: list[tuple[np.ndarray, np.ndarray]]
-    gap_mode: GapMode
-
-    @classmethod
-    def of(
-        cls, grid: Grid, body: Body, dtype: np.dtype, coarsest_points: int | None = None
-    ) -> Hierarchy:
-        """Make the hierarchy of a grid, a body and a precision."""
-        steps, levels = steps_of(grid, dtype, coarsest_points)
+    def __init__(self, grid: Grid, body: Body, dtype: np.dtype, coarsest_points: int | None = None):
+        self.steps, self.levels = steps_of(grid, dtype, coarsest_points)
         # a single point has one weight for its two levels
-        weights, softness = (
-            np.resize(a, len(levels)) for a in (body.weights(grid), body.softness(grid))
+        weights, self.softness = (
+            np.resize(a, len(self.levels)) for a in (body.weights(grid), body.softness(grid))
         )
-        weights, alone = weights.astype(dtype), len(steps)
-        area = NominalArea(grid, levels, softness, alone)
-        starts, rank = [grid.starts, *(step.starts for step in steps)], grid.comm.rank
-        nominal = [
+        self.weights, alone = weights.astype(dtype), len(self.steps)
+        self.area = NominalArea(grid, self.levels, self.softness, alone)
+        starts, rank = [grid.starts, *(step.starts for step in self.steps)], grid.comm.rank
+        self.nominal = [
             (x[rows[rank] : rows[rank + 1]].astype(dtype), y.astype(dtype))
-            for (x, y), rows in zip(area.s, starts)
+            for (x, y), rows in zip(self.area.s, starts)
         ]
-        gap_mode = GapMode(grid, body, levels[alone:], weights[alone:])
-        return cls(steps, levels, weights, softness, area, nominal, gap_mode)
+        self.gap_mode = GapMode(grid, body, self.levels[alone:], self.weights[alone:])

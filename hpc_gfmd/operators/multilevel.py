@@ -55,7 +55,7 @@ class Multilevel:
         self.damping = np.array([DAMPING], self.dtype)[0]
         known = grid.once(
             (Hierarchy, body, self.dtype, coarsest_points),
-            lambda: Hierarchy.of(grid, body, self.dtype, coarsest_points),
+            lambda: Hierarchy(grid, body, self.dtype, coarsest_points),
         )
         self.hierarchy, self.steps, self.gap_mode = known, known.steps, known.gap_mode
         self.transfers = [step.transfer for step in self.steps]
@@ -76,8 +76,7 @@ class Multilevel:
         )
 
         first = self.transfers[0]
-        self.passes = first.passes(longest)
-        self.ends = np.array(self.passes, np.int64).reshape(-1, 2)
+        self.ends = np.array(first.passes(longest), np.int64).reshape(-1, 2)
         rows, edges = (6, grid.n[1] + LINE // self.dtype.itemsize), (2, 3, first.m[1])
         # of the solver's passes, of each thread: rows, and what passes share
         self.scratch = [

@@ -11,21 +11,16 @@ With a hardness H the pressure is at most that, and where it is, the body has a 
     0 <= p <= H,    p = 0 where g > 0,    p = H where g < 0
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..bodies.base import Body
 from ..bodies.halfspace import HALF_SPACE
-
-if TYPE_CHECKING:
-    from ..parallel.fft import SlabFFT
-    from ..parallel.grid import Grid
+from ..parallel.fft import SlabFFT
+from ..parallel.grid import Grid
 
 Rows = Callable[[int, int, np.ndarray], None]  # makes rows i0..i1 of a field in x
 Columns = Callable[[np.ndarray, int], None]  # changes block m of the columns of a spectrum
@@ -111,20 +106,6 @@ class Problem:
         return self.p0 * (self.grid.N / self.grid.cell_points)
 
     @cached_property
-    def self_energy(self) -> float:
-        """sqrt(<v, S v>) of v = 1 on a surface that ends, 0 beyond, less its mean, at most; 0 where
-        the surface is all there is.
-
-        Of all shapes of the same area a disc has the most, 0.958 area^(3/2); a strip that is
-        periodic along its length (4/pi^3) 1.05 area times its width, times 2 for the mean of S,
-        which is left open there.
-        """
-        grid = self.grid
-        ends = [m * s / grid.a for m, n, s in zip(grid.nominal, grid.n, grid.spacings) if m != n]
-        longest = 0.33 * max(ends) if len(ends) == 1 else 0.0
-        return float(np.sqrt(grid.N * max(0.958 * np.sqrt(grid.N), longest))) if ends else 0.0
-
-    @cached_property
     def rounding(self) -> float:
         """The rms error of the pressure that comes from storing h in the working precision, and the
         displacement beyond the surface, which is of the order of p_cell times the size of the cell.
@@ -171,3 +152,18 @@ class Problem:
         """Return what completes the columns of u after a transform of its rows: None where the rows
         are those of u already."""
         return self.h.add(fft) if isinstance(self.h, HeightSpectrum) else None
+
+
+def self_energy(grid: Grid) -> float:
+    """Return sqrt(<v, S v>) of v = 1 on a surface that ends, 0 beyond, less its mean, at most; 0
+    where the surface is all there is.
+
+    Of all shapes of the same area a disc has the most, 0.958 area^(3/2); a strip that is periodic
+    along its length (4/pi^3) 1.05 area times its width, times 2 for the mean of S, which is left
+    open there.
+    """
+    if not grid.padded:
+        return 0.0
+    ends = [m * s / grid.a for m, n, s in zip(grid.nominal, grid.n, grid.spacings) if m != n]
+    longest = 0.33 * max(ends) if len(ends) == 1 else 0.0
+    return float(np.sqrt(grid.N * max(0.958 * np.sqrt(grid.N), longest)))

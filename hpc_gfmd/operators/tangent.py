@@ -15,22 +15,17 @@ the surface alone: the mean of v there is added up instead, whose error is of fi
 v.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import islice
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import DTypeLike
 
+from ..bodies.base import Body
+from ..parallel.grid import Grid
 from .elastic import Elastic
 from .multilevel import Multilevel
-
-if TYPE_CHECKING:
-    from ..bodies.base import Body
-    from ..parallel.grid import Grid
 
 DELAY = 2  # steps whose sum is taken for what was missing before them
 MARGIN = 0.5  # share of the accuracy asked for that this sum may have

@@ -23,7 +23,7 @@ leave out 1/N in both directions; `scale` = 1/N is folded into the kernels that 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
@@ -42,7 +42,6 @@ if TYPE_CHECKING:
     from .comm import Comm
 
 T = TypeVar("T")
-Passes = Sequence[tuple[int, int]]  # row ranges (i0, i1)
 
 
 class SlabFFT(Layout):
@@ -62,6 +61,7 @@ class SlabFFT(Layout):
         n_x, n_y = n
         self.scale = 1.0 / (n_x * n_y)
         self.threads = threads
+        self.multipliers: dict[Any, Any] = {}  # of a body: what it multiplies these columns by
         self._memory, first, self.blocks = self._common(complex_dtype)
         # those of each rank of the node
         self._rows = np.stack([self.starts[self.node_ranks + end] for end in (0, 1)], axis=1)
@@ -133,13 +133,11 @@ class SlabFFT(Layout):
         """The arrays x that row functions are called with: one for each thread."""
         return [rows[0] for rows in self.rows]
 
-    def passes(self) -> Passes:
+    def passes(self) -> list[tuple[int, int]]:
         """Return the row ranges [(i0, i1), ...], local, that one pass handles at a time."""
         return [(i, min(i + self.R, self.n_loc)) for i in range(0, self.n_loc, self.R)]
 
-    def forward_rows(
-        self, fill: Callable[[int, int, np.ndarray], T], passes: Passes | None = None
-    ) -> list[T]:
+    def forward_rows(self, fill: Callable[[int, int, np.ndarray], T]) -> list[T]:
         """Transform rows made by fill(i0, i1, x), x: (R, n_y) scratch; returns what fill returned,
         in the order of the passes."""
 
@@ -148,11 +146,9 @@ class SlabFFT(Layout):
             store_rows(rows, i0, i1)
             return result
 
-        return on_threads(self.threads, one, passes or self.passes(), self.rows)
+        return on_threads(self.threads, one, self.passes(), self.rows)
 
-    def backward_rows(
-        self, use: Callable[[int, int, np.ndarray], T], passes: Passes | None = None
-    ) -> list[T]:
+    def backward_rows(self, use: Callable[[int, int, np.ndarray], T]) -> list[T]:
         """Hand the rows of the real field to use(i0, i1, x), x: (R, n_y) scratch; returns what use
         returned, in order."""
 
@@ -160,7 +156,7 @@ class SlabFFT(Layout):
             load_rows(rows, i0, i1)
             return use(i0, i1, rows[0])
 
-        return on_threads(self.threads, one, passes or self.passes(), self.rows)
+        return on_threads(self.threads, one, self.passes(), self.rows)
 
     def first_columns(self, count: int) -> np.ndarray:
         """Return the first columns of the row spectra, (n_loc, count) complex."""

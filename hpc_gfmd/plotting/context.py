@@ -12,10 +12,10 @@ from .window import window_of
 class FigureContext:
     """A result as it is drawn.
 
-    result; chosen: indices into its steps; window: (x0, x1, y0, y1) in the unit of its sizes,
-    points: the same in grid points; hardness: of the solid, None without one; units, theory,
-    lengths: how it is scaled, and what is drawn beside it; dpi: of the print; name: in a legend of
-    several results."""
+    result: with the chosen steps alone; left_out: how many others there are; window: (x0, x1, y0,
+    y1) in the unit of its sizes, points: the same in grid points; hardness: of the solid, None
+    without one; units, theory, lengths: how it is scaled, and what is drawn beside it; dpi: of the
+    print; name: in a legend of several results."""
 
     def __init__(
         self,
@@ -26,7 +26,8 @@ class FigureContext:
         dimensionless: bool = False,
         name: str = "",
     ) -> None:
-        self.result, self.chosen, self.dpi, self.name = result, chosen, dpi, name
+        self.result, self.dpi, self.name = result.some(chosen), dpi, name
+        self.left_out = len(result.steps) - len(chosen)
         self.window, self.points = window_of(result.surface, window)
         scene = scene_of(result)
         self.theory = theory_of(scene, result.surface)
@@ -34,26 +35,16 @@ class FigureContext:
         self.units = Units(result, self.theory, dimensionless)
         # 1 where all varies along one axis alone
         self.dimensions = 1 if 0 in getattr(scene and scene.surface, "periods", ()) else 2
-        self.lengths = self.units.lengths(
-            [self.window[1] - self.window[0], self.window[3] - self.window[2]]
-        )
-
-    @property
-    def steps(self) -> list[dict]:
-        """Return the chosen steps."""
-        return [self.result.steps[k] for k in self.chosen]
-
-    def fields(self, k: int) -> dict:
-        """Find the fields of the k-th of the chosen steps."""
-        return self.result.fields[self.chosen[k]]
+        x0, x1, y0, y1 = self.window
+        self.lengths = self.units.of("length", [x1 - x0, y1 - y0])
 
     def name_of(self, k: int) -> str:
         """Name the k-th of the chosen steps by its number and load."""
-        step, index = self.steps[k], self.result.indices[self.chosen[k]]
-        name = f"step {index}"
-        if self.units.rough and not self.units.pressure_unit and good(step.get("p_star")):
+        step, name = self.result.steps[k], f"step {self.result.indices[k]}"
+        pressures = self.units.of("pressure", [step.get("p")])
+        if self.units.rough and pressures.relative and good(step.get("p_star")):
             name += f": $p^* = {step['p_star']:.3g}$"
         elif good(step.get("p")):
-            name += f": {self.units.pressures([step['p']]).value('p_0', step['p'])}"
+            name += f": {pressures.value('p_0', step['p'])}"
         doubt = f", NOT CONVERGED ({step.get('status', 'unknown')})"
         return name + ("" if converged(step) else doubt)

@@ -1,6 +1,6 @@
 """Distributions of pressure, gap and patch sizes, with what theory says of the pressure."""
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
@@ -10,48 +10,41 @@ from .context import FigureContext
 from .page import Page
 from .style import THEORY, colour, log_axis
 from .survey import histogram
-from .units import good, label
+from .units import label
 
 HARDNESS = {"color": "0.5", "linewidth": 0.8, "linestyle": ":"}
 DECADES = 5  # of the gap, below the largest one; smaller ones are rounding
-NAMES = {  # symbol, density, title; how many of the smallest count a bin has at least
-    "pressure": ("p", "P(p)", "pressure in the contact", 4),
-    "gap": ("g", "P(g)", "gap outside", 4),
-    "patches": ("A", "P(A)", "contact patches", 1),
+NAMES = {  # symbol, title, how many of the smallest count a bin has at least, power of the unit
+    "pressure": ("p", "pressure in the contact", 4, 1),
+    "gap": ("g", "gap outside", 4, 1),
+    "patches": ("A", "contact patches", 1, 2),
 }
 
 
-def distributions(context: FigureContext) -> Page:
-    """Make a panel for each distribution that the result has, stored or in its fields."""
-    names = [
-        name
-        for name in NAMES
-        if any(has_distribution(context.result, k, name) for k in context.chosen)
-    ]
-    return Page([[partial(_panel, context=context, name=name) for name in names]], height=2.45)
-
-
-def has_distribution(result: Any, k: int, name: str) -> bool:
-    """Tell whether the k-th load step has a distribution of this name, or the field for it."""
-    return f"{name}_edges" in result.steps[k] or name in result.fields[k]
+def distributions(contexts: Sequence[FigureContext], names: list[str]) -> Page:
+    """Make a panel for each distribution of one result, stored or of its fields."""
+    return Page([partial(_panel, context=contexts[0], name=name) for name in names])
 
 
 def _panel(ax: Any, context: FigureContext, name: str) -> None:
-    symbol, density_symbol, title, _ = NAMES[name]
-    found = [(k, *_density(context, k, name)) for k in range(len(context.chosen))]
-    found = [one for one in found if len(one[1])]
+    symbol, title, fewest, power = NAMES[name]
+    steps = zip(context.result.steps, context.result.fields)
+    found = [
+        (k, *_joined(*shares, fewest))
+        for k, (step, fields) in enumerate(steps)
+        if (shares := _shares(step, fields, name))
+    ]
     highest = max((edges[-1] for _, edges, _ in found), default=1.0)
-    power = 2 if name == "patches" else 1
-    scale = context.units.lengths() if power == 2 else context.units.of(name, [highest])
+    scale = context.lengths if power == 2 else context.units.of(name, [highest])
     unit = scale.unit**power
     for k, edges, values in found:
         how = {"baseline": None, "color": colour(k), "label": context.name_of(k)}
         ax.stairs(values * unit, edges / unit, linewidth=1.1, **how)
-    ax.set(xlabel=scale.label(symbol, power), ylabel=label(density_symbol, (scale, -power)))
-    ax.set_title(title)
+    density = label(f"P({symbol})", (scale, -power))
+    ax.set(xlabel=scale.label(symbol, power), ylabel=density, title=title)
     if not found:  # all points touch
         return
-    drawn = np.concatenate([values[values > 0] for *_, values in found]) * unit
+    drawn = np.concatenate([values for *_, values in found]) * unit
     ax.set_ylim(drawn.min() / 2, drawn.max() * 3)
     log_axis(ax, "y")
     if name == "pressure":
@@ -72,42 +65,31 @@ def _theory(ax: Any, context: FigureContext, found: list[Any], unit: float) -> N
         return
     for k, edges, _ in found:
         x = np.linspace(0, edges[-1], 301)[1:]
-        y = theory.density(x, context.steps[k]["p"])
+        y = theory.density(x, context.result.steps[k]["p"])
         ax.plot(x / unit, y * unit, **THEORY | {"color": colour(k)})
     ax.plot([], [], label=theory.name, **THEORY)
 
 
-def _density(context: FigureContext, k: int, name: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return (edges, density), which integrates to the share of the area, that of patches to 1;
-    empty where there is none."""
-    step, fewest = context.steps[k], NAMES[name][-1]
+def _shares(step: dict, fields: dict, name: str) -> tuple[np.ndarray, np.ndarray] | None:
+    """Return (edges, share of the area in each bin, of patches of their number) of a load step;
+    None where there is nothing."""
+    edges, shares = np.zeros(0), np.zeros(0)
     if f"{name}_edges" in step:
         edges, density = (np.array(step[f"{name}_{x}"], float) for x in ("edges", "density"))
-        shares = density * np.diff(edges) * _share(step, name, edges, density)
-        return _joined(edges, shares, fewest)
-    if name in context.fields(k):
-        return _joined(*histogram(context.fields(k), name), fewest)
-    return np.zeros(0), np.zeros(0)
-
-
-def _share(step: Mapping[str, Any], name: str, edges: np.ndarray, density: np.ndarray) -> float:
-    """Return the share of the area that a stored distribution is of: the mean over the whole area
-    over its own mean."""
-    whole = step.get({"pressure": "p", "gap": "gap_mean"}.get(name, ""))
-    return whole / (density * np.diff(edges**2) / 2).sum() if good(whole) else 1.0
+        share = {"pressure": step["a_r"], "gap": 1 - step["a_r"]}.get(name, 1.0)
+        shares = density * np.diff(edges) * share
+    elif name in fields:
+        edges, shares = histogram(fields, name)
+    return (edges, shares) if shares.any() else None
 
 
 def _joined(edges: np.ndarray, shares: np.ndarray, fewest: int) -> tuple[np.ndarray, np.ndarray]:
     """Return (edges, density) of a histogram without empty ends, in bins that are joined until each
     has `fewest` times the smallest count of all."""
     filled = np.flatnonzero(shares)
-    if not len(filled):
-        return np.zeros(0), np.zeros(0)
-    first, last = filled[0], filled[-1] + 1
-    total, chosen = np.append(0.0, shares.cumsum()), [first]
+    last, chosen, total = filled[-1] + 1, [filled[0]], np.append(0.0, shares.cumsum())
     least = fewest * shares[filled].min() * (1 - 1e-9)
-    for k in range(first + 1, last + 1):
-        if total[k] - total[chosen[-1]] >= least:
-            chosen.append(k)
+    while (k := np.searchsorted(total, total[chosen[-1]] + least)) <= last:
+        chosen.append(k)
     chosen = [*chosen[: max(1, len(chosen) - 1)], last]
     return edges[chosen], np.diff(total[chosen]) / np.diff(edges[chosen])

@@ -1,11 +1,10 @@
 """All pictures of a result: which there are, and the way to each."""
 
-import textwrap
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,18 +14,38 @@ from ..parallel.guard import one_line
 from ..util.errors import GfmdError, SceneError
 from .context import FigureContext
 from .curves import QUANTITIES, curves
-from .distributions import NAMES, distributions, has_distribution
-from .maps import SYMBOLS, maps
+from .distributions import NAMES, distributions
+from .maps import FIELDS, maps
 from .page import Page
-from .spectra import has_spectra, spectra
+from .spectra import PANELS, spectra
 from .style import Picture, legend, save, styled
 from .units import good
 
 MAX_STEPS = 4  # in maps, distributions and spectra where nobody says which
-PANELS = ("contact", "pressure", "gap")
-PAGES = ("maps", "distributions", "spectra", "curves")
-WHAT = (*PAGES, "contact", *SYMBOLS, *QUANTITIES)
 SUFFIXES = (".png", ".pdf", ".svg")
+
+
+class Kind(NamedTuple):
+    """A kind of pictures: how panels become a page; {panel: numbers and fields, of which a load
+    step needs one}."""
+
+    make: Callable[[list[FigureContext], list[str]], Page]
+    panels: Mapping[str, tuple[str, ...]]
+
+
+MAPS = {name: (name,) for name in FIELDS} | {"contact": ("pressure", "gap")}
+CURVES = {name: (name,) for name in QUANTITIES}
+PAGES = {
+    "maps": Kind(maps, {name: MAPS[name] for name in ("contact", "pressure", "gap")}),
+    "distributions": Kind(distributions, {name: (name, f"{name}_edges") for name in NAMES}),
+    "spectra": Kind(spectra, {name: (f"{name}_q", f"{name}_r") for name in PANELS}),
+    "curves": Kind(curves, CURVES),
+}
+PICTURES = (
+    PAGES
+    | {name: Kind(maps, {name: keys}) for name, keys in MAPS.items()}
+    | {name: Kind(curves, {name: keys}) for name, keys in CURVES.items()}
+)
 
 
 def plot(
@@ -76,29 +95,38 @@ def plot(
     results = _results(result)
     if not results:
         raise SceneError("result: found none, allowed: a result or several")
-    there = [name for name in WHAT if all(_steps(one, name) for one in results.values())]
-    if len(results) > 1:
-        there = [name for name in there if name in ("curves", *QUANTITIES)]
+    there = [
+        name
+        for name, kind in PICTURES.items()
+        if all(_steps(one, kind.panels) for one in results.values())
+        and (len(results) == 1 or kind.make is curves)
+    ]
     what = what or next(iter(there), "maps")
     if what not in there:
         allowed = ", ".join(there) or "nothing, it has no finished load step"
         lacking = " (maps and distributions need output.fields, spectra output.distributions)"
         raise SceneError(
-            f"what: found {what!r}, allowed: {allowed}" + ("" if {*PANELS} & {*there} else lacking)
+            f"what: found {what!r}, allowed: {allowed}" + ("" if "maps" in there else lacking)
         )
     with styled():
         contexts = [
             FigureContext(one, chosen_steps(one, what, step), window, dpi, dimensionless, name)
             for name, one in results.items()
         ]
-        page = _page(contexts, what, there)
-        fig = ax.figure if ax is not None else Picture(layout=page.layout)
+        make, panels = PICTURES[what]
+        drawn = [
+            name
+            for name in panels
+            if any(_steps(one.result, {name: panels[name]}) for one in contexts)
+        ]
+        page = make(contexts, drawn or [*panels])
+        fig = ax.figure if ax is not None else Picture(layout="constrained")
         try:
             if ax is None:
                 page.draw(fig)
                 legend(fig, "outside lower center", columns=4)
                 if len(contexts) == 1:
-                    fig.suptitle(_title(contexts[0], what, page.width), x=0.01, ha="left")
+                    fig.suptitle(_title(contexts[0], what), x=0.01, ha="left", wrap=True)
             elif len(page.panels) == 1:
                 page.panels[0](ax)
             else:
@@ -132,7 +160,11 @@ def figures(result: Any, what: Any = None, **how: Any) -> dict[str, Picture]:
     result = _result(result)
     if not result.steps:
         raise SceneError(f"{result.path}: no finished load step yet, nothing to draw")
-    there = ["maps"] if how.get("window") else [name for name in PAGES if _steps(result, name)]
+    there = (
+        ["maps"]
+        if how.get("window")
+        else [name for name, kind in PAGES.items() if _steps(result, kind.panels)]
+    )
     if len(result.steps) == 1 and len(there) > 1:
         there = [name for name in there if name != "curves"]
     wanted = [what] if isinstance(what, str) else what or there
@@ -173,43 +205,22 @@ def chosen_steps(result: Result, what: Any, step: Any = None) -> list[int]:
         if not np.size(step):
             raise SceneError("step: found none, allowed: the number of a load step or several")
         return result.places(np.atleast_1d(step).tolist())
-    able = _steps(result, what)
+    able = _steps(result, PICTURES[what].panels)
     if what == "heights":
         return able[:1]  # the same under all loads
-    if what in ("curves", *QUANTITIES) or len(able) <= MAX_STEPS:
+    if PICTURES[what].make is curves or len(able) <= MAX_STEPS:
         return able
     return [able[k] for k in np.linspace(0, len(able) - 1, MAX_STEPS).round().astype(int)]
 
 
-def _steps(result: Result, what: str) -> list[int]:
-    """List the places of the load steps that a picture can show."""
-    return [k for k in range(len(result.steps)) if _shows(result, k, what)]
-
-
-def _shows(result: Result, k: int, what: str) -> bool:
-    step, fields = result.steps[k], result.fields[k]
-    if what in SYMBOLS:
-        return what in fields
-    if what in QUANTITIES:
-        return good(step.get(what))
-    if what == "curves":
-        return any(good(step.get(name)) for name in QUANTITIES)
-    if what == "spectra":
-        return has_spectra(step)
-    if what == "distributions":
-        return any(has_distribution(result, k, name) for name in NAMES)
-    return bool({"pressure", "gap"} & {*fields})
-
-
-def _page(contexts: list[FigureContext], what: str, there: list[str]) -> Page:
-    if what in ("curves", *QUANTITIES):
-        return curves(contexts, list(QUANTITIES) if what == "curves" else [what])
-    if what == "distributions":
-        return distributions(contexts[0])
-    if what == "spectra":
-        return spectra(contexts[0])
-    names = [name for name in PANELS if name in there] if what == "maps" else [what]
-    return maps(contexts[0], names)
+def _steps(result: Result, panels: Mapping[str, tuple[str, ...]]) -> list[int]:
+    """List the places of the load steps that have what any of the panels shows."""
+    keys = {key for needed in panels.values() for key in needed}
+    return [
+        k
+        for k, (step, fields) in enumerate(zip(result.steps, result.fields))
+        if any(key in fields or good(step.get(key)) or np.ndim(step.get(key, 0)) for key in keys)
+    ]
 
 
 def _name(result: Result) -> str:
@@ -220,14 +231,13 @@ def _name(result: Result) -> str:
     return title or (result.path.stem if result.path else "contact")
 
 
-def _title(context: FigureContext, what: str, width: float) -> str:
-    """Say what a picture of this width, in inches, shows, and what it leaves out."""
-    result = context.result
-    left = len(result.steps) - len(context.chosen) if what != "heights" else 0
-    out = f"; {left} of {len(result.steps)} loads not shown" if left else ""
-    said = {"n", "physical_sizes", "h_rms", "unit"}
-    surface = surface_line({key: result.surface[key] for key in said & {*result.surface}})
-    lines = textwrap.fill(f"{_name(result)}: {surface}{out}", int(19 * width))  # letters per inch
+def _title(context: FigureContext, what: str) -> str:
+    """Say what a picture shows, and what it leaves out."""
+    left = context.left_out if what != "heights" else 0
+    surface = context.result.surface
+    out = f"; {left} of {left + len(context.result.steps)} loads not shown" if left else ""
+    said = {"n", "physical_sizes", "h_rms", "unit"} & {*surface}
+    line = surface_line({key: surface[key] for key in said})
     for plain, printed in ((" x ", " × "), (" um", " µm"), ("h_rms", r"$h_\mathrm{rms}$")):
-        lines = lines.replace(plain, printed)
-    return lines
+        line = line.replace(plain, printed)
+    return f"{_name(context.result)}: {line}{out}"

@@ -25,15 +25,12 @@ WIDTH = 7.2  # inches across two columns
 
 def _part(name: str, low: float, high: float) -> LinearSegmentedColormap:
     """Cut the ends off a colour map."""
-    whole = matplotlib.colormaps[name]
-    return LinearSegmentedColormap.from_list(
-        f"{name}_part", whole([low + (high - low) * k / 255 for k in range(256)])
-    )
+    part = matplotlib.colormaps[name](np.linspace(low, high, 256))
+    return LinearSegmentedColormap.from_list(f"{name}_part", part)
 
 
 # A single touching point must show on its ground, whatever its pressure.
 CONTACT_MAP, PRESSURE_MAP = _part("Greys", 0.5, 1.0), _part("magma_r", 0.22, 1.0)
-GAP_MAP, HEIGHT_MAP, OTHER_MAP = "viridis", "cividis", "viridis"
 GROUND = "0.93"  # where nothing touches
 
 RC: Any = matplotlib.rc_params_from_file(
@@ -127,4 +124,4 @@ def figure(path: Path, width: float, height: float) -> Iterator[Figure]:
 def save(fig: Any, path: Path, dpi: float | None = None) -> None:
     """Save under path in one move, in the format that its suffix names; dpi: default that of RC."""
     with atomic_write(path) as tmp:
-        fig.savefig(tmp, format=path.suffix[1:].lower(), dpi=dpi or RC["savefig.dpi"])
+        fig.savefig(tmp, format=path.suffix[1:].lower(), dpi=dpi)

@@ -31,17 +31,13 @@ def survey(fields: dict, pixels: int, window: tuple | None = None) -> Survey:
     parts: dict[str, list] = {}
     largest: dict[str, float] = {}
     for slab in _slabs(fields, i0, i1, f_x, slice(j0, j1)):
-        if "pressure" in slab:
-            slab["pressure"] = np.where(slab["contact"], slab["pressure"], 0)
         for name, values in slab.items():
-            parts.setdefault(name, []).append(_pixel_sums(values, f_x, f_y))
+            counted = slab["contact"] if name == "pressure" else np.ones(values.shape)
+            values = values * counted
+            total, points = (_pixel_sums(one, f_x, f_y) for one in (values, counted))
+            parts.setdefault(name, []).append(total / np.maximum(points, 1))
             largest[name] = max(largest.get(name, -np.inf), float(values.max()))
-    sums: dict[str, Any] = {name: np.concatenate(blocks) for name, blocks in parts.items()}
-    points = np.outer(np.diff([*range(i0, i1, f_x), i1]), np.diff([*range(j0, j1, f_y), j1]))
-    means = {name: total / points for name, total in sums.items()}
-    if "pressure" in sums:
-        means["pressure"] = sums["pressure"] / np.maximum(sums["contact"], 1)
-    return Survey(means, largest)
+    return Survey({name: np.concatenate(blocks) for name, blocks in parts.items()}, largest)
 
 
 def histogram(fields: dict, name: str) -> tuple[np.ndarray, np.ndarray]:

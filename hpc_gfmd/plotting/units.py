@@ -32,7 +32,7 @@ class Scale:
     """Numbers over `unit`; name: of an absolute unit ("MPa"), or the formula of a relative one
     ("E^* g"), or "" for neither."""
 
-    unit: float
+    unit: float = 1.0
     name: str = ""
     relative: bool = False
 
@@ -65,49 +65,35 @@ def label(symbol: str, *scales: tuple[Scale, int]) -> str:
 
 
 class Units:
-    """Of a Result: absolute where it has units and `dimensionless` does not say otherwise."""
+    """Of a Result: absolute where it has units and `dimensionless` does not say otherwise; size:
+    L_x; rough: whether p* means something."""
 
     def __init__(self, result: Result, theory: Any = None, dimensionless: bool = False) -> None:
         surface = result.surface
-        self.length_unit, self.pressure_unit = (
+        length, pressure = (
             "" if dimensionless else surface.get(unit, "") for unit in ("unit", "pressure_unit")
         )
         self.size = surface.get("physical_sizes", (1.0, 1.0))[0]
+        self.rough = surface.get("kind", "self-affine") not in ("wave", "sphere")
         h_rms = Scale(surface.get("h_rms") or 0.0, r"h_\mathrm{rms}", True)
-        self.height_scale = (theory and theory.height) or h_rms
         slope = surface.get("g_rms")
-        moduli = (
-            step["p"] / step["p_star"] / slope
+        unit = (
+            step["p"] / step["p_star"] / (1.0 if self.rough else slope)
             for step in result.steps
             if good(slope) and good(step.get("p_star")) and good(step.get("p"))
         )
-        E_star = next(moduli, None)
-        self.p_star = E_star and E_star * slope  # the pressure at p* = 1
-        self.rough = surface.get("kind", "self-affine") not in ("wave", "sphere")
-        name, unit = (r"E^* g_\mathrm{rms}", self.p_star) if self.rough else ("E^*", E_star)
-        self.pressure_scale = Scale(unit, name, True) if unit else Scale(1.0)
-
-    def lengths(self, values: Any = ()) -> Scale:
-        """Scale positions."""
-        if self.length_unit:
-            return _absolute(values or [self.size], self.length_unit)
-        return Scale(self.size, "L_x", True)
-
-    def heights(self, values: Iterable[Any]) -> Scale:
-        """Scale gaps and heights."""
-        if self.length_unit:
-            return _absolute(values, self.length_unit)
-        return self.height_scale if good(self.height_scale.unit) else Scale(1.0)
-
-    def pressures(self, values: Iterable[Any]) -> Scale:
-        """Scale pressures."""
-        return _absolute(values, self.pressure_unit) if self.pressure_unit else self.pressure_scale
+        name = r"E^* g_\mathrm{rms}" if self.rough else "E^*"
+        self._scales = {
+            "length": (length, Scale(self.size, "L_x", True)),
+            "pressure": (pressure, Scale(next(unit, 0.0), name, True)),
+            "height": (length, (theory and theory.height) or h_rms),
+        }
 
     def of(self, name: str, values: Iterable[Any]) -> Scale:
-        """Scale a field by its name."""
-        return self.pressures(values) if name == "pressure" else self.heights(values)
-
-
-def _absolute(values: Iterable[Any], unit: str) -> Scale:
-    factor, name = prefixed(values, unit)
-    return Scale(factor, name.replace("u", "µ", 1) if name.startswith("u") else name)
+        """Scale numbers of a kind: "length" (positions) or "pressure", any other name being that of
+        heights."""
+        unit, relative = self._scales.get(name, self._scales["height"])
+        if unit:
+            factor, name = prefixed(values, unit)
+            return Scale(factor, name.replace("u", "µ"))
+        return relative if good(relative.unit) else Scale()

@@ -11,8 +11,6 @@ from ..bodies import body_of
 from ..contact import (
     all_distributions,
     default_observables,
-    distribution_names,
-    distributions_named,
     observable_names,
     observables_named,
     require_periodic,
@@ -46,7 +44,7 @@ def check(scene: Scene) -> None:
     for key, found, there in (
         ("solver.name", [scene.solver.name], ["auto", *solver_names()]),
         ("output.observables", scene.output.observables or (), observable_names()),
-        ("output.distributions", scene.output.distributions, distribution_names()),
+        ("output.distributions", scene.output.distributions, all_distributions()),
     ):
         for name in found:
             require_known(key, name, there)
@@ -184,8 +182,9 @@ def step_attributes(scene: Scene, index: int, contact: Contact, seconds: float) 
     """Give what is said of a solved load, the index-th of a scene.Scene, by the names of the result
     file; None for what has no value. seconds: spent on it. Collective."""
     numbers = {name: f(contact) for name, f in _observables(scene.output).items()}
-    for name, found in distributions_named(scene.output.distributions, contact).items():
-        numbers |= {f"{name}_{what}": values.tolist() for what, values in found.items()}
+    for name, distribution in all_distributions().items():
+        found = distribution(contact) if name in scene.output.distributions else None
+        numbers |= {f"{name}_{what}": values.tolist() for what, values in (found or {}).items()}
     area, gap, pressure = contact.certificate.errors
     attributes = {
         "p": contact.p_mean,

@@ -12,9 +12,8 @@ import numpy as np
 from ..contact import (
     all_distributions,
     all_observables,
-    distribution_names,
-    names_together,
     observable_names,
+    observables_named,
     require_periodic,
 )
 from ..contact.duality import OBSERVABLES as OF_DUALITY
@@ -145,16 +144,16 @@ class Solution(Solved):
         where what is left of the contact does not tell it.
         """
         require_known("observable", name, observable_names())
-        several = names_together(name)
-        for one in several or (name,):
+        found = observables_named([name])
+        for one, observable in found.items():
             if one not in self._step:
                 if self._contact is None and one in LOST:
                     raise SceneError(
                         f"{one}: not in {self.result.path}, allowed: a run that has it in"
                         " output.observables"
                     )
-                self._step[one] = all_observables()[one](self._whole_contact())
-        return self._step[name] if name in self._step else {one: self._step[one] for one in several}
+                self._step[one] = observable(self._whole_contact())
+        return self._step[name] if name in self._step else {one: self._step[one] for one in found}
 
     def distribution(self, name: str) -> Distribution | None:
         """Arrays by the name they have in the scene's output.distributions, computed now if they
@@ -166,7 +165,7 @@ class Solution(Solved):
         """
         along_x, _, along_y = self.result.surface.get("boundary", "").partition(", ")
         require_periodic([name], (along_x == "free", along_y == "free"), "distribution")
-        require_known("distribution", name, distribution_names())
+        require_known("distribution", name, all_distributions())
         if not self._stored_distribution(name):
             contact = self._whole_contact()
             if name.startswith("heights") and contact.surface.h is None:

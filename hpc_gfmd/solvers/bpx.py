@@ -96,7 +96,7 @@ class Bpx(Solver):
     def start(self, g: np.ndarray) -> None:
         self._lay(g)
         self.elastic.pressure_rows(
-            self.problem.displacement_rows(self.g, self.problem.level(self.g)), self.levels.passes
+            self.problem.displacement_rows(self.g, self.problem.level(self.g))
         )
         self.uKu = float(
             self.grid.comm.sum(

@@ -132,15 +132,15 @@ class Ccg(Solver):
         self.previous = size
         if self.preconditioned:
             b_ = self.real(b)
-            z, n = self._sum(
+            (z,) = self._sum(
                 self.elastic.use_rows(
                     lambda i0, i1, x: kernels.conjugate_direction(
                         self.t, self.iterate, x, i0, i1, b_
                     )
                 ),
-                2,
+                1,
             )
-            a, b, c = 0.0, 1.0, z / n
+            a, b, c = 0.0, 1.0, z / self.contact
         args = shift, self.real(a), self.real(b), self.real(c)
         et = self.elastic.pressure_rows(
             lambda i0, i1, x: kernels.search_direction(
@@ -148,9 +148,9 @@ class Ccg(Solver):
             )
         )
         tSt = self.elastic.displacement_columns()
-        r = self.elastic.use_rows(lambda i0, i1, x: kernels.response_sums(self.iterate, x, i0, i1))
-        et, t, r, n, tSt = self.grid.comm.sum([*added(et, 2), *added(r, 2), tSt])
-        curvature = tSt - r * t / n
+        r = self.elastic.use_rows(lambda i0, i1, x: kernels.response_sum(self.iterate, x, i0, i1))
+        et, t, r, tSt = self.grid.comm.sum([*added(et, 2), *added(r, 1), tSt])
+        curvature = tSt - r * t / self.contact
         # S_CC >= 1/(largest eigenvalue of K), S_CC K_CC >= 1; where nothing is left to do in
         # contact the quotient is noise
         largest = 1.0 if self.preconditioned else self.stiffest
@@ -163,7 +163,7 @@ class Ccg(Solver):
         self.offset += self.shift
         offset = self.real(self.offset)
         self.elastic.displacement_columns()
-        total, n = self._sum(
+        total, contact = self._sum(
             self.elastic.use_rows(
                 lambda i0, i1, x: kernels.new_gap(
                     self.iterate, self.gap0, self.problem.heights, x, i0, i1, scale, offset
@@ -171,12 +171,12 @@ class Ccg(Solver):
             ),
             2,
         )
-        self.shift = float(total / n)
+        self.shift, self.contact = float(total / contact), float(contact)
         fields, shift = (self.iterate, self.gap0, self.g, self.p), self.real(self.shift)
         sums = self.grid.by_rows(
             lambda i0, i1: kernels.feasible_state(*fields, shift, self.grid.inside, i0, i1)
         )
-        self.ee, self.below, self.contact, self.gap = self._sum(sums, 4).tolist()
+        self.ee, self.below, self.gap = self._sum(sums, 3).tolist()
 
     def _sum(self, parts: Parts, count: int) -> np.ndarray:
         return self.grid.comm.sum(added(parts, count))

@@ -6,7 +6,7 @@ from scipy.linalg import eigh
 from transfers import compliance_times, interpolation, matrix, stiffness_times
 
 from hpc_gfmd.bodies import body_classes, body_of
-from hpc_gfmd.bodies.base import SQRT2, Tabled
+from hpc_gfmd.bodies.base import SQRT2, Body
 from hpc_gfmd.operators.elastic import Elastic
 from hpc_gfmd.parallel.coarsening import levels
 from hpc_gfmd.parallel.grid import Grid
@@ -109,7 +109,8 @@ def test_table_and_on_the_fly(body):
     """The table of a radial K multiplies as the body itself does, on every rank's part of it."""
     grid = Grid((24, 20))
     fft = grid.fft(np.float64)
-    table, own = Tabled(grid, fft, body.table(grid, fft)), body.multipliers(grid, fft)
+    q = body.waves(grid, grid.q_x, grid.column_tables(fft)[0])
+    table, own = Body.make_multipliers(body, grid, fft, q), body.multipliers(grid, fft)
     block = np.random.default_rng(2).standard_normal((fft.W, 2 * 24)).view(complex)
     for inverse in (False, True):
         one, other = block.copy(), block.copy()

@@ -13,6 +13,7 @@ FILE`. Reading it needs neither MPI nor compiled kernels.
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .. import persson
 from .data import Reference, load
 
 __all__ = ["Reference", "contact_area", "load", "mean_gap"]
@@ -65,8 +66,6 @@ def mean_gap(
     SceneError
         As `contact_area`, and for other units.
     """
-    from .. import persson
-
     gap, sigma = load().at("gap_over_h_rms", p_star, hurst, eps_f)
     theory = [persson.mean_gap(1.0, hurst, eps_f, unit=name) for name in (unit, "h_rms")]
     scale = float(theory[0] / theory[1])

@@ -2,17 +2,19 @@
 
 import json
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.interpolate import make_interp_spline
 
 from ...util.errors import SceneError
+from .. import persson
 from ..checks import within
 
 FORMAT = "hpc-gfmd reference 2"
+SHIPPED = Path(__file__).parent / "data/contact.json"
 QUANTITIES = ("a_r", "gap_over_h_rms")
 ROUNDING = 1e-9  # relative, by which a number may miss the end of its range
 
@@ -70,8 +72,6 @@ class Reference:
         SceneError
             Outside the ranges of the data, and for other quantities.
         """
-        from scipy.interpolate import make_interp_spline
-
         if quantity not in QUANTITIES:
             raise SceneError(f"quantity: found {quantity!r}, allowed: {', '.join(QUANTITIES)}")
         loads = self.p_star[quantity]
@@ -98,16 +98,12 @@ def _within(name: str, wanted: ArrayLike, known: np.ndarray) -> np.ndarray:
 
 def _weights(x: float, known: np.ndarray) -> np.ndarray:
     """Find how much of each known point the spline (at most of degree 3) through them has at x."""
-    from scipy.interpolate import make_interp_spline
-
     if len(known) == 1:
         return np.ones(1)
     return np.asarray(make_interp_spline(known, np.eye(len(known)), k=min(3, len(known) - 1))(x))
 
 
 def _persson(quantity: str, p_star: np.ndarray, hurst: float, eps_f: float) -> np.ndarray:
-    from .. import persson
-
     return (
         persson.contact_area(p_star)
         if quantity == "a_r"
@@ -128,15 +124,7 @@ def load(path: str | Path | None = None) -> Reference:
     SceneError
         If it is not one.
     """
-    return _shipped() if path is None else _read(Path(path))
-
-
-@cache
-def _shipped() -> Reference:
-    return _read(Path(__file__).parent / "data/contact.json")
-
-
-def _read(path: Path) -> Reference:
+    path = Path(path or SHIPPED)
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
         if data["format"] != FORMAT:

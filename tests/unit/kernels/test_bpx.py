@@ -7,6 +7,7 @@ from transfers import SIZES, interpolated, restricted, whole
 from hpc_gfmd.bodies.halfspace import HalfSpace
 from hpc_gfmd.kernels import bpx
 from hpc_gfmd.kernels.bfloat16 import Decoded, decode, encode, encoded, stored_dtype
+from hpc_gfmd.kernels.jit import kernel
 from hpc_gfmd.operators.elastic import reader
 from hpc_gfmd.operators.multilevel import Multilevel
 from hpc_gfmd.parallel.grid import Grid
@@ -72,6 +73,16 @@ def clipped_of(dtype):
     return encoded([-np.inf], dtype)[0]
 
 
+@kernel
+def compiled_encode(number):
+    return encode(number)
+
+
+@kernel
+def compiled_decode(number):
+    return decode(number)
+
+
 @pytest.mark.parametrize(("dtype", "rough"), [(np.float32, 1 / 128), (np.float64, 1e-7)])
 def test_storage_of_the_last_step(random, dtype, rough):
     """In kernels as in NumPy; 16 bits make nothing larger, and infinity stays what it is."""
@@ -81,8 +92,8 @@ def test_storage_of_the_last_step(random, dtype, rough):
     halves = encoded(numbers, dtype)
     assert halves.dtype == stored_dtype(dtype)
     assert halves.itemsize == numbers.itemsize // 2
-    assert np.array_equal([encode(number) for number in numbers], halves)
-    assert np.array_equal([decode(one) for one in halves], Decoded(halves)[:])
+    assert np.array_equal([compiled_encode(number) for number in numbers], halves)
+    assert np.array_equal([compiled_decode(one) for one in halves], Decoded(halves)[:])
     assert np.allclose(Decoded(halves)[:], numbers, rtol=rough, atol=0)
     assert dtype == np.float64 or np.all(np.abs(Decoded(halves)[:]) <= np.abs(numbers))
     assert Decoded(halves)[-2:].tolist() == [-np.inf, np.inf]

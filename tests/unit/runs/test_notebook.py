@@ -13,13 +13,7 @@ from mpi_harness import printed
 from refusal import refused
 
 import hpc_gfmd
-from hpc_gfmd.contact import (
-    all_distributions,
-    all_observables,
-    distribution_names,
-    duality,
-    observable_names,
-)
+from hpc_gfmd.contact import all_distributions, all_observables, duality, observable_names
 from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.output.folder import partial_folder
 from hpc_gfmd.output.read import read_result
@@ -169,7 +163,7 @@ def test_a_file_is_saved_again(sweep, saved):
 def test_more_is_asked_later(sweep, saved, of_file):
     """As if it had been asked for with the load."""
     names = sorted(observable_names() - {"error_bounds", *duality.OBSERVABLES})
-    spreads = sorted(distribution_names())
+    spreads = sorted(all_distributions())
     asked = solve(LOADS, observables=names, distributions=spreads)
     for one, known in zip(saved if of_file else sweep, asked, strict=True):
         for name, value in known.observables.items():

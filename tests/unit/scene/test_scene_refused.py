@@ -8,7 +8,7 @@ import pytest
 from refusal import refused
 from scene_tables import SURFACE, TABLES, changed, refusal, rows, tables
 
-from hpc_gfmd.contact import distribution_names, observable_names
+from hpc_gfmd.contact import all_distributions, observable_names
 from hpc_gfmd.scene import Scene
 from hpc_gfmd.scene.not_modelled import not_modelled
 from hpc_gfmd.scene.surface import KINDS
@@ -201,7 +201,7 @@ def test_conduction_is_an_observable(name):
 def test_what_is_modelled_is_not_refused():
     tables_of = [Scene.model_fields[table].annotation for table in TABLES[1:]]
     keys = {key for model in (Scene, *KINDS.values(), *tables_of) for key in model.model_fields}
-    known = keys | observable_names() | distribution_names() | set(solver_names())
+    known = keys | observable_names() | all_distributions().keys() | set(solver_names())
     assert not [name for name in known | set(ALIKE.split()) if not_modelled(name)]
 
 
