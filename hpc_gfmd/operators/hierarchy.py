@@ -40,6 +40,11 @@ class Step:
         return int(self.starts[self.windows.rank + 1] - self.starts[self.windows.rank])
 
     @property
+    def in_place(self) -> bool:
+        """Whether the rows that ranks own lie in their windows, between a row before and after."""
+        return np.array_equal(self.starts, self.transfer.coarse_starts)
+
+    @property
     def window_shape(self) -> tuple[int, int, int]:
         """Shape of the fields in this rank's window."""
         return self.fields, self.transfer.window_rows, self.transfer.m[1]

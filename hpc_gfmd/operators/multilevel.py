@@ -65,7 +65,7 @@ class Multilevel:
         self.fields = [np.zeros(step.window_shape, self.dtype) for step in self.steps]
         # the rows that this rank owns: in the window where that is the same
         self.owned = [
-            field if step.windows.in_place else np.zeros(step.owned_shape, self.dtype)
+            field if step.in_place else np.zeros(step.owned_shape, self.dtype)
             for step, field in zip(self.steps[:-1], self.fields)
         ]
         last = slice(len(self.steps), None)

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
 
 STRIP_POINTS = 2**20  # labelled at a time
 NOTHING = -1  # label of a point outside the mask
-# what edges of the cell a cluster reaches
-FIRST_ROW, LAST_ROW, FIRST_COLUMN, LAST_COLUMN = 1, 2, 4, 8
 
 
 @dataclass(frozen=True)
@@ -56,24 +54,16 @@ def find_clusters(
     around both axes counts for both); along a free one where it reaches from the first point to the
     last.
     """
-    joiner, block, (start, stop) = _Joiner(corners, periodic[1]), None, rows
+    joiner, block, (start, stop) = _Joiner(n, periodic, corners), None, rows
     strip = max(1, STRIP_POINTS // n[1])
     for i0 in range(start, stop, strip):
         i1 = min(i0 + strip, stop)
-        at_ends = (i0 == 0) * FIRST_ROW, (i1 == n[0]) * LAST_ROW
-        block = joiner.together(block, joiner.labelled(mask(i0 - start, i1 - start), *at_ends))
-    block, wraps = comm.reduce(block, joiner.together), np.zeros(2, np.bool_)
+        block = joiner.together(block, joiner.labelled(mask(i0 - start, i1 - start), i0))
+    block = comm.reduce(block, joiner.together)
     if block is not None:
-        wraps = joiner.closed(block, periodic[0]).wraps
-    sizes, sides = (np.concatenate(parts) for parts in zip(*joiner.whole))
-    spans = [_reaches(sides, first) for first in (FIRST_ROW, FIRST_COLUMN)]
-    percolates = comm.max([wraps[axis] if periodic[axis] else spans[axis] for axis in (0, 1)])
-    return Clusters(sizes, (bool(percolates[0]), bool(percolates[1])))
-
-
-def _reaches(sides: np.ndarray, first: int) -> bool:
-    both = first | 2 * first
-    return bool(np.any(sides & both == both))
+        joiner.close(block)
+    along_x, along_y = comm.max(joiner.percolates)
+    return Clusters(np.concatenate(joiner.whole), (bool(along_x), bool(along_y)))
 
 
 @dataclass(frozen=True)
@@ -81,42 +71,41 @@ class _Block:
     """The clusters of consecutive rows that reach the first or the last of them.
 
     first, last (3, n_y): of every point of these rows its cluster, or NOTHING, and how many borders
-    of the cell, along x and along y, are crossed on the way to it from the root of that; sizes,
-    sides (bits): of what clusters have in these rows; wraps (2,): whether any cluster of these rows
-    goes around the cell."""
+    of the cell, along x and along y, are crossed on the way to it from the root of that; counts
+    (5, clusters): points in these rows, and how many of them in the first and in the last row, in
+    the first and in the last column of the cell."""
 
     first: np.ndarray
     last: np.ndarray
-    sizes: np.ndarray
-    sides: np.ndarray
-    wraps: np.ndarray
+    counts: np.ndarray
 
 
 class _Joiner:
-    """Makes one block of two. corners: as in `find_clusters`; around: whether the ends of a row
-    touch; whole: (sizes, sides) of the clusters that have no point in a border left."""
+    """Makes one block of two, for n, periodic and corners as in `find_clusters`. whole: sizes of
+    the clusters that have no point in a border left; percolates (2,): whether any of them, or of
+    their pieces, has been found to do so."""
 
-    def __init__(self, corners: bool, around: bool):
-        self.corners, self.around = corners, around
-        self.whole = [(np.zeros(0, np.int64), np.zeros(0, np.uint8))]
+    def __init__(self, n: tuple[int, int], periodic: tuple[bool, bool], corners: bool):
+        self.n, self.periodic, self.corners = n, periodic, corners
+        self.whole = [np.zeros(0, np.int64)]
+        self.percolates = np.zeros(2, np.bool_)
 
-    def labelled(self, mask: np.ndarray, first_row: int, last_row: int) -> _Block:
-        """Make the block of a strip; first_row, last_row: what edges of the cell its ends are."""
+    def labelled(self, mask: np.ndarray, i0: int) -> _Block:
+        """Make the block of a strip whose first row is i0."""
         from scipy import ndimage
 
         structure = ndimage.generate_binary_structure(2, 2 if self.corners else 1)
         labels, found = ndimage.label(mask, structure)
-        sides = np.zeros(found + 1, np.uint8)
         lines = labels[0], labels[-1], labels[:, 0], labels[:, -1]
-        for line, side in zip(lines, (first_row, last_row, FIRST_COLUMN, LAST_COLUMN)):
-            sides[line] |= side
+        ends = i0 == 0, i0 + len(mask) == self.n[0], True, True
+        counted = [labels.ravel(), *(line * end for line, end in zip(lines, ends))]
+        counts = np.stack([np.bincount(line, minlength=found + 1)[1:] for line in counted])
         # of a point outside the mask the label is NOTHING
         first, last, left, right = (
             np.stack([line.astype(np.int64) - 1, 0 * line, 0 * line]) for line in lines
         )
-        pairs = self._pairs(right, left, (0, 1), False) if self.around else []
-        sizes = np.bincount(labels.ravel(), minlength=found + 1)[1:]
-        return self._joined(pairs, sizes, sides[1:], np.zeros(2, np.bool_), first, last)
+        pairs = self._pairs(right, left, (0, 1)) if self.periodic[1] else []
+        return self._joined(pairs, counts, first, last)
 
     def together(self, upper: _Block | None, lower: _Block | None) -> _Block | None:
         """Make one block of two, of which the second begins where the first one ends; None is
@@ -125,33 +114,25 @@ class _Joiner:
             return lower if upper is None else upper
         first, last = lower.first.copy(), lower.last.copy()
         for line in first, last:
-            line[0, line[0] != NOTHING] += len(upper.sizes)
-        return self._joined(
-            self._pairs(upper.last, first, (0, 0), self.around),
-            np.append(upper.sizes, lower.sizes),
-            np.append(upper.sides, lower.sides),
-            upper.wraps | lower.wraps,
-            upper.first,
-            last,
-        )
+            line[0, line[0] != NOTHING] += upper.counts.shape[1]
+        counts = np.concatenate([upper.counts, lower.counts], axis=1)
+        return self._joined(self._pairs(upper.last, first), counts, upper.first, last)
 
-    def closed(self, block: _Block, around: bool) -> _Block:
-        """Return what is left of the block of all rows, all clusters being whole: no border.
-        around: whether its last row touches its first."""
-        pairs = self._pairs(block.last, block.first, (1, 0), self.around) if around else []
+    def close(self, block: _Block) -> None:
+        """Join the last row to the first one where they touch; all clusters are whole then."""
+        pairs = self._pairs(block.last, block.first, (1, 0)) if self.periodic[0] else []
         border = block.first[:, :0]
-        return self._joined(pairs, block.sizes, block.sides, block.wraps, border, border)
+        self._joined(pairs, block.counts, border, border)
 
     def _pairs(
-        self, a: np.ndarray, b: np.ndarray, across: tuple[int, int], around: bool
+        self, a: np.ndarray, b: np.ndarray, across: tuple[int, int] = (0, 0)
     ) -> list[np.ndarray]:
         """Return the edges (4, m), as `join` takes them transposed, between the points that touch
-        on neighbouring lines. across: borders crossed from a to b; around: whether the ends of the
-        lines touch."""
+        on neighbouring lines. across: borders crossed from a to b."""
         ways = [(slice(None), slice(None), 0)]
         if self.corners:
             ways += [(slice(0, -1), slice(1, None), 0), (slice(1, None), slice(0, -1), 0)]
-        if self.corners and around:
+        if self.corners and self.periodic[1] and not across[1]:  # the ends of two rows
             ways += [(slice(-1, None), slice(0, 1), 1), (slice(0, 1), slice(-1, None), -1)]
         found = []
         for on_a, on_b, turn in ways:
@@ -162,28 +143,24 @@ class _Joiner:
         return found
 
     def _joined(
-        self,
-        pairs: list[np.ndarray],
-        sizes: np.ndarray,
-        sides: np.ndarray,
-        wraps: np.ndarray,
-        first: np.ndarray,
-        last: np.ndarray,
+        self, pairs: list[np.ndarray], counts: np.ndarray, first: np.ndarray, last: np.ndarray
     ) -> _Block:
-        """Make the block of rows from line `first` to line `last` whose pieces have these sizes and
-        sides; counts the clusters that reach neither line."""
-        parent, shift = np.arange(len(sizes)), np.zeros((len(sizes), 2), np.int64)
+        """Make the block of rows from line `first` to line `last` whose pieces have these counts;
+        notes the clusters that reach neither line."""
+        pieces = counts.shape[1]
+        parent, shift = np.arange(pieces), np.zeros((pieces, 2), np.int64)
         edges = np.concatenate([np.zeros((4, 0), np.int64), *pairs], axis=1)
-        join(np.ascontiguousarray(edges.T), parent, shift, wraps)
-        of_cluster, reached = np.zeros_like(sizes), np.zeros(len(sizes), np.bool_)
-        np.add.at(of_cluster, parent, sizes)
-        sides_of_cluster = np.zeros_like(sides)
-        np.bitwise_or.at(sides_of_cluster, parent, sides)
+        join(np.ascontiguousarray(edges.T), parent, shift, self.percolates)
+        joined, merged = counts.copy(), np.flatnonzero(parent != np.arange(pieces))
+        np.add.at(joined.T, parent[merged], counts.T[merged])
+        joined[:, merged] = 0
+        reached = np.zeros(pieces, np.bool_)
         for line in first, last:
             reached[parent[line[0, line[0] != NOTHING]]] = True
-        whole = ~reached & (of_cluster > 0)  # pieces that are no root have no size
-        self.whole.append((of_cluster[whole], sides_of_cluster[whole]))
-
+        whole = joined[:, ~reached & (joined[0] > 0)]  # those that are no root have no points
+        self.whole.append(whole[0])
+        across = (np.minimum(whole[1::2], whole[2::2]) > 0).any(axis=1)
+        self.percolates |= across & ~np.array(self.periodic)
         number = np.cumsum(reached) - 1
 
         def of_roots(line: np.ndarray) -> np.ndarray:
@@ -193,6 +170,4 @@ class _Joiner:
             line[1:, inside] += shift[pieces].T
             return line
 
-        return _Block(
-            of_roots(first), of_roots(last), of_cluster[reached], sides_of_cluster[reached], wraps
-        )
+        return _Block(of_roots(first), of_roots(last), joined[:, reached])

@@ -83,6 +83,7 @@ class MpiComm:
         self.mpi, self.parent = mpi, parent
         self.rank = mpi.Get_rank()
         self.size = mpi.Get_size()
+        self.allgather, self.gather = mpi.allgather, mpi.gather
         self._among: dict[tuple[int, ...], Comm | None] = {}
 
     def _allreduce(self, values: ArrayLike, op: str) -> np.ndarray:
@@ -104,12 +105,6 @@ class MpiComm:
 
     def bcast(self, obj: Any, root: int = 0) -> Any:
         return self.mpi.bcast(obj, root=root)
-
-    def allgather(self, obj: Any) -> list:
-        return self.mpi.allgather(obj)
-
-    def gather(self, obj: Any) -> list | None:
-        return self.mpi.gather(obj, root=0)
 
     def exchange(self, send: Mapping[int, np.ndarray], receive: Mapping[int, np.ndarray]) -> None:
         from mpi4py import MPI

@@ -63,24 +63,24 @@ class SlabFFT(Layout):
         self.threads = threads
         self.multipliers: dict[Any, Any] = {}  # of a body: what it multiplies these columns by
         self._memory, first, self.blocks = self._common(complex_dtype)
-        # those of each rank of the node
-        self._rows = np.stack([self.starts[self.node_ranks + end] for end in (0, 1)], axis=1)
-        self._far_rows = _runs(np.repeat(self.far, np.diff(self.starts)))
+        self._near_rows, self._far_rows = (
+            np.stack([self.starts[ranks], self.starts[ranks + 1]], axis=1)
+            for ranks in (self.node_ranks, np.flatnonzero(self.far))
+        )
         own = self.edges[:-1].reshape(self.K, self.size)[:, self.rank]
-        self._own_widths = np.diff(self.edges).reshape(self.K, self.size)[:, self.rank].tolist()
+        self._own_widths = self.block_widths[:, self.rank].tolist()
         # where the node's rows of this rank's blocks begin
-        self._first = first + np.diff(self._rows)[:, 0] * own[:, None]
-        self._scratch = []  # of a thread: real rows, their spectra, columns, what has been sent
-        for _ in range(threads):
-            received = (n_x * self.W,) if self.far.any() else (0,)
-            self._scratch.append(
-                (
-                    zeros_aligned((self.R, n_y), self.dtype),
-                    zeros_aligned((self.R, self.n_c), complex_dtype),
-                    zeros_aligned((self.W, n_x), complex_dtype),
-                    zeros_aligned(received, complex_dtype),
-                )
+        self._first = first + np.diff(self._near_rows)[:, 0] * own[:, None]
+        received = n_x * self.W if self.far.any() else 0
+        self._scratch = [  # of a thread: real rows, their spectra, columns, what has been sent
+            (
+                zeros_aligned((self.R, n_y), self.dtype),
+                zeros_aligned((self.R, self.n_c), complex_dtype),
+                zeros_aligned((self.W, n_x), complex_dtype),
+                zeros_aligned((received,), complex_dtype),
             )
+            for _ in range(threads)
+        ]
         real, half, columns, _ = self._scratch[0]
         self.plans = planned(
             comm,
@@ -104,7 +104,7 @@ class SlabFFT(Layout):
         ]
         return (*rows, plans.rows_forward, plans.rows_backward), (
             _moved(columns),
-            (_moved(self._memory), self._first, self._rows),
+            (_moved(self._memory), self._first, self._near_rows),
             (_moved(received), np.outer(widths, self._far_rows[:, 0]), self._far_rows),
             plans.columns_forward[self.W][0],
             np.array(of_blocks),
@@ -122,11 +122,6 @@ class SlabFFT(Layout):
         blocks = memory[first[node.rank] :][:length]
         blocks[...] = 0  # every rank its own: pages belong where they are touched first
         return memory, first, blocks
-
-    @property
-    def nbytes(self) -> int:
-        """Bytes that this object holds on this rank."""
-        return self.blocks.nbytes + sum(a.nbytes for s in self._scratch for a in s)
 
     @property
     def row_scratch(self) -> list[np.ndarray]:
@@ -238,8 +233,3 @@ class SlabFFT(Layout):
 def _moved(a: np.ndarray) -> np.ndarray:
     """View the same memory in a type that the compiler moves at once."""
     return a.view(np.float64) if a.dtype == np.complex64 else a
-
-
-def _runs(mask: np.ndarray) -> np.ndarray:
-    """Return (runs, 2): where a mask is true, from ... to."""
-    return np.flatnonzero(np.diff(mask, prepend=False, append=False)).reshape(-1, 2)

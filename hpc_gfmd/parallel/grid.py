@@ -105,8 +105,8 @@ class Grid:
     def inside(self) -> tuple[int, int]:
         """Shape of this rank's part of the nominal area: its first rows, and the first points of
         each."""
-        start, stop = self.rows
-        return min(stop, self.nominal[0]) - min(start, self.nominal[0]), self.nominal[1]
+        start, stop = self.nominal_rows
+        return stop - start, self.nominal[1]
 
     @property
     def nominal_rows(self) -> tuple[int, int]:

@@ -1,5 +1,5 @@
-"""HDF5 files with fields of n_x times n_y points that are spread over the ranks as slabs of rows:
-by MPI-IO where there are several.
+"""HDF5 files with fields of n_x times n_y points that are spread over the ranks as slabs of rows,
+written by MPI-IO where there are several.
 
 A file is written in three moves: rank 0 puts its layout (attributes, empty datasets), made in
 memory, into NAME.tmp and takes the disk space for all of it; all ranks fill in their rows; once
@@ -51,12 +51,12 @@ class Stored:
         the last row of a pass over all of them, in one call or several."""
         comm, rows = comm or SerialComm(), rows or (0, self.shape[0])
         found, doing = 0, f"reading {self.path}"
-        with opened(comm, self.path, "r", doing) as file:
+        with collective_errors(comm, doing):
+            file = reading(self.path)
+        with file:
             for start, stop in _cuts(comm, rows, self.shape[1] * self.dtype.itemsize):
-                with collective_errors(comm, doing):  # before the others begin to read together
-                    part = np.empty((stop - start, self.shape[1]), self.dtype)
                 with collective_errors(comm, doing):
-                    _transfer(file[self.dataset], start, part, "read")
+                    part = file[self.dataset][start:stop]
                     found += _checksum(part, start)
                 yield start, part
         begin, end = comm.max([-rows[0], rows[1]])  # of all ranks
@@ -82,8 +82,8 @@ class Stored:
 
 
 def io_way(comm: Comm) -> str:
-    """Tell how fields are written and read: "mpio", where opening and closing are collective, on
-    several ranks if HDF5 has it, or "serial"."""
+    """Tell how fields are written: "mpio", where opening and closing are collective, on several
+    ranks if HDF5 has it, or "serial"."""
     import h5py
 
     return "mpio" if comm.size > 1 and h5py.get_config().mpi else "serial"
@@ -113,14 +113,14 @@ def write_file(
     types, stored = {name: np.dtype(dtype or field.dtype) for name, field in fields.items()}, {}
     try:
         on_rank_0(comm, doing, lambda: _lay_out(tmp, n, types, describe, compressed))
-        with opened(comm, tmp, "r+", doing) as file:
+        with _opened(comm, tmp, doing) as file:
             for name, field in fields.items():
                 found = 0
                 for start, part in _parts(comm, field, types[name], n, rows, doing):
                     parts = [(start, part)] if together else comm.gather((start, part)) or ()
                     with collective_errors(comm, doing):
                         for at, numbers in parts:
-                            _transfer(file[name], at, numbers, "write")
+                            _write(file[name], at, numbers)
                             sync(tmp, wait=False)
                         found += _checksum(part, start)
                 stored[name] = Stored(path, name, n, types[name], _total(comm, found))
@@ -153,22 +153,18 @@ def sync(path: Path, wait: bool = True) -> None:
 
 
 @contextmanager
-def opened(comm: Comm, path: Path, mode: str, doing: str) -> Iterator[Any]:
-    """An h5py file, by MPI-IO where it can be; otherwise each rank's own to read ("r"), rank 0's
-    alone to write ("r+"). Collective."""
+def _opened(comm: Comm, path: Path, doing: str) -> Iterator[Any]:
+    """An h5py file to fill in: by MPI-IO where it can be, otherwise rank 0's alone. Collective."""
     import h5py
 
     together = io_way(comm) == "mpio"
     how = {"driver": "mpio", "comm": comm.mpi} if together else {"locking": False}
+    file: Any = nullcontext()
     with collective_errors(comm, doing):
         os.stat(path)  # before ranks that see it wait for one that does not
     with collective_errors(comm, doing):
-        if mode == "r" and not together:
-            file = reading(path)
-        elif together or comm.rank == 0:
-            file = h5py.File(path, mode, libver=VERSIONS, **how)
-        else:
-            file = nullcontext()
+        if together or comm.rank == 0:
+            file = h5py.File(path, "r+", libver=VERSIONS, **how)
     with collective_errors(comm, doing), file:
         yield file
 
@@ -256,9 +252,9 @@ def _cuts(comm: Comm, rows: tuple[int, int], row_bytes: int) -> list[tuple[int, 
     ]
 
 
-def _transfer(dataset: Any, start: int, rows: np.ndarray, what: str) -> None:
-    """Call HDF5's "read" or "write", collective by MPI-IO; low-level because h5py's own leaves out
-    ranks without rows."""
+def _write(dataset: Any, start: int, rows: np.ndarray) -> None:
+    """Write rows, together with all ranks by MPI-IO; low-level because h5py's own leaves out ranks
+    without rows."""
     from h5py import h5fd, h5p, h5s
 
     memory, space = h5s.create_simple(rows.shape), dataset.id.get_space()
@@ -266,7 +262,7 @@ def _transfer(dataset: Any, start: int, rows: np.ndarray, what: str) -> None:
     if dataset.file.driver == "mpio":
         how.set_dxpl_mpio(h5fd.MPIO_COLLECTIVE)
     space.select_hyperslab((start, 0), rows.shape)
-    getattr(dataset.id, what)(memory, space, rows, dxpl=how)
+    dataset.id.write(memory, space, rows, dxpl=how)
 
 
 def _checksum(rows: np.ndarray, start: int) -> int:

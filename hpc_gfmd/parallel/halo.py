@@ -7,9 +7,7 @@ are windows, and so are the rows that a rank has before they are agglomerated on
 talks to those alone whose rows or windows meet its own.
 """
 
-from collections.abc import Iterable, Iterator
 from functools import lru_cache
-from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -23,34 +21,38 @@ class Windows:
     starts[-1] where the last rows belong to nobody: those are left as they are."""
 
     def __init__(
-        self, rank: int, starts: ArrayLike, lo: np.ndarray, hi: np.ndarray, n: int | None = None
+        self, rank: int, starts: ArrayLike, lo: ArrayLike, hi: ArrayLike, n: int | None = None
     ):
         starts, lo, hi = (np.asarray(a, np.int64) for a in (starts, lo, hi))
         n = int(starts[-1]) if n is None else n
         self.rank = rank
-        taken = list(
-            _met(
-                int(lo[rank]),
-                int(hi[rank]),
-                starts[:-1],
-                starts[1:],
-                n,
-                range(lo[rank] // n, -(-hi[rank] // n)),
-            )
-        )
-        turns = range(int(lo.min()) // n, -(-int(hi.max()) // n))
-        given = list(_met(int(starts[rank]), int(starts[rank + 1]), lo, hi, n, [-t for t in turns]))
-        # A halo around a rank's own rows lives in one array with them, which then has nothing to be
-        # copied.
-        width = int(starts[0] - lo[0])
-        self.in_place = bool(
-            np.all((hi <= lo) | ((starts[:-1] - lo == width) & (hi - starts[1:] == width)))
-        )
-        self.interior = slice(width, width + int(starts[rank + 1] - starts[rank]))
+        # this rank takes from all, and others take from it
+        ranks = np.arange(len(lo))
+        others = np.delete(ranks, rank)
+        taker = np.append(np.full(len(ranks), rank), others)
+        owner = np.append(ranks, np.full(len(others), rank))
+        pieces: list[list[int]] = []
+        for turn in range(int(lo.min()) // n, -(-int(hi.max()) // n)):
+            first, last = starts[owner] + turn * n, starts[owner + 1] + turn * n
+            begin = np.maximum(first, lo[taker])
+            length = np.minimum(last, hi[taker]) - begin
+            found = np.stack([taker, owner, begin - lo[taker], begin - first, length], axis=1)
+            pieces += found[length > 0].tolist()
         # (rows of the window, own rows); by peer: rows of the window, own rows
-        self.own = [(slice(*w), slice(*o)) for peer, w, o in taken if peer == rank]
-        self.take = _by_peer((peer, w[0], slice(*w)) for peer, w, _ in taken if peer != rank)
-        self.give = _by_peer((peer, w[0], slice(*o)) for peer, o, w in given if peer != rank)
+        self.own: list[tuple[slice, slice]] = []
+        self.take: Pieces = {}
+        self.give: Pieces = {}
+        for to, source, at, own_at, count in sorted(pieces):  # in the order of the window
+            in_window, in_own = slice(at, at + count), slice(own_at, own_at + count)
+            if to == source:
+                self.own.append((in_window, in_own))
+            elif to == rank:
+                self.take.setdefault(source, []).append(in_window)
+            else:
+                self.give.setdefault(to, []).append(in_own)
+        # where an array of a rank's own rows and a halo is given as both
+        begin = int(starts[rank] - lo[rank])
+        self.interior = slice(begin, begin + int(starts[rank + 1] - starts[rank]))
 
     def fill(self, comm: Any, owned: np.ndarray, window: np.ndarray) -> None:
         """Copy the rows of all windows from those that own them."""
@@ -70,13 +72,16 @@ class Windows:
 
     def _apart(self, owned: np.ndarray, window: np.ndarray) -> list[tuple[slice, slice]]:
         """List own pieces of the own window that are not the same memory."""
-        together = self.in_place and np.may_share_memory(owned, window)
+        together = np.may_share_memory(owned, window)
         return [piece for piece in self.own if not (together and piece[0] == self.interior)]
 
     def sent_rows(self, adding: bool) -> dict[int, int]:
         """Return {rank: rows sent to it} by `add` or by `fill`."""
         sent = self.take if adding else self.give
         return {peer: sum(map(_length, pieces)) for peer, pieces in sent.items()}
+
+
+_windows = lru_cache(maxsize=64)(Windows)
 
 
 def _exchange(comm: Any, a: np.ndarray, give: Pieces, b: np.ndarray, take: Pieces) -> list[tuple]:
@@ -103,26 +108,6 @@ def _length(rows: slice) -> int:
     return rows.stop - rows.start
 
 
-def _met(first: Any, last: Any, lo: Any, hi: Any, n: int, turns: Iterable[int]) -> Iterator[tuple]:
-    """Yield (rank, (rows of [first, last) counted from first), (rows of that rank's [lo, hi)
-    counted from lo)) where [first, last) meets [lo, hi) of each rank shifted by some turns of the
-    ring, in the order of the first interval for each turn."""
-    for turn in turns:
-        a, b = np.maximum(lo + turn * n, first), np.minimum(hi + turn * n, last)
-        for rank in np.flatnonzero(a < b):
-            begin, end, shift = int(a[rank]), int(b[rank]), int(lo[rank]) + turn * n
-            yield int(rank), (begin - first, end - first), (begin - shift, end - shift)
-
-
-def _by_peer(pieces: Iterable[tuple[int, int, slice]]) -> Pieces:
-    """Return {peer: rows} of (peer, first row in the window, rows), in the order of the window:
-    both sides of a message then have the same order."""
-    found: Pieces = {}
-    for peer, _, rows in sorted(pieces, key=itemgetter(0, 1)):
-        found.setdefault(peer, []).append(rows)
-    return found
-
-
 def rows_of(
     comm: Any,
     a: np.ndarray,
@@ -134,16 +119,9 @@ def rows_of(
     """Gather the rows lo[rank] <= i < hi[rank] of the field of which this rank's part is a; rows
     that belong to nobody are 0. Collective."""
     window = np.zeros((*a.shape[:-2], int(hi[comm.rank] - lo[comm.rank]), a.shape[-1]), a.dtype)
-    _windows(
-        comm.rank, n, *(np.asarray(rows, np.int64).tobytes() for rows in (starts, lo, hi))
-    ).fill(comm, a, window)
+    rows = (tuple(np.asarray(ends).tolist()) for ends in (starts, lo, hi))
+    _windows(comm.rank, *rows, n).fill(comm, a, window)
     return window
-
-
-@lru_cache(maxsize=64)
-def _windows(rank: int, n: int | None, *rows: bytes) -> Windows:
-    starts, lo, hi = (np.frombuffer(one, np.int64) for one in rows)
-    return Windows(rank, starts, lo, hi, n)
 
 
 def neighbours(

@@ -25,8 +25,9 @@ class Layout:
 
     n: (n_x, n_y) global; starts: first row of each rank plus n_x; itemsize: of a complex number;
     node_ranks: those that have memory in common with this one, itself among them. edges: first
-    column of every block, and their number n_c; K: blocks of each rank; W: columns of the widest
-    block; R: rows that are transformed at a time; far: which ranks have to be sent what they want.
+    column of every block, and their number n_c; K: blocks of each rank; block_widths (K, size):
+    their columns; W: columns of the widest block; R: rows that are transformed at a time; far:
+    which ranks have to be sent what they want.
     """
 
     def __init__(
@@ -42,9 +43,9 @@ class Layout:
         self.n_c = n[1] // 2 + 1
         self.n_loc = int(self.starts[rank + 1] - self.starts[rank])
         self.edges = self._edges()
-        self.M = len(self.edges) - 1
-        self.K = self.M // self.size
-        self.W = int(np.diff(self.edges).max())
+        self.K = (len(self.edges) - 1) // self.size
+        self.block_widths = np.diff(self.edges).reshape(self.K, self.size)
+        self.W = int(self.block_widths.max())
         self.R = self._rows_per_pass()
         self.node_ranks = np.array([rank] if node_ranks is None else node_ranks)
         self.far = np.ones(self.size, bool)
@@ -80,12 +81,13 @@ class Layout:
     @property
     def columns_held(self) -> np.ndarray:
         """Number of columns of every rank."""
-        return np.diff(self.edges).reshape(self.K, self.size).sum(axis=0)
+        return self.block_widths.sum(axis=0)
 
     @cached_property
     def widths(self) -> list[int]:
         """The numbers of columns that are transformed at a time."""
-        return sorted({int(w) for w in np.diff(self.edges) if w and self.size > 1} | {self.W})
+        found = self.block_widths[self.block_widths > 0]
+        return np.unique(found).tolist() if self.size > 1 else [self.W]
 
     @property
     def scratch_bytes(self) -> int:
@@ -101,22 +103,20 @@ class Layout:
     def sent(self, k: int) -> tuple[np.ndarray, np.ndarray]:
         """Return the bytes to every rank, and their offsets in the slab of the all-to-all number
         k."""
-        edges = self.edges[k * self.size : (k + 1) * self.size + 1]
+        first = self.edges[k * self.size : (k + 1) * self.size]
         column = self.n_loc * self.itemsize
-        return self.far * np.diff(edges) * column, (edges[:-1] - edges[0]) * column
+        return self.far * self.block_widths[k] * column, (first - first[0]) * column
 
     def received(self, k: int) -> tuple[np.ndarray, np.ndarray]:
         """Return the bytes from every rank of complete columns, and their offsets."""
-        j0, j1 = self.columns_of(k * self.size + self.rank)
-        row = (j1 - j0) * self.itemsize
+        row = self.block_widths[k, self.rank] * self.itemsize
         return self.far * np.diff(self.starts) * row, self.starts[:-1] * row
 
     def traffic(self) -> tuple[int, int]:
         """Return (bytes, messages) that this rank sends to ranks on other nodes in a transform
         there and back."""
-        widths = np.diff(self.edges).reshape(self.K, self.size)
+        to_others, mine = self.block_widths[:, self.far], self.block_widths[:, self.rank]
         rows = np.diff(self.starts) * self.far
-        mine = widths[:, self.rank]
-        nbytes = (self.n_loc * widths[:, self.far].sum() + rows.sum() * mine.sum()) * self.itemsize
-        there = np.count_nonzero(widths[:, self.far]) * (self.n_loc > 0)
+        nbytes = (self.n_loc * to_others.sum() + rows.sum() * mine.sum()) * self.itemsize
+        there = np.count_nonzero(to_others) * (self.n_loc > 0)
         return int(nbytes), int(there + np.count_nonzero(mine) * np.count_nonzero(rows))

@@ -40,7 +40,7 @@ class Plans:
         libraries = load_fftw()
         assert libraries is not None
         real = x.real.dtype.name
-        library, prefix = ctypes.PyDLL(libraries[real].__file__), PREFIXES[real]
+        library, prefix = libraries[real], PREFIXES[real]
         make, destroy = library[f"{prefix}plan_many_dft{kind}"], library[f"{prefix}destroy_plan"]
         make.restype = ctypes.c_void_p
         ends = [(a.ctypes.data_as(ctypes.c_void_p), None, 1, a.shape[1]) for a in (x, out)]

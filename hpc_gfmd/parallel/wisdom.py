@@ -9,22 +9,20 @@ at the same moment one may be lost, and is measured again some day.
 
 from __future__ import annotations
 
+import ctypes
 import hashlib
-import os
-import tempfile
 from collections.abc import Callable, Hashable
 from functools import cache
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import DTypeLike
 
-from ..util.aligned import empty_aligned
 from ..util.caches import cache_folder, keep
 from ..util.versions import processor
-from .fftw import load_fftw
+from .fftw import PREFIXES, load_fftw
 from .launcher import launcher_rank
 
 if TYPE_CHECKING:
@@ -54,7 +52,7 @@ def planned(comm: Comm, dtype: DTypeLike, make: Callable[[], T], shapes: Hashabl
             wisdom.replace(b"")
         known = wisdom.read()
         plans = make()
-        if launcher_rank() == 0 and not _lines(wisdom.text()) <= known:
+        if launcher_rank() == 0 and not _lines(wisdom.text()) <= _lines(known):
             wisdom.read()  # what others have found meanwhile
             keep(wisdom.path, wisdom.text())
     if comm.size > 1:
@@ -84,10 +82,9 @@ def keep_with(folder: str | PathLike) -> None:
 def take_from(folder: str | PathLike) -> None:
     """Plan as the run did that wrote this folder; what is not there or of another kind of machine
     is measured."""
-    for path in Path(folder).glob("wisdom-*"):
-        name = path.name.removeprefix("wisdom-")
-        if load_fftw() is not None and name in ("float32", "float64"):
-            _wisdom(name).replace(_content(path))
+    for name in load_fftw() or ():
+        if content := _content(Path(folder) / f"wisdom-{name}"):
+            _wisdom(name).replace(content)
 
 
 class _Wisdom:
@@ -99,13 +96,11 @@ class _Wisdom:
         libraries = load_fftw()
         assert libraries is not None
         self.name, self.library = name, libraries[name]
-        self._lines: set[bytes] = set()
-        self._read: bytes | None = None  # what was in the cache, and these its lines
+        self._read = b""  # what was in the cache
         self.made: set[Hashable] = set()
         self.version: bytes | None = None
-        tiny = empty_aligned((8,), np.result_type(name, np.complex64))
-        # The first plan initialises the threads of FFTW, which forgets wisdom read before it.
-        self.library.FFT(tiny, tiny, (0,), self.library.C2C_FORWARD, 1, self.library.FFTW_ESTIMATE)
+        # The first call starts the threads of FFTW, which forgets wisdom read before it.
+        self._function("plan_with_nthreads")(1)
         # Wisdom begins with a line that tells version and instruction sets.
         self.kind = hashlib.sha256(
             self.text().split(b"\n", 1)[0] + processor().encode()
@@ -116,41 +111,36 @@ class _Wisdom:
         """The file of this kind of machine in the cache."""
         return cache_folder() / "wisdom" / f"{self.kind}-{self.name}"
 
-    def read(self) -> set[bytes]:
-        """Know what is in the cache, too; returns its lines. It is taken over only where it has
-        changed: that takes longer than making plans that are known."""
+    def read(self) -> bytes:
+        """Know what is in the cache, too; returns it, nothing where it cannot be understood. It is
+        taken over only where it has changed: that takes longer than making plans that are known."""
         content = _content(self.path, LIMIT)
         if content != self._read:
-            self._lines, self._read = self.add(content), content
-        return self._lines
+            self._read = content if self._add(content) else b""
+        return self._read
 
     def text(self) -> bytes:
-        """Return all of it, as FFTW writes it; empty where there is no room for a temporary
-        file."""
-        try:
-            with tempfile.NamedTemporaryFile() as file:
-                self.library.export_wisdom(os.fsencode(file.name))
-                return Path(file.name).read_bytes()
-        except OSError:
-            return b""
-
-    def add(self, text: bytes) -> set[bytes]:
-        """Know this, too; returns its lines, none if it could not be understood."""
-        try:
-            with tempfile.NamedTemporaryFile() as file:
-                file.write(text)
-                file.flush()
-                known = text and self.library.import_wisdom(os.fsencode(file.name))
-                return _lines(text) if known else set()
-        except OSError:
-            return set()
+        """Return all of it, as FFTW writes it."""
+        export = self._function("export_wisdom_to_string")
+        export.restype = ctypes.c_void_p
+        memory = ctypes.c_void_p(export())
+        text = ctypes.string_at(memory)
+        self.library.free(memory)
+        return text
 
     def replace(self, text: bytes) -> None:
         """Know this and nothing else."""
-        self._read = self.version = None
+        self._read, self.version = b"", None
         self.made.clear()
-        self.library.forget_wisdom()
-        self.add(text)
+        self._function("forget_wisdom")()
+        self._add(text)
+
+    def _add(self, text: bytes) -> bool:
+        """Know this, too; tells whether it could be understood."""
+        return bool(self._function("import_wisdom_from_string")(text))
+
+    def _function(self, name: str) -> Any:
+        return self.library[PREFIXES[self.name] + name]
 
 
 _used: list[str] = []  # precisions

@@ -88,9 +88,7 @@ class Share:
         """What the preconditioner holds, windows counted, too."""
         steps, levels = self._hierarchy
         numbers = sum(math.prod(step.window_shape) for step in steps)
-        numbers += sum(
-            math.prod(step.owned_shape) for step in steps[:-1] if not step.windows.in_place
-        )
+        numbers += sum(math.prod(step.owned_shape) for step in steps[:-1] if not step.in_place)
         if self.grid.comm.rank == 0:
             numbers += 2 * sum(level.n[0] * level.n[1] for level in levels[len(steps) :])
         return numbers * self.dtype.itemsize

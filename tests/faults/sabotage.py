@@ -89,18 +89,14 @@ def slow(seconds):
 
 
 def hold(function, text, flag):
-    """A function of parallel/h5.py, _transfer or sync, that does not get on when the file's name
+    """A function of parallel/h5.py, _write or sync, that does not get on when the file's name
     has this text; a file says when."""
     from hpc_gfmd.parallel import h5
 
     before = getattr(h5, function)
 
     def called(what, *args, **named):
-        if (
-            not named
-            and text in (str(what) if function == "sync" else what.file.filename)
-            and args[-1:] != ("read",)
-        ):
+        if not named and text in (str(what) if function == "sync" else what.file.filename):
             Path(flag).touch()
             time.sleep(60)
         return before(what, *args, **named)

@@ -22,9 +22,9 @@ TARGETS = {
 # where one rank is held, while the others go on as far as they can: it, function of parallel/h5.py,
 # file; loads that are kept
 HELD = {
-    "in a collective write": (1, "_transfer", "step-0002.h5", 2),
+    "in a collective write": (1, "_write", "step-0002.h5", 2),
     "before a file gets its name": (0, "sync", "step-0002.h5.tmp", 2),
-    "in the collective write of the result": (1, "_transfer", "out.h5.tmp", 5),
+    "in the collective write of the result": (1, "_write", "out.h5.tmp", 5),
 }
 
 
