@@ -195,10 +195,12 @@ def comm():
     from hpc_gfmd.contact import all_observables
     from hpc_gfmd.driver.warmup import compile_once
     from hpc_gfmd.parallel.world import world
-    from hpc_gfmd.scene import Solver
+    from hpc_gfmd.scene import ArrayScene
 
+    observables = all_observables().values()
     for precision in ("single", "double"):
-        compile_once(world(), Solver(precision=precision), observe=all_observables().values())
+        scene = ArrayScene.from_dict({"load": {"p_star": 1}, "solver": {"precision": precision}})
+        compile_once(world(), scene, lambda contact: [f(contact) for f in observables])
     return world()
 
 

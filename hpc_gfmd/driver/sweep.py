@@ -128,11 +128,7 @@ class Sweep(Start):
         if upcoming is not None:
             self._forget_failure()
         arrays: dict[str, Any] = {}
-        numbers: dict[str, Any] = {
-            "dtype": self.dtype.name,
-            "heights": self.surface.checksum,
-            "history": self._history,
-        }
+        numbers: dict[str, Any] = {"dtype": self.dtype.name, "history": self._history}
         if upcoming is None or self._may_start_here(upcoming):
             arrays, own = self.solver.state()
             numbers |= {"p0": self.solver.p0, "own": own}

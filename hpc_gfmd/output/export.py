@@ -5,6 +5,7 @@ import os
 import zipfile
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -14,19 +15,16 @@ from ..parallel.h5 import write_file
 from ..util.atomic import atomic_write
 from ..util.errors import GfmdError, SceneError
 from ..util.libraries import surface_topography
-from ..util.quantities import in_units
 from .describe import coordinates, describe, name_it
-from .numbers import About, axes, numbers, said_of
+from .numbers import About, axes, numbers, said_of, unit_of
 from .read import Result
 
 HEIGHTS = "heights"  # the same for all loads
 
 
-def export(
-    result: Result, kind: str, path: str | os.PathLike | None = None, about: About | None = None
-) -> Path:
-    """Write a result as one of FORMATS; path: where (default: beside its file). Returns the path;
-    all of it is there, or nothing.
+def export(result: Result, kind: str, path: str | os.PathLike | None, about: About) -> Path:
+    """Write a result as one of FORMATS; path: where (None: beside its file). Returns the path; all
+    of it is there, or nothing.
 
     Raises SceneError if it cannot go there or into this format, GfmdError if the numbers of the
     result are damaged or writing fails.
@@ -42,10 +40,10 @@ def export(
         raise SceneError(f"{result.path}: no finished load step yet, nothing to export")
     try:
         if kind == "vtkhdf":  # which makes its own way to a file that is there or not
-            write(result, path, about or {})
+            write(result, path, about)
         else:
             with atomic_write(path) as tmp:
-                write(result, tmp, about or {})
+                write(result, tmp, about)
     except (OSError, ValueError) as error:
         raise GfmdError(f"writing {path}: {one_line(error)}") from error
     return path
@@ -54,7 +52,7 @@ def export(
 def to_vtkhdf(result: Result, path: Path, about: About) -> None:
     """Write a result file, whose extension ParaView knows."""
     n = result.surface["n"]
-    if not _fields(result) or min(n) < 2:
+    if not common_fields(result) or min(n) < 2:
         raise SceneError(
             f"{result.path}: ParaView shows fields on two axes, allowed: a result with"
             " output.fields"
@@ -78,7 +76,7 @@ def to_netcdf(result: Result, path: Path, about: About) -> None:
     with open(path, "w+b") as stream, h5py.File(stream, "w") as file:
         file.attrs.update(result.facts)
         scales = coordinates(file, surface, numbers(result.steps), about)
-        for name, dtype in _fields(result).items():
+        for name, dtype in common_fields(result).items():
             file.create_dataset(name, _shape(result, name), dtype)
             name_it(file[name], surface, about, scales[name == HEIGHTS :])
             for place, rows in _pieces(result, name):
@@ -92,7 +90,7 @@ def to_npz(result: Result, path: Path, about: About) -> None:
         for name, values in (axes(result.surface) | numbers(result.steps)).items():
             with archive.open(f"{name}.npy", "w") as file:
                 np.lib.format.write_array(file, values)
-        for name, dtype in _fields(result).items():
+        for name, dtype in common_fields(result).items():
             with archive.open(f"{name}.npy", "w", force_zip64=True) as file:
                 header = {"descr": dtype.str, "fortran_order": False, "shape": _shape(result, name)}
                 np.lib.format.write_array_header_2_0(file, header)
@@ -100,17 +98,25 @@ def to_npz(result: Result, path: Path, about: About) -> None:
                     file.write(np.ascontiguousarray(rows, dtype).tobytes())
 
 
+def frame(result: Result, about: About) -> Any:
+    """Make a pandas table of the numbers of a result: a row for each load step, a column for each
+    number; units by column in its `attrs`."""
+    from pandas import DataFrame, Index
+
+    found = DataFrame(numbers(result.steps), Index(result.indices, name="step"))
+    found.attrs["units"] = {name: unit_of(name, result.surface, about) for name in found}
+    return found
+
+
 def to_csv(result: Result, path: Path, about: About) -> None:
     """Write one line per load step, no fields; headings such as "gap_mean [m]" where a unit is
     known."""
-    from pandas import DataFrame
-
-    found = {"step": np.array(result.indices)} | numbers(result.steps)
-    units = [in_units(about.get(name, ("", ""))[1], result.surface) for name in found]
+    found = frame(result, about)
     headings = [
-        name if unit in ("", "1") else f"{name} [{unit}]" for name, unit in zip(found, units)
+        name if unit in ("", "1") else f"{name} [{unit}]"
+        for name, unit in found.attrs["units"].items()
     ]
-    DataFrame(found).to_csv(path, header=headings, index=False, na_rep="nan")
+    found.to_csv(path, header=headings, na_rep="nan")
 
 
 def to_gwy(result: Result, path: Path, about: About) -> None:
@@ -167,7 +173,7 @@ FORMATS = {  # and the extension of each
 }
 
 
-def _fields(result: Result) -> dict[str, np.dtype]:
+def common_fields(result: Result) -> dict[str, np.dtype]:
     """Return the fields that all steps have, and the widest type of each."""
     names = [name for name in result.fields[0] if all(name in fields for fields in result.fields)]
     return {
@@ -178,7 +184,7 @@ def _fields(result: Result) -> dict[str, np.dtype]:
 def _channels(result: Result) -> Iterator[tuple[int, str]]:
     """Yield (step, field) of all of them, heights once."""
     for k in range(len(result.steps)):
-        yield from ((k, name) for name in _fields(result) if k == 0 or name != HEIGHTS)
+        yield from ((k, name) for name in common_fields(result) if k == 0 or name != HEIGHTS)
 
 
 def _shape(result: Result, name: str) -> tuple[int, ...]:

@@ -10,24 +10,15 @@ import numpy as np
 FIELDS = ("pressure", "gap", "displacement", "plastic")
 
 
+@dataclass(frozen=True, eq=False)
 class LazyField:
     """A local slab that is computed a few rows at a time when it is sliced; np.asarray makes all of
     it. by_rows: as Grid.by_rows."""
 
-    ndim = 2
-
-    def __init__(
-        self,
-        rows: Callable[[int, int], np.ndarray],
-        shape: tuple[int, int],
-        dtype: np.dtype,
-        by_rows: Callable[[Callable[[int, int], None], int], Any],
-    ):
-        self.rows, self.shape, self.dtype = rows, shape, np.dtype(dtype)
-        self.by_rows = by_rows
-
-    def __len__(self) -> int:
-        return self.shape[0]
+    rows: Callable[[int, int], np.ndarray]
+    shape: tuple[int, int]
+    dtype: np.dtype
+    by_rows: Callable[[Callable[[int, int], None], int], Any]
 
     def __getitem__(self, rows: slice) -> np.ndarray:
         i0, i1, _ = rows.indices(self.shape[0])

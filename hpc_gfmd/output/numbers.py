@@ -52,6 +52,11 @@ def numbers(steps: Sequence[Attributes]) -> dict[str, np.ndarray]:
     return found
 
 
+def unit_of(name: str, surface: Attributes, about: About) -> str:
+    """Return the unit of a number; "1" of none, "" where nobody named it."""
+    return in_units(about.get(name, ("", ""))[1], surface)
+
+
 def axes(surface: Attributes) -> dict[str, np.ndarray]:
     """Return the positions of the points along x and along y."""
     sides = zip("xy", surface["n"], surface["physical_sizes"], strict=True)

@@ -18,6 +18,7 @@ from ..util.quantities import format_quantity
 from .describe import RECORD
 from .fields import Slab
 from .folder import HEAD, is_held, partial_folder, step_files
+from .numbers import names_of
 
 FORMAT, CHECKPOINT, FORMAT_VERSION = "hpc-gfmd", "hpc-gfmd checkpoint", 3
 
@@ -95,9 +96,7 @@ class Result:
     @property
     def facts(self) -> dict[str, Any]:
         """What the head says in one number or text."""
-        return {
-            name: value for name, value in self.head.items() if isinstance(value, str | int | float)
-        }
+        return {name: self.head[name] for name in names_of([self.head])}
 
     def some(self, steps: slice | list[int], **other: Any) -> "Result":
         """Keep some load steps alone, by their places; other: what is said otherwise."""
@@ -120,6 +119,15 @@ class Result:
                 raise SceneError(f"fields: found {name}, allowed: {', '.join(there) or 'none'}")
         kept = [{name: each[name] for name in each if name in fields} for each in some.fields]
         return replace(some, fields=kept)
+
+    def in_memory(self) -> "Result":
+        """Copy what is said without what refers to a solver or to a file."""
+
+        def copy(field: Any) -> Slab:
+            return Slab(field.read(), getattr(field, "start", 0), field.shape)
+
+        kept = [{name: copy(field) for name, field in fields.items()} for fields in self.fields]
+        return replace(self, fields=kept)
 
     @property
     def missing_loads(self) -> str:

@@ -35,7 +35,7 @@ class Share:
     @property
     def points(self) -> int:
         """Points of its slab."""
-        return self.grid.shape[0] * self.grid.shape[1]
+        return math.prod(self.grid.shape)
 
     @cached_property
     def layout(self) -> Layout:
@@ -60,43 +60,35 @@ class Share:
         return found
 
     @cached_property
-    def _hierarchy(self) -> tuple[list[Step], list[Level]]:
+    def hierarchy(self) -> tuple[list[Step], list[Level]]:
+        """The steps of the preconditioner that are distributed, and the first one that is not; all
+        of its levels."""
         return steps_of(self.grid, self.dtype)
 
-    @property
-    def steps(self) -> list[Step]:
-        """The steps of the preconditioner that are distributed, and the first one that is not."""
-        return self._hierarchy[0]
-
-    @property
-    def levels(self) -> list[Level]:
-        """All levels of the preconditioner."""
-        return self._hierarchy[1]
+    def _points_alone(self, first: int) -> int:
+        """Count the points of the levels from this one on, which rank 0 has alone."""
+        levels = self.hierarchy[1][first:] if self.grid.comm.rank == 0 else ()
+        return sum(math.prod(level.n) for level in levels)
 
     @property
     def level_points(self) -> int:
         """Points of all coarse levels of the preconditioner, halo rows not counted."""
-        alone = (
-            sum(level.n[0] * level.n[1] for level in self.levels[len(self.steps) + 1 :])
-            if self.grid.comm.rank == 0
-            else 0
-        )
-        return sum(step.owned * step.transfer.m[1] for step in self.steps) + alone
+        steps, _ = self.hierarchy
+        shared = sum(step.owned * step.transfer.m[1] for step in steps)
+        return shared + self._points_alone(len(steps) + 1)
 
     @property
     def level_bytes(self) -> int:
         """What the preconditioner holds, windows counted, too."""
-        steps, levels = self._hierarchy
+        steps, _ = self.hierarchy
         numbers = sum(math.prod(step.window_shape) for step in steps)
         numbers += sum(math.prod(step.owned_shape) for step in steps[:-1] if not step.in_place)
-        if self.grid.comm.rank == 0:
-            numbers += 2 * sum(level.n[0] * level.n[1] for level in levels[len(steps) :])
-        return numbers * self.dtype.itemsize
+        return (numbers + 2 * self._points_alone(len(steps))) * self.dtype.itemsize
 
     @property
     def nested_points(self) -> int:
         """Points of all coarser grids that it has a part in."""
-        return sum(grid.shape[0] * grid.shape[1] for grid in self.grids)
+        return sum(math.prod(grid.shape) for grid in self.grids)
 
     @property
     def coarse_points(self) -> int:
@@ -104,14 +96,9 @@ class Share:
         return max(self.level_points, self.nested_points)
 
     @cached_property
-    def transpose_traffic(self) -> tuple[int, int]:
-        """(bytes, messages) that it sends in the transforms of an FFT pair."""
-        return self.layout.traffic()
-
-    @cached_property
     def level_traffic(self) -> tuple[int, int]:
         """(bytes, messages) that it sends in a sweep over the levels."""
-        return traffic_of(self.steps, self.dtype.itemsize)
+        return traffic_of(self.hierarchy[0], self.dtype.itemsize)
 
     @property
     def reduction_traffic(self) -> tuple[int, int]:
@@ -125,7 +112,7 @@ class Share:
     @property
     def traffic(self) -> tuple[int, int]:
         """(bytes, messages) that it sends in an iteration of bpx: one FFT pair."""
-        nbytes, messages = zip(self.transpose_traffic, self.level_traffic, self.reduction_traffic)
+        nbytes, messages = zip(self.layout.traffic(), self.level_traffic, self.reduction_traffic)
         return sum(nbytes), sum(messages)
 
     @property
@@ -141,14 +128,13 @@ def share_of(
     rank: int = 0,
     nominal: Sequence[int] | None = None,
     nested: bool = True,
-    sizes: Sequence[float] = (1.0, 1.0),
     per_node: int = 1,
 ) -> Share:
     """Work out the Share of one rank of a grid of n points; nominal: those of the surface;
     per_node: ranks on each node, dealt out in their order, which need no messages to transpose
     among themselves."""
     comm: Any = DryRunComm(rank, ranks, np.arange(ranks) // per_node)
-    return Share(Grid(n, sizes, comm, nominal=nominal), np.dtype(dtype), nested)
+    return Share(Grid(n, (1.0, 1.0), comm, nominal=nominal), np.dtype(dtype), nested)
 
 
 def busiest(

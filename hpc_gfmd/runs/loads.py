@@ -16,13 +16,12 @@ from ..contact import (
     require_periodic,
 )
 from ..contact.area import a_r_discretisation
-from ..contact.base import Observable
 from ..contact.contact import Contact
 from ..contact.duality import OBSERVABLES as OF_DUALITY
 from ..driver.load_target import LoadTarget
 from ..driver.lowmemory import LowMemorySweep
 from ..driver.sweep import Sweep
-from ..scene import File, Load, Output, Scene, each, has_unit
+from ..scene import File, Load, Scene, each, has_unit
 from ..scene.explain import require_known
 from ..solvers import solver_names
 from ..solvers.base import Progress
@@ -61,17 +60,6 @@ def check(scene: Scene) -> None:
             'output.fields: found "displacement", allowed with solver.low_memory: pressure, gap,'
             " heights"
         )
-
-
-def asked(output: Output) -> list[Callable[[Contact], Any]]:
-    """List the functions of a contact.Contact that `step_attributes` calls; output:
-    scene.Output."""
-    distributions = (all_distributions()[name] for name in output.distributions)
-    return [*_observables(output).values(), a_r_discretisation, *distributions]
-
-
-def _observables(output: Output) -> dict[str, Observable]:
-    return observables_named([*default_observables(), *(output.observables or ())])
 
 
 def sweep_of(scene: Scene, make_surface: Callable[[np.dtype], Surface]) -> Sweep:
@@ -181,7 +169,8 @@ def _target(load: Load, index: int) -> dict[str, float]:
 def step_attributes(scene: Scene, index: int, contact: Contact, seconds: float) -> dict[str, Any]:
     """Give what is said of a solved load, the index-th of a scene.Scene, by the names of the result
     file; None for what has no value. seconds: spent on it. Collective."""
-    numbers = {name: f(contact) for name, f in _observables(scene.output).items()}
+    asked = observables_named([*default_observables(), *(scene.output.observables or ())])
+    numbers = {name: f(contact) for name, f in asked.items()}
     for name, distribution in all_distributions().items():
         found = distribution(contact) if name in scene.output.distributions else None
         numbers |= {f"{name}_{what}": values.tolist() for what, values in (found or {}).items()}

@@ -33,11 +33,10 @@ def plan_of(
     shares = busiest(
         cell, decided, ranks, per_node, nominal=n, nested=scene.solver.nested is not False
     )
-    sent = [share.traffic for share in shares]
-    traffic = max(nbytes for nbytes, _ in sent), max(messages for _, messages in sent)
+    nbytes, messages = np.max([share.traffic for share in shares], axis=0).tolist()
     memory = memory_of(scene, n, sizes, ranks, threads, per_node=per_node)
-    pairs = sum(expected_pairs(scene, n).values())
-    alone = expected_seconds(scene, n, 1, cores, cell)
+    pairs, busy = expected_pairs(scene), min(ranks, cores)
+    alone = expected_seconds(pairs, [dtype or first for dtype in known], cell)
     fields = len(scene.output.fields) * n[0] * n[1] / GIB
     written = {"single": 4, "double": 8, None: decided.itemsize}[scene.output.dtype]
     plan = {
@@ -56,8 +55,8 @@ def plan_of(
         "columns_per_rank": max(int(share.layout.columns_held.max()) for share in shares),
         "padding": shares[0].padding,
         "bytes_per_rank": round(memory.total * GIB),
-        "message_bytes_per_pair": traffic[0],
-        "messages_per_pair": traffic[1],
+        "message_bytes_per_pair": nbytes,
+        "messages_per_pair": messages,
         "gib_per_rank": memory.total,
         "gib_per_node": memory.on_all(ranks) if per_node == ranks else per_node * memory.total,
         "gib": memory.on_all(ranks),
@@ -68,14 +67,15 @@ def plan_of(
         "file_gib": len(known) * fields * written,
         "checkpoint_gib": (NEEDS.fields + NEEDS.step) * cell[0] * cell[1] * decided.itemsize / GIB,
         "notes": scene.warnings(),
-        "seconds": expected_seconds(scene, n, ranks, cores, cell),
-        "seconds_on_nodes": Cluster().seconds(alone, pairs, traffic, ranks),
+        "seconds": alone / busy,
+        "seconds_on_nodes": Cluster().seconds(alone, pairs * len(known), (nbytes, messages), ranks),
     }
     if any(dtype is None for dtype in known):
-        double = np.float64
+        double = np.dtype(np.float64)
         other = memory_of(scene, n, sizes, ranks, threads, per_node=per_node, unknown=double)
         plan["gib_per_rank_in_double"], plan["gib_in_double"] = other.total, other.on_all(ranks)
-        plan["seconds_in_double"] = expected_seconds(scene, n, ranks, cores, cell, double)
+        seconds = expected_seconds(pairs, [dtype or double for dtype in known], cell)
+        plan["seconds_in_double"] = seconds / busy
     return plan
 
 

@@ -66,20 +66,17 @@ class Reporter:
             else max(progress.estimates or (progress.residual,))
         )
         wanted = self.target.tolerance
-        self.first = self.first or (error if math.isfinite(error) and error > 0 else None)
+        said = f"iteration {iterations}, error {error:.1e} (wanted {wanted:.0e})"
         if self.bar is not None:
-            if self.first and 0 < error < math.inf and self.first > wanted:
-                done = math.log(self.first / error) / math.log(self.first / wanted)
-                self.bar.n = min(max(done, self.bar.n), 1.0)
-            self.bar.set_postfix_str(
-                f"iteration {iterations}, error {error:.1e} (wanted {wanted:.0e})"
-            )
+            if 0 < error < math.inf:
+                self.first = self.first or error
+                if self.first > wanted:
+                    done = math.log(self.first / error) / math.log(self.first / wanted)
+                    self.bar.n = min(max(done, self.bar.n), 1.0)
+            self.bar.set_postfix_str(said)
         elif time.monotonic() - self.last > LINE_SECONDS:
             self.last = time.monotonic()
-            self.say(
-                f"{self.name}: iteration {iterations}, error {error:.1e} (wanted {wanted:.0e}), "
-                f"{self.last - self.begun:.0f} s"
-            )
+            self.say(f"{self.name}: {said}, {self.last - self.begun:.0f} s")
 
     def done(self) -> None:
         if self.bar is not None:

@@ -42,13 +42,11 @@ def restored_contact(result: Result) -> Contact:
     surface = Surface(grid, None, tuple(said["n"]), said["h_rms"], said["g_rms"], (0, said["n"][0]))
     if heights is not None:
         surface = replace(surface, h=heights / -surface.height_unit)
-    touching = int(np.count_nonzero(fields["pressure"] > 0))
-    hardness, yielded = scene.material.hardness, 0
-    if hardness is not None:
-        yielded = int(np.count_nonzero(fields["pressure"] >= (1 - ROUNDING) * hardness))
+    hardness = scene.material.hardness
+    yields = (1 - ROUNDING) * (hardness or np.inf)
     certificate = Certificate(
-        contact=touching,
-        yielded=yielded,
+        contact=int(np.count_nonzero(fields["pressure"] > 0)),
+        yielded=int(np.count_nonzero(fields["pressure"] >= yields)),
         gap_mean=float(fields["gap"].mean(dtype=float)) / surface.height_unit,
         energy=np.nan,
     )

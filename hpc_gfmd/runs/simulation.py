@@ -31,15 +31,10 @@ from ..surface import build_surface, grid_of, surface_size
 from ..surface.units import field_dtype
 from ..util.errors import GfmdError, SceneError
 from ..util.versions import versions
-from .loads import asked, check, solved, step_attributes, surface_attributes, sweep_of, worst
+from .loads import check, solved, step_attributes, surface_attributes, sweep_of, worst
 from .memory import require_memory
 from .progress import Reporter
 from .table import GrowingTable
-
-OTHER_HEIGHTS = (
-    "{}: of other heights than surface.path has now (content, shape or size), allowed: the same;"
-    " run with --force for the new ones"
-)
 
 
 @dataclass(frozen=True)
@@ -147,16 +142,16 @@ class _Run:
         if file.resumed and comm.rank == 0:
             wisdom.take_from(file.partial)
         spec, low = scene.surface, scene.solver.low_memory
-        observed = asked(scene.output)
-        compile_once(
-            comm, scene.solver, spec.boundary or "periodic", scene.material, observed, say.say
-        )
+        compile_once(comm, scene, lambda contact: step_attributes(scene, 0, contact, 0.0), say.say)
         self.sweep = sweep_of(scene, lambda dtype: build_surface(spec, comm, dtype, threads, low))
         surface = self.sweep.surface
         self.loads = self.sweep.pressures(scene.load)
         known = file.earlier.get("heights")
         if (known is not None or file.finished) and (known or None) != surface.checksum:
-            raise SceneError(OTHER_HEIGHTS.format(file.partial))
+            raise SceneError(
+                f"{file.partial}: of other heights than surface.path has now (content, shape or"
+                " size), allowed: the same; run with --force for the new ones"
+            )
         self._require_storable(*(load for load in self.loads if not isinstance(load, LoadTarget)))
         attributes = surface_attributes(scene, surface)
         self.table = GrowingTable(attributes)
@@ -224,7 +219,7 @@ class _Run:
         """Write a checkpoint in the middle of a load (seconds: spent on it so far) or at its
         beginning."""
         surface, begun = self.sweep.surface, time.monotonic()
-        if surface.reduced_axis is None and (surface.g_rms > 0 or surface.grid.padded):
+        if surface.reduced_axis is None and not self.sweep.is_flat:
             if self.comm.rank == 0:
                 wisdom.keep_with(self.file.partial)
             state = self.sweep.state(self.loads[index] if seconds is None else None)
@@ -247,8 +242,6 @@ class _Run:
                         f"{found.path}: later than load {unfinished + 1}, which has to be solved"
                         " again"
                     )
-                if numbers.get("heights") != self.sweep.surface.checksum:
-                    raise SceneError(OTHER_HEIGHTS.format(found.path))
                 self.sweep.restore(
                     lambda grid: {
                         name: field.slab(grid.comm, grid.rows) for name, field in stored.items()

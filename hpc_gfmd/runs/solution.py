@@ -4,6 +4,7 @@ of them."""
 import warnings
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cached_property
 from os import PathLike
 from typing import TYPE_CHECKING, Any, overload
 
@@ -11,6 +12,7 @@ import numpy as np
 
 from ..contact import (
     all_distributions,
+    all_numbers,
     all_observables,
     observable_names,
     observables_named,
@@ -18,8 +20,8 @@ from ..contact import (
 )
 from ..contact.duality import OBSERVABLES as OF_DUALITY
 from ..output.fields import FIELDS
+from ..output.numbers import unit_of
 from ..output.read import Result, read_result
-from ..output.save import in_memory
 from ..output.summary import summary, surface_line
 from ..scene.explain import require_known
 from ..util.errors import SceneError
@@ -79,9 +81,9 @@ class Solution(Solved):
     def __init__(
         self,
         result: Result,
-        contact: "Contact | None" = None,
         rows: tuple[int, int] | None = None,
         comm: Any = None,
+        contact: "Contact | None" = None,
     ):
         super().__init__(result, rows, comm)
         self._contact = contact
@@ -152,7 +154,7 @@ class Solution(Solved):
                         f"{one}: not in {self.result.path}, allowed: a run that has it in"
                         " output.observables"
                     )
-                self._step[one] = observable(self._whole_contact())
+                self._step[one] = observable(self._whole_contact)
         return self._step[name] if name in self._step else {one: self._step[one] for one in found}
 
     def distribution(self, name: str) -> Distribution | None:
@@ -163,11 +165,10 @@ class Solution(Solved):
         {"q", "power"}; ... with their `units`. None where there is nothing to count. Collective.
         Raises SceneError as `observable`.
         """
-        along_x, _, along_y = self.result.surface.get("boundary", "").partition(", ")
-        require_periodic([name], (along_x == "free", along_y == "free"), "distribution")
         require_known("distribution", name, all_distributions())
         if not self._stored_distribution(name):
-            contact = self._whole_contact()
+            require_periodic([name], self.result.scene.surface.free, "distribution")
+            contact = self._whole_contact
             if name.startswith("heights") and contact.surface.h is None:
                 raise SceneError(
                     f"{name}: {self.result.path} has no heights, allowed: a result with fields ="
@@ -200,7 +201,7 @@ class Solution(Solved):
         from ..contact.patches import TABLE_UNITS, patch_table
 
         self._require_whole("patch_table")
-        found = DataFrame(patch_table(self._whole_contact()))
+        found = DataFrame(patch_table(self._whole_contact))
         surface = self.result.surface
         found.attrs["units"] = {name: in_units(unit, surface) for name, unit in TABLE_UNITS.items()}
         return found
@@ -210,9 +211,6 @@ class Solution(Solved):
 
     def _repr_html_(self) -> str:
         return html_table(self.result, across=False)
-
-    def __reduce__(self) -> tuple:
-        return Solution, (in_memory(self.result), None, self.rows)
 
     def _field(self, name: str) -> np.ndarray:
         if name not in self._arrays:
@@ -230,18 +228,20 @@ class Solution(Solved):
                 )
         return self._arrays[name]
 
+    @cached_property
     def _whole_contact(self) -> "Contact":
-        if self._contact is None:
-            from .restored import restored_contact
+        """The contact with its surface, made again from the fields where it was not kept."""
+        from .restored import restored_contact
 
-            self._contact = restored_contact(self.result)
-        return self._contact
+        return self._contact or restored_contact(self.result)
 
     def _stored_distribution(self, name: str) -> Distribution:
         keys = {what: f"{name}_{what}" for what in all_distributions()[name].units}
         there = {what: key for what, key in keys.items() if key in self._step}
         found = Distribution({what: np.array(self._step[key]) for what, key in there.items()})
-        found.units = {what: self._unit(key) for what, key in there.items()}
+        found.units = {
+            what: unit_of(key, self.result.surface, all_numbers()) for what, key in there.items()
+        }
         return found
 
 
@@ -258,14 +258,14 @@ class Solutions(Solved, Sequence):
     def __init__(
         self,
         result: Result,
-        contacts: "Sequence[Contact | None]" = (),
         rows: tuple[int, int] | None = None,
         comm: Any = None,
+        contacts: "Sequence[Contact | None]" = (),
     ):
         super().__init__(result, rows, comm)
         contacts = contacts or [None] * len(result.steps)
         self._all = [
-            Solution(result.some([k], status=step["status"]), contact, rows, comm)
+            Solution(result.some([k], status=step["status"]), rows, comm, contact)
             for k, (step, contact) in enumerate(zip(result.steps, contacts, strict=True))
         ]
 
@@ -276,7 +276,7 @@ class Solutions(Solved, Sequence):
     def __getitem__(self, index: int | slice) -> "Solution | Solutions":
         if not isinstance(index, slice):
             return self._all[index]
-        some = Solutions(self.result.some(index), (), self.rows, self.comm)
+        some = Solutions(self.result.some(index), self.rows, self.comm)
         some._all = self._all[index]
         return some
 
@@ -314,9 +314,6 @@ class Solutions(Solved, Sequence):
 
     def _repr_html_(self) -> str:
         return html_table(self.result)
-
-    def __reduce__(self) -> tuple:
-        return Solutions, (in_memory(self.result), (), self.rows)
 
 
 class Interrupted(KeyboardInterrupt):

@@ -37,6 +37,8 @@ from .progress import Reporter
 from .solution import Interrupted, Solution, Solutions
 from .table import GrowingTable
 
+# what was found of surfaces whose heights nobody can change, for as long as there are these
+_surfaces: WeakKeyDictionary[PreparedSurface, dict[np.dtype, Surface]] = WeakKeyDictionary()
 Number = float | str  # plain, or with a unit: "20 MPa"
 Loads = Number | Sequence[Number] | np.ndarray
 
@@ -160,24 +162,34 @@ def solve(
         _require_the_same(comm, scene, z.shape)
     of_each_rank = threads_of(comm, scene.machine.threads, z.size)
     head: dict[str, Any] = {}
-    sizes = known.sizes if known else tuple(map(float, scene.surface.physical_sizes or ()))
 
     def rows_of(start: int, stop: int) -> np.ndarray:
         return np.asarray(z[start:stop], dtype=np.float64)
 
-    topography = Topography(z.shape, sizes, rows_of)
     if known:
-        topography = replace(topography, unit=known.unit, done=known.prepared, notes=known.notes)
+        topography = Topography(
+            z.shape, known.sizes, rows_of, known.unit, done=known.prepared, notes=known.notes
+        )
     else:
+        sizes = tuple(map(float, scene.surface.physical_sizes or ()))
+        topography = Topography(z.shape, sizes, rows_of)
         notes = _quality_notes(comm, topography) if boundary is None else ()
         form = on_form(rows_of, scene.surface.radii, z.shape, sizes)
         topography = replace(topography, rows=form, notes=notes)
+    kept: dict[np.dtype, Surface] | None = None
+    if known and comm.size == 1 and not known.heights.flags.writeable:
+        kept = _surfaces.setdefault(known, {})
 
     def make_surface(dtype: np.dtype) -> Surface:
-        made = _kept_surface(known, dtype, comm, of_each_rank) or surface_of(
-            topography, comm, dtype, of_each_rank, scene.surface.free, known=False
-        )
-        _keep_surface(known, dtype, made)
+        if kept and dtype in kept:
+            grid = kept[dtype].grid
+            own = Grid.kept(grid.n, grid.sizes, comm, of_each_rank, nominal=grid.nominal)
+            made = replace(kept[dtype], grid=own)  # the grid that this thread keeps
+        else:
+            free = scene.surface.free
+            made = surface_of(topography, comm, dtype, of_each_rank, free, known=False)
+            if kept is not None:
+                kept[dtype] = made
         head["heights"] = made.checksum
         head.setdefault("setup_seconds", time.monotonic() - begun)
         measured = hasattr(scene.surface, "path")
@@ -207,7 +219,7 @@ def solve(
     stopped, several = False, several_loads(given)
     try:
         if comm.size > 1:
-            compile_once(comm, scene.solver, scene.surface.boundary or "periodic", scene.material)
+            compile_once(comm, scene, lambda contact: step_attributes(scene, 0, contact, 0.0))
             solve_all()
         else:
             with on_first_compile(say.say):
@@ -235,32 +247,11 @@ def solve(
         result = replace(
             result, status="interrupted", notes=(f"interrupted: {result.missing_loads}",)
         )
-    found = Solutions(result, contacts, surface.rows, comm)
+    found = Solutions(result, surface.rows, comm, contacts)
     _warn(comm, steps)
     if stopped:
         raise Interrupted(found) from None
     return found if several else found[0]
-
-
-_surfaces: WeakKeyDictionary[PreparedSurface, dict[np.dtype, Surface]] = WeakKeyDictionary()
-
-
-def _kept_surface(
-    known: PreparedSurface | None, dtype: np.dtype, comm: Comm, threads: int
-) -> Surface | None:
-    """Return what was found of a surface in an earlier solve of this process, on the grid that this
-    thread keeps."""
-    made = _surfaces.get(known, {}).get(dtype) if known and comm.size == 1 else None
-    if made is None:
-        return None
-    grid = made.grid
-    return replace(made, grid=Grid.kept(grid.n, grid.sizes, comm, threads, nominal=grid.nominal))
-
-
-def _keep_surface(known: PreparedSurface | None, dtype: np.dtype, made: Surface) -> None:
-    """For as long as there is the surface, whose heights nobody can change."""
-    if known and made.grid.comm.size == 1 and not known.heights.flags.writeable:
-        _surfaces.setdefault(known, {})[dtype] = made
 
 
 def _fields(names: Iterable[str], contact: Contact) -> dict[str, Slab]:

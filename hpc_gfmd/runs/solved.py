@@ -1,6 +1,7 @@
 """What one solved load and several have in common: where it goes, as a file, a table or a
 picture."""
 
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from os import PathLike
 from pathlib import Path
@@ -9,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..contact import all_numbers, all_observables, default_observables
-from ..output.export import FORMATS, export
+from ..output.export import FORMATS, common_fields, export, frame
 from ..output.numbers import axes, names_of, numbers, said_of
 from ..output.read import Result
-from ..output.save import save
+from ..output.record import RunFile
 from ..parallel.comm import SerialComm
+from ..parallel.h5 import io_way
 from ..util.errors import SceneError
-from ..util.quantities import in_units
 from .references import references_of
 
 if TYPE_CHECKING:
@@ -31,9 +32,12 @@ class Solved:
     _picture: str | None = None
     _get: Callable[[str], Any]  # a number by its name
 
-    def __init__(self, result: Result, rows: tuple[int, int] | None, comm: Any):
+    def __init__(self, result: Result, rows: tuple[int, int] | None = None, comm: Any = None):
         self.result, self.comm = result, comm or SerialComm()
         self.rows = rows or (0, int(result.surface["n"][0]))
+
+    def __reduce__(self) -> tuple:
+        return type(self), (self.result.in_memory(), self.rows)
 
     @property
     def g_rms(self) -> float:
@@ -82,7 +86,28 @@ class Solved:
         same surface, loads and settings, or an interrupted run. Collective. Warns of what it
         replaces. Raises SceneError where it may not be written, GfmdError where writing fails.
         """
-        return save(self.result, path, force, self.rows, self.comm, all_numbers())
+        path, result, comm = Path(path), self.result, self.comm
+        if path.suffix.lower() not in (".h5", ".hdf5"):
+            raise SceneError(
+                f"path: found {str(path)!r}, allowed: a path that ends in .h5 or .hdf5"
+            )
+        head, n = result.head | {"io": io_way(comm)}, result.surface["n"]
+        with RunFile(
+            comm,
+            path,
+            n,
+            self.rows,
+            head,
+            result.surface,
+            resume=False,
+            force=force,
+            about=all_numbers(),
+        ) as file:
+            for note in file.notes if comm.rank == 0 else ():
+                warnings.warn(note, stacklevel=2)
+            file.take(result)
+            file.finish(result.status)
+        return path
 
     def references(self) -> list[str]:
         """What to cite: the program and the papers behind these numbers, with DOI, a line each."""
@@ -105,11 +130,7 @@ class Solved:
     def to_dataframe(self) -> "DataFrame":
         """A pandas table: a row for each load, a column for each number; units by column in its
         `attrs`."""
-        from pandas import DataFrame, Index
-
-        found = DataFrame(numbers(self.result.steps), Index(self.result.indices, name="step"))
-        found.attrs["units"] = {name: self._unit(name) for name in found}
-        return found
+        return frame(self.result, all_numbers())
 
     def to_xarray(self) -> "Dataset":
         """An xarray of numbers (load) and fields (load, x, y), heights (x, y), with their units and
@@ -123,7 +144,7 @@ class Solved:
             return dims, values, said_of(name, result.surface, all_numbers())
 
         content = {name: variable(name, ("load",), values) for name, values in found.items()}
-        for name in set.intersection(*map(set, result.fields)):
+        for name in common_fields(result):
             values = [fields[name].read() for fields in result.fields]
             content[name] = (
                 variable(name, ("x", "y"), values[0])
@@ -154,6 +175,3 @@ class Solved:
                 f"{what}: found fields that are spread over {self.comm.size} ranks, allowed: save,"
                 " and load the file"
             )
-
-    def _unit(self, name: str) -> str:
-        return in_units(all_numbers().get(name, ("", ""))[1], self.result.surface)

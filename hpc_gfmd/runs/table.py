@@ -53,7 +53,7 @@ DIGITS = {
 PER_CENT = {"a_r": "% +- solver", "a_r_discretisation": "%", "pressure_error": "%"}
 
 
-def table(steps: Mapping[int, dict], surface: dict | None = None) -> str:
+def table(steps: Mapping[int, dict], surface: dict) -> str:
     """Write the table of steps, by number the attributes of the result file; surface: those of its
     surface, which know the units.
 
@@ -104,7 +104,7 @@ def html_table(result: Result, across: bool = True) -> str:
     return f"{shown}\n<small>{'<br>'.join(map(escape, below))}</small>"
 
 
-def cells(steps: Mapping[int, dict], surface: dict | None = None) -> list[list[str]]:
+def cells(steps: Mapping[int, dict], surface: dict) -> list[list[str]]:
     """Return the table as rows of texts: headings, units, and one row per step."""
     marked = (f"{'! ' * (not converged(step))}{k}" for k, step in steps.items())
     columns = [["step", "", *marked]]
@@ -113,7 +113,7 @@ def cells(steps: Mapping[int, dict], surface: dict | None = None) -> list[list[s
         # a file that another program wrote may hold anything
         values = [x if isinstance(x, int | float | str) else None for x in found]
         if any(value is not None for value in values):
-            scale, heading = _scale(key, list(filter(is_number, values)), surface or {})
+            scale, heading = _scale(key, list(filter(is_number, values)), surface)
             shown = (_cell(key, value, scale, step) for value, step in zip(values, steps.values()))
             columns.append([name, heading, *shown])
     return [list(row) for row in zip(*columns)]

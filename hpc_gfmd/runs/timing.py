@@ -3,19 +3,17 @@ cache."""
 
 import platform
 import time
+from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import DTypeLike
 
-from ..driver.precision import first_precision, precisions
-from ..driver.sweep import Sweep
-from ..parallel.comm import SerialComm
 from ..scene import Scene
-from ..surface import build_surface
 from ..util.caches import cache_folder, keep
 
-SAMPLE = {
+SAMPLE: dict[str, Any] = {
     "kind": "self-affine",
     "hurst": 0.8,
     "L_over_lam_l": 2,
@@ -36,35 +34,21 @@ class Pairs:
     searching: float = 1.5
 
 
-def expected_pairs(
-    scene: Scene, n: tuple[int, int], unknown: DTypeLike | None = None
-) -> dict[np.dtype, float]:
-    """Estimate the FFT pairs of all loads of a scene whose surface has n points, by precision;
-    unknown: as memory_of has it."""
-    settings, pairs, known = scene.solver, dict[np.dtype, float](), Pairs()
+def expected_pairs(scene: Scene) -> float:
+    """Estimate the FFT pairs of each load of a scene."""
+    settings, known = scene.solver, Pairs()
     decades = -np.log10(settings.tolerance) - 3
     each = BASELINE_PAIRS.get(settings.name, known.each)
     each *= max(0.6, 1 + decades * known.per_decade / known.each)
-    for found in precisions(scene, n):
-        dtype = np.dtype(found or unknown or first_precision(settings))
-        pairs[dtype] = pairs.get(dtype, 0.0) + each * (known.searching if scene.load.found else 1)
-    return pairs
+    return each * (known.searching if scene.load.found else 1)
 
 
-def expected_seconds(
-    scene: Scene,
-    n: tuple[int, int],
-    ranks: int,
-    cores: int,
-    cell: tuple[int, int] | None = None,
-    unknown: DTypeLike | None = None,
-) -> float:
-    """Estimate the seconds of solving all loads of a scene on `ranks` ranks that share `cores`
-    cores of this machine. cell: points that are solved, if more than the n of the surface."""
-    points = float(np.prod(cell or n))
-    work = points * np.log2(max(points, 2)) / min(ranks, cores)
-    pairs = expected_pairs(scene, n, unknown)
-    return float(sum(pairs[dtype] * work * seconds_per_work(dtype) for dtype in pairs))
+def expected_seconds(pairs: float, precisions: Iterable[DTypeLike], cell: tuple[int, int]) -> float:
+    """Estimate the seconds of solving loads on one core of this machine. pairs: FFT pairs of each
+    load; precisions: of all loads; cell: points that are solved."""
+    points = float(np.prod(cell))
+    work = points * np.log2(max(points, 2))
+    return float(pairs * work * sum(map(seconds_per_work, precisions)))
 
 
 @dataclass(frozen=True)
@@ -102,15 +86,14 @@ def seconds_per_work(dtype: DTypeLike) -> float:
 
 
 def _measure(dtype: DTypeLike) -> float:
+    from .prepared import make_surface
+    from .solve import solve
+
     precision = "single" if np.dtype(dtype) == np.float32 else "double"
-    scene = Scene.from_dict(
-        {"surface": SAMPLE, "load": {"p_star": 0.05}, "solver": {"precision": precision}}
-    )
-    sweep = Sweep(lambda d: build_surface(scene.surface, SerialComm(), d), scene.solver)
-    best = np.inf
-    for p_star in (0.05, 0.4, 0.01):  # far apart: each starts anew
+    wall, best = make_surface(**SAMPLE), np.inf
+    for p_star in (0.05, 0.4, 0.01):
         begun = time.perf_counter()
-        contact = sweep.solve(p_star * sweep.surface.g_rms)
-        best = min(best, (time.perf_counter() - begun) / contact.fft_pairs)
-    N = sweep.surface.grid.N
+        pairs = solve(wall, p_star=p_star, precision=precision, fields=(), threads=1).fft_pairs
+        best = min(best, (time.perf_counter() - begun) / pairs)
+    N = wall.heights.size
     return best / (N * np.log2(N))

@@ -41,10 +41,13 @@ class Case:
             "boundary": self.boundary,
         }
 
+    def scene(self, **tables):
+        """Make the scene; tables: others than surface and load."""
+        return Scene.from_dict({"surface": self.table, "load": {"p_star": self.p_star}} | tables)
+
     def build(self, comm, dtype, threads=1):
         """Make the wall as solvers take it, each rank its rows."""
-        scene = Scene.from_dict({"surface": self.table, "load": {"p_star": self.p_star}})
-        return build_surface(scene.surface, comm, dtype, threads)
+        return build_surface(self.scene().surface, comm, dtype, threads)
 
     @cached_property
     def surface(self):

@@ -106,7 +106,7 @@ def _pair(share, machine):
     gathered = max(share.level_points - share.points / 3, 0.0)
     compute = share.points * (max(alone - memory, 0.0) + max(memory, crowded))
     compute += machine.call + gathered * 3 * machine.levels * alone
-    (nbytes, messages), (level_bytes, level_messages) = share.transpose_traffic, share.level_traffic
+    (nbytes, messages), (level_bytes, level_messages) = share.layout.traffic(), share.level_traffic
     transpose = nbytes * here / machine.link + messages * machine.overhead
     transpose += 2 * share.layout.K * machine.latency * (messages > 0)
     transpose += 2 * machine.barrier * stages(here)

@@ -13,7 +13,6 @@ from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.driver.warmup import compile_once
 from hpc_gfmd.operators.multilevel import Multilevel
 from hpc_gfmd.parallel.comm import MpiComm
-from hpc_gfmd.scene import Solver
 
 from .contacts import Case
 from .model import CLUSTERS, Machine, predict
@@ -92,9 +91,10 @@ def _predict(report, args):
 
 def worker(comm, n, precision, p_star, threads):
     """Return what solves once."""
-    settings = Solver(precision=precision, accuracy=ACCURACY)
-    compile_once(comm, settings)
-    sweep = Sweep(partial(Case(n, p_star).build, comm, threads=threads), settings)
+    case = Case(n, p_star)
+    scene = case.scene(solver={"precision": precision, "accuracy": ACCURACY})
+    compile_once(comm, scene, lambda contact: None)
+    sweep = Sweep(partial(case.build, comm, threads=threads), scene.solver)
     source, target = np.ones((2, COPIED // 4), np.float32)
     watch = Stopwatch()
     watch.watch(Multilevel, "sweep", "levels")

@@ -48,7 +48,7 @@ def test_messages_are_those_between_nodes(machines, nodes):
         return
     share = Share(sweep.surface.grid, sweep.dtype)
     assert sent_in_a_step(sweep) == share.traffic
-    assert (share.transpose_traffic == (0, 0)) == (len(machines.node_ranks) == machines.size)
+    assert (share.layout.traffic() == (0, 0)) == (len(machines.node_ranks) == machines.size)
     fft = sweep.surface.grid.fft(sweep.dtype)
     held = [fft.blocks, *(a for scratch in fft._scratch for a in scratch)]
     assert sum(a.nbytes for a in held) == share.layout.bytes + share.layout.scratch_bytes

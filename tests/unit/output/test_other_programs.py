@@ -222,7 +222,7 @@ def test_an_export_that_is_killed_leaves_nothing(path, monkeypatch):
         pytest.skip("the file system has no files without a name")
     seen = []
     monkeypatch.setattr(export, "_pieces", lambda *_: seen.append(os.listdir(path.parent)) or ())
-    export.export(read_result(path), "netcdf")
+    export.export(read_result(path), "netcdf", None, {})
     assert set(map(tuple, seen)) == {("out.h5",)}
 
 

@@ -50,14 +50,14 @@ def test_everything_has_one_owner(n, ranks):
         sum(share.layout.columns_held[rank] for rank, share in enumerate(shares)) == n[1] // 2 + 1
     )
     assert sum(share.level_points for share in shares) == sum(
-        a.n[0] * a.n[1] for a in shares[0].levels[1:]
+        a.n[0] * a.n[1] for a in shares[0].hierarchy[1][1:]
     )
     grids = [grid for share in shares for grid in share.grids]
     for size in {grid.n for grid in grids}:
         assert sum(grid.shape[0] for grid in grids if grid.n == size) == size[0]
     for a, share in enumerate(shares):
         for b, other in enumerate(shares):
-            for step, of_other in zip(share.steps, other.steps, strict=True):
+            for step, of_other in zip(share.hierarchy[0], other.hierarchy[0], strict=True):
                 for adding in (True, False):
                     assert step.windows.sent_rows(adding).get(b, 0) == of_other.windows.sent_rows(
                         not adding

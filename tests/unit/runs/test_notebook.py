@@ -205,17 +205,20 @@ def test_the_patches_as_a_table(boundary):
     assert min(table.x[0], 1 - table.x[0]) + min(table.y[0], 1 - table.y[0]) < 1e-9
 
 
-def test_what_is_not_there_is_said():
+def test_what_is_not_there_is_said(saved):
     bare = solve(LOADS, fields=())
     assert all(one.a_r > 0 and one.a_r_corrected > 0 for one in bare)
     with refused(r'^pressure: not kept, allowed: fields = \["pressure", ...\]'):
         _ = bare[0].pressure
     bare.save("bare.h5")
     one, *_ = hpc_gfmd.load("bare.h5")
+    saved[0].observable("spanning")  # of what its fields tell
     for ask, words in [
         (lambda: one.gap, r"^gap: not in .*bare.h5, allowed"),
         (lambda: one.observable("patches"), "has no pressure and no gap"),
         (lambda: one.observable("duality_gap"), "^duality_gap: not in"),
+        (lambda: saved[0].observable("duality_gap"), "^duality_gap: not in"),
+        (lambda: saved[0].plastic, "^plastic: not in"),
         (
             lambda: one.distribution("presure"),
             '^distribution: found .presure., nearest: "pressure"',

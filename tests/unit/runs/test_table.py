@@ -10,7 +10,7 @@ from hpc_gfmd.runs.table import GrowingTable, table
 
 def test_table_marks_what_did_not_converge():
     text = table(
-        {0: STEP, 1: STEP | {"status": "stagnated", "note": "fewer than 100 points touch"}}
+        {0: STEP, 1: STEP | {"status": "stagnated", "note": "fewer than 100 points touch"}}, {}
     )
     header, units, first, second, *remarks = text.splitlines()
     assert header.split() == ["step", "p*", "p", "a_r", "iter.", "status"]

@@ -116,4 +116,4 @@ def test_areas_and_lengths_of_the_table_have_units():
     found = dict(zip(heading[1:], zip(units, row[1:]), strict=False))
     assert found["patch_largest"] == ("[nm^2]", "4e+04")
     assert found["perimeter"] == ("[um]", "12")
-    assert "[length^2]" in table({0: step})
+    assert "[length^2]" in table({0: step}, {})
