@@ -174,7 +174,7 @@ def _errors(
     smaller of the last two; sums: KktSums of all ranks."""
     grid, contact = problem.grid, sums.contact
     levels.restrict(g, p, problem.limit)
-    rr, tt, rt, _, ts, rs = grid.comm.sum(levels.sweep()[2:])
+    level_sums = grid.comm.sum(levels.sweep()[3:]).tolist()
     found = estimate(
         problem,
         levels,
@@ -187,11 +187,7 @@ def _errors(
             sums.yielded,
             sums.gap,
             uKu,
-            rr,
-            tt,
-            rt,
-            ts,
-            rs,
+            level_sums,
         ),
     )
     if not np.isfinite(found.squares):

@@ -32,6 +32,7 @@ points.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import hypot, inf, isfinite, sqrt
 from typing import TYPE_CHECKING, NamedTuple
@@ -98,8 +99,8 @@ class State(NamedTuple):
     """Sums over all points, and all ranks, of a state at the mean pressure p0.
 
     open_p, open_pp: of p and p^2 out of contact, less the hardness where a point yields; closed_pp:
-    of p^2 in contact; contact: points; yielded: of these; gap: of gaps; uKu: <u, K u>; rr, tt,
-    rt, ts, rs: what Multilevel.sweep returns of p out of contact.
+    of p^2 in contact; contact: points; yielded: of these; gap: of gaps; uKu: <u, K u>;
+    level_sums: what Multilevel.sweep returns of p out of contact.
     """
 
     p0: float
@@ -110,11 +111,7 @@ class State(NamedTuple):
     yielded: float
     gap: float
     uKu: float
-    rr: float
-    tt: float
-    rt: float
-    ts: float
-    rs: float
+    level_sums: Sequence[float]
 
 
 class Estimate(NamedTuple):
@@ -142,7 +139,7 @@ def estimate(problem: Problem, levels: Multilevel, state: State) -> Estimate:
         return Estimate()
     compliance, share = 1.0 / body.scale(problem.grid), contact / N
     residual, test, product = levels.test_products(
-        state.open_p, state.open_pp, contact, *state[-5:]
+        state.open_p, state.open_pp, contact, *state.level_sums
     )
     opened = (N - state.contact) / max(N - contact, 1)  # not yielded, of what is free
     e, response = sqrt(EQUIVALENCE * compliance * residual), sqrt(compliance * test) / share

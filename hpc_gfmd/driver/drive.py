@@ -38,8 +38,6 @@ class Calibration:
     floor : float
         Share of its patience that a solver has that believed that it was there: only rounding
         errors are left.
-    drift : float
-        Relative, of the residual: above, the solver goes on from the fresh pressure.
     improvement : float
         Of the error measure: what is progress.
     """
@@ -48,7 +46,6 @@ class Calibration:
     check_growth: float = 1.25
     refusals: int = 5
     floor: float = 1 / 6
-    drift: float = 0.01
     improvement: float = 0.9
 
 
@@ -123,14 +120,8 @@ def drive(
                     return "stagnated", certificate, loop.checks
                 loop.threshold = measure / left if np.isfinite(left) else measure
                 loop.refused = min(error, loop.refused)
-            if (
-                abs(progress.residual - certificate.residual)
-                > CALIBRATION.drift * certificate.residual
-                and progress.estimate is not None
-            ):
+            if progress.estimate is not None:
                 solver.refresh(certificate.uKu)
-            else:
-                solver.resume()
             if load.correct(solver, certificate, solved < 1):
                 loop.begin_again(done)
             loop.next_check = CALIBRATION.check_growth * done + 1

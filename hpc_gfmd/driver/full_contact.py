@@ -19,6 +19,7 @@ from .load import GivenLoad
 
 if TYPE_CHECKING:
     from ..operators.problem import Problem
+    from ..parallel.grid import Grid
     from ..solvers.base import Progress, Solver
 
 CLOSED = 8.0  # rounding errors that the pressures of a closed contact may have
@@ -37,16 +38,22 @@ def closing_load(problem: Problem) -> tuple[float, float]:
     """Return the least p0 at which u = -h is the solution, and the FFT pairs that it took: the
     largest tension without any. Collective."""
     _, p, certificate = closed_contact(problem)
-    return float(problem.p0 + sum(tension_of(problem, p))), certificate.pairs
+    return float(problem.p0 + sum(tension_of(problem.grid, p))), certificate.pairs
 
 
-def tension_of(problem: Problem, p: np.ndarray) -> tuple[float, float]:
-    """Return the largest tension of a closed contact (below 0: there is none), and the rounding
-    error of its pressure p. Collective."""
-    tension, largest = problem.grid.comm.max(
-        [-float(p.min(initial=np.inf)), float(np.abs(p).max(initial=0))]
-    )
-    return float(tension), CLOSED * float(np.finfo(p.dtype).eps) * float(largest)
+def tension_of(grid: Grid, p: np.ndarray, unit: np.ndarray | None = None) -> tuple[float, float]:
+    """Return the largest tension of a closed contact (below 0: there is none), over `unit` where
+    that is given, and the rounding error of its pressure p. Collective."""
+    rows, points = grid.inside
+
+    def extremes(i0: int, i1: int) -> tuple[float, float]:
+        here = p[i0:i1, :points]
+        own = here if unit is None else here / unit[i0:i1, :points]
+        return -float(own.min()), float(np.abs(here).max())
+
+    found = [(-np.inf, 0.0), *grid.by_rows(extremes, rows)]
+    tension, largest = grid.comm.max(np.max(found, axis=0)).tolist()
+    return tension, CLOSED * float(np.finfo(p.dtype).eps) * largest
 
 
 class FullContact(GivenLoad):
@@ -93,17 +100,9 @@ class FullContact(GivenLoad):
     def _lowest(self, solver: Solver) -> tuple[float, float]:
         """Return the load beyond that at which the first point opens, and its rounding error.
         Collective."""
-        rows, points = solver.grid.inside
-
-        def extremes(i0: int, i1: int) -> tuple[float, float]:
-            p = solver.p[i0:i1, :points]
-            own = p if self.unit is None else p / self.unit[i0:i1, :points]
-            return -float(own.min()), float(np.abs(p).max())
-
-        found = [(-np.inf, 0.0), *solver.grid.by_rows(extremes, rows)]
-        tension, largest = solver.grid.comm.max(np.max(found, axis=0)).tolist()
+        tension, rounding = tension_of(solver.grid, solver.p, self.unit)
         stored = solver.problem_now.rounding if self.unit is not None else 0.0
-        return -tension, max(CLOSED * float(np.finfo(solver.p.dtype).eps) * largest, stored)
+        return -tension, max(rounding, stored)
 
     def _press(self, solver: Solver, by: float) -> bool:
         """Go to a load that is so much larger, and to its solution. Collective."""
@@ -120,8 +119,5 @@ class FullContact(GivenLoad):
 
         solver.p0 += by
         solver.grid.by_rows(press)
-        if solver.iterations:
-            solver.correct_load(solver.p0)
-        else:
-            solver.refresh()
+        solver.refresh()
         return True

@@ -60,12 +60,9 @@ class GivenLoad:
         """Of the contact, about."""
         return self.p0
 
-    def on_grid(self, problem: Problem) -> Problem:
-        """Give the problem of the next coarse grid, at the load to begin with. Collective."""
-        return problem
-
-    def on_finest_grid(self) -> float:
-        """Give the load to begin with on the finest grid."""
+    def begin(self, problem: Problem | None = None) -> float:
+        """Give the load to begin with on a coarse grid, that of `problem`, or on the finest.
+        Collective."""
         return self.p0
 
     def numbers(self) -> dict[str, Any] | None:

@@ -4,7 +4,7 @@ it before, in the course of the iterations and in the end."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import copysign, erf, hypot, inf, isfinite, isinf, log, sqrt
+from math import copysign, erf, hypot, inf, isinf, log, sqrt
 from statistics import NormalDist
 from typing import TYPE_CHECKING, Any
 
@@ -188,21 +188,17 @@ def search_for(
     value = load.value if load.quantity == "a_r" else load.value / surface.slope
     found = SEARCHES[load.quantity]
     search = found(value, *known, known[-1], hardness or inf, slope=found.usual)
-    wanted, straight = search.straight(search.aim), search.straight
-    before = [(point["x"], straight(point[load.quantity])) for point in history]
-    before = [point for point in before if isfinite(point[1])]
-    if not before:
+    for point in history:
+        search.x = point["x"]
+        search.secant(point[load.quantity])
+    if search.before is None:
         search.x = search.guess(surface)
         return search
-    (x0, f0), (x, f) = before[0], before[-1]
-    slope = (f - f0) / (x - x0) if x != x0 else 0.0
-    near = (
-        1 / CALIBRATION.steepest < slope < CALIBRATION.steepest
-        and abs(wanted - f) < 4 * CALIBRATION.step * slope
-    )
-    search.slope = slope if near else found.usual
-    search.x = x + (wanted - f) / search.slope
-    search.known = near and abs(search.x - x) < CALIBRATION.step
+    x, f = search.before
+    way = search.straight(search.aim) - f
+    if abs(way) > 4 * CALIBRATION.step * search.slope:  # what is near tells nothing of it
+        search.slope = found.usual
+    search.x = x + way / search.slope
     return search
 
 

@@ -12,7 +12,7 @@ ordered walls whose asperities touch all at once: the nearer side is taken, and 
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from math import copysign, exp, inf, isfinite, log
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -79,10 +79,9 @@ class LoadSearch(GivenLoad):
     target: an area, or a length over the unit of slopes; tolerance: relative; counts: whether the
     error of the solution counts towards it; finest, heights: of the finest grid and of this one;
     closes_at: p0 that closes the gap, or the hardness; x: log p0, or -log(1/p0 - 1/closes_at);
-    slope: of the straightened value over x; known: whether x is, so well that coarse grids need not
-    search; low, high: (x, value) that bound the load; before: (x, straightened value) of the last
-    certificate; trials: corrections by predictions on this grid; corrections: in all; looked: the
-    last iteration that was looked at."""
+    slope: of the straightened value over x; low, high: (x, value) that bound the load; before: (x,
+    straightened value) of the last certificate; trials: corrections by predictions on this grid;
+    corrections: in all; looked: the last iteration that was looked at."""
 
     kind: ClassVar[str]
     usual: ClassVar[float]  # slope, before anything is known
@@ -97,7 +96,6 @@ class LoadSearch(GivenLoad):
     closes_at: float = inf
     x: float = 0.0
     slope: float = 1.0
-    known: bool = False
     low: tuple[float, float] | None = None
     high: tuple[float, float] | None = None
     before: tuple[float, float] | None = None
@@ -143,19 +141,13 @@ class LoadSearch(GivenLoad):
         x = min(max(self.x, -700.0), 700.0)  # no overflow
         return 1 / (exp(-x) + 1 / self.closes_at)
 
-    def on_grid(self, problem: Problem) -> Problem:
-        """Begin on a coarse grid, at the load of the grid before."""
-        self._begin(HeightStatistics.of(problem.grid, problem.heights))
-        return replace(problem, p0=self.p0)
-
-    def on_finest_grid(self) -> float:
-        """Begin there, at the load of the grid before."""
-        self._begin(self.finest)
-        return self.p0
-
-    def _begin(self, heights: HeightStatistics) -> None:
-        self.heights, self.trials, self.looked = heights, 0, -1
+    def begin(self, problem: Problem | None = None) -> float:
+        """Begin at the load of the grid before."""
+        self.heights, self.trials, self.looked = self.finest, 0, -1
+        if problem is not None:
+            self.heights = HeightStatistics.of(problem.grid, problem.heights)
         self.low = self.high = self.before = self.note = None
+        return self.p0
 
     def numbers(self) -> dict[str, Any]:
         """Give what makes a checkpoint."""
@@ -166,7 +158,7 @@ class LoadSearch(GivenLoad):
     def near(self, solver: Solver, progress: Progress) -> bool:
         """Tell whether the value is as near as this grid knows it: not without the highest peak."""
         blind = self.heights.lowest > self.heights.top
-        content = self.known or blind or self.trials == CALIBRATION.trials
+        content = blind or self.trials == CALIBRATION.trials
         return content or not self._try(solver, progress, CALIBRATION.coarse)
 
     def adjust(self, solver: Solver, progress: Progress) -> bool:
@@ -269,13 +261,13 @@ class LoadSearch(GivenLoad):
     def _step(self, y: float, error: float, solver: Solver) -> bool:
         if self.note:
             return self._go(self._nearer[0], solver)
-        least, way = self._secant(y, error), self._way(y)
+        least, way = self.secant(y, error), self._way(y)
         x = self.x + copysign(max(abs(way), least), way)
         if self.low and self.high and not self.low[0] < x < self.high[0]:
             x = 0.5 * (self.low[0] + self.high[0])
         return self._go(x, solver)
 
-    def _secant(self, y: float, error: float) -> float:
+    def secant(self, y: float, error: float = 0.0) -> float:
         """Learn the slope from the last two values; returns how far it is to go at least."""
         f, last = self.straight(y), self.before
         if not isfinite(f):
@@ -296,5 +288,5 @@ class LoadSearch(GivenLoad):
 
     def _go(self, x: float, solver: Solver) -> bool:
         self.x, self.corrections = x, self.corrections + 1
-        solver.correct_load(self.p0)
+        solver.continue_at(self.p0)
         return True

@@ -199,7 +199,7 @@ class Nested:
         if coarse is not None and self.coarser is not None:
             try:
                 g, pairs = self.coarser.start(coarse, make_solver, load=load)
-                coarse = load.on_grid(coarse)
+                coarse = replace(coarse, p0=load.begin(coarse))
                 solver = _roughly_solved(coarse, make_solver, g, self.reduction, load)
                 pairs = (pairs + solver.pairs) * coarse.grid.cell_points / problem.grid.cell_points
                 full = not coarse.grid.padded and solver.progress().contact == coarse.grid.N

@@ -13,13 +13,14 @@ from ..operators.problem import ROUNDING
 from ..parallel.comm import SerialComm
 from ..surface import build_surface
 from ..surface.units import single_solves
+from ..theory.persson import g_rms_lam_s_over_h_rms
 
 if TYPE_CHECKING:
     from ..certificate.criterion import Target
     from ..scene import Scene
     from ..scene import Solver as Settings
 
-COARSE = 512  # points along an axis, or wave numbers, that tell heights and slopes
+COARSE = 512  # points along an axis that tell heights and slopes
 
 
 @dataclass(frozen=True)
@@ -117,10 +118,8 @@ def known_heights(scene: Scene, n: tuple[int, int]) -> tuple[float | None, float
         made = build_surface(coarse, SerialComm(), np.float64)
         a = math.sqrt(math.prod(surface.physical_sizes) / math.prod(n))
         return made.g_rms, made.h_rms / (made.g_rms * a) if made.g_rms else None
-    longest = surface.lam_l_over_lam_s * surface.lam_s_over_a / (2 * np.pi)
-    q = np.geomspace(1, max(surface.lam_l_over_lam_s, 1 + 1e-9), COARSE)
-    squares, slopes = (np.trapezoid(q ** (k - 2 * surface.hurst), q) for k in (-1, 1))
-    return surface.g_rms, longest * math.sqrt(squares / slopes)
+    slope = g_rms_lam_s_over_h_rms(surface.hurst, 1 / surface.lam_l_over_lam_s)
+    return surface.g_rms, surface.lam_s_over_a / slope
 
 
 def counting(asked: Target | Settings, p_star: float) -> float:

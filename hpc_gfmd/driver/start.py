@@ -90,7 +90,7 @@ class Start:
             return
         problem, memory = self._opened(p0)
         g = self._starting_gap(problem, memory)
-        self._take(replace(problem, p0=self._load.on_finest_grid()), g)
+        self._take(replace(problem, p0=self._load.begin()), g)
         self._start_at(g)
         if self.nested and not self._load.from_full_contact and self._is_worse_than_undeformed():
             self._start_at(self.surface.gap)

@@ -220,7 +220,7 @@ class Sweep(Start):
         contact = Contact(self.surface, self.E_star, p_mean, g, p, *done)
         if status == "converged":
             known = {
-                "x": x_of(p_mean / (self.E_star * self.surface.slope), self._limit),
+                "x": x_of(self._p_star(p_mean), self._limit),
                 "a_r": contact.contact_points / contact.N,
                 "gap_mean": certificate.gap_mean * self.surface.grid.a,
                 "approach": certificate.approach * self.surface.grid.a,
@@ -262,7 +262,7 @@ class Sweep(Start):
                 return None
         g, p, certificate = closed_contact(problem, dual=self.target.duality)
         self._spent += certificate.pairs
-        tension, rounding = tension_of(problem, p)
+        tension, rounding = tension_of(problem.grid, p)
         # the least load that closes the gap, but for rounding errors
         if problem.dtype == np.float64 and 0 <= tension <= CLOSED * problem.rounding:
             problem = self._problem(p0 + tension + rounding)

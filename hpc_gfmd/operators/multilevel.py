@@ -141,16 +141,16 @@ class Multilevel:
         all ranks. anew: by an M that has the gap mode of this contact.
 
         Returns this rank's share of <p, M' p> and <x, M' p>, both on F, as sums over level 1 times
-        N/N_1: M' is M without the finest level; of the sums over these levels of softness times <r,
-        r>, <t, t> and <r, t>, r and t being p on F and the indicator of A restricted to the level,
-        times N/N_l; of the mean of p on F; and of the sums over these levels of softness times <t,
-        s> and <r, s>, s being 1 on the surface and 0 beyond.
+        N/N_1: M' is M without the finest level; of the mean of p on F; and of the sums over these
+        levels of softness times <r, r>, <t, t>, <r, t>, <t, s> and <r, s>, r and t being p on F and
+        the indicator of A restricted to the level, times N/N_l, s being 1 on the surface and 0
+        beyond.
         """
         for k in range(self.distributed):
             own = self.owned[k]
             self._add_up(k, own[:, 1:-1])
             self.restrict_from(k + 1, own[:2])
-        rz, xz, *sums, mean = self._sweep_coarsest(anew)
+        rz, xz, mean, *sums = self._sweep_coarsest(anew)
         for k in reversed(range(self.distributed)):
             own = self.owned[k]
             rz, xz, *here = self.smooth(k + 1, own, own[0])
@@ -158,7 +158,7 @@ class Multilevel:
             self._hand_out(k, self.owned[k][:1, 1:-1])
         first = self.steps[0].transfer
         ratio = self.grid.cell_points / (first.m[0] * first.m[1])
-        return rz * ratio, xz * ratio, *sums[:3], mean, *sums[3:]
+        return rz * ratio, xz * ratio, mean, *sums
 
     def restrict_from(self, k: int, fine: np.ndarray) -> None:
         """Restrict two fields of level k, (2, rows + 2, n) with valid own rows, to the window of
@@ -222,18 +222,13 @@ class Multilevel:
         return open_pp + missing**2 * contact + residual, finest + test, product
 
     def restrict(
-        self,
-        g: np.ndarray,
-        p: np.ndarray,
-        hardness: np.floating | None = None,
-        d: np.ndarray | None = None,
+        self, g: np.ndarray, p: np.ndarray, hardness: np.floating | None = None
     ) -> UpdateSums:
         """Restrict what the update passes do, from a state that no step has led to; returns
-        UpdateSums, with <p, d> on F where there is a d."""
+        UpdateSums."""
         longest = int(np.diff(self.ends).max(initial=0))
         still = np.zeros((longest, self.grid.n[1]), self.dtype)
-        if d is None:
-            d = np.zeros(still.shape, stored_dtype(self.dtype))
+        d = np.zeros(still.shape, stored_dtype(self.dtype))
         none = np.zeros((1, 1), np.result_type(self.dtype, np.complex64))
         rows = still, none, none[0], np.zeros(1, np.int64), 0, (0, 0), (0, 0)
         return self.update(g, p, d, 0.0, [rows] * self.grid.threads, hardness, comes=False)
@@ -256,7 +251,7 @@ class Multilevel:
         ratio = self.grid.cell_points / (n * m)
         # where level 1 itself is one of them
         products = (0.0, 0.0) if self.distributed else (_dot(rows[0], z), _dot(rows[2], z))
-        return *products, *(a * ratio for a in squares), t_s, r_s, mean
+        return *products, mean, *(a * ratio for a in squares), t_s, r_s
 
     def _find_mode(self, coarsest: CoarsestLevels, t: np.ndarray) -> None:
         coarsest.mode = coarsest.mode[:0]

@@ -97,6 +97,11 @@ class Grid:
         return self.nominal[0] * self.nominal[1]
 
     @property
+    def nominal_sizes(self) -> tuple[float, ...]:
+        """(L_x, L_y) of the nominal area."""
+        return tuple(size * m / k for size, m, k in zip(self.sizes, self.nominal, self.n))
+
+    @property
     def padded(self) -> bool:
         """Whether there are points beyond the surface."""
         return self.nominal != self.n

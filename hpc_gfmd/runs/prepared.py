@@ -15,7 +15,6 @@ from ..parallel.comm import SerialComm
 from ..scene import Scene
 from ..surface import build_surface
 from ..surface.arrays import checked_array, is_topography, of_topography, unreliable
-from ..surface.files import HeightMap
 from ..surface.metadata import Metadata
 from ..surface.prepare import prepare
 from ..surface.topography import Topography, open_topography, topography_of
@@ -139,9 +138,9 @@ def prepare_surface(heights: Any, **keys: Any) -> PreparedSurface:
             keys["boundary"] = "free"
     elif not keys.keys() & {"physical_sizes", "unit"}:
         keys["physical_sizes"] = 1.0, 1.0
-    scene, _ = _scene({"kind": "file", "path": "heights"} | keys, "hpc_gfmd.prepare_surface")
-    found = HeightMap(checked_array(heights), said)
-    made = _prepared(topography_of(found, scene.surface), scene.surface)
+    scene, _ = _scene({"kind": "file", "path": "the array"} | keys, "hpc_gfmd.prepare_surface")
+    found = topography_of(checked_array(heights), said, scene.surface)
+    made = _prepared(found, scene.surface)
     return replace(made, notes=(*made.notes, doubt[1])) if doubt else made
 
 

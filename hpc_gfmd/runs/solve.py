@@ -22,11 +22,10 @@ from ..parallel.grid import Grid
 from ..parallel.guard import collective_errors, raise_on_all
 from ..parallel.world import comm_of, threads_of
 from ..scene import Scene
-from ..surface.analytic import on_form
 from ..surface.arrays import checked_array, is_topography
 from ..surface.build import Surface, surface_of
 from ..surface.heights import checked
-from ..surface.quality import DIFFERENT_UNITS, MapQuality
+from ..surface.quality import DIFFERENT_UNITS, quality_of
 from ..surface.topography import Topography
 from ..util.errors import NotConverged, SceneError
 from ..util.versions import versions
@@ -174,8 +173,7 @@ def solve(
         sizes = tuple(map(float, scene.surface.physical_sizes or ()))
         topography = Topography(z.shape, sizes, rows_of)
         notes = _quality_notes(comm, topography) if boundary is None else ()
-        form = on_form(rows_of, scene.surface.radii, z.shape, sizes)
-        topography = replace(topography, rows=form, notes=notes)
+        topography = replace(topography.on_form(scene.surface.radii), notes=notes)
     kept: dict[np.dtype, Surface] | None = None
     if known and comm.size == 1 and not known.heights.flags.writeable:
         kept = _surfaces.setdefault(known, {})
@@ -268,7 +266,7 @@ def _quality_notes(comm: Comm, found: Topography) -> tuple[str, ...]:
     """Find notes on an array of which nobody said that it is periodic. Collective."""
     rows = found.rows
     found = replace(found, rows=lambda i, j: checked(rows(i, j), i, "surface"))
-    return tuple(MapQuality(found, comm).notes((True, True)))
+    return tuple(quality_of(found, comm).notes((True, True)))
 
 
 def _warn(comm: Comm, steps: Sequence[dict]) -> None:

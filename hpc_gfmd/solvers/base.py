@@ -8,15 +8,18 @@ clocks: that is `drive.py`.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..operators.elastic import Elastic
+from .options import read_options
+
 if TYPE_CHECKING:
     from ..certificate.error_estimates import Estimate
-    from ..operators.elastic import Elastic
     from ..operators.multilevel import Multilevel
     from ..operators.problem import Problem
 
@@ -58,8 +61,7 @@ class Progress:
 
 class Solver:
     """What all solvers share. To add one, put a file into solvers/ with a subclass whose `name` is
-    the file's; it implements `start`, `refresh`, `step` and `progress`, and makes `elastic`, `g`
-    and `p` in __init__.
+    the file's; it implements `start`, `refresh`, `step` and `progress`.
 
     Attributes
     ----------
@@ -71,18 +73,18 @@ class Solver:
         Steps since the load began.
     state_names, scalar_names : tuple of str
         The attributes that a bit-identical continuation needs: local slabs, and numbers.
+    allowed : dict
+        The smallest and largest value of each option.
     sources : tuple of str
         Papers that the algorithm is from, with DOI.
     """
 
-    elastic: Elastic
-    g: np.ndarray
-    p: np.ndarray
     d: np.ndarray  # the last step, of those that have one
     name = ""
     sources: tuple[str, ...] = ()
     state_names: tuple[str, ...] = ("g", "p")
     scalar_names: tuple[str, ...] = ()
+    allowed: Mapping[str, tuple[float, float]] = {}
     nests = True  # whether a nested start pays
     # whether its pressure may be < 0 where the gap is closed, as it is at a load that is too small
     holds_tension = True
@@ -90,13 +92,20 @@ class Solver:
     takes_gap = False  # whether __init__ has an argument g: memory for the gap
     patience = 60  # iterations without progress after which the solver counts as stagnated
 
-    def __init__(self, problem: Problem, options: dict[str, float] | None = None):
+    def __init__(
+        self, problem: Problem, options: dict[str, float] | None = None, g: np.ndarray | None = None
+    ):
+        """Take memory for the state, g for the gap if it is given. Raises SceneError for options
+        that are not allowed."""
+        self.options = read_options(self.name, options or {}, self.allowed)
         self.problem = problem
         self.grid = problem.grid
         self.p0 = float(problem.p0)
         self.N = problem.grid.N
         self.iterations = 0
-        self.options = dict(options or {})
+        self.elastic = Elastic(self.grid, problem.body, problem.dtype)
+        self.g = self.grid.empty(problem.dtype) if g is None else g
+        self.p = self.grid.empty(problem.dtype)
 
     @property
     def pairs(self) -> float:
@@ -127,7 +136,13 @@ class Solver:
     def continue_at(self, p0: float) -> None:
         """Begin from the present state at another mean pressure, without an FFT: p changes by a
         constant."""
-        self._set_load(p0)
+        before, self.p0 = self.p_cell, float(p0)
+        change = self.problem.dtype.type(self.p_cell - before)
+
+        def shift(i0: int, i1: int) -> None:
+            self.p[i0:i1] += change
+
+        self.grid.by_rows(shift)
         self.refresh()
 
     def _lay(self, g: np.ndarray) -> None:
@@ -141,28 +156,10 @@ class Solver:
 
         self.grid.by_rows(lay)
 
-    def _set_load(self, p0: float) -> None:
-        """Set another mean pressure: p changes by a constant."""
-        before, self.p0 = self.p_cell, float(p0)
-        change = self.problem.dtype.type(self.p_cell - before)
-
-        def shift(i0: int, i1: int) -> None:
-            self.p[i0:i1] += change
-
-        self.grid.by_rows(shift)
-
-    def correct_load(self, p0: float) -> None:
-        """Do as `continue_at`, for a change that is small beside what is still to be done."""
-        self.continue_at(p0)
-
     def refresh(self, uKu: float | None = None) -> None:
-        """Go on after self.p has been computed anew from self.g, or shifted. uKu: <u, K u>, None if
-        that has not changed."""
+        """Go on without a last step, after self.p has been computed anew from self.g, or shifted,
+        and self.levels used by somebody else. uKu: <u, K u>, None if that has not changed."""
         raise NotImplementedError
-
-    def resume(self) -> None:
-        """Go on as if nothing had happened after self.p has been computed anew from self.g, and
-        self.levels used by somebody else."""
 
     def make_room(self) -> None:
         """Give the memory of the transforms and of the last step, which is lost, to somebody else

@@ -27,12 +27,10 @@ from ..certificate.error_estimates import (
 )
 from ..kernels.bfloat16 import Decoded, encoded, stored_dtype
 from ..kernels.bpx import UpdateSums, search_passes
-from ..operators.elastic import Elastic
 from ..operators.multilevel import Multilevel
 from ..operators.problem import Problem
 from ..parallel.threads import on_threads, shares
 from .base import Progress, Solver
-from .options import read_options
 
 FIRST = 0.75  # Rayleigh quotient of first steps: 0.52 to 0.75 was seen; less makes them too long
 DESCENT = 0.2  # share of the predicted descent that clipping must leave
@@ -73,13 +71,10 @@ class Bpx(Solver):
     def __init__(
         self, problem: Problem, options: dict[str, float] | None = None, g: np.ndarray | None = None
     ):
-        super().__init__(problem, options)
-        self.options = read_options(self.name, self.options, {})
+        super().__init__(problem, options, g)
         grid, body, dtype = self.grid, problem.body, problem.dtype
-        self.elastic = Elastic(grid, body, dtype)
         self.levels = Multilevel(grid, body, dtype, self.elastic.fft.R)
-        self.g = grid.empty(dtype) if g is None else g
-        self.p, self.d = grid.empty(dtype), grid.empty(stored_dtype(dtype))
+        self.d = grid.empty(stored_dtype(dtype))
         self.compliance = 1.0 / body.scale(grid)  # of the shortest wave
 
     @cached_property
@@ -95,7 +90,6 @@ class Bpx(Solver):
         self.elastic.plan()
         self.d = self.grid.empty(stored_dtype(self.problem.dtype))
         self.d[...] = 0
-        self.rd = self.zKd = self.dKd = 0.0
 
     # -- starting
 
@@ -116,18 +110,6 @@ class Bpx(Solver):
         self.d[...] = 0
         self._begin(self.levels.restrict(self.g, self.p, self.problem.limit))
 
-    def correct_load(self, p0: float) -> None:
-        """Keep the last step as what the next one begins with: on F M is about 1/K, so that <z, K
-        d> changes by as much as <p, d>."""
-        self._set_load(p0)
-        rd, zKd, dKd = self.rd, self.zKd, self.dKd
-        self._measure(self.levels.restrict(self.g, self.p, self.problem.limit, self.d))
-        self.zKd, self.dKd = zKd + self.rd - rd, dKd
-
-    def resume(self) -> None:
-        self.levels.restrict(self.g, self.p, self.problem.limit)
-        self.levels.sweep()  # z on the coarse levels follows from g and p
-
     def _begin(self, sums: UpdateSums) -> None:
         """Begin a new descent: no momentum, a Rayleigh quotient as first steps have."""
         self.s = 1.0
@@ -143,7 +125,8 @@ class Bpx(Solver):
     def load_state(self, arrays: dict[str, Any], numbers: dict[str, Any]) -> None:
         super().load_state(arrays | {"d": encoded(arrays["d"], self.problem.dtype)}, numbers)
         self.levels.mode = numbers["mode"]
-        self.resume()
+        self.levels.restrict(self.g, self.p, self.problem.limit)
+        self.levels.sweep()  # z on the coarse levels follows from g and p
 
     # -- one iteration
 
@@ -228,20 +211,18 @@ class Bpx(Solver):
     def _measure(self, sums: UpdateSums, anew: bool = False) -> None:
         """Sweep the levels and sum over ranks: all scalars of the next step and of the stopping
         rule. anew: a descent begins."""
-        *totals, rz1, xz1, r1, t1, rt1, self.mean, ts1, rs1 = self.grid.comm.sum(
-            [*sums, *self.levels.sweep(anew)]
-        ).tolist()
-        sums = UpdateSums(*totals)
+        totals = self.grid.comm.sum([*sums, *self.levels.sweep(anew)]).tolist()
+        rz1, xz1, self.mean, *self.level_sums = totals[len(sums) :]
+        sums = UpdateSums(*totals[: len(sums)])
         s, compliance = self.s, self.compliance
         self.rz = compliance * (sums.rr + rz1)  # <p, z> on F
         self.rd = s * sums.pd  # <p, d>
         self.zKd = s * compliance * (sums.px + xz1)
         self.dKd = s * s * sums.dx
         self.rr, self.pp = sums.rr, sums.pp
-        self.level_sums = [r1, t1, rt1, ts1, rs1]
         self.contact, self.gap_mean = sums.contact, sums.gap / self.N
-        self.yielded, self.depth = sums.yielded, sums.depth
         self.changing = max(sums.opening, sums.closing)
+        self.yielded, self.depth = sums.yielded, sums.depth
 
     # -- how far
 
@@ -263,7 +244,7 @@ class Bpx(Solver):
             self.yielded,
             self.gap_mean * self.N,
             self.uKu,
-            *self.level_sums,
+            self.level_sums,
         )
         return estimate(self.problem, self.levels, state)
 

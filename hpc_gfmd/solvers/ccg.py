@@ -16,12 +16,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..kernels import ccg as kernels
-from ..operators.elastic import Elastic, reader
+from ..operators.elastic import reader
 from ..operators.problem import Problem
-from ..parallel.threads import added, on_threads
+from ..parallel.threads import added
 from ..util.aligned import zeros_aligned
 from .base import Progress, Solver
-from .options import read_options
 
 Parts = Sequence[tuple[float, ...]]  # what passes returned
 
@@ -56,12 +55,10 @@ class Ccg(Solver):
 
     def __init__(self, problem: Problem, options: dict[str, float] | None = None):
         super().__init__(problem, options)
-        self.options = read_options(self.name, self.options, self.allowed)
         self.preconditioned = self.options.get("preconditioned", 0) > 0
         grid, dtype = self.grid, problem.dtype
-        self.elastic = Elastic(grid, problem.body, dtype)
         self.real = dtype.type
-        self.g, self.p, self.iterate, self.gap0 = (grid.empty(dtype) for _ in range(4))
+        self.iterate, self.gap0 = grid.empty(dtype), grid.empty(dtype)
         self.t = zeros_aligned(grid.shape, dtype)
         self.stiffest = problem.body.bounds(grid)[1]  # the largest eigenvalue of K
         self.patience = 5 * self.patience
@@ -87,31 +84,16 @@ class Ccg(Solver):
             self.iterate[: inside[0], : inside[1]] = self.p0
             load = self.N * self.p0
         self.offset = self.shift = 0.0
-        self.elastic.pressure_rows(reader(self.iterate))
-        self._new_gap(load)
-        self.refresh()
+        self._begin(load)
 
     def continue_at(self, p0: float) -> None:
-        scale = self.real(p0 / self.p0)
-        self.p0 = float(p0)
-        fft = self.elastic.fft
-        fill = self.problem.displacement_rows(self.gap0, 0.0)
+        load, self.p0 = self.N * self.p0, float(p0)
+        self._begin(load)
 
-        def scaled(i0: int, i1: int, x: np.ndarray) -> tuple[float, float]:
-            fill(i0, i1, x)
-            x[: i1 - i0] += self.real(self.offset)  # S p
-            return kernels.new_gap(
-                self.iterate,
-                self.gap0,
-                self.problem.heights,
-                x,
-                i0,
-                i1,
-                scale,
-                self.real(self.offset),
-            )
-
-        self._set_gap(on_threads(fft.threads, scaled, fft.passes(), fft.row_scratch))
+    def _begin(self, load: float) -> None:
+        """Begin with the iterate, which carries that load."""
+        self.elastic.pressure_rows(reader(self.iterate))
+        self._new_gap(load)
         self.refresh()
 
     def refresh(self, uKu: float | None = None) -> None:
@@ -176,23 +158,19 @@ class Ccg(Solver):
 
     def _new_gap(self, load: float) -> None:
         """Scale the iterate, the rows of which are transformed, to the mean p0, and compute its
-        gap."""
+        gap, the mean of that in contact, and the state that is returned."""
         scale = self.real(self.N * self.p0 / load)
         self.offset += self.shift
         offset = self.real(self.offset)
         self.elastic.displacement_columns()
-        self._set_gap(
+        total, contact = self._sum(
             self.elastic.use_rows(
                 lambda i0, i1, x: kernels.new_gap(
                     self.iterate, self.gap0, self.problem.heights, x, i0, i1, scale, offset
                 )
-            )
+            ),
+            2,
         )
-
-    def _set_gap(self, parts: Parts) -> None:
-        """Set the mean of gap0 in contact, and the state that is returned; parts: what `new_gap`
-        returned."""
-        total, contact = self._sum(parts, 2)
         self.shift, self.contact = float(total / contact), float(contact)
         fields, shift = (self.iterate, self.gap0, self.g, self.p), self.real(self.shift)
         sums = self.grid.by_rows(

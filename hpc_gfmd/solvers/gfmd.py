@@ -23,12 +23,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..kernels.dynamics import DynamicsSums, update_pressure, verlet_step
-from ..operators.elastic import Elastic
 from ..operators.problem import Problem
 from ..parallel.threads import added, on_threads
 from ..util.aligned import zeros_aligned
 from .base import Progress, Solver
-from .options import read_options
 
 DT = 0.95  # default time step, relative to the stability limit
 UNDERDAMPED = 0.5  # share of the Rayleigh quotient that is taken as mu
@@ -47,12 +45,8 @@ class Gfmd(Solver):
 
     def __init__(self, problem: Problem, options: dict[str, float] | None = None):
         super().__init__(problem, options)
-        self.options = read_options(self.name, self.options, self.allowed)
-        grid, dtype = self.grid, problem.dtype
-        self.elastic = Elastic(grid, problem.body, dtype)
-        self.g, self.p = grid.empty(dtype), grid.empty(dtype)
-        self.d = zeros_aligned(grid.shape, dtype)
-        self.longest, self.stiffest = problem.body.bounds(grid)
+        self.d = zeros_aligned(self.grid.shape, problem.dtype)
+        self.longest, self.stiffest = problem.body.bounds(self.grid)
         self.patience = max(
             4 * self.patience, int(PATIENCE * np.sqrt(self.stiffest / self.longest))
         )

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..util.errors import SceneError, one_line
 from ..util.quantities import factor, prefixed
-from .metadata import Metadata
+from .metadata import Map, Metadata
 
 ALLOWED = "a real array with two axes, not empty"
 
@@ -18,7 +18,7 @@ def is_topography(found: Any) -> bool:
     return callable(getattr(found, "heights", None)) and hasattr(found, "physical_sizes")
 
 
-def of_topography(found: Any) -> tuple[np.ma.MaskedArray, Metadata]:
+def of_topography(found: Any) -> Map:
     """Return the heights of a Topography, masked where there are none, and what it says of them."""
     named = found
     while isinstance(named.unit, dict):  # mirror_stitch of 1.27 forgets its parent's

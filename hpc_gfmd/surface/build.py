@@ -18,12 +18,12 @@ from ..parallel.grid import Grid
 from ..parallel.guard import collective_errors
 from ..parallel.interrupt import check
 from ..util.errors import SceneError
-from .analytic import Rows, flat_rows, on_form, wave_rows
+from .analytic import Rows, flat_rows, wave_rows
 from .heights import LARGEST, checked, checksum
 from .prepare import prepare, prepared_size
 from .quality import slope_notes
 from .selfaffine import self_affine_gap
-from .slabs import ROWS
+from .slabs import slabs
 from .statistics import rms, rms_between_neighbours
 from .topography import Topography, open_topography
 
@@ -78,9 +78,7 @@ class Surface:
     @property
     def sizes(self) -> tuple[float, ...]:
         """(L_x, L_y) of the surface."""
-        return tuple(
-            size * m / k for size, m, k in zip(self.grid.sizes, self.grid.nominal, self.grid.n)
-        )
+        return self.grid.nominal_sizes
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -96,7 +94,7 @@ class Surface:
     @property
     def slope(self) -> float:
         """The unit of slopes: g_rms, 1 on a flat surface."""
-        return self.g_rms if self.g_rms > 0 else 1.0
+        return self.g_rms or 1.0
 
     @property
     def height_unit(self) -> float:
@@ -136,11 +134,7 @@ def cell_of(n: tuple, free: tuple[bool, bool], sizes: tuple[float, ...]) -> tupl
 
 
 def grid_of(
-    n: tuple,
-    sizes: tuple[float, ...],
-    comm: Any,
-    threads: int = 1,
-    free: tuple[bool, bool] = (False, False),
+    n: tuple, sizes: tuple[float, ...], comm: Any, free: tuple[bool, bool], threads: int = 1
 ) -> Grid:
     """Make the grid on which a surface of n points is solved."""
     cell = cell_of(n, free, sizes)
@@ -152,10 +146,8 @@ def _nominal(grid: Grid) -> Grid:
     """Return the grid of the nominal area alone, whose rows lie on the same ranks."""
     if not grid.padded:
         return grid
-    sizes = [size * m / k for size, m, k in zip(grid.sizes, grid.nominal, grid.n)]
-    return Grid.kept(
-        grid.nominal, sizes, grid.comm, grid.threads, np.minimum(grid.starts, grid.nominal[0])
-    )
+    starts = np.minimum(grid.starts, grid.nominal[0])
+    return Grid.kept(grid.nominal, grid.nominal_sizes, grid.comm, grid.threads, starts)
 
 
 def surface_size(spec: Any) -> tuple[tuple[int, int], tuple[float, ...]]:
@@ -186,7 +178,7 @@ def build_surface(
     rows: Rows = wave_rows(spec) if spec.kind == "wave" else flat_rows
     if spec.kind == "self-affine":
         kept = np.dtype(np.float64) if spec.radius else dtype
-        grid = grid_of(spec.n, spec.physical_sizes, comm, threads, spec.free)
+        grid = grid_of(spec.n, spec.physical_sizes, comm, spec.free, threads)
         nominal = _nominal(grid)
         h, h_over_g, add_spectrum = self_affine_gap(
             spec, nominal, kept, kept if low_memory else np.float64
@@ -200,8 +192,7 @@ def build_surface(
             return made
         first, unit = made.rows[0], made.height_unit
         rows = lambda start, stop: -unit * h[start - first : stop - first]  # noqa: E731
-    rows = on_form(rows, spec.radii, spec.n, spec.physical_sizes)
-    found = Topography(spec.n, spec.physical_sizes, rows)
+    found = Topography(spec.n, spec.physical_sizes, rows).on_form(spec.radii)
     return surface_of(found, comm, dtype, threads, spec.free)
 
 
@@ -209,8 +200,8 @@ def surface_of(
     found: Topography,
     comm: Any,
     dtype: DTypeLike,
-    threads: int = 1,
-    free: tuple[bool, bool] = (False, False),
+    threads: int,
+    free: tuple[bool, bool],
     known: bool = True,
 ) -> Surface:
     """Make the surface with the heights of a Topography; free: whether it ends along x, along y.
@@ -220,15 +211,13 @@ def surface_of(
     checksum. Raises SceneError on all ranks.
     """
     n, sizes = found.n, found.sizes
-    cell = grid_of(n, sizes, comm, threads, free)
+    cell = grid_of(n, sizes, comm, free, threads)
     grid = _nominal(cell)
     start, stop = grid.rows
     z = grid.empty(np.float64)
     with collective_errors(comm, "reading the surface"):
-        for i in range(0, stop - start, ROWS):
-            z[i : i + ROWS] = checked(
-                found.rows(start + i, min(start + i + ROWS, stop)), start + i, "surface"
-            )
+        for i, j in slabs(start, stop):
+            z[i - start : j - start] = checked(found.rows(i, j), i, "surface")
     check(comm)
     made = partial(
         Surface,
@@ -239,12 +228,12 @@ def surface_of(
         prepared=found.done,
         quality_notes=found.notes,
     )
-    top = _largest(grid, np.max, z)
+    top = _largest(grid, z)
     _by_rows(grid, lambda z: np.subtract(top, z, out=z), z)  # the gap, exact where it is small
     if not cell.padded:
         grid, z = _leave_out_constant_axis(grid, z)
         cell = grid
-    span = _largest(grid, np.max, z)
+    span = _largest(grid, z)
     if span == 0.0:
         return made(cell, z.astype(dtype), h_rms=0.0, g_rms=0.0)
     if span < 1 / LARGEST:
@@ -253,7 +242,7 @@ def surface_of(
             f" {1 / LARGEST:g}"
         )
     centre = float(grid.comm.sum([sum(_by_rows(grid, np.sum, z))])[0]) / grid.N
-    scale = _largest(grid, lambda z: np.abs(z - centre).max(), z)
+    scale = max(span - centre, centre)  # the largest of |z - centre|
 
     def fill(i0: int, i1: int, x: np.ndarray) -> None:
         np.subtract(z[i0:i1], centre, out=x[: i1 - i0])
@@ -275,22 +264,19 @@ def _by_rows(grid: Grid, function: Callable[..., Any], *fields: np.ndarray) -> l
     return grid.by_rows(lambda i0, i1: function(*(field[i0:i1] for field in fields)))
 
 
-def _largest(grid: Grid, function: Callable[..., Any], z: np.ndarray) -> float:
-    """Return the largest of what a function gives of pieces of a field. Collective."""
-    return float(grid.comm.max([max([-np.inf, *_by_rows(grid, function, z)])])[0])
+def _largest(grid: Grid, z: np.ndarray) -> float:
+    """Return the largest number of a field. Collective."""
+    return float(grid.comm.max([max(_by_rows(grid, np.max, z), default=-np.inf)])[0])
 
 
 def _leave_out_constant_axis(grid: Grid, z: np.ndarray) -> tuple[Grid, np.ndarray]:
     """Return the grid and the heights; where these vary along one axis only, of that axis alone,
     and on every rank."""
-    comm, n = grid.comm, grid.n
-    if 1 in n:
+    comm = grid.comm
+    line = comm.bcast(z[:1].copy() if comm.rank == 0 else None)
+    along_x, along_y = comm.max([np.any(z != line), np.any(z != z[:, :1])])
+    if 1 in grid.n or (along_x and along_y):
         return grid, z
-    first = comm.bcast(z[0].astype(float) if comm.rank == 0 else None)
-    along_x, along_y = comm.max([np.any(z != first), np.any(z != z[:, :1])])
-    if along_x and along_y:
-        return grid, z
-    if not along_x:
-        return Grid.kept((1, n[1]), grid.sizes, SerialComm()), first[None].copy()
-    column = np.concatenate(comm.allgather(z[:, 0].copy()))
-    return Grid.kept((n[0], 1), grid.sizes, SerialComm()), column[:, None].copy()
+    if along_x:
+        line = np.concatenate(comm.allgather(z[:, :1]))
+    return Grid.kept(line.shape, grid.sizes, SerialComm()), line

@@ -15,7 +15,7 @@ from ..parallel.h5 import inside
 from ..scene.surface import ANY
 from ..util.errors import SceneError, one_line
 from . import instruments, pictures, text
-from .metadata import NAMES, Metadata, by_attributes, by_axes, ends
+from .metadata import NAMES, Map, Metadata, by_attributes, by_axes
 from .packed import unpacker
 
 MASK = "mask"  # where it is not 0 there is no height (SurfaceTopography)
@@ -34,45 +34,9 @@ class Stored:
         return self.read(part)
 
 
-class HeightMap:
-    """shape (n_x, n_y), rows(start, stop) -> float64 (stop - start, n_y), nan where there is no
-    height, and the Metadata beside it.
-
-    data: an array or Stored; masked points have no height. path: what messages call it. Raises
-    SceneError for what holds no heights.
-    """
-
-    def __init__(self, data: Any, metadata: Metadata, path: object = "the array") -> None:
-        self.path, self.metadata, self._data = path, metadata, data
-        shape, dtype = data.shape, data.dtype
-        if len(shape) != 2 or min(shape) < 1:
-            raise SceneError(
-                f"surface.path: found an array of shape {tuple(shape)} in {path}, allowed: two"
-                " axes, not empty"
-            )
-        if dtype.kind not in "fiu":
-            raise SceneError(
-                f"surface.path: found values of type {one_line(str(dtype), 80)} in {path},"
-                " allowed: real numbers"
-            )
-        self.shape = shape[::-1] if metadata.transposed else shape
-
-    def rows(self, start: int, stop: int) -> np.ndarray:
-        """Read rows start <= i < stop as float64. Raises SceneError if they cannot be read."""
-        try:
-            turned = self.metadata.transposed
-            with np.errstate(over="ignore"):  # of long double; infinity is seen below
-                z = self._data[:, start:stop].T if turned else self._data[start:stop, :]
-                return np.asarray(np.ma.filled(np.ma.asarray(z, dtype=np.float64), np.nan))
-        except Exception as error:
-            raise SceneError(
-                f"surface.path: reading {self.path} failed: {one_line(str(error))}"
-            ) from None
-
-
-def open_map(spec: Any) -> HeightMap:
-    """Open the height map of a scene.File, of one path. Raises SceneError for anything
-    unreadable."""
+def open_map(spec: Any) -> Map:
+    """Open the height map of a scene.File, of one path: (its numbers, two axes; the Metadata beside
+    them). Raises SceneError for anything unreadable, and for what holds no heights."""
     path = Path(spec.path)
     if not path.is_file():
         raise SceneError(
@@ -82,27 +46,37 @@ def open_map(spec: Any) -> HeightMap:
     kind = next((kind for kind, (_, own) in OPENERS.items() if suffix in own.split()), "other")
     opener, _ = OPENERS[kind]
     try:
-        return HeightMap(*opener(path, spec), path)
+        data, said = opener(path, spec)
+        if len(data.shape) != 2 or min(data.shape) < 1:
+            raise SceneError(
+                f"surface.path: found an array of shape {tuple(data.shape)} in {path}, allowed: two"
+                " axes, not empty"
+            )
+        if data.dtype.kind not in "fiu":
+            raise SceneError(
+                f"surface.path: found values of type {one_line(str(data.dtype), 80)} in {path},"
+                " allowed: real numbers"
+            )
     except SceneError:
         raise
     except Exception as error:
         raise SceneError(
             f"surface.path: {path} cannot be read as {kind}: {one_line(str(error))}"
         ) from None
+    return data, said
 
 
-def _npy(path: Path, spec: Any) -> tuple[np.ndarray, Metadata]:
+def _npy(path: Path, spec: Any) -> Map:
     return np.lib.format.open_memmap(path, mode="r"), Metadata()  # never unpickles, unlike load
 
 
-def _npz(path: Path, spec: Any) -> tuple[Stored, Metadata]:
+def _npz(path: Path, spec: Any) -> Map:
     with np.load(path, allow_pickle=False) as file:
         there = {*file.zip.namelist()}
         heads = {name: _npz_head(file.zip, name) for name in file.files if f"{name}.npy" in there}
         name = _one_of([name for name, (shape, _) in heads.items() if len(shape) == 2], spec)
         sizes = {key: prod(shape) * dtype.itemsize for key, (shape, dtype) in heads.items()}
-        small = (key for key in NAMES if sizes.get(key, SMALL) < SMALL)
-        said = by_attributes({key: file[key] for key in small})
+        said = by_attributes({key: file[key] for key in NAMES if sizes.get(key, SMALL) < SMALL})
         if file.zip.getinfo(f"{name}.npy").file_size < sizes[name]:
             raise ValueError(f"{name} is shorter than it says")
 
@@ -123,24 +97,18 @@ def _npz_head(archive: ZipFile, name: str) -> tuple[tuple[int, ...], np.dtype]:
     return shape, dtype
 
 
-def _hdf5(path: Path, spec: Any) -> tuple[Stored, Metadata]:
+def _hdf5(path: Path, spec: Any) -> Map:
     import h5py
 
     with h5py.File(path, "r", locking=False) as file:
-        names: list[str] = []
-        file.visititems(
-            lambda name, item: names.append(name) if isinstance(item, h5py.Dataset) else None
-        )
-        maps = [name for name in names if len(file[name].shape or ()) == 2]
-        name = spec.dataset if spec.dataset in file else _one_of(maps, spec)
-        data = inside(file, name)  # before anything follows a link to another file
-        if not isinstance(data, h5py.Dataset):  # a group
-            name = _one_of(maps, spec)
-            data = inside(file, name)
-        if data.ndim != 2:
-            return Stored(data.shape, data.dtype, lambda part: data), Metadata()
+        data = inside(file, spec.dataset) if spec.dataset in file else None
+        if not isinstance(data, h5py.Dataset):  # nothing, or a group
+            names: list[str] = []
+            file.visit(names.append)
+            maps = [name for name in names if len(getattr(file[name], "shape", None) or ()) == 2]
+            data = inside(file, _one_of(maps, spec))
         axes = [
-            (axis[0].name.rpartition("/")[2], dict(axis[0].attrs), ends(axis[0]), len(axis[0]))
+            (axis[0].name.rpartition("/")[2], dict(axis[0].attrs), axis[0])
             for axis in data.dims
             if len(axis)
         ]
@@ -149,14 +117,14 @@ def _hdf5(path: Path, spec: Any) -> tuple[Stored, Metadata]:
             by_axes(attributes, axes) if len(axes) == 2 else by_attributes(attributes, file.attrs)
         )
         # Chunks that the next rows need as well are kept: unpacking a large one takes long.
-        band = (data.chunks or (0,))[0] * data.shape[1] * data.dtype.itemsize
-        shape, dtype = data.shape, data.dtype
+        band = data.chunks[0] * prod(data.shape[1:]) * data.dtype.itemsize if data.chunks else 0
+        name = data.name
     unpacked, kept = unpacker(attributes), max(2 * band, 2**20)
     data = h5py.File(path, "r", locking=False, rdcc_nbytes=kept, rdcc_nslots=10007)[name]
-    return Stored(shape, dtype, lambda part: unpacked(data[part])), said
+    return Stored(data.shape, data.dtype, lambda part: unpacked(data[part])), said
 
 
-def _netcdf(path: Path, spec: Any) -> tuple[Stored, Metadata]:
+def _netcdf(path: Path, spec: Any) -> Map:
     import h5py
     from scipy.io import netcdf_file
 
@@ -167,7 +135,7 @@ def _netcdf(path: Path, spec: Any) -> tuple[Stored, Metadata]:
     variable = file.variables[name]
     shape, dtype, unpacked = variable.data.shape, variable.data.dtype, unpacker(vars(variable))
     axes = [
-        (axis, vars(x) if x else {}, ends(x.data) if x and x.shape == (n,) else None, n)
+        (axis, vars(x) if x else {}, x.data if x and x.shape == (n,) else None)
         for axis, n in zip(variable.dimensions, shape)
         for x in [file.variables.get(axis)]
     ]
@@ -177,7 +145,7 @@ def _netcdf(path: Path, spec: Any) -> tuple[Stored, Metadata]:
 
     def read(part: Any) -> np.ndarray:
         # asked anew for each piece: the file may be closed only when nothing refers to its memory
-        z = unpacked(np.array(file.variables[name].data[part]))
+        z = unpacked(file.variables[name].data[part])
         return np.where(file.variables[MASK].data[part], np.nan, z) if masked else z
 
     return Stored(shape, dtype, read), said
@@ -197,8 +165,7 @@ def _one_of(names: list[str], spec: Any) -> str:
     return name
 
 
-Opener = Callable[[Path, Any], tuple[Stored | np.ndarray, Metadata]]
-OPENERS: dict[str, tuple[Opener, str]] = {  # and the extensions of each
+OPENERS: dict[str, tuple[Callable[[Path, Any], Map], str]] = {  # and the extensions of each
     "npy": (_npy, ".npy"),
     "npz": (_npz, ".npz"),
     "hdf5": (_hdf5, ".h5 .hdf5"),

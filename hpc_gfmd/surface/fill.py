@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from ..parallel.guard import on_rank_0
+from ..parallel.guard import collective_errors, on_rank_0
 from ..util.errors import SceneError
-from .slabs import local, own_slabs, with_neighbours
+from .slabs import own_slabs, with_neighbours
 from .topography import Topography
 
-NEIGHBOURS = ((-1, 0), (1, 0), (0, -1), (0, 1))
+NEIGHBOURS = np.array([(-1, 0), (1, 0), (0, -1), (0, 1)])
 
 
 def filled(found: Topography, how: str, comm: Any) -> Topography:
@@ -18,7 +18,9 @@ def filled(found: Topography, how: str, comm: Any) -> Topography:
 
     Raises SceneError where holes are not to be filled.
     """
-    parts = comm.gather(local(comm, lambda: _holes(found, comm)))
+    with collective_errors(comm, "reading the surface"):
+        own = _holes(found, comm)
+    parts = comm.gather(own)
     points, heights = on_rank_0(comm, "filling the surface", lambda: _heights(found, how, parts))
     if not len(points):
         return found
@@ -36,11 +38,11 @@ def filled(found: Topography, how: str, comm: Any) -> Topography:
 
 def _holes(found: Topography, comm: Any) -> tuple[np.ndarray, np.ndarray]:
     """Number this rank's points without a height, and return what is on the four sides of each: a
-    height, nan where there is none, inf beyond the map."""
+    height, nan where there is none. Beyond the edge of the map is the point itself."""
     parts = [(np.zeros(0, np.int64), np.zeros((0, len(NEIGHBOURS))))]
-    for start, stop in own_slabs(found.n[0], comm):
+    for start, stop in own_slabs(found, comm):
         if np.isnan(found.rows(start, stop)).any():
-            around = with_neighbours(found, start, stop, constant_values=np.inf)
+            around = with_neighbours(found, start, stop, "edge")
             i, j = np.nonzero(np.isnan(around[1:-1, 1:-1]))
             beside = np.array([around[i + 1 + di, j + 1 + dj] for di, dj in NEIGHBOURS])
             parts.append(((start + i) * found.n[1] + j, beside.T))
@@ -61,16 +63,13 @@ def _heights(found: Topography, how: str, parts: list) -> tuple[np.ndarray, np.n
             f"surface.path: found nan at ({i}, {j}) in {found.path}, {len(points)} points without a"
             ' height, allowed: finite heights, or fill = "harmonic" where some are known'
         )
-    from scipy.sparse import coo_array, diags_array  # 50 MB that a run without holes does without
+    from scipy.sparse import coo_array, eye_array  # 50 MB that a run without holes does without
     from scipy.sparse.linalg import spsolve
 
-    # of each point: neighbours*z - (sum of z of the neighbours that are missing, too) = known
-    neighbours = (beside != np.inf).sum(axis=1).astype(float)
-    known = np.where(np.isfinite(beside), beside, 0).sum(axis=1)
+    # of each point: 4 z - (sum of z of the neighbours that are missing, too) = sum of the others
     row, side = np.nonzero(np.isnan(beside))
-    steps = np.array([di * n_y + dj for di, dj in NEIGHBOURS])
-    column = np.searchsorted(points, points[row] + steps[side])
-    matrix = diags_array(neighbours) - coo_array(
-        (np.ones(len(row)), (row, column)), shape=(len(points),) * 2
-    )
-    return points, np.atleast_1d(spsolve(matrix.tocsc(), known))
+    missing = np.add(np.unravel_index(points[row], found.n), NEIGHBOURS[side].T)
+    column = np.searchsorted(points, np.ravel_multi_index((*missing,), found.n, mode="clip"))
+    sums = coo_array((np.ones(len(row)), (row, column)), shape=(len(points),) * 2)
+    matrix = len(NEIGHBOURS) * eye_array(len(points)) - sums
+    return points, np.atleast_1d(spsolve(matrix.tocsc(), np.nansum(beside, axis=1)))

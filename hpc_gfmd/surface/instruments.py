@@ -6,18 +6,14 @@ from io import StringIO
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from ..scene.surface import ANY
 from ..util.errors import SceneError
 from ..util.libraries import surface_topography
 from .arrays import of_topography
-from .metadata import Metadata
-
-Read = tuple[np.ndarray, Metadata]
+from .metadata import Map
 
 
-def read(path: str | Path, spec: Any) -> Read:
+def read(path: str | Path, spec: Any) -> Map:
     """Read one channel of a file: (heights (n_x, n_y), masked where they are missing; Metadata);
     spec: scene.File. Raises whatever is wrong with the file."""
     topography, sized = opened(path, spec.dataset)
@@ -25,7 +21,7 @@ def read(path: str | Path, spec: Any) -> Read:
     return heights, said if sized else replace(said, sizes=None)
 
 
-def recognised(path: str | Path, spec: Any) -> Read | None:
+def recognised(path: str | Path, spec: Any) -> Map | None:
     """Read a file as `read` does if it says something of its sizes or units; None for others."""
     with suppress(Exception):
         found = read(path, spec)

@@ -24,6 +24,7 @@ class Metadata:
     transposed: bool = False
 
 
+Map = tuple[Any, Metadata]  # an array, or what is sliced as one, and what is said of it
 NAMES = ("physical_sizes", "unit", "units", "periodic")
 
 
@@ -47,43 +48,38 @@ def by_attributes(*places: Mapping[str, Any]) -> Metadata:
 
 
 def by_axes(heights: Mapping[str, Any], axes: list) -> Metadata:
-    """Read what a NetCDF variable's attributes say, and its axes [(name, attributes, `ends` of its
-    coordinates or None, points), ...].
+    """Read what a NetCDF variable's attributes say, and its axes [(name, attributes, coordinates of
+    its points or None), ...].
 
     Both conventions hold: `length` and `unit` of the axes (SurfaceTopography), coordinates of the
     points and `units` (CF).
     """
     transposed = [name.lower() for name, *_ in axes] == ["y", "x"]
-    axes = axes[::-1] if transposed else axes
-    known = [length for axis in axes if (length := _length(*axis[1:])) is not None]
-    units = [_unit(attributes) for _, attributes, *_ in axes]
+    _, attributes, coordinates = zip(*(axes[::-1] if transposed else axes))
+    known = [found for found in map(_length, attributes, coordinates) if found is not None]
+    units = [*map(_unit, attributes)]
     if units[0] != units[1]:
         raise ValueError(f"its axes are in different units, {units[0]} and {units[1]}")
-    unit = _unit(heights) or (
-        units[0] if all("length" in attributes for _, attributes, *_ in axes) else None
-    )
-    periodic = all(np.all(attributes.get("periodic", False)) for _, attributes, *_ in axes)
+    unit = _unit(heights) or (units[0] if all("length" in axis for axis in attributes) else None)
+    periodic = all(np.all(axis.get("periodic", False)) for axis in attributes)
     return Metadata(
         tuple(known) if len(known) == 2 else None, units[0], unit, periodic or None, transposed
     )
 
 
-def _length(attributes: Mapping[str, Any], x: np.ndarray | None, n: int) -> float | None:
+def _length(attributes: Mapping[str, Any], x: Any) -> float | None:
+    """Return the length of an axis, None where it is not known; of its coordinates x only the first
+    two and the last two are read."""
     if "length" in attributes:
         return float(np.asarray(attributes["length"]).reshape(-1)[0])
-    if x is None or n < 2:
+    if x is None or len(x) < 2:
         return None
-    step = (x[-1] - x[0]) / (n - 1)
-    if not np.all(np.abs(np.diff(x)[[0, -1]] - step) <= UNEVEN * abs(step)) or not step:
+    first, second, other, last = (float(x[k]) for k in (0, 1, -2, -1))
+    step = (last - first) / (len(x) - 1)
+    even = (abs(one - step) <= UNEVEN * abs(step) for one in (second - first, last - other))
+    if not (step and all(even)):
         raise ValueError("its points are not those of a regular grid")
-    return float(abs(step) * n)
-
-
-def ends(coordinates: Any) -> np.ndarray:
-    """Return the first two and the last two of any number of coordinates, at least two."""
-    return np.concatenate(
-        [np.asarray(coordinates[k], dtype=float) for k in (slice(2), slice(-2, None))]
-    )
+    return abs(step) * len(x)
 
 
 def _unit(attributes: Mapping[str, Any]) -> str | None:

@@ -18,8 +18,7 @@ def unpacker(attributes: Mapping[str, Any]) -> Callable[[np.ndarray], np.ndarray
 
     def unpacked(z: np.ndarray) -> np.ndarray:
         heights = z.astype(np.float64)
-        if "scale_factor" in said:
-            heights *= said["scale_factor"]
+        heights *= said.get("scale_factor", 1)
         if "add_offset" in said:
             heights += said["add_offset"]
         heights[np.isin(z, missing)] = np.nan

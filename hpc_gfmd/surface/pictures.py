@@ -8,12 +8,12 @@ import numpy as np
 
 from ..util.quantities import Quantity, factor
 from . import instruments
-from .metadata import Metadata
+from .metadata import Map, Metadata
 
 GREY = ("L", "I", "I;16", "I;16B")  # modes of Pillow that have one number a point
 
 
-def read(path: str | Path, spec: Any) -> tuple[np.ndarray, Metadata]:
+def read(path: str | Path, spec: Any) -> Map:
     """Read a picture: (heights (n_x, n_y), Metadata), x to the right, y down; spec: scene.File.
     What an instrument wrote as a TIFF is read as such. Raises ValueError for colours, and for whole
     numbers without a range."""

@@ -12,13 +12,13 @@ from typing import Any
 
 import numpy as np
 
+from ..parallel.guard import collective_errors
 from ..util.errors import SceneError
 from ..util.quantities import format_quantity
-from .analytic import on_form
 from .fill import filled
 from .quality import notes_on
 from .resample import resampled
-from .slabs import local, own_slabs
+from .slabs import own_slabs
 from .topography import Topography
 
 POWERS = {
@@ -32,16 +32,14 @@ def prepared_size(found: Topography, spec: Any) -> tuple[tuple[int, int], tuple[
     """Return (n_x, n_y) and (L_x, L_y) of what `prepare` makes of a Topography, without reading it.
     Raises SceneError."""
     found = _cropped(found, spec) if spec.crop else found
-    times = 2 if spec.mirror else 1
-    n = tuple(k * times * spec.refine for k in found.n)
-    if any(k % spec.downsample for k in n):
+    found = _mirrored(found) if spec.mirror else found
+    n_x, n_y = (k * spec.refine for k in found.n)
+    if n_x % spec.downsample or n_y % spec.downsample:
         raise SceneError(
-            f"surface.downsample: found {spec.downsample}, allowed: a divisor of {n[0]} and of"
-            f" {n[1]} points"
+            f"surface.downsample: found {spec.downsample}, allowed: a divisor of {n_x} and of"
+            f" {n_y} points"
         )
-    return (n[0] // spec.downsample, n[1] // spec.downsample), tuple(
-        times * size for size in found.sizes
-    )
+    return (n_x // spec.downsample, n_y // spec.downsample), found.sizes
 
 
 def prepare(found: Topography, spec: Any, comm: Any) -> Topography:
@@ -81,8 +79,7 @@ def prepare(found: Topography, spec: Any, comm: Any) -> Topography:
     if spec.radius:
         R_x, R_y = (found.length("radius", R) for R in spec.radii)
         given = ", ".join(dict.fromkeys(map(format_quantity, spec.radii)))
-        rows = on_form(found.rows, (R_x, R_y), found.n, found.sizes)
-        found = found.after(f"on a form of radius {given}", rows=rows)
+        found = found.on_form((R_x, R_y)).after(f"on a form of radius {given}")
     return found
 
 
@@ -121,16 +118,14 @@ def _detrended(found: Topography, what: str, comm: Any) -> Topography:
     def terms(start: int, stop: int) -> list[np.ndarray]:
         return [x[start:stop, None] ** i * y[None] ** j for i, j in powers]
 
-    def sums() -> np.ndarray:
-        total = np.zeros((len(powers), len(powers) + 1))
-        for start, stop in own_slabs(found.n[0], comm):
+    total = np.zeros((len(powers), len(powers) + 1))
+    with collective_errors(comm, "reading the surface"):
+        for start, stop in own_slabs(found, comm):
             z = found.rows(start, stop)
             there = np.isfinite(z)
-            values = [term[there] for term in np.broadcast_arrays(*terms(start, stop), z)]
+            values = [term[there] for term in (*terms(start, stop), z)]
             total += [[a @ b for b in values] for a in values[:-1]]
-        return total
-
-    total = comm.sum(local(comm, sums))
+    total = comm.sum(total)
     factors = np.linalg.lstsq(total[:, :-1], total[:, -1])[0]
 
     def rows(start: int, stop: int) -> np.ndarray:
@@ -147,16 +142,14 @@ def _mirrored(found: Topography) -> Topography:
     n = found.n[0]
 
     def rows(start: int, stop: int) -> np.ndarray:
-        pieces = [found.rows(start, min(stop, n))] if start < n else []
-        if stop > n:
-            pieces.append(found.rows(2 * n - stop, 2 * n - max(start, n))[::-1])
-        z = np.concatenate(pieces)
-        return np.concatenate([z, z[:, ::-1]], axis=1)
+        straight = found.rows(min(start, n), min(stop, n))
+        turned = found.rows(2 * n - max(stop, n), 2 * n - max(start, n))[::-1]
+        return np.pad(np.concatenate([straight, turned]), ((0, 0), (0, found.n[1])), "symmetric")
 
     return found.after(
         "mirrored",
-        n=(2 * found.n[0], 2 * found.n[1]),
-        sizes=(2 * found.sizes[0], 2 * found.sizes[1]),
+        n=tuple(2 * k for k in found.n),
+        sizes=tuple(2 * size for size in found.sizes),
         rows=rows,
         periodic=True,
     )

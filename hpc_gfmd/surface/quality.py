@@ -40,8 +40,9 @@ class Doubt:
 DOUBT = Doubt()
 
 
+@dataclass(frozen=True)
 class MapQuality:
-    """What some rows of a Topography show, of which rank 0 reads at most DOUBT.rows. Collective.
+    """What some rows of a Topography show.
 
     jumps: for each axis the jump from the last point to the first one over that between neighbours,
     medians, which a few outliers do not change; typical: how much neighbours differ; tilt: share of
@@ -49,25 +50,10 @@ class MapQuality:
     unresolved: see Doubt, the larger one of both axes.
     """
 
-    def __init__(self, found: Topography, comm: Any) -> None:
-        x, moments, medians, ends = on_rank_0(
-            comm, "reading the surface", lambda: _looked_at(found)
-        )
-        y = _centred(found.n[1])
-        mean, square, along_y = moments.mean(axis=0)
-        along_x = (x - x.mean()) @ moments[:, 0] / len(x)
-        variance = square - mean**2
-        one, two, slope = medians[:6].reshape(2, 3).T  # along x, y
-        taken = sum(  # by a plane of these slopes
-            m * (2 * part - m * k.var()) for m, part, k in zip(slope, (along_x, along_y), (x, y))
-        )
-        self.tilt = max(float(taken / variance), 0.0) if variance > 0 else 0.0
-        self.typical = one.max()
-        edge = np.nan_to_num([ends, medians[6]])
-        least = DOUBT.rounding * np.sqrt(square)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            self.jumps = np.where((edge > least) & (one > 0), edge / one, 0.0)
-            self.unresolved = np.where(two > 0, (2 * one / two) ** 2, 0.0).max()
+    jumps: np.ndarray
+    typical: float
+    tilt: float
+    unresolved: float
 
     def notes(self, meet: Sequence[bool]) -> list[str]:
         """Return one line for each doubt; meet: whether the opposite edges as they are will be
@@ -91,12 +77,17 @@ class MapQuality:
         return found
 
 
+def quality_of(found: Topography, comm: Any) -> MapQuality:
+    """Look at a Topography, of which rank 0 reads DOUBT.rows rows at most. Collective."""
+    return on_rank_0(comm, "reading the surface", lambda: _looked_at(found))
+
+
 def notes_on(found: Topography, spec: Any, comm: Any) -> tuple[str, ...]:
     """Return the notes on a Topography. Collective.
 
     Raises SceneError where nobody says what its boundary is and it does not look periodic.
     """
-    quality = MapQuality(found, comm)
+    quality = quality_of(found, comm)
     made_periodic = spec.mirror or spec.window != "none"  # whatever its edges are
     for axis, jump in zip("xy", quality.jumps):
         said = made_periodic or spec.boundary is not None or found.periodic
@@ -132,8 +123,8 @@ def outliers(found: Topography, typical: float) -> int:
     if min(found.n) < 3:
         return 0
     beside, total = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]]), 0
-    for start, stop in own_slabs(found.n[0], SerialComm()):
-        z = with_neighbours(found, start, stop, mode="reflect")
+    for start, stop in own_slabs(found, SerialComm()):
+        z = with_neighbours(found, start, stop, "reflect")
         out = np.abs(z - median_filter(z, footprint=beside)) > DOUBT.outlying * typical
         total += int(np.count_nonzero(out[1:-1, 1:-1]))
     return total
@@ -148,35 +139,41 @@ def load_notes(p_mean: float, E_star: float, g_rms: float, unit: str) -> list[st
     return found
 
 
-def _looked_at(found: Topography) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
-    """Look at some rows.
-
-    Returns their places; for each the means of z, z^2 and y z; medians over rows of how much
-    neighbours and every second point differ, and of the slope, along x, and then along y, and of
-    the jump from a row's end to its beginning; and this jump from the last row to the first.
-    """
+def _looked_at(found: Topography) -> MapQuality:
     n_x, n_y = found.n
-    lags = [min(DOUBT.lag, max(n // 8, 1)) for n in found.n]
 
     def row(i: int) -> np.ndarray:
         return found.rows(min(i, n_x), min(i + 1, n_x))  # none beyond the map
 
-    places, y = range(0, n_x, -(-n_x // DOUBT.rows)), _centred(n_y)
-    moments, rows = [], []
-    for i in places:
+    def differences(z: np.ndarray, i: int, axis: int) -> tuple[float, float, float]:
+        """Return how much neighbours and every second point differ in row i, and the slope."""
+        lag = min(DOUBT.lag, max(found.n[axis] // 8, 1))
+        one, two, far = (z[:, k:] - z[:, :-k] if axis else row(i + k) - z for k in (1, 2, lag))
+        return _typical(one), _typical(two), _median(far) / lag
+
+    x, y = np.arange(0, n_x, -(-n_x // DOUBT.rows)), np.arange(n_y) - (n_y - 1) / 2
+    moments, of_axes, ends = [], [], []
+    for i in x.tolist():
         z = row(i)
         moments.append([z.mean(), np.mean(z**2), np.mean(y * z)])
-        numbers = []
-        for axis, lag in enumerate(lags):
-            one, two, far = (z[:, k:] - z[:, :-k] if axis else row(i + k) - z for k in (1, 2, lag))
-            numbers += [_typical(one), _typical(two), _median(far) / lag]
-        rows.append([*numbers, abs(z[0, 0] - z[0, -1]) or np.nan])
-    medians = np.nan_to_num([*map(_median, np.transpose(rows))])
-    return np.array(places), np.array(moments), medians, _typical(row(0) - row(n_x - 1))
-
-
-def _centred(n: int) -> np.ndarray:
-    return np.arange(n) - (n - 1) / 2
+        of_axes.append([differences(z, i, axis) for axis in (0, 1)])
+        ends.append(z[0, 0] - z[0, -1])
+    one, two, slope = (np.nan_to_num([*map(_median, kind)]) for kind in np.transpose(of_axes))
+    mean, square, along_y = np.mean(moments, axis=0)
+    along_x = (x - x.mean()) @ np.array(moments)[:, 0] / len(x)
+    variance = square - mean**2
+    taken = sum(  # by a plane of these slopes
+        m * (2 * part - m * k.var()) for m, part, k in zip(slope, (along_x, along_y), (x, y))
+    )
+    edge = np.nan_to_num([_typical(row(0) - row(n_x - 1)), _typical(np.array(ends))])
+    least = DOUBT.rounding * np.sqrt(square)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return MapQuality(
+            jumps=np.where((edge > least) & (one > 0), edge / one, 0.0),
+            typical=one.max(),
+            tilt=max(float(taken / variance), 0.0) if variance > 0 else 0.0,
+            unresolved=np.where(two > 0, (2 * one / two) ** 2, 0.0).max(),
+        )
 
 
 def _typical(differences: np.ndarray) -> float:

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from ..parallel.guard import collective_errors
 from ..parallel.layout import row_starts
-from .slabs import local, own_slabs
 from .topography import Topography
 
 
@@ -15,20 +15,11 @@ def resampled(
 ) -> Topography:
     """Return a Topography of n points, of which only this rank's rows can be read. free: whether it
     ends along x, along y. Collective."""
-
-    def along_y() -> np.ndarray:
-        slabs = own_slabs(found.n[0], comm)
-        rows = (_series(found.rows(*slab), n[1], 1, free[1]) for slab in slabs)
-        return np.concatenate([np.zeros((0, n[1])), *rows])
-
-    z, me = local(comm, along_y), comm.rank
     before, rows, columns = (row_starts(k, comm.size) for k in (found.n[0], *n))
-    parts = [z[:, a:b] for a, b in zip(columns, columns[1:])]
-    shapes = [(k, parts[me].shape[1]) for k in np.diff(before)]
-    z = _series(np.concatenate(_exchanged(parts, shapes, comm)), n[0], 0, free[0])
-    parts = [z[a:b] for a, b in zip(rows, rows[1:])]
-    shapes = [(len(parts[me]), k) for k in np.diff(columns)]
-    z, first = np.concatenate(_exchanged(parts, shapes, comm), axis=1), rows[me]
+    with collective_errors(comm, "reading the surface"):
+        z = _series(found.rows(*before[comm.rank :][:2]), n[1], 1, free[1])
+    z = _series(_columns(z, before, columns, comm), n[0], 0, free[0])
+    z, first = _columns(z.T, columns, rows, comm).T, rows[comm.rank]
     return found.after(
         f"resampled to {n[0]} x {n[1]} points",
         n=n,
@@ -36,14 +27,15 @@ def resampled(
     )
 
 
-def _exchanged(parts: list, shapes: list, comm: Any) -> list[np.ndarray]:
-    """Give each rank its part; returns what all ranks have for this one, of these shapes.
-    Collective."""
-    found, others = [np.empty(shape) for shape in shapes], {*range(comm.size)} - {comm.rank}
-    found[comm.rank] = parts[comm.rank]
-    send = {rank: np.ascontiguousarray(parts[rank]) for rank in others}
-    comm.exchange(send, {rank: found[rank] for rank in others})
-    return found
+def _columns(z: np.ndarray, rows: np.ndarray, columns: np.ndarray, comm: Any) -> np.ndarray:
+    """Turn this rank's rows z of a field into its columns, all rows of them; rows, columns: where
+    those of each rank begin, and how many there are. Collective."""
+    whole = np.empty((rows[-1], np.diff(columns)[comm.rank]))
+    receive = dict(enumerate(np.split(whole, rows[1:-1])))
+    send = dict(enumerate(map(np.ascontiguousarray, np.split(z, columns[1:-1], axis=1))))
+    receive.pop(comm.rank)[...] = send.pop(comm.rank)
+    comm.exchange(send, receive)
+    return whole
 
 
 def _series(z: np.ndarray, n: int, axis: int, ends: bool) -> np.ndarray:

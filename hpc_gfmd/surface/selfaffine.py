@@ -54,7 +54,7 @@ def self_affine_gap(
         return add
 
     check(grid.comm)
-    h_rms, g_rms = rms_of_columns(grid, fft, adder(fft, 0.0, 1.0), backward=True)
+    h_rms, g_rms = rms_of_columns(grid, fft, adder(fft, 0.0, 1.0))
     check(grid.comm)
     tops = fft.backward_rows(lambda i0, i1, x: x[: i1 - i0].max())
     top = fft.dtype.type(grid.comm.max([max(tops, default=-np.inf)])[0])

@@ -39,9 +39,10 @@ def rms_between_neighbours(grid: Grid, fill: Any, free: tuple[bool, bool]) -> tu
     )
 
 
-def rms_of_columns(grid: Grid, fft: Any, make: Any, backward: bool = False) -> tuple[float, float]:
-    """Return (h_rms, g_rms) as `rms` does, of spectra made by make(block, m) (None: of the rows
-    transformed before), with h_q in the normalisation of the grid."""
+def rms_of_columns(grid: Grid, fft: Any, make: Any) -> tuple[float, float]:
+    """Return (h_rms, g_rms) as `rms` does, of spectra made by make(block, m), which are then
+    transformed backward (None: of the rows transformed before), with h_q in the normalisation of
+    the grid."""
     q_x = grid.q_x.astype(fft.dtype)
     q_y, weight = grid.column_tables(fft)
 
@@ -50,7 +51,7 @@ def rms_of_columns(grid: Grid, fft: Any, make: Any, backward: bool = False) -> t
             make(block, m)
         return spectrum_sums(block, q_x, q_y[m], weight[m])
 
-    sums = fft.columns(apply, forward=make is None, backward=backward)
+    sums = fft.columns(apply, forward=make is None, backward=make is not None)
     s0, s2 = grid.comm.sum(added(sums, 2))
     norm = fft.scale if make is None else 1.0
     return float(np.sqrt(s0) * norm), float(np.sqrt(s2) * norm)

@@ -11,7 +11,7 @@ from ..util.quantities import factor, prefixed
 from . import instruments
 from .arrays import unreliable
 from .prepare import prepare
-from .quality import DOUBT, MapQuality, outliers
+from .quality import DOUBT, MapQuality, outliers, quality_of
 from .topography import Topography, open_topography
 
 NEEDED = "TO BE GIVEN, the file does not say it"
@@ -82,7 +82,7 @@ def _by_heights(
     def looked_at(**more: object) -> tuple[Topography, MapQuality]:
         spec = make(values | plain | more)
         heights = prepare(open_topography(spec), spec, SerialComm())
-        return heights, MapQuality(heights, SerialComm())
+        return heights, quality_of(heights, SerialComm())
 
     heights, quality = looked_at(fill="harmonic")
     found.about.append(f"{heights.filled or 'no'} points without a height")

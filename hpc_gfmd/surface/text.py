@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from . import instruments
-from .metadata import UNEVEN, Metadata
+from .metadata import UNEVEN, Map, Metadata
 
 LOOKED_AT = 200  # lines
 MARKS = (None, "\t", ";", ",")  # between numbers; None: white space
@@ -30,18 +30,19 @@ MISSING = (
 @dataclass(frozen=True)
 class Layout:
     """Of a text: lines before the numbers, what is between them, their decimal mark, how many there
-    are in a line; units of x, y, z that the last line before them names in brackets; whether each
-    line ends with what is between numbers."""
+    are in a line, and in a line before them at most; units of x, y, z that the last line before
+    them names in brackets; whether each line ends with what is between numbers."""
 
     skip: int
     mark: str | None
     decimal: str
     columns: int
-    units: tuple[str, ...] = ()
-    ended: bool = False
+    before: int
+    units: tuple[str, ...]
+    ended: bool
 
 
-def read(path: str | Path, spec: Any) -> tuple[np.ndarray, Metadata]:
+def read(path: str | Path, spec: Any) -> Map:
     """Read a text: (heights (n_x, n_y), nan where they are missing; Metadata); spec: scene.File.
 
     A bare matrix is the array that numpy.savetxt wrote: the first index, the line, is x. With a
@@ -71,15 +72,11 @@ def layout_of(lines: list[str], spec: Any) -> Layout | None:
     if best is None and (cut := _best(lines[:-1], spec)) and cut.columns > 2 and not cut.skip:
         raise ValueError(f"line {len(lines)} is not like those before it: is the file complete?")
     if best and spec.skip_lines is None:
-        of_lines = (
-            _columns(line, best.mark, best.decimal, spec.missing) for line in lines[: best.skip]
-        )
-        most = max(of_lines, default=0)
-        if most > best.columns:
+        if best.before > best.columns:
             raise ValueError(
                 f"line {best.skip + 1} is shorter than those before it: is the file complete?"
             )
-        if most == best.columns:
+        if best.before == best.columns:
             raise ValueError(
                 f"line {best.skip} is not like those before and after it; surface.missing names"
                 " what stands for missing points, surface.skip_lines how long the header is"
@@ -108,7 +105,8 @@ def _layout(lines: list[str], spec: Any, mark: str | None, decimal: str) -> Layo
     first = first if spec.skip_lines is None else spec.skip_lines
     units = re.findall(r"[\[(]\s*([^\W\d_]+)\s*[\])]", "".join(lines[:first][-1:]))
     ended = all(lines[k].rstrip("\r\n ").endswith(mark or "\n") for k in filled if k >= first)
-    return Layout(first, mark, decimal, columns, tuple(units), ended)
+    before = max(counts[:first], default=0)
+    return Layout(first, mark, decimal, columns, before, tuple(units), ended)
 
 
 def _columns(line: str, mark: str | None, decimal: str, missing: tuple[str, ...]) -> int:
@@ -141,7 +139,7 @@ def _table(path: str | Path, layout: Layout, spec: Any) -> Any:
     return table.iloc[:, :-1] if empty_column else table
 
 
-def _on_grid(points: Any, units: tuple[str, ...]) -> tuple[np.ndarray, Metadata]:
+def _on_grid(points: Any, units: tuple[str, ...]) -> Map:
     """Put columns x, y, z on a grid: (heights, Metadata); points of the grid that are not among
     them have no height. Raises ValueError if they are on none."""
     if points.duplicated([0, 1]).any():

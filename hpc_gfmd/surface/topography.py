@@ -2,15 +2,17 @@
 otherwise."""
 
 from dataclasses import dataclass, field, replace
+from math import inf
+from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
 
 from ..scene import has_unit
-from ..util.errors import SceneError
+from ..util.errors import SceneError, one_line
 from ..util.quantities import Quantity, factor
 from .analytic import Rows
-from .files import HeightMap, open_map
+from .files import open_map
 from .heights import checked
 from .metadata import Metadata
 
@@ -49,6 +51,22 @@ class Topography:
         heights."""
         return replace(self, done=(*self.done, done), **changed)
 
+    def on_form(self, radii: tuple[float, float]) -> Self:
+        """Put the heights on the form z = -x^2/(2 R_x) - y^2/(2 R_y) about the centre of the cell;
+        where both radii are inf they stay as they are."""
+        R = min(radii)
+        if R == inf:
+            return self
+        x, y = (
+            ((np.arange(k) - k // 2) * (size / k)) ** 2 * (R / radius)
+            for k, size, radius in zip(self.n, self.sizes, radii)
+        )
+
+        def rows(start: int, stop: int) -> np.ndarray:
+            return self.rows(start, stop) - (x[start:stop, None] + y) / (2 * R)
+
+        return replace(self, rows=rows)
+
     def length(self, key: str, given: float) -> float:
         """Return a length of the scene in the unit of `sizes`. Raises SceneError where it has a
         unit and the map none."""
@@ -64,22 +82,23 @@ def open_topography(spec: Any) -> Topography:
     """Open the Topography of a scene's height map, or of the sum of two, of which no height is read
     yet. Raises SceneError."""
     paths = [spec.path] if isinstance(spec.path, str) else spec.path
-    files = [open_map(spec.model_copy(update={"path": path})) for path in paths]
-    first, *others = (topography_of(file, spec) for file in files)
+    specs = [spec.model_copy(update={"path": path}) for path in paths]
+    first, *others = (topography_of(*open_map(one), one) for one in specs)
     return _sum(first, *others) if others else first
 
 
 def _sum(one: Topography, two: Topography) -> Topography:
-    for what, *found, same in (
-        ("points", one.n, two.n, one.n == two.n),
-        ("lengths", one.sizes, two.sizes, np.allclose(one.sizes, two.sizes, ALIKE, 0)),
-        ("the unit", [one.unit or "none"], [two.unit or "none"], one.unit == two.unit),
+    for what, shown, same in (
+        ("points", "{0.n[0]} x {0.n[1]}", one.n == two.n),
+        (
+            "lengths",
+            "{0.sizes[0]:.6g} x {0.sizes[1]:.6g}",
+            np.allclose(one.sizes, two.sizes, ALIKE, 0),
+        ),
+        ("the unit", "{0.unit}", one.unit == two.unit),
     ):
         if not same:
-            here, there = (
-                " x ".join(f"{of:.6g}" if isinstance(of, float) else str(of) for of in shown)
-                for shown in found
-            )
+            here, there = (shown.format(found) or "none" for found in (one, two))
             raise SceneError(
                 f"surface.path: found {what} {here} in {one.path} and {there} in {two.path},"
                 " allowed: two maps of the same points, lengths and unit"
@@ -93,12 +112,13 @@ def _sum(one: Topography, two: Topography) -> Topography:
     )
 
 
-def topography_of(found: HeightMap, spec: Any) -> Topography:
-    """Make the Topography of a height map, with what a scene.File says of it. Raises SceneError."""
-    said, given = found.metadata, spec.physical_sizes
+def topography_of(data: Any, said: Metadata, spec: Any) -> Topography:
+    """Make the Topography of a height map, with what a scene.File says of it; data: an array or
+    files.Stored, of which masked points have no height. Raises SceneError."""
+    path, given = Path(spec.path), spec.physical_sizes
     unit = spec.unit or said.unit
     sizes_unit = said.sizes_unit or unit if given is None else unit
-    nothing, lacks = f"neither in the scene nor in {found.path}, allowed", {}
+    nothing, lacks = f"neither in the scene nor in {path}, allowed", {}
     if given is None and said.sizes is None:
         lacks["physical_sizes"] = (
             f"surface.physical_sizes: not given, {nothing}: two positive numbers [L_x, L_y],"
@@ -106,35 +126,40 @@ def topography_of(found: HeightMap, spec: Any) -> Topography:
         )
     if unit is None and (given is None or has_unit(given)):
         lacks["unit"] = f"surface.unit: not given for the heights, {nothing}: {UNITS}"
-    height, length, own = (
-        _factor(name, found.path) for name in (unit, sizes_unit, said.unit or unit)
-    )
+    height, length, own = (_factor(name, path) for name in (unit, sizes_unit, said.unit or unit))
     if height != own:
         raise SceneError(
-            f"surface.unit: found {spec.unit!r}, but {found.path} has its heights in"
+            f"surface.unit: found {spec.unit!r}, but {path} has its heights in"
             f" {said.unit!r}, allowed: no surface.unit, or the file's own"
         )
     sizes = [
-        float(size) if isinstance(size, Quantity) else float(size * length)
+        float(size if isinstance(size, Quantity) else size * length)
         for size in given or said.sizes or (1.0, 1.0)
     ]
     if not all(0 < size < float("inf") for size in sizes):
         raise SceneError(
-            f"surface.physical_sizes: found {sizes} in {found.path}, allowed: two positive numbers"
+            f"surface.physical_sizes: found {sizes} in {path}, allowed: two positive numbers"
             " [L_x, L_y]"
         )
 
     def rows(start: int, stop: int) -> np.ndarray:
-        where = "surface.path", f" in {found.path}"
-        return height * checked(found.rows(start, stop), start, *where, missing=True)
+        try:
+            with np.errstate(over="ignore"):  # of long double; infinity is seen below
+                z = data[:, start:stop].T if said.transposed else data[start:stop, :]
+                z = np.asarray(np.ma.filled(np.ma.asarray(z, dtype=np.float64), np.nan))
+        except Exception as error:
+            raise SceneError(
+                f"surface.path: reading {path} failed: {one_line(str(error))}"
+            ) from None
+        return height * checked(z, start, "surface.path", f" in {path}", missing=True)
 
     return Topography(
-        (found.shape[0], found.shape[1]),
-        (sizes[0], sizes[1]),
+        data.shape[::-1] if said.transposed else data.shape,
+        tuple(sizes),
         rows,
         "" if unit is None else "m",
         said.periodic,
-        found.path,
+        path,
         plain=length,
         plain_unit=sizes_unit or "",
         said=said,

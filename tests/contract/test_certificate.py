@@ -42,7 +42,8 @@ def judged(solver, **how):
     """The certificate of a solver's state, and the pressure of its gap; the solver may go on."""
     p = np.empty_like(solver.p)
     certificate = certify(solver.problem_now, solver.g, p, solver.levels, **how)
-    solver.resume()
+    if solver.progress().estimate is not None:
+        solver.refresh()
     return certificate, p
 
 

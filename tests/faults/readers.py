@@ -11,7 +11,7 @@ from pathlib import Path
 from hpc_gfmd.commands.show import as_dict, as_text
 from hpc_gfmd.output.read import read_checkpoint, read_result
 from hpc_gfmd.scene import File, Scene, load_scene
-from hpc_gfmd.surface.files import open_map
+from hpc_gfmd.surface.topography import open_topography
 from hpc_gfmd.theory import tfc
 from hpc_gfmd.util.errors import GfmdError
 
@@ -33,10 +33,10 @@ def read_scene(path):
 def read_heights(path):
     """A height map, all rows of it."""
     spec = File(kind="file", path=str(path))
-    n = open_map(spec).shape
+    n = open_topography(spec).n
     rows = max(1, min(64, MOST_POINTS // n[1]))
     for start in range(0, n[0] if n[0] * n[1] <= MOST_POINTS else 0, rows):
-        z = open_map(spec).rows(start, min(start + rows, n[0]))
+        z = open_topography(spec).rows(start, min(start + rows, n[0]))
         assert z.dtype == "f8"
         assert z.shape == (min(rows, n[0] - start), n[1])
 

@@ -11,7 +11,7 @@ from contacts import rough
 from faults.bad_files import HEIGHT_MAPS, RESULTS, Z, archive, cut, h5
 
 from hpc_gfmd.scene import File
-from hpc_gfmd.surface.files import open_map
+from hpc_gfmd.surface.topography import open_topography
 
 
 @pytest.fixture
@@ -66,7 +66,7 @@ def test_a_large_map_in_one_chunk_is_unpacked_once(tmp_path):
             "surface", data=z, chunks=z.shape, compression="gzip", compression_opts=1
         ),
     )
-    found = open_map(File(kind="file", path=str(path)))
+    found = open_topography(File(kind="file", path=str(path)))
     assert np.array_equal(found.rows(0, 64), z[:64])
     with open(path, "r+b") as file:  # what is packed there cannot be unpacked again
         file.seek(4000)
@@ -91,8 +91,8 @@ def test_sound_height_maps_of_every_kind(array, tmp_path):
     np.save("z.npy", array)
     h5(tmp_path / "z.h5", lambda file: file.create_dataset("surface", data=array))
     for path in (tmp_path / "z.npy", tmp_path / "z.h5"):
-        found = open_map(File(kind="file", path=str(path)))
-        assert found.shape == array.shape
+        found = open_topography(File(kind="file", path=str(path)))
+        assert found.n == array.shape
         assert np.array_equal(found.rows(1, 4), np.asarray(array, dtype=float)[1:4])
 
 
@@ -101,7 +101,7 @@ def test_of_an_archive_one_array_is_unpacked(tmp_path):
     archive(tmp_path / "z.npz", unit=(10**9,), other=(10**6, 10**6))
     with zipfile.ZipFile(tmp_path / "z.npz", "a") as file, file.open("z.npy", "w") as array:
         np.save(array, Z)
-    found = open_map(File(kind="file", path=str(tmp_path / "z.npz"), dataset="z"))
+    found = open_topography(File(kind="file", path=str(tmp_path / "z.npz"), dataset="z"))
     assert np.array_equal(found.rows(1, 4), Z[1:4])
 
 
@@ -112,7 +112,7 @@ def test_soft_links_within_the_file_are_followed(tmp_path):
         file["surface"] = h5py.SoftLink("a/link/heights")
 
     h5(tmp_path / "z.h5", fill)
-    assert np.array_equal(open_map(File(kind="file", path="z.h5")).rows(0, 8), Z)
+    assert np.array_equal(open_topography(File(kind="file", path="z.h5")).rows(0, 8), Z)
 
 
 def test_packed_netcdf_is_unpacked_and_missing_points_are_not_numbers():
@@ -130,7 +130,7 @@ def test_packed_netcdf_is_unpacked_and_missing_points_are_not_numbers():
             z[:] = Z
             for name, value in attributes.items():
                 setattr(z, name, value)
-        return open_map(File(kind="file", path=str(path)))
+        return open_topography(File(kind="file", path=str(path)))
 
     found = write("z.nc", scale_factor=0.25, add_offset=-3.0, _FillValue=np.int16(99))
     assert np.array_equal(found.rows(2, 5), 0.25 * Z[2:5] - 3)

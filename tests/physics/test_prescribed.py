@@ -106,24 +106,6 @@ def test_what_it_costs(quantity, boundary):
     assert sum(found[1:]) <= 1.5 * sum(pairs for pairs, _ in plain[1:])
 
 
-def test_a_corrected_load_keeps_the_last_step():
-    """What the solver knows of its last step holds at the corrected load."""
-    sweep = sweep_of(rough((2, 16, 4)), accuracy=1e-9, precision="double")
-    sweep.solve(0.05, watch=lambda iterations, progress: iterations == 3)
-    solver = sweep.solver
-    solver.start(solver.g.copy())
-    for _ in range(3):
-        solver.step()
-    p, dKd = solver.p.copy(), solver.dKd
-    solver.correct_load(1.001 * solver.p0)
-    assert np.allclose(solver.p, p + solver.p0 * (1 - 1 / 1.001), rtol=0, atol=1e-12)
-    free = ~((solver.g <= 0) & (solver.p > 0))
-    assert solver.rd == pytest.approx(
-        solver.s * np.sum((solver.p * solver.d)[free & np.isfinite(solver.d)]), rel=1e-6
-    )
-    assert solver.dKd == dKd > 0
-
-
 WAYS = [
     {"precision": "single", "accuracy": 2e-3},
     {"precision": "single", "accuracy": 2e-3, "low_memory": True},

@@ -91,8 +91,8 @@ def test_norm_of_the_test_pressure(random, n, nominal, coarsest_points):
     r = np.where(t > 0, 0, random.standard_normal(n))
     g, p = np.where(t > 0, 0.0, 1.0), np.where(t > 0, 1.0, r)
     sweep.restrict(g, p)
-    _, _, rr, tt, rt, _, ts, rs = sweep.sweep()
-    found = sweep.test_products(r.sum(), np.vdot(r, r), t.sum(), rr, tt, rt, ts, rs)
+    _, _, _, *products = sweep.sweep()
+    found = sweep.test_products(r.sum(), np.vdot(r, r), t.sum(), *products)
 
     share, missing = t.sum() / s.sum(), r.sum() / t.sum()
     v, w, wanted = t - share * s, r - missing * t, np.zeros(3)
