@@ -133,7 +133,12 @@ def _half_space(shape: Shape, dtype: np.dtype) -> tuple[Images, Matrices]:
     q_x, q_y = map(rounded, waves, np.divide(shape.cell, shape.points), shape.free)
     q, found = np.hypot(q_x[:, None], q_y), images(*shape[:-1])
     S = np.divide(2, q, out=np.zeros_like(q), where=q > 0)
-    return found, {
+    return found, matrices_of(found, S, dtype)
+
+
+def matrices_of(found: Images, S: np.ndarray, dtype: np.dtype) -> Matrices:
+    """Return what couples the modes, in a precision, where S is that of the cell alone."""
+    return {
         inverse: {parity: matrix.astype(dtype) for parity, matrix in matrices.items()}
         for inverse, matrices in ((False, found.inverse(S)), (True, found.T))
     }

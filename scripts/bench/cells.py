@@ -12,8 +12,7 @@ from itertools import product
 
 import numpy as np
 
-from hpc_gfmd.bodies.base import Tabled
-from hpc_gfmd.bodies.free import Coupled, Free, added
+from hpc_gfmd.bodies.free import Coupled, Free, matrices_of
 from hpc_gfmd.bodies.images import images, kernel
 from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.parallel.comm import SerialComm
@@ -36,16 +35,19 @@ def by_cells(case):
 class Cells(Free):
     """See bodies/free.py: nothing but S between two points is different."""
 
-    def _coupled(self, plain, grid, fft):
+    def make_multipliers(self, grid, fft, q):
         shape = self._shape(grid)
         if shape is None:
-            return plain
-        tabled = Tabled(grid, fft, _table(grid, fft))
+            return super().make_multipliers(grid, fft, q)
+        table = _table(grid, fft)
+        table[0, 0, 0] = 0  # the rigid translation
         found, length = images(*shape[:-1]), np.sqrt(np.prod(grid.sizes)) / grid.a
-        lowest = np.concatenate(tabled.factors[-1])
+        lowest = np.concatenate(table)
         modes = length * lowest[: found.modes[1] + 1, : found.modes[0] + 1].T
         S = np.divide(1, modes, out=np.zeros(modes.shape), where=modes > 0)
-        return Coupled(tabled, grid, fft, found, added(found, S, fft.dtype))
+        made = Coupled(grid, fft, q, found, matrices_of(found, S, fft.dtype))
+        made.factors = *made.factors[:-1], table
+        return made
 
 
 def _table(grid, fft):
