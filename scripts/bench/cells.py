@@ -36,15 +36,11 @@ class Cells(Free):
     """See bodies/free.py: nothing but S between two points is different."""
 
     def make_multipliers(self, grid, fft, q):
-        shape = self._shape(grid)
-        if shape is None:
-            return super().make_multipliers(grid, fft, q)
         table = _table(grid, fft)
         table[0, 0, 0] = 0  # the rigid translation
-        found, length = images(*shape[:-1]), np.sqrt(np.prod(grid.sizes)) / grid.a
-        lowest = np.concatenate(table)
-        modes = length * lowest[: found.modes[1] + 1, : found.modes[0] + 1].T
-        S = np.divide(1, modes, out=np.zeros(modes.shape), where=modes > 0)
+        found, length = images(*self._shape(grid)[:-1]), np.sqrt(grid.cell_points)
+        modes = length * np.concatenate(table)[: found.modes[1] + 1, : found.modes[0] + 1].T
+        S = np.divide(1, modes, out=np.zeros_like(modes), where=modes > 0)
         made = Coupled(grid, fft, q, found, matrices_of(found, S, fft.dtype))
         made.factors = *made.factors[:-1], table
         return made

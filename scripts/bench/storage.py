@@ -48,7 +48,7 @@ def _measure(comm, place, n, repeats):
     def write_raw(path, offset):
         descriptor = os.open(path, os.O_WRONLY | os.O_CREAT)
         for i in range(0, data.nbytes, 2**26):
-            os.pwrite(descriptor, data.reshape(-1).view("u1")[i : i + 2**26].data, offset + i)
+            os.pwrite(descriptor, memoryview(data).cast("B")[i : i + 2**26], offset + i)
         os.fsync(descriptor)
         os.close(descriptor)
 
