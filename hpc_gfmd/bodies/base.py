@@ -51,7 +51,7 @@ class Multipliers:
     Attributes
     ----------
     uniform : float
-        The K(0) that load control leaves out: 0, or nan, where the body gives way without end.
+        The K(0) that load control leaves out: 0 where the body gives way without end.
     factors : tuple
         What kernels/spectral.py multiplies by.
     alone : bool

@@ -4,7 +4,7 @@ it before, in the course of the iterations and in the end."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import copysign, erf, hypot, inf, isinf, log, sqrt
+from math import erf, hypot, inf, isinf, log, sqrt
 from statistics import NormalDist
 from typing import TYPE_CHECKING, Any
 
@@ -95,7 +95,9 @@ class GapSearch(LoadSearch):
 
     def straight(self, y: float) -> float:
         """Use that the mean gap decreases like exp(-c p0^s)."""
-        return log(log(self.heights.top / y)) if 0 < y < self.heights.top else copysign(inf, -y)
+        if y <= 0:
+            return inf
+        return log(log(self.heights.top / y)) if y < self.heights.top else -inf
 
     def predicted(self, solver: Solver, progress: Progress, errors: Errors) -> Value | None:
         """Predict the mean gap: as uncertain as it is, or as the pressure where nothing is open

@@ -1,13 +1,13 @@
 """The search for the load that gives an area, a mean gap or an approach: a bracketed secant method
 with inexact solves.
 
-All three are monotone in the mean pressure p0, and a solver goes on at another p0 without a
-transform. So after every iteration, on every grid of a nested start, the load is changed where the
-value that the solver predicts misses the target by more than the prediction may be wrong by. Once
-the contact is solved the certified value counts: it bounds the load, and a secant, or the middle
-of the bounds, leads on. What is missed and the error of the solution are together no more than the
-accuracy asked for. Where bounds meet and the target stays between them the area jumps, as in
-ordered walls whose asperities touch all at once: the nearer side is taken, and `note` says so.
+All three are monotone in the mean pressure p0, and the default solver goes on at another p0 without
+a transform. So after every iteration, on every grid of a nested start, the load is changed where
+the value that the solver predicts misses the target by more than the prediction may be wrong by.
+Once the contact is solved the certified value counts: it bounds the load, and a secant, or the
+middle of the bounds, leads on. What is missed and the error of the solution are together no more
+than the accuracy asked for. Where bounds meet and the target stays between them the area jumps, as
+in ordered walls whose asperities touch all at once: the nearer side is taken, and `note` says so.
 """
 
 from __future__ import annotations
@@ -224,7 +224,7 @@ class LoadSearch(GivenLoad):
     def _bound(self, y: float) -> None:
         """Bound the load by the value y; where bounds meet and the target stays between them it
         jumps."""
-        small, here = y < self.aim, (self.x, y)
+        small, here = self.straight(y) < self.straight(self.aim), (self.x, y)
         low, high = (here, self.high) if small else (self.low, here)
         if low and high and low[0] >= high[0]:  # one of them was none
             low, high = (here, None) if small else (None, here)

@@ -90,6 +90,7 @@ class Bpx(Solver):
         self.elastic.plan()
         self.d = self.grid.empty(stored_dtype(self.problem.dtype))
         self.d[...] = 0
+        self.rd = self.zKd = self.dKd = 0.0
 
     # -- starting
 
