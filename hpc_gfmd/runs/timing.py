@@ -3,6 +3,7 @@ cache."""
 
 import platform
 import time
+from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
@@ -43,12 +44,15 @@ def expected_pairs(scene: Scene) -> float:
     return each * (known.searching if scene.load.found else 1)
 
 
-def expected_seconds(pairs: float, precisions: Iterable[DTypeLike], cell: tuple[int, int]) -> float:
+def expected_seconds(
+    pairs: float, precisions: Iterable[DTypeLike | None], cell: tuple[int, int]
+) -> float:
     """Estimate the seconds of solving loads on one core of this machine. pairs: FFT pairs of each
     load; precisions: of all loads; cell: points that are solved."""
     points = float(np.prod(cell))
     work = points * np.log2(max(points, 2))
-    return float(pairs * work * sum(map(seconds_per_work, precisions)))
+    loads = Counter(np.dtype(one) for one in precisions)  # each is measured once
+    return float(pairs * work * sum(loads[one] * seconds_per_work(one) for one in loads))
 
 
 @dataclass(frozen=True)

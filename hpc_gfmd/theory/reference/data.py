@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,7 @@ QUANTITIES = ("a_r", "gap_over_h_rms")
 ROUNDING = 1e-9  # relative, by which a number may miss the end of its range
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Reference:
     """Contact area and mean gap of self-affine surfaces in large cells and on fine grids.
 
@@ -80,10 +81,9 @@ class Reference:
             _weights(float(_within("hurst", hurst, self.hurst)), self.hurst),
             _weights(float(np.log(_within("eps_f", eps_f, self.eps_f))), np.log(self.eps_f)),
         )
-        theory = [[_persson(quantity, loads, H, f) for f in self.eps_f] for H in self.hurst]
-        ratio = np.log(self.value[quantity] / np.array(theory))
         x, at = np.log(loads), np.log(wanted)
-        spline = make_interp_spline(x, np.einsum("hf,hfp->p", weights, ratio), k=min(3, len(x) - 1))
+        ratio = np.einsum("hf,hfp->p", weights, _ratio(self, quantity))
+        spline = make_interp_spline(x, ratio, k=min(3, len(x) - 1))
         value = np.exp(spline(at)) * _persson(quantity, wanted, hurst, eps_f)
         sigma = value * np.interp(
             at, x, np.einsum("hf,hfp->p", np.abs(weights), self.sigma[quantity])
@@ -101,6 +101,14 @@ def _weights(x: float, known: np.ndarray) -> np.ndarray:
     if len(known) == 1:
         return np.ones(1)
     return np.asarray(make_interp_spline(known, np.eye(len(known)), k=min(3, len(known) - 1))(x))
+
+
+@lru_cache(maxsize=4)
+def _ratio(data: Reference, quantity: str) -> np.ndarray:
+    """Return the logarithm of the values over Persson's theory."""
+    loads = data.p_star[quantity]
+    theory = [[_persson(quantity, loads, H, f) for f in data.eps_f] for H in data.hurst]
+    return np.log(data.value[quantity] / np.array(theory))
 
 
 def _persson(quantity: str, p_star: np.ndarray, hurst: float, eps_f: float) -> np.ndarray:
