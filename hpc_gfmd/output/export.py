@@ -11,7 +11,7 @@ import numpy as np
 
 from ..parallel.comm import SerialComm
 from ..parallel.guard import one_line
-from ..parallel.h5 import write_file
+from ..parallel.h5 import lay_out, write_file
 from ..util.atomic import atomic_write
 from ..util.errors import GfmdError, SceneError
 from ..util.libraries import surface_topography
@@ -73,12 +73,17 @@ def to_netcdf(result: Result, path: Path, about: About) -> None:
     import h5py
 
     surface = result.surface
-    with open(path, "w+b") as stream, h5py.File(stream, "w") as file:
+    fields = {name: (_shape(result, name), dtype) for name, dtype in common_fields(result).items()}
+
+    def described(file: Any) -> None:
         file.attrs.update(result.facts)
         scales = coordinates(file, surface, numbers(result.steps), about)
-        for name, dtype in common_fields(result).items():
-            file.create_dataset(name, _shape(result, name), dtype)
+        for name in fields:
             name_it(file[name], surface, about, scales[name == HEIGHTS :])
+
+    lay_out(path, fields, described)
+    with open(path, "r+b") as stream, h5py.File(stream, "r+") as file:
+        for name in fields:
             for place, rows in _pieces(result, name):
                 file[name][place] = rows
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from faults.jobs import call, goes_on, needs_mpi, run, write_scene
+from result_files import names
 
 from hpc_gfmd.util.caches import cache_folder
 
@@ -70,6 +71,16 @@ def test_full(small_disk, undisturbed, when, ranks):
     assert not list(disk.rglob("*.tmp"))
     subprocess.run(["mount", "-o", "remount,size=64m", disk], check=True)
     goes_on(path, undisturbed(ranks, **how), ranks)
+
+
+@pytest.mark.parametrize("kind", ["vtkhdf", "netcdf", "npz", "csv", "gwy"])
+def test_exports(small_disk, undisturbed, kind):
+    disk = small_disk("4k")
+    (disk / "full").write_bytes(bytes(4096))
+    job = call(f"export {undisturbed(None, **FIELDS).path} --to {kind} -o {disk}/x")
+    assert job.code == 1
+    job.says("No space left on device")
+    assert names(disk) == ["full"]
 
 
 @pytest.mark.parametrize("ranks", [None, SEVERAL])

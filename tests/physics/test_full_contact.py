@@ -36,6 +36,14 @@ def test_the_load_that_just_closes_a_wave(n, ulps, unit):
     assert found.p_star == pytest.approx(p_star, rel=1e-15)
 
 
+def test_the_area_of_all_points_in_double_precision():
+    """The load that closes the gap is that of the heights as they are solved."""
+    wave = 1e-3 * np.cos(np.pi / 8 * np.arange(16))[:, None]
+    for seed in range(9):
+        z = wave + 1e-9 * random_heights((16, 32), seed)
+        assert hpc_gfmd.solve(z, a_r=1.0, physical_sizes=(5.8, 1.0)).a_r == 1
+
+
 @pytest.mark.parametrize("n", [(6, 6), (1, 1), (1, 5), (7, 4)], ids=str)
 def test_flat(n):
     found = hpc_gfmd.solve(np.full(n, 3.0), 0.7)
