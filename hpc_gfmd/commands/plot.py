@@ -4,7 +4,7 @@ from argparse import Namespace
 
 from ..output.read import read_result
 from ..output.summary import converged
-from ..util.errors import GfmdError, SceneError
+from ..util.errors import SceneError
 
 
 def main(args: Namespace) -> int:
@@ -13,12 +13,8 @@ def main(args: Namespace) -> int:
     result = read_result(args.file)
     if args.dpi is not None and not 20 <= args.dpi <= 2400:
         raise SceneError(f"--dpi: found {args.dpi}, allowed: 20 to 2400")
-    try:
-        from ..plotting import chosen_steps, plot_result
-    except ImportError as error:
-        raise GfmdError(
-            f"plot needs matplotlib and scipy ({error}): pip install matplotlib scipy"
-        ) from None
+    from ..plotting import chosen_steps, plot_result
+
     paths = plot_result(
         result,
         args.output,

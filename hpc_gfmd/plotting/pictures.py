@@ -198,7 +198,7 @@ def plot_result(file: Any, where: Any = None, what: Any = None, **how: Any) -> l
     return paths
 
 
-def chosen_steps(result: Result, what: Any, step: Any = None) -> list[int]:
+def chosen_steps(result: Result, what: Any, step: Any) -> list[int]:
     """List the places in result.steps of the load steps that a picture shows. Raises SceneError for
     numbers that it does not have."""
     if step is not None:
