@@ -10,11 +10,11 @@ from ..util.errors import SceneError
 def main(args: Namespace) -> int:
     """Draw the pictures and print their names; raises SceneError if the file, the folder or what is
     asked for is unusable."""
+    from ..plotting import chosen_steps, plot_result
+
     result = read_result(args.file)
     if args.dpi is not None and not 20 <= args.dpi <= 2400:
         raise SceneError(f"--dpi: found {args.dpi}, allowed: 20 to 2400")
-    from ..plotting import chosen_steps, plot_result
-
     paths = plot_result(
         result,
         args.output,
@@ -25,10 +25,10 @@ def main(args: Namespace) -> int:
         dimensionless=args.dimensionless,
     )
     print(*paths, sep="\n")
-    said, names = [], args.what or ["maps"]
-    shown = {result.indices[k] for k in chosen_steps(result, names[0], args.step)}
+    said, several = [], {*(args.what or ["maps"])} - {"heights"}
+    shown = {result.indices[k] for name in several for k in chosen_steps(result, name, args.step)}
     left = [index for index in result.indices if index not in shown]
-    if left and shown and names != ["heights"]:
+    if left and shown:
         said.append(f"shown: step {_list(sorted(shown))}; left out: {_list(left)} (--step chooses)")
     steps = result.numbered
     if doubtful := [index for index, step in steps.items() if not converged(step)]:
