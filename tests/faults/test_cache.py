@@ -120,3 +120,10 @@ def test_a_bad_note_of_the_speed_of_this_machine(content, tmp_path, monkeypatch)
     monkeypatch.setenv("HPC_GFMD_CACHE", "/proc/none")
     assert timing.expected_seconds(1.0, ["float64"] * 3, (1, 2)) == pytest.approx(6e-9)
     assert len(measured) == 2
+
+
+def test_kept_code_calls_no_copy_of_a_piece():
+    """It would be another one than that of code just compiled, with other last bits."""
+    from hpc_gfmd.kernels.multilevel import restrict_row
+
+    assert restrict_row.targetoptions["forceinline"]

@@ -2,7 +2,7 @@
 
 import json
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +20,7 @@ QUANTITIES = ("a_r", "gap_over_h_rms")
 ROUNDING = 1e-9  # relative, by which a number may miss the end of its range
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Reference:
     """Contact area and mean gap of self-affine surfaces in large cells and on fine grids.
 
@@ -44,6 +44,15 @@ class Reference:
     value: dict[str, np.ndarray]
     sigma: dict[str, np.ndarray]
     provenance: dict[str, Any]
+
+    @cached_property
+    def ratios(self) -> dict[str, np.ndarray]:
+        """Logarithms of the values over Persson's theory."""
+        found = {}
+        for name, loads in self.p_star.items():
+            theory = [[_persson(name, loads, H, f) for f in self.eps_f] for H in self.hurst]
+            found[name] = np.log(self.value[name] / np.array(theory))
+        return found
 
     def at(
         self, quantity: str, p_star: ArrayLike, hurst: float, eps_f: float
@@ -82,7 +91,7 @@ class Reference:
             _weights(float(np.log(_within("eps_f", eps_f, self.eps_f))), np.log(self.eps_f)),
         )
         x, at = np.log(loads), np.log(wanted)
-        ratio = np.einsum("hf,hfp->p", weights, _ratio(self, quantity))
+        ratio = np.einsum("hf,hfp->p", weights, self.ratios[quantity])
         spline = make_interp_spline(x, ratio, k=min(3, len(x) - 1))
         value = np.exp(spline(at)) * _persson(quantity, wanted, hurst, eps_f)
         sigma = value * np.interp(
@@ -101,14 +110,6 @@ def _weights(x: float, known: np.ndarray) -> np.ndarray:
     if len(known) == 1:
         return np.ones(1)
     return np.asarray(make_interp_spline(known, np.eye(len(known)), k=min(3, len(known) - 1))(x))
-
-
-@lru_cache(maxsize=4)
-def _ratio(data: Reference, quantity: str) -> np.ndarray:
-    """Return the logarithm of the values over Persson's theory."""
-    loads = data.p_star[quantity]
-    theory = [[_persson(quantity, loads, H, f) for f in data.eps_f] for H in data.hurst]
-    return np.log(data.value[quantity] / np.array(theory))
 
 
 def _persson(quantity: str, p_star: np.ndarray, hurst: float, eps_f: float) -> np.ndarray:
@@ -132,7 +133,7 @@ def load(path: str | Path | None = None) -> Reference:
     SceneError
         If it is not one.
     """
-    path = Path(path or SHIPPED)
+    path = Path(SHIPPED if path is None else path)
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
         if data["format"] != FORMAT:
