@@ -127,11 +127,10 @@ class Result:
 
     def in_memory(self) -> "Result":
         """Copy what is said without what refers to a solver or to a file."""
-
-        def copy(field: Any) -> Slab:
-            return Slab(field.read(), getattr(field, "start", 0), field.shape)
-
-        kept = [{name: copy(field) for name, field in fields.items()} for fields in self.fields]
+        kept = [
+            {name: Slab(one.read(), 0, one.shape) for name, one in fields.items()}
+            for fields in self.fields
+        ]
         return replace(self, fields=kept)
 
     @property

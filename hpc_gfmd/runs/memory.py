@@ -104,8 +104,8 @@ def memory_of(
     number of ranks with so many threads each, so many on each node; rank 0 has a part in
     everything. unknown: precision of the loads of which it is not known beforehand, without it the
     first one."""
-    before = first_precision(scene.solver)
-    each = [np.dtype(dtype) for dtype in precisions(scene, n, unknown or before)]
+    usual = first_precision(scene.solver)
+    each = [np.dtype(dtype) for dtype in precisions(scene, n, unknown or usual)]
     dtype = max(each, key=lambda dtype: dtype.itemsize)
     itemsize, free = dtype.itemsize, scene.surface.free
     cell = cell_of(n, free, sizes)
@@ -135,15 +135,11 @@ def memory_of(
     def scratch(precision: DTypeLike, grids: Iterable[Grid]) -> float:
         return threads * sum(share.layout_of(grid, precision).scratch_bytes for grid in grids) / GIB
 
-    def small(precision: DTypeLike) -> list[Grid]:
-        return [one for one in share.grids if share.layout_of(one, precision).bytes <= SMALL]
-
-    grids = [share.grid, *(small(dtype) if low else share.grids)]
+    kept_grids = [g for g in share.grids if not low or share.layout_of(g, dtype).bytes <= SMALL]
+    grids = [share.grid, *kept_grids]
     with_table = 1 + body_of(scene.material, free).table_share
     transforms = spectra(dtype, grids[:1]) * with_table + spectra(dtype, grids[1:])
-    transforms += sum(scratch(precision, grids) for precision in {dtype, before})
-    if before != dtype:
-        transforms += spectra(before, small(before))
+    transforms += sum(scratch(precision, grids) for precision in {dtype, usual})
     certificate = 0.0
     # heights that do not end are made in its transforms; ranks touch them as they plan
     touched = not any(free) or ranks > 1

@@ -3,9 +3,9 @@ cache."""
 
 import platform
 import time
-from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -45,14 +45,14 @@ def expected_pairs(scene: Scene) -> float:
 
 
 def expected_seconds(
-    pairs: float, precisions: Iterable[DTypeLike | None], cell: tuple[int, int]
+    pairs: float, precisions: Iterable[np.dtype | None], cell: tuple[int, int]
 ) -> float:
     """Estimate the seconds of solving loads on one core of this machine. pairs: FFT pairs of each
     load; precisions: of all loads; cell: points that are solved."""
     points = float(np.prod(cell))
     work = points * np.log2(max(points, 2))
-    loads = Counter(np.dtype(one) for one in precisions)  # each is measured once
-    return float(pairs * work * sum(loads[one] * seconds_per_work(one) for one in loads))
+    once = cache(seconds_per_work)  # what cannot be kept would be measured for each load
+    return float(pairs * work * sum(map(once, precisions)))
 
 
 @dataclass(frozen=True)
