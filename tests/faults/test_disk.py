@@ -41,16 +41,12 @@ FULL = {  # when: KiB of the disk, of the scene, fault, what the message names
 @pytest.mark.parametrize(
     ("when", "ranks"),
     [
-        *[pytest.param(when, None, id=f"{when}-alone") for when in FULL],
-        *[
-            pytest.param(
-                when,
-                2,
-                id=f"{when}-two ranks",
-                marks=[needs_mpi, *[pytest.mark.slow] * (when != "during a field write")],
-            )
-            for when in FULL
-        ],
+        pytest.param(when, ranks, id=f"{when}-{ranks or 'alone'}", marks=marks)
+        for when in FULL
+        for ranks, marks in (
+            (None, ()),
+            (2, [needs_mpi, *[pytest.mark.slow] * (when != "during a field write")]),
+        )
     ],
 )
 def test_full(small_disk, undisturbed, when, ranks):
