@@ -103,7 +103,8 @@ def plot(
         if all(chosen_steps(one, name, step) for one in results.values())
         and (len(results) == 1 or kind.make is curves)
     ]
-    what = what or next(iter(there), "maps")
+    if what is None:
+        what = next(iter(there), "maps")
     if what not in there:
         allowed = ", ".join(there) or "nothing, it has no finished load step"
         if "maps" not in there:
@@ -122,7 +123,7 @@ def plot(
             if any(_steps(one.result, {name: panels[name]}) for one in contexts)
         ]
         page = make(contexts, drawn)
-        fig = ax.figure if ax is not None else Picture(layout="constrained")
+        fig = ax.figure if ax else Picture(layout="constrained")
         try:
             if ax is None:
                 page.draw(fig)
