@@ -179,11 +179,11 @@ def plot_result(file: Any, where: Any = None, what: Any = None, **how: Any) -> l
 
     file: a path or a Result; where: a folder, made if only itself is missing, or a file .png, .pdf
     or .svg (of several pictures each has its name added); by default they lie beside the result as
-    RESULT_NAME.png. what, how: see figures and plot. Raises SceneError and GfmdError as plot, and
-    where the pictures cannot be written.
+    RESULT_NAME.png, of one in memory as contact_NAME.png. what, how: see figures and plot. Raises
+    SceneError and GfmdError as plot, and where the pictures cannot be written.
     """
-    result: Any = _result(file)
-    where = Path(where or result.path.with_suffix(SUFFIXES[0]))
+    result = _result(file)
+    where = Path(where or (result.path or Path("contact")).with_suffix(".png"))
     as_file = where.suffix.lower() in SUFFIXES and not where.is_dir()
     folder = where.parent if as_file else where
     try:
@@ -240,8 +240,9 @@ def _title(context: FigureContext, what: str) -> str:
     """Say what a picture shows, and what it leaves out."""
     left = context.left_out if what != "heights" else 0
     out = f"; {left} of {left + len(context.result.steps)} loads not shown" if left else ""
-    said = ("n", "physical_sizes", "h_rms", "unit")
-    line = surface_line({key: context.result.surface.get(key) for key in said})
+    line = surface_line(
+        {key: context.result.surface.get(key) for key in ("n", "physical_sizes", "h_rms", "unit")}
+    )
     for plain, printed in ((" x ", " × "), (" um", " µm"), ("h_rms", r"$h_\mathrm{rms}$")):
         line = line.replace(plain, printed)
     return f"{_name(context.result)}: {line}{out}"
