@@ -23,7 +23,7 @@ SMALL = 4096  # bytes of what an archive says of sizes and units
 
 
 @dataclass(frozen=True)
-class Stored:
+class FileArray:
     """An array in a file, of which read(part) gives array[part]."""
 
     shape: tuple[int, ...]
@@ -85,7 +85,7 @@ def _npz(path: Path, spec: Any) -> Map:
         with np.load(path, allow_pickle=False) as file:
             return file[name]
 
-    return Stored(*heads[name], lambda part: array()[part]), said
+    return FileArray(*heads[name], lambda part: array()[part]), said
 
 
 def _npz_head(archive: ZipFile, name: str) -> tuple[tuple[int, ...], np.dtype]:
@@ -121,7 +121,7 @@ def _hdf5(path: Path, spec: Any) -> Map:
         name = data.name
     unpacked, kept = unpacker(attributes), max(2 * band, 2**20)
     data = h5py.File(path, "r", locking=False, rdcc_nbytes=kept, rdcc_nslots=10007)[name]
-    return Stored(data.shape, data.dtype, lambda part: unpacked(data[part])), said
+    return FileArray(data.shape, data.dtype, lambda part: unpacked(data[part])), said
 
 
 def _netcdf(path: Path, spec: Any) -> Map:
@@ -148,7 +148,7 @@ def _netcdf(path: Path, spec: Any) -> Map:
         z = unpacked(file.variables[name].data[part])
         return np.where(file.variables[MASK].data[part], np.nan, z) if masked else z
 
-    return Stored(shape, dtype, read), said
+    return FileArray(shape, dtype, read), said
 
 
 def _one_of(names: list[str], spec: Any) -> str:
