@@ -8,6 +8,7 @@ place. All functions are collective.
 """
 
 from dataclasses import replace
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -118,14 +119,14 @@ def _detrended(found: Topography, what: str, comm: Any) -> Topography:
     def terms(start: int, stop: int) -> list[np.ndarray]:
         return [x[start:stop, None] ** i * y[None] ** j for i, j in powers]
 
-    total = np.zeros((len(powers), len(powers) + 1))
+    own = []
     with collective_errors(comm, "reading the surface"):
         for start, stop in own_slabs(found, comm):
             z = found.rows(start, stop)
             there = np.isfinite(z)
             values = [term[there] for term in (*terms(start, stop), z)]
-            total += [[a @ b for b in values] for a in values[:-1]]
-    total = comm.sum(total)
+            own.append([[a @ b for b in values] for a in values[:-1]])
+    total = np.sum([*chain(*comm.allgather(own))], axis=0)  # in one order on any ranks
     factors = np.linalg.lstsq(total[:, :-1], total[:, -1])[0]
 
     def rows(start: int, stop: int) -> np.ndarray:

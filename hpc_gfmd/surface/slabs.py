@@ -14,9 +14,15 @@ def slabs(first: int, last: int) -> list[tuple[int, int]]:
     return [(start, min(start + ROWS, last)) for start in range(first, last, ROWS)]
 
 
+def shares(n: int, size: int) -> np.ndarray:
+    """Return the first row of each rank's share of n rows, and n: pieces are then the same ones for
+    any number of ranks."""
+    return np.minimum(ROWS * row_starts(-(-n // ROWS), size), n)
+
+
 def own_slabs(found: Any, comm: Any) -> list[tuple[int, int]]:
     """Cut this rank's share of a Topography into pieces."""
-    return slabs(*row_starts(found.n[0], comm.size)[comm.rank :][:2].tolist())
+    return slabs(*shares(found.n[0], comm.size)[comm.rank :][:2].tolist())
 
 
 def with_neighbours(found: Any, start: int, stop: int, mode: Any) -> np.ndarray:

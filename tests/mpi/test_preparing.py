@@ -1,14 +1,16 @@
 """What is done to a height map before it is pressed: the same on any number of ranks, and what it
 says it is."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 from contacts import random_heights
 
 from hpc_gfmd.parallel.comm import SerialComm
-from hpc_gfmd.parallel.layout import row_starts
 from hpc_gfmd.scene import File
-from hpc_gfmd.surface import build_surface
+from hpc_gfmd.surface import build_surface, grid_of, slabs
+from hpc_gfmd.surface.cell import nominal_part
 from hpc_gfmd.surface.prepare import prepare
 from hpc_gfmd.surface.topography import open_topography
 from hpc_gfmd.util.errors import SceneError
@@ -31,8 +33,7 @@ def prepared(comm):
         comm.barrier()
         spec = File(kind="file", path="z.npy", physical_sizes=SIZES, boundary=boundary, **keys)
         found = prepare(open_topography(spec), spec, comm)
-        starts = row_starts(found.n[0], comm.size)
-        mine = found.rows(int(starts[comm.rank]), int(starts[comm.rank + 1]))
+        mine = found.rows(*nominal_part(grid_of(found.n, SIZES, comm, spec.free)).rows)
         return np.concatenate(comm.allgather(mine)), found, found.done
 
     return call
@@ -133,31 +134,48 @@ def test_resampled(prepared):
         prepared(series(N, 0), downsample=4)
 
 
-def test_all_of_it_on_any_number_of_ranks(prepared, comm):
-    z = random_heights((33, 20)) + 1e-2 * np.arange(20)
-    z[4:9, 3:5] = z[20:22, 12] = np.nan
-    keys = {
-        "detrend": "curvature",
-        "fill": "harmonic",
-        "mirror": True,
-        "crop": (0, 0, 32 / 16.5, 1),
-        "downsample": 2,
-        "flip": True,
-    }
-    together = prepared(z, **keys)[0]
-    spec = File(kind="file", path="z.npy", physical_sizes=SIZES, **keys)
-    alone = prepare(open_topography(spec), spec, SerialComm())
-    assert np.allclose(together, alone.rows(0, alone.n[0]), atol=1e-13)
-    surface = build_surface(spec, comm, np.float64)
-    assert surface.grid.n == (32, 20)
-    assert surface.prepared == (
-        "cropped to 32 x 20 points",
-        "curvature removed",
-        "12 points (1.9 %) filled",
-        "upside down",
-        "mirrored",
-        "resampled to 32 x 20 points",
-    )
+ALL = {
+    "detrend": "curvature",
+    "fill": "harmonic",
+    "mirror": True,
+    "crop": (0, 0, 32 / 16.5, 1),
+    "downsample": 2,
+    "flip": True,
+}
+
+
+@pytest.mark.parametrize(
+    ("boundary", "keys"),
+    [
+        *product(("periodic", "free", ("free", "periodic")), ({"refine": 2}, {"downsample": 2})),
+        ("periodic", ALL),
+        ("free", {"detrend": "tilt", "radius": 9.0, "refine": 2}),
+    ],
+)
+def test_the_same_heights_on_any_number_of_ranks(boundary, keys, comm, monkeypatch):
+    """To the bit, through all that reads them."""
+    monkeypatch.setattr(slabs, "ROWS", 2)  # so that all ranks read
+    for n in ((6, 8), (2, 16), (34, 20)) if keys is not ALL else ((33, 20),):
+        z = random_heights(n) + 1e-2 * np.arange(n[1])
+        if keys is ALL:
+            z[4:9, 3:5] = z[20:22, 12] = np.nan
+        if comm.rank == 0:
+            np.save("z.npy", z)
+        comm.barrier()
+        spec = File(kind="file", path="z.npy", physical_sizes=SIZES, boundary=boundary, **keys)
+        together, alone = (build_surface(spec, each, np.float64) for each in (comm, SerialComm()))
+        assert together.checksum == alone.checksum
+        comm.barrier()
+    if keys is ALL:
+        assert together.grid.n == (32, 20)
+        assert together.prepared == (
+            "cropped to 32 x 20 points",
+            "curvature removed",
+            "12 points (1.9 %) filled",
+            "upside down",
+            "mirrored",
+            "resampled to 32 x 20 points",
+        )
 
 
 def test_what_is_noted(comm):

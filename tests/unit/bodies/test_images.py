@@ -7,7 +7,7 @@ from hpc_gfmd.bodies import images as module
 from hpc_gfmd.bodies.free import Free
 from hpc_gfmd.bodies.images import Images, images, kernel, kernel_of_wave
 from hpc_gfmd.parallel.comm import SerialComm
-from hpc_gfmd.surface.build import grid_of
+from hpc_gfmd.surface import grid_of
 
 SURFACES = [
     ((128, 128), (1.0, 1.0), (True, True)),
