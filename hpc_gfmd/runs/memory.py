@@ -172,7 +172,7 @@ def memory_of(
 def _resampling(surface: AnySurface, n: tuple[int, int], ranks: int) -> float:
     """Return the GiB that a height map of n points takes while it is resampled, before there are
     fields: along y, then along x, and what is sent of these two."""
-    if surface.kind != "file" or surface.refine == surface.downsample:
+    if surface.kind != "file":
         return 0.0
     one, sent = surface.downsample / surface.refine, 1 - 1 / ranks
     return 8 * n[0] * n[1] / ranks / GIB * max(one * (1 + sent), one + 1 + sent)

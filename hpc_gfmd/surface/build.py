@@ -150,8 +150,8 @@ def surface_of(
     cell = grid_of(n, sizes, comm, free, threads)
     grid = nominal_part(cell)
     start, stop = grid.rows
-    z = grid.empty(np.float64)
     with collective_errors(comm, "reading the surface"):
+        z = grid.empty(np.float64)
         for i, j in slabs(start, stop):
             z[i - start : j - start] = checked(found.rows(i, j), i, "surface")
     check(comm)
@@ -210,7 +210,7 @@ def _leave_out_constant_axis(grid: Grid, z: np.ndarray) -> tuple[Grid, np.ndarra
     """Return the grid and the heights; where these vary along one axis only, of that axis alone,
     and on every rank."""
     comm = grid.comm
-    line = comm.bcast(z[:1].copy() if comm.rank == 0 else None)
+    line = comm.bcast(z[:1].copy())
     along_x, along_y = comm.max([np.any(z != line), np.any(z != z[:, :1])])
     if 1 in grid.n or (along_x and along_y):
         return grid, z

@@ -78,9 +78,9 @@ def prepare(found: Topography, spec: Any, comm: Any) -> Topography:
     if size != found.n:
         found = resampled(found, size, spec.free, comm)
     if spec.radius:
-        R_x, R_y = (found.length("radius", R) for R in spec.radii)
+        radii = tuple(found.length("radius", R) for R in spec.radii)
         given = ", ".join(dict.fromkeys(map(format_quantity, spec.radii)))
-        found = found.on_form((R_x, R_y)).after(f"on a form of radius {given}")
+        found = found.on_form(radii).after(f"on a form of radius {given}")
     return found
 
 

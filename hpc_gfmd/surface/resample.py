@@ -9,7 +9,7 @@ from ..parallel.guard import collective_errors
 from ..parallel.layout import row_starts
 from .analytic import Rows
 from .cell import grid_of, nominal_part
-from .slabs import shares, slabs
+from .slabs import slabs
 from .topography import Topography
 
 
@@ -20,7 +20,7 @@ def resampled(
     surface. free: whether it ends along x, along y. Collective."""
     columns = row_starts(n[1], comm.size)
     starts = nominal_part(grid_of(n, found.sizes, comm, free)).starts
-    turned = _turned(found.rows, shares(found.n[0], comm.size), columns, free[1], comm)
+    turned = _turned(found.rows, row_starts(found.n[0], comm.size), columns, free[1], comm)
     rows = _turned(turned, columns, starts, free[0], comm)
     return found.after(f"resampled to {n[0]} x {n[1]} points", n=n, rows=rows)
 
@@ -31,11 +31,11 @@ def _turned(rows: Rows, before: np.ndarray, after: np.ndarray, ends: bool, comm:
     rank begin, and how many there are. Collective."""
     me = comm.rank
     (first, last), (own, end) = before[me : me + 2], after[me : me + 2]
-    whole = np.empty((before[-1], end - own))
-    receive = dict(enumerate(np.split(whole, before[1:-1])))
-    send = {rank: np.empty((last - first, k)) for rank, k in enumerate(np.diff(after))}
-    send[me] = receive.pop(me)
     with collective_errors(comm, "reading the surface"):
+        whole = np.empty((before[-1], end - own))
+        receive = dict(enumerate(np.split(whole, before[1:-1])))
+        send = {rank: np.empty((last - first, k)) for rank, k in enumerate(np.diff(after))}
+        send[me] = receive.pop(me)
         for i, j in slabs(first, last):
             z = _series(rows(i, j), after[-1], ends)
             for part, columns in zip(send.values(), np.split(z, after[1:-1], axis=1)):

@@ -14,15 +14,12 @@ def slabs(first: int, last: int) -> list[tuple[int, int]]:
     return [(start, min(start + ROWS, last)) for start in range(first, last, ROWS)]
 
 
-def shares(n: int, size: int) -> np.ndarray:
-    """Return the first row of each rank's share of n rows, and n: pieces are then the same ones for
-    any number of ranks."""
-    return np.minimum(ROWS * row_starts(-(-n // ROWS), size), n)
-
-
 def own_slabs(found: Any, comm: Any) -> list[tuple[int, int]]:
-    """Cut this rank's share of a Topography into pieces."""
-    return slabs(*shares(found.n[0], comm.size)[comm.rank :][:2].tolist())
+    """Return this rank's share of a Topography, in pieces that are the same for any number of
+    ranks."""
+    pieces = slabs(0, found.n[0])
+    first, last = row_starts(len(pieces), comm.size)[comm.rank :][:2]
+    return pieces[first:last]
 
 
 def with_neighbours(found: Any, start: int, stop: int, mode: Any) -> np.ndarray:
