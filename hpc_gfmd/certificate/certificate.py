@@ -107,7 +107,7 @@ def certify(
     parts = elastic.use_rows(
         lambda i0, i1, x: kkt_residuals(g, p, x, problem.p_cell, limit, grid.inside, i0, i1)
     )
-    found, largest = zip(*parts) if parts else ([KktSums(*[0.0] * 9)], [KktExtremes(0.0, 0.0)])
+    found, largest = zip(*parts) if parts else ([KktSums(*[0.0] * 8)], [KktExtremes(0.0, 0.0)])
     *totals, uKu, mean = grid.comm.sum([*np.sum(found, axis=0), uKu, elastic.mean])
     sums, extremes = KktSums(*totals), KktExtremes(*grid.comm.max(np.max(largest, axis=0)))
     closed_p, contact, gap = N * p0 - sums.open_p, sums.contact, sums.gap

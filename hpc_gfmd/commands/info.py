@@ -13,21 +13,19 @@ def main(args: Namespace) -> int:
 def facts() -> dict[str, str]:
     """Collect {name: text} of everything that speed or results may depend on."""
     import h5py
-    import numba
 
     from ..parallel.fftw import fft_library
     from ..solvers import solver_names
     from ..util.caches import cache_folder
     from ..util.machine import available_gib, cores
-    from ..util.versions import versions
+    from ..util.versions import processor, versions
 
     found = dict(versions())
     found["FFT"] = fft_library()
     found["MPI"] = _mpi_library()
     found["HDF5"] = f"{h5py.version.hdf5_version}, {_io()}"
     found["solvers"] = "auto (bpx), " + ", ".join(solver_names())
-    vectors = numba.config.CPU_NAME or "the host"  # type: ignore[attr-defined]
-    found["cores"] = f"{len(cores())}, vector unit of {vectors}"
+    found["cores"] = f"{len(cores())}, {processor()}"
     found["memory"] = f"{available_gib():.1f} GiB free"
     found["cache"] = str(cache_folder())
     return found

@@ -45,7 +45,7 @@ def compose(
     shows, a line each. Raises SceneError.
     """
     from ..scene import Scene
-    from ..scene.load import apply_override
+    from ..scene.read import apply_override
     from ..scene.surface import KINDS
     from ..scene.template import CHOSEN, Suggestion, template
 

@@ -1,4 +1,4 @@
-"""The rigid displacement."""
+"""How far the bodies have come together: the rigid displacement."""
 
 from math import isfinite
 

@@ -1,4 +1,5 @@
-"""The load of a contact: a mean pressure that is given. A search for it has the same methods."""
+"""The load of a contact: a mean pressure that is given. A search for it has the same methods, and
+begins with the statistics of the heights."""
 
 from __future__ import annotations
 
@@ -57,7 +58,7 @@ class GivenLoad:
 
     @property
     def half_area(self) -> float:
-        """Of the contact, about."""
+        """About half of the contact area."""
         return self.p0
 
     def begin(self, problem: Problem | None = None) -> float:

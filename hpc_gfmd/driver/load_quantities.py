@@ -33,7 +33,7 @@ class AreaSearch(LoadSearch):
 
     @property
     def half_area(self) -> float:
-        """Of the contact that is asked for."""
+        """Half of the contact area that is asked for."""
         return self.target / 2
 
     @property

@@ -2,8 +2,8 @@
 with inexact solves.
 
 All three are monotone in the mean pressure p0, and the default solver goes on at another p0 without
-a transform. So after every iteration, on every grid of a nested start, the load is changed where
-the value that the solver predicts misses the target by more than the prediction may be wrong by.
+a transform. So after every iteration, on every coarse grid, too, the load is changed where the
+value that the solver predicts misses the target by more than the prediction may be wrong by.
 Once the contact is solved the certified value counts: it bounds the load, and a secant, or the
 middle of the bounds, leads on. What is missed and the error of the solution are together no more
 than the accuracy asked for. Where bounds meet and the target stays between them the area jumps, as

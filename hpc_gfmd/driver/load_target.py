@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..surface.units import require_range, single_solves
+from ..surface.number_range import require_range, single_solves
 from ..util.errors import SceneError
 from ..util.quantities import format_quantity
 

@@ -28,7 +28,7 @@ class LowMemorySweep(Sweep):
     """As Sweep. Raises SceneError for surfaces that are not known by their spectrum and for other
     solvers than bpx."""
 
-    closed_form = False  # the nested start finds out
+    closed_form = False  # nested iteration finds out
 
     def _plan(self) -> None:
         known = self.surface.add_spectrum is not None or self.surface.grid.padded
@@ -69,7 +69,7 @@ class LowMemorySweep(Sweep):
 
 
 def _give_back() -> None:
-    """Let the system have what the C library keeps of the memory of coarser grids: that was 60 to
-    100 MB at n = 4096."""
+    """Let the system have what the C library keeps of the memory of coarser grids: 60 to 100 MB
+    at n = 4096."""
     with suppress(AttributeError, OSError):
         ctypes.CDLL(None).malloc_trim(0)

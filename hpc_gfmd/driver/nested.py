@@ -1,5 +1,5 @@
-"""Nested start: solve on decimated grids first, roughly, and interpolate the displacement to the
-next finer grid.
+"""Nested iteration (cascadic multigrid): solve on decimated grids first, roughly, and interpolate
+the displacement to the next finer grid.
 
 The finer grid's own heights are then given way to locally, without an FFT (kernels/prolong.py):
 that saves one or two iterations.

@@ -12,7 +12,7 @@ import numpy as np
 from ..operators.problem import ROUNDING
 from ..parallel.comm import SerialComm
 from ..surface import build_surface
-from ..surface.units import single_solves
+from ..surface.number_range import single_solves
 from ..theory.persson import g_rms_lam_s_over_h_rms
 
 if TYPE_CHECKING:

@@ -209,7 +209,7 @@ class Start:
         self._plan()
 
     def _plan(self) -> None:
-        """Plan the transforms, and the grids of a nested start."""
+        """Plan the transforms, and the grids of a nested iteration."""
         grid, wanted = self.surface.grid, self.settings.nested
         if not self.is_flat:
             grid.fft(self.dtype)

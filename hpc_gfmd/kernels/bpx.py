@@ -31,7 +31,7 @@ class UpdateSums(NamedTuple):
 
     rr, pp: p^2 on F and everywhere, p less what yields; pd: p d on F; dx, px: d x and p x on F;
     contact: points that touch; gap; opening, closing: points that would open, and close, if the
-    same step were made again; yielded: points of the contact; depth: of their dents."""
+    same step were made again; yielded: points of the contact."""
 
     rr: float
     pp: float
@@ -43,7 +43,6 @@ class UpdateSums(NamedTuple):
     opening: float
     closing: float
     yielded: float
-    depth: float
 
     @classmethod
     def total(cls, parts):
@@ -166,7 +165,7 @@ def update_state(state, x, s, rows, coarse, edges, transfer, hardness, inside, s
     g, p, _ = state
     i0, i1 = rows
     k0, f_x = transfer[:2]
-    RR = PP = PD = DX = PX = CONTACT = GAP = OPENING = CLOSING = YIELDED = DEPTH = 0.0
+    RR = PP = PD = DX = PX = CONTACT = GAP = OPENING = CLOSING = YIELDED = 0.0
     ends = k0[i0], k0[i1 - 1] + 1
     # 0-2: a complete coarse row, 3-5: what is there of the next one; p, indicator, x each
     scratch[3:6] = 0
@@ -176,7 +175,7 @@ def update_state(state, x, s, rows, coarse, edges, transfer, hardness, inside, s
         end = i + 1
         while end < i1 and k0[end] == K:
             end += 1
-        rr, pp, pd, dx, px, contact, gap, opening, closing, yielded, depth = _update_rows(
+        rr, pp, pd, dx, px, contact, gap, opening, closing, yielded = _update_rows(
             state, x, s, i0, i, end, hardness, inside
         )
         RR += rr
@@ -189,12 +188,11 @@ def update_state(state, x, s, rows, coarse, edges, transfer, hardness, inside, s
         OPENING += opening
         CLOSING += closing
         YIELDED += yielded
-        DEPTH += depth
         _gather_rows(g, p, x, i0, i, end, f_x, hardness, inside, scratch)
         _scatter_row(scratch, 0, g.shape[1], K, ends, edges, coarse, transfer)
         i = end
     _scatter_row(scratch, 3, g.shape[1], ends[1], ends, edges, coarse, transfer)
-    return RR, PP, PD, DX, PX, CONTACT, GAP, OPENING, CLOSING, YIELDED, DEPTH
+    return RR, PP, PD, DX, PX, CONTACT, GAP, OPENING, CLOSING, YIELDED
 
 
 @inline
@@ -202,7 +200,7 @@ def _update_rows(state, x, s, i0, start, end, hardness, inside):
     """Make new g and p on rows start..end for `update_state`; returns their sums."""
     g, p, d = state
     zero, one, clipped = g.dtype.type(0), g.dtype.type(1), encode(g.dtype.type(-np.inf))
-    rr = pp = pd = dx = px = contact = gap = opening = closing = yielded = depth = zero
+    rr = pp = pd = dx = px = contact = gap = opening = closing = yielded = zero
     most = limit(hardness, zero)
     for i in range(start, end):
         inner = points_inside(i, inside)
@@ -232,7 +230,6 @@ def _update_rows(state, x, s, i0, start, end, hardness, inside):
             dent = g_new if plastic > zero else zero
             gap += g_new - dent
             yielded += plastic
-            depth -= dent
         for j in range(inner, np.uint64(g.shape[1])):
             y = x[i - i0, j]
             e = decode(d[i - i0, j])
@@ -244,7 +241,7 @@ def _update_rows(state, x, s, i0, start, end, hardness, inside):
             pd += p_new * e
             dx += y * e
             px += p_new * y
-    return rr, pp, pd, dx, px, contact, gap, opening, closing, yielded, depth
+    return rr, pp, pd, dx, px, contact, gap, opening, closing, yielded
 
 
 @inline

@@ -70,7 +70,7 @@ def on_first_compile(say: Callable[[str], object] | None) -> Iterator[None]:
             say(
                 "compiling what this scene needs in addition, once (some seconds)"
                 if kept
-                else "compiling, once (about 20 s)"
+                else "compiling, once (half a minute)"
             )
 
     with event.install_listener("numba:compile", _Once(first)):

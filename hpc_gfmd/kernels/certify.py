@@ -20,7 +20,7 @@ GROUP, ROUNDED = 32, 1.00001
 
 class KktSums(NamedTuple):
     """Sums over points: p, p^2 and p^4 out of contact (less the hardness where a point yields), p^2
-    in contact, |p| g, points in contact, gap; points of the contact that yield, depth of dents."""
+    in contact, |p| g, points in contact, gap; points of the contact that yield."""
 
     open_p: float
     open_pp: float
@@ -30,7 +30,6 @@ class KktSums(NamedTuple):
     contact: float
     gap: float
     yielded: float
-    depth: float
 
 
 class KktExtremes(NamedTuple):
@@ -55,7 +54,7 @@ def displacement_rows(g, h, x, i0, i1, level):
 def kkt_residuals(g, p, x, p0, hardness, inside, i0, i1):
     """Set p = p0 + x on rows i0..i1 (x = K u, rows from 0); returns how it violates p >= 0, p g =
     0: KktSums and KktExtremes."""
-    open_p = open_pp = open_p4 = closed_pp = pg = gap = contact = yielded = depth = 0.0
+    open_p = open_pp = open_p4 = closed_pp = pg = gap = contact = yielded = 0.0
     most = limit(hardness, 0.0)
     # row after row: one maximum over all points would not use vectors
     worst = np.zeros((2, g.shape[1]))
@@ -86,11 +85,10 @@ def kkt_residuals(g, p, x, p0, hardness, inside, i0, i1):
             pg += abs(p_new - y * most) * (gij - 2 * dent)
             gap += gij - dent
             yielded += y
-            depth -= dent
             tension = closed * -p_new
             worst[0, j] = dent - gij if dent - gij > worst[0, j] else worst[0, j]
             worst[1, j] = tension if tension > worst[1, j] else worst[1, j]
-    sums = KktSums(open_p, open_pp, open_p4, closed_pp, pg, contact, gap, yielded, depth)
+    sums = KktSums(open_p, open_pp, open_p4, closed_pp, pg, contact, gap, yielded)
     return sums, KktExtremes(worst[0].max(), worst[1].max())
 
 

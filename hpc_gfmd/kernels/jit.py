@@ -14,19 +14,25 @@ from .cache import cached
 FASTMATH = {"reassoc", "contract", "nsz", "arcp"}
 
 
-def kernel(function: Callable[..., Any], makes_arrays: bool = False) -> Any:
+def kernel(function: Callable[..., Any], makes_arrays: bool = False, piece: bool = False) -> Any:
     """Compile on first use, keep in the cache, release the GIL.
 
     makes_arrays: or returns some. Only then references to arrays are counted, to every row that a
-    loop takes, which is slow.
+    loop takes, which is slow. piece: of another kernel. As a function of its own, kept code would
+    have another copy of it than code that has just been compiled, and other last bits.
     """
     with cached() as possible:
         return numba.njit(
-            nogil=True, error_model="numpy", fastmath=FASTMATH, cache=possible, _nrt=makes_arrays
+            nogil=True,
+            error_model="numpy",
+            fastmath=FASTMATH,
+            cache=possible,
+            _nrt=makes_arrays,
+            forceinline=piece,
         )(function)
 
 
-inline = kernel  # a piece of a kernel; LLVM inlines it where it is used
+inline = partial(kernel, piece=True)
 making_arrays = partial(kernel, makes_arrays=True)
 
 

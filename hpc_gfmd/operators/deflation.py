@@ -1,4 +1,5 @@
-"""The gap mode: the one wave that the multilevel preconditioner M takes for far too stiff.
+"""The deflation vector (gap mode): the wave that the multilevel preconditioner M takes for far too
+stiff.
 
 Where little touches, M K takes all waves to between 0.4 and 1.6 but for one that it takes to 0.15
 to 0.3, the less the larger the grid: the rise of all that is open, w = K_FF^-1 1, which answers a

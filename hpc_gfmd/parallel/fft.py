@@ -123,11 +123,6 @@ class SlabFFT(Layout):
         blocks[...] = 0  # every rank its own: pages belong where they are touched first
         return memory, first, blocks
 
-    @property
-    def row_scratch(self) -> list[np.ndarray]:
-        """The arrays x that row functions are called with: one for each thread."""
-        return [rows[0] for rows in self.rows]
-
     def passes(self) -> list[tuple[int, int]]:
         """Return the row ranges [(i0, i1), ...], local, that one pass handles at a time."""
         return [(i, min(i + self.R, self.n_loc)) for i in range(0, self.n_loc, self.R)]

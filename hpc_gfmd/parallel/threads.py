@@ -80,4 +80,5 @@ def _pool() -> ThreadPoolExecutor:
     return ThreadPoolExecutor(2**16, "hpc-gfmd")
 
 
-os.register_at_fork(after_in_child=_pool.cache_clear)  # its threads are not forked
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_pool.cache_clear)  # its threads are not forked

@@ -51,7 +51,7 @@ class Share:
 
     @cached_property
     def grids(self) -> list[Grid]:
-        """The coarser grids of the nested start that this rank has a part in, finest first."""
+        """The coarser grids of a nested iteration that this rank has a part in, finest first."""
         found: list[Grid] = []
         grid = self.grid
         while self.nested and (step := Decimation.of(grid)) is not None and step.coarse is not None:

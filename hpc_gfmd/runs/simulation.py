@@ -28,7 +28,7 @@ from ..parallel.interrupt import Interrupt, Stopped
 from ..parallel.world import comm_of, threads_of, world
 from ..scene import Scene, load_scene, with_overrides
 from ..surface import build_surface, grid_of, surface_size
-from ..surface.units import field_dtype
+from ..surface.number_range import field_dtype
 from ..util.errors import GfmdError, SceneError
 from ..util.versions import versions
 from .loads import check, solved, step_attributes, surface_attributes, sweep_of, worst

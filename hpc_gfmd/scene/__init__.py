@@ -5,8 +5,8 @@
 found and what is allowed.
 """
 
-from .load import load_scene, with_overrides
 from .model import ArrayScene, Scene
+from .read import load_scene, with_overrides
 from .settings import Load, Machine, Material, Output, Solver
 from .surface import File, SelfAffine, Sphere, Wave
 from .table import each, has_unit

@@ -85,7 +85,7 @@ class Solver:
     state_names: tuple[str, ...] = ("g", "p")
     scalar_names: tuple[str, ...] = ()
     allowed: Mapping[str, tuple[float, float]] = {}
-    nests = True  # whether a nested start pays
+    nests = True  # whether nested iteration pays
     # whether its pressure may be < 0 where the gap is closed, as it is at a load that is too small
     holds_tension = True
     dents = False  # whether it can do with a hardness

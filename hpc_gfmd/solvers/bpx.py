@@ -53,7 +53,6 @@ class Bpx(Solver):
         "rayleigh",
         "contact",
         "yielded",
-        "depth",
         "gap_mean",
         "rz",
         "rd",
@@ -223,7 +222,7 @@ class Bpx(Solver):
         self.rr, self.pp = sums.rr, sums.pp
         self.contact, self.gap_mean = sums.contact, sums.gap / self.N
         self.changing = max(sums.opening, sums.closing)
-        self.yielded, self.depth = sums.yielded, sums.depth
+        self.yielded = sums.yielded
 
     # -- how far
 

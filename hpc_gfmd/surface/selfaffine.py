@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike
 
-from ..kernels.surface import self_affine
+from ..kernels.selfaffine import self_affine
 from ..parallel.grid import Grid
 from ..parallel.interrupt import check
 from .statistics import rms_of_columns

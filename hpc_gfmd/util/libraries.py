@@ -1,4 +1,4 @@
-"""Libraries that need care when they are imported."""
+"""SurfaceTopography, imported without MPI."""
 
 import sys
 from typing import Any

@@ -116,3 +116,10 @@ def test_a_bad_note_of_the_speed_of_this_machine(content, tmp_path, monkeypatch)
     monkeypatch.setattr(timing, "_measure", lambda dtype: 1e-9)
     (tmp_path / f"speed-float64-{platform.node()}").write_bytes(content)
     assert timing.seconds_per_work("float64") == 1e-9
+
+
+def test_kept_code_calls_no_copy_of_a_piece():
+    """It would be another one than that of code just compiled, with other last bits."""
+    from hpc_gfmd.kernels.multilevel import restrict_row
+
+    assert restrict_row.targetoptions["forceinline"]

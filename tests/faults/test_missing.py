@@ -58,12 +58,13 @@ def test_a_missing_package(module, command, code, words, folder):
 
 
 ELSEWHERE = """
-import builtins, io, os, signal, sys
+import builtins, io, os, random, signal, sys
 
 import numpy
 
 for module, names in {
-    os: "sched_getaffinity posix_fallocate posix_fadvise O_TMPFILE memfd_create sysconf uname",
+    os: "sched_getaffinity posix_fallocate posix_fadvise O_TMPFILE memfd_create sysconf uname"
+    " register_at_fork",
     signal: "SIGUSR1",
 }.items():
     for name in names.split():

@@ -81,7 +81,7 @@ def solved(comm, case, threads):
         step = sweep.solve(load)
         assert step.status == "converged"
         fft = step.surface.grid.fft(step.g.dtype)
-        assert len(fft.row_scratch) == threads
+        assert len(fft.rows) == threads
         assert min(len(fft.passes()), fft.K) > 1
         numbers = {name: f(step) for name, f in all_observables().items()}
         steps.append((numbers, [field(step, name) for name in ("pressure", "gap")]))

@@ -26,7 +26,7 @@ FLOORS = (  # from the top down: a folder imports from those below its own floor
     ("util",),
 )
 ALLOWED_IN = {  # module: folders or files that may import it
-    "numba": ("kernels/", "commands/info.py"),
+    "numba": ("kernels/",),
     "mpi4py": ("parallel/", "commands/info.py"),
     "matplotlib": ("plotting/",),
 }

@@ -9,7 +9,7 @@ from hpc_gfmd.kernels import cache
 @pytest.mark.parametrize(
     ("kept", "said"),
     [
-        (False, "compiling, once (about 20 s)"),
+        (False, "compiling, once (half a minute)"),
         (True, "compiling what this scene needs in addition"),
     ],
 )

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hpc_gfmd.kernels import surface
+from hpc_gfmd.kernels import selfaffine
 
 
 def test_random_spectrum_is_that_of_a_real_field():
@@ -11,7 +11,7 @@ def test_random_spectrum_is_that_of_a_real_field():
     whole = np.zeros((n, n), complex)
     for k_y in range(n):
         block = np.zeros((1, n), complex)
-        surface.self_affine(
+        selfaffine.self_affine(
             block,
             0.0,
             1.0,
@@ -34,7 +34,7 @@ def test_random_numbers_are_uniform():
     parts = []
     for seed in (0, 1):
         block = np.zeros((100, 256), complex)
-        surface.self_affine(
+        selfaffine.self_affine(
             block, 0.0, 1.0, 1, 100, 512, (np.uint64(seed), 1.0, 1.0, 300.0, 1.0, 0.0)
         )
         block = block.T

@@ -1,4 +1,5 @@
-"""What numbers can hold: the program's own units are of order one, the scene's may be anything.
+"""Which precision holds the numbers: the program's own units are of order one, the scene's may be
+anything.
 
 A field is stored in single precision only where that loses nothing: its largest value is finite and
 what is as small as the rounding errors of its typical value is still a normal number. Units that

@@ -1,4 +1,4 @@
-"""From a scene file and the overrides of a command line to a Scene."""
+"""A scene file read to a Scene, with the overrides of a command line."""
 
 import os
 import tomllib
