@@ -120,8 +120,8 @@ def _hdf5(path: Path, spec: Any) -> Map:
         )
         # Chunks that the next rows need as well are kept: unpacking a large one takes long.
         band = data.chunks[0] * prod(data.shape[1:]) * data.dtype.itemsize if data.chunks else 0
-        folder, name = data.parent.name, data.name.rpartition("/")[2]
-        head = data.shape, data.dtype, name, unpacker(attributes)
+        folder = data.parent.name
+        head = data.shape, data.dtype, data.name, unpacker(attributes)
     kept = max(2 * band, 2**20)
     beside = h5py.File(path, "r", locking=False, rdcc_nbytes=kept, rdcc_nslots=10007)[folder]
     return Stored(*head, cache(lambda key: inside(beside, key) if key in beside else None)), said
@@ -143,9 +143,14 @@ def _netcdf(path: Path, spec: Any) -> Map:
         for x in [file.variables.get(axis)]
     ]
     said = by_axes(vars(variable), axes)
-    head = shape, variable.data.dtype, name, unpacker(vars(variable))
-    # found anew for each piece: the file may be closed only when nothing refers to its memory
-    return Stored(*head, file.variables.get), said
+    return Stored(
+        shape,
+        variable.data.dtype,
+        name,
+        unpacker(vars(variable)),
+        # found anew for each piece: the file may be closed only when nothing refers to its memory
+        lambda key: file.variables.get(key),
+    ), said
 
 
 def _one_of(names: list[str], spec: Any) -> str:

@@ -87,8 +87,7 @@ def open_topography(spec: Any) -> Topography:
 
 
 def _sum(one: Topography, two: Topography) -> Topography:
-    near = np.allclose(one.sizes, two.sizes, ALIKE, 0)
-    if one.n != two.n or one.unit != two.unit or not near:
+    if one.n != two.n or one.unit != two.unit or not np.allclose(one.sizes, two.sizes, ALIKE, 0):
         here, there = (
             f"{found.n[0]} x {found.n[1]} points, {found.sizes[0]:.6g} x {found.sizes[1]:.6g}"
             f" {found.unit or 'without a unit'} in {found.path}"
