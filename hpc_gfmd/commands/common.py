@@ -3,8 +3,6 @@
 import json
 from typing import Any
 
-from pydantic_core import to_json
-
 
 def number(text: str) -> float:
     """Read a decimal number or a ratio of two; ValueError otherwise."""
@@ -15,7 +13,8 @@ def number(text: str) -> float:
         raise ValueError(text) from None
 
 
-def finite(value: Any) -> Any:
-    """Replace what JSON does not know, infinity and NaN, by null, and what is no number, text or
-    list by its text."""
-    return json.loads(to_json(value, inf_nan_mode="null", fallback=str))
+def as_json(value: Any, indent: int | None = None) -> str:
+    """Write JSON: infinity and NaN, which it does not know, as null, and what is no number, text or
+    list as its text."""
+    known = json.loads(json.dumps(value, default=str), parse_constant=lambda _: None)
+    return json.dumps(known, indent=indent)

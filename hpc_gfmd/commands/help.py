@@ -10,7 +10,7 @@ def main(args: Namespace) -> int:
     if args.key is not None and (args.topic != "scene" or args.markdown):
         raise SceneError(f"help: found {args.key}, allowed: a key after scene, without --markdown")
     if args.topic == "observables":
-        print(_numbers("| `{}` | {} | {} | {} |" if args.markdown else "{:<24} {:<18} {:<14} {}"))
+        print(_numbers("| `{}` | {} | {} | {} |" if args.markdown else "{:<36} {:<18} {:<14} {}"))
         return 0
     if args.topic != "scene":
         return _of_command(args.topic)

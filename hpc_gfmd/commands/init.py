@@ -4,7 +4,6 @@ import os
 import tomllib
 from argparse import Namespace
 from collections.abc import Sequence
-from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
@@ -45,16 +44,19 @@ def compose(
     shows, a line each. Raises SceneError.
     """
     from ..scene import Scene
-    from ..scene.read import apply_override
+    from ..scene.read import ALTERNATIVES, apply_override
     from ..scene.surface import KINDS
     from ..scene.template import CHOSEN, Suggestion, template
 
-    tables: dict[str, Any] = deepcopy(CHOSEN)
+    tables: dict[str, Any] = {}
     for override in overrides:
         apply_override(tables, override)
     tables = {
         name: keys for name, keys in tables.items() if name == "title" or isinstance(keys, dict)
     }
+    for name, usual in CHOSEN.items():
+        given = tables.get(name, {})
+        tables[name] = given if given.keys() & ALTERNATIVES.get(name, ()) else usual | given
     made = [kind for kind in KINDS if kind != "file"]
     if what in made:
         kind, found = what, Suggestion()

@@ -1,9 +1,9 @@
 """`hpc-gfmd plan`: what a scene would take, without allocating it."""
 
-import json
 from argparse import Namespace
 
 from ..util.errors import SceneError
+from .common import as_json
 
 
 def main(args: Namespace) -> int:
@@ -30,7 +30,7 @@ def main(args: Namespace) -> int:
     plan = plan_of(scene, n, sizes, args.ranks, per_node, threads, here)
     there = scene.machine.memory_gib or available_gib()
     plan["gib_available"] = there
-    print(json.dumps(plan, indent=1) if args.json else text_of(plan))
+    print(as_json(plan, 1) if args.json else text_of(plan))
     # Nodes on which more ranks run than there are cores here are other machines: one rank has to
     # fit into one like this.
     together = per_node if per_node * threads <= here or scene.machine.memory_gib else 1

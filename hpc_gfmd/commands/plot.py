@@ -4,21 +4,17 @@ from argparse import Namespace
 
 from ..output.read import read_result
 from ..output.summary import converged
-from ..util.errors import GfmdError, SceneError
+from ..util.errors import SceneError
 
 
 def main(args: Namespace) -> int:
     """Draw the pictures and print their names; raises SceneError if the file, the folder or what is
     asked for is unusable."""
+    from ..plotting import chosen_steps, plot_result
+
     result = read_result(args.file)
     if args.dpi is not None and not 20 <= args.dpi <= 2400:
         raise SceneError(f"--dpi: found {args.dpi}, allowed: 20 to 2400")
-    try:
-        from ..plotting import chosen_steps, plot_result
-    except ImportError as error:
-        raise GfmdError(
-            f"plot needs matplotlib and scipy ({error}): pip install matplotlib scipy"
-        ) from None
     paths = plot_result(
         result,
         args.output,
@@ -29,10 +25,10 @@ def main(args: Namespace) -> int:
         dimensionless=args.dimensionless,
     )
     print(*paths, sep="\n")
-    said, names = [], args.what or ["maps"]
-    shown = {result.indices[k] for k in chosen_steps(result, names[0], args.step)}
+    said, several = [], {*(args.what or ["maps"])} - {"heights"}
+    shown = {result.indices[k] for name in several for k in chosen_steps(result, name, args.step)}
     left = [index for index in result.indices if index not in shown]
-    if left and shown and names != ["heights"]:
+    if left and shown:
         said.append(f"shown: step {_list(sorted(shown))}; left out: {_list(left)} (--step chooses)")
     steps = result.numbered
     if doubtful := [index for index, step in steps.items() if not converged(step)]:

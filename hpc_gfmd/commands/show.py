@@ -1,13 +1,12 @@
 """`hpc-gfmd show`: what a result file says, as a table or as JSON."""
 
-import json
 import sys
 from argparse import Namespace
 
 from ..output.read import Result, read_result
 from ..output.summary import surface_line
 from ..runs.table import table
-from .common import finite
+from .common import as_json
 
 
 def main(args: Namespace) -> int:
@@ -17,23 +16,22 @@ def main(args: Namespace) -> int:
     if args.tfc is not None:
         from .limits import limits_text, to_limits
 
-        limits = to_limits(result, args.tfc)
-        shown, text = shown | finite({"tfc": limits}), f"{text}\n\n{limits_text(limits)}"
+        limits = to_limits(result, args.tfc or "ours")
+        shown, text = shown | {"tfc": limits}, f"{text}\n\n{limits_text(limits)}"
     if args.references:
         from ..runs.references import references_of
 
         found = references_of(result)
         shown, text = shown | {"references": found}, "\n".join([text, "", "to cite:", *found])
-    print(json.dumps(shown, indent=1, allow_nan=False) if args.json else text)
+    print(as_json(shown, 1) if args.json else text)
     for note in result.notes if args.json else ():
         print(f"note: {note}", file=sys.stderr)
     return 0
 
 
 def as_dict(result: Result) -> dict:
-    """Return surface, steps and status with the names of the file; null for what is not a finite
-    number."""
-    return finite({"surface": result.surface, "steps": result.steps, "status": result.status})
+    """Return surface, steps and status with the names of the file."""
+    return {"surface": result.surface, "steps": result.steps, "status": result.status}
 
 
 def as_text(result: Result) -> str:
@@ -41,8 +39,8 @@ def as_text(result: Result) -> str:
     lines = [f"{result.path}: {result.status}"]
     if result.folder is not None:
         lines.append(f"the finished load steps of an unfinished run, from {result.folder}")
-    if surface_line(result.surface):
-        lines.append(surface_line(result.surface))
+    if line := surface_line(result.surface):
+        lines.append(line)
     lines.append(
         table(result.numbered, result.surface) if result.steps else "no finished load step yet"
     )

@@ -1,13 +1,12 @@
 """`hpc-gfmd tfc`: corrections to the thermodynamic, fractal and continuum limits, and fits of their
 coefficients."""
 
-import json
 from argparse import Namespace
 from typing import Any
 
 from ..theory import tfc
 from ..util.errors import SceneError
-from .common import finite
+from .common import as_json
 
 GIVEN = ("hurst", "p_star", *tfc.RATIOS, "value")  # of what is to be extrapolated
 # what is not given, of an extrapolation and of a fit
@@ -25,7 +24,7 @@ def main(args: Namespace) -> int:
             f"tfc: found {_options(given)}, allowed: {'without' if args.fit else 'with'} --fit"
         )
     report, text = _fit(args) if args.fit else _extrapolate(args)
-    print(json.dumps(report) if args.json else text)
+    print(as_json(report) if args.json else text)
     return 0
 
 
@@ -79,7 +78,7 @@ def _fit(args: Namespace) -> Any:
         **{f"C_{i}": c for i, c in fit.C.items()},
         **{f"alpha_{i}": a for i, a in fit.alpha.items()},
     }
-    report = numbers | {"sigma": finite(fit.sigma), "chi2": fit.chi2, "dof": fit.dof}
+    report = numbers | {"sigma": fit.sigma, "chi2": fit.chi2, "dof": fit.dof}
     lines = [
         f"{name:>8} = {x:.5g} " + (f"+- {fit.sigma[name]:.2g}" if name in fit.sigma else "(fixed)")
         for name, x in numbers.items()

@@ -39,8 +39,8 @@ def find_clusters(
     mask: Callable[[int, int], np.ndarray],
     rows: tuple[int, int],
     n: tuple[int, int],
-    periodic: tuple[bool, bool] = (True, True),
-    corners: bool = False,
+    periodic: tuple[bool, bool],
+    corners: bool,
 ) -> Clusters:
     """Find the Clusters of the points where a mask is true. Collective.
 

@@ -181,7 +181,7 @@ class SlabFFT(Layout):
         return [result for result, width in zip(results, self._own_widths) if width]
 
     def multiply_columns(
-        self, factors: tuple, inverse: bool, backward: bool = True
+        self, factors: tuple, inverse: bool, backward: bool
     ) -> tuple[float, float]:
         """Multiply all columns as kernels/spectral.py: multiply does; returns the sum of what that
         returns, and the mean of the field before (0 where another rank has it). Collective."""

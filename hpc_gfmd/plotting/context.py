@@ -46,5 +46,5 @@ class FigureContext:
             name += f": $p^* = {step['p_star']:.3g}$"
         elif good(step.get("p")):
             name += f": {pressures.value('p_0', step['p'])}"
-        doubt = f", NOT CONVERGED ({step.get('status', 'unknown')})"
+        doubt = f"\nNOT CONVERGED ({step.get('status', 'unknown')})"
         return name + ("" if converged(step) else doubt)

@@ -13,7 +13,7 @@ from ..util.errors import SceneError
 from .context import FigureContext
 from .page import Page
 from .style import THEORY, WARNING, colour, log_axis
-from .units import Scale, finite, good
+from .units import Scale, finite
 
 DOUBTFUL = {"color": WARNING, "marker": "x", "label": "not converged"}
 BEYOND = 2  # of the loads: how far the axis goes on
@@ -50,23 +50,27 @@ def curves(contexts: Sequence[FigureContext], names: list[str]) -> Page:
     return Page([partial(_panel, contexts=contexts, key=name) for name in names])
 
 
-def _steps(context: FigureContext) -> list[dict]:
-    return [step for step in context.result.steps if good(step.get("p"))]
-
-
 def _panel(ax: Any, contexts: Sequence[FigureContext], key: str) -> None:
     quantity, alone = QUANTITIES[key], len(contexts) == 1
-    every, theories = [step for one in contexts for step in _steps(one)], []
+    every, theories = [step for one in contexts for step in one.result.steps], []
     for k, one in enumerate(contexts):
         x = one.units.of("pressure", [step["p"] for step in every])
         y = one.units.of("gap", [step.get(key) for step in every]) if quantity.length else Scale()
         name = "simulation (bars: solver and grid)" if alone else one.name
         _points(ax, one, key, (x, y), quantity.errors, color=colour(k), marker="o", label=name)
         if key == "kappa" and alone:
-            how = {"color": colour(1), "marker": "s", "label": "edge-corrected"}
-            _points(ax, one, "kappa_corrected", (x, y), (), **how)
+            _points(
+                ax,
+                one,
+                "kappa_corrected",
+                (x, y),
+                (),
+                color=colour(1),
+                marker="s",
+                label="edge-corrected",
+            )
         if one.theory and key in one.theory.curves:
-            loads = [step["p"] for step in _steps(one)]
+            loads = [step["p"] for step in one.result.steps]
             p = np.geomspace(min(loads) / BEYOND, max(loads) * BEYOND, 80)
             line = THEORY | ({} if alone else {"color": colour(k)}) | {"label": one.theory.name}
             theories.append((p / x.unit, one.theory.curves[key](p) / y.unit, line))
@@ -89,23 +93,25 @@ def _points(
 ) -> None:
     for sound, changed in ((True, {}), (False, DOUBTFUL)):
         steps = [
-            step for step in _steps(context) if converged(step) == sound and finite(step.get(key))
+            step
+            for step in context.result.steps
+            if converged(step) == sound and finite(step.get(key))
         ]
         if steps:
             x, y = np.array([[s["p"] / scales[0].unit, s[key] / scales[1].unit] for s in steps]).T
             relative = np.array([hypot(*(s.get(error) or 0.0 for error in errors)) for s in steps])
-            bars = np.abs(y) * np.where(np.isfinite(relative), relative, 0) if errors else None
+            bars = np.abs(y) * np.nan_to_num(relative, posinf=0) if errors else None
             how = {"linestyle": "", "capsize": 1.5, "elinewidth": 0.8} | how | changed
             ax.errorbar(x, y, bars, **how)
 
 
 def _limits(ax: Any) -> None:
     """Frame what has been drawn."""
-    _, low, _, high = ax.dataLim.extents
-    ax.autoscale()
-    ax.margins(0.1)
+    x0, low, x1, high = ax.dataLim.extents
+    ax.set_xlim(x0 / BEYOND, x1 * BEYOND)
     if low > 0 and high > 10 * low:
         log_axis(ax, "y")
+        ax.set_ylim(low / 2, high * 2)
     else:
-        ax.set_ylim(bottom=min(0, low))
-    ax.autoscale(False)
+        low = min(0, low)
+        ax.set_ylim(low, high + 0.15 * (high - low) or 1)

@@ -30,10 +30,10 @@ SPIKY = 1.25
 def maps(contexts: Sequence[FigureContext], names: list[str]) -> Page:
     """Make a row for each load of one result, a column for each of `names`: "contact" or a
     field."""
-    context, single = contexts[0], len(names) == 1
+    context = contexts[0]
     x0, x1, y0, y1 = context.window
     loads = range(len(context.result.steps))
-    columns = min(2, len(loads)) if single else len(names)
+    columns = min(2, len(loads)) if len(names) == 1 else len(names)
     width = 0.245 * WIDTH * 3 / max(columns, 2)
     pixels = max(16, int(width * (context.dpi or DPI)))
 
@@ -57,7 +57,7 @@ def maps(contexts: Sequence[FigureContext], names: list[str]) -> Page:
     return Page(
         [partial(panel, k, name) for k in loads for name in names],
         columns,
-        height=width * min(2.4, max(0.4, (y1 - y0) / (x1 - x0))) + 0.34,
+        height=width * np.clip((y1 - y0) / (x1 - x0), 0.4, 2.4) + 0.34,
         width=WIDTH if columns > 1 else WIDTH / 2,
         images=True,
     )
@@ -69,7 +69,7 @@ def _field(ax: Any, context: FigureContext, found: Survey, name: str) -> None:
     scale = context.units.of(name, [largest, float(values.min())]) if symbol else Scale()
     values, largest = values / scale.unit, largest / scale.unit
     clipped = False
-    norm = Normalize(values.min(), values.max())
+    norm: Any = Normalize(values.min(), values.max())
     if name == "contact":
         values, norm = np.ma.masked_equal(values, 0), Normalize(0, 1)
     elif name == "pressure":
@@ -77,14 +77,19 @@ def _field(ax: Any, context: FigureContext, found: Survey, name: str) -> None:
         values = np.ma.masked_where(found.means["contact"] == 0, values)
         top = np.percentile(values.compressed(), 99.5) if values.count() else 1.0
         clipped = largest > SPIKY * top > 0
-        norm = Normalize(0, top if clipped else largest if largest > 0 else 1.0)
+        norm = Normalize(0, top if clipped else largest)
     elif name == "gap":  # square root: most of what matters happens at small gaps
         values = np.ma.masked_where(found.means["contact"] >= 0.5, values)
-        norm = PowerNorm(0.5, vmin=0, vmax=max(largest, 1e-300))
+        norm = PowerNorm(0.5, vmin=0, vmax=largest)
+    if norm.vmin == norm.vmax:
+        norm.vmax += 1
     extent = [edge / context.lengths.unit for edge in context.window]
-    how = {"origin": "lower", "extent": extent, "interpolation": "nearest"}
-    image = ax.imshow(values.T, cmap=colours, norm=norm, **how)
+    image = ax.imshow(
+        values.T, colours, norm, origin="lower", extent=extent, interpolation="nearest"
+    )
     ax.tick_params(color="0.5")
+    for axis in (ax.xaxis, ax.yaxis):
+        axis.set_major_formatter("{x:g}")
     ax.set(xlabel=context.lengths.label("x"), ylabel=context.lengths.label("y"))
     if name == "contact":
         return

@@ -37,7 +37,9 @@ MAPS = {name: (name,) for name in FIELDS} | {"contact": ("pressure", "gap")}
 CURVES = {name: (name,) for name in QUANTITIES}
 PAGES = {
     "maps": Kind(maps, {name: MAPS[name] for name in ("contact", "pressure", "gap")}),
-    "distributions": Kind(distributions, {name: (name, f"{name}_edges") for name in NAMES}),
+    "distributions": Kind(
+        distributions, {name: (*MAPS.get(name, ()), f"{name}_edges") for name in NAMES}
+    ),
     "spectra": Kind(spectra, {name: (f"{name}_q", f"{name}_r") for name in PANELS}),
     "curves": Kind(curves, CURVES),
 }
@@ -98,16 +100,16 @@ def plot(
     there = [
         name
         for name, kind in PICTURES.items()
-        if all(_steps(one, kind.panels) for one in results.values())
+        if all(chosen_steps(one, name, step) for one in results.values())
         and (len(results) == 1 or kind.make is curves)
     ]
     what = what or next(iter(there), "maps")
     if what not in there:
         allowed = ", ".join(there) or "nothing, it has no finished load step"
-        lacking = " (maps and distributions need output.fields, spectra output.distributions)"
-        raise SceneError(
-            f"what: found {what!r}, allowed: {allowed}" + ("" if "maps" in there else lacking)
-        )
+        if "maps" not in there:
+            allowed += " (maps and distributions need output.fields, spectra output.distributions)"
+        of = "" if step is None else f" of step {step}"
+        raise SceneError(f"what: found {what!r}{of}, allowed: {allowed}")
     with styled():
         contexts = [
             FigureContext(one, chosen_steps(one, what, step), window, dpi, dimensionless, name)
@@ -119,7 +121,7 @@ def plot(
             for name in panels
             if any(_steps(one.result, {name: panels[name]}) for one in contexts)
         ]
-        page = make(contexts, drawn or [*panels])
+        page = make(contexts, drawn)
         fig = ax.figure if ax is not None else Picture(layout="constrained")
         try:
             if ax is None:
@@ -163,7 +165,7 @@ def figures(result: Any, what: Any = None, **how: Any) -> dict[str, Picture]:
     there = (
         ["maps"]
         if how.get("window")
-        else [name for name, kind in PAGES.items() if _steps(result, kind.panels)]
+        else [name for name in PAGES if chosen_steps(result, name, how.get("step"))]
     )
     if len(result.steps) == 1 and len(there) > 1:
         there = [name for name in there if name != "curves"]
@@ -189,23 +191,25 @@ def plot_result(file: Any, where: Any = None, what: Any = None, **how: Any) -> l
         raise SceneError(f"-o: pictures cannot go to {folder} ({one_line(error)})") from None
     drawn, paths = figures(result, what, **how), []
     for name, fig in drawn.items():
-        path = where.with_stem(f"{where.stem}_{name}") if as_file else folder / f"{name}.png"
-        paths.append(where if as_file and len(drawn) == 1 else path)
+        path = folder / f"{name}.png"
+        if as_file:
+            path = where.with_stem(f"{where.stem}_{name}") if len(drawn) > 1 else where
         try:
-            save(fig, paths[-1], how.get("dpi"))
+            save(fig, path, how.get("dpi"))
         except OSError as error:
-            raise GfmdError(f"writing {paths[-1]}: {one_line(error)}") from error
+            raise GfmdError(f"writing {path}: {one_line(error)}") from error
+        paths.append(path)
     return paths
 
 
-def chosen_steps(result: Result, what: Any, step: Any = None) -> list[int]:
-    """List the places in result.steps of the load steps that a picture shows. Raises SceneError for
-    numbers that it does not have."""
+def chosen_steps(result: Result, what: Any, step: Any) -> list[int]:
+    """List the places in result.steps of the load steps that a picture shows, of all or of the
+    numbers `step`. Raises SceneError for numbers that there are not."""
+    able = _steps(result, PICTURES[what].panels)
     if step is not None:
         if not np.size(step):
             raise SceneError("step: found none, allowed: the number of a load step or several")
-        return result.places(np.atleast_1d(step).tolist())
-    able = _steps(result, PICTURES[what].panels)
+        return [k for k in result.places(np.atleast_1d(step).tolist()) if k in able]
     if what == "heights":
         return able[:1]  # the same under all loads
     if PICTURES[what].make is curves or len(able) <= MAX_STEPS:
@@ -234,10 +238,9 @@ def _name(result: Result) -> str:
 def _title(context: FigureContext, what: str) -> str:
     """Say what a picture shows, and what it leaves out."""
     left = context.left_out if what != "heights" else 0
-    surface = context.result.surface
     out = f"; {left} of {left + len(context.result.steps)} loads not shown" if left else ""
-    said = {"n", "physical_sizes", "h_rms", "unit"} & {*surface}
-    line = surface_line({key: surface[key] for key in said})
+    said = ("n", "physical_sizes", "h_rms", "unit")
+    line = surface_line({key: context.result.surface.get(key) for key in said})
     for plain, printed in ((" x ", " × "), (" um", " µm"), ("h_rms", r"$h_\mathrm{rms}$")):
         line = line.replace(plain, printed)
     return f"{_name(context.result)}: {line}{out}"

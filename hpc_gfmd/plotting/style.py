@@ -67,7 +67,7 @@ class LogTicks(LogLocator):
     """Decades, or 1 and 3, or 1, 2 and 5, ...: the first of them that gives three labels."""
 
     def tick_values(self, vmin: float, vmax: float) -> Any:
-        for subs in ((1.0,), (1.0, 3.0), (1.0, 2.0, 5.0), tuple(map(float, range(1, 10)))):
+        for subs in ((1.0,), (1.0, 3.0), (1.0, 2.0, 5.0), (1.0, 2.0, 3.0, 5.0, 7.0)):
             self.set_params(subs=subs)
             found = np.asarray(super().tick_values(vmin, vmax))
             if np.count_nonzero((found >= vmin) & (found <= vmax)) >= 3:
@@ -102,7 +102,7 @@ def legend(fig: Any, loc: str, columns: int = 1) -> None:
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
             handles.setdefault(label, handle)
     if handles:
-        fig.legend(list(handles.values()), list(handles), loc=loc, ncols=min(columns, len(handles)))
+        fig.legend(list(handles.values()), list(handles), loc=loc, ncols=columns)
 
 
 @contextmanager

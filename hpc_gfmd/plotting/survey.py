@@ -44,10 +44,10 @@ def histogram(fields: dict, name: str) -> tuple[np.ndarray, np.ndarray]:
     """Count (edges, shares of all points) of "pressure" over the points that touch, in even bins
     from 0, or of "gap" over the others, in logarithmic bins with all that is smaller in the first
     one."""
-    points = fields[name].shape[0] * fields[name].shape[1]
+    n_x, n_y = fields[name].shape
 
     def values() -> Iterator[np.ndarray]:
-        for slab in _slabs(fields, 0, fields[name].shape[0], 1, slice(None)):
+        for slab in _slabs(fields, 0, n_x, 1, slice(None)):
             touching = slab["contact"]
             yield slab[name][touching if name == "pressure" else ~touching]
 
@@ -57,7 +57,7 @@ def histogram(fields: dict, name: str) -> tuple[np.ndarray, np.ndarray]:
         edges = np.append(
             0.0, np.geomspace(top / 10**GAP_DECADES, top, GAP_DECADES * PER_DECADE + 1)
         )
-    return edges, sum(np.histogram(found, edges)[0] for found in values()) / points
+    return edges, sum(np.histogram(found, edges)[0] for found in values()) / (n_x * n_y)
 
 
 def _slabs(fields: dict, i0: int, i1: int, multiple: int, columns: slice) -> Iterator[Any]:

@@ -8,7 +8,7 @@ from ..util.errors import SceneError, one_line
 from ..util.quantities import parse
 
 
-def window_of(surface: Any, window: Any = None) -> tuple:
+def window_of(surface: Any, window: Any) -> tuple:
     """Return ((x0, x1, y0, y1) in the unit of the sizes, at the edges of grid points; the same as
     points, or None for all of them).
 

@@ -25,7 +25,7 @@ HOMES = {  # key: its table
 
 
 def scene_of_keywords(
-    given: dict[str, Any], more: dict[str, Any], surface: PreparedSurface | None = None
+    given: dict[str, Any], more: dict[str, Any], surface: PreparedSurface | None
 ) -> Scene:
     """Make the scene of what was given (None: not given) and more, on a surface, or on an array
     (None). Raises SceneError."""

@@ -188,7 +188,7 @@ class ArrayScene(Scene):
         return self
 
 
-def parse_toml(text: str, origin: str = "scene") -> dict[str, Any]:
+def parse_toml(text: str, origin: str) -> dict[str, Any]:
     """Return TOML text as a dictionary. Raises SceneError with the line number where the parser
     knows it."""
     try:

@@ -12,6 +12,9 @@ from .explain import printable, shown
 from .model import Scene, parse_toml
 from .settings import Load
 
+# by table, the keys of which one takes the place of another
+ALTERNATIVES = {"load": tuple(Load.model_fields), "solver": ("accuracy", "residual")}
+
 
 def load_scene(path: str | PathLike, overrides: Iterable[str] = ()) -> Scene:
     """Read a scene file and apply overrides "table.key=value", each value in TOML or else a plain
@@ -57,11 +60,11 @@ def _read(path: str | PathLike, origin: str) -> str:
 def apply_override(data: dict[str, Any], override: str) -> None:
     """Change the tables by "table.key=value". Raises SceneError for another text."""
     key, equals, value = override.partition("=")
-    path = [part.strip() for part in key.split(".")]
+    *above, last = path = [part.strip() for part in key.split(".")]
     if not equals or not all(path):
         raise SceneError(f"--set: found {shown(override)}, allowed: table.key=value")
     table = data
-    for depth, part in enumerate(path[:-1], 1):
+    for depth, part in enumerate(above, 1):
         table = table.setdefault(part, {})
         if not isinstance(table, dict):
             before = ".".join(path[:depth])
@@ -69,10 +72,10 @@ def apply_override(data: dict[str, Any], override: str) -> None:
                 f"--set: found {shown(key)}, but {printable(before)} is no table, "
                 "allowed: table.key=value"
             )
-    if path[:-1] == ["load"] and path[-1] in Load.model_fields:  # a load takes the place of another
-        for name in Load.model_fields:
-            table.pop(name, None)
-    table[path[-1]] = _value(value.strip())
+    alternatives = ALTERNATIVES.get(".".join(above), ())
+    for name in alternatives if last in alternatives else ():
+        table.pop(name, None)
+    table[last] = _value(value.strip())
 
 
 def _value(text: str) -> Any:

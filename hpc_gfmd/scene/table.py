@@ -171,8 +171,6 @@ def alike(what: str, given: dict[str, Any]) -> None:
     plain = {key: item for key, item in numbers if not isinstance(item, Quantity)}
     named = {key: item.text for key, item in numbers if isinstance(item, Quantity)}
     if plain and named:
-        (one, number), (other, text) = next(iter(plain.items())), next(iter(named.items()))
-        raise ValueError(
-            f"{one}: found {number:g} beside {other} = {text!r}, allowed: all {what} with units, or"
-            " none"
-        )
+        found = ", ".join(f"{key}: found {number:g}" for key, number in plain.items())
+        others = ", ".join(f"{key} = {text!r}" for key, text in named.items())
+        raise ValueError(f"{found} beside {others}, allowed: all {what} with units, or none")

@@ -23,7 +23,7 @@ def energy_fraction(x: np.ndarray, gamma: float) -> np.ndarray:
     return a * (gamma + (1 - gamma) * a * a)
 
 
-def gap_kernel(x: np.ndarray, gamma: float, printed: bool = False) -> np.ndarray:
+def gap_kernel(x: np.ndarray, gamma: float, printed: bool) -> np.ndarray:
     """Compute F(x) = gamma E1(x^2) + c (1-gamma) int_1^inf erf(tx)^2 exp(-t^2 x^2) dt/t, x > 0.
 
     c = 6; the published equation has 3, because E1(x^2) = 2 int_1^inf exp(-t^2 x^2) dt/t was used
@@ -32,7 +32,7 @@ def gap_kernel(x: np.ndarray, gamma: float, printed: bool = False) -> np.ndarray
     return gamma * exp1_of_square(x) + _SECOND_TERM[printed] * (1 - gamma) * erf2_integral(x)
 
 
-def compliance_kernel(x: np.ndarray, gamma: float, printed: bool = False) -> np.ndarray:
+def compliance_kernel(x: np.ndarray, gamma: float, printed: bool) -> np.ndarray:
     """Compute -x dF/dx = exp(-x^2) (2 gamma + c (1-gamma) erf(x)^2), of which -p d(gap)/dp is
     made."""
     x = np.minimum(x, X_ZERO)

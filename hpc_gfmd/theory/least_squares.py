@@ -31,8 +31,8 @@ def least_squares(
     jacobian: Function,
     starts: list[np.ndarray],
     value: np.ndarray,
-    sigma: Any = None,
-    bounds: Any = (-np.inf, np.inf),
+    sigma: Any,
+    bounds: Any,
 ) -> Solution:
     """Find the best fit of model(x), shape (runs,), to value from several starts.
 
@@ -42,7 +42,7 @@ def least_squares(
         Shapes (runs,) and (runs, k).
     starts : list of arrays, shape (k,)
     value : array, shape (runs,)
-    sigma : array, optional
+    sigma : array or None
         Standard errors, shape (runs,), or covariance matrix, shape (runs, runs).
     bounds : pair of numbers or of arrays, shape (k,)
 

@@ -42,7 +42,7 @@ N. Prodanov, W. B. Dapp, M. H. Müser, *On the contact area and mean gap of roug
 [doi:10.1007/s11249-013-0282-z](https://doi.org/10.1007/s11249-013-0282-z): every figure and table, and its [errata](errata.md).
 
 {loads} loads, {minutes:.0f} minutes of solving, accuracy {accuracy:g}; {poor} failed it.
-All numbers follow from the kept runs: `python scripts/paper all --level {level}`.
+All numbers follow from the runs kept in this folder: `python scripts/paper all --level {level} -o FOLDER`.
 
 - "As counted": grid points in contact. "Edge-corrected": less (π - 1 + ln 2)/24 of a point for every segment of the contact
   boundary (Yastrebov, Anciaux, Molinari 2017).

@@ -2,12 +2,12 @@
 else may happen."""
 
 import faulthandler
-import json
 import os
 import resource
 import signal
 from pathlib import Path
 
+from hpc_gfmd.commands.common import as_json
 from hpc_gfmd.commands.show import as_dict, as_text
 from hpc_gfmd.output.read import read_checkpoint, read_result
 from hpc_gfmd.scene import File, Scene, load_scene
@@ -46,7 +46,7 @@ def read_results(path):
     would want it."""
     result = read_result(path)
     assert as_text(result)
-    json.dumps(as_dict(result), allow_nan=False)
+    as_json(as_dict(result))
     for fields in result.fields:
         for stored in fields.values():
             if stored.shape[0] * stored.shape[1] <= MOST_POINTS:

@@ -124,7 +124,7 @@ def load(path: str | Path | None = None) -> Reference:
     SceneError
         If it is not one.
     """
-    path = Path(path or SHIPPED)
+    path = Path(SHIPPED if path is None else path)
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
         if data["format"] != FORMAT:

@@ -77,7 +77,7 @@ def test_show(cli, solved):
     ("statement", "absent"),
     rows("""
 import hpc_gfmd | numpy pydantic numba mpi4py h5py matplotlib typing
-import hpc_gfmd.commands.cli | numba mpi4py matplotlib
+import hpc_gfmd.commands.cli | pydantic_core numba mpi4py matplotlib
 import hpc_gfmd.scene | numba mpi4py matplotlib
 import hpc_gfmd.output.read | numba mpi4py matplotlib
 import hpc_gfmd.theory.persson | numba mpi4py matplotlib

@@ -48,7 +48,7 @@ def tilted(sizes=(240.0, 160.0)):
     np.savez("map.npz", z=z, **({"physical_sizes": sizes, "unit": "nm"} if sizes else {}))
 
 
-def test_a_map_is_read_and_what_it_needs_is_written(tmp_path):
+def test_a_map_is_read_and_its_scene_runs_as_init_wrote_it(tmp_path, cli):
     tilted()
     written, missing, about = compose("map.npz", Path("scene.toml"))
     assert not missing
@@ -71,11 +71,7 @@ def test_a_map_is_read_and_what_it_needs_is_written(tmp_path):
         assert re.search(line, written), line
     (tmp_path / "scene.toml").write_text(written)
     assert load_scene("scene.toml").surface.detrend == "tilt"
-
-
-def test_a_map_that_knows_its_sizes_runs_as_init_wrote_it(cli):
-    tilted()
-    for command in ("init map.npz", "run scene.toml -q", "plan scene.toml"):
+    for command in ("init map.npz --force", "run scene.toml -q", "plan scene.toml"):
         cli.prints(command)
 
 
@@ -139,9 +135,14 @@ def test_nothing_is_overwritten_and_nothing_unknown_is_taken(tmp_path, cli):
         assert words in cli.refused(arguments)
     assert (tmp_path / "scene.toml").read_text() == "mine"
     assert not (tmp_path / "a.toml").exists()
-    cli.prints("init --force --set load.pressure=0.1 --set solver.options.b=1.5")
+    cli.prints(
+        "init --force --set load.pressure=0.1 --set solver.options.b=1.5 --set solver.residual=0.2"
+        " --set 'output={path=\"x.h5\"}'"
+    )
     scene = load_scene("scene.toml")
     assert (scene.load.pressure, scene.solver.options) == ((0.1,), {"b": 1.5})
+    assert (scene.solver.residual, scene.output.path) == (0.2, "x.h5")
+    assert scene.output.fields == ("pressure", "gap")
     cylinder = ("surface.radius=[1.0,inf]", 'surface.boundary=["free","periodic"]')
     for what in ("sphere", "map.npz"):
         written = tomllib.loads(compose(what, Path("a.toml"), cylinder)[0])
@@ -160,14 +161,11 @@ def test_help_has_every_key_with_what_it_is():
                     assert item.json_schema_extra["allowed"] in page
 
 
-def test_help_on_what_there_is_not(cli):
+def test_help_on_what_there_is_and_is_not(cli):
     with refused(r"nearest: solver\.accuracy"):
         text("solver.acuracy")
     with refused(r"help scene: found adhesion, not modelled"):
         text("adhesion")
     assert "allowed: scene, " in cli.refused("help rum")
     assert "found solver, allowed: a key after scene" in cli.refused("help run solver")
-
-
-def test_help_knows_the_names(cli):
     assert "patch_largest" in cli.prints("help scene output")

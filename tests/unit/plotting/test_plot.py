@@ -101,7 +101,8 @@ full_contact = {a_r = 1.0, gap_mean = 0.0, gap_over_h_rms = 0.0}
 unknown_errors = {a_r_error = inf, gap_error = nan}
 long_cell = {surface = {physical_sizes = [0.1, 2.0]}, n = [3, 50]}
 gap_alone = {fields = ["gap"]}
-no_field = {fields = []}
+no_field = {fields = [], patches = 7}
+tiny_share = {fields = ["gap"], pressure_edges = [0.0, 1.0, 2.0], pressure_density = [1.0, 1e-20]}
 """) | {"few_numbers": {"surface": {"eps_f": float("nan")}, "a_r": None, "kappa": None}}
 
 
@@ -167,7 +168,7 @@ def assert_readable(fig):
         for bar in ax.containers:
             x, y = bar.lines[0].get_xydata().T
             (x0, x1), (y0, y1) = ax.get_xlim(), ax.get_ylim()
-            assert ((x0 < x) & (x < x1) & (y0 <= y) & (y < y1)).all()
+            assert ((x0 < x) & (x < x1) & (y0 <= y) & (y < 0.98 * y1)).all()
 
 
 @pytest.mark.parametrize("units", [False, True], ids=["plain", "units"])
@@ -193,6 +194,7 @@ def test_what_is_drawn_is_what_was_computed(kind, units):
         length = unit_of(fig.axes[-1].get_xlabel(), solution)
         assert np.array(image.get_extent()[1::2]) * length == pytest.approx(size)
 
+    assert_readable(solutions.plot("curves", step=1))
     fig = solutions.plot("curves")
     assert_readable(fig)
     drawn = {ax.get_ylabel(): ax.containers[0].lines[0].get_xydata().T for ax in fig.axes}
@@ -207,6 +209,7 @@ def test_what_is_drawn_is_what_was_computed(kind, units):
         for solution in solutions if stored else ():
             solution.distribution("pressure")
             solution.distribution("gap")
+            solution.result.steps[0].pop("a_r", None)
         fig = solutions.plot("distributions")
         assert_readable(fig)
         for ax, name in zip(fig.axes, ("pressure", "gap")):
@@ -215,7 +218,9 @@ def test_what_is_drawn_is_what_was_computed(kind, units):
                 field = getattr(solution, name)[solution.contact == (name == "pressure")]
                 values, edges, _ = stairs.get_data()
                 share = field.size / solution.gap.size
-                assert (values * np.diff(edges)).sum() == pytest.approx(share, rel=1e-9)
+                assert (values * np.diff(edges)).sum() == pytest.approx(
+                    share, rel=0.02 if stored else 1e-9
+                )
                 assert edges[0] * unit <= field.min() * (1 + 1e-6)
                 assert edges[-1] * unit == pytest.approx(field.max(), rel=0.2 if stored else 1e-6)
                 assert ax.get_xlim()[0] < np.median(field) / unit < edges[-1] <= ax.get_xlim()[1]
@@ -256,6 +261,8 @@ def test_a_spectrum_is_drawn_whole(kind):
     solution = solved(kind, units=True)[0]
     found = solution.distribution("heights_spectrum")
     solution.distribution("pressure_autocorrelation")
+    with refused("what: found 'spectra' of step 1, allowed: maps"):
+        solved(kind, units=True).plot("spectra", step=1)
     ax = figures(solution.result)["spectra"].axes[0]
     assert_readable(ax.figure)
     assert "A_p(r)/A_p(0)" in texts(ax.figure)
@@ -283,16 +290,11 @@ def test_one_panel_on_axes_of_ones_own():
     left, right = matplotlib.figure.Figure().subplots(1, 2)
     assert solutions[1].plot("pressure", ax=left) is left.figure
     assert left.get_images()[0].get_array().count() == solutions[1].contact.sum()
-    hpc_gfmd.plot(solutions, "a_r", ax=right)
-    assert right.containers[0].lines[0].get_ydata() == pytest.approx(solutions.values("a_r"))
+    wave = solved("wave", units=False)
+    hpc_gfmd.plot(wave, "kappa", ax=right)  # which is not among its curves
+    assert right.containers[0].lines[0].get_ydata() == pytest.approx(wave.values("kappa"))
     with refused("ax: found 'maps' of 6 panels, allowed: one panel"):
         solutions.plot("maps", ax=left)
-
-
-def test_kappa_of_a_wave_is_drawn_where_it_is_asked_for():
-    solutions = solved("wave", units=False)
-    line = solutions.plot("kappa").axes[0].get_lines()[0]
-    assert line.get_ydata() == pytest.approx(solutions.values("kappa"))
 
 
 def test_results_are_drawn_together():

@@ -103,8 +103,9 @@ def test_refused(written, tmp_path):
     data["value"]["a_r"][0][0].pop()
     for text in ("", "{}", "[]", '{"format": "other"}', json.dumps(data)):
         (tmp_path / "bad.json").write_text(text)
-        with refused("reference: found"):
-            reference.load(tmp_path / "bad.json")
+        for path in (tmp_path / "bad.json", ""):
+            with refused("reference: found"):
+                reference.load(path)
 
 
 def test_shipped_data():
