@@ -9,7 +9,7 @@ from numpy.typing import DTypeLike
 
 
 @dataclass(frozen=True)
-class Target:
+class StoppingCriterion:
     """Either accuracy (relative, of area, mean gap and pressure) or residual; max_iterations per
     load; certificate_dtype: precision of the certificate; duality: whether it has to give the
     duality gap; in_turn: whether its transforms take the memory of those of the solver, and of its

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..certificate.certificate import Certificate, certify
-from ..certificate.criterion import Target
+from ..certificate.criterion import StoppingCriterion
 from .load import GivenLoad
 
 if TYPE_CHECKING:
@@ -72,7 +72,7 @@ class LoopState:
 
 def drive(
     solver: Solver,
-    target: Target,
+    target: StoppingCriterion,
     watch: Watch | None = None,
     loop: LoopState | None = None,
     load: GivenLoad | None = None,
@@ -143,7 +143,7 @@ def drive(
         progress = solver.progress()
 
 
-def certificate_of(solver: Solver, target: Target) -> Certificate:
+def certificate_of(solver: Solver, target: StoppingCriterion) -> Certificate:
     """Return the certificate of the solver's state. Collective."""
     if target.in_turn:
         solver.make_room()
@@ -163,7 +163,7 @@ def certificate_of(solver: Solver, target: Target) -> Certificate:
     return found
 
 
-def _measure(progress: Progress, target: Target) -> float:
+def _measure(progress: Progress, target: StoppingCriterion) -> float:
     """Tell how far from the target, by the solver's own numbers: below 1 it believes that it is
     there; UNKNOWN without estimates."""
     if target.residual is not None:
@@ -174,7 +174,7 @@ def _measure(progress: Progress, target: Target) -> float:
     return _beyond(target, (0.0, min(gap, 1.0), pressure), attainable)
 
 
-def _left(target: Target, certificate: Certificate) -> float:
+def _left(target: StoppingCriterion, certificate: Certificate) -> float:
     """Tell how far from the target, by the certificate: below 1 it is reached."""
     if not certificate.finite:
         return np.inf
@@ -184,7 +184,7 @@ def _left(target: Target, certificate: Certificate) -> float:
 
 
 def _beyond(
-    target: Target, errors: tuple[float, float, float], attainable: tuple[float, float]
+    target: StoppingCriterion, errors: tuple[float, float, float], attainable: tuple[float, float]
 ) -> float:
     """Return the largest over what is asked for of the errors that iterations make smaller."""
     best = (0.0, *attainable)
@@ -192,7 +192,7 @@ def _beyond(
     return max(left, default=0.0) / target.tolerance
 
 
-def _status(target: Target, certificate: Certificate) -> str:
+def _status(target: StoppingCriterion, certificate: Certificate) -> str:
     """Tell the status of what is as accurate as it will be."""
     asked = target.residual is not None or max(certificate.errors) < target.tolerance
     return "converged" if asked else "stagnated"

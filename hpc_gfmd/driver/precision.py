@@ -16,7 +16,7 @@ from ..surface.number_range import single_solves
 from ..theory.persson import g_rms_lam_s_over_h_rms
 
 if TYPE_CHECKING:
-    from ..certificate.criterion import Target
+    from ..certificate.criterion import StoppingCriterion
     from ..scene import Scene
     from ..scene import Solver as Settings
 
@@ -122,7 +122,7 @@ def known_heights(scene: Scene, n: tuple[int, int]) -> tuple[float | None, float
     return surface.g_rms, surface.lam_s_over_a / slope
 
 
-def counting(asked: Target | Settings, p_star: float) -> float:
+def counting(asked: StoppingCriterion | Settings, p_star: float) -> float:
     """Return the errors of the pressure at all open points, in the problem's unit, that count as
     much as what is asked for."""
     return asked.residual * p_star if asked.residual else (asked.accuracy or 0.0) * p_star**0.5

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from ..bodies.halfspace import HALF_SPACE
-from ..certificate.criterion import Target
+from ..certificate.criterion import StoppingCriterion
 from ..operators.problem import Problem
 from ..solvers import solver_class
 from ..util.errors import SceneError
@@ -63,7 +63,7 @@ class Start:
         self.make_surface, self.settings = make_surface, settings
         self.E_star, self.lam_s, self.body, self.hardness = float(E_star), lam_s, body, hardness
         self.solver_class = solver_class(settings.name)
-        self.target = Target(
+        self.target = StoppingCriterion(
             settings.accuracy, settings.residual, settings.max_iterations, duality=duality
         )
         self._load = GivenLoad(1.0)

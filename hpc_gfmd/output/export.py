@@ -10,10 +10,9 @@ from typing import Any
 import numpy as np
 
 from ..parallel.comm import SerialComm
-from ..parallel.guard import one_line
 from ..parallel.h5 import write_file
 from ..util.atomic import atomic_write
-from ..util.errors import GfmdError, SceneError
+from ..util.errors import GfmdError, SceneError, reason
 from ..util.libraries import surface_topography
 from .describe import coordinates, describe, name_it
 from .numbers import About, axes, numbers, said_of, unit_of
@@ -45,7 +44,7 @@ def export(result: Result, kind: str, path: str | os.PathLike | None, about: Abo
             with atomic_write(path) as tmp:
                 write(result, tmp, about)
     except (OSError, ValueError) as error:
-        raise GfmdError(f"writing {path}: {one_line(error)}") from error
+        raise GfmdError(f"writing {path}: {reason(error)}") from error
     return path
 
 

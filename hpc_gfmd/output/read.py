@@ -9,11 +9,10 @@ from math import prod
 from pathlib import Path
 from typing import Any
 
-from ..parallel import guard
 from ..parallel.h5 import CHECKSUM, Stored, inside, reading
 from ..scene import ArrayScene, Scene
 from ..scene.model import parse_toml
-from ..util.errors import SceneError, one_line
+from ..util.errors import SceneError, one_line, reason
 from ..util.quantities import format_quantity
 from .describe import RECORD
 from .fields import Slab
@@ -257,7 +256,7 @@ def _read(path: Path, kind: str = FORMAT) -> Result:
     except SceneError:
         raise
     except Exception as error:
-        raise SceneError(f"{path}: the file is damaged ({guard.one_line(error)})") from error
+        raise SceneError(f"{path}: the file is damaged ({reason(error)})") from error
 
 
 def _require_hdf5(path: Path) -> None:

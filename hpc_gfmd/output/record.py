@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import Any
 
 from ..parallel.comm import Comm
-from ..parallel.guard import on_rank_0, one_line
+from ..parallel.guard import on_rank_0
 from ..parallel.h5 import Stored, io_way, write_file
-from ..util.errors import GfmdError, SceneError
+from ..util.errors import GfmdError, SceneError, reason
 from .describe import SIGNS, describe, set_attributes
 from .folder import HEAD, STATE, acquire, clear, followed, partial_folder, step_files
 from .numbers import About
@@ -210,7 +210,7 @@ class RunFile(AbstractContextManager):
             self._lock = acquire(self.partial)
         except OSError as error:
             raise SceneError(
-                f"output.path: cannot write to {self.path.parent}: {one_line(error)}"
+                f"output.path: cannot write to {self.path.parent}: {reason(error)}"
             ) from None
         left, loads = None, len(step_files(self.partial)) if (self.partial / HEAD).exists() else 0
         with suppress(SceneError):  # nothing, or nothing that can be read

@@ -1,13 +1,11 @@
 """Blocks of work that fail on all ranks or on none: a rank that raises while others wait hangs the
 job."""
 
-import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TypeVar
 
-from ..util import errors
-from ..util.errors import GfmdError
+from ..util.errors import GfmdError, reason
 from .comm import Comm
 
 T = TypeVar("T")
@@ -27,7 +25,7 @@ def collective_errors(comm: Comm, doing: str) -> Iterator[None]:
     except GfmdError as caught:
         error = caught
     except Exception as caught:
-        error = GfmdError(f"{doing}: {one_line(caught)}")
+        error = GfmdError(f"{doing}: {reason(caught)}")
         error.__cause__ = caught
     raise_on_all(comm, error)
 
@@ -71,14 +69,3 @@ def raise_on_all(comm: Comm, error: Exception | None) -> None:
     if error is not None:
         raise error
     raise kind(text) if issubclass(kind, GfmdError) else GfmdError(text)
-
-
-def one_line(error: BaseException) -> str:
-    """Say what went wrong in one line; of HDF5's long messages only the reason the system gave."""
-    text = getattr(error, "strerror", None) or str(error) or type(error).__name__
-    reason = re.search(r"error message = '([^']+)'", text)
-    if reason:
-        text = reason.group(1)
-    elif isinstance(error, MemoryError):
-        text = f"out of memory ({text})"
-    return errors.one_line(text, 400)

@@ -10,8 +10,7 @@ import numpy as np
 
 from ..output.read import Result, read_result
 from ..output.summary import surface_line
-from ..parallel.guard import one_line
-from ..util.errors import GfmdError, SceneError
+from ..util.errors import GfmdError, SceneError, reason
 from .context import FigureContext
 from .curves import QUANTITIES, curves
 from .distributions import NAMES, distributions
@@ -137,7 +136,7 @@ def plot(
                     ' "pressure" of one load, or "a_r"'
                 )
         except (OSError, ValueError, TypeError, KeyError) as error:
-            raise GfmdError(f"drawing {contexts[0].result.path}: {one_line(error)}") from error
+            raise GfmdError(f"drawing {contexts[0].result.path}: {reason(error)}") from error
     return fig
 
 
@@ -188,7 +187,7 @@ def plot_result(file: Any, where: Any = None, what: Any = None, **how: Any) -> l
     try:
         folder.mkdir(exist_ok=True)
     except OSError as error:
-        raise SceneError(f"-o: pictures cannot go to {folder} ({one_line(error)})") from None
+        raise SceneError(f"-o: pictures cannot go to {folder} ({reason(error)})") from None
     drawn, paths = figures(result, what, **how), []
     for name, fig in drawn.items():
         path = folder / f"{name}.png"
@@ -197,7 +196,7 @@ def plot_result(file: Any, where: Any = None, what: Any = None, **how: Any) -> l
         try:
             save(fig, path, how.get("dpi"))
         except OSError as error:
-            raise GfmdError(f"writing {path}: {one_line(error)}") from error
+            raise GfmdError(f"writing {path}: {reason(error)}") from error
         paths.append(path)
     return paths
 

@@ -24,7 +24,7 @@ SMALL = 4096  # bytes of what an archive says of sizes and units
 
 
 @dataclass(frozen=True)
-class Stored:
+class FileArray:
     """Heights in a file: the numbers of the array `name`, unpacked, nan where the array MASK beside
     it is not 0. find(name): an array, what is sliced as one, or None."""
 
@@ -87,7 +87,7 @@ def _npz(path: Path, spec: Any) -> Map:
         with np.load(path, allow_pickle=False) as file:
             return file[key] if key in heads else None
 
-    return Stored(*heads[name], name, np.asarray, find), said
+    return FileArray(*heads[name], name, np.asarray, find), said
 
 
 def _npz_head(archive: ZipFile, name: str) -> tuple[tuple[int, ...], np.dtype]:
@@ -124,7 +124,7 @@ def _hdf5(path: Path, spec: Any) -> Map:
         head = data.shape, data.dtype, data.name, unpacker(attributes)
     kept = max(2 * band, 2**20)
     beside = h5py.File(path, "r", locking=False, rdcc_nbytes=kept, rdcc_nslots=10007)[folder]
-    return Stored(*head, cache(lambda key: inside(beside, key) if key in beside else None)), said
+    return FileArray(*head, cache(lambda key: inside(beside, key) if key in beside else None)), said
 
 
 def _netcdf(path: Path, spec: Any) -> Map:
@@ -143,7 +143,7 @@ def _netcdf(path: Path, spec: Any) -> Map:
         for x in [file.variables.get(axis)]
     ]
     said = by_axes(vars(variable), axes)
-    return Stored(
+    return FileArray(
         shape,
         variable.data.dtype,
         name,

@@ -108,7 +108,7 @@ def _sum(one: Topography, two: Topography) -> Topography:
 
 def topography_of(data: Any, said: Metadata, spec: Any) -> Topography:
     """Make the Topography of a height map, with what a scene.File says of it; data: an array or
-    files.Stored, of which masked points have no height. Raises SceneError."""
+    files.FileArray, of which masked points have no height. Raises SceneError."""
     path, given = Path(spec.path), spec.physical_sizes
     unit = spec.unit or said.unit
     sizes_unit = said.sizes_unit or unit if given is None else unit

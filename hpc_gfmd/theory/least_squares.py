@@ -17,7 +17,7 @@ Function = Callable[[np.ndarray], np.ndarray]
 
 
 @dataclass(frozen=True)
-class Solution:
+class Fit:
     """x: parameters, shape (k,); covariance: of them, shape (k, k), by the errors of the data as
     they are given (1 if none are); chi2: weighted sum of squares."""
 
@@ -33,7 +33,7 @@ def least_squares(
     value: np.ndarray,
     sigma: Any,
     bounds: Any,
-) -> Solution:
+) -> Fit:
     """Find the best fit of model(x), shape (runs,), to value from several starts.
 
     Parameters
@@ -52,7 +52,7 @@ def least_squares(
         Where sigma is no covariance, no start converges, or the data do not determine every
         parameter.
     """
-    best: Solution | None = None
+    best: Fit | None = None
     for start in starts:
         try:
             x, covariance, info, *_ = curve_fit(
@@ -80,7 +80,7 @@ def least_squares(
             ) from None
         chi2 = float(np.sum(info["fvec"] ** 2))
         if best is None or chi2 < best.chi2:
-            best = Solution(x, covariance, chi2)
+            best = Fit(x, covariance, chi2)
     slopes = jacobian(best.x) if best else np.zeros((1, 1))
     scale = np.linalg.norm(slopes, axis=0)
     if best is None or not scale.all() or np.linalg.cond(slopes / scale) > WORST:

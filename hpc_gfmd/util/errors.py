@@ -1,6 +1,8 @@
 """The few exceptions and warnings users meet. The command line turns each into one line on stderr
 and an exit code."""
 
+import re
+
 
 class GfmdError(Exception):
     """Something went wrong while running."""
@@ -24,3 +26,14 @@ def one_line(text: str, longest: int = 200) -> str:
     text = "".join(c if c.isprintable() else " " for c in text[: 100 * longest])
     text = " ".join(text.split())
     return text if len(text) <= longest else f"{text[: longest - 60]} ... {text[-50:]}"
+
+
+def reason(error: BaseException) -> str:
+    """Say what went wrong in one line; of HDF5's long messages only the reason the system gave."""
+    text = getattr(error, "strerror", None) or str(error) or type(error).__name__
+    found = re.search(r"error message = '([^']+)'", text)
+    if found:
+        text = found.group(1)
+    elif isinstance(error, MemoryError):
+        text = f"out of memory ({text})"
+    return one_line(text, 400)

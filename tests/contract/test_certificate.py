@@ -8,7 +8,7 @@ from contacts import random_heights, rough, sweep_of
 import hpc_gfmd
 from hpc_gfmd.bodies.halfspace import HALF_SPACE
 from hpc_gfmd.certificate.certificate import certify
-from hpc_gfmd.certificate.criterion import Target
+from hpc_gfmd.certificate.criterion import StoppingCriterion
 from hpc_gfmd.certificate.error_estimates import Estimate
 from hpc_gfmd.driver.drive import drive
 from hpc_gfmd.driver.nested import cold_gap
@@ -52,8 +52,8 @@ def test_a_wrong_estimate_is_vetoed(surface, monkeypatch, wrong):
     """A solver that believes from the first iteration on that it is there goes on until it is."""
     monkeypatch.setattr(Bpx, "_estimate", lambda self: Estimate(wrong, wrong, squares=wrong))
     monkeypatch.setattr(Bpx, "expected_area", lambda self, squares: wrong)
-    status, found, _ = drive(started(surface, 0.05), Target(accuracy=1e-4))
-    _, exact, _ = drive(started(surface, 0.05), Target(residual=1e-12))
+    status, found, _ = drive(started(surface, 0.05), StoppingCriterion(accuracy=1e-4))
+    _, exact, _ = drive(started(surface, 0.05), StoppingCriterion(residual=1e-12))
     assert status == "converged"
     assert max(found.errors) < 1e-4
     assert abs(found.gap_mean / exact.gap_mean - 1) <= found.errors[1] + ROUNDING
@@ -64,7 +64,7 @@ def test_a_wrong_estimate_is_vetoed(surface, monkeypatch, wrong):
 def test_the_errors_hold_on_the_way(surface, name):
     """The errors of the certificate of any state that is not far off, for every solver."""
     truth = started(surface, 0.05)
-    _, exact, _ = drive(truth, Target(residual=1e-12))
+    _, exact, _ = drive(truth, StoppingCriterion(residual=1e-12))
     wanted, norm = in_contact(truth.g, truth.p), np.linalg.norm(truth.p)
     solver, seen = started(surface, 0.05, name), 0
     for _ in range(40 if name == "bpx" else 200):

@@ -9,7 +9,7 @@ import pytest
 from contacts import EXACT, field, relative, rough, solve_scene, sweep_of
 
 from hpc_gfmd.certificate.certificate import certify
-from hpc_gfmd.certificate.criterion import Target
+from hpc_gfmd.certificate.criterion import StoppingCriterion
 from hpc_gfmd.driver.drive import drive
 from hpc_gfmd.driver.nested import cold_gap
 from hpc_gfmd.operators.problem import Problem
@@ -157,7 +157,7 @@ def test_the_pressure_is_that_of_the_gap(name):
 @every_solver
 def test_another_load(name):
     solver = started(name, problem_of(0.1))
-    target = Target(residual=1e-8)
+    target = StoppingCriterion(residual=1e-8)
     assert drive(solver, target)[0] == "converged"
     solver.continue_at(0.12)
     assert solver.problem_now.p0 == 0.12
@@ -173,10 +173,12 @@ def test_stops(name):
     """At max_iterations, when told to, and with NaN: never as converged."""
     problem = problem_of()
     solver = started(name, problem)
-    assert drive(solver, Target(residual=1e-13, max_iterations=3))[0] == "max_iterations"
+    assert drive(solver, StoppingCriterion(residual=1e-13, max_iterations=3))[0] == "max_iterations"
     assert solver.iterations == 3
     assert (
-        drive(solver, Target(residual=1e-13), lambda iterations, progress: iterations >= 5)[0]
+        drive(
+            solver, StoppingCriterion(residual=1e-13), lambda iterations, progress: iterations >= 5
+        )[0]
         == "interrupted"
     )
     assert solver.iterations == 5
@@ -184,7 +186,7 @@ def test_stops(name):
     broken.h[3, 4] = np.nan
     solver = solver_class(name)(broken, {})
     solver.start(np.maximum(broken.h - 1, 0))
-    assert drive(solver, Target(accuracy=1e-2, max_iterations=50))[0] == "nonfinite"
+    assert drive(solver, StoppingCriterion(accuracy=1e-2, max_iterations=50))[0] == "nonfinite"
 
 
 @pytest.mark.parametrize(
@@ -208,4 +210,4 @@ def test_options_are_checked(name, options, message):
 def test_no_faster_than_stable():
     """At the stability limit of gfmd and with little damping, the fastest mode still dies out."""
     solver = started("gfmd", problem_of(0.353), {"dt": 1.0})
-    assert drive(solver, Target(residual=1e-6, max_iterations=200))[0] == "converged"
+    assert drive(solver, StoppingCriterion(residual=1e-6, max_iterations=200))[0] == "converged"
