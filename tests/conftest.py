@@ -43,6 +43,11 @@ def pytest_configure(config):
     mpi4py.rc.initialize = False  # a process that initialised MPI cannot start mpirun
 
 
+def pytest_make_parametrize_id(val):
+    """Lists and tables are named by what is in them."""
+    return str(val)[:60] if isinstance(val, tuple | list | dict) else None
+
+
 def pytest_generate_tests(metafunc):
     if metafunc.definition.get_closest_marker("mpi") and not mpi_harness.is_child():
         counts = mpi_harness.rank_counts()

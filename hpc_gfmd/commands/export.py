@@ -11,7 +11,5 @@ def main(args: Namespace) -> int:
     """Write the export and print its name; raises SceneError if the result cannot be read or the
     file cannot go there."""
     result = read_result(args.file).only(args.step, args.fields)
-    print(export(result, args.to, args.output, all_numbers()))
-    for line in result.remarks:
-        print(line)
+    print(export(result, args.to, args.output, all_numbers()), *result.remarks, sep="\n")
     return 0

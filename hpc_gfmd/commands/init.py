@@ -27,11 +27,9 @@ def main(args: Namespace) -> int:
             tmp.write_text(text, encoding="utf-8")
     except OSError as error:
         raise SceneError(f"-o: cannot write {path}: {one_line(str(error))}") from None
-    for line in about:
-        print(line)
     needs = " and ".join(f"surface.{key}" for key in missing)
     todo = f"before it runs it needs {needs}, which {args.what} does not say" if needs else ""
-    print(f"{path}: {todo or f'hpc-gfmd run {path}'}")
+    print(*about, f"{path}: {todo or f'hpc-gfmd run {path}'}", sep="\n")
     return 0
 
 
@@ -48,21 +46,20 @@ def compose(
     from ..scene.surface import KINDS
     from ..scene.template import CHOSEN, Suggestion, template
 
-    tables: dict[str, Any] = {}
+    given: dict[str, Any] = {"title": Path(what).name}
     for override in overrides:
-        apply_override(tables, override)
+        apply_override(given, override)
     tables = {
-        name: keys for name, keys in tables.items() if name == "title" or isinstance(keys, dict)
+        name: keys for name, keys in given.items() if name == "title" or isinstance(keys, dict)
     }
     for name, usual in CHOSEN.items():
-        given = tables.get(name, {})
-        tables[name] = given if given.keys() & ALTERNATIVES.get(name, ()) else usual | given
+        keys = tables.get(name, {})
+        tables[name] = keys if keys.keys() & ALTERNATIVES.get(name, ()) else usual | keys
     made = [kind for kind in KINDS if kind != "file"]
     if what in made:
         kind, found = what, Suggestion()
     elif Path(what).is_file():
         kind, found = "file", _of_map(what, path, tables)
-        tables = {"title": Path(what).name} | tables
     else:
         raise SceneError(
             f"init: found {what}, allowed: a kind of surface ({', '.join(made)}) or the path of a"
@@ -72,8 +69,8 @@ def compose(
     text = template(kind, tables, found, head)
     if not found.missing:
         data = tomllib.loads(text)
-        for override in overrides:
-            apply_override(data, override)  # a key that no scene has is in no template
+        for name, keys in given.items():  # a key that no scene has is in no template
+            data[name] = data.get(name, {}) | keys if isinstance(keys, dict) else keys
         Scene.from_dict(data, "init", path.parent)
     return text, found.missing, found.about
 

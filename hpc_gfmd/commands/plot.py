@@ -24,7 +24,6 @@ def main(args: Namespace) -> int:
         dpi=args.dpi,
         dimensionless=args.dimensionless,
     )
-    print(*paths, sep="\n")
     said, several = [], {*(args.what or ["maps"])} - {"heights"}
     shown = {result.indices[k] for name in several for k in chosen_steps(result, name, args.step)}
     left = [index for index in result.indices if index not in shown]
@@ -34,8 +33,7 @@ def main(args: Namespace) -> int:
     if doubtful := [index for index, step in steps.items() if not converged(step)]:
         said.append(f"! not converged: step {_list(doubtful)} (marked in the pictures)")
     said += [f"step {index}: {step['note']}" for index, step in steps.items() if step.get("note")]
-    for line in said + result.remarks:
-        print(line)
+    print(*paths, *said, *result.remarks, sep="\n")
     return 0
 
 

@@ -52,14 +52,11 @@ class Stored:
         the last row of a pass over all of them, in one call or several."""
         comm, rows = comm or SerialComm(), rows or (0, self.shape[0])
         found, doing = 0, f"reading {self.path}"
-        with collective_errors(comm, doing):
-            file = reading(self.path)
-        with file:
-            for start, stop in _cuts(comm, rows, self.shape[1] * self.dtype.itemsize):
-                with collective_errors(comm, doing):
-                    part = file[self.dataset][start:stop]
-                    found += _checksum(part, start)
-                yield start, part
+        for start, stop in _cuts(comm, rows, self.shape[1] * self.dtype.itemsize):
+            with collective_errors(comm, doing), reading(self.path) as file:
+                part = file[self.dataset][start:stop]
+                found += _checksum(part, start)
+            yield start, part
         begin, end = comm.max([-rows[0], rows[1]])  # of all ranks
         before, known = self.passed if begin else (0, 0)
         if before == -begin:  # otherwise it is no pass over all of them
@@ -162,7 +159,7 @@ def sync(path: Path, wait: bool = True) -> None:
 
 @contextmanager
 def _opened(comm: Comm, path: Path, doing: str) -> Iterator[Any]:
-    """An h5py file to fill in: by MPI-IO where it can be, otherwise rank 0's alone. Collective."""
+    """Open an h5py file to fill in: by MPI-IO where it can be, else rank 0's alone. Collective."""
     import h5py
 
     together = io_way(comm) == "mpio"

@@ -34,7 +34,7 @@ def maps(contexts: Sequence[FigureContext], names: list[str]) -> Page:
     x0, x1, y0, y1 = context.window
     loads = range(len(context.result.steps))
     columns = min(2, len(loads)) if len(names) == 1 else len(names)
-    width = 0.245 * WIDTH * 3 / max(columns, 2)
+    width = 0.735 * WIDTH / max(columns, 2)
     pixels = max(16, int(width * (context.dpi or DPI)))
 
     @cache

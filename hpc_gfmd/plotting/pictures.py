@@ -102,11 +102,14 @@ def plot(
         if all(chosen_steps(one, name, step) for one in results.values())
         and (len(results) == 1 or kind.make is curves)
     ]
-    what = what or next(iter(there), "maps")
+    if what is None:
+        what = next(iter(there), "maps")
     if what not in there:
         allowed = ", ".join(there) or "nothing, it has no finished load step"
         if "maps" not in there:
-            allowed += " (maps and distributions need output.fields, spectra output.distributions)"
+            allowed += (
+                " (maps need output.fields, spectra output.distributions, distributions either)"
+            )
         of = "" if step is None else f" of step {step}"
         raise SceneError(f"what: found {what!r}{of}, allowed: {allowed}")
     with styled():
@@ -121,7 +124,7 @@ def plot(
             if any(_steps(one.result, {name: panels[name]}) for one in contexts)
         ]
         page = make(contexts, drawn)
-        fig = ax.figure if ax is not None else Picture(layout="constrained")
+        fig = ax.figure if ax else Picture(layout="constrained")
         try:
             if ax is None:
                 page.draw(fig)
@@ -177,11 +180,11 @@ def plot_result(file: Any, where: Any = None, what: Any = None, **how: Any) -> l
 
     file: a path or a Result; where: a folder, made if only itself is missing, or a file .png, .pdf
     or .svg (of several pictures each has its name added); by default they lie beside the result as
-    RESULT_NAME.png. what, how: see figures and plot. Raises SceneError and GfmdError as plot, and
-    where the pictures cannot be written.
+    RESULT_NAME.png, of one in memory as contact_NAME.png. what, how: see figures and plot. Raises
+    SceneError and GfmdError as plot, and where the pictures cannot be written.
     """
-    result: Any = _result(file)
-    where = Path(where or result.path.with_suffix(SUFFIXES[0]))
+    result = _result(file)
+    where = Path(where or (result.path or Path("contact")).with_suffix(".png"))
     as_file = where.suffix.lower() in SUFFIXES and not where.is_dir()
     folder = where.parent if as_file else where
     try:
@@ -238,8 +241,9 @@ def _title(context: FigureContext, what: str) -> str:
     """Say what a picture shows, and what it leaves out."""
     left = context.left_out if what != "heights" else 0
     out = f"; {left} of {left + len(context.result.steps)} loads not shown" if left else ""
-    said = ("n", "physical_sizes", "h_rms", "unit")
-    line = surface_line({key: context.result.surface.get(key) for key in said})
+    line = surface_line(
+        {key: context.result.surface.get(key) for key in ("n", "physical_sizes", "h_rms", "unit")}
+    )
     for plain, printed in ((" x ", " × "), (" um", " µm"), ("h_rms", r"$h_\mathrm{rms}$")):
         line = line.replace(plain, printed)
     return f"{_name(context.result)}: {line}{out}"

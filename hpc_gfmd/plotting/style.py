@@ -48,9 +48,9 @@ class Picture(Figure):
             super().savefig(*args, **how)
 
     def _repr_png_(self) -> bytes:
-        with io.BytesIO() as png:
-            self.savefig(png, format="png", dpi=DPI / 2)
-            return png.getvalue()
+        png = io.BytesIO()
+        self.savefig(png, format="png", dpi=DPI / 2)
+        return png.getvalue()
 
 
 def colour(k: int) -> str:
@@ -64,13 +64,14 @@ def shade(x: float) -> Any:
 
 
 class LogTicks(LogLocator):
-    """Decades, or 1 and 3, or 1, 2 and 5, ...: the first of them that gives three labels."""
+    """Decades, or 1 and 3, or 1, 2 and 5, ...: the first of them that gives three labels, or two
+    long ones."""
 
     def tick_values(self, vmin: float, vmax: float) -> Any:
-        for subs in ((1.0,), (1.0, 3.0), (1.0, 2.0, 5.0), (1.0, 2.0, 3.0, 5.0, 7.0)):
-            self.set_params(subs=subs)
-            found = np.asarray(super().tick_values(vmin, vmax))
-            if np.count_nonzero((found >= vmin) & (found <= vmax)) >= 3:
+        decades = np.asarray(super().tick_values(vmin, vmax))
+        for digits in ([1], [1, 3], [1, 2, 5], [1, 2, 3, 5, 7]):
+            found = np.kron(decades, digits)
+            if np.count_nonzero((found >= vmin) & (found <= vmax)) >= (2 if vmin < 1e-3 else 3):
                 break
         return found
 
@@ -99,10 +100,10 @@ def legend(fig: Any, loc: str, columns: int = 1) -> None:
     """Draw one legend of all panels, each label once; columns: at most."""
     handles: dict[str, Any] = {}
     for ax in fig.axes:
-        for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
+        for handle, label in zip(*ax.get_legend_handles_labels()):
             handles.setdefault(label, handle)
     if handles:
-        fig.legend(list(handles.values()), list(handles), loc=loc, ncols=columns)
+        fig.legend(handles.values(), handles.keys(), loc=loc, ncols=columns)
 
 
 @contextmanager

@@ -24,6 +24,7 @@ from ..parallel.comm import Comm
 from ..parallel.grid import SMALL, Grid
 from ..parallel.guard import raise_on_all
 from ..scene import Scene
+from ..scene.surface import AnySurface
 from ..surface import cell_of
 from ..util.errors import SceneError
 from ..util.machine import GIB, available_gib, limit_gib
@@ -151,14 +152,28 @@ def memory_of(
     flat = field if any(free) and _closes(scene) else 0.0
     levels += NEEDS.modes_gib * all(free)
     of_threads = (NEEDS.threads_gib + NEEDS.thread_gib * threads) * (threads > 1)
+    fields = (NEEDS.fields + NEEDS.step) * field + levels + flat
+    heights = share.grid.inside[0] * n[1] * kept / GIB
+    passing.append(
+        _resampling(scene.surface, n, ranks) - (fields + heights + transforms + certificate)
+    )
     return Memory(
-        (NEEDS.fields + NEEDS.step) * field + levels + flat + max(passing),
+        fields + max(passing),
         NEEDS.process_gib + of_threads,
-        share.grid.inside[0] * n[1] * kept / GIB,
+        heights,
         transforms,
         certificate,
         n[0] * n[1] * kept / GIB,
     )
+
+
+def _resampling(surface: AnySurface, n: tuple[int, int], ranks: int) -> float:
+    """Return the GiB that a height map of n points takes while it is resampled, before there are
+    fields: along y, then along x, and what is sent of these two."""
+    if surface.kind != "file":
+        return 0.0
+    one, sent = surface.downsample / surface.refine, 1 - 1 / ranks
+    return 8 * n[0] * n[1] / ranks / GIB * max(one * (1 + sent), one + 1 + sent)
 
 
 def _closes(scene: Scene) -> bool:

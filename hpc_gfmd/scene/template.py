@@ -36,7 +36,7 @@ def template(kind: str, tables: Mapping[str, Any], found: Suggestion, head: str)
     """Write TOML of a scene with this kind of surface; tables: what is set, beside what must be
     given; found: of a height map; head: the first line."""
     surface = {"kind": kind} | tables.get("surface", {}) | found.values
-    values = {"": {"title": kind} | dict(tables), **tables, "surface": surface}
+    values = {"": tables, **tables, "surface": surface}
     own = {key.name for section in sections() if section.kind == kind for key in section.keys}
     lines, last = [f"# {line}" for line in (head, *found.about)], None
     for section in sections():

@@ -7,9 +7,8 @@ import numpy as np
 
 from ..util.errors import SceneError, one_line
 from ..util.quantities import factor, prefixed
+from .heights import A_MAP, require_map
 from .metadata import Map, Metadata
-
-ALLOWED = "a real array with two axes, not empty"
 
 
 def is_topography(found: Any) -> bool:
@@ -60,8 +59,6 @@ def checked_array(heights: Any) -> np.ndarray:
     try:
         heights = np.asanyarray(heights)
     except (TypeError, ValueError) as error:
-        raise SceneError(f"heights: found {one_line(str(error))}, allowed: {ALLOWED}") from None
-    if heights.ndim != 2 or heights.size == 0 or heights.dtype.kind not in "fiu":
-        found = f"shape {heights.shape} of {one_line(str(heights.dtype), 80)}"
-        raise SceneError(f"heights: found {found}, allowed: {ALLOWED}")
+        raise SceneError(f"heights: found {one_line(str(error))}, allowed: {A_MAP}") from None
+    require_map(heights, "heights")
     return heights

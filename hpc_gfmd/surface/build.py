@@ -1,7 +1,6 @@
 """From the scene's [surface] to the gap under zero load, in the program's units (see
 operators/problem.py)."""
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -10,7 +9,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike
 
-from ..bodies.images import NEEDED
 from ..operators.problem import Columns
 from ..parallel.comm import SerialComm
 from ..parallel.fft import SlabFFT
@@ -19,6 +17,7 @@ from ..parallel.guard import collective_errors
 from ..parallel.interrupt import check
 from ..util.errors import SceneError
 from .analytic import Rows, flat_rows, wave_rows
+from .cell import grid_of, nominal_part
 from .heights import LARGEST, checked, checksum
 from .prepare import prepare, prepared_size
 from .quality import slope_notes
@@ -29,30 +28,10 @@ from .topography import Topography, open_topography
 
 
 @dataclass(frozen=True)
-class FreeSpace:
-    """How far the cell goes on beyond a surface that ends: the largest of these. Measured by what
-    more of it changes, see tests/physics/test_free.py."""
-
-    share: float = 1 / 2  # of the axis
-    # of the geometric mean of the axis and twice the longest side, which keeps the modes few that
-    # are coupled (bodies/free.py)
-    of_longest: float = 0.42
-    points: int = 64
-    spacings: float = 2 * NEEDED  # of any axis that ends, to resolve these modes
-    periodic_spacings: int = 4  # of any other axis
-    # square of the longest side over product of a side and what is beside it, at most: else S
-    # would not be positive
-    slender: int = 256
-
-
-FREE_SPACE = FreeSpace()
-
-
-@dataclass(frozen=True)
 class Surface:
     """h: initial gap, local part of the nominal area of `grid`, >= 0 with minimum 0, in units of
     g_rms a; h_rms, g_rms: realised, in the scene's units. Where the surface ends the grid goes on
-    beyond it, see cell_of.
+    beyond it, see cell.py.
 
     A surface that varies along one axis only lives on a grid with one point along the other; `n` is
     the size asked for, and every rank then holds all of `grid`. A flat surface has g_rms = 0, and
@@ -107,49 +86,6 @@ class Surface:
         return next((axis for axis in (0, 1) if self.grid.nominal[axis] != self.n[axis]), None)
 
 
-def cell_of(n: tuple, free: tuple[bool, bool], sizes: tuple[float, ...]) -> tuple:
-    """Return the points along each axis that a surface of n points and these sizes is solved on:
-    more along the axes where it ends."""
-    from scipy.fft import next_fast_len
-
-    space, axes = FREE_SPACE, list(zip(n, sizes, free))
-    longest = max((size for _, size, ends in axes if ends), default=0.0)
-    length = max((size for k, size, _ in axes if k > 1), default=0.0)
-    beside = [
-        size / k * (space.spacings if ends else space.periodic_spacings)
-        for k, size, ends in axes
-        if ends or k > 1
-    ]
-    cell = []
-    for k, size, ends in axes:
-        longer = k
-        if ends:
-            least = max([*beside, min(length**2 / (space.slender * size), length / 2)]) * k / size
-            mean = (k * (longest * k / size) ** 2) ** (1 / 3)
-            beyond = max(k * space.share, space.of_longest * mean, space.points, least)
-            step = 16 if k + beyond > 128 else 4  # the levels halve it
-            longer = step * int(next_fast_len(-(-(k + math.ceil(beyond)) // step), real=True))
-        cell.append(longer)
-    return tuple(cell)
-
-
-def grid_of(
-    n: tuple, sizes: tuple[float, ...], comm: Any, free: tuple[bool, bool], threads: int = 1
-) -> Grid:
-    """Make the grid on which a surface of n points is solved."""
-    cell = cell_of(n, free, sizes)
-    whole = tuple(size * m / k for size, m, k in zip(sizes, cell, n))
-    return Grid.kept(cell, whole, comm, threads, nominal=n)
-
-
-def _nominal(grid: Grid) -> Grid:
-    """Return the grid of the nominal area alone, whose rows lie on the same ranks."""
-    if not grid.padded:
-        return grid
-    starts = np.minimum(grid.starts, grid.nominal[0])
-    return Grid.kept(grid.nominal, grid.nominal_sizes, grid.comm, grid.threads, starts)
-
-
 def surface_size(spec: Any) -> tuple[tuple[int, int], tuple[float, ...]]:
     """Return (n_x, n_y) and (L_x, L_y) of a surface; opens the file where only that knows. Raises
     SceneError."""
@@ -179,7 +115,7 @@ def build_surface(
     if spec.kind == "self-affine":
         kept = np.dtype(np.float64) if spec.radius else dtype
         grid = grid_of(spec.n, spec.physical_sizes, comm, spec.free, threads)
-        nominal = _nominal(grid)
+        nominal = nominal_part(grid)
         h, h_over_g, add_spectrum = self_affine_gap(
             spec, nominal, kept, kept if low_memory else np.float64
         )
@@ -212,10 +148,10 @@ def surface_of(
     """
     n, sizes = found.n, found.sizes
     cell = grid_of(n, sizes, comm, free, threads)
-    grid = _nominal(cell)
+    grid = nominal_part(cell)
     start, stop = grid.rows
-    z = grid.empty(np.float64)
     with collective_errors(comm, "reading the surface"):
+        z = grid.empty(np.float64)
         for i, j in slabs(start, stop):
             z[i - start : j - start] = checked(found.rows(i, j), i, "surface")
     check(comm)
@@ -228,6 +164,7 @@ def surface_of(
         prepared=found.done,
         quality_notes=found.notes,
     )
+    del found  # the heights, where it holds them
     top = _largest(grid, z)
     _by_rows(grid, lambda z: np.subtract(top, z, out=z), z)  # the gap, exact where it is small
     if not cell.padded:
@@ -273,7 +210,7 @@ def _leave_out_constant_axis(grid: Grid, z: np.ndarray) -> tuple[Grid, np.ndarra
     """Return the grid and the heights; where these vary along one axis only, of that axis alone,
     and on every rank."""
     comm = grid.comm
-    line = comm.bcast(z[:1].copy() if comm.rank == 0 else None)
+    line = comm.bcast(z[:1].copy())
     along_x, along_y = comm.max([np.any(z != line), np.any(z != z[:, :1])])
     if 1 in grid.n or (along_x and along_y):
         return grid, z

@@ -15,6 +15,7 @@ from ..parallel.h5 import inside
 from ..scene.surface import ANY
 from ..util.errors import SceneError, one_line
 from . import instruments, pictures, text
+from .heights import require_map
 from .metadata import NAMES, Map, Metadata, by_attributes, by_axes
 from .packed import unpacker
 
@@ -24,14 +25,21 @@ SMALL = 4096  # bytes of what an archive says of sizes and units
 
 @dataclass(frozen=True)
 class FileArray:
-    """An array in a file, of which read(part) gives array[part]."""
+    """Heights in a file: the numbers of the array `name`, unpacked, nan where the array MASK beside
+    it is not 0. find(name): an array, what is sliced as one, or None."""
 
     shape: tuple[int, ...]
     dtype: np.dtype
-    read: Callable[[Any], np.ndarray]
+    name: str
+    unpacked: Callable[[np.ndarray], np.ndarray]
+    find: Callable[[str], Any]
 
     def __getitem__(self, part: Any) -> np.ndarray:
-        return self.read(part)
+        z = self.unpacked(self.find(self.name)[part])
+        mask = self.find(MASK)
+        if getattr(mask, "shape", None) != self.shape:
+            return z
+        return np.where(mask[part], np.nan, z)
 
 
 def open_map(spec: Any) -> Map:
@@ -43,20 +51,14 @@ def open_map(spec: Any) -> Map:
             f"surface.path: found {path}, which is no file, allowed: the path of a height map"
         )
     suffix = path.suffix.lower()
-    kind = next((kind for kind, (_, own) in OPENERS.items() if suffix in own.split()), "other")
-    opener, _ = OPENERS[kind]
+    kind, opener = next(
+        (kind, opener)
+        for kind, (opener, own) in OPENERS.items()
+        if suffix in own.split() or not own
+    )
     try:
         data, said = opener(path, spec)
-        if len(data.shape) != 2 or min(data.shape) < 1:
-            raise SceneError(
-                f"surface.path: found an array of shape {tuple(data.shape)} in {path}, allowed: two"
-                " axes, not empty"
-            )
-        if data.dtype.kind not in "fiu":
-            raise SceneError(
-                f"surface.path: found values of type {one_line(str(data.dtype), 80)} in {path},"
-                " allowed: real numbers"
-            )
+        require_map(data, "surface.path", f" in {path}")
     except SceneError:
         raise
     except Exception as error:
@@ -72,8 +74,8 @@ def _npy(path: Path, spec: Any) -> Map:
 
 def _npz(path: Path, spec: Any) -> Map:
     with np.load(path, allow_pickle=False) as file:
-        there = {*file.zip.namelist()}
-        heads = {name: _npz_head(file.zip, name) for name in file.files if f"{name}.npy" in there}
+        arrays = [name for name in file.files if f"{name}.npy" in file.zip.namelist()]
+        heads = {name: _npz_head(file.zip, name) for name in arrays}
         name = _one_of([name for name, (shape, _) in heads.items() if len(shape) == 2], spec)
         sizes = {key: prod(shape) * dtype.itemsize for key, (shape, dtype) in heads.items()}
         said = by_attributes({key: file[key] for key in NAMES if sizes.get(key, SMALL) < SMALL})
@@ -81,11 +83,11 @@ def _npz(path: Path, spec: Any) -> Map:
             raise ValueError(f"{name} is shorter than it says")
 
     @cache
-    def array() -> np.ndarray:  # unpacked where it is first read: by then it is known to fit
+    def find(key: str) -> Any:  # unpacked where it is first read: by then it is known to fit
         with np.load(path, allow_pickle=False) as file:
-            return file[name]
+            return file[key] if key in heads else None
 
-    return FileArray(*heads[name], lambda part: array()[part]), said
+    return FileArray(*heads[name], name, np.asarray, find), said
 
 
 def _npz_head(archive: ZipFile, name: str) -> tuple[tuple[int, ...], np.dtype]:
@@ -118,10 +120,11 @@ def _hdf5(path: Path, spec: Any) -> Map:
         )
         # Chunks that the next rows need as well are kept: unpacking a large one takes long.
         band = data.chunks[0] * prod(data.shape[1:]) * data.dtype.itemsize if data.chunks else 0
-        name = data.name
-    unpacked, kept = unpacker(attributes), max(2 * band, 2**20)
-    data = h5py.File(path, "r", locking=False, rdcc_nbytes=kept, rdcc_nslots=10007)[name]
-    return FileArray(data.shape, data.dtype, lambda part: unpacked(data[part])), said
+        folder = data.parent.name
+        head = data.shape, data.dtype, data.name, unpacker(attributes)
+    kept = max(2 * band, 2**20)
+    beside = h5py.File(path, "r", locking=False, rdcc_nbytes=kept, rdcc_nslots=10007)[folder]
+    return FileArray(*head, cache(lambda key: inside(beside, key) if key in beside else None)), said
 
 
 def _netcdf(path: Path, spec: Any) -> Map:
@@ -133,22 +136,21 @@ def _netcdf(path: Path, spec: Any) -> Map:
     file = netcdf_file(path, "r", mmap=True)
     name = _one_of([key for key, found in file.variables.items() if len(found.shape) == 2], spec)
     variable = file.variables[name]
-    shape, dtype, unpacked = variable.data.shape, variable.data.dtype, unpacker(vars(variable))
+    shape = variable.data.shape
     axes = [
         (axis, vars(x) if x else {}, x.data if x and x.shape == (n,) else None)
         for axis, n in zip(variable.dimensions, shape)
         for x in [file.variables.get(axis)]
     ]
     said = by_axes(vars(variable), axes)
-    masked = MASK in file.variables and file.variables[MASK].shape == shape
-    del variable
-
-    def read(part: Any) -> np.ndarray:
-        # asked anew for each piece: the file may be closed only when nothing refers to its memory
-        z = unpacked(file.variables[name].data[part])
-        return np.where(file.variables[MASK].data[part], np.nan, z) if masked else z
-
-    return FileArray(shape, dtype, read), said
+    return FileArray(
+        shape,
+        variable.data.dtype,
+        name,
+        unpacker(vars(variable)),
+        # found anew for each piece: the file may be closed only when nothing refers to its memory
+        lambda key: file.variables.get(key),
+    ), said
 
 
 def _one_of(names: list[str], spec: Any) -> str:
@@ -159,13 +161,13 @@ def _one_of(names: list[str], spec: Any) -> str:
     if name not in names:
         allowed = one_line(", ".join(names[:10]), 400) or "nothing, it has no map"
         raise SceneError(
-            f"surface.dataset: found {one_line(repr(spec.dataset))}, allowed in {Path(spec.path)}:"
+            f"surface.dataset: found {one_line(repr(spec.dataset))}, allowed in {spec.path}:"
             f" {allowed}"
         )
     return name
 
 
-OPENERS: dict[str, tuple[Callable[[Path, Any], Map], str]] = {  # and the extensions of each
+OPENERS: dict[str, tuple[Callable[[Path, Any], Map], str]] = {  # and extensions; "": all others
     "npy": (_npy, ".npy"),
     "npz": (_npz, ".npz"),
     "hdf5": (_hdf5, ".h5 .hdf5"),

@@ -1,6 +1,7 @@
 """Points without a height, filled harmonically: each is the mean of its neighbours, as a soap film
 over the hole would lie."""
 
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -24,36 +25,34 @@ def filled(found: Topography, how: str, comm: Any) -> Topography:
     points, heights = on_rank_0(comm, "filling the surface", lambda: _heights(found, how, parts))
     if not len(points):
         return found
-    N = found.n[0] * found.n[1]
 
     def rows(start: int, stop: int) -> np.ndarray:
         z = np.array(found.rows(start, stop))
         first, last = np.searchsorted(points, [start * found.n[1], stop * found.n[1]])
-        z.reshape(-1)[points[first:last] - start * found.n[1]] = heights[first:last]
+        z[np.isnan(z)] = heights[first:last]
         return z
 
-    said = f"{len(points)} points ({100 * len(points) / N:.2g} %) filled"
+    said = f"{len(points)} points ({100 * len(points) / np.prod(found.n):.2g} %) filled"
     return found.after(said, rows=rows, filled=len(points))
 
 
-def _holes(found: Topography, comm: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Number this rank's points without a height, and return what is on the four sides of each: a
-    height, nan where there is none. Beyond the edge of the map is the point itself."""
-    parts = [(np.zeros(0, np.int64), np.zeros((0, len(NEIGHBOURS))))]
+def _holes(found: Topography, comm: Any) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Number this rank's points without a height, a piece of its rows at a time, and return what is
+    on the four sides of each: a height, nan where there is none. Beyond the edge of the map is the
+    point itself."""
+    parts = []
     for start, stop in own_slabs(found, comm):
-        if np.isnan(found.rows(start, stop)).any():
-            around = with_neighbours(found, start, stop, "edge")
-            i, j = np.nonzero(np.isnan(around[1:-1, 1:-1]))
-            beside = np.array([around[i + 1 + di, j + 1 + dj] for di, dj in NEIGHBOURS])
-            parts.append(((start + i) * found.n[1] + j, beside.T))
-    points, sides = map(np.concatenate, zip(*parts))
-    return points, sides
+        around = with_neighbours(found, start, stop, "edge")
+        i, j = np.nonzero(np.isnan(around[1:-1, 1:-1]))
+        beside = np.array([around[i + 1 + di, j + 1 + dj] for di, dj in NEIGHBOURS])
+        parts.append(((start + i) * found.n[1] + j, beside.T))
+    return parts
 
 
 def _heights(found: Topography, how: str, parts: list) -> tuple[np.ndarray, np.ndarray]:
     """Return the points of all ranks without a height, by their numbers, and the heights that they
     get."""
-    points, beside = map(np.concatenate, zip(*parts))
+    points, beside = map(np.concatenate, zip(*chain(*parts)))
     n_y = found.n[1]
     if not len(points):
         return points, beside

@@ -8,7 +8,19 @@ from typing import Any
 import numpy as np
 
 from ..scene.table import LARGEST  # heights that differ by less than its inverse are refused, too
-from ..util.errors import SceneError
+from ..util.errors import SceneError, one_line
+
+A_MAP = "a real array with two axes, not empty"
+
+
+def require_map(found: Any, where: str, of: str = "") -> None:
+    """Raise SceneError, which begins with `where` and names the file, `of`, if an array cannot be a
+    height map."""
+    shape, dtype = tuple(found.shape), found.dtype
+    if len(shape) != 2 or 0 in shape or dtype.kind not in "fiu":
+        raise SceneError(
+            f"{where}: found shape {shape} of {one_line(str(dtype), 80)}{of}, allowed: {A_MAP}"
+        )
 
 
 def checked(

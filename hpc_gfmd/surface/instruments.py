@@ -51,7 +51,6 @@ def opened(path: str | Path, channel: str) -> tuple[Any, bool]:
             f"surface.dataset = {channel!r}: it has the maps"
             f" {', '.join(str(found.name) for found in maps)}"
         )
-    info = wanted[0] if wanted else reader.default_channel
-    info = info if info.dim == 2 else maps[0]
+    info = next(found for found in (*wanted, reader.default_channel, *maps) if found.dim == 2)
     sized = info.physical_sizes is not None
     return info.topography(**({} if sized else {"physical_sizes": (1.0, 1.0)})), sized

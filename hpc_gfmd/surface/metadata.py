@@ -37,10 +37,10 @@ def by_attributes(*places: Mapping[str, Any]) -> Metadata:
         return next((place for place in places if name in place), {})
 
     sized, unit = first("physical_sizes"), next(filter(None, map(_unit, places)), None)
-    sizes = np.asarray(sized.get("physical_sizes", ()), dtype=float).reshape(-1)
+    sizes = np.ravel(sized.get("physical_sizes", ())).astype(float)
     periodic = bool(np.all(first("periodic").get("periodic", False)))
     return Metadata(
-        tuple(map(float, sizes)) if len(sizes) == 2 else None,
+        tuple(sizes.tolist()) if len(sizes) == 2 else None,
         _unit(sized) or unit,
         unit,
         periodic or None,
@@ -57,22 +57,20 @@ def by_axes(heights: Mapping[str, Any], axes: list) -> Metadata:
     transposed = [name.lower() for name, *_ in axes] == ["y", "x"]
     _, attributes, coordinates = zip(*(axes[::-1] if transposed else axes))
     known = [found for found in map(_length, attributes, coordinates) if found is not None]
-    units = [*map(_unit, attributes)]
-    if units[0] != units[1]:
+    sizes, units = tuple(known) if len(known) == 2 else None, [*map(_unit, attributes)]
+    if sizes and units[0] != units[1]:
         raise ValueError(f"its axes are in different units, {units[0]} and {units[1]}")
     unit = _unit(heights) or (units[0] if all("length" in axis for axis in attributes) else None)
     periodic = all(np.all(axis.get("periodic", False)) for axis in attributes)
-    return Metadata(
-        tuple(known) if len(known) == 2 else None, units[0], unit, periodic or None, transposed
-    )
+    return Metadata(sizes, units[0], unit, periodic or None, transposed)
 
 
 def _length(attributes: Mapping[str, Any], x: Any) -> float | None:
-    """Return the length of an axis, None where it is not known; of its coordinates x only the first
-    two and the last two are read."""
+    """Return the length of an axis, None where it is not known, as of a NetCDF 4 dimension without
+    coordinates; of its coordinates x only the first two and the last two are read."""
     if "length" in attributes:
-        return float(np.asarray(attributes["length"]).reshape(-1)[0])
-    if x is None or len(x) < 2:
+        return float(np.ravel(attributes["length"])[0])
+    if x is None or len(x) < 2 or "not a netCDF variable" in str(attributes.get("NAME")):
         return None
     first, second, other, last = (float(x[k]) for k in (0, 1, -2, -1))
     step = (last - first) / (len(x) - 1)
@@ -83,7 +81,7 @@ def _length(attributes: Mapping[str, Any], x: Any) -> float | None:
 
 
 def _unit(attributes: Mapping[str, Any]) -> str | None:
-    found = np.asarray(attributes.get("unit", attributes.get("units"))).reshape(-1)
+    found = np.ravel(attributes.get("unit", attributes.get("units")))
     text = found[0] if found.size == 1 else None
     text = text.decode("utf-8", "replace") if isinstance(text, bytes) else text
     return text.strip() or None if isinstance(text, str) else None

@@ -14,7 +14,8 @@ def unpacker(attributes: Mapping[str, Any]) -> Callable[[np.ndarray], np.ndarray
     attributes: of the variable. Raises ValueError where they are no numbers."""
     names = ("scale_factor", "add_offset", *MISSING)
     said = {name: _number(attributes, name) for name in names if name in attributes}
-    missing = [said[name] for name in MISSING if name in said]
+    unwritten = 15 * 2.0**119  # NetCDF's number where nothing was written
+    missing = [unwritten, *(said[name] for name in MISSING if name in said)]
 
     def unpacked(z: np.ndarray) -> np.ndarray:
         heights = z.astype(np.float64)
@@ -28,7 +29,7 @@ def unpacker(attributes: Mapping[str, Any]) -> Callable[[np.ndarray], np.ndarray
 
 
 def _number(attributes: Mapping[str, Any], name: str) -> Any:
-    value = np.asarray(attributes[name])
+    value = np.ravel(attributes[name])
     if value.size != 1 or value.dtype.kind not in "fiu":
         raise ValueError(f"its attribute {name} is no number")
-    return value.reshape(-1)[0]
+    return value[0]

@@ -8,6 +8,7 @@ place. All functions are collective.
 """
 
 from dataclasses import replace
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -77,9 +78,9 @@ def prepare(found: Topography, spec: Any, comm: Any) -> Topography:
     if size != found.n:
         found = resampled(found, size, spec.free, comm)
     if spec.radius:
-        R_x, R_y = (found.length("radius", R) for R in spec.radii)
+        radii = tuple(found.length("radius", R) for R in spec.radii)
         given = ", ".join(dict.fromkeys(map(format_quantity, spec.radii)))
-        found = found.on_form((R_x, R_y)).after(f"on a form of radius {given}")
+        found = found.on_form(radii).after(f"on a form of radius {given}")
     return found
 
 
@@ -118,14 +119,14 @@ def _detrended(found: Topography, what: str, comm: Any) -> Topography:
     def terms(start: int, stop: int) -> list[np.ndarray]:
         return [x[start:stop, None] ** i * y[None] ** j for i, j in powers]
 
-    total = np.zeros((len(powers), len(powers) + 1))
+    own = []
     with collective_errors(comm, "reading the surface"):
         for start, stop in own_slabs(found, comm):
             z = found.rows(start, stop)
             there = np.isfinite(z)
             values = [term[there] for term in (*terms(start, stop), z)]
-            total += [[a @ b for b in values] for a in values[:-1]]
-    total = comm.sum(total)
+            own.append([[a @ b for b in values] for a in values[:-1]])
+    total = np.sum([*chain(*comm.allgather(own))], axis=0)  # in one order on any ranks
     factors = np.linalg.lstsq(total[:, :-1], total[:, -1])[0]
 
     def rows(start: int, stop: int) -> np.ndarray:

@@ -99,7 +99,7 @@ def notes_on(found: Topography, spec: Any, comm: Any) -> tuple[str, ...]:
                 " window"
             )
     notes = quality.notes([not (made_periodic or ends) for ends in spec.free])
-    share = found.filled / (found.n[0] * found.n[1])
+    share = found.filled / np.prod(found.n)
     if share > DOUBT.filled:
         notes.append(f"{100 * share:.0f} % of the heights are filled, not measured")
     return tuple(notes)
@@ -122,7 +122,8 @@ def outliers(found: Topography, typical: float) -> int:
 
     if min(found.n) < 3:
         return 0
-    beside, total = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]]), 0
+    beside, total = np.ones((3, 3)), 0
+    beside[1, 1] = 0
     for start, stop in own_slabs(found, SerialComm()):
         z = with_neighbours(found, start, stop, "reflect")
         out = np.abs(z - median_filter(z, footprint=beside)) > DOUBT.outlying * typical

@@ -7,41 +7,54 @@ import numpy as np
 
 from ..parallel.guard import collective_errors
 from ..parallel.layout import row_starts
+from .analytic import Rows
+from .cell import grid_of, nominal_part
+from .slabs import slabs
 from .topography import Topography
 
 
 def resampled(
     found: Topography, n: tuple[int, int], free: tuple[bool, bool], comm: Any
 ) -> Topography:
-    """Return a Topography of n points, of which only this rank's rows can be read. free: whether it
-    ends along x, along y. Collective."""
-    before, rows, columns = (row_starts(k, comm.size) for k in (found.n[0], *n))
+    """Return a Topography of n points, of which those rows can be read that this rank has of the
+    surface. free: whether it ends along x, along y. Collective."""
+    columns = row_starts(n[1], comm.size)
+    starts = nominal_part(grid_of(n, found.sizes, comm, free)).starts
+    turned = _turned(found.rows, row_starts(found.n[0], comm.size), columns, free[1], comm)
+    rows = _turned(turned, columns, starts, free[0], comm)
+    return found.after(f"resampled to {n[0]} x {n[1]} points", n=n, rows=rows)
+
+
+def _turned(rows: Rows, before: np.ndarray, after: np.ndarray, ends: bool, comm: Any) -> Rows:
+    """Resample the rows of a map to as many points as `after` ends with, and exchange rows and
+    columns; returns what reads this rank's columns as rows. before, after: where the rows of each
+    rank begin, and how many there are. Collective."""
+    me = comm.rank
+    (first, last), (own, end) = before[me : me + 2], after[me : me + 2]
     with collective_errors(comm, "reading the surface"):
-        z = _series(found.rows(*before[comm.rank :][:2]), n[1], 1, free[1])
-    z = _series(_columns(z, before, columns, comm), n[0], 0, free[0])
-    z, first = _columns(z.T, columns, rows, comm).T, rows[comm.rank]
-    return found.after(
-        f"resampled to {n[0]} x {n[1]} points",
-        n=n,
-        rows=lambda start, stop: z[start - first : stop - first],
-    )
-
-
-def _columns(z: np.ndarray, rows: np.ndarray, columns: np.ndarray, comm: Any) -> np.ndarray:
-    """Turn this rank's rows z of a field into its columns, all rows of them; rows, columns: where
-    those of each rank begin, and how many there are. Collective."""
-    whole = np.empty((rows[-1], np.diff(columns)[comm.rank]))
-    receive = dict(enumerate(np.split(whole, rows[1:-1])))
-    send = dict(enumerate(map(np.ascontiguousarray, np.split(z, columns[1:-1], axis=1))))
-    receive.pop(comm.rank)[...] = send.pop(comm.rank)
+        whole = np.empty((before[-1], end - own))
+        receive = dict(enumerate(np.split(whole, before[1:-1])))
+        send = {rank: np.empty((last - first, k)) for rank, k in enumerate(np.diff(after))}
+        send[me] = receive.pop(me)
+        for i, j in slabs(first, last):
+            z = _series(rows(i, j), after[-1], ends)
+            for part, columns in zip(send.values(), np.split(z, after[1:-1], axis=1)):
+                part[i - first : j - first] = columns
+    del send[me]
     comm.exchange(send, receive)
-    return whole
+
+    def turned(start: int, stop: int) -> np.ndarray:
+        if not own <= start <= stop <= end:
+            raise IndexError(f"rows {start} to {stop} are not of this rank")
+        return whole[:, start - own : stop - own].T
+
+    return turned
 
 
-def _series(z: np.ndarray, n: int, axis: int, ends: bool) -> np.ndarray:
+def _series(z: np.ndarray, n: int, ends: bool) -> np.ndarray:
     from scipy.fft import dct, idct
     from scipy.signal import resample
 
     if not ends:
-        return resample(z, n, axis=axis)
-    return idct(dct(z, axis=axis, norm="forward"), n=n, axis=axis, norm="forward")
+        return resample(z, n, axis=1)
+    return idct(dct(z, norm="forward"), n=n, norm="forward")

@@ -25,14 +25,14 @@ def self_affine_gap(
     the heights.
     """
     fft = grid.fft(made_in)
-    low = float(spec.L_over_lam_l)
-    high = low * float(spec.lam_l_over_lam_s)
+    low = spec.L_over_lam_l
+    high = low * spec.lam_l_over_lam_s
     spectrum = (
         np.uint64(spec.seed),
-        float(spec.aspect),
+        spec.aspect,
         low,
         high,
-        low * float(spec.lam_l_over_lam_r),
+        low * spec.lam_l_over_lam_r,
         1.0 + spec.hurst,
     )
 

@@ -15,8 +15,11 @@ def slabs(first: int, last: int) -> list[tuple[int, int]]:
 
 
 def own_slabs(found: Any, comm: Any) -> list[tuple[int, int]]:
-    """Cut this rank's share of a Topography into pieces."""
-    return slabs(*row_starts(found.n[0], comm.size)[comm.rank :][:2].tolist())
+    """Return this rank's share of a Topography, in pieces that are the same for any number of
+    ranks."""
+    pieces = slabs(0, found.n[0])
+    first, last = row_starts(len(pieces), comm.size)[comm.rank :][:2]
+    return pieces[first:last]
 
 
 def with_neighbours(found: Any, start: int, stop: int, mode: Any) -> np.ndarray:

@@ -75,16 +75,17 @@ def _by_heights(
         "radius": None,
         "refine": 1,
         "downsample": 1,
+        "fill": "harmonic",
     }
     if found.missing:
         plain |= {"physical_sizes": (1.0, 1.0), "crop": None}
 
-    def looked_at(**more: object) -> tuple[Topography, MapQuality]:
-        spec = make(values | plain | more)
+    def looked_at() -> tuple[Topography, MapQuality]:
+        spec = make(values | plain)
         heights = prepare(open_topography(spec), spec, SerialComm())
         return heights, quality_of(heights, SerialComm())
 
-    heights, quality = looked_at(fill="harmonic")
+    heights, quality = looked_at()
     found.about.append(f"{heights.filled or 'no'} points without a height")
     if heights.filled and "fill" not in given:
         values["fill"], why["fill"] = "harmonic", f"{heights.filled} points have no height"
@@ -93,7 +94,7 @@ def _by_heights(
     out = outliers(heights, quality.typical)
     if quality.tilt > DOUBT.tilt and "detrend" not in given:
         values["detrend"], why["detrend"] = "tilt", said
-        heights, quality = looked_at(fill="harmonic")
+        heights, quality = looked_at()
     edges = f"opposite edges differ by {max(quality.jumps):.2g} times what neighbours differ by"
     found.about.append(edges)
     if out:

@@ -14,17 +14,7 @@ from .metadata import UNEVEN, Map, Metadata
 
 LOOKED_AT = 200  # lines
 MARKS = (None, "\t", ";", ",")  # between numbers; None: white space
-MISSING = (
-    "",
-    "nan",
-    "NaN",
-    "NA",
-    "n/a",
-    "BAD",
-    "Bad",
-    "bad",
-    *(mark * k for mark in "*-" for k in range(1, 6)),
-)
+MISSING = ("", "NA", "n/a", "BAD", "Bad", "bad", *(mark * k for mark in "*-" for k in range(1, 6)))
 
 
 @dataclass(frozen=True)
@@ -57,8 +47,9 @@ def read(path: str | Path, spec: Any) -> Map:
     if header and (found := instruments.recognised(path, spec)):
         return found
     table = _table(path, layout, spec)
-    matrix = table.shape[1] != 3
-    return (table.to_numpy(), Metadata()) if matrix else _on_grid(table, layout.units)
+    if table.shape[1] == 3:
+        return _on_grid(table, layout.units)
+    return table.to_numpy(), Metadata()
 
 
 def layout_of(lines: list[str], spec: Any) -> Layout | None:
@@ -110,13 +101,15 @@ def _layout(lines: list[str], spec: Any, mark: str | None, decimal: str) -> Layo
 
 
 def _columns(line: str, mark: str | None, decimal: str, missing: tuple[str, ...]) -> int:
-    """Count the numbers of a line; 0 where it holds anything else."""
+    """Count the numbers of a line; 0 where it holds anything else, or no number and nothing of what
+    the scene calls missing."""
     fields = [field.strip() for field in line.partition("#")[0].strip("\n\r").split(mark)]
-    known = [field for field in fields if field not in (*MISSING, *missing)]
+    known = [field for field in fields if field in missing or field not in MISSING]
     try:
-        return len(fields) if [float(field.replace(decimal, ".")) for field in known] else 0
+        numbers = [field in missing or float(field.replace(decimal, ".")) for field in known]
     except ValueError:
         return 0
+    return len(fields) if numbers else 0
 
 
 def _table(path: str | Path, layout: Layout, spec: Any) -> Any:

@@ -2,13 +2,14 @@
 otherwise."""
 
 from dataclasses import dataclass, field, replace
+from functools import reduce
 from math import inf
 from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
 
-from ..scene import has_unit
+from ..scene import each, has_unit
 from ..util.errors import SceneError, one_line
 from ..util.quantities import Quantity, factor
 from .analytic import Rows
@@ -51,7 +52,7 @@ class Topography:
         heights."""
         return replace(self, done=(*self.done, done), **changed)
 
-    def on_form(self, radii: tuple[float, float]) -> Self:
+    def on_form(self, radii: tuple[float, ...]) -> Self:
         """Put the heights on the form z = -x^2/(2 R_x) - y^2/(2 R_y) about the centre of the cell;
         where both radii are inf they stay as they are."""
         R = min(radii)
@@ -81,28 +82,21 @@ class Topography:
 def open_topography(spec: Any) -> Topography:
     """Open the Topography of a scene's height map, or of the sum of two, of which no height is read
     yet. Raises SceneError."""
-    paths = [spec.path] if isinstance(spec.path, str) else spec.path
-    specs = [spec.model_copy(update={"path": path}) for path in paths]
-    first, *others = (topography_of(*open_map(one), one) for one in specs)
-    return _sum(first, *others) if others else first
+    specs = [spec.model_copy(update={"path": path}) for path in each(spec.path)]
+    return reduce(_sum, [topography_of(*open_map(one), one) for one in specs])
 
 
 def _sum(one: Topography, two: Topography) -> Topography:
-    for what, shown, same in (
-        ("points", "{0.n[0]} x {0.n[1]}", one.n == two.n),
-        (
-            "lengths",
-            "{0.sizes[0]:.6g} x {0.sizes[1]:.6g}",
-            np.allclose(one.sizes, two.sizes, ALIKE, 0),
-        ),
-        ("the unit", "{0.unit}", one.unit == two.unit),
-    ):
-        if not same:
-            here, there = (shown.format(found) or "none" for found in (one, two))
-            raise SceneError(
-                f"surface.path: found {what} {here} in {one.path} and {there} in {two.path},"
-                " allowed: two maps of the same points, lengths and unit"
-            )
+    if one.n != two.n or one.unit != two.unit or not np.allclose(one.sizes, two.sizes, ALIKE, 0):
+        here, there = (
+            f"{found.n[0]} x {found.n[1]} points, {found.sizes[0]:.6g} x {found.sizes[1]:.6g}"
+            f" {found.unit or 'without a unit'} in {found.path}"
+            for found in (one, two)
+        )
+        raise SceneError(
+            f"surface.path: found {here} and {there}, allowed: two maps of the same points, lengths"
+            " and unit"
+        )
     return replace(
         one,
         rows=lambda start, stop: one.rows(start, stop) + two.rows(start, stop),
@@ -136,7 +130,7 @@ def topography_of(data: Any, said: Metadata, spec: Any) -> Topography:
         float(size if isinstance(size, Quantity) else size * length)
         for size in given or said.sizes or (1.0, 1.0)
     ]
-    if not all(0 < size < float("inf") for size in sizes):
+    if not all(0 < size < inf for size in sizes):
         raise SceneError(
             f"surface.physical_sizes: found {sizes} in {path}, allowed: two positive numbers"
             " [L_x, L_y]"

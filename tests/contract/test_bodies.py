@@ -26,7 +26,7 @@ GRIDS = [
 # less
 LARGEST = 2.25
 every_body = pytest.mark.parametrize("body", BODIES, ids=repr)
-every_grid = pytest.mark.parametrize(("n", "sizes"), GRIDS, ids=str)
+every_grid = pytest.mark.parametrize(("n", "sizes"), GRIDS)
 
 
 @every_body
@@ -135,9 +135,7 @@ def test_one_body_for_every_scene():
 
 @every_body
 @pytest.mark.parametrize(
-    ("n", "sizes"),
-    [((16, 16), (1.0, 1.0)), ((15, 12), (1.0, 0.7)), ((20, 20), (1.0, 1.0))],
-    ids=str,
+    ("n", "sizes"), [((16, 16), (1.0, 1.0)), ((15, 12), (1.0, 0.7)), ((20, 20), (1.0, 1.0))]
 )
 def test_norm_of_a_pressure(body, n, sizes):
     """<r, S r> of a field of zero mean is bounded by its squares on the levels: what the

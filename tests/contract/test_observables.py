@@ -145,7 +145,7 @@ def test_one_point():
     assert "gap" not in found
 
 
-@pytest.mark.parametrize("boundary", ["free", ["periodic", "free"]], ids=str)
+@pytest.mark.parametrize("boundary", ["free", ["periodic", "free"]])
 def test_of_surfaces_that_end(boundary):
     """Counts as ever."""
     counts = {

@@ -36,7 +36,7 @@ def started(name, problem, options=()):
     return solver
 
 
-@pytest.mark.parametrize(("name", "options"), KINDS, ids=str)
+@pytest.mark.parametrize(("name", "options"), KINDS)
 @pytest.mark.parametrize(
     ("surface", "p_star"),
     [

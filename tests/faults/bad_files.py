@@ -99,14 +99,12 @@ def with_value(value):
 ARRAYS = {  # that are no heights
     "Python objects": lambda: np.array([Trap(Path("trapped"))], dtype=object),
     "complex128": lambda: Z + 1j,
-    "allowed: real numbers": lambda: Z.astype(str),
-    "allowed: real numbers.": lambda: Z.astype("M8[s]"),
+    "allowed: a real array": lambda: Z.astype(str),
     "found nan at (7, 5)": lambda: with_value(np.nan),
     "found -inf at (7, 5)": lambda: with_value(-np.inf),
     "found 1.7e+308 at (7, 5)": lambda: with_value(1.7e308),
     "inf": lambda: with_value(1).astype("g") * np.longdouble("1e400"),
     "two axes": lambda: Z.ravel(),
-    "two axes.": lambda: Z.reshape(2, 4, 6),
     "not empty": lambda: Z[:0],
 }
 MAPS_IN_HDF5 = {  # what is in the file
@@ -124,17 +122,12 @@ MAPS_IN_HDF5 = {  # what is in the file
 }
 HEIGHT_MAPS = {
     **{
-        f"of {words}": (".npy", lambda p, make=make: saved(p, make()), words.rstrip("."))
+        f"of {words}": (".npy", lambda p, make=make: saved(p, make()), words)
         for words, make in ARRAYS.items()
     },
     "pickle as .npy": (
         ".npy",
         lambda p: p.write_bytes(pickle.dumps(Trap(p.with_name("trapped")))),
-        "the magic string is not correct",
-    ),
-    "zip as .npy": (
-        ".npy",
-        lambda p: zipfile.ZipFile(p, "w").writestr("a.npy", b"x"),
         "the magic string is not correct",
     ),
     ".npy claiming 1e12 points": (".npy", lambda p: claims(p, (10**6, 10**6)), "cannot be read"),

@@ -78,14 +78,6 @@ def test_a_large_map_in_one_chunk_is_unpacked_once(tmp_path):
 @pytest.mark.parametrize(
     "array",
     [Z.astype(">f4"), np.asfortranarray(Z), Z.astype("i2"), Z.astype("u1"), Z.astype("f2"), Z[::2]],
-    ids=[
-        "big endian",
-        "Fortran order",
-        "short integers",
-        "bytes",
-        "half precision",
-        "every other row",
-    ],
 )
 def test_sound_height_maps_of_every_kind(array, tmp_path):
     np.save("z.npy", array)

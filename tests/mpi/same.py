@@ -15,7 +15,6 @@ every_size = pytest.mark.parametrize(
         rough((2, 8, 3), hurst=0.3, physical_sizes=[1.0, 0.5]),
         rough((1, 97, 2), hurst=1.0),
     ],
-    ids=["64x64", "62x62", "48x24", "194x194"],
 )
 
 

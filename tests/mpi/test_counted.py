@@ -16,7 +16,7 @@ COUNTED = list(
 
 
 @pytest.mark.parametrize("share", [0.02, 0.4, 0.6, 0.97])
-@pytest.mark.parametrize("n", [(3, 40), (61, 47), (130, 64), (64, 1), (2, 2)], ids=str)
+@pytest.mark.parametrize("n", [(3, 40), (61, 47), (130, 64), (64, 1), (2, 2)])
 def test_same_numbers(comm, n, share):
     g, q = random_fields(n, seed=n[0], share=share)
     slab, whole = contact_of(g, q, comm=comm), contact_of(g, q)
@@ -24,7 +24,7 @@ def test_same_numbers(comm, n, share):
         assert all_observables()[name](slab) == all_observables()[name](whole), name
 
 
-@pytest.mark.parametrize("n", [(3, 40), (61, 47), (128, 64)], ids=str)
+@pytest.mark.parametrize("n", [(3, 40), (61, 47), (128, 64)])
 @pytest.mark.parametrize("name", all_distributions())
 def test_same_distributions(comm, n, name):
     g, q = random_fields(n, seed=n[0])
@@ -45,7 +45,6 @@ def test_same_distributions(comm, n, name):
 @pytest.mark.parametrize(
     ("n", "nominal"),
     [((40, 30), (20, 15)), ((64, 15), (31, 15)), ((9, 48), (9, 17)), ((4, 8), (2, 4))],
-    ids=str,
 )
 def test_surfaces_that_end(comm, n, nominal):
     """What lies beyond the surface does not count, and nothing touches across its edges."""

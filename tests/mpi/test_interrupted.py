@@ -20,7 +20,6 @@ pytestmark = pytest.mark.mpi
         ("ccg", "periodic", [0.1, 0.11, 0.12]),
         ("bpx", "free", {"approach": [0.1, 0.02, 0.03]}),
     ],
-    ids=str,
 )
 def test_bit_identical(comm, shared_path, monkeypatch, solver, boundary, loads):
     """On as many ranks: stopped in the first load and at the end of the second, then dead without a

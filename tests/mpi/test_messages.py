@@ -19,7 +19,7 @@ pytestmark = pytest.mark.mpi
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
-@pytest.mark.parametrize("n_over", [(2, 32, 4), (1, 31, 2.0)], ids=["256x256", "62x62"])
+@pytest.mark.parametrize("n_over", [(2, 32, 4), (1, 31, 2.0)])
 def test_counted(comm, n_over, boundary, monkeypatch):
     monkeypatch.setattr(hierarchy, "COARSEST_POINTS", 64)
     monkeypatch.setattr(hierarchy, "RANK_POINTS", 256)

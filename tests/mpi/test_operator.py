@@ -28,10 +28,8 @@ GRIDS = [
 ]
 
 
-@pytest.mark.parametrize("n", GRIDS, ids=str)
-@pytest.mark.parametrize(
-    ("dtype", "tolerance"), [(np.float64, 1e-13), (np.float32, 1e-5)], ids=["double", "single"]
-)
+@pytest.mark.parametrize("n", GRIDS)
+@pytest.mark.parametrize(("dtype", "tolerance"), [(np.float64, 1e-13), (np.float32, 1e-5)])
 @pytest.mark.parametrize("body", [HALF_SPACE, Layer(0.1, 0.3, "bonded")], ids=["", "by a table"])
 def test_stiffness_and_compliance(comm, n, dtype, tolerance, body):
     """Of which physics/test_oracle.py has the numbers on one rank."""

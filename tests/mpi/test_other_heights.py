@@ -71,11 +71,10 @@ def begun(comm, shared_path, monkeypatch, capfd):
     ("other", "checkpoint"),
     [
         (lambda z: 2 * z, True),
-        (lambda z: 2 * z, False),
+        (lambda z: 2 * z, False),  # only the head knows
         (lambda z: z[:-1], False),
         (lambda z: z.reshape(8, 18), True),
     ],
-    ids=["content", "head", "rows", "shape"],
 )
 def test_other_heights_are_refused_and_the_right_ones_go_on(comm, begun, other, checkpoint):
     z = random_heights((12, 12))

@@ -1,14 +1,16 @@
 """What is done to a height map before it is pressed: the same on any number of ranks, and what it
 says it is."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 from contacts import random_heights
 
 from hpc_gfmd.parallel.comm import SerialComm
-from hpc_gfmd.parallel.layout import row_starts
 from hpc_gfmd.scene import File
-from hpc_gfmd.surface import build_surface
+from hpc_gfmd.surface import build_surface, grid_of, slabs
+from hpc_gfmd.surface.cell import nominal_part
 from hpc_gfmd.surface.prepare import prepare
 from hpc_gfmd.surface.topography import open_topography
 from hpc_gfmd.util.errors import SceneError
@@ -31,8 +33,7 @@ def prepared(comm):
         comm.barrier()
         spec = File(kind="file", path="z.npy", physical_sizes=SIZES, boundary=boundary, **keys)
         found = prepare(open_topography(spec), spec, comm)
-        starts = row_starts(found.n[0], comm.size)
-        mine = found.rows(int(starts[comm.rank]), int(starts[comm.rank + 1]))
+        mine = found.rows(*nominal_part(grid_of(found.n, SIZES, comm, spec.free)).rows)
         return np.concatenate(comm.allgather(mine)), found, found.done
 
     return call
@@ -106,7 +107,7 @@ def test_window(prepared):
     )
 
 
-def test_resampled(prepared):
+def test_resampled(prepared, comm):
     """A Fourier series is the same on any grid that resolves it; on a coarser one its short waves
     are gone."""
 
@@ -121,6 +122,9 @@ def test_resampled(prepared):
 
     fine, topography, done = prepared(series(N, 1), refine=3)
     assert np.allclose(fine, series((42, 30), 1))
+    if comm.size > 1:
+        with pytest.raises(IndexError, match="are not of this rank"):
+            topography.rows(0, 42)
     assert topography.sizes == SIZES
     assert done == ("resampled to 42 x 30 points",)
     assert np.allclose(prepared(series(N, 1), downsample=2)[0], series((7, 5), 0))
@@ -133,30 +137,38 @@ def test_resampled(prepared):
         prepared(series(N, 0), downsample=4)
 
 
-def test_all_of_it_on_any_number_of_ranks(prepared, comm):
-    z = random_heights((33, 20)) + 1e-2 * np.arange(20)
-    z[4:9, 3:5] = z[20:22, 12] = np.nan
-    keys = {
-        "detrend": "curvature",
-        "fill": "harmonic",
-        "mirror": True,
-        "crop": (0, 0, 32 / 16.5, 1),
-        "downsample": 2,
-        "flip": True,
-    }
-    together = prepared(z, **keys)[0]
-    spec = File(kind="file", path="z.npy", physical_sizes=SIZES, **keys)
-    alone = prepare(open_topography(spec), spec, SerialComm())
-    assert np.allclose(together, alone.rows(0, alone.n[0]), atol=1e-13)
-    surface = build_surface(spec, comm, np.float64)
-    assert surface.grid.n == (32, 20)
-    assert surface.prepared == (
-        "cropped to 32 x 20 points",
+ALL = {"crop": (0, 0, 1, 1), "detrend": "curvature", "flip": True, "mirror": True, "downsample": 2}
+
+
+@pytest.mark.parametrize(
+    ("boundary", "keys"),
+    [
+        *product(("periodic", "free", ("free", "periodic")), ({"refine": 2}, {"downsample": 2})),
+        ("periodic", ALL),
+        ("free", {"detrend": "tilt", "radius": 9.0, "refine": 2}),
+    ],
+)
+def test_the_same_heights_on_any_number_of_ranks(boundary, keys, comm, monkeypatch):
+    """To the bit, through all that reads them."""
+    monkeypatch.setattr(slabs, "ROWS", 2)  # so that all ranks read
+    keys = keys | {"boundary": boundary, "fill": "harmonic", "physical_sizes": SIZES}
+    spec = File(kind="file", path="z.npy", **keys)
+    for n in ((6, 8), (2, 16), (34, 20)):
+        z = random_heights(n) + 1e-2 * np.arange(n[1])
+        z[4:9, 3:5] = np.nan
+        if comm.rank == 0:
+            np.save("z.npy", z)
+        comm.barrier()
+        together, alone = (build_surface(spec, each, np.float64) for each in (comm, SerialComm()))
+        assert together.checksum == alone.checksum
+        comm.barrier()
+    assert "mirror" not in keys or together.prepared == (
+        "cropped to 17 x 20 points",
         "curvature removed",
-        "12 points (1.9 %) filled",
+        "10 points (2.9 %) filled",
         "upside down",
         "mirrored",
-        "resampled to 32 x 20 points",
+        "resampled to 17 x 20 points",
     )
 
 

@@ -36,7 +36,6 @@ def observe(step, name):
         (0.31, {"kind": "wave", "n": [256, 256], "amplitude": 0.0}),
         (0.31, rough((2, 32, 4), h_rms=1e-9)),
     ],
-    ids=["sphere", "under nothing", "under hardly any roughness"],
 )
 def test_hertz(a, surface):
     """Area to the pixel, largest pressure, approach and energy, whatever is left between the
@@ -155,7 +154,6 @@ def panels(ends, count):
         ((16, 12), (1.0, 15.0)),
         ((4, 24), (30.0, 1.0)),
     ],
-    ids=str,
 )
 @pytest.mark.parametrize("p", [0.02, 0.2])
 def test_against_the_oracle(n, sizes, p):
@@ -188,7 +186,7 @@ def test_against_other_codes(load):
     assert ((same > 0) == (wanted > 0)).all()
 
 
-@pytest.mark.parametrize("offset", [(0, 0), (32, 32), (5, 41)], ids=str)
+@pytest.mark.parametrize("offset", [(0, 0), (32, 32), (5, 41)])
 def test_more_free_space_changes_nothing(offset):
     """The same surface inside a larger one that it stands out of, anywhere in it."""
     z = random_heights((32, 32), seed=5)
@@ -203,7 +201,7 @@ def test_more_free_space_changes_nothing(offset):
 
 
 @pytest.mark.parametrize("name", solver_names())
-@pytest.mark.parametrize("free", [BOTH, (True, False), (False, True)], ids=str)
+@pytest.mark.parametrize("free", [BOTH, (True, False), (False, True)])
 def test_every_solver(name, free):
     z = random_heights((15, 12), seed=7)
     wanted = sweep_over(z, free=free).solve(0.3)
@@ -216,11 +214,10 @@ def test_every_solver(name, free):
     assert step.gap_mean == pytest.approx(wanted.gap_mean, rel=1e-6)
 
 
-@pytest.mark.parametrize("boundary", ["free", ["free", "periodic"], ["periodic", "free"]], ids=str)
+@pytest.mark.parametrize("boundary", ["free", ["free", "periodic"], ["periodic", "free"]])
 @pytest.mark.parametrize(
     "solver",
     [{"precision": "single"}, {"precision": "double"}, {"precision": "single", "low_memory": True}],
-    ids=str,
 )
 def test_rough(boundary, solver):
     """As accurate as asked in every precision, and by its own numbers; fields have the nominal
@@ -284,7 +281,7 @@ def test_gradient_between_neighbours():
 
 
 @pytest.mark.parametrize(
-    ("boundary", "loose"), [("periodic", 10), ("free", 20), (["free", "periodic"], 50)], ids=str
+    ("boundary", "loose"), [("periodic", 10), ("free", 20), (["free", "periodic"], 50)]
 )
 def test_how_well_the_gap_is_known(boundary, loose):
     """By the estimates of the certificate, over the errors that they stand for: what is around the

@@ -26,7 +26,7 @@ def disc(n, radius, sizes):
     return np.hypot(x[:, None] - 0.5 * sizes[0], y - 0.5 * sizes[1]) <= radius
 
 
-@pytest.mark.parametrize("n", [(400, 400), (400, 800), (300, 900), (640, 200)], ids=str)
+@pytest.mark.parametrize("n", [(400, 400), (400, 800), (300, 900), (640, 200)])
 def test_perimeter_of_a_disc(n):
     """Whatever the shape of a point; without the mean over directions it would be 4/pi of that."""
     mask = disc(n, 0.37, (1.0, 1.2))

@@ -111,7 +111,7 @@ WAYS = [
 ]
 
 
-@pytest.mark.parametrize("solver", WAYS, ids=str)
+@pytest.mark.parametrize("solver", WAYS)
 @pytest.mark.parametrize("quantity", ["gap_mean", "a_r"])
 def test_every_way(solver, quantity):
     surface, accuracy = rough((2, 16, 4)), solver.get("accuracy", 2e-3)
@@ -128,8 +128,8 @@ def test_every_way(solver, quantity):
     assert found.p_mean == pytest.approx(0.1, rel=max(3 * accuracy, steps))
 
 
-@pytest.mark.parametrize("layer", [None, LAYER], ids=["half-space", "layer"])
-@pytest.mark.parametrize("load", [{"gap_mean": 0}, {"gap_over_h_rms": [0.0]}, {"a_r": 1}], ids=str)
+@pytest.mark.parametrize("layer", [None, LAYER])
+@pytest.mark.parametrize("load", [{"gap_mean": 0}, {"gap_over_h_rms": [0.0]}, {"a_r": 1}])
 def test_the_least_pressure_that_closes_the_gap(load, layer):
     sweep = sweep_of(rough((2, 8, 2)), layer=layer, **EXACT)
     step = sweep.solve(*sweep.pressures(Load(**load)))
@@ -145,10 +145,8 @@ def with_edges(free, **solver):
     return sweep_over(0.01 * random_heights((16, 12), seed=3), free=free, **solver)
 
 
-@pytest.mark.parametrize("free", [(True, True), (True, False), (False, True)], ids=str)
-@pytest.mark.parametrize(
-    "solver", [{"accuracy": 1e-5}, {"accuracy": 1e-3, "precision": "single"}], ids=str
-)
+@pytest.mark.parametrize("free", [(True, True), (True, False), (False, True)])
+@pytest.mark.parametrize("solver", [{"accuracy": 1e-5}, {"accuracy": 1e-3, "precision": "single"}])
 def test_a_gap_that_closes_to_its_edges(free, solver):
     """At the least load that does; what it costs counts all."""
     step = with_edges(free, **solver).solve(LoadTarget("a_r", 1.0))
@@ -206,7 +204,7 @@ def test_a_gap_that_nothing_makes_more_accurate():
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
-@pytest.mark.parametrize("solver", [{}, {"low_memory": True}, {"name": "gfmd"}], ids=str)
+@pytest.mark.parametrize("solver", [{}, {"low_memory": True}, {"name": "gfmd"}])
 def test_a_sweep_through_full_contact(boundary, solver):
     """From above or below, and again: at the same pressure."""
     sweep = sweep_of(rough((2, 8, 2), boundary=boundary), accuracy=1e-3, **solver)
@@ -237,7 +235,7 @@ def flat_tops(points, period):
     return 0.01 * np.outer(high, high)
 
 
-@pytest.mark.parametrize("free", [(False, False), (True, True)], ids=str)
+@pytest.mark.parametrize("free", [(False, False), (True, True)])
 def test_areas_that_no_load_has(free):
     """Flat tops touch as a whole at any load: that is the least area, and it is said, at no cost; a
     sweep of such areas stays there."""
@@ -273,7 +271,6 @@ BODY = body_of(Material(**LAYER), (False, False))
         (0.01 * np.outer(WAVE, WAVE), {"accuracy": 1e-2}, 0.05),
         (0.01 * np.outer(WAVE, WAVE), {"accuracy": 1e-2, "free": (True, True)}, 0.01),
     ],
-    ids=["flat tops", *["flat tops on a layer"] * 3, "a wave", "a wave with edges"],
 )
 def test_an_area_that_jumps_over_what_is_wanted(z, how, wanted):
     """What is found is as near as can be."""
@@ -319,7 +316,7 @@ def test_one_tall_point(height, quantity, values):
             assert 1e-6 < found.p_star < 1
 
 
-@pytest.mark.parametrize("free", [(False, False), (True, True)], ids=str)
+@pytest.mark.parametrize("free", [(False, False), (True, True)])
 def test_hardly_touching(free):
     """A mean gap that is but a little less than where the highest peak touches."""
     z = random_heights((16, 16), seed=3)

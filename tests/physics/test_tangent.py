@@ -33,8 +33,8 @@ def contacts():
     yield line
 
 
-@pytest.mark.parametrize("sizes", [(1.0, 1.0), (1.0, 0.3)], ids=["square", "stretched"])
-@pytest.mark.parametrize("dtype", [np.float64, np.float32], ids=["double", "single"])
+@pytest.mark.parametrize("sizes", [(1.0, 1.0), (1.0, 0.3)])
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
 def test_dense_oracle(dtype, sizes):
     """To the accuracy asked for and to its own estimate, which hold with much to spare."""
     rounding = 1e-12  # of the oracle
@@ -62,7 +62,6 @@ def test_dense_oracle(dtype, sizes):
         ("bpx", "free"),
         ("bpx", ["free", "periodic"]),
     ],
-    ids=str,
 )
 def test_difference_of_solves(name, boundary, p_star):
     """Between two loads so close that no point changes sides the gap is a straight line; the unit

@@ -7,7 +7,7 @@ from hpc_gfmd.bodies import images as module
 from hpc_gfmd.bodies.free import Free
 from hpc_gfmd.bodies.images import Images, images, kernel, kernel_of_wave
 from hpc_gfmd.parallel.comm import SerialComm
-from hpc_gfmd.surface.build import grid_of
+from hpc_gfmd.surface import grid_of
 
 SURFACES = [
     ((128, 128), (1.0, 1.0), (True, True)),
@@ -56,7 +56,7 @@ def matrix(found: Images, parity):
     return out
 
 
-@pytest.mark.parametrize("cell", [(1.0, 1.0), (1.3, 0.8)], ids=str)
+@pytest.mark.parametrize("cell", [(1.0, 1.0), (1.3, 0.8)])
 def test_kernel_makes_free_space_periodic(cell, monkeypatch):
     """1/(pi r) less it goes on periodically, has the mean 0, and does not know how the sum was
     split."""
@@ -95,7 +95,7 @@ def test_kernel_of_a_wave(q):
     assert c[0] == pytest.approx(kernel_of_wave(np.array([1e-7]), X, q)[0], rel=1e-6)
 
 
-@pytest.mark.parametrize(("n", "sizes", "free"), SURFACES, ids=str)
+@pytest.mark.parametrize(("n", "sizes", "free"), SURFACES)
 def test_modes_are_the_kernel_on_the_surface(n, sizes, free):
     """Between all its points, corners too, but for a constant; by waves where one axis is
     periodic."""

@@ -91,12 +91,12 @@ def spiky(z):
         (PERIODIC, {}, False),
         (spiky(PERIODIC), {}, True),
         (spiky(PART), {"boundary": "free"}, True),
+        # a step, along an axis and across
         (np.where(X < 48, 0, 5.0)[:, None] + PART, {"boundary": "free"}, False),
         (np.where(X[:, None] < X, 0, 5.0) + PART, {"boundary": "free"}, None),
         (PART + 0.1 * X, {"boundary": "free", "detrend": "tilt"}, False),
         (np.round(40 * PERIODIC), {}, False),
     ],
-    ids=["periodic", "spikes", "an edge and spikes", "a step", "across", "tilt", "rounded"],
 )
 def test_what_the_heights_show(z, chosen, outliers):
     """Outliers, steps and rounded heights mislead it neither in one direction nor in the other."""

@@ -30,7 +30,7 @@ def sides(g, p, hardness):
     return (g <= 0) & (p > 0) & ~yields, yields, p - yields * (hardness or 0)
 
 
-@pytest.mark.parametrize("n", SIZES, ids=str)
+@pytest.mark.parametrize("n", SIZES)
 @with_a_hardness
 @pytest.mark.parametrize("coupling", [0.0, 1.1])
 @pytest.mark.parametrize(
@@ -94,7 +94,7 @@ def test_storage_of_the_last_step(random, dtype, rough):
     assert read[-2:].tolist() == [-np.inf, np.inf]
 
 
-@pytest.mark.parametrize("n", SIZES, ids=str)
+@pytest.mark.parametrize("n", SIZES)
 @with_a_hardness
 @pytest.mark.parametrize("s", [1.0, 0.5, 0.0])
 def test_update(random, n, hardness, s):

@@ -13,7 +13,7 @@ from hpc_gfmd.parallel.coarsening import levels
 from hpc_gfmd.parallel.grid import Grid
 
 
-@pytest.mark.parametrize("n", SIZES, ids=str)
+@pytest.mark.parametrize("n", SIZES)
 def test_transfers_are_adjoint(random, n):
     """<R x, y> N/N_1 = <x, P y>, and both are what they are called."""
     t, m = whole(n)
@@ -62,7 +62,7 @@ def swept(grid, p, closed):
     return sweep.z[1:-1].copy(), sums[0]
 
 
-@pytest.mark.parametrize("n", [n for n in SIZES if n != (1, 1)], ids=str)
+@pytest.mark.parametrize("n", [n for n in SIZES if n != (1, 1)])
 def test_sweep(random, n):
     grid = Grid(n)
     closed = random.random(n) < 0.3
@@ -78,7 +78,6 @@ def test_sweep(random, n):
 @pytest.mark.parametrize(
     ("n", "nominal"),
     [((16, 16), (8, 8)), ((30, 12), (15, 12)), ((14, 20), (7, 10)), ((16, 8), (16, 8))],
-    ids=str,
 )
 def test_norm_of_the_test_pressure(random, n, nominal, coarsest_points):
     """|v|^2 and <v, S r> by sums over levels, v = t N/n - s: of the indicators of contact and

@@ -39,7 +39,6 @@ def test_no_rank_has_more_than_its_share(n, dtype):
 @pytest.mark.parametrize(
     ("n", "ranks"),
     [((48, 30), 1), ((64, 64), 5), ((300, 200), 7), ((7, 11), 9), ((1, 40), 3), ((256, 512), 16)],
-    ids=str,
 )
 def test_everything_has_one_owner(n, ranks):
     """All ranks together have all rows, columns, levels and coarser grids once, and every message

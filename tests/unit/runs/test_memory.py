@@ -2,7 +2,9 @@
 process."""
 
 import resource
+import tracemalloc
 
+import numpy as np
 import pytest
 from refusal import refused
 from scene_tables import rows, scene_of
@@ -11,6 +13,7 @@ from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.runs import memory
 from hpc_gfmd.runs.plan import duration, plan_of
 from hpc_gfmd.runs.simulation import run_scene
+from hpc_gfmd.surface import build_surface
 from hpc_gfmd.util import machine
 
 GIB = machine.GIB
@@ -91,6 +94,20 @@ def test_low_memory_of_a_surface_without_a_spectrum_is_refused():
     assert memory.memory_of(scene, (32, 32), (1.0, 1.0), 1).total > 0
     with refused('solver.low_memory: found true, allowed: with surface.kind = "self-affine"'):
         run_scene(scene, comm=SerialComm(), quiet=True)
+
+
+def test_a_map_is_resampled_in_what_the_plan_has_for_it():
+    """A few rows of it are read at a time."""
+    np.save("z.npy", np.zeros((2048, 2048)))
+    surface = '{kind = "file", path = "z.npy", physical_sizes = [1, 1], downsample = 8}'
+    scene = scene_of(f"surface = {surface} ; load = {{pressure = 0.1}}")
+    for _ in range(2):  # at first there are imports
+        tracemalloc.start()
+        build_surface(scene.surface, SerialComm(), np.float64)
+        most = tracemalloc.get_traced_memory()[1] / GIB
+        tracemalloc.stop()
+    plan = memory.memory_of(scene, (256, 256), (1.0, 1.0), 1)
+    assert most < 2 * (plan.total - plan.process) < 2048**2 * 8 / GIB
 
 
 SURFACES = {

@@ -89,7 +89,7 @@ def stop_at(monkeypatch, number):
     monkeypatch.setattr(Sweep, "solve", stopping)
 
 
-@pytest.mark.parametrize("fields", [("pressure", "gap", "heights"), ()], ids=str)
+@pytest.mark.parametrize("fields", [("pressure", "gap", "heights"), ()])
 def test_what_was_finished_before_ctrl_c_is_kept(monkeypatch, sweep, fields):
     stop_at(monkeypatch, 3)
     with pytest.raises(KeyboardInterrupt) as caught:
@@ -189,7 +189,7 @@ def test_more_is_asked_later(sweep, saved, of_file):
     assert set(asked[0].distributions) == set(all_distributions())
 
 
-@pytest.mark.parametrize("boundary", ["periodic", ["free", "periodic"]], ids=str)
+@pytest.mark.parametrize("boundary", ["periodic", ["free", "periodic"]])
 def test_the_patches_as_a_table(boundary):
     """They add up to what the observables say; a square on the corner of the cell is one patch,
     whose centre is the corner."""

@@ -62,7 +62,7 @@ def test_the_load_that_closes_the_gap_goes_on_as_such():
     assert (found.status, found.iterations) == ("converged", wanted.iterations)
 
 
-@pytest.mark.parametrize("loads", [{"pressure": [0.1, 0.11]}, {"a_r": [0.1, 0.12]}], ids=str)
+@pytest.mark.parametrize("loads", [{"pressure": [0.1, 0.11]}, {"a_r": [0.1, 0.12]}])
 def test_after_a_load_that_failed_the_next_one_starts_afresh(loads):
     one = sweep()
     failing, fine = one.pressures(Load(**loads))

@@ -98,7 +98,7 @@ a_r = 0.1 | load: found pressure and a_r
 ]
 
 
-@pytest.mark.parametrize(("arguments", "words"), REFUSED, ids=lambda x: str(x)[:40])
+@pytest.mark.parametrize(("arguments", "words"), REFUSED)
 def test_refused_in_one_line(arguments, words):
     with pytest.raises(SceneError) as caught:
         hpc_gfmd.solve(**{"heights": Z, "pressure": 0.1} | arguments)
@@ -130,7 +130,7 @@ ACCEPTED = [
 ]
 
 
-@pytest.mark.parametrize("arguments", ACCEPTED, ids=lambda x: str(x)[:40])
+@pytest.mark.parametrize("arguments", ACCEPTED)
 def test_accepted(arguments):
     assert hpc_gfmd.solve(**{"heights": Z, "pressure": 0.1} | arguments).status == "converged"
 

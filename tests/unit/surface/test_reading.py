@@ -166,7 +166,6 @@ def test_the_scene_may_say_otherwise(tmp_path):
         ),
         ({"a": Z, "b": Z}, r"^surface.dataset: found 'surface', allowed in .*: a, b"),
     ],
-    ids=["no unit", "volts", "negative", "two"],
 )
 def test_what_a_file_may_not_say(content, words):
     np.savez("z.npz", **content)
@@ -223,7 +222,6 @@ HOLES = [(1, "***"), (2, ""), (3, "BAD")]
         (points("x [um]\ty [um]\tz [nm]\n", mark="\t"), {}, 1),
         (points(), BY_HAND, 1),
     ],
-    ids=lambda value: repr(value)[:20] if isinstance(value, str) else "",
 )
 def test_text_of_instruments(text, keys, missing, tmp_path):
     """Marks, decimals, headers and missing points of every kind give the same heights."""
@@ -235,9 +233,10 @@ def test_text_of_instruments(text, keys, missing, tmp_path):
 
 
 @pytest.mark.parametrize("mark", [",", " "])
-def test_a_column_without_heights_stays(mark):
-    Path("z.txt").write_text(f"{mark.join(['1', '2', '3', 'nan'])}\n" * 5)
-    assert open_topography(spec("z.txt", **BY_HAND)).n == (5, 4)
+def test_lines_and_columns_without_heights_stay(mark):
+    lines = [["1", "2", "3", "nan"]] * 5 + [["nan"] * 4, ["off"] * 4]
+    Path("z.txt").write_text("\n".join(map(mark.join, lines)))
+    assert open_topography(spec("z.txt", missing=["off"], **BY_HAND)).n == (7, 4)
 
 
 NO_TEXT = "cannot be read as text: .*"
@@ -254,7 +253,6 @@ NO_TEXT = "cannot be read as text: .*"
         (written(" ").rstrip()[:-20], "line .* is shorter than those before"),
         ("1\n2\n3\n", NO_TEXT + "it has no map of heights, only profiles"),
     ],
-    ids=["twice", "between", "units", "no header", "cut", "shorter", "profile"],
 )
 def test_text_that_is_no_map(text, words):
     Path("z.txt").write_text(text)
@@ -314,11 +312,17 @@ def test_a_format_that_is_not_known(tmp_path, capfd):
 
 
 def test_uneven_points_are_no_grid(tmp_path):
+    """A NetCDF 4 dimension without coordinates has none."""
     netcdf4(tmp_path / "z.nc", "m")
     with h5py.File("z.nc", "r+") as file:
         file["x"][1] *= 1.01  # only their ends are looked at
     with refused("not those of a regular grid"):
         open_topography(spec("z.nc"))
+    with h5py.File("z.nc", "r+") as file:
+        file["x"].attrs["NAME"] = "This is a netCDF dimension but not a netCDF variable.  12"
+    with refused("^surface.physical_sizes: not given"):
+        hpc_gfmd.read_surface("z.nc")
+    assert np.array_equal(open_topography(spec("z.nc", physical_sizes=SIZES)).rows(0, 12), Z)
 
 
 @pytest.mark.parametrize(
@@ -329,7 +333,6 @@ def test_uneven_points_are_no_grid(tmp_path):
         {"physical_sizes": ["2.4 um", "0.8 um"], "flip": True},
         {"boundary": "free"},
     ],
-    ids=str,
 )
 def test_read_surface_does_what_the_scene_does(keys, tmp_path):
     FORMATS["z.x3p"](tmp_path / "z.x3p", "nm")
@@ -362,7 +365,6 @@ MASKED = np.ma.masked_greater(Z, 0.9 * Z.max())
         (Z, {"physical_sizes": SIZES, "boundary": "periodic"}),
         (1e9 * Z, BY_HAND | {"boundary": "periodic"}),
     ],
-    ids=["Topography", "its pipelines", "array", "array with units"],
 )
 def test_heights_in_memory(heights, keys, plain):
     """The same numbers, whatever holds the heights; a Topography needs no preparation."""
@@ -381,10 +383,19 @@ def test_what_heights_in_memory_lack():
     assert ends.free == (True, True)
     assert "filled" in ends.prepared[0]
     masked = topography("m", False, MASKED)
-    for name, write in (("z.nc", masked.to_netcdf), ("z.x3p", masked.to_x3p)):
-        write(name)
+    masked.to_netcdf("z.nc")
+    masked.to_x3p("z.x3p")
+    beside = {"z": Z, "mask": MASKED.mask}
+    np.savez("z.npz", **beside)
+    unwritten = {"z": MASKED.filled(15 * 2.0**119)}  # of NetCDF
+    for name, arrays in (("z.h5", beside), ("four.nc", unwritten)):
+        with h5py.File(name, "w") as file:
+            file.update(arrays)
+    for name in ("z.nc", "z.x3p", "z.npz", "z.h5", "four.nc"):
+        found = open_topography(spec(name, boundary="free", physical_sizes=SIZES))
+        assert np.array_equal(np.isnan(found.rows(0, 12)), MASKED.mask)
         with refused(r"^surface.path: found nan at"):
-            build_surface(spec(name, boundary="free"), SerialComm(), float)
+            build_surface(spec(name, boundary="free", physical_sizes=SIZES), SerialComm(), float)
     for heights in (MASKED, MASKED.filled(np.nan)):
         again = hpc_gfmd.prepare_surface(heights, fill="harmonic", boundary="free")
         assert np.allclose(again.heights, ends.heights)

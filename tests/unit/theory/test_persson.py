@@ -36,7 +36,7 @@ def energy_sum(p, hurst, eps_f, gamma):
     return total / 4 / np.sqrt(norm_g * norm_h)
 
 
-@pytest.mark.parametrize("row", rows(TABLE)[1:], ids=str)
+@pytest.mark.parametrize("row", rows(TABLE)[1:])
 def test_table(row):
     hurst, p_star, lam, printed, corrected, original = map(float, row)
 
