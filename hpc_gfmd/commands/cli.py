@@ -102,16 +102,19 @@ def _run(argv: Sequence[str], script: Callable[[], ArgumentParser] | None) -> tu
         collective_exit(130, ALONE)
         return 130, False
     except Exception as error:
+        code, before = 1, ""
         if isinstance(error, MemoryError) or getattr(error, "errno", None) == ENOMEM:
-            said, before = f"out of memory{_where()} ({one_line(str(error) or 'no details')})", ""
+            said = f"out of memory{_where()} ({one_line(str(error) or 'no details')})"
             said += ": use more machines, fewer points or single precision"
+        elif isinstance(error, PermissionError):
+            code, said = 2, f"{error.filename}: {error.strerror}"
         else:  # a mistake in the program: what it was, for those who mend it, and one line
             said, before = (
                 f"internal error{_where()}: {type(error).__name__}: {one_line(str(error))}",
                 traceback.format_exc(),
             )
-        collective_exit(1, ALONE, partial(_complain, said, before))
-        return 1, False
+        collective_exit(code, ALONE, partial(_complain, said, before))
+        return code, False
 
 
 def _complain(error: object, before: str = "") -> None:

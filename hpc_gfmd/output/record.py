@@ -210,7 +210,7 @@ class RunFile(AbstractContextManager):
             self._lock = acquire(self.partial)
         except OSError as error:
             raise SceneError(
-                f"output.path: cannot write to {self.path.parent}: {reason(error)}"
+                f"output.path: cannot write to {error.filename}: {reason(error)}"
             ) from None
         left, loads = None, len(step_files(self.partial)) if (self.partial / HEAD).exists() else 0
         with suppress(SceneError):  # nothing, or nothing that can be read

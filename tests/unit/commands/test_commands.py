@@ -177,14 +177,19 @@ def test_python_interface(folder):
 
 
 @pytest.mark.parametrize(
-    "error",
-    [MemoryError("Unable to allocate 7 TiB"), OSError(errno.ENOMEM, "Cannot allocate memory")],
+    ("error", "code", "words"),
+    [
+        (MemoryError("Unable to allocate 7 TiB"), 1, "out of memory ("),
+        (OSError(errno.ENOMEM, "Cannot allocate memory"), 1, "out of memory ("),
+        (PermissionError(errno.EACCES, "Permission denied", "out.h5"), 2, "out.h5: Permission"),
+    ],
 )
-def test_too_little_memory_is_no_mistake_of_the_program(error, monkeypatch, cli):
-    """Whoever notices it: NumPy, or the system where a file is mapped."""
+def test_what_is_no_mistake_of_the_program(error, code, words, monkeypatch, cli):
+    """Too little memory, whoever notices it: NumPy, or the system where a file is mapped; and what
+    may not be read."""
 
     def fail(_):
         raise error
 
     monkeypatch.setattr("hpc_gfmd.commands.show.main", fail)
-    assert cli.refused("show out.h5", code=1).startswith("hpc-gfmd: out of memory (")
+    assert cli.refused("show out.h5", code=code).startswith(f"hpc-gfmd: {words}")
