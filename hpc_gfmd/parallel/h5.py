@@ -151,7 +151,7 @@ def sync(path: Path, wait: bool = True) -> None:
 
 @contextmanager
 def _opened(comm: Comm, path: Path, doing: str) -> Iterator[Any]:
-    """An h5py file to fill in: by MPI-IO where it can be, otherwise rank 0's alone. Collective."""
+    """Open an h5py file to fill in: by MPI-IO where it can be, else rank 0's alone. Collective."""
     import h5py
 
     together = io_way(comm) == "mpio"

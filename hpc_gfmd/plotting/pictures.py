@@ -107,7 +107,9 @@ def plot(
     if what not in there:
         allowed = ", ".join(there) or "nothing, it has no finished load step"
         if "maps" not in there:
-            allowed += " (maps and distributions need output.fields, spectra output.distributions)"
+            allowed += (
+                " (maps need output.fields, spectra output.distributions, distributions either)"
+            )
         of = "" if step is None else f" of step {step}"
         raise SceneError(f"what: found {what!r}{of}, allowed: {allowed}")
     with styled():

@@ -61,7 +61,7 @@ class PreparedSurface:
         return float(np.std(self.heights))
 
     def plot(self, **how: Any) -> "Figure":
-        """A matplotlib figure of the heights; how: title, window, dpi, see plotting.height_map."""
+        """Draw the heights, a matplotlib figure; how: title, window, dpi, see height_map."""
         from ..plotting import height_map
 
         return height_map(self.heights, self.sizes, self.unit, **how)
@@ -195,7 +195,7 @@ def _known(surface: PreparedSurface, table: dict[str, Any]) -> PreparedSurface:
 
 
 def plain(value: Any) -> Any:
-    """NumPy's numbers and arrays, alone or in a list, and tuples, as what a scene is made of."""
+    """Make what a scene is made of from NumPy's numbers and arrays, lists and tuples."""
     if isinstance(value, list | tuple):
         return [plain(item) for item in value]
     return value.tolist() if hasattr(value, "tolist") else value

@@ -38,7 +38,7 @@ LOST = ("energy", "approach", *OF_DUALITY)  # observables that the fields do not
 
 
 def _field(name: str, about: str) -> Any:
-    """A property of a Solution: the field of this name."""
+    """Make a property of a Solution: the field of this name."""
     return property(lambda solution: solution._field(name), doc=about)
 
 
@@ -132,13 +132,13 @@ class Solution(Solved):
         return self.pressure > 0
 
     def value(self, name: str) -> Any:
-        """A number by its name in the result file, an `observable` or another one."""
+        """Return a number by its name in the result file, an `observable` or another one."""
         return self._step[name] if name in self._step else self.observable(name)
 
     _get = value
 
     def observable(self, name: str) -> Any:
-        """A number by the name it has in the scene's output.observables, computed now if it was not
+        """Return a number by its name in the scene's output.observables, computed now if it was not
         asked for before.
 
         "stiffness", "patches", ...: the number (None where it has no value); "percolation" and
@@ -158,7 +158,7 @@ class Solution(Solved):
         return self._step[name] if name in self._step else {one: self._step[one] for one in found}
 
     def distribution(self, name: str) -> Distribution | None:
-        """Arrays by the name they have in the scene's output.distributions, computed now if they
+        """Return arrays by their name in the scene's output.distributions, computed now if they
         were not asked for before.
 
         "pressure", "gap", "patches": {"edges": (k + 1,), "density": (k,)}; "heights_spectrum":
@@ -193,8 +193,8 @@ class Solution(Solved):
         }
 
     def patch_table(self) -> "DataFrame":
-        """The contact patches as a pandas table, the largest first: area, load (the force that it
-        carries), x and y of its centre, perimeter, periodic (it goes on across an edge of the
+        """Make a pandas table of the contact patches, the largest first: area, load (the force that
+        it carries), x and y of its centre, perimeter, periodic (it goes on across an edge of the
         cell); units by column in its `attrs`."""
         from pandas import DataFrame
 
@@ -294,8 +294,8 @@ class Solutions(Solved, Sequence):
         return self.result.notes
 
     def values(self, name: str) -> np.ndarray:
-        """An observable or another number of all loads, (loads,), by its name in the result file:
-        values("p_star"); nan for none."""
+        """Return an observable or another number of all loads, (loads,), by its name in the result
+        file: values("p_star"); nan for none."""
         found = [one.value(name) for one in self]
         return np.array([np.nan if value is None else value for value in found])
 
@@ -338,7 +338,7 @@ class Interrupted(KeyboardInterrupt):
 
 
 def load(path: str | PathLike) -> Solutions:
-    """The solutions in a result file, those of an interrupted run included.
+    """Open the solutions in a result file, those of an interrupted run included.
 
     Parameters
     ----------

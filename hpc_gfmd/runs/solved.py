@@ -110,7 +110,7 @@ class Solved:
         return path
 
     def references(self) -> list[str]:
-        """What to cite: the program and the papers behind these numbers, with DOI, a line each."""
+        """List what to cite: the program and the papers behind these numbers, with DOI."""
         return references_of(self.result)
 
     def export(self, path: str | PathLike, fields: Sequence[str] | None = None) -> Path:
@@ -128,13 +128,13 @@ class Solved:
         return export(some, kinds[Path(path).suffix], path, all_numbers())
 
     def to_dataframe(self) -> "DataFrame":
-        """A pandas table: a row for each load, a column for each number; units by column in its
-        `attrs`."""
+        """Make a pandas table: a row for each load, a column for each number; units by column in
+        its `attrs`."""
         return frame(self.result, all_numbers())
 
     def to_xarray(self) -> "Dataset":
-        """An xarray of numbers (load) and fields (load, x, y), heights (x, y), with their units and
-        meanings as attributes."""
+        """Make an xarray of numbers (load), fields (load, x, y) and heights (x, y), with their
+        units and meanings as attributes."""
         from xarray import Dataset
 
         self._require_whole("to_xarray")
@@ -156,7 +156,7 @@ class Solved:
         return Dataset(content, places, result.facts)
 
     def plot(self, what: str | None = None, **how: Any) -> "Figure":
-        """A matplotlib figure, as `hpc-gfmd plot` draws it: "curves" (over the loads; default of
+        """Draw a matplotlib figure, as `hpc-gfmd plot` does: "curves" (over the loads; default of
         several), "maps" (default of one whose fields are kept), "distributions", "spectra", one
         field or one curve, such as "a_r".
 
