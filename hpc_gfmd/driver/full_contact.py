@@ -34,13 +34,6 @@ def closed_contact(
     return g, p, certify(problem, g, p, dtype=dtype, dual=dual)
 
 
-def closing_load(problem: Problem) -> tuple[float, float]:
-    """Return the least p0 at which u = -h is the solution, and the FFT pairs that it took: the
-    largest tension without any. Collective."""
-    _, p, certificate = closed_contact(problem)
-    return float(problem.p0 + sum(tension_of(problem.grid, p))), certificate.pairs
-
-
 def tension_of(grid: Grid, p: np.ndarray, unit: np.ndarray | None = None) -> tuple[float, float]:
     """Return the largest tension of a closed contact (below 0: there is none), over `unit` where
     that is given, and the rounding error of its pressure p. Collective."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import DTypeLike
 
 from ..operators.problem import ROUNDING
 from ..parallel.comm import SerialComm
@@ -70,24 +71,25 @@ def too_little(settings: Settings, N: int, p_star: float) -> bool:
     return few_points(N, p_star, settings.accuracy) or not single_solves(p_star, N)
 
 
-def precisions(scene: Scene, n: tuple[int, int]) -> list[np.dtype | None]:
-    """Return the precision of each load, as far as it is known beforehand; None: the first one,
-    unless few points turn out to touch, or rounding errors to count. Once a load is in double
-    precision all others are."""
+def precisions(
+    scene: Scene, n: tuple[int, int], unknown: DTypeLike | None = None
+) -> list[np.dtype | None]:
+    """Return the precision of each load, as far as it is known beforehand; otherwise `unknown`: it
+    is the first one, unless few points turn out to touch, or rounding errors to count. Once a load
+    is in double precision all others are."""
     settings, found = scene.solver, first_precision(scene.solver)
     out: list[np.dtype | None] = []
     g_rms, h_rms = known_heights(scene, n)
     rounding = ROUNDING * float(np.finfo(np.float32).eps) * (h_rms or np.inf)
     for p_star in known_p_stars(scene, g_rms):
         if settings.precision == "auto" and found == np.float32:
-            if p_star is None:
-                out.append(None)
-                continue
-            if too_little(settings, math.prod(n), p_star):
+            if p_star is not None and too_little(settings, math.prod(n), p_star):
                 found = np.dtype(np.float64)
-            elif rounding > counting(settings, p_star):
-                out.append(None)
-                continue
+            elif p_star is None or rounding > counting(settings, p_star):
+                if unknown is None:
+                    out.append(None)
+                    continue
+                found = np.dtype(unknown)
         out.append(found)
     return out
 

@@ -14,7 +14,7 @@ from ..contact.contact import Contact
 from ..parallel import interrupt
 from ..util.errors import SceneError
 from .drive import drive
-from .full_contact import CLOSED, FullContact, closed_contact, closing_load, tension_of
+from .full_contact import CLOSED, FullContact, closed_contact, tension_of
 from .load import GivenLoad
 from .load_quantities import OpeningSearch, restored, search_for
 from .load_search import x_of
@@ -97,9 +97,7 @@ class Sweep(Start):
         tolerance, heights = self.settings.tolerance, self.heights
         if load.quantity == "a_r" and load.value == 1:
             if self.closed_form and not self.surface.grid.padded:
-                p0, pairs = closing_load(self._problem(1.0))
-                self._spent += pairs
-                return GivenLoad(p0, closes=True)
+                return GivenLoad(1.0, closes=True)
             if self.solver_class.holds_tension:
                 return FullContact(tolerance, self._flat_solution())
         known = (tolerance, self.settings.accuracy is not None, heights)
@@ -263,15 +261,17 @@ class Sweep(Start):
         g, p, certificate = closed_contact(problem, dual=self.target.duality)
         self._spent += certificate.pairs
         tension, rounding = tension_of(problem.grid, p)
-        # the least load that closes the gap, but for rounding errors
-        if problem.dtype == np.float64 and 0 <= tension <= CLOSED * problem.rounding:
+        nearly = problem.dtype == np.float64 and 0 <= tension <= CLOSED * problem.rounding
+        if nearly or self._load.closes:
             problem = self._problem(p0 + tension + rounding)
             g, p, certificate = closed_contact(problem, dual=self.target.duality)
             self._spent += certificate.pairs
+        if self._load.closes:
+            self._load = GivenLoad(problem.p0, closes=True)
         if certificate.contact - certificate.yielded < problem.grid.N:
             return None
         exact = replace(certificate, errors=(0.0, 0.0, full_contact_error(problem)))
-        return self._contact(self._p_mean(p0), g, p, "converged", exact, pairs=self._spent)
+        return self._contact(self._p_mean(problem.p0), g, p, "converged", exact, pairs=self._spent)
 
     def _flat(self, p_mean: float) -> Contact:
         """Give full contact, which a flat wall has at any load: there is nothing to compute."""

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..parallel.comm import SerialComm
-from ..parallel.h5 import write_file
+from ..parallel.h5 import lay_out, write_file
 from ..util.atomic import atomic_write
 from ..util.errors import GfmdError, SceneError, reason
 from ..util.libraries import surface_topography
@@ -71,13 +71,17 @@ def to_netcdf(result: Result, path: Path, about: About) -> None:
     with its unit and meaning."""
     import h5py
 
-    surface = result.surface
-    with open(path, "w+b") as stream, h5py.File(stream, "w") as file:
+    surface, fields = result.surface, common_fields(result)
+
+    def described(file: Any) -> None:
         file.attrs.update(result.facts)
         scales = coordinates(file, surface, numbers(result.steps), about)
-        for name, dtype in common_fields(result).items():
-            file.create_dataset(name, _shape(result, name), dtype)
+        for name in fields:
             name_it(file[name], surface, about, scales[name == HEIGHTS :])
+
+    lay_out(path, fields, described)
+    with open(path, "r+b") as stream, h5py.File(stream, "r+") as file:
+        for name in fields:
             for place, rows in _pieces(result, name):
                 file[name][place] = rows
 
@@ -89,9 +93,9 @@ def to_npz(result: Result, path: Path, about: About) -> None:
         for name, values in (axes(result.surface) | numbers(result.steps)).items():
             with archive.open(f"{name}.npy", "w") as file:
                 np.lib.format.write_array(file, values)
-        for name, dtype in common_fields(result).items():
+        for name, (shape, dtype) in common_fields(result).items():
             with archive.open(f"{name}.npy", "w", force_zip64=True) as file:
-                header = {"descr": dtype.str, "fortran_order": False, "shape": _shape(result, name)}
+                header = {"descr": dtype.str, "fortran_order": False, "shape": shape}
                 np.lib.format.write_array_header_2_0(file, header)
                 for _, rows in _pieces(result, name):
                     file.write(np.ascontiguousarray(rows, dtype).tobytes())
@@ -172,12 +176,13 @@ FORMATS = {  # and the extension of each
 }
 
 
-def common_fields(result: Result) -> dict[str, np.dtype]:
-    """Return the fields that all steps have, and the widest type of each."""
+def common_fields(result: Result) -> dict[str, tuple[tuple[int, ...], np.dtype]]:
+    """Return the fields that all steps have: the shape over them, heights once, and the widest type
+    of each."""
     names = [name for name in result.fields[0] if all(name in fields for fields in result.fields)]
-    return {
-        name: np.result_type(*(fields[name].dtype for fields in result.fields)) for name in names
-    }
+    shape = len(result.steps), *result.surface["n"]
+    types = {name: [fields[name].dtype for fields in result.fields] for name in names}
+    return {name: (shape[name == HEIGHTS :], np.result_type(*types[name])) for name in names}
 
 
 def _channels(result: Result) -> Iterator[tuple[int, str]]:
@@ -186,13 +191,9 @@ def _channels(result: Result) -> Iterator[tuple[int, str]]:
         yield from ((k, name) for name in common_fields(result) if k == 0 or name != HEIGHTS)
 
 
-def _shape(result: Result, name: str) -> tuple[int, ...]:
-    return (len(result.steps), *result.surface["n"])[name == HEIGHTS :]
-
-
 def _pieces(result: Result, name: str) -> Iterator[tuple[tuple, np.ndarray]]:
-    """Yield (place in an array of `_shape`, rows) of a field, a piece of memory at a time; raises
-    GfmdError where it is damaged."""
+    """Yield (place in an array over the loads, rows) of a field, a piece of memory at a time.
+    Raises GfmdError where it is damaged."""
     for k, fields in enumerate(result.fields[: 1 if name == HEIGHTS else None]):
         for start, rows in fields[name].pieces():
             yield (k, slice(start, start + len(rows)))[name == HEIGHTS :], rows

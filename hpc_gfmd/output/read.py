@@ -30,7 +30,7 @@ class Result:
     each load step; indices: numbers of the steps; status: of the whole run ("running" or
     "interrupted" if it was never finished); fields: per step {name: Stored}, or Slab in memory;
     folder: of the unfinished run, otherwise None; notes: what else a reader should know, one line
-    each.
+    each; version: of what is said here, which a pickle keeps.
     """
 
     path: Path | None
@@ -42,6 +42,12 @@ class Result:
     fields: list[dict[str, Any]] = field(repr=False)
     folder: Path | None = None
     notes: tuple[str, ...] = ()
+    version: int = field(default=FORMAT_VERSION, repr=False)
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        if state.get("version") != FORMAT_VERSION:
+            raise SceneError("a pickle of another version of hpc_gfmd, allowed: of this one")
+        vars(self).update(state)
 
     @property
     def scene_toml(self) -> str:
@@ -121,11 +127,10 @@ class Result:
 
     def in_memory(self) -> "Result":
         """Copy what is said without what refers to a solver or to a file."""
-
-        def copy(field: Any) -> Slab:
-            return Slab(field.read(), getattr(field, "start", 0), field.shape)
-
-        kept = [{name: copy(field) for name, field in fields.items()} for fields in self.fields]
+        kept = [
+            {name: Slab(one.read(), 0, one.shape) for name, one in fields.items()}
+            for fields in self.fields
+        ]
         return replace(self, fields=kept)
 
     @property

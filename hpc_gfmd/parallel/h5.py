@@ -13,6 +13,7 @@ import os
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
+from math import prod
 from pathlib import Path
 from typing import Any
 
@@ -108,8 +109,15 @@ def write_file(
     tmp, doing = path.with_name(path.name + ".tmp"), f"writing {path}"
     together = io_way(comm) == "mpio"
     types, stored = {name: np.dtype(dtype or field.dtype) for name, field in fields.items()}, {}
+
+    def described(file: Any) -> None:
+        for name in fields:
+            file[name].attrs.create(CHECKSUM, 0, dtype="uint64")
+        describe(file)
+
     try:
-        on_rank_0(comm, doing, lambda: _lay_out(tmp, n, types, describe, compressed))
+        shapes = {name: (n, types[name]) for name in fields}
+        on_rank_0(comm, doing, lambda: lay_out(tmp, shapes, described, compressed))
         with _opened(comm, tmp, doing) as file:
             for name, field in fields.items():
                 found = 0
@@ -191,26 +199,23 @@ def inside(group: Any, name: str) -> Any:
     return found
 
 
-def _lay_out(
+def lay_out(
     path: Path,
-    n: tuple[int, int],
-    types: Mapping[str, np.dtype],
+    fields: Mapping[str, tuple[tuple[int, ...], np.dtype]],
     describe: Callable[[Any], object],
-    compressed: bool,
-) -> Any:
-    """Write the file without the numbers of the fields, and take the disk space for all of it. One
-    process only."""
+    compressed: bool = False,
+) -> None:
+    """Write a file without the numbers of its fields, {dataset: (shape, dtype)}, and take the disk
+    space for all of it. describe, compressed: as of write_file. One process only."""
     import h5py
 
-    image, space = io.BytesIO(), _SLACK * bool(types)
+    image, space = io.BytesIO(), _SLACK * bool(fields)
     with h5py.File(image, "w", libver=VERSIONS) as file:
-        for name, dtype in types.items():
-            how = PACKED | {"chunks": (1, n[1])} if compressed else {}
-            file.create_dataset(name, n, dtype, fill_time="never", **how).attrs.create(
-                CHECKSUM, 0, dtype="uint64"
-            )
-            numbers = n[0] * n[1] * dtype.itemsize
-            space += numbers + compressed * (numbers // 500 + _PER_CHUNK * n[0])
+        for name, (shape, dtype) in fields.items():
+            how = PACKED | {"chunks": (1, *shape[1:])} if compressed else {}
+            file.create_dataset(name, shape, dtype, fill_time="never", **how)
+            numbers = prod(shape) * dtype.itemsize
+            space += numbers + compressed * (numbers // 500 + _PER_CHUNK * shape[0])
         describe(file)
     space += image.getbuffer().nbytes
     with open(path, "wb") as file:

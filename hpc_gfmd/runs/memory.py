@@ -105,8 +105,8 @@ def memory_of(
     number of ranks with so many threads each, so many on each node; rank 0 has a part in
     everything. unknown: precision of the loads of which it is not known beforehand, without it the
     first one."""
-    other = np.dtype(unknown or first_precision(scene.solver))
-    each = [dtype or other for dtype in precisions(scene, n)]
+    usual = first_precision(scene.solver)
+    each = [np.dtype(dtype) for dtype in precisions(scene, n, unknown or usual)]
     dtype = max(each, key=lambda dtype: dtype.itemsize)
     itemsize, free = dtype.itemsize, scene.surface.free
     cell = cell_of(n, free, sizes)
@@ -140,9 +140,7 @@ def memory_of(
     grids = [share.grid, *kept_grids]
     with_table = 1 + body_of(scene.material, free).table_share
     transforms = spectra(dtype, grids[:1]) * with_table + spectra(dtype, grids[1:])
-    transforms += sum(
-        scratch(precision, grids) for precision in {dtype, first_precision(scene.solver)}
-    )
+    transforms += sum(scratch(precision, grids) for precision in {dtype, usual})
     certificate = 0.0
     # heights that do not end are made in its transforms; ranks touch them as they plan
     touched = not any(free) or ranks > 1

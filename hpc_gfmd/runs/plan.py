@@ -36,7 +36,7 @@ def plan_of(
     nbytes, messages = np.max([share.traffic for share in shares], axis=0).tolist()
     memory = memory_of(scene, n, sizes, ranks, threads, per_node=per_node)
     pairs, busy = expected_pairs(scene), min(ranks, cores)
-    alone = expected_seconds(pairs, [dtype or first for dtype in known], cell)
+    alone = expected_seconds(pairs, precisions(scene, n, first), cell)
     fields = len(scene.output.fields) * n[0] * n[1] / GIB
     written = {"single": 4, "double": 8, None: decided.itemsize}[scene.output.dtype]
     plan = {
@@ -71,10 +71,10 @@ def plan_of(
         "seconds_on_nodes": Cluster().seconds(alone, pairs * len(known), (nbytes, messages), ranks),
     }
     if any(dtype is None for dtype in known):
-        double = np.dtype(np.float64)
+        double = np.float64
         other = memory_of(scene, n, sizes, ranks, threads, per_node=per_node, unknown=double)
         plan["gib_per_rank_in_double"], plan["gib_in_double"] = other.total, other.on_all(ranks)
-        seconds = expected_seconds(pairs, [dtype or double for dtype in known], cell)
+        seconds = expected_seconds(pairs, precisions(scene, n, double), cell)
         plan["seconds_in_double"] = seconds / busy
     return plan
 

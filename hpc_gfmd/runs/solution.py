@@ -87,7 +87,7 @@ class Solution(Solved):
     ):
         super().__init__(result, rows, comm)
         self._contact = contact
-        self._step, self._fields = result.steps[0], result.fields[0]
+        self._step = result.steps[0]
         self._arrays: dict[str, np.ndarray] = {}
 
     @property
@@ -214,7 +214,7 @@ class Solution(Solved):
 
     def _field(self, name: str) -> np.ndarray:
         if name not in self._arrays:
-            stored = self._fields
+            stored = self.result.fields[0]
             if name in stored:
                 self._arrays[name] = stored[name].read()
             elif self._contact is not None and name in FIELDS:

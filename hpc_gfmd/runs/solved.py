@@ -37,7 +37,9 @@ class Solved:
         self.rows = rows or (0, int(result.surface["n"][0]))
 
     def __reduce__(self) -> tuple:
-        return type(self), (self.result.in_memory(), self.rows)
+        if any(self.result.fields):
+            self._require_whole("pickle")
+        return type(self), (self.result.in_memory(),)
 
     @property
     def g_rms(self) -> float:

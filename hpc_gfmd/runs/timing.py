@@ -5,6 +5,7 @@ import platform
 import time
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -43,12 +44,15 @@ def expected_pairs(scene: Scene) -> float:
     return each * (known.searching if scene.load.found else 1)
 
 
-def expected_seconds(pairs: float, precisions: Iterable[DTypeLike], cell: tuple[int, int]) -> float:
+def expected_seconds(
+    pairs: float, precisions: Iterable[np.dtype | None], cell: tuple[int, int]
+) -> float:
     """Estimate the seconds of solving loads on one core of this machine. pairs: FFT pairs of each
     load; precisions: of all loads; cell: points that are solved."""
     points = float(np.prod(cell))
     work = points * np.log2(max(points, 2))
-    return float(pairs * work * sum(map(seconds_per_work, precisions)))
+    once = cache(seconds_per_work)  # what cannot be kept would be measured for each load
+    return float(pairs * work * sum(map(once, precisions)))
 
 
 @dataclass(frozen=True)

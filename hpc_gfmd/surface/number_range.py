@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 # of what the program multiplies: units of pressure and height, their product, mean pressures
 FACTORS = 1e-250, 1e250
-P_STAR = 1e-100, 1e100
+LARGEST_P_STAR = 1e100
 
 
 def fits(dtype: DTypeLike, smallest: float, largest: float) -> bool:
@@ -68,7 +68,9 @@ def require_range(E_star: float, surface: Surface, pressures: Iterable[float]) -
                 f"surface, material, load: found {what} = {value:g}, allowed: {smallest:g} to"
                 f" {largest:g}, in other units"
             )
-    smallest, largest = P_STAR
+    # of a single point that carries all what rounding errors of the heights make of the pressure
+    rounding = float(np.finfo(np.float64).eps) * surface.h_rms / surface.height_unit
+    smallest, largest = rounding / surface.grid.N**0.5, LARGEST_P_STAR
     # full contact is not uniform there; coarse levels, which all points may add to, are in single
     # precision
     if surface.grid.padded:
@@ -76,5 +78,5 @@ def require_range(E_star: float, surface: Surface, pressures: Iterable[float]) -
     for p_mean in pressures:
         if surface.g_rms > 0 and not smallest <= p_mean / unit <= largest:
             raise SceneError(
-                f"load: found p* = {p_mean / unit:g}, allowed: {smallest:g} to {largest:.2g}"
+                f"load: found p* = {p_mean / unit:g}, allowed: {smallest:.2g} to {largest:.2g}"
             )

@@ -113,9 +113,12 @@ def test_a_bad_note_of_the_speed_of_this_machine(content, tmp_path, monkeypatch)
     from hpc_gfmd.runs import timing
 
     monkeypatch.setenv("HPC_GFMD_CACHE", str(tmp_path))
-    monkeypatch.setattr(timing, "_measure", lambda dtype: 1e-9)
+    measured = iter([1e-9, 3e-9])
+    monkeypatch.setattr(timing, "_measure", lambda dtype: next(measured))
     (tmp_path / f"speed-float64-{platform.node()}").write_bytes(content)
     assert timing.seconds_per_work("float64") == 1e-9
+    monkeypatch.setenv("HPC_GFMD_CACHE", "/proc/none")
+    assert timing.expected_seconds(1.0, ["float64"] * 3, (1, 2)) == pytest.approx(18e-9)
 
 
 def test_kept_code_calls_no_copy_of_a_piece():

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from faults.jobs import call, goes_on, needs_mpi, run, write_scene
+from result_files import names
 
 from hpc_gfmd.util.caches import cache_folder
 
@@ -40,16 +41,12 @@ FULL = {  # when: KiB of the disk, of the scene, fault, what the message names
 @pytest.mark.parametrize(
     ("when", "ranks"),
     [
-        *[pytest.param(when, None, id=f"{when}-alone") for when in FULL],
-        *[
-            pytest.param(
-                when,
-                2,
-                id=f"{when}-two ranks",
-                marks=[needs_mpi, *[pytest.mark.slow] * (when != "during a field write")],
-            )
-            for when in FULL
-        ],
+        pytest.param(when, ranks, id=f"{when}-{ranks or 'alone'}", marks=marks)
+        for when in FULL
+        for ranks, marks in (
+            (None, ()),
+            (2, [needs_mpi, *[pytest.mark.slow] * (when != "during a field write")]),
+        )
     ],
 )
 def test_full(small_disk, undisturbed, when, ranks):
@@ -70,6 +67,14 @@ def test_full(small_disk, undisturbed, when, ranks):
     assert not list(disk.rglob("*.tmp"))
     subprocess.run(["mount", "-o", "remount,size=64m", disk], check=True)
     goes_on(path, undisturbed(ranks, **how), ranks)
+
+
+def test_export(small_disk, undisturbed):
+    disk = small_disk("4k")
+    job = call(f"export {undisturbed(None, **FIELDS).path} --to netcdf -o {disk}/x")
+    assert job.code == 1
+    job.says("No space left on device")
+    assert not names(disk)
 
 
 @pytest.mark.parametrize("ranks", [None, SEVERAL])

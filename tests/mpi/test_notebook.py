@@ -60,8 +60,9 @@ def test_a_communicator_of_mpi4py(comm):
         pytest.skip("needs several ranks")
     found = hpc_gfmd.solve(Z, LOADS[0], comm=comm.mpi)
     assert found.pressure.shape == (found.rows[1] - found.rows[0], 20)
-    with pytest.raises(SceneError, match="spread over"):
-        found.plot()
+    for asked in (found.plot, found.__reduce__):
+        with pytest.raises(SceneError, match="spread over"):
+            asked()
     scene = Scene.from_dict({"surface": rough(), "load": {"p_star": 0.1}})
     assert hpc_gfmd.run(scene, out="run.h5", quiet=True, comm=comm.mpi).status == "converged"
     with pytest.raises(SceneError, match=r"^comm: found int, allowed"):

@@ -1,6 +1,6 @@
 """The result file on any number of ranks: empty slabs, MPI-IO or not, restart, agreed errors."""
 
-import shutil
+from types import SimpleNamespace
 
 import h5py
 import numpy as np
@@ -212,8 +212,8 @@ def test_errors_are_agreed(comm, shared_path, monkeypatch):
             run.write_step(0, {}, {"gap": good})
             with pytest.raises(GfmdError, match="points in rows"):
                 run.write_step(1, {}, {"gap": good[:, :3] if last else good})
-            fields = {"gap": Broken(good) if last else good}
-            with pytest.raises(GfmdError, match="no such number"):
+            fields = {"gap": SimpleNamespace(dtype=good.dtype) if last else good}
+            with pytest.raises(GfmdError, match="not subscriptable"):
                 h5.write_file(comm, run.partial / "step-0001.h5", n, rows, fields)
             comm.barrier()
             assert sorted(p.name for p in run.partial.iterdir()) == [
@@ -221,23 +221,4 @@ def test_errors_are_agreed(comm, shared_path, monkeypatch):
                 "lock",
                 "step-0000.h5",
             ]
-            comm.barrier()
-            if comm.rank == 0:
-                shutil.rmtree(run.partial)
-            comm.barrier()
-            with pytest.raises(GfmdError, match="No such file"):
-                run.write_step(1, {}, {"gap": good})
         comm.barrier()
-
-
-class Broken:
-    """A local slab whose numbers cannot be computed."""
-
-    def __init__(self, data):
-        self.shape, self.dtype = data.shape, data.dtype
-
-    def __len__(self):
-        return self.shape[0]
-
-    def __getitem__(self, rows):
-        raise ValueError("no such number")

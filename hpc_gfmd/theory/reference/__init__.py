@@ -10,6 +10,8 @@ file is made from stored runs by `python scripts/paper curves --level desk --no-
 FILE`. Reading it needs neither MPI nor compiled kernels.
 """
 
+from functools import cache
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -17,6 +19,8 @@ from .. import persson
 from .data import Reference, load
 
 __all__ = ["Reference", "contact_area", "load", "mean_gap"]
+
+_shipped = cache(load)  # is read once
 
 
 def contact_area(
@@ -41,7 +45,7 @@ def contact_area(
     SceneError
         Outside the ranges of the data.
     """
-    return load().at("a_r", p_star, hurst, eps_f)
+    return _shipped().at("a_r", p_star, hurst, eps_f)
 
 
 def mean_gap(
@@ -66,7 +70,7 @@ def mean_gap(
     SceneError
         As `contact_area`, and for other units.
     """
-    gap, sigma = load().at("gap_over_h_rms", p_star, hurst, eps_f)
+    gap, sigma = _shipped().at("gap_over_h_rms", p_star, hurst, eps_f)
     theory = [persson.mean_gap(1.0, hurst, eps_f, unit=name) for name in (unit, "h_rms")]
     scale = float(theory[0] / theory[1])
     return gap * scale, sigma * scale

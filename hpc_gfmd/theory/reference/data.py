@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -44,6 +45,15 @@ class Reference:
     sigma: dict[str, np.ndarray]
     provenance: dict[str, Any]
 
+    @cached_property
+    def ratios(self) -> dict[str, np.ndarray]:
+        """Logarithms of the values over Persson's theory."""
+        found = {}
+        for name, loads in self.p_star.items():
+            theory = [[_persson(name, loads, H, f) for f in self.eps_f] for H in self.hurst]
+            found[name] = np.log(self.value[name] / np.array(theory))
+        return found
+
     def at(
         self, quantity: str, p_star: ArrayLike, hurst: float, eps_f: float
     ) -> tuple[float | np.ndarray, float | np.ndarray]:
@@ -80,10 +90,9 @@ class Reference:
             _weights(float(_within("hurst", hurst, self.hurst)), self.hurst),
             _weights(float(np.log(_within("eps_f", eps_f, self.eps_f))), np.log(self.eps_f)),
         )
-        theory = [[_persson(quantity, loads, H, f) for f in self.eps_f] for H in self.hurst]
-        ratio = np.log(self.value[quantity] / np.array(theory))
         x, at = np.log(loads), np.log(wanted)
-        spline = make_interp_spline(x, np.einsum("hf,hfp->p", weights, ratio), k=min(3, len(x) - 1))
+        ratio = np.einsum("hf,hfp->p", weights, self.ratios[quantity])
+        spline = make_interp_spline(x, ratio, k=min(3, len(x) - 1))
         value = np.exp(spline(at)) * _persson(quantity, wanted, hurst, eps_f)
         sigma = value * np.interp(
             at, x, np.einsum("hf,hfp->p", np.abs(weights), self.sigma[quantity])

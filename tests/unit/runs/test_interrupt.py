@@ -96,8 +96,7 @@ def test_handlers_of_c_come_back():
     assert "most recent call first" in done.stderr
 
 
-@pytest.fixture
-def unlaunched(monkeypatch):
+def test_launcher_can_be_said(monkeypatch):
     for name in (
         *launcher.LAUNCHER_SIZE,
         *launcher.LAUNCHER_RANK,
@@ -105,22 +104,18 @@ def unlaunched(monkeypatch):
         "SLURM_PROCID",
     ):
         monkeypatch.delenv(name, raising=False)
-    return monkeypatch
-
-
-def test_launcher_can_be_said(unlaunched):
     assert launched() == (False, None)
-    unlaunched.setenv("OMPI_COMM_WORLD_SIZE", "4")
-    unlaunched.setenv("OMPI_COMM_WORLD_RANK", "2")
+    monkeypatch.setenv("OMPI_COMM_WORLD_SIZE", "4")
+    monkeypatch.setenv("OMPI_COMM_WORLD_RANK", "2")
     assert (launched(), launcher_rank()) == ((True, 4), 2)
-    unlaunched.setenv("HPC_GFMD_LAUNCHER", "none")
+    monkeypatch.setenv("HPC_GFMD_LAUNCHER", "none")
     assert (launched(), launcher_rank()) == ((False, None), 0)
-    unlaunched.delenv("OMPI_COMM_WORLD_SIZE")
-    unlaunched.delenv("OMPI_COMM_WORLD_RANK")
-    unlaunched.setenv("HPC_GFMD_LAUNCHER", "mpi")
+    monkeypatch.delenv("OMPI_COMM_WORLD_SIZE")
+    monkeypatch.delenv("OMPI_COMM_WORLD_RANK")
+    monkeypatch.setenv("HPC_GFMD_LAUNCHER", "mpi")
     assert launched() == (True, None)
-    unlaunched.setattr(world, "_world", None)
-    unlaunched.setenv("HPC_GFMD_LAUNCHER", "slurm")
+    monkeypatch.setattr(world, "_world", None)
+    monkeypatch.setenv("HPC_GFMD_LAUNCHER", "slurm")
     with refused(r'HPC_GFMD_LAUNCHER: found "slurm", allowed: "mpi", "none"'):
         world.world()
 

@@ -4,6 +4,7 @@ what more is asked of them."""
 import pickle
 import signal
 import warnings
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -148,6 +149,8 @@ def test_saved_and_pickled(sweep, saved):
             assert other.displacement == pytest.approx(one.displacement, abs=1e-15)
     again = pickle.loads(pickle.dumps(sweep[2]))
     assert again.observable("patches") == sweep[2].observable("patches")
+    with refused("a pickle of another version of hpc_gfmd"):
+        pickle.loads(pickle.dumps(replace(again.result, version=2)))
 
 
 def test_a_file_is_saved_again(sweep, saved):

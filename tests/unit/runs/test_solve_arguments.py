@@ -45,10 +45,10 @@ REFUSED = [
         (tomllib.loads(arguments.replace(" ; ", "\n")), words)
         for arguments, words in rows("""
 E_star = 1e308 | material.E_star: found 1e
-E_star = 1e-20 ; pressure = 1e90 | load: found p* = 7.41932e+108, allowed: 1e-100 to 1e+100
-pressure = 1e-40 ; precision = "single" | solver.precision: found "single"
+E_star = 1e-20 ; pressure = 1e90 | load: found p* = 7.41932e+108, allowed: 2.4e-17 to 1e+100
+pressure = 1e-40 | load: found p* = 7.41932e-42, allowed: 2.4e-17 to 1e+100
 pressure = 1e40 ; precision = "single" | solver.precision: found "single"
-pressure = 1e40 ; boundary = "free" | load: found p* = 7.95782e+38, allowed: 1e-100 to
+pressure = 1e40 ; boundary = "free" | load: found p* = 7.95782e+38, allowed: 2.6e-17 to 5.3e+36
 pressure = 1e20 ; boundary = "free" ; precision = "single" | solver.precision: found "single"
 E_star = 1e-320 | material.E_star: found 1e-320
 E_star = true | material.E_star: found true
