@@ -11,7 +11,7 @@ def test_random_spectrum_is_that_of_a_real_field():
     whole = np.zeros((n, n), complex)
     for k_y in range(n):
         block = np.zeros((1, n), complex)
-        signed = k_y if k_y <= n // 2 else k_y - n
+        signed = (k_y + 3) % n - 3
         self_affine(block, 0.0, 1.0, signed, 1, n, (np.uint64(3), 1.0, 1.0, 4.0, 1.0, 1.8))
         whole[:, k_y] = block[0]
     heights = np.fft.ifft2(whole)
