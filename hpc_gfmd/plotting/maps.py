@@ -32,6 +32,7 @@ def maps(contexts: Sequence[FigureContext], names: list[str]) -> Page:
     field."""
     context = contexts[0]
     x0, x1, y0, y1 = context.window
+    aspect = (y1 - y0) / (x1 - x0)
     loads = range(len(context.result.steps))
     columns = min(2, len(loads)) if len(names) == 1 else len(names)
     width = 0.735 * WIDTH / max(columns, 2)
@@ -50,14 +51,15 @@ def maps(contexts: Sequence[FigureContext], names: list[str]) -> Page:
             ax.set_title(name if k == 0 else "", loc="right")
         elif name != "heights":
             step = context.result.steps[k]
-            area = f", $a_r = {step['a_r']:.3g}$" if good(step.get("a_r")) else ""
+            start = ", " if aspect < 2 else "\n"
+            area = f"{start}$a_r = {step['a_r']:.3g}$" if good(step.get("a_r")) else ""
             colour = "black" if converged(step) else WARNING
             ax.set_title(context.name_of(k) + area, loc="left", color=colour)
 
     return Page(
         [partial(panel, k, name) for k in loads for name in names],
         columns,
-        height=width * np.clip((y1 - y0) / (x1 - x0), 0.4, 2.4) + 0.34,
+        height=width * np.clip(aspect, 0.4, 2.4) + 0.34,
         width=WIDTH if columns > 1 else WIDTH / 2,
         images=True,
     )

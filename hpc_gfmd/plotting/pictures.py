@@ -149,8 +149,7 @@ def _results(given: Any) -> dict[str, Result]:
         return {str(name): _result(one) for name, one in given.items()}
     if not isinstance(given, list | tuple):
         return {"": _result(given)}
-    found = map(_result, given)
-    return {f"{k}: {_name(one)}": one for k, one in enumerate(found, 1)}
+    return {f"{k}: {_name(one)}": one for k, one in enumerate(map(_result, given), 1)}
 
 
 def _result(given: Any) -> Result:

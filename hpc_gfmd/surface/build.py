@@ -13,10 +13,10 @@ from ..operators.problem import Columns
 from ..parallel.comm import SerialComm
 from ..parallel.fft import SlabFFT
 from ..parallel.grid import Grid
-from ..parallel.guard import collective_errors
+from ..parallel.guard import collective_errors, raise_on_all
 from ..parallel.interrupt import check
 from ..util.errors import SceneError
-from .analytic import Rows, flat_rows, wave_rows
+from .analytic import flat_rows, wave_rows
 from .cell import grid_of, nominal_part
 from .heights import LARGEST, checked, checksum
 from .prepare import prepare, prepared_size
@@ -110,8 +110,14 @@ def build_surface(
     if spec.kind == "file":
         with collective_errors(comm, "reading the surface"):
             found = open_topography(spec)
+            said = found.n, found.sizes, found.unit
+        other = SceneError(
+            f"surface.path: found other points, sizes or units of {found.path} on some ranks,"
+            " allowed: the same file on all"
+        )
+        raise_on_all(comm, None if comm.bcast(said) == said else other)
         return surface_of(prepare(found, spec, comm), comm, dtype, threads, spec.free, known=False)
-    rows: Rows = wave_rows(spec) if spec.kind == "wave" else flat_rows
+    rows = wave_rows(spec) if spec.kind == "wave" else flat_rows
     if spec.kind == "self-affine":
         kept = np.dtype(np.float64) if spec.radius else dtype
         grid = grid_of(spec.n, spec.physical_sizes, comm, spec.free, threads)

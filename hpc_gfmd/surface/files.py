@@ -167,7 +167,7 @@ def _one_of(names: list[str], spec: Any) -> str:
     return name
 
 
-OPENERS: dict[str, tuple[Callable[[Path, Any], Map], str]] = {  # and extensions; "": all others
+OPENERS = {  # and extensions; "": all others
     "npy": (_npy, ".npy"),
     "npz": (_npz, ".npz"),
     "hdf5": (_hdf5, ".h5 .hdf5"),

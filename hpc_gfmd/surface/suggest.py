@@ -102,6 +102,6 @@ def _by_heights(
             f"{out} points stand out of their neighbours by more than {DOUBT.outlying:g} times what"
             " neighbours differ by: dust or spikes? They are pressed as they are"
         )
-    fits = max(quality.jumps) <= DOUBT.jump or periodic
-    if not fits and not {"boundary", "mirror", "window"} & set(given):
+    ends = max(quality.jumps) > DOUBT.jump and not periodic
+    if ends and {"boundary", "mirror", "window"}.isdisjoint(given):
         values["boundary"], why["boundary"] = "free", f"{edges}; mirror = true is another way"

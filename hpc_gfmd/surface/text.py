@@ -42,8 +42,8 @@ def read(path: str | Path, spec: Any) -> Map:
         layout = layout_of(list(islice(file, (spec.skip_lines or 0) + LOOKED_AT)), spec)
     if layout is None or layout.columns < 3:
         return instruments.read(path, spec)
-    points = len(layout.units) == 3  # of x, y and z, which other readers leave out
-    header = layout.skip and spec.skip_lines is None and not points
+    # other readers leave out units of x, y and z
+    header = layout.skip and spec.skip_lines is None and len(layout.units) != 3
     if header and (found := instruments.recognised(path, spec)):
         return found
     table = _table(path, layout, spec)

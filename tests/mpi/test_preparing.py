@@ -172,6 +172,14 @@ def test_the_same_heights_on_any_number_of_ranks(boundary, keys, comm, monkeypat
     )
 
 
+def test_another_file_on_some_rank(comm):
+    path = f"{comm.rank}.npy"
+    np.save(path, np.zeros((4 + comm.rank, 4)))
+    if comm.size > 1:
+        with pytest.raises(SceneError, match="on some ranks"):
+            build_surface(File(kind="file", path=path, physical_sizes=SIZES), comm, np.float64)
+
+
 def test_what_is_noted(comm):
     """Each doubt where there is reason for it, and none otherwise; on any number of ranks."""
     x, y = np.meshgrid(np.arange(48) / 48, np.arange(40) / 40, indexing="ij")

@@ -72,7 +72,6 @@ def test_ranks_nobody_can_hear(folder, after):
         ("plan scene.toml", ">&-", "standard output: "),
         ("show --json out.h5", "| exec 0<&-", ""),
     ],
-    ids=["full disk", "closed", "pipe"],
 )
 def test_what_is_printed_is_the_result(folder, args, after, said):
     """Here nothing is left where it cannot be printed."""

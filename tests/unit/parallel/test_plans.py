@@ -11,7 +11,7 @@ from hpc_gfmd.parallel import plans
 from hpc_gfmd.parallel.grid import Grid
 
 
-@pytest.mark.parametrize("library", [plans.load_fftw, lambda: None], ids=["FFTW", "scipy.fft"])
+@pytest.mark.parametrize("library", [plans.load_fftw, lambda: None])
 @pytest.mark.parametrize(("dtype", "rounding"), [(np.float64, 1e-13), (np.float32, 1e-5)])
 @pytest.mark.parametrize("threads", [1, 3])
 def test_several_passes(monkeypatch, library, dtype, rounding, threads):

@@ -171,7 +171,7 @@ def assert_readable(fig):
             assert ((x0 < x) & (x < x1) & (y0 <= y) & (y < 0.98 * y1)).all()
 
 
-@pytest.mark.parametrize("units", [False, True], ids=["plain", "units"])
+@pytest.mark.parametrize("units", [False, True])
 @pytest.mark.parametrize("kind", ["rough", "measured", "wave", "sphere", "free", "layer"])
 def test_what_is_drawn_is_what_was_computed(kind, units):
     solutions = solved(kind, units)

@@ -162,7 +162,7 @@ def test_a_file_is_saved_again(sweep, saved):
     same(hpc_gfmd.load("one.h5")[0], sweep[0])
 
 
-@pytest.mark.parametrize("of_file", [False, True], ids=["in memory", "from a file"])
+@pytest.mark.parametrize("of_file", [False, True])
 def test_more_is_asked_later(sweep, saved, of_file):
     """As if it had been asked for with the load."""
     names = sorted(observable_names() - {"error_bounds", *duality.OBSERVABLES})

@@ -33,7 +33,7 @@ def close(found, wanted, unit):
     )
 
 
-@pytest.mark.parametrize("length", [True, False], ids=["of length", "of pressure"])
+@pytest.mark.parametrize("length", [True, False])
 @pytest.mark.parametrize("unit", UNITS)
 def test_any_unit(z, plain, unit, length):
     L, p = (unit, 1) if length else (1, unit)
