@@ -125,14 +125,6 @@ class Result:
         kept = [{name: each[name] for name in each if name in fields} for each in some.fields]
         return replace(some, fields=kept)
 
-    def in_memory(self) -> "Result":
-        """Copy what is said without what refers to a solver or to a file."""
-        kept = [
-            {name: Slab(one.read(), 0, one.shape) for name, one in fields.items()}
-            for fields in self.fields
-        ]
-        return replace(self, fields=kept)
-
     @property
     def missing_loads(self) -> str:
         """Which of the loads that its scene asks for are not there, as a text."""

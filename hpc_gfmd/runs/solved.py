@@ -3,6 +3,7 @@ picture."""
 
 import warnings
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,6 +12,7 @@ import numpy as np
 
 from ..contact import all_numbers, all_observables, default_observables
 from ..output.export import FORMATS, common_fields, export, frame
+from ..output.fields import Slab
 from ..output.numbers import axes, names_of, numbers, said_of
 from ..output.read import Result
 from ..output.record import RunFile
@@ -39,7 +41,11 @@ class Solved:
     def __reduce__(self) -> tuple:
         if any(self.result.fields):
             self._require_whole("pickle")
-        return type(self), (self.result.in_memory(),)
+        kept = [
+            {name: Slab(one.read(), 0, one.shape) for name, one in fields.items()}
+            for fields in self.result.fields
+        ]
+        return type(self), (replace(self.result, fields=kept),)
 
     @property
     def g_rms(self) -> float:

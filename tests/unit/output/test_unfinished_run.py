@@ -30,6 +30,10 @@ def test_an_interrupted_run_can_be_read_and_resumed(path):
     assert np.array_equal(result.fields[1]["gap"].read(0, 6), FIELD + 1)
 
 
+def contents(folder):
+    return {file: file.read_bytes() for file in folder.glob("*.h5")}
+
+
 @pytest.mark.parametrize(
     ("whose", "how"),
     [
@@ -44,10 +48,10 @@ def test_finished_loads_are_not_removed_unasked(path, whose, how):
     if not how:
         for file in folder.glob("*.h5"):
             file.write_bytes(b"lost")
-    before = {file: file.read_bytes() for file in folder.glob("*.h5")}
+    before = contents(folder)
     with refused(f"holds 1 finished loads {whose}, allowed: .* --force"):
         begin(path, **how)
-    assert before == {file: file.read_bytes() for file in folder.glob("*.h5")}
+    assert before == contents(folder)
     with begin(path, force=True, **how) as run:
         assert run.notes == [f"removed an interrupted run {whose} (1 finished loads)"]
         assert list(run.finished) == []
