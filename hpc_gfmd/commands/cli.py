@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from .. import __version__
-from ..util.errors import GfmdError, SceneError, one_line
+from ..util.errors import GfmdError, SceneError, one_line, reason
 from ..util.streams import unfailing_output
 from .common import number
 
@@ -90,12 +90,14 @@ def _run(argv: Sequence[str], script: Callable[[], ArgumentParser] | None) -> tu
     try:
         args = (script or build_parser)().parse_args(argv)
         return args.main(args) or 0, not getattr(args, "saves", False)
-    except (GfmdError, ModuleNotFoundError) as error:
+    except (GfmdError, ImportError) as error:
         if isinstance(error, ModuleNotFoundError):
             package = (error.name or str(error)).partition(".")[0]
             error = GfmdError(
                 f"{asked} needs {package}, which is not installed here: pip install {package}"
             )
+        elif isinstance(error, ImportError):
+            error = GfmdError(f"{asked}: what it needs cannot be loaded ({one_line(str(error))})")
         collective_exit(error.exit_code, say=partial(_complain, error))
         return error.exit_code, False
     except KeyboardInterrupt:  # the other ranks may not have been interrupted
@@ -107,7 +109,7 @@ def _run(argv: Sequence[str], script: Callable[[], ArgumentParser] | None) -> tu
             said = f"out of memory{_where()} ({one_line(str(error) or 'no details')})"
             said += ": use more machines, fewer points or single precision"
         elif isinstance(error, PermissionError):
-            code, said = 2, f"{error.filename}: {error.strerror}"
+            code, said = 2, f"{error.filename or asked}: {reason(error)}"
         else:  # a mistake in the program: what it was, for those who mend it, and one line
             said, before = (
                 f"internal error{_where()}: {type(error).__name__}: {one_line(str(error))}",

@@ -25,10 +25,11 @@ def main(args: Namespace) -> int:
         dimensionless=args.dimensionless,
     )
     said, several = [], {*(args.what or ["maps"])} - {"heights"}
-    shown = {result.indices[k] for name in several for k in chosen_steps(result, name, args.step)}
+    places = min((chosen_steps(result, name, args.step) for name in several), key=len, default=[])
+    shown = [result.indices[k] for k in places]
     left = [index for index in result.indices if index not in shown]
     if left and shown:
-        said.append(f"shown: step {_list(sorted(shown))}; left out: {_list(left)} (--step chooses)")
+        said.append(f"shown: step {_list(shown)}; left out: {_list(left)} (--step chooses)")
     steps = result.numbered
     if doubtful := [index for index, step in steps.items() if not converged(step)]:
         said.append(f"! not converged: step {_list(doubtful)} (marked in the pictures)")

@@ -25,8 +25,8 @@ SMALL = 4096  # bytes of what an archive says of sizes and units
 
 @dataclass(frozen=True)
 class FileArray:
-    """Heights in a file: the numbers of the array `name`, unpacked, nan where the array MASK beside
-    it is not 0. find(name): an array, what is sliced as one, or None."""
+    """Heights in a file: the numbers of the array `name`, unpacked, nan where the whole numbers of
+    an array MASK beside it are not 0. find(name): an array, what is sliced as one, or None."""
 
     shape: tuple[int, ...]
     dtype: np.dtype
@@ -37,7 +37,9 @@ class FileArray:
     def __getitem__(self, part: Any) -> np.ndarray:
         z = self.unpacked(self.find(self.name)[part])
         mask = self.find(MASK)
-        if getattr(mask, "shape", None) != self.shape:
+        another = self.name.rpartition("/")[2] != MASK
+        fits = another and getattr(mask, "shape", None) == self.shape
+        if not fits or mask[part].dtype.kind not in "bui":
             return z
         return np.where(mask[part], np.nan, z)
 
@@ -85,7 +87,7 @@ def _npz(path: Path, spec: Any) -> Map:
     @cache
     def find(key: str) -> Any:  # unpacked where it is first read: by then it is known to fit
         with np.load(path, allow_pickle=False) as file:
-            return file[key] if key in heads else None
+            return file[key] if key in heads and not heads[key][1].hasobject else None
 
     return FileArray(*heads[name], name, np.asarray, find), said
 
@@ -124,7 +126,9 @@ def _hdf5(path: Path, spec: Any) -> Map:
         head = data.shape, data.dtype, data.name, unpacker(attributes)
     kept = max(2 * band, 2**20)
     beside = h5py.File(path, "r", locking=False, rdcc_nbytes=kept, rdcc_nslots=10007)[folder]
-    return FileArray(*head, cache(lambda key: inside(beside, key) if key in beside else None)), said
+    return FileArray(
+        *head, cache(lambda key: inside(beside, key) if beside.get(key) else None)
+    ), said
 
 
 def _netcdf(path: Path, spec: Any) -> Map:

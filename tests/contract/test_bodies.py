@@ -25,7 +25,7 @@ GRIDS = [
 # eigenvalue of S over the sum of squares on the levels, of any field: of what solvers leave it is
 # less
 LARGEST = 2.25
-every_body = pytest.mark.parametrize("body", BODIES, ids=repr)
+every_body = pytest.mark.parametrize("body", BODIES)
 every_grid = pytest.mark.parametrize(("n", "sizes"), GRIDS)
 
 

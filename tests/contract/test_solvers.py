@@ -43,7 +43,6 @@ def started(name, problem, options=()):
         *[(SURFACE, p_star) for p_star in (1e-3, 0.01, 0.1, 0.45, 1.0)],
         *[(rough((2, 16, 4), hurst=0.3, seed=4), p_star) for p_star in (0.007, 0.353)],
     ],
-    ids=lambda x: x if isinstance(x, float) else x["hurst"],
 )
 def test_same_certified_solution(name, options, surface, p_star):
     """Without a start from coarse grids, which is another solver's."""

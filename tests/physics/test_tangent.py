@@ -91,7 +91,7 @@ def test_ends_of_the_load_curve():
 
 
 @pytest.mark.parametrize(
-    "discs", [[(0.5, 0.5, 0.2)], [(0.3, 0.3, 0.1), (0.7, 0.6, 0.15), (0.3, 0.8, 0.05)]], ids=len
+    "discs", [[(0.5, 0.5, 0.2)], [(0.3, 0.3, 0.1), (0.7, 0.6, 0.15), (0.3, 0.8, 0.05)]]
 )
 def test_conductance_of_discs(discs):
     """Holm's 2 k a each, with what the flow through one does to the others (Greenwood 1966); in a

@@ -71,7 +71,7 @@ def test_the_rules_are_about_what_there_is():
     assert len([path for path in ROOT.iterdir() if path.is_file()]) <= 8
 
 
-@pytest.mark.parametrize("path", FILES, ids=name)
+@pytest.mark.parametrize("path", FILES)
 def test_file(path):
     here, found = name(path), set(imports(path))
     for other, places in ALLOWED_IN.items():

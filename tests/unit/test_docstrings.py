@@ -74,7 +74,7 @@ def test_says_what_it_is(name):
             )
 
 
-@pytest.mark.parametrize("module", [hpc_gfmd, reference, tfc], ids=lambda module: module.__name__)
+@pytest.mark.parametrize("module", [hpc_gfmd, reference, tfc])
 def test_functions_are_in_the_form_of_numpydoc(module):
     """With the sections that a page is generated from."""
     for name in module.__all__:

@@ -35,9 +35,7 @@ def test_in_a_process_of_its_own(tmp_path):
         assert (tmp_path / name).stat().st_size > 10_000
 
 
-@pytest.mark.parametrize(
-    "path", [path for path in EXAMPLES if path.stem not in (MPI, ALONE)], ids=lambda path: path.stem
-)
+@pytest.mark.parametrize("path", [path for path in EXAMPLES if path.stem not in (MPI, ALONE)])
 @pytest.mark.filterwarnings("error:::__main__")
 def test_example(path, tmp_path, monkeypatch):
     if path.stem == OPTIONAL:
@@ -61,7 +59,7 @@ def check_flow(flow):
     assert along_x * along_y == pytest.approx(1, rel=2e-3)
 
 
-@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", EXAMPLES)
 def test_is_short_says_what_it_shows_and_has_a_picture(path):
     tree = ast.parse(path.read_text())
     assert sum(isinstance(node, ast.stmt) for node in ast.walk(tree)) <= 30

@@ -93,7 +93,7 @@ def run(folder, *arguments):
     return done.stdout
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+@pytest.mark.parametrize("page", PAGES)
 def test_a_page(page, tmp_path):
     """Blocks of Python share one process, commands follow each other; a page is read from above."""
     (tmp_path / "scan.py").write_text(SCAN)

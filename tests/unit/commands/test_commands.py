@@ -182,11 +182,13 @@ def test_python_interface(folder):
         (MemoryError("Unable to allocate 7 TiB"), 1, "out of memory ("),
         (OSError(errno.ENOMEM, "Cannot allocate memory"), 1, "out of memory ("),
         (PermissionError(errno.EACCES, "Permission denied", "out.h5"), 2, "out.h5: Permission"),
+        (PermissionError("locked"), 2, "show: locked"),
+        (ImportError("libblas"), 1, "show: what it needs cannot be loaded (libblas)"),
     ],
 )
 def test_what_is_no_mistake_of_the_program(error, code, words, monkeypatch, cli):
-    """Too little memory, whoever notices it: NumPy, or the system where a file is mapped; and what
-    may not be read."""
+    """Too little memory, whoever notices it: NumPy, or the system where a file is mapped; what
+    may not be read; and a library that is broken."""
 
     def fail(_):
         raise error

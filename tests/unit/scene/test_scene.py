@@ -9,7 +9,7 @@ from scene_tables import SHIPPED, rows, scene_of
 from hpc_gfmd.scene import Scene, load_scene
 
 
-@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", SHIPPED)
 def test_shipped_scenes_load_and_survive_a_round_trip(path):
     scene = load_scene(path)
     assert Scene.from_toml(scene.to_toml()) == scene

@@ -396,6 +396,10 @@ def test_what_heights_in_memory_lack():
         assert np.array_equal(np.isnan(found.rows(0, 12)), MASKED.mask)
         with refused(r"^surface.path: found nan at"):
             build_surface(spec(name, boundary="free", physical_sizes=SIZES), SerialComm(), float)
+    np.savez("z.npz", z=Z, mask=Z)  # no mask, but heights
+    for name in "z", "mask":
+        found = open_topography(spec("z.npz", physical_sizes=SIZES, dataset=name))
+        assert np.array_equal(found.rows(0, 12), Z)
     for heights in (MASKED, MASKED.filled(np.nan)):
         again = hpc_gfmd.prepare_surface(heights, fill="harmonic", boundary="free")
         assert np.allclose(again.heights, ends.heights)
