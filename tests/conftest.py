@@ -45,8 +45,9 @@ def pytest_configure(config):
 
 def pytest_make_parametrize_id(val):
     """Lists and tables are named by what is in them, files by their stem."""
-    known = isinstance(val, tuple | list | dict | Path)
-    return str(getattr(val, "stem", val))[:60] if known else None
+    if isinstance(val, tuple | list | dict | Path):
+        return str(getattr(val, "stem", val))[:60]
+    return None
 
 
 def pytest_generate_tests(metafunc):
