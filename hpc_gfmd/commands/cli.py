@@ -12,9 +12,9 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NoReturn
 
-from .. import __version__
 from ..util.errors import GfmdError, SceneError, one_line, reason
 from ..util.streams import unfailing_output
+from ..util.versions import versions
 from .common import number
 
 ALONE = 1.0  # seconds that a rank with an error which others may not have waits for them
@@ -37,7 +37,8 @@ class Parser(ArgumentParser):
 def build_parser() -> ArgumentParser:
     """Make the parser of all commands."""
     parser = Parser(prog="hpc-gfmd", description=DESCRIPTION)
-    parser.add_argument("--version", action="version", version=f"hpc-gfmd {__version__}")
+    own = versions().get("hpc_gfmd", "that is not installed")
+    parser.add_argument("--version", action="version", version=f"hpc-gfmd {own}")
     subparsers = parser.add_subparsers(metavar="COMMAND", required=True, parser_class=Parser)
     for name, about in COMMANDS.items():
         command = subparsers.add_parser(
