@@ -18,8 +18,8 @@ from ..parallel.halo import next_row
 from ..parallel.threads import added
 from ..scene.model import TOUCHING
 from ..surface import Surface
+from ..surface.doubtful_numbers import load_notes
 from ..surface.number_range import field_dtype
-from ..surface.quality import load_notes
 
 PLASTIC, MANY = 0.2, 0.1  # pressure over E*, and share of the contact, at which solids yield
 YIELDS = (

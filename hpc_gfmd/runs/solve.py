@@ -24,8 +24,9 @@ from ..parallel.world import comm_of, threads_of
 from ..scene import Scene
 from ..surface.arrays import checked_array, is_topography
 from ..surface.build import Surface, surface_of
+from ..surface.doubtful_numbers import DIFFERENT_UNITS
 from ..surface.heights import checked
-from ..surface.quality import DIFFERENT_UNITS, quality_of
+from ..surface.quality import quality_of
 from ..surface.topography import Topography
 from ..util.errors import NotConverged, SceneError
 from ..util.versions import versions

@@ -261,10 +261,24 @@ class File(Surface):
         "of a text: what decimals begin with", '"." or ","', None, example=",", said="what fits"
     )
     missing: Annotated[tuple[Text, ...], LIST] = key(
-        'of a text: what stands for missing points, besides nothing, "***", "BAD", "---", "nan"',
+        'what stands for missing points; in a text besides nothing, "***", "BAD", "---", "nan"',
         "a list of texts",
         (),
         example=["9999"],
+    )
+    coordinates: Literal["none", "line", "column", "both"] | None = key(
+        "of a text: whether its first line, its first column or both are coordinates, not heights",
+        '"none", "line", "column" or "both"',
+        None,
+        example="both",
+        said="what the numbers show, else it must be given",
+    )
+    first_axis: Literal["x", "y"] | None = key(
+        "what the first index of an array, or the number of the line of a text, runs along",
+        '"x" or "y"',
+        None,
+        example="y",
+        said="what the file says, else x",
     )
     height_range: Pair[Height] | None = key(
         "of a TIFF or PNG of whole numbers: heights of the lowest and the highest possible",
