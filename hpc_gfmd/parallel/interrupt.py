@@ -1,6 +1,5 @@
 """Requests to stop: signals and the wall-clock budget, agreed on by all ranks."""
 
-import ctypes
 import os
 import signal
 import time
@@ -13,7 +12,6 @@ CHEAP = 0.05  # share of the time that may go into checkpoints between loads
 HANDLED = tuple(  # as far as the system has them; SIGUSR1: the batch system's warning
     getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGUSR1") if hasattr(signal, name)
 )
-SIGACTION_BYTES = 1024  # more than a struct sigaction has anywhere
 
 _running: "Interrupt | None" = None  # the Interrupt that listens: signals are sent to the process
 
@@ -57,8 +55,8 @@ class Interrupt:
     """Listens from `with` on. deadline: seconds from now, or None; every: seconds between
     checkpoints.
 
-    A second signal ends the process at once. Handlers that were there before come back at the end,
-    those that were not installed from Python, too.
+    A second signal ends the process at once. The handlers that Python had before come back at the
+    end.
     """
 
     def __init__(self, comm: Comm, deadline: float | None = None, every: float | None = None):
@@ -72,11 +70,10 @@ class Interrupt:
     def __enter__(self) -> Self:
         global _running
         _running = self
-        self._before: dict[int, tuple] = {}
+        self._before: dict[int, Any] = {}
         try:
             for s in HANDLED:
-                handler = _sigaction(s)
-                self._before[s] = signal.signal(s, self._note), handler
+                self._before[s] = signal.signal(s, self._note)
         except ValueError:  # not in the main thread: somebody else handles signals
             pass
         return self
@@ -84,10 +81,9 @@ class Interrupt:
     def __exit__(self, *_: object) -> None:
         global _running
         _running = None
-        for s, (of_python, handler) in self._before.items():
-            if of_python is not None:  # what Python knew of it
-                signal.signal(s, of_python)
-            _sigaction(s, handler)
+        for s, handler in self._before.items():
+            # None: not installed from Python, which can only give the default back
+            signal.signal(s, signal.SIG_DFL if handler is None else handler)
 
     def _note(self, number: int, _frame: object) -> None:
         if self.signal:
@@ -140,13 +136,3 @@ class Interrupt:
         """Note that a checkpoint has been written; begun: the time.monotonic() at which."""
         self.last = time.monotonic()
         self.cost = self.last - begun
-
-
-def _sigaction(number: int, new: Any = None) -> Any:
-    """Tell what handles a signal, as the system knows it; new: what is to do so from now on, as a
-    previous call gave it."""
-    if os.name == "nt":
-        return None
-    old = ctypes.create_string_buffer(SIGACTION_BYTES)
-    ctypes.CDLL(None).sigaction(int(number), new, old)
-    return old
