@@ -18,9 +18,12 @@ __version__ = "1.0.0"
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from .output.interface_law import InterfaceLaw
+    from .output.law_files import read_law
     from .parallel.guard import on_rank_0
     from .parallel.world import world
     from .plotting import plot
+    from .runs.interface_law import interface_law
     from .runs.many import solve_many
     from .runs.prepared import PreparedSurface, make_surface, prepare_surface, read_surface
     from .runs.simulation import RunResult
@@ -32,6 +35,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "GfmdError",
+    "InterfaceLaw",
     "Interrupted",
     "NotConverged",
     "PreparedSurface",
@@ -39,11 +43,13 @@ __all__ = [
     "SceneError",
     "Solution",
     "Solutions",
+    "interface_law",
     "load",
     "make_surface",
     "on_rank_0",
     "plot",
     "prepare_surface",
+    "read_law",
     "read_surface",
     "reference",
     "run",
@@ -53,6 +59,9 @@ __all__ = [
 ]
 _PLACES = {
     "GfmdError": "util.errors",
+    "InterfaceLaw": "output.interface_law",
+    "interface_law": "runs.interface_law",
+    "read_law": "output.law_files",
     "Interrupted": "runs.solution",
     "NotConverged": "util.errors",
     "PreparedSurface": "runs.prepared",
