@@ -19,7 +19,7 @@ __version__ = "1.0.0"
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from .output.interface_law import InterfaceLaw
-    from .output.law_files import read_law
+    from .output.law_files import read_law, write_law
     from .parallel.guard import on_rank_0
     from .parallel.world import world
     from .plotting import plot
@@ -56,12 +56,14 @@ __all__ = [
     "solve",
     "solve_many",
     "world",
+    "write_law",
 ]
 _PLACES = {
     "GfmdError": "util.errors",
     "InterfaceLaw": "output.interface_law",
     "interface_law": "runs.interface_law",
     "read_law": "output.law_files",
+    "write_law": "output.law_files",
     "Interrupted": "runs.solution",
     "NotConverged": "util.errors",
     "PreparedSurface": "runs.prepared",

@@ -5,14 +5,15 @@ from argparse import Namespace
 
 from ..output.read import Result, read_result
 from ..output.summary import surface_line
-from ..runs.table import table
+from ..runs.table import asked_of, table
 from .common import as_json
 
 
 def main(args: Namespace) -> int:
     """Print a result; raises SceneError if the file is missing, damaged, foreign or too new."""
     result = read_result(args.file)
-    shown, text = as_dict(result), as_text(result)
+    shown = as_dict(result)
+    text = as_text(result, args.errors)
     if args.tfc is not None:
         from .limits import limits_text, to_limits
 
@@ -34,14 +35,16 @@ def as_dict(result: Result) -> dict:
     return {"surface": result.surface, "steps": result.steps, "status": result.status}
 
 
-def as_text(result: Result) -> str:
-    """Write head, table and remarks."""
+def as_text(result: Result, errors: bool = False) -> str:
+    """Return head, table and remarks; errors: with those of solver and grid apart."""
     lines = [f"{result.path}: {result.status}"]
     if result.folder is not None:
         lines.append(f"the finished load steps of an unfinished run, from {result.folder}")
     if line := surface_line(result.surface):
         lines.append(line)
     lines.append(
-        table(result.numbered, result.surface) if result.steps else "no finished load step yet"
+        table(result.numbered, result.surface, asked_of(result), errors)
+        if result.steps
+        else "no finished load step yet"
     )
     return "\n".join([*lines, *(f"note: {note}" for note in result.notes)])

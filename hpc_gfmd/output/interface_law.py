@@ -13,9 +13,6 @@ from scipy.interpolate import PchipInterpolator
 from ..util.errors import SceneError
 
 if TYPE_CHECKING:
-    from os import PathLike
-    from pathlib import Path
-
     from pandas import DataFrame
 
 QUANTITIES = ("a_r", "gap_mean", "stiffness", "conductance", "critical_gap_x", "critical_gap_y")
@@ -142,17 +139,6 @@ class InterfaceLaw:
         table.attrs["units"] = units
         return table
 
-    def save(
-        self,
-        path: str | PathLike,
-        conductivity: float | tuple[float, float] | None = None,
-        name: str = "ROUGH",
-    ) -> Path:
-        """Write the law for another program, see `law_files.write_law`."""
-        from .law_files import write_law
-
-        return write_law(self, path, conductivity, name)
-
     def __repr__(self) -> str:
         unit = self.units["pressure"]
         number = f", mean of {self.surfaces} surfaces" if self.surfaces > 1 else ""
@@ -195,7 +181,8 @@ def interpolate(pressure: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.
             curve = np.full(np.shape(at), values[positive][0])
         else:
             logarithm = PchipInterpolator(np.log(pressure[positive]), np.log(values[positive]))
-            curve = np.exp(logarithm(np.log(at)))
+            within = np.clip(at, pressure[positive][0], pressure[positive][-1])
+            curve = np.exp(logarithm(np.log(within)))
         result = np.where(inside, curve, result)
         # between the last open load and the first tight one the seal counts as open
         gap = (at > pressure[positive][-1]) & ~np.isfinite(result)

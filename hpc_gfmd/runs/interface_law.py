@@ -74,7 +74,7 @@ def interface_law(
     Returns
     -------
     InterfaceLaw
-        `save("law.csv")`, `save("law.inp")` write it for other programs.
+        `write_law(law, "law.csv")`, `write_law(law, "law.inp")` write it for other programs.
 
     Raises
     ------

@@ -67,7 +67,7 @@ def test_a_law_is_not_extrapolated(pressure):
 def test_csv_is_read_back_to_the_bit(tmp_path):
     law = power_law()
     law.values["stiffness"][-1] = np.nan
-    back = read_law(law.save(tmp_path / "law.csv"))
+    back = read_law(write_law(law, tmp_path / "law.csv"))
     np.testing.assert_array_equal(back.pressure, law.pressure)
     for name, values in law.values.items():
         np.testing.assert_array_equal(back.values[name], values)
@@ -80,7 +80,7 @@ def test_csv_is_read_back_to_the_bit(tmp_path):
 @pytest.mark.parametrize("suffix", [".inp", ".i"])
 def test_tables_of_finite_elements_are_read_back(suffix, tmp_path):
     law = power_law()
-    back = read_law(law.save(tmp_path / f"law{suffix}", conductivity=(50.0, 200.0)))
+    back = read_law(write_law(law, tmp_path / f"law{suffix}", conductivity=(50.0, 200.0)))
     for name in ("gap_mean", "conductance"):
         values = law(name, np.clip(back.pressure, *law.pressure[[0, -1]]))
         np.testing.assert_allclose(back.values[name], values, rtol=1e-6)
