@@ -22,7 +22,7 @@ FACT = re.compile(r"^[#* ]*(\w+) = ([-+.\deE]+)(?: (\S+))?$", re.MULTILINE)
 def write_law(
     law: InterfaceLaw,
     path: str | PathLike,
-    conductivity: float | tuple[float, float] | None = None,
+    conductivity: float | Sequence[float] | None = None,
     name: str = "ROUGH",
 ) -> Path:
     """Write a law in the format that the suffix of the path names.
@@ -58,8 +58,7 @@ def write_law(
     have so many rows that these deviate by less than 0.1 % of the overclosure.
     """
     path = Path(path)
-    if path.suffix not in WRITERS:
-        raise SceneError(f"path: found {str(path)!r}, allowed: one in {', '.join(WRITERS)}")
+    require_suffix(path)
     if conductivity is not None:
         conductivity = harmonic_mean(conductivity)
     text = WRITERS[path.suffix](law, conductivity, name)
@@ -68,7 +67,13 @@ def write_law(
     return path
 
 
-def harmonic_mean(conductivity: float | tuple[float, float]) -> float:
+def require_suffix(path: str | PathLike) -> None:
+    """Raise SceneError for a path whose suffix names no format of a law."""
+    if Path(path).suffix not in WRITERS:
+        raise SceneError(f"path: found {str(path)!r}, allowed: one in {', '.join(WRITERS)}")
+
+
+def harmonic_mean(conductivity: float | Sequence[float]) -> float:
     """Return 2 k1 k2/(k1 + k2) of two conductivities, or the one that both bodies have.
 
     Raises

@@ -262,7 +262,9 @@ def _relative_error(name: str, step: Mapping[str, Any]) -> float:
 def _pressure(value: float | str, where: str) -> float:
     """Return a positive pressure, of a number or of a text with a unit."""
     try:
-        number = parse(value, "pressure") if isinstance(value, str) else float(value)
+        number = _plain_number(value)
+        if number is None:
+            number = parse(str(value), "pressure")
     except (TypeError, ValueError) as error:
         raise SceneError(
             f'{where}: found {value!r}, {error}, allowed: a number, or as "20 MPa"'
@@ -270,6 +272,14 @@ def _pressure(value: float | str, where: str) -> float:
     if not 0 < number < math.inf:
         raise SceneError(f"{where}: found {value!r}, allowed: a positive mean pressure")
     return number
+
+
+def _plain_number(value: float | str) -> float | None:
+    """Return a number that has no unit; None for a text that has one."""
+    try:
+        return float(value)
+    except ValueError:
+        return None
 
 
 def _sampler(
