@@ -37,18 +37,20 @@ def test_files_and_table(scene, cli, tmp_path):
 def test_plain_text_and_existing_files_are_refused(scene, cli, tmp_path):
     kept = tmp_path / "law.csv"
     kept.write_text("mine")
-    assert "--force" in cli.refuses("law", scene, *RANGE, "-o", kept)
+    assert "--force" in cli.refused("law", scene, *RANGE, "-o", kept)
     assert kept.read_text() == "mine"
-    assert ".csv" in cli.refuses("law", scene, *RANGE, "-o", tmp_path / "law.txt")
-    assert "start" in cli.refuses("law", scene, "--from", "1 nm", "--to", "1 MPa")
-    assert "conductivity" in cli.refuses("law", scene, *RANGE, "--conductivity", "-1")
+    assert ".csv" in cli.refused("law", scene, *RANGE, "-o", tmp_path / "law.txt")
+    assert "start" in cli.refused("law", scene, "--from", "1 nm", "--to", "1 MPa")
+    assert "conductivity" in cli.refused("law", scene, *RANGE, "--conductivity", "-1")
 
 
 @pytest.mark.mpi
 def test_ranks_find_the_same_law(scene, mpirun, cli, ranks):
     data = json.loads(cli.prints("law", scene, *RANGE, "--json"))
-    code, out, err = mpirun("law", scene, *RANGE, "--json")
-    assert code == 0, err
+    done = mpirun("law", scene, *RANGE, "--json")
+    assert done.returncode == 0, done.stderr
     for name, values in data["law"].items():
         if not name.endswith("_error"):
-            np.testing.assert_allclose(json.loads(out)["law"][name], values, rtol=2e-3, atol=1e-6)
+            np.testing.assert_allclose(
+                json.loads(done.stdout)["law"][name], values, rtol=2e-3, atol=1e-6
+            )
