@@ -41,7 +41,9 @@ def stamp() -> str:
         binding.get_host_cpu_name(),
     )
     digest = hashlib.sha256(" ".join(made_by).encode())
-    for path in sorted(Path(__file__).parent.glob("*.py")):
+    here = Path(__file__).parent
+    # laws of attraction are compiled into kernels
+    for path in [*sorted(here.glob("*.py")), *sorted((here.parent / "laws").glob("*.py"))]:
         digest.update(path.read_bytes())
     return digest.hexdigest()[:16]
 
