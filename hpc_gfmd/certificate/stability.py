@@ -136,8 +136,7 @@ class _Search:
             before = s
             mu, weights = self._best(V, KV, directions)
             s = 1 - mu
-            real = weights.astype(self.dtype)
-            self.grid.by_rows(lambda i0, i1: combine_directions(V, KV, directions, real, i0, i1))
+            self._combine(V, KV, directions, weights)
             self._leave(V[0], KV[0], mu)
             missing = self._precondition()  # <R, M R>; <e, K e> is 1
             doubt = np.sqrt(max(missing, 0.0))
@@ -200,6 +199,15 @@ class _Search:
         weights = np.zeros(3)
         weights[:k] = Q @ X[:, -1]
         return float(mu[-1]), weights
+
+    def _combine(self, V: np.ndarray, KV: np.ndarray, k: int, weights: np.ndarray) -> None:
+        """Set V[0] to the best direction, and V[2] to what is new in it."""
+        real = weights.astype(self.dtype)
+
+        def combine(i0: int, i1: int) -> None:
+            combine_directions(V, KV, k, real, i0, i1)
+
+        self.grid.by_rows(combine)
 
     def _leave(self, e: np.ndarray, Ke: np.ndarray, mu: float) -> None:
         """Set the residual R = D e - mu K e on open points."""

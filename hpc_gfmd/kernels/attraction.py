@@ -48,9 +48,7 @@ def _decay(x):
     middle, zero = real(0.5), real(0)
     terms = TERMS[types.float32 if x == types.float32 else types.float64]
     # the Taylor series of exp(-y) about the middle of its range, highest power first
-    series = tuple(
-        real(np.exp(-0.5) * (-1) ** k / factorial(k)) for k in reversed(range(terms))
-    )
+    series = tuple(real(np.exp(-0.5) * (-1) ** k / factorial(k)) for k in reversed(range(terms)))
     step, farthest = real(1 / FARTHEST), real(FARTHEST)
 
     def implement(x):

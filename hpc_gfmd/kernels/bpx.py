@@ -22,8 +22,8 @@ d_row, d_ij    what d stands for, in full precision: the spectrum is that of the
 alpha, beta    step lengths along z and along the last step
 s              step length along d
 Kd             K d on the rows of a pass
-law            law of attraction, None without one (numba then drops it): p is the pressure of the wall,
-               and what adhesive_rows.py calls y takes the place of K d
+law            law of attraction, None without one (numba then drops it): p is the pressure of
+               the wall, and what adhesive_rows.py calls y takes the place of K d
 H              hardness, None without one (numba then drops all that is said of it)
 compliance     1/K of the shortest wave, about
 inside         shape (rows, points) of this rank's part of the surface: its first rows and points

@@ -1,14 +1,14 @@
 """What a law of attraction is: an energy per area phi(g) of the gap g >= 0, concave and increasing
 from -work to 0, with the attraction t = phi' >= 0, which falls with the gap.
 
-To add a law, put a file into laws/ with a named tuple whose `name` is the file's. Its fields are
-`work` and `range`; its methods take a gap, in kernels a number, elsewhere numbers or arrays, so
-they are written with NumPy's functions and compiled as they stand (kernels/attraction.py).
+To add a law, put a file into laws/ with a subclass of `Law` whose `name` is the file's. Its
+methods take a gap, in kernels a number, elsewhere numbers or arrays, so they are written with
+NumPy's functions and compiled as they stand (kernels/attraction.py).
 """
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,38 +17,46 @@ FARTHEST = 5.0  # of them, in ranges
 TOLERANCE = 1e-9  # of the largest curvature, by which rounding errors may miss 0
 
 
-class Law(Protocol):
-    """A law of attraction.
+class Numbers(NamedTuple):
+    """The numbers of a law, as kernels take them.
+
+    Attributes
+    ----------
+    work : float
+        Work of adhesion per area.
+    range : float
+        Length over which the attraction falls.
+    """
+
+    work: Any
+    range: Any
+
+
+class Law(Numbers):
+    """A law of attraction, in the units of its numbers.
 
     Attributes
     ----------
     name : str
         The file's.
-    work : float
-        Work of adhesion per area.
-    range : float
-        Length over which the attraction falls.
     sources : tuple of str
         Papers that the law is from, with DOI.
     """
 
-    name: str
-    sources: tuple[str, ...]
-
-    @property
-    def work(self) -> Any: ...
-
-    @property
-    def range(self) -> Any: ...
+    name = ""
+    sources: tuple[str, ...] = ()
 
     def energy(self, g: Any) -> Any:
         """Return phi(g), an energy per area: -work at 0, 0 far away."""
+        raise NotImplementedError
 
     def traction(self, g: Any) -> Any:
         """Return phi'(g) >= 0, a pressure."""
+        raise NotImplementedError
 
     def curvature(self, g: Any) -> Any:
         """Return phi''(g) <= 0, a pressure per length."""
+        raise NotImplementedError
 
 
 def gaps_of(law: Law) -> np.ndarray:
@@ -84,10 +92,10 @@ def scaled(law: Law, pressure: float, length: float) -> Law:
     Law
         With its work in units of pressure times length.
     """
-    return type(law)(law.work / (pressure * length), law.range / length)  # type: ignore[call-arg]
+    return type(law)(law.work / (pressure * length), law.range / length)
 
 
 def in_precision(law: Law, dtype: np.dtype) -> Law:
     """Return the same law as kernels take it, its numbers in the precision of the fields."""
     real = dtype.type
-    return type(law)(real(law.work), real(law.range))  # type: ignore[call-arg]
+    return type(law)(real(law.work), real(law.range))

@@ -1,11 +1,13 @@
 """Attraction of finite range: the energy is a cubic of the gap."""
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
+from .base import Law
 
-class Cubic(NamedTuple):
+
+class Cubic(Law):
     """phi = -work (1 - g/range)^3 up to the range, 0 beyond.
 
     Attributes
@@ -16,11 +18,7 @@ class Cubic(NamedTuple):
         Gap at which the attraction ends; 3 work/range is the largest one.
     """
 
-    work: Any
-    range: Any
-
     name = "cubic"
-    sources: tuple[str, ...] = ()
 
     def energy(self, g: Any) -> Any:
         """Return phi(g)."""

@@ -1,13 +1,15 @@
 """Attraction that is the same up to its range, as in the model of Dugdale and Maugis."""
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
+
+from .base import Law
 
 WIDTH = 0.1  # of the range: half of the ramp over which the attraction ends
 
 
-class Dugdale(NamedTuple):
+class Dugdale(Law):
     """A traction of work/range up to the range, where it falls to 0 on a ramp from 0.9 to 1.1
     ranges.
 
@@ -19,11 +21,10 @@ class Dugdale(NamedTuple):
         Gap at which half of the attraction is left.
     """
 
-    work: Any
-    range: Any
-
     name = "dugdale"
-    sources = ("Maugis, J. Colloid Interface Sci. 150 (1992) 243, doi:10.1016/0021-9797(92)90285-T",)
+    sources = (
+        "Maugis, J. Colloid Interface Sci. 150 (1992) 243, doi:10.1016/0021-9797(92)90285-T",
+    )
 
     def energy(self, g: Any) -> Any:
         """Return phi(g)."""
@@ -34,9 +35,7 @@ class Dugdale(NamedTuple):
     def traction(self, g: Any) -> Any:
         """Return phi'(g)."""
         x = g / self.range
-        return self.work / self.range * np.minimum(
-            np.maximum((1 + WIDTH - x) / (2 * WIDTH), 0), 1
-        )
+        return self.work / self.range * np.minimum(np.maximum((1 + WIDTH - x) / (2 * WIDTH), 0), 1)
 
     def curvature(self, g: Any) -> Any:
         """Return phi''(g)."""

@@ -1,11 +1,12 @@
 """Attraction that falls exponentially with the gap."""
 
-from typing import Any, NamedTuple
+from typing import Any
 
 from ..kernels.attraction import decay
+from .base import Law
 
 
-class Exponential(NamedTuple):
+class Exponential(Law):
     """phi = -work exp(-g/range).
 
     Attributes
@@ -15,9 +16,6 @@ class Exponential(NamedTuple):
     range : float
         Length over which the attraction falls to 1/e; work/range is the largest one.
     """
-
-    work: Any
-    range: Any
 
     name = "exponential"
     sources = ("Wang, Zhou, Müser, Lubricants 9 (2021) 17, doi:10.3390/lubricants9020017",)

@@ -97,9 +97,9 @@ class Multilevel:
         attracted: np.ndarray | None = None,
     ) -> UpdateSums:
         """Make the solver's update of its state, see kernels/bpx.py: update_passes, and restrict it
-        to level 1. rows: of the transforms, of each thread; d: of the slab, or of one pass; law: of attraction, as kernels take it;
-        attracted: gets what `add_change` returns of each pass, where there is one
-        (kernels/adhesive_rows.py). Returns this rank's UpdateSums."""
+        to level 1. rows: of the transforms, of each thread; d: of the slab, or of one pass; law: of
+        attraction, as kernels take it; attracted: gets what `add_change` returns of each pass,
+        where there is one (kernels/adhesive_rows.py). Returns this rank's UpdateSums."""
         coarse, tables, ends = self.fields[0], self.transfers[0].tables, self.ends
         found = np.zeros((len(ends), len(UpdateSums._fields)))
         if not len(ends):
