@@ -27,7 +27,7 @@ def facts() -> dict[str, str]:
     found["solvers"] = "auto (bpx), " + ", ".join(solver_names())
     found["cores"] = f"{len(cores())}, {processor()}"
     found["memory"] = f"{available_gib():.1f} GiB free"
-    found["cache"] = str(cache_folder())
+    found["cache"] = str(cache_folder() or "none: no home folder (HPC_GFMD_CACHE names one)")
     return found
 
 
