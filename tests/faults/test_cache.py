@@ -10,10 +10,10 @@ import sys
 from itertools import permutations
 
 import pytest
+from faults.test_readers import EDITS, changed
 from hypothesis import HealthCheck, given, settings
 from mpi_harness import environment, python
 
-from faults.test_readers import EDITS, changed
 from hpc_gfmd.util.caches import keep, kept
 
 KERNELS = """
