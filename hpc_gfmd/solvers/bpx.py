@@ -186,9 +186,9 @@ class Bpx(Solver):
         sums = UpdateSums(*totals[: len(sums)])
         s, compliance = self.s, self.compliance
         self.rz = compliance * (sums.rr + rz1)  # <p, z> on F
-        self.rd = s * sums.pd  # <p, d>
-        self.zKd = s * compliance * (sums.px + xz1)
-        self.dKd = s * s * sums.dx
+        self.rd = s * sums.rd  # <p, d>
+        self.zKd = s * compliance * (sums.rKd + xz1)
+        self.dKd = s * s * sums.dKd
         self.rr, self.pp = sums.rr, sums.pp
         self.contact, self.gap_mean = sums.contact, sums.gap / self.N
         self.changing = max(sums.opening, sums.closing)
