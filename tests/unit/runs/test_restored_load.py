@@ -7,8 +7,8 @@ import pytest
 from contacts import random_heights, rough, sweep_of
 from refusal import refused
 
-from hpc_gfmd.driver.load_target import LoadTarget
-from hpc_gfmd.scene import Load
+from hpc_gfmd.driver.load import Load
+from hpc_gfmd.scene import Load as SceneLoad
 
 
 def sweep(accuracy=1e-6, **material):
@@ -38,7 +38,7 @@ def test_the_state_of_another_load_is_refused():
 
 
 def test_the_state_of_another_version_is_refused():
-    load = LoadTarget("a_r", 0.2)
+    load = Load("a_r", 0.2)
     held, numbers = stopped(load)
     search = numbers["search"]
     for other in (
@@ -54,7 +54,7 @@ def test_the_state_of_another_version_is_refused():
 
 def test_the_load_that_closes_the_gap_goes_on_as_such():
     """With a hardness it takes iterations."""
-    load, hard = LoadTarget("a_r", 1.0), {"accuracy": 1e-2, "hardness": 2.0}
+    load, hard = Load("a_r", 1.0), {"accuracy": 1e-2, "hardness": 2.0}
     held, numbers = stopped(load, **hard)
     again = sweep(**hard)
     again.restore(lambda _: held, numbers, load)
@@ -65,7 +65,7 @@ def test_the_load_that_closes_the_gap_goes_on_as_such():
 @pytest.mark.parametrize("loads", [{"pressure": [0.1, 0.11]}, {"a_r": [0.1, 0.12]}])
 def test_after_a_load_that_failed_the_next_one_starts_afresh(loads):
     one = sweep()
-    failing, fine = one.pressures(Load(**loads))
+    failing, fine = one.loads(SceneLoad(**loads))
     one.target, wanted = replace(one.target, max_iterations=1), one.target
     assert one.solve(failing).status == "max_iterations"
     one.target = wanted
