@@ -290,7 +290,7 @@ def _left_scene(path: Path) -> Scene:
         if path.suffix == ".partial":
             there = f"is the folder of a run: hpc-gfmd restart {path.with_suffix('')}"
         raise SceneError(f"{path}: {there}, allowed: the result file of an interrupted run")
-    return Scene.from_toml(read_partial(path).scene_toml, str(path))
+    return read_partial(path).scene
 
 
 def _read_scene(
