@@ -46,8 +46,9 @@ class Pressing:
 
 
 def sweep_of(surface, E_star=1.0, comm=None, duality=False, layer=None, **solver):
-    """A Pressing over a [surface] table with keys of [solver]; `comm` defaults to this process; layer:
-    further keys of [material]."""
+    """A Pressing over a [surface] table with keys of [solver].
+
+    `comm` defaults to this process; layer: further keys of [material]."""
     scene = Scene.from_dict(
         {
             "surface": surface,

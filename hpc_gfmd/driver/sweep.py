@@ -98,10 +98,7 @@ class Sweep:
     """
 
     def __init__(
-        self,
-        surface_in: Callable[[np.dtype], WorkingSurface],
-        starter: Starter,
-        searches: Searches,
+        self, surface_in: Callable[[np.dtype], WorkingSurface], starter: Starter, searches: Searches
     ):
         self.surface_in = surface_in
         self.starter = starter

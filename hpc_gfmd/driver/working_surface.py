@@ -109,11 +109,7 @@ class WorkingSurface:
     def problem(self, p0: float) -> Problem:
         """Return the problem at a mean pressure, in the program's unit, with stored heights."""
         return Problem(
-            self.surface.grid,
-            self.surface.gap,
-            p0,
-            body=self.model.body,
-            hardness=self.hardness,
+            self.surface.grid, self.surface.gap, p0, body=self.model.body, hardness=self.hardness
         )
 
     def problem_to_start(self, p0: float) -> Problem:

@@ -12,7 +12,6 @@ import ctypes
 import hashlib
 from collections.abc import Callable, Hashable
 from functools import cache
-from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 

@@ -17,10 +17,7 @@ from hpc_gfmd.util.errors import SceneError
 
 SURFACE = rough((2, 8, 3), seed=2)
 every_solver = pytest.mark.parametrize("name", solver_names())
-KINDS = [
-    *[(name, {}) for name in solver_names()],
-    ("gfmd", {"damping": 1.0}),
-]
+KINDS = [*[(name, {}) for name in solver_names()], ("gfmd", {"damping": 1.0})]
 
 
 def problem_of(p0=0.1):

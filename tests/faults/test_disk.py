@@ -8,7 +8,6 @@ import pytest
 from faults.jobs import call, goes_on, needs_mpi, run, write_scene
 from result_files import names
 
-
 SEVERAL = pytest.param(2, id="two ranks", marks=[pytest.mark.slow, needs_mpi])
 FIELDS = {"fields": ["gap", "pressure", "displacement"]}
 FULL = {  # when: KiB of the disk, of the scene, fault, what the message names

@@ -13,8 +13,8 @@ from scene_tables import rows
 
 import hpc_gfmd
 from hpc_gfmd.bodies import body_of
-from hpc_gfmd.driver.load_quantities import search_for
 from hpc_gfmd.driver.load import Load
+from hpc_gfmd.driver.load_quantities import search_for
 from hpc_gfmd.scene import Load as SceneLoad
 from hpc_gfmd.scene import Material
 from hpc_gfmd.solvers import solver_names
@@ -322,9 +322,7 @@ def test_hardly_touching(free):
     """A mean gap that is but a little less than where the highest peak touches."""
     z = random_heights((16, 16), seed=3)
     gap = (z.max() - z).mean() * (1 - 1e-4)
-    step = sweep_over(z, free=free, accuracy=1e-6, precision="double").solve(
-        Load("gap_mean", gap)
-    )
+    step = sweep_over(z, free=free, accuracy=1e-6, precision="double").solve(Load("gap_mean", gap))
     assert step.gap_mean == pytest.approx(gap, rel=1e-6)
     assert step.status == "converged"
 

@@ -35,7 +35,7 @@ def sample(pid):
 
 
 def watch(job, folder):
-    """Sample all ranks until the run ends: {pid: [(resident, descriptors, finished steps), ...]}."""
+    """Sample all ranks until the run ends: {pid: [(resident, descriptors, finished steps)]}."""
     samples = {}
     while job.process.poll() is None:
         time.sleep(0.1)
