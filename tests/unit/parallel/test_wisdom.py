@@ -22,7 +22,7 @@ def memory(tmp_path, monkeypatch):
     found = wisdom._wisdom("float64")
     before = found.text()
     found.replace(b"")
-    grid._kept.grid.cache_clear()  # so that all is planned anew
+    grid._kept.tables.cache_clear()  # so that all is planned anew
     yield found
     found.replace(before)
 
