@@ -31,6 +31,9 @@ _results = {}  # ranks: {child's node id: (outcome, text)}
 
 
 def pytest_configure(config):
+    # Started in the background of a script or by a runner of CI, a process ignores Ctrl-C, and so
+    # does all that it starts.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     if mpi_harness.is_child():
         config.pluginmanager.register(mpi_harness.Child())
         return
@@ -124,7 +127,7 @@ def own_cache(tmp_path_factory):
 def own_folder(request, monkeypatch):
     """The current folder of every test is its own, that of all ranks the same; grids that another
     one has used are forgotten."""
-    _kept.grid.cache_clear()
+    _kept.tables.cache_clear()
     name = "shared_path" if mpi_harness.is_child() else "tmp_path"
     monkeypatch.chdir(request.getfixturevalue(name))
 

@@ -235,8 +235,9 @@ class Sphere(Surface):
 
 class File(Surface):
     """A measured or computed height map, or the sum of two, x and y of which are the same
-    directions in space; the grid is its shape. What the file says of sizes holds unless these
-    keys say otherwise; a unit that contradicts the file's is refused."""
+    directions in space; the grid is its shape. x is the first index of an array, which in a text is
+    the number of the line, unless the file says otherwise. What the file says of sizes holds unless
+    these keys say otherwise; a unit that contradicts the file's is refused."""
 
     kind: Literal["file"]
     path: Paths = key(

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 import tifffile
 from contacts import random_heights
-from PIL import Image
 from refusal import refused
 
 import hpc_gfmd
@@ -438,13 +437,15 @@ def hdf5(path):
         )
 
 
-def picture(path):
-    Image.fromarray(np.round(1000 + 10 * Z.T).astype(np.uint16)).save(path, format="PNG")
+def saved(save, *arrays, **named):
+    stream = BytesIO()
+    save(stream, *arrays, **named)
+    return stream.getvalue()
 
 
 KINDS = {
-    "npy": lambda path: np.save(open(path, "wb"), Z),
-    "npz": lambda path: np.savez(open(path, "wb"), z=Z),
+    "npy": lambda path: Path(path).write_bytes(saved(np.save, Z)),
+    "npz": lambda path: Path(path).write_bytes(saved(np.savez, z=Z)),
     "hdf5": hdf5,
     "netcdf": netcdf3,
     "tiff": lambda path: tifffile.imwrite(path, Z.T),
