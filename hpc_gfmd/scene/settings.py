@@ -296,9 +296,12 @@ class Machine(Table):
         "auto",
     )
     wall_seconds: Positive | None = key(
-        "stop with a checkpoint after this time", None, unit="s", example=3600.0, said="never"
+        "stop after this time, so that the run can go on",
+        None,
+        unit="s",
+        example=3600.0,
+        said="never",
     )
-    checkpoint_seconds: Positive = key("time between two checkpoints", 600.0, unit="s")
     memory_gib: Positive | None = key(
         "memory of each machine that may be used",
         None,
