@@ -87,7 +87,7 @@ class GivenLoad:
         """Tell whether the certificate may find the area as accurate as asked: a look at all
         points."""
         found = progress.estimate
-        return found is None or solver.expected_area(found.squares) < accuracy
+        return found is None or solver.expected_area(found) < accuracy
 
     def learn(self, solver: Solver, certificate: Certificate) -> float:
         """Learn what the certificate finds; returns what is missed, and its error, over the

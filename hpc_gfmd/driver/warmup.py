@@ -7,6 +7,7 @@ import numpy as np
 
 from ..bodies import body_of
 from ..bodies.halfspace import HALF_SPACE
+from ..certificate.error_estimates import Estimate
 from ..contact.contact import Contact
 from ..kernels.cache import on_first_compile, retry_without_cache
 from ..operators.multilevel import Multilevel
@@ -67,7 +68,7 @@ def _tiny_contact(scene: Scene, observe: Callable[[Contact], object]) -> None:
         )
         contact = sweep.solve(0.05)
         # a contact that is less accurate than asked may not have called it
-        sweep.solver.expected_area(1.0)
+        sweep.solver.expected_area(Estimate(squares=1.0))
         observe(contact)
         grid, dtype = sweep.surface.grid, sweep.dtype
         # for the levels that only larger grids distribute

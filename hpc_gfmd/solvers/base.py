@@ -178,9 +178,9 @@ class Solver:
         """Tell how far the solver is."""
         raise NotImplementedError
 
-    def expected_area(self, squares: float) -> float:
-        """Return the relative error of the area that the certificate is expected to find if the
-        squares of the pressure's error add up to `squares`."""
+    def expected_area(self, estimate: Estimate) -> float:
+        """Return the relative error of the area that the certificate is expected to find beside an
+        Estimate."""
         return 0.0
 
     def state(self) -> tuple[dict[str, Any], ...]:
