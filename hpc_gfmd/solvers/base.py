@@ -31,7 +31,7 @@ class Progress:
     Attributes
     ----------
     residual : float
-        sqrt(mean p^2 where the gap is open)/p0.
+        sqrt(mean p^2 where the gap is open), over the mean pressure that the wall bears.
     contact : float
         Points that touch: g <= 0 and p > 0.
     gap_mean : float
@@ -89,6 +89,7 @@ class Solver:
     # whether its pressure may be < 0 where the gap is closed, as it is at a load that is too small
     holds_tension = True
     dents = False  # whether it can do with a hardness
+    attracts = False  # whether it can do with an attraction
     takes_gap = False  # whether __init__ has an argument g: memory for the gap
     patience = 60  # iterations without progress after which the solver counts as stagnated
 
@@ -123,6 +124,11 @@ class Solver:
     def problem_now(self) -> Problem:
         """The problem at the present load."""
         return replace(self.problem, p0=self.p0, h_rms=self.problem.root_mean_square)
+
+    @property
+    def wall_load(self) -> float:
+        """Return the mean pressure that the wall bears: p0, and what an attraction adds."""
+        return self.p0
 
     @property
     def p_cell(self) -> float:
