@@ -199,12 +199,7 @@ def relative_error(wrong: float, value: float) -> float:
 
 
 def misclassified_points(
-    problem: Problem,
-    g: np.ndarray,
-    p: np.ndarray,
-    errors: Estimate,
-    spread: float,
-    contact: float,
+    problem: Problem, g: np.ndarray, p: np.ndarray, errors: Estimate, spread: float, contact: float
 ) -> float:
     """Count how many points may be in the wrong set, in contact or out of it. Collective.
 

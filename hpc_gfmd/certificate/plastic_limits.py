@@ -10,9 +10,10 @@ t > 0 and every test pressure q with -t <= q <= H and the mean p0
 
     <1, g^+> - <1, g*^+> <= (<q + t, g^+> + <H - q, g^-> + 1/2 <q - p, S (q - p)>)/t,
 
-and the same with t <= q <= H and q - t bounds the difference from the other side. Take q = p^ + t v,
-where v is -1 on open points and makes up for it on the elastic contact. With e = |p^ - p|_S and
-R = |v|_S the right side is at most e^2/(2 t) + t R^2/2 + e R c, where c is the cosine between both.
+and the same with t <= q <= H and q - t bounds the difference from the other side. Take
+q = p^ + t v, where v is -1 on open points and makes up for it on the elastic contact. With
+e = |p^ - p|_S and R = |v|_S the right side is at most e^2/(2 t) + t R^2/2 + e R c, where c is the
+cosine between both.
 Its minimum over t is the linear estimate, of the size e R, at t = e/R. But q <= H allows no more
 than
 

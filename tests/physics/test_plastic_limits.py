@@ -1,7 +1,6 @@
 """Loads next to what a flat top carries at most, and contacts all of whose points yield."""
 
 import numpy as np
-import oracle
 import pytest
 from oracle import solve_yielding
 
