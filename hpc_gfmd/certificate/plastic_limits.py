@@ -4,9 +4,9 @@ With a hardness H the contact carries between H times the yielded points and H t
 contact. Where the load is close to either limit, a small error of the pressure stands for a large
 one of the gap: the elastic points yield, and the body comes down onto the next points.
 
-The bound follows from the duality gap at a slightly different energy, E + t <1, g^+>. Its minimum is
-concave in t, with the slope <1, g*^+> at t = 0, the sum of the gaps of the solution. So for every
-t > 0 and every test pressure q with -t <= q <= H and the mean p0
+The bound follows from the duality gap at a slightly different energy, E + t <1, g^+>. Its minimum
+is concave in t, with the slope <1, g*^+> at t = 0, the sum of the gaps of the solution. So for
+every t > 0 and every test pressure q with -t <= q <= H and the mean p0
 
     <1, g^+> - <1, g*^+> <= (<q + t, g^+> + <H - q, g^-> + 1/2 <q - p, S (q - p)>)/t,
 
