@@ -39,3 +39,28 @@ def count_digits(bits, inside, sign, shift, prefix, counts):
             digits = key >> shift
             if digits >> width == prefix:
                 counts[digits & mask] += 1.0
+
+
+@kernel
+def depths_below(field, inside, level):
+    """Return the sums of the depths of all points below 0, and below a level.
+
+    Parameters
+    ----------
+    field : array, rows of a local slab
+        Heights.
+    inside : tuple of int
+        Rows and points of each row that count.
+    level : float
+
+    Returns
+    -------
+    below_zero, below_level : float64
+    """
+    below_zero = below_level = 0.0
+    for i in range(inside[0]):
+        for j in range(inside[1]):
+            height = 1.0 * field[i, j]
+            below_zero += max(-height, 0.0)
+            below_level += max(level - height, 0.0)
+    return below_zero, below_level

@@ -28,6 +28,7 @@ from ..certificate.error_estimates import (
 from ..kernels.adhesive_rows import add_attraction, shift_gap
 from ..kernels.bfloat16 import Decoded, encoded, stored_dtype
 from ..kernels.bpx import UpdateSums, search_passes
+from ..kernels.selection import depths_below
 from ..operators.multilevel import Multilevel
 from ..operators.problem import Problem
 from ..operators.selection import nth_smallest
@@ -207,17 +208,26 @@ class Bpx(Solver):
         With a hardness the contact carries between H times the points with a dent and H times all
         points that touch. Where the load is beyond that, a rigid translation lowers the energy at
         no elastic cost. Its minimum is where the n-th smallest gap becomes 0, n being the load over
-        H, rounded up. The pressure does not change; the last step is forgotten.
+        H, rounded up. The body is moved there where that gains more energy than the next step is
+        expected to. The pressure does not change; the last step is forgotten.
         """
         hardness = self.problem.hardness
-        if hardness is None:
+        if hardness is None or self.law is not None:
             return
         load = self.N * self.p0
         if hardness * self.yielded <= load <= hardness * self.contact:
             return
         carrying = min(max(int(np.ceil(load / hardness)), 1), self.N)
         shift = nth_smallest(self.grid, self.g, carrying)
-        if shift == 0 or not np.isfinite(shift):
+        rows, points = self.grid.inside
+
+        def depths(i0: int, i1: int) -> tuple[float, float]:
+            return depths_below(self.g[i0:i1], (i1 - i0, points), shift)
+
+        before, after = self.grid.comm.sum(added(self.grid.by_rows(depths, rows), 2)).tolist()
+        gain = load * float(shift) - hardness * (after - before)
+        a, b = self._coefficients()
+        if not gain > 0.5 * (a * self.rz + b * self.rd):
             return
 
         def lower(i0: int, i1: int) -> None:
