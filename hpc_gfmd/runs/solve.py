@@ -8,30 +8,11 @@ from typing import Any, overload
 import numpy as np
 
 from ..parallel.comm import Comm
-<<<<<<< HEAD
-from ..parallel.grid import Grid
-from ..parallel.guard import collective_errors, raise_on_all
-from ..parallel.world import comm_of, threads_of
-from ..scene import Scene
-from ..surface.arrays import checked_array, is_topography
-from ..surface.build import Surface, surface_of
-from ..surface.doubtful_numbers import DIFFERENT_UNITS
-from ..surface.heights import checked
-from ..surface.quality import quality_of
-from ..surface.topography import Topography
-from ..util.errors import NotConverged, SceneError
-from ..util.versions import versions
-from .keywords import HOMES, scene_of_keywords, several_loads
-from .loads import check, solved, step_attributes, surface_attributes, sweep_of, worst
-from .prepared import PreparedSurface, prepare_surface
-from .progress import Reporter
-=======
 from ..parallel.world import comm_of
-from ..surface.quality import DIFFERENT_UNITS
+from ..surface.doubtful_numbers import DIFFERENT_UNITS
 from ..util.errors import NotConverged
 from .in_memory import Heights, collect, scene_of, solve_loads, surfaces_of
 from .keywords import several_loads
->>>>>>> main
 from .solution import Interrupted, Solution, Solutions
 
 Number = float | str  # plain, or with a unit: "20 MPa"
