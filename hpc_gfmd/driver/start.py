@@ -221,7 +221,8 @@ class Start:
     def heights(self) -> HeightStatistics:
         """Where a load has to be found. Collective where it is first asked for."""
         surface = self.surface if self.surface.h is not None else self.make_surface(self.dtype)
-        return HeightStatistics.of(surface.grid, surface.gap)
+        problem = Problem(surface.grid, surface.gap, 1.0, None, self.body, self._limit)
+        return HeightStatistics.of(problem)
 
     @property
     def is_flat(self) -> bool:
