@@ -31,6 +31,9 @@ _results = {}  # ranks: {child's node id: (outcome, text)}
 
 
 def pytest_configure(config):
+    # Started in the background of a script or by a runner of CI, a process ignores Ctrl-C, and so
+    # does all that it starts.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     if mpi_harness.is_child():
         config.pluginmanager.register(mpi_harness.Child())
         return

@@ -1,17 +1,37 @@
-"""Kernels of the projected, preconditioned conjugate gradients: the rows before and after the
-columns of a Fourier transform.
+"""The two row passes of the default solver: lines 1 to 3 and 5 to 6 of its algorithm.
 
-State, local slabs (n_loc, n_y): gap g >= 0, pressure p, last step d in bfloat16 (bfloat16.py): one
-that is as rough costs no iteration. Contact A = {g <= 0 and p > 0}, the active
-set; free F = the rest. With a hardness g < 0 is the depth of a dent, A the elastic contact, and
-points that yield, which are free, have the residual p - hardness in place of p (yielding.py).
-`rows` = (i0, i1) are the local rows of one pass, x is scratch (>= i1 - i0, n_y) that begins with
-row i0; `transfer` is the tuple of tables that Transfer.tables has (parallel/coarsening.py).
+The lines are those of the box in docs/method.md, "The iteration". Line 4, K d, is done between
+the two passes by the columns of the Fourier transform (spectral.py); its <d, K d> gives the step
+length of line 5.
 
-Where the surface ends within the grid, `inside` is the shape of this rank's part of it (the first
-rows and points of a slab). Beyond it there is no wall: g is the displacement u itself and does not
-count. So every row has two parts, of which the second is empty on a periodic grid; each has a loop
-of its own, because one for both would not use vectors.
+Letters, of fields: local slabs (n_loc, n_y), of one pass only its rows from i0 on. Lengths in the
+plane are in grid spacings a, gaps in g_rms a, pressures in E* g_rms.
+
+=============  ===================================================================================
+g              gap, >= 0; g < 0 is the depth of a dent (only with a hardness)
+p              pressure
+A, t           active set {g <= 0, p > 0}, elastic contact; t: its indicator, 1 or 0
+F              all other points; those that yield belong to it
+yielded        1 where a point yields, else 0 (yielding.py)
+r              p on F, less H where a point yields; 0 on A
+z              M r, the preconditioned residual: compliance (r + coupling P z_1)
+z_1            the same on level 1, (rows + 2, m) with halo rows
+d              last step of g, stored in half the bits (bfloat16.py); PROJECTED marks a point that
+               the projection put on g = 0: its step is -g, and the next search takes 0 for it
+d_row, d_ij    what d stands for, in full precision: the spectrum is that of the stored step
+alpha, beta    step lengths along z and along the last step
+s              step length along d
+Kd             K d on the rows of a pass
+H              hardness, None without one (numba then drops all that is said of it)
+compliance     1/K of the shortest wave, about
+inside         shape (rows, points) of this rank's part of the surface: its first rows and points
+transfer       tables between the grid and level 1: J_x and f_x of the rows, mode, J_y and f_y of
+               the columns, factor (multilevel.py)
+=============  ===================================================================================
+
+Where the surface ends within the grid there is no wall beyond it: g is the displacement u itself
+and every point is in F. So each row has two parts, of which the second is empty on a periodic
+grid. Each part has a loop of its own: a single loop for both would not be vectorised.
 """
 
 from typing import NamedTuple
@@ -26,18 +46,37 @@ from .yielding import at_contact, landing, limit, yields
 
 
 class UpdateSums(NamedTuple):
-    """What `update_state` adds up over its rows, in its order; the kernel itself returns a plain
-    tuple, which costs nothing to make.
+    """Sums over the points of some rows that `update_state` returns, in its order.
 
-    rr, pp: p^2 on F and everywhere, p less what yields; pd: p d on F; dx, px: d x and p x on F;
-    contact: points that touch; gap; opening, closing: points that would open, and close, if the
-    same step were made again; yielded: points of the contact."""
+    The kernel itself returns a plain tuple, which costs nothing to make.
+
+    Attributes
+    ----------
+    rr : float
+        <r, r>.
+    pp : float
+        <p, p>; where a point yields r^2 + H^2 in place of p^2.
+    rd : float
+        <r, d>.
+    dKd : float
+        <d, K d> on F.
+    rKd : float
+        <r, K d>.
+    contact : float
+        Number of points in A and of those that yield.
+    gap : float
+        Sum of g over the surface, without dents.
+    opening, closing : float
+        Number of points that would leave A, and reach g = 0, if the same step were made again.
+    yielded : float
+        Number of points that yield.
+    """
 
     rr: float
     pp: float
-    pd: float
-    dx: float
-    px: float
+    rd: float
+    dKd: float
+    rKd: float
     contact: float
     gap: float
     opening: float
@@ -46,271 +85,365 @@ class UpdateSums(NamedTuple):
 
     @classmethod
     def total(cls, parts):
-        """Add up those of the passes, (passes, sums), perhaps none."""
+        """Return the sums of all passes together; parts: (passes, sums), perhaps no pass."""
         return cls(*np.sum(parts, axis=0))
 
 
 @kernel
-def search_passes(passes, k0, k1, rows, scratch, found, g, p, d, z, transfer, step, limit, inside):
-    """Make `projected_step` and transform its rows, pass after pass; found[k] gets what it returns.
-    rows: see transforms.py."""
+def search_passes(passes, k0, k1, rows, scratch, sums, g, p, d, z_1, transfer, step, H, inside):
+    """Make the step d on the rows of some passes, and transform these rows: lines 1 to 3.
+
+    Parameters
+    ----------
+    passes : (passes, 2) int
+        First row of each pass, and the row after its last one.
+    k0, k1 : int
+        The passes k0 <= k < k1 are made.
+    rows : tuple
+        Row transforms of one thread, see transforms.py.
+    scratch : (>= 2, >= n_y)
+        Memory of one thread.
+    sums : (passes, 2) float64
+        Gets what `projected_step` returns of each pass.
+    g, p, d, z_1, transfer, step, H, inside
+        See `projected_step`.
+    """
     for k in range(k0, k1):
-        i0, i1 = passes[k, 0], passes[k, 1]
-        found[k, 0], found[k, 1] = projected_step(
-            g, p, d, rows[0], (i0, i1), z, transfer, step, limit, inside, scratch
+        i0 = passes[k, 0]
+        i1 = passes[k, 1]
+        sums[k, 0], sums[k, 1] = projected_step(
+            g, p, d, rows[0], i0, i1, z_1, transfer, step, H, inside, scratch
         )
         store_rows(rows, i0, i1)
 
 
 @kernel
 def update_passes(
-    passes, k0, k1, rows, scratch, first, found, g, p, d, s, comes, coarse, transfer, limit, inside
+    passes, k0, k1, rows, scratch, first_row, sums, g, p, d, s, spectra, coarse, transfer, H, inside
 ):
-    """Transform rows back and make `update_state` of them, pass after pass; found[k] gets the sums.
-    comes=False: the rows are there; d: of the slab, or of one pass.
+    """Transform the rows of K d back and update the state by them, pass after pass: lines 5 and 6.
 
-    The coarse row that this pass and the next one share is the sum of both; `first` (3, m) gets the
-    part of pass k0. scratch: that of `update_state`, and its `edges`.
+    The coarse row that a pass and the next one share is the sum of what both have of it.
+
+    Parameters
+    ----------
+    passes, k0, k1, rows
+        See `search_passes`.
+    scratch : tuple
+        Memory of one thread: `gathered` and `shared` of `update_state`.
+    first_row : (3, m)
+        Gets the part of pass k0 in the coarse row that it shares with pass k0 - 1.
+    sums : (passes, 10) float64
+        Gets the UpdateSums of each pass.
+    g, p, s, coarse, transfer, H, inside
+        See `update_state`.
+    d : (n_loc, n_y) or (rows of a pass, n_y)
+        Last step, of the slab or the same one for every pass.
+    spectra : bool
+        Whether the rows of K d come as spectra; if not, rows[0] holds them already.
     """
-    work, edges = scratch
+    gathered, shared = scratch
     zero = g.dtype.type(0)
     for k in range(k0, k1):
-        i0, i1 = passes[k, 0], passes[k, 1]
-        if comes:
+        i0 = passes[k, 0]
+        i1 = passes[k, 1]
+        if spectra:
             load_rows(rows, i0, i1)
         of_slab = i0 if d.shape[0] == g.shape[0] else 0
-        state = (g, p, d[of_slab : of_slab + i1 - i0])
-        sums = update_state(
-            state, rows[0], s, (i0, i1), coarse, edges, transfer, limit, inside, work
+        d_rows = d[of_slab : of_slab + i1 - i0]
+        of_pass = update_state(
+            g, p, d_rows, rows[0], s, i0, i1, coarse, shared, transfer, H, inside, gathered
         )
-        for c in range(len(sums)):
-            found[k, c] = sums[c]
-        lo, hi = transfer[0][i0], transfer[0][i1 - 1] + 1
+        for c in range(len(of_pass)):
+            sums[k, c] = of_pass[c]
+        top = transfer[0][i0]
+        bottom = transfer[0][i1 - 1] + 1
         for c in range(3):
-            target = first[c] if k == k0 else coarse[c, lo]
+            target = first_row[c] if k == k0 else coarse[c, top]
             for j in range(target.shape[0]):
-                target[j] = edges[0, c, j] + (zero if k == k0 else target[j])
-                coarse[c, hi, j] = edges[1, c, j]
+                target[j] = shared[0, c, j] + (zero if k == k0 else target[j])
+                coarse[c, bottom, j] = shared[1, c, j]
 
 
 @kernel
-def projected_step(g, p, d, x, rows, z_coarse, transfer, step, hardness, inside, scratch):
-    """Write the next step to d and x: d = max(g - a z - b d, 0) - g on F, 0 on A. Returns <p, d>
-    and by how much dents become deeper, in all.
+def projected_step(g, p, d, d_rows, i0, i1, z_1, transfer, step, H, inside, scratch):
+    """Make the step d = max(g - alpha z - beta d, 0) - g on F, 0 on A, for rows i0 <= i < i1.
 
-    With a hardness a point may go through contact and yield, or come out of it (yielding.py); <p,
-    d> then has the work of dents.
+    z is formed on the fly; coupling = 0 gives the plain projected gradient step of line 3. With a
+    hardness the projection is the proximal map `landing` (yielding.py): a point may go through
+    contact and yield, or come out of it.
 
-    step: (a, b, coupling, compliance). z = compliance (p + coupling P z_coarse) is formed on the
-    fly; coupling = 0 gives a plain projected gradient step. d is stored roughly, and x is what it
-    stands for: K is applied to what the gap is changed by. A point that is clipped, whose gap shall
-    be 0, has a step of -infinity in d and none for the next time. scratch: (>= 2, n_y).
+    Parameters
+    ----------
+    g, p : (n_loc, n_y)
+        Gap and pressure.
+    d : (n_loc, n_y), encoded
+        Last step; becomes the new one, rounded as it is stored.
+    d_rows : (>= i1 - i0, n_y)
+        Gets the new step as it is stored, in full precision.
+    z_1, transfer, inside
+        See the head of the file.
+    step : tuple
+        (alpha, beta, coupling, compliance), in the precision of g.
+    H : float or None
+        Hardness.
+    scratch : (>= 2, >= n_y)
+        Memory of one thread.
+
+    Returns
+    -------
+    rd : float
+        <r, d>, with the work of dents.
+    deeper : float
+        By how much dents become deeper, summed over points.
     """
-    i0, i1 = rows
-    k0, f_x, mode, j0, f, _ = transfer
-    a, b, coupling, compliance = step
+    J_x, f_x, mode, J_y, f_y, _ = transfer
+    alpha, beta, coupling, compliance = step
     n = g.shape[1]
-    m = z_coarse.shape[1]
+    m = z_1.shape[1]
     zero = g.dtype.type(0)
-    none, clipped = encode(zero), encode(g.dtype.type(-np.inf))
-    row, fine = scratch[0, :m], scratch[1, :n]
-    one, most = g.dtype.type(1), limit(hardness, zero)
-    fine[:] = zero
-    length = a * compliance
-    total = deeper = 0.0
+    one = g.dtype.type(1)
+    STILL = encode(zero)
+    PROJECTED = encode(g.dtype.type(-np.inf))
+    coarse_row = scratch[0, :m]
+    Pz = scratch[1, :n]  # P z_1 on one row
+    Pz[:] = zero
+    length = alpha * compliance
+    H_or_0 = limit(H, zero)
+    rd = 0.0
+    deeper = 0.0
     for i in range(i0, i1):
-        gi, pi, di, xi = g[i], p[i], d[i], x[i - i0]
-        s = dents = zero
+        g_i = g[i]
+        p_i = p[i]
+        d_i = d[i]
+        d_row = d_rows[i - i0]
+        rd_i = zero
+        deeper_i = zero
         if coupling > 0:
-            combine_rows(z_coarse, k0[i], f_x[i], row)
-            interpolate_row(row, fine, mode, j0, f)
+            combine_rows(z_1, J_x[i], f_x[i], coarse_row)
+            interpolate_row(coarse_row, Pz, mode, J_y, f_y)
         inner = points_inside(i, inside)
         for j in range(inner):
-            last = zero if di[j] == clipped else decode(di[j])
-            y = yields(gi[j], pi[j], hardness, zero, one)
-            r = pi[j] - y * most
-            v = gi[j] - length * (r + coupling * fine[j]) - b * last
-            closed = gi[j] <= zero and pi[j] > zero and y == zero
-            w = landing(v, y, length, hardness, zero)
-            rough = encode(w - gi[j])
-            rough = clipped if at_contact(w, gi[j], decode(rough), hardness, zero) else rough
-            rough = none if closed else rough
-            e = -gi[j] if rough == clipped else decode(rough)
-            s += r * e
-            if hardness is not None:
-                s += most * max((y + y - one) * (gi[j] + e), zero)
-                dents += max(-(gi[j] + e), zero) - max(-gi[j], zero)
-            di[j] = rough
-            xi[j] = e
-        for j in range(inner, np.uint64(n)):
-            rough = encode(-length * (pi[j] + coupling * fine[j]) - b * decode(di[j]))
-            e = decode(rough)
-            s += pi[j] * e
-            di[j] = rough
-            xi[j] = e
-        total += s
-        deeper += dents
-    return total, deeper
+            d_last = zero if d_i[j] == PROJECTED else decode(d_i[j])
+            yielded = yields(g_i[j], p_i[j], H, zero, one)
+            r = p_i[j] - yielded * H_or_0
+            in_A = g_i[j] <= zero and p_i[j] > zero and yielded == zero
+            free_gap = g_i[j] - length * (r + coupling * Pz[j]) - beta * d_last
+            g_new = landing(free_gap, yielded, length, H, zero)
+            stored = encode(g_new - g_i[j])
+            on_wall = at_contact(g_new, g_i[j], decode(stored), H, zero)
+            stored = PROJECTED if on_wall else stored
+            stored = STILL if in_A else stored
+            d_ij = -g_i[j] if stored == PROJECTED else decode(stored)
+            rd_i += r * d_ij
+            if H is not None:
+                rd_i += H_or_0 * max((yielded + yielded - one) * (g_i[j] + d_ij), zero)
+                deeper_i += max(-(g_i[j] + d_ij), zero) - max(-g_i[j], zero)
+            d_i[j] = stored
+            d_row[j] = d_ij
+        for j in range(inner, np.uint64(n)):  # beyond the surface: no wall, so no projection
+            stored = encode(-length * (p_i[j] + coupling * Pz[j]) - beta * decode(d_i[j]))
+            d_ij = decode(stored)
+            rd_i += p_i[j] * d_ij
+            d_i[j] = stored
+            d_row[j] = d_ij
+        rd += rd_i
+        deeper += deeper_i
+    return rd, deeper
 
 
 @kernel
-def update_state(state, x, s, rows, coarse, edges, transfer, hardness, inside, scratch):
-    """Set g += s d, p += s x, and everything that the next step needs of the new state = (g, p, d);
-    returns UpdateSums. d begins with row i0, as x.
+def update_state(g, p, d, Kd, s, i0, i1, coarse, shared, transfer, H, inside, gathered):
+    """Set g += s d and p += s K d on rows i0 <= i < i1, and restrict r, t and K d on F to level 1.
 
-    Restricts p on F, the indicator of A, and x on F to the coarser grid: coarse
-    (3, coarse rows + 2, m) with halo gets the rows that belong to this pass alone, edges (2, 3, m)
-    the first and the last, which it shares. scratch: (6, n_y).
+    Parameters
+    ----------
+    g, p : (n_loc, n_y)
+        Gap and pressure; become the new ones.
+    d : (>= i1 - i0, n_y), encoded
+        Last step on these rows.
+    Kd : (>= i1 - i0, n_y)
+        K d on these rows.
+    s : float
+        Step length, in the precision of g.
+    i0, i1 : int
+        Local rows; i0 is the first one of those beside its coarse row.
+    coarse : (3, coarse rows + 2, m)
+        r, t and K d on level 1 with halo rows; gets the coarse rows that these rows have alone.
+    shared : (2, 3, m)
+        Gets the first coarse row and the one after the last, which the rows before and after have
+        a part of, too.
+    transfer, H, inside
+        See the head of the file.
+    gathered : (6, >= n_y)
+        Scratch. 0 to 2: a complete coarse row of r, t and K d; 3 to 5: what is there of the next.
+
+    Returns
+    -------
+    tuple
+        UpdateSums of these rows.
     """
-    g, p, _ = state
-    i0, i1 = rows
-    k0, f_x = transfer[:2]
-    RR = PP = PD = DX = PX = CONTACT = GAP = OPENING = CLOSING = YIELDED = 0.0
-    ends = k0[i0], k0[i1 - 1] + 1
-    # 0-2: a complete coarse row, 3-5: what is there of the next one; p, indicator, x each
-    scratch[3:6] = 0
+    J_x = transfer[0]
+    f_x = transfer[1]
+    n = g.shape[1]
+    RR = PP = RD = DKD = RKD = CONTACT = GAP = OPENING = CLOSING = YIELDED = 0.0
+    ends = J_x[i0], J_x[i1 - 1] + 1
+    gathered[3:6] = 0
     i = i0
     while i < i1:
-        K = k0[i]
+        J = J_x[i]
         end = i + 1
-        while end < i1 and k0[end] == K:
+        while end < i1 and J_x[end] == J:
             end += 1
-        rr, pp, pd, dx, px, contact, gap, opening, closing, yielded = _update_rows(
-            state, x, s, i0, i, end, hardness, inside
+        rr, pp, rd, dKd, rKd, contact, gap, opening, closing, yielded = _step_rows(
+            g, p, d, Kd, s, i0, i, end, H, inside
         )
         RR += rr
         PP += pp
-        PD += pd
-        DX += dx
-        PX += px
+        RD += rd
+        DKD += dKd
+        RKD += rKd
         GAP += gap
         CONTACT += contact
         OPENING += opening
         CLOSING += closing
         YIELDED += yielded
-        _gather_rows(g, p, x, i0, i, end, f_x, hardness, inside, scratch)
-        _scatter_row(scratch, 0, g.shape[1], K, ends, edges, coarse, transfer)
+        _gather_rows(g, p, Kd, i0, i, end, f_x, H, inside, gathered)
+        _scatter_row(gathered[0:3], n, J, ends, shared, coarse, transfer)
         i = end
-    _scatter_row(scratch, 3, g.shape[1], ends[1], ends, edges, coarse, transfer)
-    return RR, PP, PD, DX, PX, CONTACT, GAP, OPENING, CLOSING, YIELDED
+    _scatter_row(gathered[3:6], n, ends[1], ends, shared, coarse, transfer)
+    return RR, PP, RD, DKD, RKD, CONTACT, GAP, OPENING, CLOSING, YIELDED
 
 
 @inline
-def _update_rows(state, x, s, i0, start, end, hardness, inside):
-    """Make new g and p on rows start..end for `update_state`; returns their sums."""
-    g, p, d = state
-    zero, one, clipped = g.dtype.type(0), g.dtype.type(1), encode(g.dtype.type(-np.inf))
-    rr = pp = pd = dx = px = contact = gap = opening = closing = yielded = zero
-    most = limit(hardness, zero)
+def _step_rows(g, p, d, Kd, s, i0, start, end, H, inside):
+    """Set g += s d and p += s K d on rows start <= i < end; returns their UpdateSums.
+
+    d and Kd begin with row i0.
+    """
+    zero = g.dtype.type(0)
+    one = g.dtype.type(1)
+    PROJECTED = encode(g.dtype.type(-np.inf))
+    H_or_0 = limit(H, zero)
+    rr = pp = rd = dKd = rKd = contact = gap = opening = closing = yielded = zero
     for i in range(start, end):
         inner = points_inside(i, inside)
         for j in range(inner):
-            y = x[i - i0, j]
-            e = -g[i, j] if d[i - i0, j] == clipped else decode(d[i - i0, j])
-            g_new = g[i, j] + s * e
-            p_new = p[i, j] + s * y
-            g_next, p_next = g_new + s * e, p_new + s * y
+            Kd_ij = Kd[i - i0, j]
+            d_ij = -g[i, j] if d[i - i0, j] == PROJECTED else decode(d[i - i0, j])
+            g_new = g[i, j] + s * d_ij
+            p_new = p[i, j] + s * Kd_ij
+            g_next = g_new + s * d_ij
+            p_next = p_new + s * Kd_ij
             g[i, j] = g_new
             p[i, j] = p_new
             closed = one if g_new <= zero else zero
-            plastic = yields(g_new, p_new, hardness, zero, one)
+            plastic = yields(g_new, p_new, H, zero, one)
             t = closed if p_new > zero else zero
             opening += t if p_next <= zero else zero
             t = zero if plastic > zero else t
             free = one - t
-            p_free = free * p_new - plastic * most
-            x_free = free * y
+            r = free * p_new - plastic * H_or_0
+            Kd_free = free * Kd_ij
             contact += t + plastic
             closing += (one - closed) if g_next <= zero else zero
-            rr += p_free * p_free
-            pp += p_new * p_new if plastic == zero else p_free * p_free + most * most
-            pd += p_free * e
-            dx += x_free * e
-            px += p_free * x_free
+            rr += r * r
+            pp += p_new * p_new if plastic == zero else r * r + H_or_0 * H_or_0
+            rd += r * d_ij
+            dKd += Kd_free * d_ij
+            rKd += r * Kd_free
             dent = g_new if plastic > zero else zero
             gap += g_new - dent
             yielded += plastic
         for j in range(inner, np.uint64(g.shape[1])):
-            y = x[i - i0, j]
-            e = decode(d[i - i0, j])
-            p_new = p[i, j] + s * y
-            g[i, j] += s * e
+            Kd_ij = Kd[i - i0, j]
+            d_ij = decode(d[i - i0, j])
+            p_new = p[i, j] + s * Kd_ij
+            g[i, j] += s * d_ij
             p[i, j] = p_new
             rr += p_new * p_new
             pp += p_new * p_new
-            pd += p_new * e
-            dx += y * e
-            px += p_new * y
-    return rr, pp, pd, dx, px, contact, gap, opening, closing, yielded
+            rd += p_new * d_ij
+            dKd += Kd_ij * d_ij
+            rKd += p_new * Kd_ij
+    return rr, pp, rd, dKd, rKd, contact, gap, opening, closing, yielded
 
 
 @inline
-def _gather_rows(g, p, x, i0, start, end, f_x, hardness, inside, rows):
-    """Add up the rows beside one coarse row, as `multilevel.gather_rows`: p on F, the indicator of
-    A, x on F.
+def _gather_rows(g, p, Kd, i0, start, end, f_x, H, inside, gathered):
+    """Add up r, t and K d on F of rows start <= i < end, which lie beside one coarse row.
 
-    A loop of its own, and rows of one array: with more pointers than this the compiler gives up on
-    vectors.
+    As `multilevel.gather_rows`: gathered[0:3] = gathered[3:6] + sum of (1 - f_x) row, and
+    gathered[3:6] = sum of f_x row. In a loop of its own and with rows of one array: with more
+    pointers than this the compiler gives up on vectors.
     """
     n = g.shape[1]
-    zero, one = g.dtype.type(0), g.dtype.type(1)
-    most = limit(hardness, zero)
+    zero = g.dtype.type(0)
+    one = g.dtype.type(1)
+    H_or_0 = limit(H, zero)
     # two rows, both of the surface or both beyond it
     if end == start + 2 and start + 1 != inside[0]:
-        k = start + 1
-        f0, f1 = f_x[start], f_x[k]
-        inner = points_inside(k, inside)
+        i = start + 1
+        f0 = f_x[start]
+        f1 = f_x[i]
+        inner = points_inside(i, inside)
         for j in range(inner):
-            y0 = yields(g[start, j], p[start, j], hardness, zero, one)
-            y1 = yields(g[k, j], p[k, j], hardness, zero, one)
-            t0 = one if (g[start, j] <= zero and p[start, j] > zero and y0 == zero) else zero
-            t1 = one if (g[k, j] <= zero and p[k, j] > zero and y1 == zero) else zero
-            a0, a1 = (one - t0) * p[start, j] - y0 * most, (one - t1) * p[k, j] - y1 * most
-            b0, b1 = (one - t0) * x[start - i0, j], (one - t1) * x[k - i0, j]
-            rows[0, j] = rows[3, j] + (one - f0) * a0 + (one - f1) * a1
-            rows[1, j] = rows[4, j] + (one - f0) * t0 + (one - f1) * t1
-            rows[2, j] = rows[5, j] + (one - f0) * b0 + (one - f1) * b1
-            rows[3, j] = f0 * a0 + f1 * a1
-            rows[4, j] = f0 * t0 + f1 * t1
-            rows[5, j] = f0 * b0 + f1 * b1
+            yielded0 = yields(g[start, j], p[start, j], H, zero, one)
+            yielded1 = yields(g[i, j], p[i, j], H, zero, one)
+            t0 = one if (g[start, j] <= zero and p[start, j] > zero and yielded0 == zero) else zero
+            t1 = one if (g[i, j] <= zero and p[i, j] > zero and yielded1 == zero) else zero
+            r0 = (one - t0) * p[start, j] - yielded0 * H_or_0
+            r1 = (one - t1) * p[i, j] - yielded1 * H_or_0
+            Kd0 = (one - t0) * Kd[start - i0, j]
+            Kd1 = (one - t1) * Kd[i - i0, j]
+            gathered[0, j] = gathered[3, j] + (one - f0) * r0 + (one - f1) * r1
+            gathered[1, j] = gathered[4, j] + (one - f0) * t0 + (one - f1) * t1
+            gathered[2, j] = gathered[5, j] + (one - f0) * Kd0 + (one - f1) * Kd1
+            gathered[3, j] = f0 * r0 + f1 * r1
+            gathered[4, j] = f0 * t0 + f1 * t1
+            gathered[5, j] = f0 * Kd0 + f1 * Kd1
         for j in range(inner, np.uint64(n)):
-            rows[0, j] = rows[3, j] + (one - f0) * p[start, j] + (one - f1) * p[k, j]
-            rows[2, j] = rows[5, j] + (one - f0) * x[start - i0, j] + (one - f1) * x[k - i0, j]
-            rows[3, j] = f0 * p[start, j] + f1 * p[k, j]
-            rows[5, j] = f0 * x[start - i0, j] + f1 * x[k - i0, j]
-            rows[1, j] = rows[4, j]
-            rows[4, j] = zero
+            Kd0 = Kd[start - i0, j]
+            Kd1 = Kd[i - i0, j]
+            gathered[0, j] = gathered[3, j] + (one - f0) * p[start, j] + (one - f1) * p[i, j]
+            gathered[2, j] = gathered[5, j] + (one - f0) * Kd0 + (one - f1) * Kd1
+            gathered[3, j] = f0 * p[start, j] + f1 * p[i, j]
+            gathered[5, j] = f0 * Kd0 + f1 * Kd1
+            gathered[1, j] = gathered[4, j]
+            gathered[4, j] = zero
         return
     for c in range(3):
         for j in range(n):
-            rows[c, j] = rows[c + 3, j]
-            rows[c + 3, j] = zero
+            gathered[c, j] = gathered[c + 3, j]
+            gathered[c + 3, j] = zero
     for i in range(start, end):
-        fi = f_x[i]
+        f = f_x[i]
         inner = points_inside(i, inside)
         for j in range(inner):
-            y = yields(g[i, j], p[i, j], hardness, zero, one)
-            t = one if (g[i, j] <= zero and p[i, j] > zero and y == zero) else zero
-            a = (one - t) * p[i, j] - y * most
-            b = (one - t) * x[i - i0, j]
-            rows[0, j] += (one - fi) * a
-            rows[1, j] += (one - fi) * t
-            rows[2, j] += (one - fi) * b
-            rows[3, j] += fi * a
-            rows[4, j] += fi * t
-            rows[5, j] += fi * b
+            yielded = yields(g[i, j], p[i, j], H, zero, one)
+            t = one if (g[i, j] <= zero and p[i, j] > zero and yielded == zero) else zero
+            r = (one - t) * p[i, j] - yielded * H_or_0
+            Kd_free = (one - t) * Kd[i - i0, j]
+            gathered[0, j] += (one - f) * r
+            gathered[1, j] += (one - f) * t
+            gathered[2, j] += (one - f) * Kd_free
+            gathered[3, j] += f * r
+            gathered[4, j] += f * t
+            gathered[5, j] += f * Kd_free
         for j in range(inner, np.uint64(n)):
-            rows[0, j] += (one - fi) * p[i, j]
-            rows[2, j] += (one - fi) * x[i - i0, j]
-            rows[3, j] += fi * p[i, j]
-            rows[5, j] += fi * x[i - i0, j]
+            gathered[0, j] += (one - f) * p[i, j]
+            gathered[2, j] += (one - f) * Kd[i - i0, j]
+            gathered[3, j] += f * p[i, j]
+            gathered[5, j] += f * Kd[i - i0, j]
 
 
 @inline
-def _scatter_row(rows, c0, n, K, ends, edges, coarse, transfer):
-    """Restrict coarse row K, complete in rows[c0:c0 + 3, :n], along the other axis to where it
-    belongs; ends: first and last of all."""
-    _, _, mode, j0, f, factor = transfer
+def _scatter_row(complete, n, J, ends, shared, coarse, transfer):
+    """Restrict coarse row J, complete[:, :n] along x, along y to where it belongs.
+
+    ends: the first and the last coarse row, which go to `shared`; all others go to `coarse`.
+    """
+    _, _, mode, J_y, f_y, factor = transfer
     for c in range(3):
-        target = edges[0, c] if K == ends[0] else (edges[1, c] if K == ends[1] else coarse[c, K])
-        restrict_row(rows[c0 + c, :n], target, factor, mode, j0, f)
+        target = shared[0, c] if J == ends[0] else (shared[1, c] if J == ends[1] else coarse[c, J])
+        restrict_row(complete[c, :n], target, factor, mode, J_y, f_y)

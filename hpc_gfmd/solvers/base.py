@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -71,8 +71,8 @@ class Solver:
         The present mean pressure.
     iterations : int
         Steps since the load began.
-    state_names, scalar_names : tuple of str
-        The attributes that a bit-identical continuation needs: local slabs, and numbers.
+    uKu : float
+        <u, K u> where the solver was started; of one that keeps it up to date at any time.
     allowed : dict
         The smallest and largest value of each option.
     sources : tuple of str
@@ -82,14 +82,9 @@ class Solver:
     d: np.ndarray  # the last step, of those that have one
     name = ""
     sources: tuple[str, ...] = ()
-    state_names: tuple[str, ...] = ("g", "p")
-    scalar_names: tuple[str, ...] = ()
+    uKu: float
     allowed: Mapping[str, tuple[float, float]] = {}
-    nests = True  # whether nested iteration pays
-    # whether its pressure may be < 0 where the gap is closed, as it is at a load that is too small
-    holds_tension = True
     dents = False  # whether it can do with a hardness
-    takes_gap = False  # whether __init__ has an argument g: memory for the gap
     patience = 60  # iterations without progress after which the solver counts as stagnated
 
     def __init__(
@@ -111,6 +106,11 @@ class Solver:
     def pairs(self) -> float:
         """FFT pairs done on this grid so far."""
         return self.elastic.pairs
+
+    def reset_counts(self) -> None:
+        """Count iterations and FFT pairs from 0: a load begins."""
+        self.iterations = 0
+        self.elastic.pairs = 0.0
 
     @cached_property
     def levels(self) -> Multilevel:
@@ -161,6 +161,13 @@ class Solver:
         and self.levels used by somebody else. uKu: <u, K u>, None if that has not changed."""
         raise NotImplementedError
 
+    def after_certificate(self, uKu: float) -> None:
+        """Go on after the certificate has computed self.p anew from self.g, and used self.levels.
+
+        uKu: <u, K u>.
+        """
+        self.refresh(uKu)
+
     def make_room(self) -> None:
         """Give the memory of the transforms and of the last step, which is lost, to somebody else
         until `take_room`."""
@@ -182,18 +189,3 @@ class Solver:
         """Return the relative error of the area that the certificate is expected to find if the
         squares of the pressure's error add up to `squares`."""
         return 0.0
-
-    def state(self) -> tuple[dict[str, Any], ...]:
-        """Return everything that a bit-identical continuation needs: local slabs by name, and a
-        dict of numbers."""
-        return tuple(
-            {name: getattr(self, name) for name in names}
-            for names in (self.state_names, self.scalar_names)
-        )
-
-    def load_state(self, arrays: dict[str, np.ndarray], numbers: dict[str, Any]) -> None:
-        """Undo `state`: take over what it returned."""
-        for name in self.state_names:
-            getattr(self, name)[...] = arrays[name]
-        for name in self.scalar_names:
-            setattr(self, name, numbers[name])

@@ -12,7 +12,6 @@ never appears: with the gap g = u + h and p = p0 + K u, a step d changes them by
 """
 
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -25,7 +24,7 @@ from ..certificate.error_estimates import (
     relative_error,
     spread_of,
 )
-from ..kernels.bfloat16 import Decoded, encoded, stored_dtype
+from ..kernels.bfloat16 import stored_dtype
 from ..kernels.bpx import UpdateSums, search_passes
 from ..operators.multilevel import Multilevel
 from ..operators.problem import Problem
@@ -46,26 +45,7 @@ class Bpx(Solver):
     sources = (
         "Bramble, Pasciak, Xu, Math. Comp. 55 (1990) 1, doi:10.1090/S0025-5718-1990-1023042-6",
     )
-    takes_gap = dents = True
-    state_names = ("g", "p", "d")
-    scalar_names = (
-        "s",
-        "rayleigh",
-        "contact",
-        "yielded",
-        "gap_mean",
-        "rz",
-        "rd",
-        "zKd",
-        "dKd",
-        "rr",
-        "pp",
-        "uKu",
-        "mean",
-        "level_sums",
-        "changing",
-        "iterations",
-    )
+    dents = True
 
     def __init__(
         self, problem: Problem, options: dict[str, float] | None = None, g: np.ndarray | None = None
@@ -117,16 +97,6 @@ class Bpx(Solver):
         self._measure(sums, anew=True)
         if self.levels.gap_mode.wanted((self.contact - self.yielded) / self.grid.cell_points):
             self.elastic.pairs += self.levels.gap_mode.pairs
-
-    def state(self) -> tuple[dict[str, Any], ...]:
-        arrays, numbers = super().state()
-        return arrays | {"d": Decoded(self.d)}, numbers | {"mode": self.levels.mode}
-
-    def load_state(self, arrays: dict[str, Any], numbers: dict[str, Any]) -> None:
-        super().load_state(arrays | {"d": encoded(arrays["d"], self.problem.dtype)}, numbers)
-        self.levels.mode = numbers["mode"]
-        self.levels.restrict(self.g, self.p, self.problem.limit)
-        self.levels.sweep()  # z on the coarse levels follows from g and p
 
     # -- one iteration
 
@@ -216,9 +186,9 @@ class Bpx(Solver):
         sums = UpdateSums(*totals[: len(sums)])
         s, compliance = self.s, self.compliance
         self.rz = compliance * (sums.rr + rz1)  # <p, z> on F
-        self.rd = s * sums.pd  # <p, d>
-        self.zKd = s * compliance * (sums.px + xz1)
-        self.dKd = s * s * sums.dx
+        self.rd = s * sums.rd  # <p, d>
+        self.zKd = s * compliance * (sums.rKd + xz1)
+        self.dKd = s * s * sums.dKd
         self.rr, self.pp = sums.rr, sums.pp
         self.contact, self.gap_mean = sums.contact, sums.gap / self.N
         self.changing = max(sums.opening, sums.closing)

@@ -54,7 +54,7 @@ def test_projected_step(random, n, coupling, hardness, dtype, rough, rounding):
     step = tuple(dtype(number) for number in (a, b, coupling, compliance))
     limit = hardness and dtype(hardness)
     found, deeper = bpx.projected_step(
-        g, p, d, x, (0, n[0]), padded.astype(dtype), t.tables, step, limit, n, work
+        g, p, d, x, 0, n[0], padded.astype(dtype), t.tables, step, limit, n, work
     )
     assert np.allclose(x, wanted, rtol=rough, atol=rounding)
     clipped = (wanted == -g) & ~closed

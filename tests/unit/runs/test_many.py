@@ -80,6 +80,7 @@ def test_nothing_is_left_of_a_program_that_is_stopped(tmp_path, number):
         assert program.stdout.readline() == "converged\n"
         assert len(workers(tmp_path)) == 2
         program.send_signal(number)
+        assert program.wait(60) != 0
     for _ in range(200):
         if not workers(tmp_path):
             return
