@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from ..operators.problem import Problem
     from ..parallel.comm import Comm
     from ..solvers.base import Progress, Solver
+    from .working_surface import WorkingSurface
 
 
 class LoadSearch:
@@ -39,6 +40,15 @@ class LoadSearch:
     def half_area(self) -> float:
         """About half of the relative contact area, which is about p0 where that is small."""
         return self.p0
+
+    @property
+    def needs_double(self) -> bool:
+        """Whether what is known so far cannot be trusted in single precision."""
+        return False
+
+    def measure(self, working: WorkingSurface) -> None:
+        """Take over what has to be known of the heights in the precision of this surface.
+        Collective."""
 
     def begin(self, problem: Problem | None = None) -> float:
         """Begin on the grid of `problem`, or on the finest one, and return p0. Collective."""

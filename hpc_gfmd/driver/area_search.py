@@ -1,0 +1,189 @@
+"""The search for the load that gives a contact area, which is a number of points.
+
+It is met to the tolerance or to one point. Between two loads the number of points is found by what
+is continuous in the load: how far those points are from a change of sides that the target has, or
+has not (side_changes.py). In ordered walls many points change sides at the same load. The area
+jumps there, and where it jumps over the target the nearer side is taken, and `note` says so. It is
+a jump where the points in which the contacts on both sides differ are alike to rounding errors, or
+where the loads themselves are.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil, erf, floor, hypot, inf, isinf, log, sqrt
+from statistics import NormalDist
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .bracket import Bound, Bracket
+from .full_contact import CLOSED
+from .load_search import CALIBRATION, Errors, SecantSearch, Value
+from .search import area_may_be_met
+from .side_changes import SideChanges
+
+if TYPE_CHECKING:
+    from ..certificate.certificate import Certificate
+    from ..solvers.base import Progress, Solver
+    from ..surface import Surface
+
+POINT = 1.001  # points of the map by which an area may be missed
+
+
+@dataclass
+class AreaSearch(SecantSearch):
+    """See SecantSearch.
+
+    Attributes
+    ----------
+    map_points : int
+        Points of the map that a point of the grid stands for: more than one where the map varies
+        along one axis only.
+    """
+
+    usual = 1.0
+
+    map_points: int = 1
+
+    # -- the quantity
+
+    def guess(self, surface: Surface) -> float:
+        """Guess by an area of about 2 p*; with a hardness `straight` is about x."""
+        return log(self.half_area) if isinf(self.closes_at) else self.straight(self.target)
+
+    @property
+    def half_area(self) -> float:
+        """Half of the contact area that is asked for."""
+        return self.target / 2
+
+    @property
+    def aim(self) -> float:
+        """The area that this grid has, by Persson's theory, where the finest has the target, or the
+        least that it has at any load."""
+        aim = self.target
+        finer = self.finest.steepness / (self.heights.steepness or inf)
+        if finer > 1 > aim:
+            aim = erf(NormalDist().inv_cdf((1 + aim) / 2) * finer / sqrt(2))
+        return max(aim, self.heights.highest / self.heights.points)
+
+    @property
+    def allowed(self) -> float:
+        """Points of this grid by which the aim may be missed."""
+        point = POINT / self.map_points
+        return max(self.tolerance * self.aim * self.heights.points, point)
+
+    def miss(self, y: float) -> float:
+        """Return how far y is from the aim, relative; a point more or less is none."""
+        miss = super().miss(y)
+        return miss if miss * self.aim * self.heights.points * self.map_points > POINT else 0.0
+
+    def straight(self, y: float) -> float:
+        """Invert Persson's area, erf(c p0), and p0 over the hardness."""
+        y = min(y, 1 - 0.25 / self.heights.points)
+        if y <= 0:
+            return -inf
+        elastic = NormalDist().inv_cdf((1 + y) / 2)
+        if isinf(self.closes_at):
+            return log(elastic)
+        p0 = 1 / hypot(2 / elastic, 1 / (y * self.closes_at))
+        return -log(1 / p0 - 1 / self.closes_at)
+
+    def predicted(self, solver: Solver, progress: Progress, errors: Errors) -> Value | None:
+        """Predict the area by the load that the points in contact carry: as uncertain as the
+        pressure."""
+        return (round(progress.predicted[0]) / solver.N, errors[1]) if progress.predicted else None
+
+    def within(self, solver: Solver, progress: Progress, room: float) -> bool:
+        """Look at all points."""
+        return area_may_be_met(solver, progress, room)
+
+    def certified(self, solver: Solver, certificate: Certificate) -> Value:
+        """Return the area of the certificate."""
+        return certificate.contact / solver.N, certificate.errors[0]
+
+    @property
+    def _alone(self) -> float:
+        return self.heights.alone
+
+    # -- between two loads
+
+    def distance(self, solver: Solver, y: float) -> float:
+        """Return the pressure by which points are beyond the state in the middle of those that meet
+        the target."""
+        points = self.aim * self.heights.points
+        first = max(ceil(points - self.allowed), 1)
+        beyond = min(max(floor(points + self.allowed) + 1, first), solver.N)
+        changes = SideChanges(solver, solver.problem_now.rounding)
+        return -0.5 * (changes.of_rank(first) + changes.of_rank(beyond))
+
+    def adjust(self, solver: Solver, progress: Progress) -> bool:
+        """Follow predictions until the target lies between two loads."""
+        return not self.bracket.is_closed and super().adjust(solver, progress)
+
+    def learn(self, solver: Solver, certificate: Certificate) -> float:
+        """Learn as of any value, and whether the area jumps over the target."""
+        if self.note:
+            return self._confirm(solver, certificate)
+        left = super().learn(solver, certificate)
+        if self._jumps(solver):
+            below, above = self.bracket.bounds
+            self.note = (
+                f"a_r jumps from {below.value:.4g} to {above.value:.4g}: the nearer is taken"
+            )
+            return self._confirm(solver, certificate)
+        point = POINT / self.heights.points
+        if left < 1 and self.aim - self.target > max(self.tolerance * self.target, point):
+            self.note = f"a_r jumps from 0 to {self.aim:.4g}: the least at any load"
+        return left
+
+    def correct(self, solver: Solver, certificate: Certificate, solved: bool) -> bool:
+        """Go to the nearer side of a jump, or between the bounds."""
+        if self.corrections == CALIBRATION.most:
+            return False
+        if self.note:
+            nearer = self._nearer
+            return self.x != nearer.x and self._go(nearer.x, solver)
+        if not self.bracket.is_closed:
+            return super().correct(solver, certificate, solved)
+        y, error = self.certified(solver, certificate)
+        if self.miss(y) <= error:
+            return False
+        return self._go(self.bracket.between(self._rounding(solver) / solver.p0), solver)
+
+    def _rounding(self, solver: Solver) -> float:
+        """Return the difference of pressures that may be rounding errors."""
+        of_load = float(np.finfo(np.float64).eps) * solver.p0
+        return CLOSED * max(solver.problem_now.rounding, of_load)
+
+    def _jumps(self, solver: Solver) -> bool:
+        """Return whether the contact changes at once from one bound to the other. Collective."""
+        if not self.bracket.is_closed:
+            return False
+        low, high = self.bracket.bounds
+        if self.x not in (low.x, high.x):
+            return False
+        rounding = self._rounding(solver)
+        if self.p0_of(high.x) - self.p0_of(low.x) <= rounding:
+            return True
+        changes = SideChanges(solver, rounding / CLOSED)
+        first = changes.of_rank(round(low.value * solver.N) + 1)
+        final = changes.of_rank(round(high.value * solver.N))
+        return final - first <= rounding
+
+    @property
+    def _nearer(self) -> Bound:
+        return min(self.bracket.bounds, key=lambda bound: abs(bound.value - self.aim))
+
+    def _confirm(self, solver: Solver, certificate: Certificate) -> float:
+        """Return 0 at the nearer side of a jump, as it was found; where it is not, begin anew."""
+        nearer = self._nearer
+        y, _ = self.certified(solver, certificate)
+        point = POINT / self.heights.points
+        if self.x != nearer.x:
+            return inf
+        if abs(y - self.aim) <= abs(nearer.value - self.aim) + point:
+            return 0.0
+        self.note = None
+        self.bracket = Bracket()
+        return super().learn(solver, certificate)
