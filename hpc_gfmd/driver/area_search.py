@@ -11,7 +11,7 @@ where the loads themselves are.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import ceil, erf, floor, hypot, inf, isinf, log, sqrt
+from math import ceil, erf, floor, hypot, inf, isfinite, isinf, log, sqrt
 from statistics import NormalDist
 from typing import TYPE_CHECKING
 
@@ -25,10 +25,12 @@ from .side_changes import SideChanges
 
 if TYPE_CHECKING:
     from ..certificate.certificate import Certificate
+    from ..operators.problem import Problem
     from ..solvers.base import Progress, Solver
     from ..surface import Surface
 
 POINT = 1.001  # points of the map by which an area may be missed
+BEYOND = 0.5  # of the way to the end of a plateau that is gone beyond it
 
 
 @dataclass
@@ -40,11 +42,14 @@ class AreaSearch(SecantSearch):
     map_points : int
         Points of the map that a point of the grid stands for: more than one where the map varies
         along one axis only.
+    jumps : bool
+        Whether the area jumps over the target.
     """
 
     usual = 1.0
 
     map_points: int = 1
+    jumps: bool = False
 
     # -- the quantity
 
@@ -106,6 +111,13 @@ class AreaSearch(SecantSearch):
     def _alone(self) -> float:
         return self.heights.alone
 
+    @property
+    def needs_double(self) -> bool:
+        """Whether the target asks for heights that single precision cannot tell apart, or what it
+        found may be a jump but for its rounding errors."""
+        finest = self.finest
+        return self.jumps or finest.indistinct > max(self.target * finest.points, finest.highest)
+
     # -- between two loads
 
     def distance(self, solver: Solver, y: float) -> float:
@@ -117,16 +129,23 @@ class AreaSearch(SecantSearch):
         changes = SideChanges(solver, solver.problem_now.rounding)
         return -0.5 * (changes.of_rank(first) + changes.of_rank(beyond))
 
+    def begin(self, problem: Problem | None = None) -> float:
+        """Begin at the load of the grid before."""
+        self.jumps = False
+        return super().begin(problem)
+
     def adjust(self, solver: Solver, progress: Progress) -> bool:
         """Follow predictions until the target lies between two loads."""
         return not self.bracket.is_closed and super().adjust(solver, progress)
 
     def learn(self, solver: Solver, certificate: Certificate) -> float:
         """Learn as of any value, and whether the area jumps over the target."""
-        if self.note:
+        if self.jumps:
             return self._confirm(solver, certificate)
         left = super().learn(solver, certificate)
-        if self._jumps(solver):
+        left = max(left, self._needs_accuracy(solver, certificate))
+        self.jumps = self._changes_at_once(solver)
+        if self.jumps:
             below, above = self.bracket.bounds
             self.note = (
                 f"a_r jumps from {below.value:.4g} to {above.value:.4g}: the nearer is taken"
@@ -139,24 +158,66 @@ class AreaSearch(SecantSearch):
 
     def correct(self, solver: Solver, certificate: Certificate, solved: bool) -> bool:
         """Go to the nearer side of a jump, or between the bounds."""
-        if self.corrections == CALIBRATION.most:
-            return False
-        if self.note:
+        if self.jumps:
             nearer = self._nearer
             return self.x != nearer.x and self._go(nearer.x, solver)
-        if not self.bracket.is_closed:
-            return super().correct(solver, certificate, solved)
         y, error = self.certified(solver, certificate)
-        if self.miss(y) <= error:
+        surely_missed = self.miss(y) > error
+        if self.corrections == CALIBRATION.most or not surely_missed:
             return False
-        return self._go(self.bracket.between(self._rounding(solver) / solver.p0), solver)
+        if self.bracket.is_closed:
+            if self._needs_accuracy(solver, certificate) > 1:
+                return False
+            x = self.bracket.between(self._rounding(solver) / solver.p0)
+            return self._go(x, solver)
+        x = self._end_of_plateau()
+        if x is None:
+            return super().correct(solver, certificate, solved)
+        return self._go(x, solver)
+
+    def _end_of_plateau(self) -> float | None:
+        """Return x beyond the end of a plateau, None where the last two loads are not on one.
+
+        While the same points touch, pressures and gaps are linear in the load.
+        """
+        bracket = self.bracket
+        newest = bracket.low if bracket.newest_is_low else bracket.high
+        before = bracket.replaced
+        if newest is None or before is None or newest.value != before.value:
+            return None
+        p0 = self.p0_of(newest.x)
+        slope = (newest.distance - before.distance) / (p0 - self.p0_of(before.x))
+        end = self.x_of(p0 - newest.distance / slope) if slope > 0 else inf
+        if not isfinite(end):
+            return None
+        return end + BEYOND * (end - newest.x)
 
     def _rounding(self, solver: Solver) -> float:
         """Return the difference of pressures that may be rounding errors."""
         of_load = float(np.finfo(np.float64).eps) * solver.p0
         return CLOSED * max(solver.problem_now.rounding, of_load)
 
-    def _jumps(self, solver: Solver) -> bool:
+    def _needs_accuracy(self, solver: Solver, certificate: Certificate) -> float:
+        """Return by how much the pressure has to be more accurate to tell whether the points that
+        change sides between the bounds are alike; 0 where that is known. Collective."""
+        estimate = solver.progress().estimate
+        if estimate is None or certificate.attainable[1] or not self.bracket.is_closed:
+            return 0.0
+        error = sqrt(estimate.squares / max(certificate.contact, 1))
+        rounding = self._rounding(solver)
+        apart = max(self._apart(solver), rounding)
+        return min((error / apart) ** 2, error / rounding)
+
+    def _apart(self, solver: Solver) -> float:
+        """Return by how much pressures differ that take the points in which the contacts at the
+        bounds differ to the other side. Collective."""
+        low, high = self.bracket.bounds
+        changes = SideChanges(solver, solver.problem_now.rounding)
+        first = changes.of_rank(round(low.value * solver.N) + 1)
+        final = changes.of_rank(round(high.value * solver.N))
+        return final - first
+
+    def _changes_at_once(self, solver: Solver) -> bool:
         """Return whether the contact changes at once from one bound to the other. Collective."""
         if not self.bracket.is_closed:
             return False
@@ -166,10 +227,7 @@ class AreaSearch(SecantSearch):
         rounding = self._rounding(solver)
         if self.p0_of(high.x) - self.p0_of(low.x) <= rounding:
             return True
-        changes = SideChanges(solver, rounding / CLOSED)
-        first = changes.of_rank(round(low.value * solver.N) + 1)
-        final = changes.of_rank(round(high.value * solver.N))
-        return final - first <= rounding
+        return self._apart(solver) <= rounding
 
     @property
     def _nearer(self) -> Bound:
@@ -185,5 +243,6 @@ class AreaSearch(SecantSearch):
         if abs(y - self.aim) <= abs(nearer.value - self.aim) + point:
             return 0.0
         self.note = None
+        self.jumps = False
         self.bracket = Bracket()
         return super().learn(solver, certificate)
