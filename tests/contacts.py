@@ -4,7 +4,8 @@ import numpy as np
 import tomli_w
 
 from hpc_gfmd.bodies import body_of
-from hpc_gfmd.driver.sweep import Sweep
+from hpc_gfmd.driver.load import Load
+from hpc_gfmd.driver.sweep import make_sweep
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.runs import loads
 from hpc_gfmd.scene import Material, Scene, Solver
@@ -60,7 +61,7 @@ def sweep_over(
     z, sizes=(1.0, 1.0), free=(False, False), body=None, comm=None, E_star=1.0, **solver
 ):
     """A Sweep over it with keys of [solver]."""
-    return Sweep(
+    return make_sweep(
         lambda dtype: surface_over(z, sizes, dtype, comm, free),
         Solver(**solver or EXACT),
         E_star,
@@ -68,10 +69,15 @@ def sweep_over(
     )
 
 
+def pressure(p_mean):
+    """The load of a mean pressure, in the unit of E_star."""
+    return Load("pressure", float(p_mean))
+
+
 def solve_scene(surface, p_star, E_star=1.0, comm=None, **solver):
     """The Step of one load p* on a [surface] table."""
     sweep = sweep_of(surface, E_star, comm, **solver)
-    return sweep.solve(p_star * E_star * sweep.surface.g_rms)
+    return sweep.solve(pressure(p_star * E_star * sweep.surface.g_rms))
 
 
 def field(step, name):

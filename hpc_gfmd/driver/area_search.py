@@ -165,11 +165,10 @@ class AreaSearch(SecantSearch):
         surely_missed = self.miss(y) > error
         if self.corrections == CALIBRATION.most or not surely_missed:
             return False
+        if self._needs_accuracy(solver, certificate) > 1:
+            return False
         if self.bracket.is_closed:
-            if self._needs_accuracy(solver, certificate) > 1:
-                return False
-            x = self.bracket.between(self._rounding(solver) / solver.p0)
-            return self._go(x, solver)
+            return self._go(self.bracket.between(self._rounding(solver) / solver.p0), solver)
         x = self._end_of_plateau()
         if x is None:
             return super().correct(solver, certificate, solved)

@@ -65,15 +65,18 @@ class Bracket:
         return too_small or too_large
 
     def add(self, bound: Bound, is_low: bool) -> None:
-        """Add a load that is too small (is_low) or too large; a bound on the other side that
-        contradicts it was wrong, and is dropped."""
+        """Add a load that is too small (is_low) or too large, or the same load, solved more
+        accurately; a bound on the other side that contradicts it was wrong, and is dropped."""
+        before = self.low if is_low else self.high
+        if before is None or before.x != bound.x:
+            self.replaced = before
         self.newest_is_low = is_low
         if is_low:
-            self.replaced, self.low = self.low, bound
+            self.low = bound
             if self.high is not None and self.high.x <= bound.x:
                 self.high = None
         else:
-            self.replaced, self.high = self.high, bound
+            self.high = bound
             if self.low is not None and self.low.x >= bound.x:
                 self.low = None
 

@@ -187,7 +187,8 @@ class Nested:
         took, in pairs of that grid.
 
         into: memory for the gap; may be that of problem.h, which is then lost. search: for the mean
-        pressure, on every grid; None where that is given. Raises Stopped on all ranks when the run is to stop.
+        pressure, on every grid; None where that is given. Raises Stopped on all ranks when the run
+        is to stop.
         """
         if self.step is None:
             g = cold_gap(problem)

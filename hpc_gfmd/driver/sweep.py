@@ -190,6 +190,8 @@ class Sweep:
 
     def _is_too_little(self, load: Load) -> bool:
         """Return whether single precision is known to be too little for a load."""
+        if load.search is not None and load.search.needs_double:
+            return True
         return too_little(self.settings, self.surface.grid.N, load.half_area)
 
     def _work_in(self, dtype: np.dtype) -> None:
@@ -220,6 +222,8 @@ class Sweep:
         pairs: FFT pairs that the load has taken before; may_need_double: whether single precision
         may turn out to be too little.
         """
+        if load.search is not None:
+            load.search.measure(self.working)
         closed = self._full_contact(load, pairs)
         if closed.contact is not None:
             return closed
@@ -243,7 +247,7 @@ class Sweep:
             iterations=solver.iterations,
             pairs=pairs,
         )
-        if may_need_double and _needs_double(contact):
+        if may_need_double and (_needs_double(contact) or self._is_too_little(load)):
             return Attempt(None, pairs)
         return Attempt(contact, pairs)
 

@@ -202,7 +202,7 @@ def solve(
         steps.clear()
         contacts.clear()
         sweep = sweep_of(scene, make_surface)
-        loads = sweep.pressures(scene.load)
+        loads = sweep.loads(scene.load)
         table = GrowingTable(surface_attributes(scene, sweep.surface))
         for index, contact, seconds in solved(scene, sweep, loads, say):
             attributes = step_attributes(scene, index, contact, seconds)
