@@ -10,81 +10,11 @@ a cluster.
     hpc_gfmd.run("scene.toml")                              # as the command line does
 
 `reference` has contact areas and mean gaps of self-affine surfaces with their uncertainties.
-Importing this package neither starts MPI nor compiles anything; its parts are imported when they
-are first used.
+The names are listed in __init__.pyi. Importing this package neither starts MPI nor compiles
+anything; its parts are imported when they are first used.
 """
 
+import lazy_loader
+
 __version__ = "1.0.0"
-
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from .parallel.guard import on_rank_0
-    from .parallel.world import world
-    from .plotting import plot
-    from .runs.many import solve_many
-    from .runs.prepared import PreparedSurface, make_surface, prepare_surface, read_surface
-    from .runs.simulation import RunResult
-    from .runs.simulation import run_scene as run
-    from .runs.solution import Interrupted, Solution, Solutions, load
-    from .runs.solve import solve
-    from .theory import reference
-    from .util.errors import GfmdError, NotConverged, SceneError
-
-__all__ = [
-    "GfmdError",
-    "Interrupted",
-    "NotConverged",
-    "PreparedSurface",
-    "RunResult",
-    "SceneError",
-    "Solution",
-    "Solutions",
-    "load",
-    "make_surface",
-    "on_rank_0",
-    "plot",
-    "prepare_surface",
-    "read_surface",
-    "reference",
-    "run",
-    "solve",
-    "solve_many",
-    "world",
-]
-_PLACES = {
-    "GfmdError": "util.errors",
-    "Interrupted": "runs.solution",
-    "NotConverged": "util.errors",
-    "PreparedSurface": "runs.prepared",
-    "RunResult": "runs.simulation",
-    "SceneError": "util.errors",
-    "Solution": "runs.solution",
-    "Solutions": "runs.solution",
-    "load": "runs.solution",
-    "make_surface": "runs.prepared",
-    "on_rank_0": "parallel.guard",
-    "plot": "plotting",
-    "prepare_surface": "runs.prepared",
-    "read_surface": "runs.prepared",
-    "run": "runs.simulation:run_scene",
-    "solve": "runs.solve",
-    "solve_many": "runs.many",
-    "world": "parallel.world",
-}
-
-
-def __getattr__(name: str) -> object:
-    """Import what is public when it is first asked for."""
-    from importlib import import_module
-
-    if name == "reference":
-        return import_module(".theory.reference", __name__)
-    if name not in _PLACES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    module, _, attribute = _PLACES[name].partition(":")
-    found = globals()[name] = getattr(import_module(f".{module}", __name__), attribute or name)
-    return found
-
-
-def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,2 +1,6 @@
-"""One module per subcommand of hpc-gfmd: main(args) -> exit code; the arguments of all stand in
-commands.toml. common.py and limits.py serve them."""
+"""One file per subcommand of hpc-gfmd, listed in cli.py.
+
+Each has HELP (one line), DESCRIPTION, `add_arguments(parser)` and `main(args)`, which returns the
+exit code. Imports that take long stand inside functions: the parser needs all of these files.
+common.py and limits.py are no commands.
+"""

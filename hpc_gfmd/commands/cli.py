@@ -1,25 +1,38 @@
-"""The command line: arguments in, exit code out, errors as one line on stderr, once whatever the
-number of ranks. What the commands and their arguments are stands in commands.toml."""
+"""The command line: arguments in, exit code out, an error as one line on standard error, printed
+once whatever the number of ranks."""
 
+import difflib
+import errno
 import importlib
+import io
+import os
 import sys
-import tomllib
 import traceback
-from argparse import ArgumentParser, Namespace
+from argparse import Action, ArgumentParser, Namespace
 from collections.abc import Callable, Sequence
-from errno import ENOMEM
 from functools import partial
-from pathlib import Path
 from typing import Any, NoReturn
 
 from ..util.errors import GfmdError, SceneError, one_line, reason
-from ..util.streams import unfailing_output
+from ..util.streams import discard, occupy_standard_descriptors
 from ..util.versions import versions
-from .common import number
 
-ALONE = 1.0  # seconds that a rank with an error which others may not have waits for them
-COMMANDS = tomllib.loads(Path(__file__).with_name("commands.toml").read_text("utf-8"))
-TYPES = {"int": int, "number": number}
+COMMANDS = (  # files of this folder, in the order in which --help lists them
+    "init",
+    "help",
+    "run",
+    "restart",
+    "plan",
+    "show",
+    "plot",
+    "export",
+    "persson",
+    "tfc",
+    "info",
+)
+SHELLS = ("bash", "zsh", "tcsh")
+WRITE_FILES = (["run"], ["restart"])  # what they print only tells of their result
+GRACE_SECONDS = 1.0  # before a rank that failed alone aborts the job
 DESCRIPTION = (
     "Elastic contact of rough surfaces. Start with: hpc-gfmd init; hpc-gfmd run scene.toml;"
     " hpc-gfmd plot contact.h5. With a measured map: hpc-gfmd init scan.x3p. Every key of a scene:"
@@ -28,104 +41,201 @@ DESCRIPTION = (
 
 
 class Parser(ArgumentParser):
-    """argparse whose complaints are SceneErrors, so that under MPI they are printed once."""
+    """An ArgumentParser that raises SceneError, so that under MPI an error is printed once."""
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """Parse as argparse does, but refuse what is left over here, where `prog` is known.
+
+        Parameters
+        ----------
+        args : sequence of str, optional
+            Command line arguments; by default those of the process.
+        namespace : Namespace, optional
+            The object that takes the attributes.
+
+        Returns
+        -------
+        namespace, list of str
+            The attributes, and an empty list.
+
+        Raises
+        ------
+        SceneError
+            For arguments that the parser does not have.
+        """
+        namespace, unknown = super().parse_known_args(args, namespace)
+        if unknown:
+            self.error(f"unrecognized arguments: {' '.join(unknown)}")
+        return namespace, unknown
 
     def error(self, message: str) -> NoReturn:
-        raise SceneError(f"{message} (see {self.prog} --help)")
+        """Raise SceneError with the message and a hint at the help of this very command."""
+        raise SceneError(f"{one_line(message, 400)} (see {self.prog} --help)")
+
+
+class PrintCompletion(Action):
+    """Print a script that makes a shell complete commands, options and files, and exit."""
+
+    def __call__(self, parser: ArgumentParser, namespace: Any, values: Any, *_: Any) -> None:
+        import shtab
+
+        print(shtab.complete(parser, values))
+        parser.exit()
 
 
 def build_parser() -> ArgumentParser:
     """Make the parser of all commands."""
     parser = Parser(prog="hpc-gfmd", description=DESCRIPTION)
-    own = versions().get("hpc_gfmd", "that is not installed")
-    parser.add_argument("--version", action="version", version=f"hpc-gfmd {own}")
+    version = versions().get("hpc_gfmd", "that is not installed")
+    parser.add_argument("--version", action="version", version=f"hpc-gfmd {version}")
+    parser.add_argument(
+        "--print-completion",
+        action=PrintCompletion,
+        choices=SHELLS,
+        metavar="SHELL",
+        help=f"print the script that completes this command line in a shell: {', '.join(SHELLS)}",
+    )
     subparsers = parser.add_subparsers(metavar="COMMAND", required=True, parser_class=Parser)
-    for name, about in COMMANDS.items():
-        command = subparsers.add_parser(
-            name, help=about["help"], description=about.get("description")
-        )
-        command.set_defaults(main=partial(_command, name), **about.get("defaults", {}))
-        alternatives = None
-        for flags, given in about.get("arguments", {}).items():
-            place: Any = command
-            options = dict(given)
-            if options.pop("one_of", False):
-                alternatives = alternatives or command.add_mutually_exclusive_group(required=True)
-                place = alternatives
-            if "type" in options:
-                options["type"] = TYPES[options["type"]]
-            if isinstance(options.get("metavar"), list):
-                options["metavar"] = tuple(options["metavar"])
-            place.add_argument(*flags.split(), **options)
+    for name in COMMANDS:
+        command = importlib.import_module(f".{name}", __package__)
+        subparser = subparsers.add_parser(name, help=command.HELP, description=command.DESCRIPTION)
+        command.add_arguments(subparser)
+        subparser.set_defaults(main=command.main)
     return parser
-
-
-def _command(name: str, args: Namespace) -> int:
-    """Run the command of a name: main(args) of its file."""
-    return importlib.import_module(f".{name}", __package__).main(args)
 
 
 def main(
     argv: Sequence[str] | None = None, script: Callable[[], ArgumentParser] | None = None
 ) -> int:
-    """Run one command; returns its exit code. What cannot be printed stops no command, but is an
-    error where it was the result.
+    """Run one command.
 
-    script: makes the Parser of a script of its own instead, with the default `main`.
+    Parameters
+    ----------
+    argv : sequence of str, optional
+        Arguments; by default those of the process.
+    script : function, optional
+        Makes the Parser of another program than hpc-gfmd; each of its commands has the default
+        `main`, a function of the parsed arguments that returns an exit code or None.
+
+    Returns
+    -------
+    int
+        Exit code: 0 success, 1 failed, 2 wrong input, or what the command returned. Output that
+        cannot be written is a failure.
     """
-    with unfailing_output() as out:
-        code, prints = _run(sys.argv[1:] if argv is None else argv, script)
-        out.flush()
-        if code or not prints or out.lost is None:
-            return code
-        if not isinstance(out.lost, BrokenPipeError):  # whoever read has stopped to listen
-            _complain(f"standard output: {out.lost.strerror or out.lost}")
+    occupy_standard_descriptors()
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")
+    arguments = list(sys.argv[1:] if argv is None else argv)
+    exit_code = _run(arguments, script)
+    unwritten = _flush_error()
+    if exit_code or unwritten is None or arguments[:1] in WRITE_FILES:
+        return exit_code
+    if not isinstance(unwritten, BrokenPipeError):
+        _complain(f"standard output: {reason(unwritten)}")
+    return 1
+
+
+def _flush_error() -> OSError | None:
+    """Flush standard output; returns the error where not all of it could be written."""
+    if sys.stdout is None:
+        return OSError(errno.EBADF, os.strerror(errno.EBADF))
+    try:
+        sys.stdout.flush()
+    except OSError as error:
+        discard(sys.stdout)
+        return error
+    return None
+
+
+def _run(arguments: Sequence[str], script: Callable[[], ArgumentParser] | None) -> int:
+    """Run one command; returns its exit code after all ranks have got here."""
+    command = arguments[0] if arguments else ""
+    try:
+        return _parsed(arguments, script)
+    except BrokenPipeError:  # the reader of a pipe, such as `head`, has read enough
+        discard(sys.stdout)
         return 1
+    except (GfmdError, ImportError) as error:
+        if isinstance(error, ImportError):
+            error = GfmdError(_missing(command, error))
+        _leave_together(error.exit_code, str(error))
+        return error.exit_code
+    except KeyboardInterrupt:  # the other ranks may not have been interrupted
+        _leave_together(130, seconds=GRACE_SECONDS)
+        return 130
+    except Exception as error:
+        exit_code, message = _of_exception(command, error)
+        details = traceback.format_exc() if message.startswith("internal error") else ""
+        _leave_together(exit_code, message, details, GRACE_SECONDS)
+        return exit_code
 
 
-def _run(argv: Sequence[str], script: Callable[[], ArgumentParser] | None) -> tuple[int, bool]:
-    """Run one command; returns (exit code, whether the result is what was printed)."""
+def _parsed(arguments: Sequence[str], script: Callable[[], ArgumentParser] | None) -> int:
+    """Parse the arguments and call `main` of their command."""
+    if script is None and arguments and not arguments[0].startswith("-"):
+        _require_command(arguments[0])
+    args: Namespace = (script or build_parser)().parse_args(arguments)
+    return args.main(args) or 0
+
+
+def _require_command(name: str) -> None:
+    """Raise SceneError, which names the nearest command, unless there is one of this name."""
+    if name not in COMMANDS:
+        (nearest,) = difflib.get_close_matches(name[:80], COMMANDS, n=1, cutoff=0)
+        raise SceneError(
+            f"COMMAND: found {one_line(repr(name), 80)}, nearest: {nearest}, allowed:"
+            f" {', '.join(COMMANDS)} (see hpc-gfmd --help)"
+        )
+
+
+def _missing(command: str, error: ImportError) -> str:
+    """Describe what has to be installed for a command."""
+    if isinstance(error, ModuleNotFoundError):
+        package = (error.name or str(error)).partition(".")[0]
+        return f"{command} needs {package}, which is not installed: pip install {package}"
+    return f"{command}: a library cannot be loaded ({one_line(str(error))})"
+
+
+def _of_exception(command: str, error: Exception) -> tuple[int, str]:
+    """Return the exit code and the line for an exception that is no GfmdError."""
+    number = getattr(error, "errno", None)
+    name = getattr(error, "filename", None) or command
+    if isinstance(error, MemoryError) or number == errno.ENOMEM:
+        details = one_line(str(error) or "no details")
+        return 1, (
+            f"out of memory{_on_rank()} ({details}): use more machines, fewer points or single"
+            " precision"
+        )
+    if isinstance(error, PermissionError):
+        return 2, f"{name}: {reason(error)}"
+    if number in (errno.ENOSPC, errno.EDQUOT, errno.EIO):
+        return 1, f"{name}: {reason(error)}"
+    kind = type(error).__name__
+    return 1, f"internal error{_on_rank()}: {kind}: {one_line(str(error))}"
+
+
+def _leave_together(
+    exit_code: int, message: str = "", details: str = "", seconds: float = 10.0
+) -> None:
+    """Print an error once and wait for the other ranks, for some seconds at most."""
     from ..parallel.world import collective_exit
 
-    asked = argv[0] if argv else None
+    collective_exit(exit_code, seconds, partial(_complain, message, details) if message else None)
+
+
+def _complain(message: str, details: str = "") -> None:
+    """Print one line, after details for those who mend the program, on standard error."""
+    if sys.stderr is None:
+        return
     try:
-        args = (script or build_parser)().parse_args(argv)
-        return args.main(args) or 0, not getattr(args, "saves", False)
-    except (GfmdError, ImportError) as error:
-        if isinstance(error, ModuleNotFoundError):
-            package = (error.name or str(error)).partition(".")[0]
-            error = GfmdError(
-                f"{asked} needs {package}, which is not installed here: pip install {package}"
-            )
-        elif isinstance(error, ImportError):
-            error = GfmdError(f"{asked}: what it needs cannot be loaded ({one_line(str(error))})")
-        collective_exit(error.exit_code, say=partial(_complain, error))
-        return error.exit_code, False
-    except KeyboardInterrupt:  # the other ranks may not have been interrupted
-        collective_exit(130, ALONE)
-        return 130, False
-    except Exception as error:
-        code, before = 1, ""
-        if isinstance(error, MemoryError) or getattr(error, "errno", None) == ENOMEM:
-            said = f"out of memory{_where()} ({one_line(str(error) or 'no details')})"
-            said += ": use more machines, fewer points or single precision"
-        elif isinstance(error, PermissionError):
-            code, said = 2, f"{error.filename or asked}: {reason(error)}"
-        else:  # a mistake in the program: what it was, for those who mend it, and one line
-            said, before = (
-                f"internal error{_where()}: {type(error).__name__}: {one_line(str(error))}",
-                traceback.format_exc(),
-            )
-        collective_exit(code, ALONE, partial(_complain, said, before))
-        return code, False
+        print(f"{details}hpc-gfmd: {message}", file=sys.stderr, flush=True)
+    except OSError:
+        discard(sys.stderr)
 
 
-def _complain(error: object, before: str = "") -> None:
-    print(f"{before}hpc-gfmd: {error}", file=sys.stderr, flush=True)
-
-
-def _where() -> str:
-    """Name this rank, where there are several."""
+def _on_rank() -> str:
+    """Name this rank where a launcher started several."""
     from ..parallel.launcher import launched, launcher_rank
 
     return f" on rank {launcher_rank()}" if launched()[0] else ""

@@ -1,20 +1,89 @@
-"""What several commands take and give: numbers such as 0.25, 1e-3 and 1/1024, JSON."""
+"""What several commands share: common arguments, numbers such as 1/1024, JSON."""
 
 import json
+from argparse import ArgumentParser
 from typing import Any
+
+# how shells complete the name of a file, in the form that shtab reads
+FILES = {"bash": "_shtab_compgen_files", "zsh": "_files", "tcsh": "f"}
+
+
+def add_file(parser: ArgumentParser, *names: str, **options: Any) -> None:
+    """Add an argument that is the path of a file, which shells can complete.
+
+    Parameters
+    ----------
+    parser : ArgumentParser
+        The parser of a command.
+    *names : str
+        Names or option strings, as of `ArgumentParser.add_argument`.
+    **options
+        All else that `ArgumentParser.add_argument` takes.
+    """
+    action = parser.add_argument(*names, **options)
+    action.complete = FILES  # type: ignore[attr-defined]
+
+
+def add_result_file(parser: ArgumentParser) -> None:
+    """Add the positional argument `file`, a result file."""
+    add_file(parser, "file", metavar="OUT.h5", help="result file")
+
+
+def add_overrides(parser: ArgumentParser, text: str) -> None:
+    """Add the option --set, which may be repeated.
+
+    Parameters
+    ----------
+    parser : ArgumentParser
+        The parser of a command.
+    text : str
+        Help text.
+    """
+    parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help=text)
+
+
+def add_json(parser: ArgumentParser, instead_of: str) -> None:
+    """Add the option --json.
+
+    Parameters
+    ----------
+    parser : ArgumentParser
+        The parser of a command.
+    instead_of : str
+        What the command prints without the option.
+    """
+    parser.add_argument("--json", action="store_true", help=f"print JSON instead of {instead_of}")
+
+
+def add_quiet(parser: ArgumentParser) -> None:
+    """Add the option --quiet."""
+    parser.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
 
 
 def number(text: str) -> float:
-    """Read a decimal number or a ratio of two; ValueError otherwise."""
-    top, slash, bottom = text.partition("/")
+    """Read a decimal number or a ratio of two; raises ValueError for any other text."""
+    numerator, slash, denominator = text.partition("/")
     try:
-        return float(top) / float(bottom) if slash else float(top)
+        return float(numerator) / float(denominator) if slash else float(numerator)
     except ZeroDivisionError:
         raise ValueError(text) from None
 
 
 def as_json(value: Any, indent: int | None = None) -> str:
-    """Write JSON: infinity and NaN, which it does not know, as null, and what is no number, text or
-    list as its text."""
-    known = json.loads(json.dumps(value, default=str), parse_constant=lambda _: None)
-    return json.dumps(known, indent=indent)
+    """Write a value as JSON.
+
+    Parameters
+    ----------
+    value : object
+        Numbers, texts, lists and dictionaries of them; all else is written as its text. Infinity
+        and NaN, which JSON does not have, become null.
+    indent : int, optional
+        Spaces per level; by default everything is on one line.
+
+    Returns
+    -------
+    str
+        JSON text.
+    """
+    plain = json.loads(json.dumps(value, default=str), parse_constant=lambda _: None)
+    return json.dumps(plain, indent=indent)

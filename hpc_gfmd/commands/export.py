@@ -1,15 +1,46 @@
 """`hpc-gfmd export`: a result for other programs."""
 
-from argparse import Namespace
+from argparse import ArgumentParser, Namespace
 
-from ..contact import all_numbers
-from ..output.export import export
-from ..output.read import read_result
+from .common import add_file, add_result_file
+
+HELP = "a result for other programs"
+DESCRIPTION = """
+Convert a result for ParaView (vtkhdf), to netCDF-4, to NumPy arrays (npz), its numbers to a table
+(csv), its fields for Gwyddion (gwy), or one length of one load to X3P. ParaView and xarray also
+open the result file itself."""
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    add_result_file(parser)
+    parser.add_argument(
+        "--to",
+        required=True,
+        choices=["vtkhdf", "netcdf", "npz", "csv", "gwy", "x3p"],
+        help="format",
+    )
+    add_file(
+        parser, "-o", "--output", metavar="FILE", help="where to write (default: beside the result)"
+    )
+    parser.add_argument(
+        "--fields", metavar="NAME", nargs="+", help="fields to export (default: all)"
+    )
+    parser.add_argument(
+        "--step", metavar="K", nargs="+", type=int, help="load steps to export (default: all)"
+    )
 
 
 def main(args: Namespace) -> int:
-    """Write the export and print its name; raises SceneError if the result cannot be read or the
-    file cannot go there."""
+    """Convert a result and print the name of the file.
+
+    Raises SceneError if the result cannot be read or the file cannot be written where it should be.
+    """
+    from ..contact import all_numbers
+    from ..output.export import export
+    from ..output.read import read_result
+
     result = read_result(args.file).only(args.step, args.fields)
-    print(export(result, args.to, args.output, all_numbers()), *result.remarks, sep="\n")
+    path = export(result, args.to, args.output, all_numbers())
+    print(path, *result.remarks, sep="\n")
     return 0

@@ -1,21 +1,51 @@
 """`hpc-gfmd help`: what the commands do, every key of a scene, every number of a result."""
 
-from argparse import Namespace
+from argparse import ArgumentParser, Namespace
 
 from ..util.errors import SceneError
 
+HELP = "every key of a scene: default, unit, meaning"
+DESCRIPTION = """
+Explain the keys of a scene (help scene), of one table or a single key (help scene solver, help
+scene solver.accuracy), the numbers of a result (help observables), or a command (help run)."""
+
+ABOUT_NUMBERS = (
+    "Attributes of each load in a result. length: in the unit of the surface; pressure: in that of"
+    " the moduli. Numbers with a name under `asked for` are computed if output.observables has that"
+    " name (arrays: output.distributions), all others always."
+)
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.add_argument(
+        "topic",
+        metavar="scene|observables|COMMAND",
+        nargs="?",
+        help="what to explain (default: the commands)",
+    )
+    parser.add_argument("key", metavar="KEY", nargs="?", help="a table or a key of a scene")
+    parser.add_argument(
+        "--markdown", action="store_true", help="scene, observables: print a page in Markdown"
+    )
+
 
 def main(args: Namespace) -> int:
-    """Print the help; raises SceneError for a topic or a key that there is not."""
+    """Print the help; raises SceneError for an unknown topic or key."""
     if args.key is not None and (args.topic != "scene" or args.markdown):
         raise SceneError(f"help: found {args.key}, allowed: a key after scene, without --markdown")
-    if args.topic == "observables":
-        print(_numbers("| `{}` | {} | {} | {} |" if args.markdown else "{:<36} {:<18} {:<14} {}"))
-        return 0
-    if args.topic != "scene":
-        return _of_command(args.topic)
+    if args.topic == "scene":
+        print(_scene_keys(args.key, args.markdown))
+    elif args.topic == "observables":
+        print(_numbers_page() if args.markdown else _numbers_text())
+    else:
+        _print_command_help(args.topic)
+    return 0
+
+
+def _scene_keys(key: str | None, markdown: bool) -> str:
     from ..contact import all_distributions, observable_names
-    from ..scene.reference import markdown, text
+    from ..scene import reference
     from ..solvers import solver_names
 
     names = {
@@ -23,47 +53,48 @@ def main(args: Namespace) -> int:
         "output.observables": observable_names(),
         "output.distributions": all_distributions(),
     }
-    print(markdown(names) if args.markdown else text(args.key, names))
-    return 0
+    return reference.markdown(names) if markdown else reference.text(key, names)
 
 
-def _numbers(row: str) -> str:
-    """List all numbers of a load, each by `row`: name, unit, the name it is asked for by,
-    meaning."""
+def _number_rows() -> list[tuple[str, str, str, str]]:
+    """List (name, unit, name it is asked for by, meaning) of all numbers of a load."""
     from ..contact import all_numbers, default_observables, observable_names, observables_named
 
     groups = {name: observables_named([name]) for name in observable_names()}
-    asked = {
-        one: name
-        for name in sorted(groups, key=lambda name: len(groups[name]))
-        for one in groups[name]
-        if one not in default_observables()
-    }
-    page = row.startswith("|")
-    return "\n".join(
-        [
-            *["# The numbers of a load", ""] * page,
-            "The attributes of each load in a result; length: in the unit of the surface,"
-            " pressure: in that of the moduli. Those with a name under `asked for` are there where"
-            " output.observables names it, arrays where output.distributions does, all others"
-            " always.",
-            "",
-            row.format("name", "unit", "asked for", "meaning").replace("`", ""),
-            *["|---|---|---|---|"] * page,
-            *(
-                row.format(name, unit, asked.get(name, ""), about)
-                for name, (about, unit) in all_numbers().items()
-            ),
-        ]
-    )
+    asked_by = {}
+    for group in sorted(groups, key=lambda name: len(groups[name])):
+        for name in groups[group]:
+            if name not in default_observables():
+                asked_by[name] = group
+    return [
+        (name, unit, asked_by.get(name, ""), meaning)
+        for name, (meaning, unit) in all_numbers().items()
+    ]
 
 
-def _of_command(name: str | None) -> int:
+def _numbers_text() -> str:
+    rows = [("name", "unit", "asked for", "meaning"), *_number_rows()]
+    lines = [f"{name:<36} {unit:<18} {asked_by:<14} {text}" for name, unit, asked_by, text in rows]
+    return "\n".join([ABOUT_NUMBERS, "", *lines])
+
+
+def _numbers_page() -> str:
+    rows = [
+        f"| `{name}` | {unit} | {asked_by} | {text} |"
+        for name, unit, asked_by, text in _number_rows()
+    ]
+    head = ["| name | unit | asked for | meaning |", "|---|---|---|---|"]
+    return "\n".join(["# The numbers of a load", "", ABOUT_NUMBERS, "", *head, *rows])
+
+
+def _print_command_help(name: str | None) -> None:
     from .cli import COMMANDS, build_parser
 
-    if name not in (None, *COMMANDS):
+    if name is None:
+        build_parser().print_help()
+        return
+    if name not in COMMANDS:
         raise SceneError(
             f"help: found {name!r}, allowed: scene, observables, {', '.join(COMMANDS)}"
         )
-    build_parser().parse_args([*([name] if name else []), "--help"])
-    return 0
+    build_parser().parse_args([name, "--help"])

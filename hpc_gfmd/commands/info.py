@@ -1,17 +1,28 @@
 """`hpc-gfmd info`: what this installation can do."""
 
-from argparse import Namespace
+from argparse import ArgumentParser, Namespace
+
+HELP = "versions, MPI, parallel HDF5, FFT, threads"
+DESCRIPTION = (
+    "Print what this installation can do: versions, MPI, parallel HDF5, FFT, cores, memory."
+)
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    del parser  # the command takes no arguments
 
 
 def main(args: Namespace) -> int:
     """Print one line per fact."""
+    del args  # it has none
     for name, value in facts().items():
         print(f"{name + ':':16}{value}")
     return 0
 
 
 def facts() -> dict[str, str]:
-    """Collect {name: text} of everything that speed or results may depend on."""
+    """Collect name and value of everything that speed or results may depend on."""
     import h5py
 
     from ..parallel.fftw import fft_library
@@ -20,19 +31,19 @@ def facts() -> dict[str, str]:
     from ..util.machine import available_gib, cores
     from ..util.versions import processor, versions
 
-    found = dict(versions())
-    found["FFT"] = fft_library()
-    found["MPI"] = _mpi_library()
-    found["HDF5"] = f"{h5py.version.hdf5_version}, {_io()}"
-    found["solvers"] = "auto (bpx), " + ", ".join(solver_names())
-    found["cores"] = f"{len(cores())}, {processor()}"
-    found["memory"] = f"{available_gib():.1f} GiB free"
-    found["cache"] = str(cache_folder())
-    return found
+    lines = dict(versions())
+    lines["FFT"] = fft_library()
+    lines["MPI"] = _mpi_library()
+    lines["HDF5"] = f"{h5py.version.hdf5_version}, {_io()}"
+    lines["solvers"] = "auto (bpx), " + ", ".join(solver_names())
+    lines["cores"] = f"{len(cores())}, {processor()}"
+    lines["memory"] = f"{available_gib():.1f} GiB free"
+    lines["cache"] = str(cache_folder())
+    return lines
 
 
 def _io() -> str:
-    """Say how several ranks write a file, as the attribute `io` of results does."""
+    """Describe how several ranks write a file; the attribute `io` of results has the same word."""
     import h5py
 
     return (

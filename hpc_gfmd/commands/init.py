@@ -2,13 +2,42 @@
 
 import os
 import tomllib
-from argparse import Namespace
+from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from ..util.atomic import atomic_write
 from ..util.errors import SceneError, one_line
+from .common import add_file, add_overrides
+
+HELP = "write a commented scene that runs"
+DESCRIPTION = """
+Write a scene with a comment on every key: for a kind of surface (self-affine, wave, sphere), or for
+a height map, which is read to find its sizes and units, missing points, a tilt, and whether its
+edges are free."""
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    add_file(
+        parser,
+        "what",
+        metavar="KIND|MAP",
+        nargs="?",
+        default="self-affine",
+        help="kind of surface, or a file with a height map (default: %(default)s)",
+    )
+    add_file(
+        parser,
+        "-o",
+        "--output",
+        metavar="SCENE.toml",
+        default="scene.toml",
+        help="scene file (default: %(default)s)",
+    )
+    add_overrides(parser, "a setting of the scene: table.key=value")
+    parser.add_argument("--force", action="store_true", help="overwrite an existing scene")
 
 
 def main(args: Namespace) -> int:

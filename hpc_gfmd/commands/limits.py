@@ -1,5 +1,5 @@
-"""The steps of a result taken to the thermodynamic, fractal and continuum (TFC) limits, where the
-coefficients cover them."""
+"""Extrapolation of the steps of a result to the thermodynamic, fractal and continuum (TFC) limits,
+where the tabulated coefficients cover them."""
 
 from math import isfinite
 from typing import Any
@@ -9,22 +9,36 @@ from ..output.summary import converged
 from ..theory import tfc
 from ..util.errors import SceneError
 
-# which are corrected, and the name of the estimated relative error of each
+# observables that are extrapolated, with the name of their estimated relative error
 OBSERVABLES = {"kappa": "a_r_error", "gap_over_h_rms": "gap_error"}
 SCATTER = (
-    "+- holds the estimated error of this run and of the coefficients if known, not the scatter"
-    " between realisations"
+    "+- contains the estimated error of this run and, where known, of the coefficients, not the"
+    " scatter between realisations"
 )
 
 
 def to_limits(result: Result, table: str = "ours") -> dict:
-    """Take the steps of a result to the limits.
+    """Extrapolate the steps of a result.
 
-    Returns {"table": its name, "steps": one dict per load step}: observable -> value, sigma, the
-    corrections t, f, c and their sum, "extrapolated" with its sigma (of the value and, where the
-    table has it, of the coefficients), notes; or "refused" with the reason.
+    Parameters
+    ----------
+    result : Result
+        A result of a self-affine surface.
+    table : str
+        "paper", "ours" or the path of a JSON file, as `theory.tfc.table_of` takes it.
 
-    table: as of theory.tfc.table_of. Raises SceneError for a surface that is not self-affine.
+    Returns
+    -------
+    dict
+        "table": its name; "steps": one dict per load step with its number, p_star and, by
+        observable, a dict with value, sigma, the corrections t, f, c and their sum,
+        "extrapolated" with its sigma (of the value and, where the table has it, of the
+        coefficients) and notes, or else "refused" with the reason.
+
+    Raises
+    ------
+    SceneError
+        For a surface that is not self-affine.
     """
     surface = result.surface
     missing = [
@@ -35,57 +49,71 @@ def to_limits(result: Result, table: str = "ours") -> dict:
             f"--tfc: found a surface of kind {surface.get('kind', 'unknown')!r} without"
             f" {', '.join(missing)}, allowed: results of a self-affine surface"
         )
-    where: dict[str, Any] = {key: float(surface[key]) for key in ("hurst", *tfc.RATIOS)}
-    where["table"] = tfc.table_of(table)
+    parameters: dict[str, Any] = {key: float(surface[key]) for key in ("hurst", *tfc.RATIOS)}
+    parameters["table"] = tfc.table_of(table)
     steps = [
         {"step": index, "p_star": step["p_star"]}
-        | {o: _limit(step, o, error, where) for o, error in OBSERVABLES.items() if o in step}
+        | {
+            observable: _limit(step, observable, error_name, parameters)
+            for observable, error_name in OBSERVABLES.items()
+            if observable in step
+        }
         for index, step in result.numbered.items()
     ]
     return {"table": table, "steps": steps}
 
 
 def limits_text(limits: dict) -> str:
-    """Write one line per observable and step, and the notes once."""
+    """Write what `to_limits` returned: one line per observable and step, and each note once."""
     lines = [
-        "taken to the thermodynamic, fractal and continuum limits with the coefficients of:"
+        "extrapolated to the thermodynamic, fractal and continuum limits with the coefficients"
         f" {limits['table']}"
     ]
     notes = [SCATTER]
     for step in limits["steps"]:
-        for name, found in ((o, step[o]) for o in OBSERVABLES if o in step):
-            head = f"  p* = {step['p_star']:.4g}, {name} = {_shown(found['value'], found['sigma'])}"
-            if "refused" in found:
-                lines.append(f"{head}: not corrected: {found['refused']}")
+        for observable in OBSERVABLES:
+            limit = step.get(observable)
+            if limit is None:
                 continue
-            terms = ", ".join(f"{i} {-found[f'correction_{i}']:+.4f}" for i in "tfc")
-            lines.append(
-                f"{head}; {terms} -> {_shown(found['extrapolated'], found['extrapolated_sigma'])}"
-            )
-            notes += [f"step {step['step']}: NOT CONVERGED"] if not found["converged"] else []
-            notes += found["notes"]
+            value = _with_sigma(limit["value"], limit["sigma"])
+            head = f"  p* = {step['p_star']:.4g}, {observable} = {value}"
+            if "refused" in limit:
+                lines.append(f"{head}: not corrected: {limit['refused']}")
+                continue
+            terms = ", ".join(f"{i} {-limit[f'correction_{i}']:+.4f}" for i in "tfc")
+            extrapolated = _with_sigma(limit["extrapolated"], limit["extrapolated_sigma"])
+            lines.append(f"{head}; {terms} -> {extrapolated}")
+            if not limit["converged"]:
+                notes.append(f"step {step['step']}: NOT CONVERGED")
+            notes += limit["notes"]
     return "\n".join([*lines, *(f"note: {note}" for note in dict.fromkeys(notes))])
 
 
-def _limit(step: dict, observable: str, error: str, where: dict[str, Any]) -> dict[str, Any]:
-    value, relative = step[observable], step.get(error)
-    sigma = abs(value * relative) if relative is not None and isfinite(relative) else None
-    found = {"value": value, "sigma": sigma}
+def _limit(
+    step: dict, observable: str, error_name: str, parameters: dict[str, Any]
+) -> dict[str, Any]:
+    """Extrapolate one observable of one step; `parameters` of the surface and the table."""
+    value = step[observable]
+    relative_error = step.get(error_name)
+    sigma = None
+    if relative_error is not None and isfinite(relative_error):
+        sigma = abs(value * relative_error)
+    limit = {"value": value, "sigma": sigma}
     try:
-        extrapolated, whole, terms = tfc.extrapolate(
-            value, observable, p_star=step["p_star"], sigma=sigma, **where
+        extrapolated, sigma_extrapolated, terms = tfc.extrapolate(
+            value, observable, p_star=step["p_star"], sigma=sigma, **parameters
         )
     except SceneError as refusal:
-        return found | {"refused": str(refusal)}
-    return found | {
+        return limit | {"refused": str(refusal)}
+    return limit | {
         **terms.numbers,
         "correction_sigma": terms.sigma,
         "extrapolated": extrapolated,
-        "extrapolated_sigma": whole,
+        "extrapolated_sigma": sigma_extrapolated,
         "converged": converged(step),
         "notes": list(terms.notes),
     }
 
 
-def _shown(value: float, sigma: float | None) -> str:
+def _with_sigma(value: float, sigma: float | None) -> str:
     return f"{value:.4f}" + (f" +- {sigma:.1g}" if sigma is not None else "")

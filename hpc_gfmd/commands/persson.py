@@ -1,28 +1,64 @@
 """`hpc-gfmd persson`: contact area, mean gap and stiffness of Persson's theory."""
 
-from argparse import Namespace
+from argparse import ArgumentParser, Namespace
 from typing import Any
 
-import numpy as np
-from pandas import DataFrame
-
-from ..theory import persson
-from ..theory.checks import within
-from ..theory.elastic import KAPPA_BGT
 from ..util.errors import SceneError
-from .common import as_json
+from .common import add_json, as_json, number
+
+HELP = "theory curves of Persson's contact mechanics"
+DESCRIPTION = """
+Relative contact area, mean gap and stiffness -dp/d(gap) of a self-affine surface. Units: stiffness
+in E* g_rms/h_rms, stiffness_lam_s in E*/lam_s. Numbers may be written as 0.25, 1e-3 or 1/1024."""
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.add_argument("--hurst", type=number, required=True, help="Hurst exponent, 0 to 1")
+    parser.add_argument("--eps-f", type=number, required=True, help="lam_s/lam_l, 0 to 1")
+    pressures = parser.add_mutually_exclusive_group(required=True)
+    pressures.add_argument(
+        "--p-star", metavar="P", nargs="+", type=number, help="pressures p0/(E* g_rms)"
+    )
+    pressures.add_argument(
+        "--p-star-range",
+        metavar=("LO", "HI", "N"),
+        nargs=3,
+        type=number,
+        help="N pressures from LO to HI, equally spaced on a logarithmic axis",
+    )
+    parser.add_argument(
+        "--gamma",
+        type=number,
+        default=0.42,
+        help="energy factor of partial contact (default: %(default)s, as in the literature; 1: the"
+        " original theory)",
+    )
+    parser.add_argument(
+        "--printed",
+        action="store_true",
+        help="the mean gap as published in 2014, where one term lacks a factor of 2",
+    )
+    add_json(parser, "a table")
 
 
 def main(args: Namespace) -> int:
-    """Print the theory's curve. Raises SceneError for numbers out of range."""
-    curve = persson.curve(_pressures(args), args.hurst, args.eps_f, args.gamma, args.printed)
+    """Print the curve of the theory; raises SceneError for numbers out of range."""
+    from pandas import DataFrame
+
+    from ..theory import persson
+    from ..theory.elastic import KAPPA_BGT
+
+    pressures = _pressures(args)
+    curve = persson.curve(pressures, args.hurst, args.eps_f, args.gamma, args.printed)
     table = DataFrame(curve)
     formula = "printed" if args.printed else "corrected"
     if args.json:
         points = table.to_dict("records")
-        head = {"hurst": args.hurst, "eps_f": args.eps_f, "gamma": args.gamma, "formula": formula}
-        shown = head | (points[0] if len(points) == 1 else {}) | {"points": points}
-        print(as_json(shown))  # full contact makes the stiffness infinite
+        report = {"hurst": args.hurst, "eps_f": args.eps_f, "gamma": args.gamma, "formula": formula}
+        if len(points) == 1:
+            report |= points[0]
+        print(as_json(report | {"points": points}))  # the stiffness is infinite at full contact
         return 0
     print(
         f"# Persson theory, H = {args.hurst:g}, eps_f = {args.eps_f:g}, gamma = {args.gamma:g},"
@@ -34,10 +70,15 @@ def main(args: Namespace) -> int:
 
 
 def _pressures(args: Namespace) -> Any:
+    """Return the pressures p_star of the arguments; raises SceneError for numbers out of range."""
+    import numpy as np
+
+    from ..theory.checks import within
+
     if args.p_star is not None:
         return within("p_star", args.p_star, 0, np.inf, open_low=True)
-    low, high, points = args.p_star_range
+    low, high, count = args.p_star_range
     within("p_star-range", [low, high], 0, np.inf, open_low=True)
-    if points != int(within("p_star-range N", points, 1, 100000)):
-        raise SceneError(f"p_star-range N: found {points:g}, allowed: a whole number")
-    return np.geomspace(low, high, int(points))
+    if count != int(within("p_star-range N", count, 1, 100000)):
+        raise SceneError(f"p_star-range N: found {count:g}, allowed: a whole number")
+    return np.geomspace(low, high, int(count))

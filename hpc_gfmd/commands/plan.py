@@ -1,9 +1,34 @@
 """`hpc-gfmd plan`: what a scene would take, without allocating it."""
 
-from argparse import Namespace
+from argparse import ArgumentParser, Namespace
 
 from ..util.errors import SceneError
-from .common import as_json
+from .common import add_file, add_json, add_overrides, as_json
+
+HELP = "grid, memory per rank and expected time of a scene"
+DESCRIPTION = """
+Estimate memory, messages and time of a scene on a number of ranks. Exit code 2 if it does not fit
+into this machine."""
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    add_file(parser, "scene", metavar="SCENE.toml", help="scene file")
+    parser.add_argument(
+        "--ranks", metavar="K", type=int, default=1, help="number of ranks (default: %(default)s)"
+    )
+    parser.add_argument(
+        "--threads", metavar="T", type=int, help="threads per rank, instead of machine.threads"
+    )
+    parser.add_argument(
+        "--ranks-per-node",
+        metavar="P",
+        type=int,
+        help="ranks on each node, which share memory (default: from Slurm, else as many as this"
+        " machine has cores for)",
+    )
+    add_overrides(parser, "change a setting of the scene: table.key=value")
+    add_json(parser, "text")
 
 
 def main(args: Namespace) -> int:
@@ -15,30 +40,33 @@ def main(args: Namespace) -> int:
     from ..surface import surface_size
     from ..util.machine import available_gib, cores
 
-    for name in ("ranks", "threads", "ranks_per_node"):
-        if getattr(args, name) is not None and getattr(args, name) < 1:
+    for option in ("ranks", "threads", "ranks_per_node"):
+        number = getattr(args, option)
+        if number is not None and number < 1:
             raise SceneError(
-                f"--{name.replace('_', '-')}: found {getattr(args, name)}, allowed: a whole number"
-                " from 1"
+                f"--{option.replace('_', '-')}: found {number}, allowed: a whole number from 1"
             )
     scene = load_scene(args.scene, args.set)
     check(scene)
     n, sizes = surface_size(scene.surface)
-    here, said = len(cores()), args.threads or scene.machine.threads
-    threads = auto_threads(n[0] * n[1], args.ranks, here) if said == "auto" else said
+    core_count = len(cores())
+    threads = args.threads or scene.machine.threads
+    if threads == "auto":
+        threads = auto_threads(n[0] * n[1], args.ranks, core_count)
     per_node = min(args.ranks, args.ranks_per_node or ranks_per_node(args.ranks, threads))
-    plan = plan_of(scene, n, sizes, args.ranks, per_node, threads, here)
-    there = scene.machine.memory_gib or available_gib()
-    plan["gib_available"] = there
+    plan = plan_of(scene, n, sizes, args.ranks, per_node, threads, core_count)
+    gib_available = scene.machine.memory_gib or available_gib()
+    plan["gib_available"] = gib_available
     print(as_json(plan, 1) if args.json else text_of(plan))
-    # Nodes on which more ranks run than there are cores here are other machines: one rank has to
-    # fit into one like this.
-    together = per_node if per_node * threads <= here or scene.machine.memory_gib else 1
-    need = plan["gib"] if together == args.ranks else together * plan["gib_per_rank"]
-    if need > there:
+    # More ranks on a node than this machine has cores: the nodes are other machines. One rank has
+    # to fit into one like this.
+    is_this_machine = per_node * threads <= core_count or scene.machine.memory_gib is not None
+    ranks_here = per_node if is_this_machine else 1
+    gib = plan["gib"] if ranks_here == args.ranks else ranks_here * plan["gib_per_rank"]
+    if gib > gib_available:
         raise SceneError(
-            f"surface: {n[0]} x {n[1]} points need {need:.2f} GiB on {together} of {args.ranks}"
-            f" ranks, this machine has {there:.2f} GiB: use more machines, fewer points or single"
-            " precision"
+            f"surface: {n[0]} x {n[1]} points need {gib:.2f} GiB on {ranks_here} of {args.ranks}"
+            f" ranks, this machine has {gib_available:.2f} GiB: use more machines, fewer points or"
+            " single precision"
         )
     return 0

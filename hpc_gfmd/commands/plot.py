@@ -1,16 +1,67 @@
 """`hpc-gfmd plot`: the pictures of a result file."""
 
-from argparse import Namespace
+from argparse import ArgumentParser, Namespace
+from typing import Any
 
-from ..output.read import read_result
-from ..output.summary import converged
 from ..util.errors import SceneError
+from .common import add_file, add_result_file
+
+HELP = "pictures of a result"
+DESCRIPTION = """
+Draw the contents of a result: maps (of output.fields), spectra (of output.distributions),
+distributions (of either), area and gap against load. Axes have units where the scene has them.
+Persson's theory is drawn for self-affine surfaces, Hertz's for spheres, Westergaard's for waves.
+Fields of any size are read piece by piece."""
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    add_result_file(parser)
+    add_file(
+        parser,
+        "-o",
+        "--output",
+        metavar="DIR|FILE",
+        help="folder, or a file that ends in .png, .pdf or .svg (default: beside the result)",
+    )
+    parser.add_argument(
+        "--what",
+        metavar="NAME",
+        nargs="+",
+        help="pictures: maps, distributions, spectra, curves; a single field: contact, pressure,"
+        " gap, heights, displacement, plastic; a single curve: a_r, kappa, gap_mean, approach"
+        " (default: the first four)",
+    )
+    parser.add_argument(
+        "--step",
+        metavar="K",
+        nargs="+",
+        type=int,
+        help="load steps by number (default: at most four, evenly spaced)",
+    )
+    parser.add_argument(
+        "--window",
+        metavar=("X0", "X1", "Y0", "Y1"),
+        nargs=4,
+        help='part of the cell shown in maps, plain in the unit of its sizes or as "2um"',
+    )
+    parser.add_argument(
+        "--dpi", type=int, help="dots per inch of maps and of .png files (default: 300)"
+    )
+    parser.add_argument(
+        "--dimensionless",
+        action="store_true",
+        help="label axes p/(E* g_rms) and gap/h_rms even if the scene has units",
+    )
 
 
 def main(args: Namespace) -> int:
-    """Draw the pictures and print their names; raises SceneError if the file, the folder or what is
-    asked for is unusable."""
-    from ..plotting import chosen_steps, plot_result
+    """Draw the pictures and print their names, then remarks on the result.
+
+    Raises SceneError if the file, the folder or an argument is unusable.
+    """
+    from ..output.read import read_result
+    from ..plotting import plot_result
 
     result = read_result(args.file)
     if args.dpi is not None and not 20 <= args.dpi <= 2400:
@@ -24,18 +75,29 @@ def main(args: Namespace) -> int:
         dpi=args.dpi,
         dimensionless=args.dimensionless,
     )
-    said, several = [], {*(args.what or ["maps"])} - {"heights"}
-    places = min((chosen_steps(result, name, args.step) for name in several), key=len, default=[])
-    shown = [result.indices[k] for k in places]
-    left = [index for index in result.indices if index not in shown]
-    if left and shown:
-        said.append(f"shown: step {_list(shown)}; left out: {_list(left)} (--step chooses)")
-    steps = result.numbered
-    if doubtful := [index for index, step in steps.items() if not converged(step)]:
-        said.append(f"! not converged: step {_list(doubtful)} (marked in the pictures)")
-    said += [f"step {index}: {step['note']}" for index, step in steps.items() if step.get("note")]
-    print(*paths, *said, *result.remarks, sep="\n")
+    print(*paths, *_remarks(result, args), *result.remarks, sep="\n")
     return 0
+
+
+def _remarks(result: Any, args: Namespace) -> list[str]:
+    """Describe which load steps the pictures leave out, and those that are not accurate."""
+    from ..output.summary import converged
+    from ..plotting import chosen_steps
+
+    remarks = []
+    pictures = {*(args.what or ["maps"])} - {"heights"}
+    chosen = [chosen_steps(result, name, args.step) for name in pictures]
+    drawn = [result.indices[k] for k in min(chosen, key=len, default=[])]
+    left_out = [index for index in result.indices if index not in drawn]
+    if left_out and drawn:
+        remarks.append(
+            f"shown: step {_list(drawn)}; left out: {_list(left_out)} (choose with --step)"
+        )
+    steps = result.numbered
+    if inaccurate := [index for index, step in steps.items() if not converged(step)]:
+        remarks.append(f"! not converged: step {_list(inaccurate)} (marked in the pictures)")
+    notes = [f"step {index}: {step['note']}" for index, step in steps.items() if step.get("note")]
+    return remarks + notes
 
 
 def _list(numbers: list[int]) -> str:

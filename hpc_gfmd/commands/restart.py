@@ -1,10 +1,22 @@
 """`hpc-gfmd restart`: continue an interrupted run."""
 
-from argparse import Namespace
+from argparse import ArgumentParser, Namespace
+
+from .common import add_file, add_overrides, add_quiet
+
+HELP = "continue an interrupted run"
+DESCRIPTION = "Continue the interrupted run of a result file, on any number of ranks."
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    add_file(parser, "file", metavar="OUT.h5", help="result file of the interrupted run")
+    add_overrides(parser, "change a setting of the machine, such as machine.wall_seconds=3600")
+    add_quiet(parser)
 
 
 def main(args: Namespace) -> int:
-    """Continue a run; the exit code is that of the whole run."""
+    """Continue a run; returns the exit code of the whole run."""
     from ..runs.simulation import restart
 
     return restart(args.file, args.set, quiet=args.quiet).exit_code

@@ -1,10 +1,36 @@
 """`hpc-gfmd run`: solve a scene."""
 
-from argparse import Namespace
+from argparse import ArgumentParser, Namespace
+
+from .common import add_file, add_overrides, add_quiet
+
+HELP = "solve a scene"
+DESCRIPTION = """
+Solve a scene and write its result file, on one process or under mpirun/srun. Exit code 3: a load
+did not converge."""
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    add_file(parser, "scene", metavar="SCENE.toml", help="scene file")
+    add_file(
+        parser,
+        "-o",
+        "--output",
+        metavar="OUT.h5",
+        help="result file, instead of output.path of the scene",
+    )
+    add_overrides(parser, "change a setting of the scene: table.key=value")
+    parser.add_argument(
+        "--force",
+        action="store_true",
+        help="start anew: overwrite an interrupted run or the result of another scene",
+    )
+    add_quiet(parser)
 
 
 def main(args: Namespace) -> int:
-    """Solve a scene; the exit code tells whether every step converged."""
+    """Solve a scene; returns 3 if a load did not converge."""
     from ..runs.simulation import run_scene
 
     return run_scene(

@@ -1,47 +1,82 @@
-"""`hpc-gfmd show`: what a result file says, as a table or as JSON."""
+"""`hpc-gfmd show`: the numbers of a result file, as a table or as JSON."""
+
+from __future__ import annotations
 
 import sys
-from argparse import Namespace
+from argparse import ArgumentParser, Namespace
+from typing import TYPE_CHECKING
 
-from ..output.read import Result, read_result
-from ..output.summary import surface_line
-from ..runs.table import table
-from .common import as_json
+from .common import add_json, add_result_file, as_json
+
+if TYPE_CHECKING:
+    from ..output.read import Result
+
+HELP = "the result table of a file"
+DESCRIPTION = """
+Print the results of a finished, running or interrupted run. Lengths are in the unit of the surface,
+pressures in the unit of E*. +- is the estimated error of the solver on its grid, a_r_discretisation
+the estimated error of a_r caused by the grid spacing."""
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    add_result_file(parser)
+    add_json(parser, "a table")
+    parser.add_argument(
+        "--tfc",
+        metavar="TABLE",
+        nargs="?",
+        const="ours",
+        help="extrapolate kappa and gap/h_rms to the thermodynamic, fractal and continuum limits"
+        " with the coefficients of TABLE: paper, ours (default) or a JSON file",
+    )
+    parser.add_argument(
+        "--references", action="store_true", help="list the papers to cite for these numbers"
+    )
 
 
 def main(args: Namespace) -> int:
     """Print a result; raises SceneError if the file is missing, damaged, foreign or too new."""
+    from ..output.read import read_result
+
     result = read_result(args.file)
-    shown, text = as_dict(result), as_text(result)
+    data = as_dict(result)
+    text = as_text(result)
     if args.tfc is not None:
         from .limits import limits_text, to_limits
 
         limits = to_limits(result, args.tfc or "ours")
-        shown, text = shown | {"tfc": limits}, f"{text}\n\n{limits_text(limits)}"
+        data["tfc"] = limits
+        text += f"\n\n{limits_text(limits)}"
     if args.references:
         from ..runs.references import references_of
 
-        found = references_of(result)
-        shown, text = shown | {"references": found}, "\n".join([text, "", "to cite:", *found])
-    print(as_json(shown, 1) if args.json else text)
+        papers = references_of(result)
+        data["references"] = papers
+        text = "\n".join([text, "", "to cite:", *papers])
+    print(as_json(data, 1) if args.json else text)
     for note in result.notes if args.json else ():
         print(f"note: {note}", file=sys.stderr)
     return 0
 
 
 def as_dict(result: Result) -> dict:
-    """Return surface, steps and status with the names of the file."""
+    """Return surface, steps and status of a result under the names of its file."""
     return {"surface": result.surface, "steps": result.steps, "status": result.status}
 
 
 def as_text(result: Result) -> str:
-    """Write head, table and remarks."""
+    """Write head, table and remarks of a result."""
+    from ..output.summary import surface_line
+    from ..runs.table import table
+
     lines = [f"{result.path}: {result.status}"]
     if result.folder is not None:
-        lines.append(f"the finished load steps of an unfinished run, from {result.folder}")
+        lines.append(f"finished load steps of an unfinished run, from {result.folder}")
     if line := surface_line(result.surface):
         lines.append(line)
-    lines.append(
-        table(result.numbered, result.surface) if result.steps else "no finished load step yet"
-    )
+    if result.steps:
+        lines.append(table(result.numbered, result.surface))
+    else:
+        lines.append("no finished load step yet")
     return "\n".join([*lines, *(f"note: {note}" for note in result.notes)])

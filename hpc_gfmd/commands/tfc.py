@@ -1,27 +1,69 @@
 """`hpc-gfmd tfc`: corrections to the thermodynamic, fractal and continuum limits, and fits of their
 coefficients."""
 
-from argparse import Namespace
+from argparse import ArgumentParser, Namespace
 from typing import Any
 
-from ..theory import tfc
 from ..util.errors import SceneError
-from .common import as_json
+from .common import add_file, add_json, as_json, number
 
-GIVEN = ("hurst", "p_star", *tfc.RATIOS, "value")  # of what is to be extrapolated
-# what is not given, of an extrapolation and of a fit
-EXTRAPOLATION = dict.fromkeys((*GIVEN, "sigma")) | {"observable": "kappa", "table": "paper"}
+RATIOS = ("eps_t", "eps_f", "eps_c")
+REQUIRED = ("hurst", "p_star", *RATIOS, "value")  # of an extrapolation
+# options of an extrapolation alone and of a fit alone, with their defaults
+EXTRAPOLATION = dict.fromkeys((*REQUIRED, "sigma")) | {"observable": "kappa", "table": "paper"}
 FIT = {"terms": "tfc", "free": ""}
+HELP = "extrapolate to the thermodynamic, fractal and continuum limits"
+DESCRIPTION = """
+Extrapolate a simulated value with tabulated coefficients (those of the paper unless --table names
+others), or fit the coefficients to the runs in a CSV file. Numbers may be written as 0.25, 1e-3 or
+1/1024."""
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    parser.add_argument("--observable", default="kappa", help="kappa (default) or gap_over_h_rms")
+    parser.add_argument("--hurst", type=number, help="Hurst exponent of the surface")
+    parser.add_argument("--p-star", type=number, help="pressure p0/(E* g_rms)")
+    parser.add_argument("--eps-t", type=number, help="lam_l/L")
+    parser.add_argument("--eps-f", type=number, help="lam_s/lam_l")
+    parser.add_argument("--eps-c", type=number, help="a/lam_s")
+    parser.add_argument("--value", type=number, help="the simulated value")
+    parser.add_argument("--sigma", type=number, help="standard uncertainty of the value")
+    parser.add_argument(
+        "--table",
+        metavar="TABLE",
+        default="paper",
+        help="coefficients: paper (default), ours (fitted to our own runs), or a JSON file of the"
+        " same form",
+    )
+    add_file(
+        parser,
+        "--fit",
+        metavar="RUNS.csv",
+        help="fit the coefficients to the columns eps_t, eps_f, eps_c, value[, sigma]",
+    )
+    parser.add_argument(
+        "--terms", default="tfc", help="terms to fit, any of t, f, c (default: %(default)s)"
+    )
+    parser.add_argument(
+        "--free",
+        metavar="TERMS",
+        default="",
+        help="terms whose exponent is fitted, too (default: none)",
+    )
+    add_json(parser, "text")
 
 
 def main(args: Namespace) -> int:
-    """Extrapolate a value or fit coefficients. Raises SceneError for what is missing or out of
-    range."""
-    unused = EXTRAPOLATION if args.fit else FIT
-    given = [name for name, usual in unused.items() if getattr(args, name) != usual]
-    if given:
+    """Extrapolate a value or fit coefficients.
+
+    Raises SceneError for what is missing or out of range.
+    """
+    not_allowed = EXTRAPOLATION if args.fit else FIT
+    unused = [name for name, default in not_allowed.items() if getattr(args, name) != default]
+    if unused:
         raise SceneError(
-            f"tfc: found {_options(given)}, allowed: {'without' if args.fit else 'with'} --fit"
+            f"tfc: found {_options(unused)}, allowed: {'without' if args.fit else 'with'} --fit"
         )
     report, text = _fit(args) if args.fit else _extrapolate(args)
     print(as_json(report) if args.json else text)
@@ -29,23 +71,26 @@ def main(args: Namespace) -> int:
 
 
 def _options(names: list[str]) -> str:
-    """Write names of arguments as options."""
+    """Write attributes of the arguments as the options that set them."""
     return ", ".join(f"--{name.replace('_', '-')}" for name in names)
 
 
-def _extrapolate(args: Namespace) -> Any:
-    given = {name: getattr(args, name) for name in GIVEN}
-    missing = [name for name, found in given.items() if found is None]
+def _extrapolate(args: Namespace) -> tuple[dict[str, Any], str]:
+    """Return the report and the text of an extrapolation."""
+    from ..theory import tfc
+
+    values = {name: getattr(args, name) for name in REQUIRED}
+    missing = [name for name, value in values.items() if value is None]
     if missing:
         raise SceneError(
             f"tfc: found no {_options(missing)}, allowed: all of them, or --fit RUNS.csv"
         )
     extrapolated, sigma, terms = tfc.extrapolate(
-        observable=args.observable, sigma=args.sigma, table=tfc.table_of(args.table), **given
+        observable=args.observable, sigma=args.sigma, table=tfc.table_of(args.table), **values
     )
     report = {
         "observable": args.observable,
-        **given,
+        **values,
         "table": args.table,
         "table_p_star": terms.p_star,
         **terms.numbers,
@@ -56,7 +101,7 @@ def _extrapolate(args: Namespace) -> Any:
     lines = [
         f"{args.observable} = {args.value:g} at H = {args.hurst:g}, p_star = {args.p_star:g}",
         *(
-            f"  correction {i}: {getattr(terms, i):+.4f}   (eps_{i} = {given[f'eps_{i}']:g})"
+            f"  correction {i}: {getattr(terms, i):+.4f}   (eps_{i} = {values[f'eps_{i}']:g})"
             for i in "tfc"
         ),
         f"extrapolated: {extrapolated:.4f}" + ("" if sigma is None else f" +- {sigma:.4f}"),
@@ -65,7 +110,10 @@ def _extrapolate(args: Namespace) -> Any:
     return report, "\n".join(lines)
 
 
-def _fit(args: Namespace) -> Any:
+def _fit(args: Namespace) -> tuple[dict[str, Any], str]:
+    """Return the report and the text of a fit."""
+    from ..theory import tfc
+
     if set(args.free) - set(args.terms):
         raise SceneError(
             f"free: found {args.free!r}, allowed: letters of the fitted terms, {args.terms}"
@@ -83,4 +131,5 @@ def _fit(args: Namespace) -> Any:
         f"{name:>8} = {x:.5g} " + (f"+- {fit.sigma[name]:.2g}" if name in fit.sigma else "(fixed)")
         for name, x in numbers.items()
     ]
-    return report, "\n".join([*lines, f"chi2 = {fit.chi2:.4g}, {fit.dof} degrees of freedom"])
+    lines.append(f"chi2 = {fit.chi2:.4g}, {fit.dof} degrees of freedom")
+    return report, "\n".join(lines)

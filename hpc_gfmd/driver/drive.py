@@ -227,12 +227,12 @@ def certificate_of(solver: Solver, criterion: StoppingCriterion) -> Certificate:
 
 def measure_of(progress: Progress, criterion: StoppingCriterion) -> float:
     """Return the solver's own measure of the error over what is asked for: below 1 it believes that
-    it is there. Without estimates of the errors that is the residual."""
+    it is there. Infinite after a step in which the solver has not estimated its errors."""
     if criterion.residual is not None:
         return progress.residual / criterion.residual
     estimate = progress.estimate
     if estimate is None:
-        return progress.residual / criterion.tolerance
+        return np.inf
     errors = (0.0, min(estimate.gap, 1.0), estimate.pressure)
     return _largest_over_tolerance(criterion, errors, estimate.attainable)
 

@@ -30,6 +30,7 @@ from .working_surface import WorkingSurface
 
 if TYPE_CHECKING:
     from ..bodies.base import Body
+    from ..operators.problem import Problem
     from ..scene import Load as SceneLoad
     from ..scene import Solver as Settings
     from ..surface import Surface
@@ -98,10 +99,7 @@ class Sweep:
     """
 
     def __init__(
-        self,
-        surface_in: Callable[[np.dtype], WorkingSurface],
-        starter: Starter,
-        searches: Searches,
+        self, surface_in: Callable[[np.dtype], WorkingSurface], starter: Starter, searches: Searches
     ):
         self.surface_in = surface_in
         self.starter = starter
@@ -247,7 +245,9 @@ class Sweep:
             iterations=solver.iterations,
             pairs=pairs,
         )
-        if may_need_double and (_needs_double(contact) or self._is_too_little(load)):
+        if may_need_double and (
+            _needs_double(contact, solver.problem_now) or self._is_too_little(load)
+        ):
             return Attempt(None, pairs)
         return Attempt(contact, pairs)
 
@@ -315,7 +315,10 @@ class Sweep:
         g, p, certificate = closed_contact(problem, dual=duality)
         pairs += certificate.pairs
         tension, rounding = tension_of(problem.grid, p)
-        nearly = problem.dtype == DOUBLE and 0 <= tension <= CLOSED * problem.rounding
+        doubtful = abs(tension) <= CLOSED * problem.rounding
+        if doubtful and problem.dtype != DOUBLE and not load.closes:
+            return Attempt(None, pairs)
+        nearly = doubtful and tension >= 0
         if nearly or load.closes:
             problem = working.problem(load.p0 + tension + rounding)
             g, p, certificate = closed_contact(problem, dual=duality)
@@ -392,6 +395,15 @@ class Attempt(NamedTuple):
     pairs: float
 
 
-def _needs_double(contact: Contact) -> bool:
-    """Return whether single precision turned out to be too little for a load."""
-    return contact.status in ("stagnated", "nonfinite") or contact.gap_is_rounding
+def _needs_double(contact: Contact, problem: Problem) -> bool:
+    """Return whether single precision turned out to be too little for a load.
+
+    Where it finds that all points touch, those that touch the least do so by more than rounding
+    errors only if their pressure says so. Collective.
+    """
+    if contact.status in ("stagnated", "nonfinite") or contact.gap_is_rounding:
+        return True
+    if contact.contact_points < contact.N or problem.hardness is not None:
+        return False
+    tension, _ = tension_of(contact.grid, contact.p)
+    return tension > -CLOSED * problem.rounding

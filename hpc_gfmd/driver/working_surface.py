@@ -112,11 +112,7 @@ class WorkingSurface:
 
     def _problem_of(self, surface: Surface, p0: float) -> Problem:
         return Problem(
-            surface.grid,
-            surface.gap,
-            p0,
-            body=self.model.body,
-            hardness=self.hardness,
+            surface.grid, surface.gap, p0, body=self.model.body, hardness=self.hardness
         )
 
     def problem_to_start(self, p0: float) -> Problem:

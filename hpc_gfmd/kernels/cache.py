@@ -24,6 +24,7 @@ from llvmlite import binding
 from numba.core import event
 
 from ..util.caches import cache_folder
+from ..util.plugins import sources_added
 
 NEWEST = 4  # states whose folders are kept
 ROOM = 64 * 2**20  # bytes that must be free
@@ -41,7 +42,10 @@ def stamp() -> str:
         binding.get_host_cpu_name(),
     )
     digest = hashlib.sha256(" ".join(made_by).encode())
-    for path in sorted(Path(__file__).parent.glob("*.py")):
+    here = Path(__file__).parent
+    # laws of attraction are compiled in, too
+    laws = [*sorted((here.parent / "laws").glob("*.py")), *sources_added("hpc_gfmd.laws")]
+    for path in [*sorted(here.glob("*.py")), *laws]:
         digest.update(path.read_bytes())
     return digest.hexdigest()[:16]
 

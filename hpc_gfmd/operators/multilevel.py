@@ -14,7 +14,7 @@ hierarchy.py.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import DTypeLike
@@ -92,17 +92,21 @@ class Multilevel:
         rows: Sequence[tuple],
         hardness: np.floating | None = None,
         comes: bool = True,
+        law: Any = None,
+        attracted: np.ndarray | None = None,
     ) -> UpdateSums:
         """Make the solver's update of its state, see kernels/bpx.py: update_passes, and restrict it
-        to level 1. rows: of the transforms, of each thread; d: of the slab, or of one pass. Returns
-        this rank's UpdateSums."""
+        to level 1. rows: of the transforms, of each thread; d: of the slab, or of one pass; law: of
+        attraction, as kernels take it; attracted: gets what `add_change` returns of each pass,
+        where there is one (kernels/adhesive_rows.py). Returns this rank's UpdateSums."""
         coarse, tables, ends = self.fields[0], self.transfers[0].tables, self.ends
         found = np.zeros((len(ends), len(UpdateSums._fields)))
         if not len(ends):
             return UpdateSums.total(found)
         parts = shares(len(ends), self.grid.threads)
         first = np.empty((len(parts), 3, coarse.shape[2]), self.dtype)
-        args = g, p, d, self.dtype.type(s), comes, coarse, tables, hardness, self.inside
+        step = self.dtype.type(s)
+        args = g, p, d, step, comes, coarse, tables, hardness, self.inside, law, attracted
 
         def some(share: int, k0: int, k1: int, thread: int) -> None:
             own = rows[thread], self.scratch[thread], first[share], found

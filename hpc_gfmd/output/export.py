@@ -123,30 +123,37 @@ def to_csv(result: Result, path: Path, about: About) -> None:
 
 
 def to_gwy(result: Result, path: Path, about: About) -> None:
-    """Write a channel of Gwyddion for each field of each load, by SurfaceTopography; its own
-    to_gwy, for heights, knows no unit but m."""
-    write = surface_topography().IO.GWY._gwy_write_object
-    surface, content = result.surface, dict[str, tuple]()
+    """Write a channel of Gwyddion for each field of each load.
 
-    def unit(name: str) -> tuple:
-        text = said_of(name, surface, {})["units"]
-        return "o", ("GwySIUnit", {"unitstr": ("s", text if text in ("m", "Pa") else "")})
+    Parameters
+    ----------
+    result : Result
+        A result with fields.
+    path : Path
+        The file to be written.
+    about : dict
+        Meaning and unit of all numbers, which this format does not need.
+    """
+    from gwyfile.objects import GwyContainer, GwyDataField, GwySIUnit
 
-    for k, name in _channels(result):
-        values = result.fields[k][name].read()
-        data = {
-            **{f"{a}res": ("i", n) for a, n in zip("xy", values.shape)},
-            **{f"{a}real": ("d", float(L)) for a, L in zip("xy", surface["physical_sizes"])},
-            "si_unit_xy": unit("x"),
-            "si_unit_z": unit(name),
-            "data": ("D", values.T.astype("<f8").ravel()),
-        }
-        channel = f"/{len(content) // 2}/data"
-        content[f"{channel}/title"] = "s", f"{name}, load {result.indices[k]}"
-        content[channel] = "o", ("GwyDataField", data)
-    with open(path, "wb") as file:
-        file.write(b"GWYP")
-        write(file, "GwyContainer", content)
+    surface = result.surface
+    lengths = dict(zip(("xreal", "yreal"), map(float, surface["physical_sizes"])))
+
+    def unit_of_field(name: str) -> Any:
+        unit = said_of(name, surface, {})["units"]
+        return GwySIUnit(unitstr=unit if unit in ("m", "Pa") else "")
+
+    content = GwyContainer()
+    for number, (k, name) in enumerate(_channels(result)):
+        values = np.asarray(result.fields[k][name].read(), float)
+        content[f"/{number}/data/title"] = f"{name}, load {result.indices[k]}"
+        content[f"/{number}/data"] = GwyDataField(
+            values.T.copy(),  # rows along x
+            si_unit_xy=unit_of_field("x"),
+            si_unit_z=unit_of_field(name),
+            **lengths,
+        )
+    content.tofile(os.fspath(path))
 
 
 def to_x3p(result: Result, path: Path, about: About) -> None:

@@ -20,6 +20,8 @@ from .folder import HEAD, is_held, partial_folder, step_files
 from .numbers import names_of
 
 FORMAT, CHECKPOINT, FORMAT_VERSION = "hpc-gfmd", "hpc-gfmd checkpoint", 3
+# (table, key) that scenes in older files may have, and that changed no result
+WITHDRAWN = (("machine", "checkpoint_seconds"),)
 
 
 @dataclass(frozen=True)
@@ -59,6 +61,9 @@ class Result:
         """The same; where heights were an array, with the sizes and the boundary alone as its
         surface."""
         table = parse_toml(self.scene_toml, str(self.path))
+        for name, key in WITHDRAWN:
+            if isinstance(table.get(name), dict):
+                table[name].pop(key, None)
         return (Scene if "kind" in table.get("surface", {}) else ArrayScene).from_dict(
             table, str(self.path)
         )

@@ -1,5 +1,4 @@
-"""FFTW's memory of measured plans ("wisdom"): kept from run to run, the same on all ranks, kept
-with every checkpoint.
+"""FFTW's memory of measured plans ("wisdom"): kept from run to run, the same on all ranks.
 
 The same plan rounds in the same way, and planning by measurement takes seconds. So rank 0 plans,
 with what the user's cache knows, and the others take over its wisdom. There is one file for each
@@ -13,7 +12,6 @@ import ctypes
 import hashlib
 from collections.abc import Callable, Hashable
 from functools import cache
-from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -71,20 +69,6 @@ def _take_over(comm: Comm, wisdom: _Wisdom) -> None:
         if comm.rank != 0:
             wisdom.replace(text)
         wisdom.version = version
-
-
-def keep_with(folder: str | PathLike) -> None:
-    """Write all plans of this process into a folder, for a run that goes on from there."""
-    for name in _used:
-        keep(Path(folder) / f"wisdom-{name}", _wisdom(name).text())
-
-
-def take_from(folder: str | PathLike) -> None:
-    """Plan as the run did that wrote this folder; what is not there or of another kind of machine
-    is measured."""
-    for name in load_fftw() or ():
-        if content := _content(Path(folder) / f"wisdom-{name}"):
-            _wisdom(name).replace(content)
 
 
 class _Wisdom:

@@ -5,12 +5,12 @@ import os
 import sys
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from types import TracebackType
 from typing import Any
 
 from ..util.errors import GfmdError, SceneError
 from ..util.machine import cores
-from ..util.streams import Stream
 from .comm import Comm, MpiComm, SerialComm
 from .launcher import LAUNCHER, launched, launcher_rank, number_in, srun_size, tasks_per_node
 
@@ -139,7 +139,8 @@ def _abort_on_error(mpi: Any, hook: Hook) -> Hook:
         kind: type[BaseException], value: BaseException, traceback: TracebackType | None
     ) -> None:
         hook(kind, value, traceback)
-        Stream(sys.stderr).flush()
+        with suppress(OSError, ValueError, AttributeError):  # it may be closed
+            sys.stderr.flush()
         mpi.Abort(1)
 
     return excepthook

@@ -22,7 +22,7 @@ SAMPLE: dict[str, Any] = {
     "lam_s_over_a": 2,
     "seed": 1,
 }
-BASELINE_PAIRS = {"gfmd": 150.0, "fire": 400.0, "ccg": 150.0}
+BASELINE_PAIRS = {"gfmd": 150.0}
 
 
 @dataclass(frozen=True)

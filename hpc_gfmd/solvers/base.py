@@ -31,14 +31,14 @@ class Progress:
     Attributes
     ----------
     residual : float
-        sqrt(mean p^2 where the gap is open)/p0.
+        sqrt(mean p^2 where the gap is open), over the mean pressure that the wall bears.
     contact : float
         Points that touch: g <= 0 and p > 0.
     gap_mean : float
         In the problem's units.
     estimate : Estimate, or None
-        What the certificate is expected to find; None where the solver does not know and it has to
-        be asked now and then.
+        What the certificate is expected to find; None after a step in which that was not
+        estimated.
     finite : bool
         Whether all numbers are.
     predicted : pair of float, or None
@@ -85,6 +85,7 @@ class Solver:
     uKu: float
     allowed: Mapping[str, tuple[float, float]] = {}
     dents = False  # whether it can do with a hardness
+    attracts = False  # whether it can do with an attraction
     patience = 60  # iterations without progress after which the solver counts as stagnated
 
     def __init__(
@@ -123,6 +124,11 @@ class Solver:
     def problem_now(self) -> Problem:
         """The problem at the present load."""
         return replace(self.problem, p0=self.p0, h_rms=self.problem.root_mean_square)
+
+    @property
+    def wall_load(self) -> float:
+        """Return the mean pressure that the wall bears: p0, and what an attraction adds."""
+        return self.p0
 
     @property
     def p_cell(self) -> float:
@@ -184,6 +190,42 @@ class Solver:
     def progress(self) -> Progress:
         """Tell how far the solver is."""
         raise NotImplementedError
+
+    def estimate_errors(self) -> Estimate:
+        """Estimate what the certificate would find, from g and p without an FFT: one pass over
+        memory and a sweep over the levels. Collective.
+
+        For solvers that do not have these sums from their steps anyway.
+        """
+        from ..certificate.error_estimates import State, estimate
+
+        sums = self.levels.restrict(self.g, self.p, self.problem.limit)
+        level_sums = self.levels.sweep()
+        uKu = sum(self.grid.by_rows(self._work_of_pressure))
+        count = len(sums)
+        totals = self.grid.comm.sum([*sums, *level_sums, uKu]).tolist()
+        totals_of_points = type(sums)(*totals[:count])
+        _, _, mean, *products, uKu = totals[count:]
+        state = State(
+            self.p0,
+            mean * self.grid.cell_points,
+            totals_of_points.rr,
+            totals_of_points.pp - totals_of_points.rr,
+            totals_of_points.contact,
+            totals_of_points.yielded,
+            totals_of_points.gap,
+            uKu,
+            products,
+        )
+        return estimate(self.problem, self.levels, state)
+
+    def _work_of_pressure(self, i0: int, i1: int) -> float:
+        """Return <u, p - p_cell> = <u, K u> on rows i0..i1; heights have to be stored."""
+        rows, points = self.grid.inside
+        u = self.g[i0:i1].astype(np.float64)
+        inner = max(min(rows, i1) - i0, 0)
+        u[:inner, :points] -= self.problem.heights[i0 : i0 + inner]
+        return float(np.vdot(u, self.p[i0:i1].astype(np.float64) - self.p_cell))
 
     def expected_area(self, squares: float) -> float:
         """Return the relative error of the area that the certificate is expected to find if the

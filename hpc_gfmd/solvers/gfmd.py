@@ -30,6 +30,7 @@ from .base import Progress, Solver
 
 DT = 0.95  # default time step, relative to the stability limit
 UNDERDAMPED = 0.5  # share of the Rayleigh quotient that is taken as mu
+ESTIMATED_EVERY = 4  # time steps from one estimate of the errors to the next
 PATIENCE = 20  # stagnation is judged over that many time scales sqrt(lambda/mu) of the longest wave
 
 
@@ -115,6 +116,8 @@ class Gfmd(Solver):
 
     def progress(self) -> Progress:
         residual = float(np.sqrt(self.rr / self.N)) / self.p0
-        return Progress(
-            residual, self.contact, self.gap / self.N, None, bool(np.isfinite(self.pp + self.gap))
-        )
+        finite = bool(np.isfinite(self.pp + self.gap))
+        errors = None
+        if finite and self.iterations % ESTIMATED_EVERY == 0:
+            errors = self.estimate_errors()
+        return Progress(residual, self.contact, self.gap / self.N, errors, finite)

@@ -1,4 +1,4 @@
-"""Signals: a checkpoint, the documented exit code, and a restart that ends as if nothing had
+"""Signals: the gap is kept, the documented exit code, and a restart that ends as if nothing had
 happened."""
 
 import signal

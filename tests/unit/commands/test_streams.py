@@ -66,20 +66,21 @@ def test_ranks_nobody_can_hear(folder, after):
 
 
 @pytest.mark.parametrize(
-    ("args", "after", "said"),
+    ("args", "after", "word"),
     [
-        ("show out.h5", ">/dev/full", "standard output: No space left on device"),
-        ("plan scene.toml", ">&-", "standard output: "),
+        ("show out.h5", ">/dev/full", "space"),
+        ("plan scene.toml", ">&-", "standard output"),
         ("show --json out.h5", "| exec 0<&-", ""),
     ],
 )
-def test_what_is_printed_is_the_result(folder, args, after, said):
-    """Here nothing is left where it cannot be printed."""
+def test_what_is_printed_is_the_result(folder, args, after, word):
+    """A command whose result is what it prints fails where that cannot be written; a reader of a
+    pipe that has had enough is no reason to complain."""
     complete(folder / "out.h5")
     code, _, err = shell(folder, [], args.split(), after)
     assert code == 1
-    assert err == (f"hpc-gfmd: {said}{err.partition(said)[2]}" if said else "")
-    assert err.count("\n") == bool(said)
+    assert word in err
+    assert err.count("\n") == bool(word)
 
 
 def test_a_complaint_that_cannot_be_printed(folder):

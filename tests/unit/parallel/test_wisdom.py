@@ -3,14 +3,11 @@ never an error."""
 
 import numpy as np
 import pytest
-from pieces import NEVER, Pieces, scene
 
-from hpc_gfmd.output.folder import partial_folder
 from hpc_gfmd.parallel import grid, wisdom
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.parallel.fftw import load_fftw
 from hpc_gfmd.parallel.grid import Grid
-from hpc_gfmd.runs.simulation import run_scene
 
 pytestmark = pytest.mark.skipif(load_fftw() is None, reason="FFTW is missing")
 N = (120, 84)
@@ -112,17 +109,3 @@ def test_ranks_plan_as_rank_0_does(memory):
     plan((64, 100))
     assert wisdom.planned(Rank(1, sent), np.float64, make, N) == 2
     assert wisdom._lines(made[1]) == wisdom._lines(wanted)
-
-
-def test_every_checkpoint_has_its_plans(memory, tmp_path, monkeypatch):
-    pieces = Pieces(monkeypatch, SerialComm(), tmp_path)
-    pieces.chance.after = 3
-    assert run_scene(scene("bpx"), out=pieces.path, quiet=True).status == "interrupted"
-    kept = (partial_folder(pieces.path) / "wisdom-float64").read_bytes()
-    assert wisdom._lines(kept) == wisdom._lines(memory.text())
-    memory.path.unlink()
-    memory.replace(b"")
-    pieces.chance.after = NEVER
-    run_scene(scene("bpx"), out=pieces.path, quiet=True)
-    assert wisdom._lines(kept) <= wisdom._lines(memory.text())
-    assert not partial_folder(pieces.path).exists()

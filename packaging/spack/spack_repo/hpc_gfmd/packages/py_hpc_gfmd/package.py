@@ -30,6 +30,7 @@ class PyHpcGfmd(PythonPackage):
         depends_on("py-tomli-w@1:")
         depends_on("py-tqdm@4.60:")
         depends_on("py-pint@0.24.4:")
+        depends_on("py-lazy-loader@0.4:")
         depends_on("py-h5py@3.12.1: +mpi", when="+mpi")
         depends_on("py-h5py@3.12.1: ~mpi", when="~mpi")
         depends_on("py-mpi4py@4:", when="+mpi")

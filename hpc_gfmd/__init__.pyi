@@ -1,0 +1,22 @@
+# What the package offers: lazy_loader reads the names here, type checkers the types.
+from .parallel.guard import on_rank_0 as on_rank_0
+from .parallel.world import world as world
+from .plotting import plot as plot
+from .runs.many import solve_many as solve_many
+from .runs.prepared import PreparedSurface as PreparedSurface
+from .runs.prepared import make_surface as make_surface
+from .runs.prepared import prepare_surface as prepare_surface
+from .runs.prepared import read_surface as read_surface
+from .runs.simulation import RunResult as RunResult
+from .runs.simulation import run as run
+from .runs.solution import Interrupted as Interrupted
+from .runs.solution import Solution as Solution
+from .runs.solution import Solutions as Solutions
+from .runs.solution import load as load
+from .runs.solve import solve as solve
+from .theory import reference as reference
+from .util.errors import GfmdError as GfmdError
+from .util.errors import NotConverged as NotConverged
+from .util.errors import SceneError as SceneError
+
+__version__: str

@@ -1,0 +1,40 @@
+"""Completion: the script that `--print-completion` prints knows commands, options and files."""
+
+import shutil
+import subprocess
+
+import pytest
+from mpi_harness import printed
+
+
+def completed(script, words):
+    """What bash offers for the last of some words."""
+    line = " ".join(words)
+    program = f"""
+        source {script}
+        COMP_WORDS=({line}{' ""' if words[-1] == "" else ""})
+        COMP_CWORD={len(words) - 1}
+        COMP_LINE="{line}"
+        _shtab_hpc_gfmd
+        printf '%s\\n' "${{COMPREPLY[@]}}"
+    """
+    done = subprocess.run(
+        ["bash", "-c", program], capture_output=True, text=True, check=True, timeout=30
+    )
+    return done.stdout.split()
+
+
+@pytest.mark.skipif(not shutil.which("bash"), reason="no bash")
+def test_bash(tmp_path):
+    script = tmp_path / "completion.bash"
+    script.write_text(printed("-m", "hpc_gfmd", "--print-completion", "bash"))
+    (tmp_path / "scene.toml").touch()
+    assert {"plan", "plot"} <= set(completed(script, ["hpc-gfmd", "pl"]))
+    assert "--force" in completed(script, ["hpc-gfmd", "run", "--fo"])
+    assert {"netcdf", "npz"} <= set(completed(script, ["hpc-gfmd", "export", "--to", "n"]))
+    assert "scene.toml" in completed(script, ["hpc-gfmd", "run", "sce"])
+
+
+@pytest.mark.parametrize("shell", ["zsh", "tcsh"])
+def test_other_shells(shell):
+    assert "restart" in printed("-m", "hpc_gfmd", "--print-completion", shell)
