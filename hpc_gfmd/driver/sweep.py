@@ -246,7 +246,7 @@ class Sweep:
             pairs=pairs,
         )
         if may_need_double and (
-            _needs_double(contact, solver.problem_now) or self._is_too_little(load)
+            _needs_double(contact, load, solver.problem_now) or self._is_too_little(load)
         ):
             return Attempt(None, pairs)
         return Attempt(contact, pairs)
@@ -395,15 +395,15 @@ class Attempt(NamedTuple):
     pairs: float
 
 
-def _needs_double(contact: Contact, problem: Problem) -> bool:
+def _needs_double(contact: Contact, load: Load, problem: Problem) -> bool:
     """Return whether single precision turned out to be too little for a load.
 
-    Where it finds that all points touch, those that touch the least do so by more than rounding
-    errors only if their pressure says so. Collective.
+    A gap that is closed everywhere is so where the smallest pressure is more than rounding errors,
+    unless the load is to be the least that closes it. Collective.
     """
     if contact.status in ("stagnated", "nonfinite") or contact.gap_is_rounding:
         return True
-    if contact.contact_points < contact.N or problem.hardness is not None:
+    if load.closes or contact.contact_points < contact.N:
         return False
     tension, _ = tension_of(contact.grid, contact.p)
     return tension > -CLOSED * problem.rounding
