@@ -44,12 +44,15 @@ class AreaSearch(SecantSearch):
         along one axis only.
     jumps : bool
         Whether the area jumps over the target.
+    undecided : float
+        By how much the pressure has to be more accurate to know that, above 1 where it has.
     """
 
     usual = 1.0
 
     map_points: int = 1
     jumps: bool = False
+    undecided: float = 0.0
 
     # -- the quantity
 
@@ -99,8 +102,10 @@ class AreaSearch(SecantSearch):
         pressure."""
         return (round(progress.predicted[0]) / solver.N, errors[1]) if progress.predicted else None
 
-    def within(self, solver: Solver, progress: Progress, room: float) -> bool:
-        """Look at all points."""
+    def may_be_met(self, solver: Solver, progress: Progress, accuracy: float) -> bool:
+        """Return whether the certificate may find the target met, or surely missed."""
+        missed = self._predicted_miss(solver, progress)
+        room = accuracy - missed if missed < accuracy else missed
         return area_may_be_met(solver, progress, room)
 
     def certified(self, solver: Solver, certificate: Certificate) -> Value:
@@ -132,6 +137,7 @@ class AreaSearch(SecantSearch):
     def begin(self, problem: Problem | None = None) -> float:
         """Begin at the load of the grid before."""
         self.jumps = False
+        self.undecided = 0.0
         return super().begin(problem)
 
     def adjust(self, solver: Solver, progress: Progress) -> bool:
@@ -143,7 +149,8 @@ class AreaSearch(SecantSearch):
         if self.jumps:
             return self._confirm(solver, certificate)
         left = super().learn(solver, certificate)
-        left = max(left, self._needs_accuracy(solver, certificate))
+        self.undecided = self._accuracy_needed(solver, certificate)
+        left = max(left, self.undecided)
         self.jumps = self._changes_at_once(solver)
         if self.jumps:
             below, above = self.bracket.bounds
@@ -158,14 +165,12 @@ class AreaSearch(SecantSearch):
 
     def correct(self, solver: Solver, certificate: Certificate, solved: bool) -> bool:
         """Go to the nearer side of a jump, or between the bounds."""
-        if self.jumps:
+        if self.jumps or self.undecided > 1:
             nearer = self._nearer
             return self.x != nearer.x and self._go(nearer.x, solver)
         y, error = self.certified(solver, certificate)
         surely_missed = self.miss(y) > error
         if self.corrections == CALIBRATION.most or not surely_missed:
-            return False
-        if self._needs_accuracy(solver, certificate) > 1:
             return False
         if self.bracket.is_closed:
             return self._go(self.bracket.between(self._rounding(solver) / solver.p0), solver)
@@ -196,7 +201,7 @@ class AreaSearch(SecantSearch):
         of_load = float(np.finfo(np.float64).eps) * solver.p0
         return CLOSED * max(solver.problem_now.rounding, of_load)
 
-    def _needs_accuracy(self, solver: Solver, certificate: Certificate) -> float:
+    def _accuracy_needed(self, solver: Solver, certificate: Certificate) -> float:
         """Return by how much the pressure has to be more accurate to tell whether the points that
         change sides between the bounds are alike; 0 where that is known. Collective."""
         estimate = solver.progress().estimate
@@ -204,7 +209,9 @@ class AreaSearch(SecantSearch):
             return 0.0
         error = sqrt(estimate.squares / max(certificate.contact, 1))
         rounding = self._rounding(solver)
-        apart = max(self._apart(solver), rounding)
+        apart = self._apart(solver)
+        if not rounding < apart < error:
+            return 0.0
         return min((error / apart) ** 2, error / rounding)
 
     def _apart(self, solver: Solver) -> float:

@@ -244,13 +244,17 @@ class SecantSearch(LoadSearch):
         return None
 
     def may_be_met(self, solver: Solver, progress: Progress, accuracy: float) -> bool:
-        """Return whether the certificate may find the target met, or surely missed."""
-        prediction = None
-        if self.counts and not self.note:
-            prediction = self._prediction(solver, progress)
-        missed = self.miss(prediction[0]) if prediction else 0.0
-        room = accuracy - missed if missed < accuracy else missed
-        return self.within(solver, progress, room)
+        """Return whether the certificate may find the target met, or has to say what is missed."""
+        missed = self._predicted_miss(solver, progress)
+        room = accuracy - missed if missed < accuracy else accuracy
+        return area_may_be_met(solver, progress, accuracy) and self.within(solver, progress, room)
+
+    def _predicted_miss(self, solver: Solver, progress: Progress) -> float:
+        """Return how far the target is expected to be missed, 0 where that is not known."""
+        if self.note or not self.counts:
+            return 0.0
+        prediction = self._prediction(solver, progress)
+        return self.miss(prediction[0]) if prediction else 0.0
 
     # -- once the contact is solved
 

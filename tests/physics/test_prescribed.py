@@ -382,7 +382,7 @@ def test_an_area_far_from_those_before():
     area is about twice p*."""
     sweep = sweep_over(random_heights((100, 100), seed=4), accuracy=1e-3)
     near = [
-        {"x": x, "a_r": area, "gap_mean": 1.0, "approach": 1.0}
+        {"p0": np.exp(x), "a_r": area, "gap_mean": 1.0, "approach": 1.0}
         for x, area in ((0.40, 0.9990), (0.44, 0.9991))
     ]
     known = 1e-3, True, sweep.working.heights
