@@ -8,7 +8,7 @@ import numpy as np
 from ..bodies import body_of
 from ..bodies.halfspace import HALF_SPACE
 from ..contact.contact import Contact
-from ..kernels.cache import on_first_compile, retry_without_cache
+from ..kernels.cache import on_first_compile
 from ..operators.multilevel import Multilevel
 from ..parallel.comm import Comm, SerialComm
 from ..parallel.guard import collective_errors
@@ -47,10 +47,10 @@ def compile_once(
     with collective_errors(comm, "compiling"):
         if comm.rank == 0:
             with on_first_compile(say):
-                retry_without_cache(solve)
+                solve()
     with collective_errors(comm, "compiling"):
         if comm.rank != 0:
-            retry_without_cache(solve)
+            solve()
 
 
 def _tiny_contact(scene: Scene, observe: Callable[[Contact], object]) -> None:

@@ -8,6 +8,7 @@ from hpc_gfmd.parallel import grid, wisdom
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.parallel.fftw import load_fftw
 from hpc_gfmd.parallel.grid import Grid
+from hpc_gfmd.util.caches import keep, kept
 
 pytestmark = pytest.mark.skipif(load_fftw() is None, reason="FFTW is missing")
 N = (120, 84)
@@ -21,7 +22,7 @@ def memory(tmp_path, monkeypatch):
     found = wisdom._wisdom("float64")
     before = found.text()
     found.replace(b"")
-    grid._kept.grid.cache_clear()  # so that all is planned anew
+    grid._kept.tables.cache_clear()  # so that all is planned anew
     yield found
     found.replace(before)
 
@@ -39,14 +40,14 @@ def test_one_file_that_is_read_again_and_not_written_when_all_is_known(memory, t
     first = memory.text()
     (path,) = files(tmp_path)
     assert path == memory.path
-    assert path.read_bytes() == first
+    assert kept(path) == first
     stamp = path.stat().st_mtime_ns
     memory.replace(b"")
     plan()
     assert wisdom._lines(memory.text()) == wisdom._lines(first)
     assert path.stat().st_mtime_ns == stamp
     plan((60, 84))
-    assert wisdom._lines(first) < wisdom._lines(path.read_bytes())
+    assert wisdom._lines(first) < wisdom._lines(kept(path))
     assert files(tmp_path) == [path]
 
 
@@ -57,18 +58,18 @@ def test_a_campaign_of_many_grids_is_bounded(memory, tmp_path, monkeypatch):
         plan((24 + 2 * k, 36 + 2 * k))
         (path,) = files(tmp_path)
         assert path.stat().st_size < 3 * wisdom.LIMIT
-        assert wisdom._lines(memory.text()) <= wisdom._lines(path.read_bytes()) | {b""}
+        assert wisdom._lines(memory.text()) <= wisdom._lines(kept(path)) | {b""}
 
 
 @pytest.mark.parametrize(
     "content",
     [b"", b"(fftw-3.3.10 fftw_wisdom", b"\0\xff" * 500, b"(" * 5000, b"x" * 2 * wisdom.LIMIT],
 )
-def test_a_damaged_file_is_measured_again(content, memory):
-    memory.path.parent.mkdir(parents=True)
-    memory.path.write_bytes(content)
+def test_what_is_no_wisdom_is_measured_again(content, memory):
+    """Though it is what was kept."""
+    keep(memory.path, content)
     plan()
-    assert memory.path.read_bytes() == memory.text()
+    assert kept(memory.path) == memory.text()
     assert len(memory.text().splitlines()) > 5
 
 
