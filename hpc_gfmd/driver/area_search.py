@@ -165,12 +165,12 @@ class AreaSearch(SecantSearch):
 
     def correct(self, solver: Solver, certificate: Certificate, solved: bool) -> bool:
         """Go to the nearer side of a jump, or between the bounds."""
-        if self.jumps or self.undecided > 1:
+        if self.jumps:
             nearer = self._nearer
             return self.x != nearer.x and self._go(nearer.x, solver)
         y, error = self.certified(solver, certificate)
         surely_missed = self.miss(y) > error
-        if self.corrections == CALIBRATION.most or not surely_missed:
+        if self.corrections == CALIBRATION.most or not surely_missed or self.undecided > 1:
             return False
         if self.bracket.is_closed:
             return self._go(self.bracket.between(self._rounding(solver) / solver.p0), solver)

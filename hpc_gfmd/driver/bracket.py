@@ -89,9 +89,7 @@ class Bracket:
         """
         assert self.low is not None
         assert self.high is not None
-        newest, other = (
-            (self.low, self.high) if self.newest_is_low else (self.high, self.low)
-        )
+        newest, other = (self.low, self.high) if self.newest_is_low else (self.high, self.low)
         share = _share(newest, other, self.replaced)
         least = min(meet / (self.high.x - self.low.x), 0.5)
         return newest.x + min(max(share, least), 1 - least) * (other.x - newest.x)

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from math import inf, isfinite, log, prod
 from typing import TYPE_CHECKING
 
-from .height_statistics import HeightStatistics
 from .area_search import AreaSearch
+from .height_statistics import HeightStatistics
 from .load_search import CALIBRATION, Errors, SecantSearch, Value
 
 if TYPE_CHECKING:
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from .load import Load
 
 Known = tuple[float, bool, HeightStatistics]
+
 
 class GapSearch(SecantSearch):
     """For a mean gap."""

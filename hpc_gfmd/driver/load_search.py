@@ -11,6 +11,7 @@ the accuracy asked for.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from math import copysign, exp, inf, isfinite, log
 from typing import TYPE_CHECKING, ClassVar
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
     from ..operators.problem import Problem
     from ..solvers.base import Progress, Solver
     from ..surface import Surface
-    from .working_surface import WorkingSurface
 
 
 @dataclass(frozen=True)
@@ -185,9 +185,9 @@ class SecantSearch(LoadSearch):
 
     # -- from grid to grid
 
-    def measure(self, working: WorkingSurface) -> None:
-        """Take over the statistics of the finest grid, in the precision of this surface."""
-        self.finest = working.heights
+    def measure(self, heights: Callable[[], HeightStatistics]) -> None:
+        """Take over the statistics of the finest grid in the precision of the solver."""
+        self.finest = heights()
 
     def begin(self, problem: Problem | None = None) -> float:
         """Begin at the load of the grid before."""

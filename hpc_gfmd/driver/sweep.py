@@ -221,7 +221,7 @@ class Sweep:
         may turn out to be too little.
         """
         if load.search is not None:
-            load.search.measure(self.working)
+            load.search.measure(lambda: self.working.heights)
         closed = self._full_contact(load, pairs)
         if closed.contact is not None:
             return closed

@@ -111,9 +111,7 @@ class WorkingSurface:
         return self._problem_of(self.surface, p0)
 
     def _problem_of(self, surface: Surface, p0: float) -> Problem:
-        return Problem(
-            surface.grid, surface.gap, p0, body=self.model.body, hardness=self.hardness
-        )
+        return Problem(surface.grid, surface.gap, p0, body=self.model.body, hardness=self.hardness)
 
     def problem_to_start(self, p0: float) -> Problem:
         """Return the problem at p0 with stored heights, from which a starting gap is made."""

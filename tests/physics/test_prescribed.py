@@ -278,7 +278,7 @@ def test_an_area_that_jumps_over_what_is_wanted(z, how, wanted):
     sweep, plain = (sweep_over(z, **how) for _ in range(2))
     found = sweep.solve(Load("a_r", wanted))
     assert found.status == "converged"
-    assert found.pairs < (10 * plain.solve(found.p_mean).pairs if "body" in how else 60)
+    assert found.pairs < (12 * plain.solve(found.p_mean).pairs if "body" in how else 60)
     assert is_as_near_as_can_be(found, plain, wanted, how["accuracy"])
 
 
@@ -292,7 +292,7 @@ def test_areas_of_a_lattice():
         step = sweep.solve(Load("a_r", wanted))
         assert step.status == "converged"
         found, given = found + step.pairs, given + plain.solve(step.p_mean).pairs
-    assert found < 4 * given
+    assert found < 8 * given  # as accurate as it takes to know that points are alike
 
 
 @pytest.mark.parametrize(
