@@ -1,5 +1,7 @@
 """Another second opinion, on grids that are too large for dense matrices: constrained conjugate
-gradients on the pressure (Polonsky, Keer, Wear 231 (1999) 206). Nothing of the package is used here.
+gradients on the pressure (Polonsky, Keer, Wear 231 (1999) 206).
+
+Nothing of the package is used here.
 
 In contact, p > 0, the gap e = S p + h - constant has to vanish, S = 2/(E* |q|). One iteration:
 
