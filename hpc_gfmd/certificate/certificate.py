@@ -27,6 +27,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import DTypeLike
 
+from ..kernels.adhesive_rows import add_attraction
 from ..kernels.certify import KktExtremes, KktSums, dual_rows, kkt_residuals
 from ..operators.elastic import Elastic
 from ..operators.multilevel import Multilevel
@@ -43,6 +44,8 @@ class Certificate:
     p0|/p0; duality_gap: G/(p0 gap_mean), None if not asked for; residual: rms of p out of contact
     over p0. errors: relative, estimated, of (area, mean gap, pressure field), nan if not asked for;
     attainable: of the mean gap and the pressure field, what no iteration makes smaller.
+    attraction: mean attraction, and energy_of_attraction: its energy per area, in the problem's
+    unit; stability: see stability.py, nan without an attraction.
     energy: elastic energy per area, and approach: how far the bodies have come together since they
     touched, without any deformation, both in the problem's unit; a half-space that is periodic
     gives way to a uniform pressure without end: it has no approach (nan), nor, periodic along one
@@ -68,6 +71,9 @@ class Certificate:
     gap_mean: float = 0.0
     pairs: float = 0.0
     precision: str = "float64"
+    attraction: float = 0.0
+    energy_of_attraction: float = 0.0
+    stability: float = np.nan
 
     def attributes(self) -> dict[str, Any]:
         """Return the violations, by name, and the precision in which they were found."""
@@ -89,12 +95,14 @@ def certify(
     levels: Multilevel | None = None,
     dtype: DTypeLike = np.float64,
     dual: bool = False,
+    stability: float = np.nan,
 ) -> Certificate:
     """Certify the gap g (local slab) at the load problem.p0; writes the fresh pressure to p (local
     slab). One pair, half more if dual.
 
     levels: the Multilevel of the grid, whose fields are overwritten: without it there are no
-    errors. Collective.
+    errors; stability: of the state where there is an attraction, see stability.py: errors are those
+    of the contact with this attraction frozen, over it. Collective.
     """
     grid = problem.grid
     elastic = Elastic(grid, problem.body, dtype)
@@ -104,19 +112,29 @@ def certify(
     elastic.pressure_rows(problem.displacement_rows(g, level))
     uKu = elastic.pressure_columns(problem.adder(elastic.fft))
     limit = problem.limit
-    parts = elastic.use_rows(
-        lambda i0, i1, x: kkt_residuals(g, p, x, problem.p_cell, limit, grid.inside, i0, i1)
-    )
+    law = problem.law(np.dtype(dtype))
+    attracted: list[tuple[float, float]] = []
+
+    def look(i0: int, i1: int, x: np.ndarray) -> tuple[KktSums, KktExtremes]:
+        if law is not None:
+            attracted.append(add_attraction(law, g, x, i0, i1, grid.inside))
+        return kkt_residuals(g, p, x, problem.p_cell, limit, grid.inside, i0, i1)
+
+    parts = elastic.use_rows(look)
     found, largest = zip(*parts) if parts else ([KktSums(*[0.0] * 8)], [KktExtremes(0.0, 0.0)])
     *totals, uKu, mean = grid.comm.sum([*np.sum(found, axis=0), uKu, elastic.mean])
     sums, extremes = KktSums(*totals), KktExtremes(*grid.comm.max(np.max(largest, axis=0)))
-    closed_p, contact, gap = N * p0 - sums.open_p, sums.contact, sums.gap
-    work = p0 * gap
+    t = phi = 0.0
+    if law is not None:
+        t, phi = grid.comm.sum(np.sum([(0.0, 0.0), *attracted], axis=0)).tolist()
+    wall_load = p0 + t / N
+    closed_p, contact, gap = N * wall_load - sums.open_p, sums.contact, sums.gap
+    work = wall_load * gap
 
     duality_gap = None
     if dual:
         duality_gap = np.inf
-        scale, shift = _admissible(problem, closed_p, sums)
+        scale, shift = _admissible(problem, N * wall_load, closed_p, sums)
         if scale >= 0:
             pg_dual = elastic.pressure_rows(
                 lambda i0, i1, x: dual_rows(g, p, x, scale, shift, limit, grid.inside, i0, i1)
@@ -130,15 +148,15 @@ def certify(
         errors, attainable = (
             (Certificate.errors, Certificate.attainable)
             if levels is None
-            else _errors(problem, levels, g, p, sums, uKu)
+            else _errors(problem, levels, g, p, sums, uKu, wall_load, stability)
         )
         return Certificate(
             penetration=float(extremes.penetration),
-            tension=float(extremes.tension / p0),
+            tension=float(extremes.tension / wall_load),
             complementarity=float(sums.pg / work) if gap > 0 else 0.0,
-            load_balance=float(abs(sums.open_p) / (N * p0)),
+            load_balance=float(abs(sums.open_p) / (N * wall_load)),
             duality_gap=duality_gap,
-            residual=float(np.sqrt(sums.open_pp / N) / p0),
+            residual=float(np.sqrt(sums.open_pp / N) / wall_load),
             errors=errors,
             attainable=attainable,
             energy=float(0.5 * uKu / N + rest),
@@ -150,13 +168,17 @@ def certify(
             gap_mean=float(gap / N),
             pairs=elastic.pairs,
             precision=np.dtype(dtype).name,
+            attraction=float(t / N),
+            energy_of_attraction=float(phi / N),
+            stability=float(stability),
         )
 
 
-def _admissible(problem: Problem, closed_p: float, sums: KktSums) -> tuple[float, float]:
+def _admissible(
+    problem: Problem, load: float, closed_p: float, sums: KktSums
+) -> tuple[float, float]:
     """Return the scale of p in elastic contact, and what is added to it, that give a pressure of
     the right mean between 0 and the hardness: a scale below 0 where there is none."""
-    load = problem.grid.N * problem.p0
     if problem.hardness is None:
         return (load / closed_p if closed_p > 0 else -1.0), 0.0
     elastic = closed_p - problem.hardness * sums.yielded
@@ -168,10 +190,18 @@ def _admissible(problem: Problem, closed_p: float, sums: KktSums) -> tuple[float
 
 
 def _errors(
-    problem: Problem, levels: Multilevel, g: np.ndarray, p: np.ndarray, sums: KktSums, uKu: float
+    problem: Problem,
+    levels: Multilevel,
+    g: np.ndarray,
+    p: np.ndarray,
+    sums: KktSums,
+    uKu: float,
+    wall_load: float,
+    stability: float,
 ) -> tuple[tuple[float, float, float], tuple[float, float]]:
     """Return the relative errors of area, mean gap and pressure field, and what no iteration makes
-    smaller of the last two; sums: KktSums of all ranks."""
+    smaller of the last two; sums: KktSums of all ranks; wall_load: mean pressure that the wall
+    bears."""
     grid, contact = problem.grid, sums.contact
     levels.restrict(g, p, problem.limit)
     level_sums = grid.comm.sum(levels.sweep()[3:]).tolist()
@@ -179,7 +209,7 @@ def _errors(
         problem,
         levels,
         State(
-            float(problem.p0),
+            wall_load,
             sums.open_p,
             sums.open_pp,
             sums.closed_pp,
@@ -189,6 +219,7 @@ def _errors(
             uKu,
             level_sums,
         ),
+        1.0 if np.isnan(stability) else stability,
     )
     if not np.isfinite(found.squares):
         return (np.inf, np.inf, np.inf), (0.0, 0.0)

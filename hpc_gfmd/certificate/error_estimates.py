@@ -126,34 +126,44 @@ class Estimate(NamedTuple):
     shift: float = np.nan
 
 
-def estimate(problem: Problem, levels: Multilevel, state: State) -> Estimate:
+def estimate(
+    problem: Problem, levels: Multilevel, state: State, stability: float = 1.0
+) -> Estimate:
     """Return the Estimate of a state, for solver and certificate alike.
 
     p^ is the pressure in contact, more by as much at each point as makes up for what is left out of
     contact. Rounding errors of the working precision are those of the heights, which are
     independent from point to point, and those of the pressure, as a load that is wrong by as much.
+
+    With an attraction p0 is what the wall bears, and all this is about the contact under the same
+    attraction, frozen. The equilibrium is 1/stability as far away (stability.py).
     """
     p0, N, body = state.p0, problem.grid.N, problem.body
     contact, gap, closed_pp = state.contact - state.yielded, state.gap, state.closed_pp
     if not (contact > 0 and closed_pp > 0 and isfinite(state.open_pp + gap + state.uKu)):
+        return Estimate()
+    if not (stability > 0 and p0 > 0):
         return Estimate()
     compliance, share = 1.0 / body.scale(problem.grid), contact / N
     residual, test, product = levels.test_products(
         state.open_p, state.open_pp, contact, *state.level_sums
     )
     opened = (N - state.contact) / max(N - contact, 1)  # not yielded, of what is free
-    e, response = sqrt(EQUIVALENCE * compliance * residual), sqrt(compliance * test) / share
+    e = sqrt(EQUIVALENCE * compliance * residual) / stability
+    response = sqrt(compliance * test) / share
     squares = (CALIBRATION.pressure * e) ** 2 * body.typical(problem.grid)
 
     eps = ROUNDING * float(np.finfo(problem.dtype).eps)
     relative = sqrt(squares / closed_pp)
-    floor = hypot(problem.rounding / sqrt(closed_pp / contact), eps, body.error)
+    floor = hypot(problem.rounding / sqrt(closed_pp / contact), eps, body.error) / stability
     pressure, floor = hypot(relative, floor), floor if relative < floor else 0.0
     if state.contact == N:  # nothing is open
         return Estimate(0.0, pressure, (0.0, floor), squares, 0.0)
-    shift = compliance * product / share
+    shift = compliance * product / share / stability
     norm = sqrt(max(state.uKu, 0.0))
-    first = e * ((norm + e) / p0 + self_energy(problem.grid))
+    first = inf  # where the load is not the same at every point this says nothing of the gap
+    if problem.attraction is None:
+        first = e * ((norm + e) / p0 + self_energy(problem.grid))
     second = CALIBRATION.unknown * response * e + CALIBRATION.shift * abs(shift)
     if state.yielded:
         first += (second - first) * (1 - p0 / (problem.hardness or inf))
@@ -163,6 +173,7 @@ def estimate(problem: Problem, levels: Multilevel, state: State) -> Estimate:
     loaded = CALIBRATION.loaded * (response**2 + compliance * N)
     least = body.error * p0 * min(loaded, last)
     least += eps * (p0 * response**2 + gap) + problem.rounding * (N - contact)
+    least /= stability
     attainable = relative_error(least, gap) if wrong < least else 0.0, floor
     return Estimate(
         relative_error(wrong + least, gap), pressure, attainable, squares, opened * shift

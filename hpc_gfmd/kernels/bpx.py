@@ -22,6 +22,8 @@ d_row, d_ij    what d stands for, in full precision: the spectrum is that of the
 alpha, beta    step lengths along z and along the last step
 s              step length along d
 Kd             K d on the rows of a pass
+law            law of attraction, None without one (numba then drops it): p is the pressure of
+               the wall, and what adhesive_rows.py calls y takes the place of K d
 H              hardness, None without one (numba then drops all that is said of it)
 compliance     1/K of the shortest wave, about
 inside         shape (rows, points) of this rank's part of the surface: its first rows and points
@@ -38,6 +40,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .adhesive_rows import add_change, work_of_step
 from .bfloat16 import decode, encode
 from .jit import inline, kernel, points_inside
 from .multilevel import combine_rows, interpolate_row, restrict_row
@@ -90,7 +93,9 @@ class UpdateSums(NamedTuple):
 
 
 @kernel
-def search_passes(passes, k0, k1, rows, scratch, sums, g, p, d, z_1, transfer, step, H, inside):
+def search_passes(
+    passes, k0, k1, rows, scratch, sums, g, p, d, z_1, transfer, step, H, inside, law, work
+):
     """Make the step d on the rows of some passes, and transform these rows: lines 1 to 3.
 
     Parameters
@@ -107,6 +112,10 @@ def search_passes(passes, k0, k1, rows, scratch, sums, g, p, d, z_1, transfer, s
         Gets what `projected_step` returns of each pass.
     g, p, d, z_1, transfer, step, H, inside
         See `projected_step`.
+    law : Law or None
+        Law of attraction.
+    work : (passes, 2) float64
+        Gets what `work_of_step` returns of each pass; untouched without a law.
     """
     for k in range(k0, k1):
         i0 = passes[k, 0]
@@ -114,12 +123,31 @@ def search_passes(passes, k0, k1, rows, scratch, sums, g, p, d, z_1, transfer, s
         sums[k, 0], sums[k, 1] = projected_step(
             g, p, d, rows[0], i0, i1, z_1, transfer, step, H, inside, scratch
         )
+        if law is not None:
+            work[k, 0], work[k, 1] = work_of_step(law, g, rows[0], i0, i1, inside)
         store_rows(rows[1], i0, i1)
 
 
 @kernel
 def update_passes(
-    passes, k0, k1, rows, scratch, first_row, sums, g, p, d, s, spectra, coarse, transfer, H, inside
+    passes,
+    k0,
+    k1,
+    rows,
+    scratch,
+    first_row,
+    sums,
+    g,
+    p,
+    d,
+    s,
+    spectra,
+    coarse,
+    transfer,
+    H,
+    inside,
+    law,
+    attracted,
 ):
     """Transform the rows of K d back and update the state by them, pass after pass: lines 5 and 6.
 
@@ -141,6 +169,10 @@ def update_passes(
         Last step, of the slab or the same one for every pass.
     spectra : bool
         Whether the rows of K d come as spectra; if not, rows[0] holds them already.
+    law : Law or None
+        Law of attraction.
+    attracted : (passes, 2) float64
+        Gets what `add_change` returns of each pass; untouched without a law.
     """
     gathered, shared = scratch
     zero = g.dtype.type(0)
@@ -151,6 +183,10 @@ def update_passes(
             load_rows(rows[1], i0, i1)
         of_slab = i0 if d.shape[0] == g.shape[0] else 0
         d_rows = d[of_slab : of_slab + i1 - i0]
+        if law is not None:
+            attracted[k, 0], attracted[k, 1] = add_change(
+                law, g, d_rows, rows[0], s, i0, i1, inside
+            )
         of_pass = update_state(
             g, p, d_rows, rows[0], s, i0, i1, coarse, shared, transfer, H, inside, gathered
         )

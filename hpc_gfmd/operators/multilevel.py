@@ -13,9 +13,8 @@ decided in hierarchy.py.
 
 from __future__ import annotations
 
-from base64 import b64decode, b64encode
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import DTypeLike
@@ -132,6 +131,8 @@ class Multilevel:
         rows: Sequence[tuple],
         hardness: np.floating | None = None,
         spectra: bool = True,
+        law: Any = None,
+        attracted: np.ndarray | None = None,
     ) -> UpdateSums:
         """Make the solver's update of its state and restrict the new state to level 1.
 
@@ -149,6 +150,10 @@ class Multilevel:
             Largest pressure, in the precision of the fields.
         spectra : bool
             Whether the rows of K d come as spectra, see kernels/bpx.py: update_passes.
+        law : tuple, optional
+            Of attraction, as kernels take it.
+        attracted : array (passes, 2), optional
+            Gets what kernels/adhesive_rows.py: add_change returns of each pass.
 
         Returns
         -------
@@ -183,6 +188,8 @@ class Multilevel:
                 tables,
                 hardness,
                 grid.inside,
+                law,
+                attracted,
             )
 
         pieces = [(part, *passes) for part, passes in enumerate(parts)]
@@ -198,17 +205,6 @@ class Multilevel:
     def z(self) -> np.ndarray:
         """The result on level 1, own rows and halo, (rows + 2, m)."""
         return self.fields[0][0]
-
-    @property
-    def mode(self) -> str:
-        """The gap mode that M has (deflation.py), as a text."""
-        return b64encode(self.coarsest.mode.tobytes()).decode() if self.coarsest else ""
-
-    @mode.setter
-    def mode(self, text: str) -> None:
-        if self.coarsest:
-            self.coarsest.mode_level = self.gap_mode.level or 0
-            self.coarsest.mode = np.frombuffer(b64decode(text), self.dtype).copy()
 
     def sweep(self, new_contact: bool = False) -> tuple[float, ...]:
         """Make z on level 1 from what was restricted to it in the windows of all ranks.

@@ -9,6 +9,12 @@ order one whatever the scene's units, and p0 is p*:
 With a hardness H the pressure is at most that, and where it is, the body has a dent of depth -g:
 
     0 <= p <= H,    p = 0 where g > 0,    p = H where g < 0
+
+With an attraction phi(g) of the surfaces (laws/) p is the pressure of the wall,
+
+    p = p0 + K u + t,    t = phi'(g),
+
+so that the wall bears p0 + mean(t), the pressure of the body and what the attraction adds.
 """
 
 from collections.abc import Callable
@@ -19,6 +25,7 @@ import numpy as np
 
 from ..bodies.base import Body
 from ..bodies.halfspace import HALF_SPACE
+from ..laws.base import Law, in_precision
 from ..parallel.fft import SlabFFT
 from ..parallel.grid import Grid
 
@@ -58,6 +65,8 @@ class Problem:
         See bodies/.
     hardness : float or None
         The largest pressure; None: there is none.
+    attraction : Law or None
+        Law of attraction in the program's units; None: there is none.
     """
 
     grid: Grid
@@ -66,6 +75,13 @@ class Problem:
     h_rms: float | None = None
     body: Body = HALF_SPACE
     hardness: float | None = None
+    attraction: Law | None = None
+
+    def law(self, dtype: np.dtype | None = None) -> Law | None:
+        """Return the law of attraction as kernels take it, in a precision (the working one)."""
+        if self.attraction is None:
+            return None
+        return in_precision(self.attraction, dtype or self.dtype)
 
     @property
     def limit(self) -> np.floating | None:

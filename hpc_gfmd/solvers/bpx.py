@@ -12,7 +12,6 @@ never appears: with the gap g = u + h and p = p0 + K u, a step d changes them by
 """
 
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -25,11 +24,12 @@ from ..certificate.error_estimates import (
     relative_error,
     spread_of,
 )
-from ..kernels.bfloat16 import Decoded, encoded, stored_dtype
+from ..kernels.adhesive_rows import add_attraction, shift_gap
+from ..kernels.bfloat16 import stored_dtype
 from ..kernels.bpx import UpdateSums, search_passes
 from ..operators.multilevel import Multilevel
 from ..operators.problem import Problem
-from ..parallel.threads import on_threads, shares
+from ..parallel.threads import added, on_threads, shares
 from .base import Progress, Solver
 
 FIRST = 0.75  # Rayleigh quotient of first steps: 0.52 to 0.75 was seen; less makes them too long
@@ -46,26 +46,7 @@ class Bpx(Solver):
     sources = (
         "Bramble, Pasciak, Xu, Math. Comp. 55 (1990) 1, doi:10.1090/S0025-5718-1990-1023042-6",
     )
-    takes_gap = dents = True
-    state_names = ("g", "p", "d")
-    scalar_names = (
-        "s",
-        "rayleigh",
-        "contact",
-        "yielded",
-        "gap_mean",
-        "rz",
-        "rd",
-        "zKd",
-        "dKd",
-        "rr",
-        "pp",
-        "uKu",
-        "mean",
-        "level_sums",
-        "changing",
-        "iterations",
-    )
+    dents = attracts = True
 
     def __init__(
         self, problem: Problem, options: dict[str, float] | None = None, g: np.ndarray | None = None
@@ -75,6 +56,9 @@ class Bpx(Solver):
         self.levels = Multilevel(grid, body, dtype, self.elastic.fft.R)
         self.d = grid.empty(stored_dtype(dtype))
         self.compliance = 1.0 / body.scale(grid)  # of the shortest wave
+        self.law = problem.law()
+        self.attracted = 0.0  # sum of the attraction over all points
+        self.stability = 1.0  # as the certificate found it last
 
     @cached_property
     def gradient(self) -> float:
@@ -103,7 +87,14 @@ class Bpx(Solver):
                 [self.elastic.pressure_columns(self.problem.adder(self.elastic.fft))]
             )[0]
         )
-        self._begin(self._update(1.0))
+        # the rows are those of K u: no step has changed the attraction
+        limit = self.problem.limit
+        self.elastic.pairs += 1
+        sums = self.levels.update(self.g, self.p, self.d, 1.0, self.elastic.fft.rows, limit)
+        if self.law is not None:
+            self._add_attraction()
+            sums = self.levels.restrict(self.g, self.p, limit)
+        self._begin(sums)
 
     def refresh(self, uKu: float | None = None) -> None:
         self.uKu = self.uKu if uKu is None else uKu
@@ -118,54 +109,60 @@ class Bpx(Solver):
         if self.levels.gap_mode.wanted((self.contact - self.yielded) / self.grid.cell_points):
             self.elastic.pairs += self.levels.gap_mode.pairs
 
-    def state(self) -> tuple[dict[str, Any], ...]:
-        arrays, numbers = super().state()
-        return arrays | {"d": Decoded(self.d)}, numbers | {"mode": self.levels.mode}
-
-    def load_state(self, arrays: dict[str, Any], numbers: dict[str, Any]) -> None:
-        super().load_state(arrays | {"d": encoded(arrays["d"], self.problem.dtype)}, numbers)
-        self.levels.mode = numbers["mode"]
-        self.levels.restrict(self.g, self.p, self.problem.limit)
-        self.levels.sweep()  # z on the coarse levels follows from g and p
-
     # -- one iteration
 
     def _descend_to_contact(self) -> None:
         """Come down until something is in contact, where nothing is. A rigid shift costs no elastic
         energy, but would take many steps.
 
-        The descent goes on as it is: the pressure does not change.
+        The descent goes on as it is: the pressure of the body does not change. With an attraction
+        it begins anew, because that of the wall does.
         """
         rows, points = self.grid.inside
         lowest = self.grid.comm.min([self.g[:rows, :points].min(initial=np.inf)])[0]
-        if 0 < lowest < np.inf:
+        if not 0 < lowest < np.inf:
+            return
+        if self.law is None:
             self.g -= self.problem.dtype.type(lowest)
             self.gap_mean -= lowest
+        elif self.wall_load > 0:
+            by = self.problem.dtype.type(lowest)
+
+            def shift(i0: int, i1: int) -> float:
+                return shift_gap(self.law, self.g, self.p, by, i0, i1, self.grid.inside)
+
+            self.attracted = float(self.grid.comm.sum([sum(self.grid.by_rows(shift))])[0])
+            self.refresh()
 
     def step(self) -> None:
         if self.contact == 0:
             self._descend_to_contact()
         a, b = self._coefficients()
-        pd, deeper = self._search(a, b, 1.0)
+        pd, deeper, td, gained = self._search(a, b, 1.0)
         descent = a * self.rz + b * self.rd
         plain = not -pd > DESCENT * descent
         if plain:
             a, b = 0.0, 0.0
-            pd, deeper = self._search(self.gradient, 0.0, 0.0)
+            pd, deeper, td, gained = self._search(self.gradient, 0.0, 0.0)
         dKd = self.elastic.pressure_columns()
         dKd, mean = self.grid.comm.sum([dKd, self.elastic.mean]).tolist()
         optimum = -pd / dKd if dKd > 0 else 1.0
         self.s = optimum if 0 < optimum < SHORT else 1.0
-        sums = self._update(self.s)
+        if self.law is not None and self.s < 1:
+            # what the whole step does to the energy, and what the majorant has at its minimum
+            whole = pd + 0.5 * dKd + gained - td
+            self.s = 1.0 if whole <= 0.5 * pd * optimum else self.s
+        sums, stiffer = self._update(self.s)
 
         if plain or not a * a * self.rz > 0:
             self.rayleigh = 1.0
         else:
-            zKz = dKd - 2 * a * b * self.zKd - b * b * self.dKd
+            zKz = dKd + stiffer - 2 * a * b * self.zKd - b * b * self.dKd
             self.rayleigh = zKz / (a * a * self.rz)
         self._measure(sums)
-        # K u = p - p_cell
-        self.uKu += 2 * self.s * (pd - self.p_cell * self.grid.cell_points * mean) + self.s**2 * dKd
+        # K u = p - t - p_cell
+        Kud = pd - td - self.p_cell * self.grid.cell_points * mean
+        self.uKu += 2 * self.s * Kud + self.s**2 * dKd
         if self.problem.hardness is not None:  # pd has the work of dents
             self.uKu -= 2 * self.s * self.problem.hardness * deeper
         self.iterations += 1
@@ -186,27 +183,51 @@ class Bpx(Solver):
         return (a, b) if a > 0 else (1.0 / rho, 0.0)
 
     def _search(self, a: float, b: float, coupling: float) -> list[float]:
-        """Make the first pass: the next step into d, and its row spectra; returns <p, d>, and by
-        how much dents become deeper."""
+        """Make the first pass: the next step into d, and its row spectra; returns <p, d>, by how
+        much dents become deeper, and what `work_of_step` does (kernels/adhesive_rows.py)."""
         levels, fft, ends = self.levels, self.elastic.fft, self.levels.ends
         step = tuple(self.problem.dtype.type(x) for x in (a, b * self.s, coupling, self.compliance))
         tables, last = levels.transfers[0].tables, (self.problem.limit, self.grid.inside)
         args = self.g, self.p, self.d, levels.z, tables, step, *last
         found = np.zeros((len(ends), 2))
+        work = np.zeros((len(ends) if self.law is not None else 0, 2))
 
         def some(k0: int, k1: int, thread: int) -> None:
             own = fft.rows[thread], levels.scratch[thread][0], found
-            search_passes(ends, k0, k1, *own, *args)
+            search_passes(ends, k0, k1, *own, *args, self.law, work)
 
         parts = shares(len(ends), fft.threads)
         on_threads(fft.threads, some, parts, range(fft.threads))
-        return self.grid.comm.sum(np.sum(found, axis=0)).tolist()
+        sums = np.sum(found, axis=0)
+        if self.law is None:
+            return [*self.grid.comm.sum(sums).tolist(), 0.0, 0.0]
+        return self.grid.comm.sum([*sums, *np.sum(work, axis=0)]).tolist()
 
-    def _update(self, s: float) -> UpdateSums:
-        """Make the last pass: x = K d by rows, new g and p; returns this rank's UpdateSums."""
+    def _update(self, s: float) -> tuple[UpdateSums, float]:
+        """Make the last pass: x = K d by rows, new g and p.
+
+        Returns this rank's UpdateSums, and how much stiffer the attraction makes the step, for all
+        ranks: <d, y - K d>, see kernels/adhesive_rows.py.
+        """
         self.elastic.pairs += 1
-        rows = self.elastic.fft.rows
-        return self.levels.update(self.g, self.p, self.d, s, rows, self.problem.limit)
+        rows, limit = self.elastic.fft.rows, self.problem.limit
+        if self.law is None:
+            return self.levels.update(self.g, self.p, self.d, s, rows, limit), 0.0
+        each = np.zeros((len(self.levels.ends), 2))
+        sums = self.levels.update(
+            self.g, self.p, self.d, s, rows, limit, law=self.law, attracted=each
+        )
+        self.attracted, stiffer = self.grid.comm.sum(np.sum(each, axis=0)).tolist()
+        return sums, stiffer
+
+    def _add_attraction(self) -> None:
+        """Add the attraction to the pressure of the body, which becomes that of the wall."""
+
+        def add(i0: int, i1: int) -> tuple[float, float]:
+            return add_attraction(self.law, self.g, self.p[i0:i1], i0, i1, self.grid.inside)
+
+        t, _ = self.grid.comm.sum(added(self.grid.by_rows(add), 2)).tolist()
+        self.attracted = t
 
     def _measure(self, sums: UpdateSums, anew: bool = False) -> None:
         """Sweep the levels and sum over ranks: all scalars of the next step and of the stopping
@@ -226,9 +247,19 @@ class Bpx(Solver):
 
     # -- how far
 
+    @property
+    def wall_load(self) -> float:
+        """Return the mean pressure that the wall bears."""
+        return self.p0 + self.attracted / self.N
+
+    @property
+    def _p_cell_of_wall(self) -> float:
+        """The mean of p over the whole grid."""
+        return self.p_cell + self.attracted / self.grid.cell_points
+
     def progress(self) -> Progress:
         finite = bool(np.isfinite(self.pp + self.gap_mean))
-        residual = np.sqrt(self.rr / self.N) / self.p0
+        residual = np.sqrt(self.rr / self.N) / self.wall_load
         found = self._estimate() if finite else Estimate()
         predicted = self._predicted(found) if finite else None
         return Progress(float(residual), self.contact, self.gap_mean, found, finite, predicted)
@@ -236,7 +267,7 @@ class Bpx(Solver):
     def _estimate(self) -> Estimate:
         """Estimate what the certificate will say, but for rounding errors that p has gathered."""
         state = State(
-            self.p0,
+            self.wall_load,
             self.mean * self.grid.cell_points,
             self.rr,
             self.pp - self.rr,
@@ -246,18 +277,19 @@ class Bpx(Solver):
             self.uKu,
             self.level_sums,
         )
-        return estimate(self.problem, self.levels, state)
+        return estimate(self.problem, self.levels, state, self.stability)
 
     def _predicted(self, found: Estimate) -> tuple[float, float] | None:
         """Predict the converged area and gap: the area goes with the load that the contact
         carries."""
-        load, n = self.p_cell - self.mean, self.contact
+        carried, n = self._p_cell_of_wall, self.contact
+        load = carried - self.mean
         if n == 0 or load <= 0:
             return None
         if n == self.N:
             return n, self.gap_mean
         gap = self.gap_mean + SHIFT * found.shift / self.N
-        return min(n * self.p_cell / load, self.N), gap
+        return min(n * carried / load, self.N), gap
 
     def expected_area(self, squares: float) -> float:
         open_pp, open_p4 = self.grid.comm.sum(moments_of_open(self.problem, self.g, self.p))

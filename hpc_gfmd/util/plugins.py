@@ -9,6 +9,8 @@ import pkgutil
 from collections.abc import Sequence
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
+from importlib.util import find_spec
+from pathlib import Path
 from typing import Any
 
 from .errors import GfmdError
@@ -42,6 +44,13 @@ def class_in(package: str, name: str) -> Any:
         if isinstance(found, type) and vars(found).get("name") == name:
             return found
     raise GfmdError(f'{package}: {name} has no class with name = "{name}"')
+
+
+def sources_added(package: str) -> list[Path]:
+    """List the files that other packages add to a folder, without importing them."""
+    names = sorted(point.value.partition(":")[0] for point in _added(package).values())
+    found = [find_spec(name) for name in names]
+    return [Path(spec.origin) for spec in found if spec is not None and spec.origin]
 
 
 @cache

@@ -20,7 +20,7 @@ FLOORS = (  # from the top down: a folder imports from those below its own floor
     ("solvers", "contact"),
     ("surface", "certificate"),
     ("operators", "plotting"),
-    ("bodies", "output"),
+    ("bodies", "laws", "output"),
     ("parallel",),
     ("kernels", "scene", "theory"),
     ("util",),

@@ -1,5 +1,5 @@
-"""A body, a solver and an observable of another package, by its entry points: the examples of
-docs/developer.md."""
+"""A body, a law, a solver and an observable of another package, by its entry points: the examples
+of docs/developer.md."""
 
 import re
 from pathlib import Path
@@ -9,6 +9,7 @@ from mpi_harness import environment, found, python
 PAGE = (Path(__file__).parents[3] / "docs" / "developer.md").read_text()
 PARTS = {  # heading: module of the package, entry point, the folder it could be dropped in
     "Add a body": ("graded", "hpc_gfmd.bodies", "bodies"),
+    "Add a law of attraction": ("algebraic", "hpc_gfmd.laws", "laws"),
     "Add a solver": ("calm", "hpc_gfmd.solvers", "solvers"),
     "Add a kernel": ("peaks", None, "kernels"),
     "Add an observable": ("pressure_max", "hpc_gfmd.observables", "contact"),
@@ -17,9 +18,12 @@ SCRIPT = """
 import json
 import hpc_gfmd
 from hpc_gfmd.bodies import body_classes
+from hpc_gfmd.laws import law_named
 how = {"name": "calm", "observables": ["pressure_max"], "residual": 1e-6}
 found = hpc_gfmd.solve(hpc_gfmd.make_surface("wave", amplitude=0.01, n=(16, 1)), 0.01, **how)
-print(json.dumps([found.observable("pressure_max"), found.pressure.max(), [*body_classes()]]))
+energy = law_named("algebraic", 2.0, 1.0).energy(1.0)
+highest = [found.observable("pressure_max"), found.pressure.max()]
+print(json.dumps([*highest, [*body_classes()], energy]))
 """
 
 
@@ -37,9 +41,10 @@ def test_the_examples_of_the_developers_page_as_a_package(tmp_path):
     (about / "entry_points.txt").write_text(points)
     env = environment()
     env |= {"PYTHONPATH": f"{tmp_path}:{env['PYTHONPATH']}"}
-    observed, highest, bodies = found(None, ["-c", SCRIPT], env=env)
+    observed, highest, bodies, energy = found(None, ["-c", SCRIPT], env=env)
     assert observed == highest > 0
     assert bodies[0] == "graded"
+    assert energy == -2 / 8
     for code, error in (
         ("import nothing_of_this_name", "calm = gfmd_extra.calm does not load: No module"),
         ("", 'calm has no class with name = "calm"'),

@@ -1,0 +1,198 @@
+"""What an attraction adds to the row passes of the default solver and of the certificate.
+
+With a law phi(g) (laws/, attraction.py) the solver's p is the pressure of the wall, r = w + t: w is
+that of the body, t = phi'(g) the attraction. A step that changes w by s K d changes r by
+
+    s y,    y = K d + (t(g + s d) - t(g))/s,
+
+so that y takes the place of K d. Letters are those of bpx.py. Beyond the surface (`inside`) there
+is no wall, and no attraction. Sums are in double precision whatever the fields are.
+"""
+
+import numpy as np
+
+from .attraction import curvature_at, energy_at, traction_at
+from .bfloat16 import decode, encode
+from .jit import kernel, points_inside
+
+
+@kernel
+def work_of_step(law, g, d_rows, i0, i1, inside):
+    """Return what a step does to the attraction on rows i0 <= i < i1.
+
+    Parameters
+    ----------
+    law : Law
+        In the precision of g.
+    g : (n_loc, n_y)
+        Gap before the step.
+    d_rows : (>= i1 - i0, n_y)
+        The step in full precision.
+    inside : (rows, points)
+        This rank's part of the surface.
+
+    Returns
+    -------
+    td : float
+        <t, d>.
+    gained : float
+        Sum of phi(g + d) - phi(g).
+    """
+    td = 0.0
+    gained = 0.0
+    for i in range(i0, i1):
+        g_i = g[i]
+        d_i = d_rows[i - i0]
+        for j in range(points_inside(i, inside)):
+            td += traction_at(law, g_i[j]) * d_i[j]
+            gained += energy_at(law, g_i[j] + d_i[j]) - energy_at(law, g_i[j])
+    return td, gained
+
+
+@kernel
+def add_change(law, g, d, Kd, s, i0, i1, inside):
+    """Make y of K d on rows i0 <= i < i1.
+
+    Parameters
+    ----------
+    law : Law
+        In the precision of g.
+    g : (n_loc, n_y)
+        Gap before the step.
+    d : (>= i1 - i0, n_y), encoded
+        The step, see bpx.py.
+    Kd : (>= i1 - i0, n_y)
+        K d; becomes y.
+    s : float
+        Step length, in the precision of g.
+    inside : (rows, points)
+        This rank's part of the surface.
+
+    Returns
+    -------
+    t : float
+        Sum of t at the new gaps.
+    dt : float
+        <d, t(g + s d) - t(g)>/s, by which <d, y> differs from <d, K d>.
+    """
+    zero = g.dtype.type(0)
+    PROJECTED = encode(g.dtype.type(-np.inf))
+    t = 0.0
+    dt = 0.0
+    for i in range(i0, i1):
+        g_i = g[i]
+        for j in range(points_inside(i, inside)):
+            stored = d[i - i0, j]
+            d_ij = -g_i[j] if stored == PROJECTED else decode(stored)
+            t_new = traction_at(law, max(g_i[j] + s * d_ij, zero))
+            change = (t_new - traction_at(law, g_i[j])) / s
+            Kd[i - i0, j] += change
+            t += t_new
+            dt += change * d_ij
+    return t, dt
+
+
+@kernel
+def add_attraction(law, g, x, i0, i1, inside):
+    """Add the attraction to a field on rows i0 <= i < i1.
+
+    Parameters
+    ----------
+    law : Law
+        In the precision of x.
+    g : (n_loc, n_y)
+        Gap.
+    x : (>= i1 - i0, n_y)
+        Pressure of the body, from row i0 on; that of the wall afterwards.
+    inside : (rows, points)
+        This rank's part of the surface.
+
+    Returns
+    -------
+    t : float
+        Sum of t.
+    phi : float
+        Sum of phi.
+    """
+    real = x.dtype.type
+    zero = real(0)
+    t = 0.0
+    phi = 0.0
+    for i in range(i0, i1):
+        for j in range(points_inside(i, inside)):
+            g_ij = max(real(g[i, j]), zero)
+            t_ij = traction_at(law, g_ij)
+            x[i - i0, j] += t_ij
+            t += t_ij
+            phi += energy_at(law, g_ij)
+    return t, phi
+
+
+@kernel
+def shift_gap(law, g, p, by, i0, i1, inside):
+    """Lower the gap by a constant on rows i0 <= i < i1, with the attraction that goes with it.
+
+    Parameters
+    ----------
+    law : Law
+        In the precision of g.
+    g, p : (n_loc, n_y)
+        Gap, no less than `by` on the surface, and pressure of the wall; become the new ones.
+    by : float
+        In the precision of g.
+    inside : (rows, points)
+        This rank's part of the surface.
+
+    Returns
+    -------
+    float
+        Sum of t at the new gaps.
+    """
+    zero = g.dtype.type(0)
+    t = 0.0
+    for i in range(i0, i1):
+        inner = points_inside(i, inside)
+        for j in range(inner):
+            g_new = max(g[i, j] - by, zero)
+            t_new = traction_at(law, g_new)
+            p[i, j] += t_new - traction_at(law, g[i, j])
+            g[i, j] = g_new
+            t += t_new
+        for j in range(inner, np.uint64(g.shape[1])):
+            g[i, j] -= by
+    return t
+
+
+@kernel
+def softening(law, g, closed, x, i0, i1, inside):
+    """Set x = -phi''(g) out of contact, 0 in contact and beyond the surface, on rows i0 <= i < i1.
+
+    Parameters
+    ----------
+    law : Law
+        In the precision of g.
+    g : (n_loc, n_y)
+        Gap.
+    closed : (n_loc, n_y)
+        1 in contact, 0 elsewhere.
+    x : (n_loc, n_y)
+        Becomes the softening.
+    inside : (rows, points)
+        This rank's part of the surface.
+
+    Returns
+    -------
+    float
+        Sum of x.
+    """
+    zero = g.dtype.type(0)
+    one = g.dtype.type(1)
+    total = 0.0
+    for i in range(i0, i1):
+        inner = points_inside(i, inside)
+        for j in range(inner):
+            x[i, j] = (closed[i, j] - one) * curvature_at(law, max(g[i, j], zero))
+            total += x[i, j]
+        for j in range(inner, np.uint64(g.shape[1])):
+            x[i, j] = zero
+    return total

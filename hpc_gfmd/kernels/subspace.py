@@ -1,0 +1,54 @@
+"""Sums and combinations of a few fields: the subspace of a locally optimal conjugate gradient."""
+
+import numpy as np
+
+from .jit import kernel
+
+# V, KV: (k, n_loc, n_y), k <= 3 directions and K times them; D: (n_loc, n_y), a diagonal
+
+
+@kernel
+def subspace_products(V, KV, D, k, i0, i1, sums):
+    """Add up what k directions have to do with each other on rows i0 <= i < i1.
+
+    Parameters
+    ----------
+    V, KV, D
+        See the head of the file.
+    k : int
+        The first k directions count.
+    sums : (2, 3, 3) float64
+        Becomes <V_a, K V_b> and <V_a, D V_b>, the part of these rows, for b <= a < k.
+    """
+    for a in range(k):
+        for b in range(a + 1):
+            stiff = 0.0
+            soft = 0.0
+            for i in range(i0, i1):
+                for j in range(V.shape[2]):
+                    stiff += V[a, i, j] * np.float64(KV[b, i, j])
+                    soft += V[a, i, j] * np.float64(D[i, j]) * V[b, i, j]
+            sums[0, a, b] = stiff
+            sums[1, a, b] = soft
+
+
+@kernel
+def combine_directions(V, KV, k, weights, i0, i1):
+    """Make the best direction and what is new in it, on rows i0 <= i < i1.
+
+    Parameters
+    ----------
+    V, KV : arrays
+        V[0] becomes the sum of weights V, and V[2] that without its first term; KV likewise.
+    k : int
+        The first k directions count.
+    weights : (3,)
+        In the precision of V.
+    """
+    for field in (V, KV):
+        for i in range(i0, i1):
+            for j in range(field.shape[2]):
+                new = weights[1] * field[1, i, j] if k > 1 else weights[0] * 0
+                new += weights[2] * field[2, i, j] if k > 2 else weights[0] * 0
+                field[0, i, j] = weights[0] * field[0, i, j] + new
+                field[2, i, j] = new

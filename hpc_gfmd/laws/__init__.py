@@ -1,0 +1,50 @@
+"""One law of attraction per file; `base.py` says what a law is."""
+
+from __future__ import annotations
+
+from ..util.errors import SceneError
+from ..util.plugins import class_in, names_in
+from .base import Law, is_concave
+
+COMMON = ("base",)  # files that are no law
+
+
+def law_names() -> list[str]:
+    """Return the names of all laws of attraction, without importing them."""
+    return list(names_in(__name__, COMMON))
+
+
+def law_class(name: str) -> type[Law]:
+    """Return the class of the law of a name."""
+    return class_in(__name__, name)
+
+
+def law_named(name: str, work: float, reach: float) -> Law:
+    """Make a law of attraction.
+
+    Parameters
+    ----------
+    name : str
+        One of `law_names`.
+    work : float
+        Work of adhesion per area: the energy between contact and infinity.
+    reach : float
+        Range of the attraction, a length.
+
+    Returns
+    -------
+    Law
+        In the units of its arguments.
+
+    Raises
+    ------
+    SceneError
+        For a law of another package whose energy is not concave.
+    """
+    law = law_class(name)(work, reach)
+    if not is_concave(law):
+        raise SceneError(
+            f'material.adhesion.law: found "{name}", whose attraction does not fall with the gap'
+            " everywhere, allowed: a law with an energy that is concave in the gap"
+        )
+    return law

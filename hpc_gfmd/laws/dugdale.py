@@ -1,0 +1,44 @@
+"""Attraction that is the same up to its range, as in the model of Dugdale and Maugis."""
+
+from typing import Any
+
+import numpy as np
+
+from .base import Law
+
+WIDTH = 0.1  # of the range: half of the ramp over which the attraction ends
+
+
+class Dugdale(Law):
+    """A traction of work/range up to the range, where it falls to 0 on a ramp from 0.9 to 1.1
+    ranges.
+
+    Attributes
+    ----------
+    work : float
+        Work of adhesion per area.
+    range : float
+        Gap at which half of the attraction is left.
+    """
+
+    name = "dugdale"
+    sources = (
+        "Maugis, J. Colloid Interface Sci. 150 (1992) 243, doi:10.1016/0021-9797(92)90285-T",
+    )
+
+    def energy(self, g: Any) -> Any:
+        """Return phi(g)."""
+        x = g / self.range
+        ramp = np.minimum(np.maximum((1 + WIDTH - x) / (2 * WIDTH), 0), 1)
+        return -self.work * (np.maximum(1 - WIDTH - x, 0) + WIDTH * ramp * ramp)
+
+    def traction(self, g: Any) -> Any:
+        """Return phi'(g)."""
+        x = g / self.range
+        return self.work / self.range * np.minimum(np.maximum((1 + WIDTH - x) / (2 * WIDTH), 0), 1)
+
+    def curvature(self, g: Any) -> Any:
+        """Return phi''(g)."""
+        x = g / self.range
+        on_ramp = np.abs(x - 1) < WIDTH
+        return -self.work / (2 * WIDTH * self.range * self.range) * on_ramp

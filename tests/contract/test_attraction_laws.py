@@ -1,0 +1,112 @@
+"""What every law of attraction promises. A new file in hpc_gfmd/laws is tested by being there."""
+
+import numpy as np
+import pytest
+
+from hpc_gfmd import laws
+from hpc_gfmd.kernels.attraction import curvature_at, energy_at, traction_at
+from hpc_gfmd.kernels.jit import kernel
+from hpc_gfmd.laws.base import Law, gaps_of, in_precision, is_concave, scaled, steepest
+from hpc_gfmd.util.errors import SceneError
+
+WORK, RANGE = 3.0, 0.25
+every_law = pytest.mark.parametrize("name", laws.law_names())
+
+
+@kernel
+def of_each_point(law, g, energy, traction, curvature):
+    for i in range(g.shape[0]):
+        energy[i] = energy_at(law, g[i])
+        traction[i] = traction_at(law, g[i])
+        curvature[i] = curvature_at(law, g[i])
+
+
+def made(name):
+    return laws.law_named(name, WORK, RANGE)
+
+
+@every_law
+def test_energy_is_the_work_in_contact_and_nothing_far_away(name):
+    law = made(name)
+    assert law.energy(0.0) == pytest.approx(-WORK)
+    assert law.energy(100 * RANGE) == pytest.approx(0, abs=1e-4 * WORK)
+    assert law.traction(100 * RANGE) == pytest.approx(0, abs=1e-4 * WORK / RANGE)
+
+
+@every_law
+def test_attraction_pulls_and_falls_with_the_gap(name):
+    law = made(name)
+    g = gaps_of(law)
+    traction = law.traction(g)
+    assert traction.min() >= 0
+    assert np.diff(traction).max() <= 1e-12 * traction.max()
+    assert law.curvature(g).max() <= 0
+    assert is_concave(law)
+    assert steepest(law) == pytest.approx(np.abs(law.curvature(g)).max())
+
+
+@every_law
+def test_derivatives_agree(name):
+    """By the integrals, because a curvature may jump: by no more than half an interval then."""
+    law = made(name)
+    g = np.linspace(0, 12 * RANGE, 400_001)
+    for function, derivative in ((law.energy, law.traction), (law.traction, law.curvature)):
+        middle = derivative((g[1:] + g[:-1]) / 2)
+        grown = np.cumsum(middle) * (g[1] - g[0])
+        jump = np.abs(middle).max() * (g[1] - g[0])
+        missing = np.abs(function(g)[1:] - function(0.0) - grown).max()
+        assert missing < 1e-5 * abs(function(0.0)) + jump
+
+
+@every_law
+def test_the_range_is_one(name):
+    """Most of the work is done within three ranges, and a good part of it within one."""
+    law = made(name)
+    assert -law.energy(3 * RANGE) < 0.05 * WORK
+    assert -law.energy(RANGE) < 0.5 * WORK
+
+
+@every_law
+@pytest.mark.parametrize(("dtype", "tolerance"), [(np.float32, 2e-5), (np.float64, 1e-12)])
+def test_kernels_see_the_same_law(name, dtype, tolerance):
+    law = made(name)
+    g = np.linspace(0, 30 * RANGE, 5001).astype(dtype)
+    found = [np.empty_like(g) for _ in range(3)]
+    of_each_point(in_precision(law, np.dtype(dtype)), g, *found)
+    exact = g.astype(float)
+    for values, function in zip(found, (law.energy, law.traction, law.curvature), strict=True):
+        right = function(exact)
+        jumps = np.abs(np.abs(exact / RANGE - 1) - 0.1) < 1e-5  # of the ramp's curvature
+        wrong = np.abs(values - right)[~jumps]
+        assert (wrong <= tolerance * np.abs(right[~jumps]) + 1e-6 * tolerance * WORK).all()
+
+
+@every_law
+def test_units(name):
+    """In other units it is the same law."""
+    law, other = made(name), scaled(made(name), 5.0, 0.1)
+    g = gaps_of(law)
+    assert np.allclose(other.traction(g / 0.1) * 5.0, law.traction(g))
+    assert np.allclose(other.energy(g / 0.1) * 5.0 * 0.1, law.energy(g))
+
+
+class Bump(Law):
+    name = "bump"
+
+    def energy(self, g):
+        return -self.work * np.exp(-((g / self.range) ** 2))
+
+    def traction(self, g):
+        return -2 * g / self.range**2 * self.energy(g)
+
+    def curvature(self, g):
+        return (-2 / self.range**2 + (2 * g / self.range**2) ** 2) * self.energy(g)
+
+
+def test_a_law_that_is_not_concave_is_refused(monkeypatch):
+    monkeypatch.setattr(laws, "law_class", lambda name: Bump)
+    with pytest.raises(
+        SceneError, match=r'material.adhesion.law: found "bump".*allowed'
+    ) as refusal:
+        laws.law_named("bump", WORK, RANGE)
+    assert "\n" not in str(refusal.value)

@@ -1,0 +1,107 @@
+"""The stability of an equilibrium against the eigenvalue of dense matrices."""
+
+import numpy as np
+import oracle
+import pytest
+from scipy.linalg import eigh
+
+from hpc_gfmd.certificate.certificate import certify
+from hpc_gfmd.certificate.stability import stability_of
+from hpc_gfmd.laws import law_named
+from hpc_gfmd.operators.problem import Problem
+from hpc_gfmd.parallel.grid import Grid
+from hpc_gfmd.solvers.bpx import Bpx
+
+N = 24
+P0 = 0.05
+
+
+def wall(work, reach, name="exponential", dtype=np.float64):
+    """A random smooth wall, heights of order 1 and in grid spacings, with an attraction."""
+    z = np.fft.fft2(np.random.default_rng(1).standard_normal((N, N)))
+    q = np.hypot(*np.meshgrid(np.fft.fftfreq(N), np.fft.fftfreq(N), indexing="ij"))
+    z = np.fft.ifft2(z * np.exp(-((8 * q) ** 2))).real
+    h = ((z.max() - z) / z.std()).astype(dtype)
+    return Problem(Grid((N, N), (1.0, 1.0)), h, P0, attraction=law_named(name, work, reach))
+
+
+def begun(problem):
+    solver = Bpx(problem)
+    solver.start(np.maximum(problem.heights - 1.5, 0).astype(problem.dtype))
+    return solver
+
+
+def solved(problem):
+    """A solver at an equilibrium."""
+    solver = begun(problem)
+    for _ in range(500):
+        solver.step()
+        if solver.progress().residual < (1e-12 if problem.dtype == np.float64 else 1e-4):
+            break
+    return solver
+
+
+def stability(solver, **how):
+    return stability_of(solver.problem, solver.g, solver.p, solver.levels, **how)
+
+
+def dense(solver):
+    """K and the curvature of the energy on open points, and the least eigenvalue."""
+    is_open = ~((solver.g <= 0) & (solver.p > 0)).ravel()
+    K = oracle.stiffness(solver.grid.n, (N, N))[np.ix_(is_open, is_open)]
+    curvature = solver.problem.attraction.curvature(solver.g).ravel()[is_open]
+    return is_open, K, curvature, 1 + eigh(np.diag(curvature), K, eigvals_only=True)[0]
+
+
+@pytest.mark.parametrize("name", ["exponential", "cubic", "dugdale"])
+@pytest.mark.parametrize("work", [0.003, 0.02])
+def test_is_the_eigenvalue(name, work):
+    solver = solved(wall(work, 0.4, name))
+    is_open, K, curvature, exact = dense(solver)
+    found = stability(solver, tolerance=1e-7)
+    assert found.value == pytest.approx(exact, abs=2e-5)
+    assert found.lowest <= found.value
+    assert found.mode is not None
+    e = found.mode.ravel()[is_open]
+    assert (e @ (K @ e + curvature * e)) / (e @ K @ e) == pytest.approx(exact, abs=1e-4)
+    assert found.mode.sum() > 0
+
+
+@pytest.mark.parametrize("enough", [0.05, 0.3, 0.6, 2.0])
+def test_a_rough_answer_is_on_the_safe_side(enough):
+    solver = solved(wall(0.05, 0.4))
+    *_, exact = dense(solver)
+    found = stability(solver, enough=enough)
+    assert found.lowest <= exact + 1e-6
+    assert found.value >= exact - 1e-6
+
+
+def test_single_precision():
+    double, single = (solved(wall(0.05, 0.4, dtype=dtype)) for dtype in (np.float64, np.float32))
+    assert stability(single).value == pytest.approx(stability(double).value, abs=0.05)
+
+
+def test_beyond_the_range_there_is_nothing_to_lose():
+    found = stability(solved(wall(1e-3, 1e-3, "cubic")))
+    assert found.value == pytest.approx(1, abs=0.2)
+    assert found.value <= 1
+
+
+def test_the_certificate_is_one_of_the_equilibrium():
+    """The duality gap bounds the distance to the contact with the same attraction at each point;
+    over the stability, to first order, that to the equilibrium."""
+    problem = wall(0.05, 0.4)
+    exact, rough = solved(problem), begun(problem)
+    K = oracle.stiffness(problem.grid.n, (N, N))
+    for _ in range(200):
+        rough.step()
+        e = (rough.g - exact.g).ravel()
+        distance = np.sqrt(e @ K @ e)
+        if distance < 1e-3 * np.sqrt(exact.uKu):
+            break
+    g, p = rough.g.copy(), np.empty_like(rough.p)
+    certificate = certify(problem, g, p, rough.levels, dual=True)
+    wall_load = problem.p0 + certificate.attraction
+    bound = np.sqrt(2 * certificate.duality_gap * wall_load * certificate.gap_mean * N * N)
+    *_, s = dense(exact)
+    assert 1e-12 < distance <= 1.02 * bound / s
