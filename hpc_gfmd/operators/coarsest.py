@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..kernels.multilevel import sweep_levels
 from ..parallel.coarsening import Level, axis_mode, axis_tables
@@ -41,9 +42,9 @@ class CoarsestLevels:
         self,
         levels: Sequence[Level],
         weights: np.ndarray,
-        softness: np.ndarray,
+        softness: ArrayLike,
         fields: int = 2,
-        nominal: Sequence[tuple[np.ndarray, np.ndarray]] | None = None,
+        nominal: Sequence[Sequence[np.ndarray]] | None = None,
     ):
         dtype = weights.dtype
         shapes = [level.n for level in levels]
@@ -71,7 +72,7 @@ class CoarsestLevels:
             for axis in (0, 1)
         )
         if nominal is None:
-            nominal = [(np.ones(n_x), np.ones(n_y)) for n_x, n_y in shapes[:-1]]
+            nominal = [[np.ones(n_x), np.ones(n_y)] for n_x, n_y in shapes[:-1]]
         self._tables = (
             np.concatenate([J_x + np.int32(1) for J_x, _ in rows]),
             np.concatenate([f_x for _, f_x in rows]),

@@ -83,7 +83,7 @@ class Multilevel:
         self.grid = grid
         self.comm = grid.comm
         self.dtype: np.dtype = np.dtype(dtype)
-        self.damping = self.dtype.type(DAMPING)
+        self.damping = np.array([DAMPING], self.dtype)[0]
         hierarchy = self.hierarchy = grid.once(
             (Hierarchy, body, self.dtype, coarsest_points),
             lambda: Hierarchy(grid, body, self.dtype, coarsest_points),
