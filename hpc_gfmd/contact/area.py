@@ -78,7 +78,19 @@ def a_r_discretisation(contact: Contact) -> float:
 
 
 def kappa(area: Callable[[Contact], float | None], contact: Contact) -> float | None:
-    """Return an area over p_star."""
+    """Return an area over p_star.
+
+    Parameters
+    ----------
+    area : callable
+        Of a Contact: a relative contact area, or None.
+    contact : Contact
+
+    Returns
+    -------
+    float or None
+        None where the area has no value, and on a flat surface.
+    """
     value = area(contact) if contact.g_rms > 0 else None
     return None if value is None else value / contact.p_star
 
