@@ -147,7 +147,7 @@ class Contact:
         scale, unit = prefixed([pressure], "Pa")
         share = self.E_star / pressure
         return (
-            f"mean contact pressure {pressure / scale:.2g} {unit} = E*/{share:.2g}: metals yield"
+            f"mean contact pressure {pressure / scale:.3g} {unit} = E*/{share:.2g}: metals yield"
             f" from about E*/{YIELDS_AT}; material.hardness"
         )
 

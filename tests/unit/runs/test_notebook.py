@@ -280,8 +280,8 @@ def test_a_save_that_ctrl_c_ends_leaves_nothing(saved, tmp_path, monkeypatch):
 
 
 def test_it_says_what_it_is(sweep):
-    assert repr(sweep[1]).startswith(f"<Solution: a_r = {100 * sweep[1].a_r:.2f}"[:24])
-    assert "(grid), p = 30 MPa, mean gap = " in repr(sweep[1])
+    assert repr(sweep[1]).startswith(f"<Solution: a_r = {100 * sweep[1].a_r:.0f} +- ")
+    assert "%, p = 30 MPa, mean gap = " in repr(sweep[1])
     assert "\n" not in repr(sweep[1])
     assert all(f"p = {load}" in repr(sweep) for load in LOADS)
     assert all(word in sweep._repr_html_() for word in ("<table", "a_r", "[MPa]", "24 x 20 points"))
