@@ -5,6 +5,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
+from .adhesion import Adhesion
 from .table import (
     DISTINCT,
     FRACTION,
@@ -15,7 +16,6 @@ from .table import (
     POSITIVES,
     SWITCH,
     Coordinate,
-    Force,
     Fraction,
     Length,
     Loads,
@@ -24,6 +24,9 @@ from .table import (
     Positive,
     Pressure,
     Share,
+    Signed,
+    SignedForce,
+    SignedPressure,
     Table,
     Text,
     Whole,
@@ -41,6 +44,7 @@ Fields = Annotated[
 ]
 POISSON = "a number above -1 and up to 0.5"
 NAMES = "a list of names, each once"
+PULLING = "with material.adhesion also 0 and below"
 
 
 def _effective_modulus(given: dict) -> float:
@@ -108,6 +112,14 @@ class Material(Table):
         said="none, elastic",
     )
 
+    adhesion: Adhesion | None = key(
+        "attraction of the two surfaces across the gap",
+        "a table {work, range, law}",
+        None,
+        example={"work": "50 mJ/m2", "range": "2 nm", "law": "exponential"},
+        said="none",
+    )
+
     @model_validator(mode="after")
     def _one_way(self) -> Self:
         # E_star is in the set only if it was given, not if it was computed
@@ -163,12 +175,15 @@ class Load(Table):
     """The loads of a sweep, in order: mean pressures, or what the mean pressure has to give, which
     is then found."""
 
-    p_star: Loads[Positive] | None = key(
-        "mean pressures p0/(E* g_rms), solved in this order", POSITIVES, None, example=[0.01, 0.1]
+    p_star: Loads[Signed] | None = key(
+        "mean pressures p0/(E* g_rms), solved in this order",
+        f"{POSITIVES}; {PULLING}",
+        None,
+        example=[0.01, 0.1],
     )
-    pressure: Loads[Pressure] | None = key(
-        "mean pressures instead of p_star; they push, so that they are positive",
-        'a number greater than 0, plain or as "20 MPa", or a list of them',
+    pressure: Loads[SignedPressure] | None = key(
+        "mean pressures instead of p_star; positive ones push",
+        f'a number greater than 0, plain or as "20 MPa", or a list of them; {PULLING}',
         None,
         unit="pressure",
         example=["2 MPa", "20 MPa"],
@@ -189,9 +204,9 @@ class Load(Table):
         None,
         example=[0.01, 0.1],
     )
-    force: Loads[Force] | None = key(
-        "forces on a surface with free edges",
-        'a number greater than 0, plain or as "5 mN", or a list of them',
+    force: Loads[SignedForce] | None = key(
+        "forces on a surface with free edges; positive ones push",
+        f'a number greater than 0, plain or as "5 mN", or a list of them; {PULLING}',
         None,
         unit="force",
         example="5 mN",
@@ -204,10 +219,16 @@ class Load(Table):
         unit="length",
         example="10 nm",
     )
+    branch: Literal["approach", "retraction"] = key(
+        "with material.adhesion, from which side a load is reached: from less contact, as the"
+        " surfaces come together, or from more, as they are pulled apart",
+        '"approach" or "retraction"',
+        "approach",
+    )
 
     @model_validator(mode="after")
     def _one(self) -> Self:
-        one_of(self, *type(self).model_fields)
+        one_of(self, *LOADS)
         return self
 
     @property
@@ -215,21 +236,25 @@ class Load(Table):
         """The key that is given, and its values."""
         return next(
             (name, values)
-            for name in type(self).model_fields
+            for name in LOADS
             if (values := getattr(self, name)) is not None
         )
 
     @property
     def found(self) -> bool:
         """Whether the pressures have to be found."""
-        return not (self.p_star or self.pressure or self.force)
+        return self.given[0] not in PRESSURES
 
     def p0(self, E_star: float, g_rms: float, area: float = 1.0) -> tuple[float, ...]:
         """Return the mean pressures, in the unit of E_star, on a surface of realised g_rms and an
         area; none where they have to be found."""
-        _, values = self.given
-        scale = E_star * g_rms if self.p_star else 1 / area if self.force else 1.0
+        name, values = self.given
+        scale = {"p_star": E_star * g_rms, "force": 1 / area}.get(name, 1.0)
         return () if self.found else tuple(float(value) * scale for value in values)
+
+
+PRESSURES = ("p_star", "pressure", "force")
+LOADS = tuple(name for name in Load.model_fields if name != "branch")  # one of them is given
 
 
 class Solver(Table):
