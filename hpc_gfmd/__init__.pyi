@@ -1,7 +1,11 @@
 # What the package offers: lazy_loader reads the names here, type checkers the types.
+from .output.interface_law import InterfaceLaw as InterfaceLaw
+from .output.law_files import read_law as read_law
+from .output.law_files import write_law as write_law
 from .parallel.guard import on_rank_0 as on_rank_0
 from .parallel.world import world as world
 from .plotting import plot as plot
+from .runs.interface_law import interface_law as interface_law
 from .runs.many import solve_many as solve_many
 from .runs.prepared import PreparedSurface as PreparedSurface
 from .runs.prepared import make_surface as make_surface

@@ -23,6 +23,7 @@ COMMANDS = (  # files of this folder, in the order in which --help lists them
     "run",
     "restart",
     "plan",
+    "law",
     "show",
     "plot",
     "export",

@@ -14,14 +14,19 @@ if TYPE_CHECKING:
 HELP = "the result table of a file"
 DESCRIPTION = """
 Print the results of a finished, running or interrupted run. Lengths are in the unit of the surface,
-pressures in the unit of E*. +- is the estimated error of the solver on its grid, a_r_discretisation
-the estimated error of a_r caused by the grid spacing."""
+pressures in the unit of E*. +- is the estimated error, of the contact area that of the solver and
+that caused by the grid spacing together."""
 
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Add the arguments of the command."""
     add_result_file(parser)
     add_json(parser, "a table")
+    parser.add_argument(
+        "--errors",
+        action="store_true",
+        help="show the errors of solver and grid apart, in columns of their own",
+    )
     parser.add_argument(
         "--tfc",
         metavar="TABLE",
@@ -41,7 +46,7 @@ def main(args: Namespace) -> int:
 
     result = read_result(args.file)
     data = as_dict(result)
-    text = as_text(result)
+    text = as_text(result, args.errors)
     if args.tfc is not None:
         from .limits import limits_text, to_limits
 
@@ -65,10 +70,17 @@ def as_dict(result: Result) -> dict:
     return {"surface": result.surface, "steps": result.steps, "status": result.status}
 
 
-def as_text(result: Result) -> str:
-    """Write head, table and remarks of a result."""
+def as_text(result: Result, errors: bool = False) -> str:
+    """Write head, table and remarks of a result.
+
+    Parameters
+    ----------
+    result : Result
+    errors : bool
+        Whether errors of solver and grid have columns of their own.
+    """
     from ..output.summary import surface_line
-    from ..runs.table import table
+    from ..runs.table import asked_of, table
 
     lines = [f"{result.path}: {result.status}"]
     if result.folder is not None:
@@ -76,7 +88,7 @@ def as_text(result: Result) -> str:
     if line := surface_line(result.surface):
         lines.append(line)
     if result.steps:
-        lines.append(table(result.numbered, result.surface))
+        lines.append(table(result.numbered, result.surface, asked_of(result), errors))
     else:
         lines.append("no finished load step yet")
     return "\n".join([*lines, *(f"note: {note}" for note in result.notes)])

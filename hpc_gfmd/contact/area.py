@@ -30,6 +30,12 @@ def a_r(contact: Contact) -> float:
     return contact.contact_points / contact.N
 
 
+def contact_area(contact: Contact) -> float:
+    """Return the contact area: a_r times the nominal area."""
+    L_x, L_y = contact.surface.sizes
+    return a_r(contact) * L_x * L_y
+
+
 def a_plastic(contact: Contact) -> float | None:
     """Return points at the hardness over all points; None without a hardness."""
     return None if contact.hardness is None else contact.certificate.yielded / contact.N
@@ -79,10 +85,14 @@ def kappa(area: Callable[[Contact], float | None], contact: Contact) -> float | 
 
 OBSERVABLES = {
     "a_r": Observable(a_r, "relative contact area: points in contact over all points"),
+    "contact_area": Observable(
+        contact_area, "contact area: a_r times the nominal area", "length^2"
+    ),
     "kappa": Observable(partial(kappa, a_r), "a_r/p_star"),
     "a_plastic": Observable(
         a_plastic,
         "share of the area where the pressure is the hardness: the part of a_r that yields",
+        absent="without material.hardness nothing yields",
         sources=("Almqvist, Tribol. Int. 40 (2007) 574, doi:10.1016/j.triboint.2005.11.008",),
     ),
     "a_r_corrected": Observable(

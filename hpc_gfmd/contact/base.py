@@ -20,12 +20,27 @@ Arrays = dict[str, np.ndarray]
 
 @dataclass(frozen=True)
 class Observable:
-    """A number of a contact; `of` returns None where it has no value; sources: papers, with DOI."""
+    """A number of a contact.
+
+    Attributes
+    ----------
+    of : callable
+        Of a Contact; returns None where the number has no value.
+    meaning : str
+        What the number is, a phrase.
+    unit : str
+        Product of "length", "pressure" and "force"; "" without dimension.
+    sources : tuple of str
+        Papers, with DOI.
+    absent : str
+        Why a contact may have no value, a phrase.
+    """
 
     of: Callable[[Contact], float | None]
     meaning: str
     unit: str = ""
     sources: tuple[str, ...] = ()
+    absent: str = ""
 
     def __call__(self, contact: Contact) -> float | None:
         return self.of(contact)

@@ -36,5 +36,7 @@ OBSERVABLES = {
         "contact conductance per nominal area, over 2 k1 k2/(k1 + k2) or 2/(rho1 + rho2)",
         "1/length",
         ("Barber, Proc. R. Soc. A 459 (2003) 53, doi:10.1098/rspa.2002.1038",),
+        absent="layers and coatings have none (heat passes through another body than pressure),"
+        " nor have full contact, no contact, and free edges along one axis alone",
     )
 }

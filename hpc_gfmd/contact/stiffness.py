@@ -24,6 +24,9 @@ def stiffness(contact: Contact) -> float | None:
 
 OBSERVABLES = {
     "stiffness": Observable(
-        stiffness, "-dp/d(gap_mean), the tangent of the load curve, positive", "pressure/length"
+        stiffness,
+        "-dp/d(gap_mean), the tangent of the load curve, positive",
+        "pressure/length",
+        absent="full contact has an infinite one, no contact has none",
     )
 }

@@ -13,11 +13,7 @@ def summary(step: dict, surface: dict) -> str:
     """Say what matters most of a step, in one line with units."""
     parts = []
     if step.get("a_r") is not None:
-        grid = step.get("a_r_discretisation")
-        parts.append(
-            f"a_r = {with_error(100 * step['a_r'], step.get('a_r_error'))} %"
-            + (f" (solver), +- {100 * grid:.2g} % of it (grid)" if is_number(grid) else "")
-        )
+        parts.append(f"a_r = {with_error(100 * step['a_r'], combined_error('a_r', step))} %")
     for name, key, unit, error in (
         ("p", "p", "pressure_unit", None),
         ("mean gap", "gap_mean", "unit", "gap_error"),
@@ -85,6 +81,20 @@ def with_error(value: float, relative: float | None) -> str:
         else f"{error / 10.0**scale:.0e}"
     )
     return f"{shown} +- {uncertain}" if scale == 0 else f"({shown} +- {uncertain})e{scale:+03d}"
+
+
+def combined_error(name: str, step: dict) -> float | None:
+    """Return the estimated relative error of a number of a load step; None where there is none.
+
+    That of the contact area is the sum of the solver's and of what the size of a grid point adds;
+    that of the mean gap is the solver's on its grid.
+    """
+    if name in ("a_r", "contact_area"):
+        parts = [step.get("a_r_error"), step.get("a_r_discretisation")]
+        numbers = [part for part in parts if is_number(part)]
+        return sum(numbers) if numbers else None
+    error = step.get("gap_error") if name == "gap_mean" else None
+    return error if is_number(error) else None
 
 
 def is_number(found: object) -> TypeGuard[float]:

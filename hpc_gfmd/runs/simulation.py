@@ -154,7 +154,7 @@ class _Run:
             )
         self._require_storable(*(load for load in self.loads if not isinstance(load, LoadTarget)))
         attributes = surface_attributes(scene, surface)
-        self.table = GrowingTable(attributes)
+        self.table = GrowingTable(attributes, scene.output.observables or ())
         file.update(
             attributes,
             heights_of(surface) if "heights" in scene.output.fields else None,

@@ -203,7 +203,9 @@ def solve(
         contacts.clear()
         sweep = sweep_of(scene, make_surface)
         loads = sweep.pressures(scene.load)
-        table = GrowingTable(surface_attributes(scene, sweep.surface))
+        table = GrowingTable(
+            surface_attributes(scene, sweep.surface), scene.output.observables or ()
+        )
         for index, contact, seconds in solved(scene, sweep, loads, say):
             attributes = step_attributes(scene, index, contact, seconds)
             last["surface"], keeps = contact.surface, bool(scene.output.fields)

@@ -1,133 +1,188 @@
 """The result table: one line per load step, plain ASCII for terminals and batch logs, or HTML for
 notebooks."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from html import escape
+from math import isfinite
 from typing import Any
 
-from ..contact import all_numbers
+from ..contact import all_numbers, observables_named
 from ..output.read import Result
-from ..output.summary import converged, is_number, surface_line, with_error
+from ..output.summary import combined_error, converged, is_number, surface_line, with_error
+from ..util.errors import SceneError
 from ..util.quantities import in_units, prefixed
 
-ROOM = 9  # for the cells of rows that are not yet known
-LEGEND = (
-    "+-: estimated error of the solver on this grid; grid: estimated error of a_r by the size of a"
-    " grid point, % of a_r"
-)
+NARROWEST = 9  # width of columns whose later rows are not known yet
+LEGEND = "+-: estimated error; of a_r the solver's and the grid's together (--errors: apart)"
 
-# attribute: heading; left out where no step has it
-COLUMNS = {
+# attribute: heading; a column is left out where no step has a value
+TARGETS = {
     "target_gap_mean": "asked: gap",
     "target_gap_over_h_rms": "asked: gap/h_rms",
     "target_a_r": "asked: a_r",
     "target_force": "force",
     "target_approach": "asked: approach",
+}
+RESULTS = {
     "p_star": "p*",
     "p": "p",
     "a_r": "a_r",
-    "a_r_discretisation": "grid",
+    "contact_area": "contact area",
     "kappa": "kappa",
-    "kappa_corrected": "kappa_corrected",
+    "contact_pressure_mean": "mean p contact",
+    "contact_pressure_max": "max p",
     "gap_mean": "mean gap",
     "approach": "approach",
     "gap_over_h_rms": "gap/h_rms",
-    "stiffness": "stiffness",
-    "patches": "patches",
-    "patch_largest": "patch_largest",
-    "perimeter": "perimeter",
-    "pressure_error": "error of p",
-    "iterations": "iter.",
-    "fft_pairs": "FFT pairs",
-    "wall_seconds": "time",
-    "precision": "precision",
-    "status": "status",
 }
-ERRORS = {"a_r": "a_r_error", "gap_mean": "gap_error"}  # estimated relative ones
-DIGITS = {
-    "a_r_discretisation": ".2g",
-    "pressure_error": ".2g",
-    "fft_pairs": ".1f",
-    "wall_seconds": ".3g",
+ERRORS = {
+    "a_r_error": "a_r: solver",
+    "a_r_discretisation": "a_r: grid",
+    "gap_error": "gap: solver",
+    "pressure_error": "p: solver",
 }
-PER_CENT = {"a_r": "% +- solver", "a_r_discretisation": "%", "pressure_error": "%"}
+EFFORT = {"fft_pairs": "FFT pairs", "wall_seconds": "time", "status": "status"}
+FORMATS = {"fft_pairs": ".1f", "wall_seconds": ".3g", **dict.fromkeys(ERRORS, ".2g")}
+PER_CENT = ("a_r", *ERRORS)
 
 
-def table(steps: Mapping[int, dict], surface: dict) -> str:
-    """Write the table of steps, by number the attributes of the result file; surface: those of its
-    surface, which know the units.
+def table(
+    steps: Mapping[int, dict], surface: dict, asked: Iterable[str] = (), errors: bool = False
+) -> str:
+    """Return the table of load steps.
 
-    Errors stand behind +- in the unit of their column: those of the solver. What the size of a grid
-    point adds to that of a_r has a column of its own. A step that did not converge has a ! before
-    its number and a line of its own below the table, as has a step with a `note`.
+    Parameters
+    ----------
+    steps : dict of int to dict
+        Attributes of the result file, by number of the step.
+    surface : dict
+        Attributes of the surface, which know the units.
+    asked : iterable of str
+        Observables that the scene names: each has a column, and where it has no value a line below
+        the table says why.
+    errors : bool
+        Whether the errors of solver and grid have columns of their own.
+
+    Returns
+    -------
+    str
+        Estimated errors stand behind +-. A step that did not converge has a ! before its number and
+        a line of its own below the table, as has a step with a `note`.
     """
-    return "\n".join([*_lines(cells(steps, surface)), *remarks(steps)])
+    asked = tuple(asked)
+    rows = cells(steps, surface, asked, errors)
+    return "\n".join([*_lines(rows), *remarks(steps, asked)])
 
 
 class GrowingTable:
-    """The same table, printed row by row as the steps of a surface finish."""
+    """The same table, printed row by row as the steps of a surface finish.
 
-    def __init__(self, surface: dict):
-        self._surface, self._steps = surface, dict[int, dict]()
+    Parameters
+    ----------
+    surface : dict
+        Attributes of the surface.
+    asked : iterable of str
+        Observables that the scene names.
+    """
+
+    def __init__(self, surface: dict, asked: Iterable[str] = ()):
+        self._surface = surface
+        self._asked = tuple(asked)
+        self._steps: dict[int, dict] = {}
         self._heading: list[list[str]] = []
 
     def add(self, steps: dict[int, dict]) -> str:
-        """Write rows of more steps, by their numbers; above them the headings where they are not
-        those that were written last, as in other units."""
+        """Return rows of more steps, by their numbers; above them the headings where these differ
+        from those that were written before, as in other units."""
         self._steps |= steps
-        rows = cells(self._steps, self._surface)
-        lines, same = _lines(rows, ROOM), rows[:2] == self._heading
-        self._heading = rows[:2]
-        return "\n".join([*(() if same else lines[:2]), *lines[-len(steps) :]])
+        rows = cells(self._steps, self._surface, self._asked)
+        lines = _lines(rows, NARROWEST)
+        heading = rows[:2]
+        shown = lines[-len(steps) :]
+        if heading != self._heading:
+            shown = [*lines[:2], *shown]
+        self._heading = heading
+        return "\n".join(shown)
 
     def end(self) -> list[str]:
-        """List what is said below the rows, a line each."""
-        return remarks(self._steps)
+        """Return what stands below the rows, a line each."""
+        return remarks(self._steps, self._asked)
 
 
-def _lines(rows: list[list[str]], least: int = 0) -> list[str]:
+def _lines(rows: list[list[str]], narrowest: int = 0) -> list[str]:
     """Write rows of cells, each column as wide as its widest cell, and at least so wide."""
-    widths = [max(least, *map(len, column)) for column in zip(*rows)]
+    widths = [max(narrowest, *map(len, column)) for column in zip(*rows)]
     lines = ("  ".join(map(str.rjust, row, widths)) for row in rows)
     return [line.rstrip() for line in lines]
 
 
 def html_table(result: Result, across: bool = True) -> str:
-    """Write HTML of what `table` says; across: a row for each step, otherwise a column."""
+    """Return what `table` says of a result as HTML.
+
+    Parameters
+    ----------
+    result : Result
+    across : bool
+        Whether a step is a row; otherwise it is a column.
+    """
     from pandas import DataFrame
 
-    steps, surface = result.numbered, result.surface
-    rows = DataFrame(cells(steps, surface))
+    steps = result.numbered
+    surface = result.surface
+    asked = asked_of(result)
+    rows = DataFrame(cells(steps, surface, asked))
     shown = (rows if across else rows.T[1:]).to_html(header=False, index=False, border=0)
     notes = (f"note: {note}" for note in result.notes)
-    below = [surface_line(surface), *remarks(steps), *notes]
+    below = [surface_line(surface), *remarks(steps, asked), *notes]
     return f"{shown}\n<small>{'<br>'.join(map(escape, below))}</small>"
 
 
-def cells(steps: Mapping[int, dict], surface: dict) -> list[list[str]]:
+def asked_of(result: Result) -> tuple[str, ...]:
+    """Return the observables that the scene of a result names; none of a foreign result."""
+    try:
+        return tuple(result.scene.output.observables or ())
+    except SceneError:
+        return ()
+
+
+def cells(
+    steps: Mapping[int, dict], surface: dict, asked: Sequence[str] = (), errors: bool = False
+) -> list[list[str]]:
     """Return the table as rows of texts: headings, units, and one row per step."""
-    marked = (f"{'! ' * (not converged(step))}{k}" for k, step in steps.items())
+    named = {name: name for name in observables_named(asked)}
+    headings = TARGETS | RESULTS | named | (ERRORS if errors else {}) | EFFORT
+    headings |= {name: RESULTS[name] for name in named if name in RESULTS}
+    marked = (f"{'' if converged(step) else '! '}{k}" for k, step in steps.items())
     columns = [["step", "", *marked]]
-    for key, name in COLUMNS.items():
-        found = [step.get(key) for step in steps.values()]
-        # a file that another program wrote may hold anything
-        values = [x if isinstance(x, int | float | str) else None for x in found]
-        if any(value is not None for value in values):
-            scale, heading = _scale(key, list(filter(is_number, values)), surface)
-            shown = (_cell(key, value, scale, step) for value, step in zip(values, steps.values()))
-            columns.append([name, heading, *shown])
+    for key, heading in headings.items():
+        values = [_shown_value(step.get(key)) for step in steps.values()]
+        if key in named or any(value is not None for value in values):
+            scale, unit = _scale(key, list(filter(is_number, values)), surface)
+            texts = (
+                _cell(key, value, scale, step)
+                for value, step in zip(values, steps.values(), strict=True)
+            )
+            columns.append([heading, unit, *texts])
     return [list(row) for row in zip(*columns)]
 
 
+def _shown_value(value: Any) -> float | str | None:
+    """Return a number or a text as it is, anything else as none: another program may have written
+    the file."""
+    return value if isinstance(value, int | float | str) else None
+
+
 def _scale(key: str, values: list[float], surface: dict) -> tuple[float, str]:
-    """Return (scale, heading) of a column: with the prefix that suits its largest value where the
+    """Return (scale, unit) of a column: with the prefix that suits its largest value where the
     surface knows the unit, a_r and errors in per cent."""
     if key in PER_CENT:
-        return 0.01, f"[{PER_CENT[key]}]"
+        return 0.01, "[%]"
     unit = all_numbers()[key][1]
     named = in_units(unit, surface)
     if named in ("", "1", unit):
         return 1.0, unit and f"[{unit.replace('pressure', 'E*')}]"
+    if named.startswith("1/"):
+        return 1.0, f"[{named}]"
     base, square, _ = named.partition("^2")
     scale, name = prefixed([abs(value) ** 0.5 for value in values] if square else values, base)
     return (scale**2 if square else scale), f"[{name}{square}]"
@@ -136,24 +191,35 @@ def _scale(key: str, values: list[float], surface: dict) -> tuple[float, str]:
 def _cell(key: str, value: Any, scale: float, step: dict) -> str:
     if value is None or isinstance(value, str):
         return value or "-"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
     value = value if scale == 1 else value / scale
-    if how := DIGITS.get(key):
-        return f"{value:{how}}" if value < 1000 else f"{value:.0f}"
-    error = step.get(ERRORS.get(key, ""))
-    error = error if is_number(error) else None
+    if number_format := FORMATS.get(key):
+        return f"{value:{number_format}}" if value < 1000 else f"{value:.0f}"
+    error = combined_error(key, step)
     return with_error(value, error) if isinstance(value, float) or error else str(value)
 
 
-def remarks(steps: Mapping[int, dict]) -> list[str]:
-    """List what to say below the table, a line each."""
-    remarks = [LEGEND] if any("a_r_discretisation" in step for step in steps.values()) else []
-    said: dict[str, list[str]] = {}
+def remarks(steps: Mapping[int, dict], asked: Sequence[str] = ()) -> list[str]:
+    """Return what stands below the table, a line each."""
+    lines = [LEGEND] if any("a_r_discretisation" in step for step in steps.values()) else []
+    numbers_of_note: dict[str, list[str]] = {}
     for index, step in steps.items():
         if not converged(step):
             status = step.get("status", "unknown")
-            remarks.append(f"! step {index}: NOT CONVERGED ({status}), less accurate than asked")
+            lines.append(f"! step {index}: NOT CONVERGED ({status}), less accurate than asked")
         if step.get("note"):
-            said.setdefault(step["note"], []).append(f"{index}")
-    return remarks + [
-        f"  step{'s' * (len(found) > 1)} {', '.join(found)}: {note}" for note, found in said.items()
+            numbers_of_note.setdefault(step["note"], []).append(f"{index}")
+    for name, observable in observables_named(asked).items():
+        without = [f"{index}" for index, step in steps.items() if not _has_value(step.get(name))]
+        if without and observable.absent:
+            reason = f"{name} has no value: {observable.absent}"
+            numbers_of_note[reason] = without
+    return lines + [
+        f"  step{'s' * (len(numbers) > 1)} {', '.join(numbers)}: {note}"
+        for note, numbers in numbers_of_note.items()
     ]
+
+
+def _has_value(value: Any) -> bool:
+    return value is not None and not (isinstance(value, float) and not isfinite(value))

@@ -13,9 +13,9 @@ def test_table_marks_what_did_not_converge():
         {0: STEP, 1: STEP | {"status": "stagnated", "note": "fewer than 100 points touch"}}, {}
     )
     header, units, first, second, *remarks = text.splitlines()
-    assert header.split() == ["step", "p*", "p", "a_r", "iter.", "status"]
+    assert header.split() == ["step", "p*", "p", "a_r", "status"]
     assert "[E*]" in units
-    assert first.split() == ["0", "0.1", "0.1", "25.00", "+-", "0.03", "7", "converged"]
+    assert first.split() == ["0", "0.1", "0.1", "25.00", "+-", "0.03", "converged"]
     assert second.split()[:2] == ["!", "1"]
     assert remarks == [
         "! step 1: NOT CONVERGED (stagnated), less accurate than asked",
@@ -36,7 +36,25 @@ def test_rows_come_as_steps_finish():
 
 def test_one_line_has_both_errors_as_the_table_has():
     said = summary(STEP | {"a_r": 0.01184, "a_r_error": 0.0, "a_r_discretisation": 0.11}, SURFACE)
-    assert said.startswith("a_r = 1.184 +- 0 % (solver), +- 11 % of it (grid), p = 0.1")
+    assert said.startswith("a_r = 1.2 +- 0.1 %, p = 0.1")
+    text = table({0: STEP | {"a_r_error": 0.02, "a_r_discretisation": 0.11}}, {}, errors=True)
+    heading, _, row, *_ = (line.split("  ") for line in text.splitlines())
+    assert "25 +- 3" in [cell.strip() for cell in row]
+    columns = [cell.strip() for cell in heading if cell.strip()]
+    assert {"a_r: solver", "a_r: grid"} <= set(columns)
+
+
+def test_what_was_asked_for_has_a_column_or_a_reason():
+    step = STEP | {"stiffness": 3.0, "gap_spans_x": True}
+    text = table({0: step}, {}, ["stiffness", "conductance", "gap_spans_x"])
+    heading, _, row, *below = text.splitlines()
+    shown = dict(zip(heading.split()[4:], row.split()[6:], strict=False))
+    assert shown["stiffness"] == "3"
+    assert shown["conductance"] == "-"
+    assert "yes" in row
+    (reason,) = (line for line in below if "conductance" in line)
+    assert "step 0" in reason
+    assert "stiffness" not in "".join(below)
 
 
 @pytest.mark.parametrize(

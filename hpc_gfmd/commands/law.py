@@ -1,0 +1,156 @@
+"""`hpc-gfmd law`: the law of an interface, for other programs."""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser, Namespace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..util.errors import SceneError
+from .common import add_file, add_json, add_overrides, add_quiet, as_json
+
+if TYPE_CHECKING:
+    from ..output.interface_law import InterfaceLaw
+
+HELP = "area, gap, stiffness, conductance against pressure, for finite elements"
+DESCRIPTION = """
+Find the law of the interface of a scene, whose loads and output do not count: contact area, mean
+gap, stiffness, conductance and critical gap against the mean pressure, with errors, from as few
+loads as an interpolation to the asked error needs. Several scenes, or several seeds of one, give
+the mean and its scatter. Files: .csv (all, with units), .inp (CalculiX and Abaqus: *SURFACE
+BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR and *GAP CONDUCTANCE), .i (functions of MOOSE)."""
+
+
+def share(text: str) -> float:
+    """Read a share, such as 1% or 0.01; raises ValueError for any other text."""
+    percent = text.strip().removesuffix("%")
+    return float(percent) / 100 if percent != text.strip() else float(percent)
+
+
+def add_arguments(parser: ArgumentParser) -> None:
+    """Add the arguments of the command."""
+    add_file(parser, "scene", metavar="SCENE.toml", nargs="+", help="scene files")
+    parser.add_argument(
+        "--from", dest="start", metavar="P", required=True, help='lowest mean pressure, as "1 MPa"'
+    )
+    parser.add_argument(
+        "--to", dest="stop", metavar="P", required=True, help='highest mean pressure, as "1 GPa"'
+    )
+    parser.add_argument(
+        "--error",
+        type=share,
+        default=0.01,
+        metavar="SHARE",
+        help="largest deviation of a further load from the law, as 1%% (default) or 0.01",
+    )
+    parser.add_argument(
+        "--realisations",
+        type=int,
+        default=1,
+        metavar="N",
+        help="number of seeds of a self-affine surface",
+    )
+    parser.add_argument(
+        "--quantities",
+        metavar="NAME",
+        nargs="+",
+        help="numbers of a load; default: a_r, gap_mean, stiffness, conductance, critical_gap_x,"
+        " critical_gap_y",
+    )
+    parser.add_argument(
+        "--conductivity",
+        type=float,
+        nargs="+",
+        metavar="K",
+        help="thermal conductivity of the bodies, one or two numbers, in W/(m K) with lengths in m:"
+        " puts the conductance into files for finite elements",
+    )
+    parser.add_argument(
+        "--name", default="ROUGH", help="name of the surface interaction (default: ROUGH)"
+    )
+    add_file(
+        parser,
+        "-o",
+        "--output",
+        action="append",
+        default=[],
+        metavar="FILE",
+        help="file that ends in .csv, .inp or .i; may be repeated",
+    )
+    add_overrides(parser, "change a setting of the scenes: table.key=value")
+    parser.add_argument("--force", action="store_true", help="replace files that exist")
+    add_json(parser, "a table")
+    add_quiet(parser)
+
+
+def main(args: Namespace) -> int:
+    """Find a law, print it and write its files."""
+    from ..output.interface_law import QUANTITIES
+    from ..output.law_files import harmonic_mean, require_suffix, write_law
+    from ..parallel.guard import on_rank_0
+    from ..parallel.world import world
+    from ..runs.interface_law import interface_law
+    from ..scene import load_scene
+
+    comm = world()
+    conductivity = None if args.conductivity is None else harmonic_mean(args.conductivity)
+
+    def scenes() -> list:
+        for path in args.output:
+            require_suffix(path)
+            if Path(path).exists() and not args.force:
+                raise SceneError(f"{path}: exists, allowed: another name, or --force")
+        return [load_scene(path, args.set) for path in args.scene]
+
+    law = interface_law(
+        on_rank_0(comm, "reading the scenes", scenes),
+        args.start,
+        args.stop,
+        args.error,
+        quantities=args.quantities or QUANTITIES,
+        realisations=args.realisations,
+        progress=not (args.quiet or args.json),
+        comm=comm,
+    )
+
+    def write() -> None:
+        for path in args.output:
+            write_law(law, path, conductivity, args.name)
+
+    on_rank_0(comm, "writing the law", write)
+    if comm.rank == 0 and not args.quiet:
+        print(as_json(as_dict(law)) if args.json else as_text(law))
+        for path in args.output if not args.json else ():
+            print(f"law: {path}")
+    return 0
+
+
+def as_dict(law: InterfaceLaw) -> dict:
+    """Return the law under the names of its CSV file."""
+    table = law.to_dataframe()
+    columns = {name: table[name].tolist() for name in table}
+    return {
+        "about": list(law.about),
+        "gap_at_touch": law.gap_at_touch,
+        "surfaces": law.surfaces,
+        "units": table.attrs["units"],
+        "law": columns,
+    }
+
+
+def as_text(law: InterfaceLaw) -> str:
+    """Write the law as a table: values with their errors, in units."""
+    from ..output.summary import with_error
+
+    headings = ["pressure", *law.values]
+    units = [law.units[name] for name in headings]
+    rows = [headings, ["" if unit in ("", "1") else f"[{unit}]" for unit in units]]
+    for k, pressure in enumerate(law.pressure):
+        numbers = (
+            with_error(float(values[k]), float(law.errors[name][k]))
+            for name, values in law.values.items()
+        )
+        rows.append([f"{pressure:.4g}", *numbers])
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    lines = ["  ".join(map(str.rjust, row, widths)).rstrip() for row in rows]
+    return "\n".join([*law.about, *lines])

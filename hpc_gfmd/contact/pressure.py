@@ -1,0 +1,29 @@
+"""The pressure where the surfaces touch: its mean and its largest value."""
+
+from .base import Contact, Observable
+
+
+def contact_pressure_mean(contact: Contact) -> float | None:
+    """Return the load over the contact area, in the unit of E_star; None where nothing touches."""
+    if contact.contact_points == 0:
+        return None
+    return contact.p_mean * contact.N / contact.contact_points
+
+
+def contact_pressure_max(contact: Contact) -> float:
+    """Return the largest pressure of a grid point, in the unit of E_star. Collective."""
+    grid = contact.grid
+    largest = grid.by_rows(
+        lambda i0, i1: float(contact.pressure_rows(i0, i1).max(initial=0.0)), grid.inside[0]
+    )
+    return float(grid.comm.max([max(largest, default=0.0)])[0]) * contact.pressure_unit
+
+
+OBSERVABLES = {
+    "contact_pressure_mean": Observable(
+        contact_pressure_mean, "mean pressure where the surfaces touch: p/a_r", "pressure"
+    ),
+    "contact_pressure_max": Observable(
+        contact_pressure_max, "largest pressure of a grid point", "pressure"
+    ),
+}

@@ -1,0 +1,191 @@
+"""The law of an interface: contact area, gap, stiffness and conductance against the mean pressure,
+each with an error, as other programs read it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+
+from ..util.errors import SceneError
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+QUANTITIES = ("a_r", "gap_mean", "stiffness", "conductance", "critical_gap_x", "critical_gap_y")
+
+
+@dataclass(frozen=True, eq=False)
+class InterfaceLaw:
+    """Quantities of a rough interface against the mean pressure.
+
+    Attributes
+    ----------
+    pressure : ndarray, shape (k,)
+        Mean pressures over the nominal area, ascending, in `units["pressure"]`.
+    values : dict of str to ndarray, shape (k,)
+        Quantities by their names in a result file; means over the surfaces where there are several.
+        nan where a quantity has no value (the stiffness of full contact).
+    errors : dict of str to ndarray, shape (k,)
+        Relative errors of `values`: of the solver, of the grid where it is estimated (a_r), and of
+        the interpolation beside the pressure.
+    scatter : dict of str to ndarray, shape (k,)
+        Standard deviations over the surfaces, in the units of `values`; 0 of a single surface.
+    gap_at_touch : float
+        Mean gap at which the highest point touches, where the pressure is 0.
+    units : dict of str to str
+        Of "pressure" and of each quantity: "Pa", "m", "1/m", ...; "1" without dimension, "" where
+        the unit has no name.
+    surfaces : int
+        Number of surfaces that the law is a mean of.
+    about : tuple of str
+        What the law is of, a line each.
+    """
+
+    pressure: np.ndarray
+    values: Mapping[str, np.ndarray]
+    errors: Mapping[str, np.ndarray]
+    scatter: Mapping[str, np.ndarray]
+    gap_at_touch: float
+    units: Mapping[str, str]
+    surfaces: int = 1
+    about: tuple[str, ...] = ()
+
+    def __call__(self, name: str, pressure: Any) -> Any:
+        """Interpolate a quantity.
+
+        Parameters
+        ----------
+        name : str
+            One of `values`.
+        pressure : float or array_like
+            In `units["pressure"]`, within the range of the law.
+
+        Returns
+        -------
+        float or ndarray
+            In `units[name]`.
+
+        Raises
+        ------
+        SceneError
+            For an unknown quantity, and for pressures outside the law.
+        """
+        if name not in self.values:
+            raise SceneError(
+                f"name: found {name!r}, allowed: one of {', '.join(map(repr, self.values))}"
+            )
+        pressure = np.asarray(pressure, dtype=float)
+        low = self.pressure[0]
+        high = self.pressure[-1]
+        outside = pressure[~((pressure >= low * (1 - 1e-12)) & (pressure <= high * (1 + 1e-12)))]
+        if outside.size:
+            raise SceneError(
+                f"pressure: found {outside.flat[0]:g}, allowed: {low:g} to {high:g}, the range of"
+                " the law"
+            )
+        values = interpolate(self.pressure, self.values[name], pressure)
+        return float(values) if values.ndim == 0 else values
+
+    def sealing_pressure(self, axis: str = "x") -> float:
+        """Return the smallest pressure of the law at which the seal is tight.
+
+        Parameters
+        ----------
+        axis : {"x", "y"}
+            Direction of the flow.
+
+        Returns
+        -------
+        float
+            In `units["pressure"]`: the first pressure whose critical gap is 0. The law is refined
+            there until the pressure below it is nearer than the error that was asked for.
+
+        Raises
+        ------
+        SceneError
+            Where the law has no critical gap along the axis, or its range holds no tight load.
+        """
+        name = f"critical_gap_{axis}"
+        if name not in self.values:
+            raise SceneError(f"axis: found {axis!r}, allowed: an axis whose {name} is in the law")
+        tight = np.flatnonzero(self.values[name] == 0)
+        if not tight.size or tight[0] == 0:
+            open_or_tight = "tight" if tight.size else "open"
+            raise SceneError(
+                f"sealing_pressure: found a seal that is {open_or_tight} along {axis} from"
+                f" {self.pressure[0]:g} to {self.pressure[-1]:g}, allowed: a law whose range holds"
+                " the load at which it closes"
+            )
+        return float(self.pressure[tight[0]])
+
+    def to_dataframe(self) -> DataFrame:
+        """Return a pandas table: a row for each pressure, columns of values, relative errors and
+        scatter; units by column in its `attrs`."""
+        from pandas import DataFrame
+
+        columns = {"pressure": self.pressure}
+        units = {"pressure": self.units["pressure"]}
+        for name, values in self.values.items():
+            columns[name] = values
+            columns[f"{name}_error"] = self.errors[name]
+            columns[f"{name}_scatter"] = self.scatter[name]
+            units |= {name: self.units[name], f"{name}_error": "1"}
+            units |= {f"{name}_scatter": self.units[name]}
+        table = DataFrame(columns)
+        table.attrs["units"] = units
+        return table
+
+    def __repr__(self) -> str:
+        unit = self.units["pressure"]
+        number = f", mean of {self.surfaces} surfaces" if self.surfaces > 1 else ""
+        return (
+            f"<law of an interface: {', '.join(self.values)} at {len(self.pressure)} pressures from"
+            f" {self.pressure[0]:.4g} to {self.pressure[-1]:.4g} {unit}".rstrip()
+            + f"{number}>"
+        )
+
+
+def interpolate(pressure: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Interpolate monotonically in the logarithm of the pressure.
+
+    Positive values are interpolated by their logarithms. Behind the last positive value, where a
+    seal has closed, the value is 0.
+
+    Parameters
+    ----------
+    pressure, values : ndarray, shape (k,)
+        Ascending pressures, and values that are 0 or positive; nan where there is none.
+    at : ndarray
+        Pressures within the range.
+
+    Returns
+    -------
+    ndarray
+        With the shape of `at`; nan beyond the values that exist.
+    """
+    exists = np.isfinite(values)
+    positive = exists & (values > 0)
+    result = np.full(np.shape(at), np.nan)
+    if exists.any():
+        first_zero = pressure[exists & ~positive].min(initial=np.inf)
+        result = np.where((at >= first_zero) & (at <= pressure[exists].max()), 0.0, result)
+    if positive.any():
+        inside = (at >= pressure[positive][0] * (1 - 1e-12)) & (
+            at <= pressure[positive][-1] * (1 + 1e-12)
+        )
+        if positive.sum() == 1:
+            curve = np.full(np.shape(at), values[positive][0])
+        else:
+            logarithm = PchipInterpolator(np.log(pressure[positive]), np.log(values[positive]))
+            within = np.clip(at, pressure[positive][0], pressure[positive][-1])
+            curve = np.exp(logarithm(np.log(within)))
+        result = np.where(inside, curve, result)
+        # between the last open load and the first tight one the seal counts as open
+        gap = (at > pressure[positive][-1]) & ~np.isfinite(result)
+        if (exists & ~positive).any():
+            result = np.where(gap & (at < first_zero), values[positive][-1], result)
+    return result

@@ -1,0 +1,312 @@
+"""Files of the law of an interface: CSV with units, input of CalculiX and Abaqus, of MOOSE."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from io import StringIO
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+
+from ..util.atomic import atomic_write
+from ..util.errors import SceneError
+from .interface_law import InterfaceLaw, interpolate
+
+MOST_ROWS = 400  # CalculiX reads no longer table
+STRAIGHT = 1e-3  # relative deviation of straight lines from the law, in tables for finite elements
+FACT = re.compile(r"^[#* ]*(\w+) = ([-+.\deE]+)(?: (\S+))?$", re.MULTILINE)
+
+
+def write_law(
+    law: InterfaceLaw,
+    path: str | PathLike,
+    conductivity: float | Sequence[float] | None = None,
+    name: str = "ROUGH",
+) -> Path:
+    """Write a law in the format that the suffix of the path names.
+
+    Parameters
+    ----------
+    law : InterfaceLaw
+    path : path
+        ".csv": everything, with units. ".inp": CalculiX and Abaqus, `*SURFACE BEHAVIOR,
+        PRESSURE-OVERCLOSURE=TABULAR` and `*GAP CONDUCTANCE`. ".i": functions of MOOSE.
+    conductivity : float or pair of floats, optional
+        Thermal conductivities of the two bodies, in W/(m K) where lengths are in m: makes the
+        conductance of the law (1/length) one per area and kelvin. Without it finite elements get
+        no conductance.
+    name : str
+        Of the surface interaction.
+
+    Returns
+    -------
+    Path
+        That was written.
+
+    Raises
+    ------
+    SceneError
+        For another suffix, a law without a mean gap, and conductivities that are not positive.
+
+    Notes
+    -----
+    The overclosure is the mean gap at which the highest point touches less the mean gap: 0 where
+    the pressure is 0. The reference planes of the finite elements are the mean planes of the two
+    surfaces, moved apart by that gap. Tables of finite elements are read by straight lines; they
+    have so many rows that these deviate by less than 0.1 % of the overclosure.
+    """
+    path = Path(path)
+    require_suffix(path)
+    if conductivity is not None:
+        conductivity = harmonic_mean(conductivity)
+    text = WRITERS[path.suffix](law, conductivity, name)
+    with atomic_write(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+    return path
+
+
+def require_suffix(path: str | PathLike) -> None:
+    """Raise SceneError for a path whose suffix names no format of a law."""
+    if Path(path).suffix not in WRITERS:
+        raise SceneError(f"path: found {str(path)!r}, allowed: one in {', '.join(WRITERS)}")
+
+
+def harmonic_mean(conductivity: float | Sequence[float]) -> float:
+    """Return 2 k1 k2/(k1 + k2) of two conductivities, or the one that both bodies have.
+
+    Raises
+    ------
+    SceneError
+        For other numbers than one or two that are positive.
+    """
+    values = np.atleast_1d(np.asarray(conductivity, dtype=float))
+    if values.size not in (1, 2) or not (np.isfinite(values) & (values > 0)).all():
+        raise SceneError(
+            f"conductivity: found {conductivity!r}, allowed: one positive number, or two"
+        )
+    return float(values.size / np.sum(1 / values))
+
+
+def read_law(path: str | PathLike) -> InterfaceLaw:
+    """Read a law that `write_law` has written.
+
+    Parameters
+    ----------
+    path : path
+        ".csv", ".inp" or ".i". Those for finite elements hold the mean gap and the conductance
+        alone, without errors (nan).
+
+    Returns
+    -------
+    InterfaceLaw
+
+    Raises
+    ------
+    SceneError
+        For what is no law of an interface.
+    """
+    path = Path(path)
+    if path.suffix not in READERS:
+        raise SceneError(f"path: found {str(path)!r}, allowed: one in {', '.join(READERS)}")
+    try:
+        text = path.read_text(encoding="utf-8")
+        return READERS[path.suffix](text)
+    except OSError as error:
+        raise SceneError(f"{path}: {error.strerror}") from None
+    except (ValueError, KeyError, IndexError, AttributeError):
+        raise SceneError(
+            f"{path}: found no law of an interface, allowed: a file of hpc-gfmd law"
+        ) from None
+
+
+def finite_element_table(law: InterfaceLaw) -> tuple[np.ndarray, np.ndarray]:
+    """Return (pressure, overclosure) at which straight lines follow the law, from (0, 0) on.
+
+    Each interval between the loads of the law is halved until its straight line deviates from the
+    law by less than `STRAIGHT`; there are at most `MOST_ROWS` rows.
+    """
+    if "gap_mean" not in law.values:
+        raise SceneError("law: found no gap_mean, allowed for finite elements: a law that has it")
+
+    def overclosure(pressure: np.ndarray) -> np.ndarray:
+        return law.gap_at_touch - interpolate(law.pressure, law.values["gap_mean"], pressure)
+
+    pressure = law.pressure[np.isfinite(law.values["gap_mean"])]
+    while True:
+        middle = np.sqrt(pressure[1:] * pressure[:-1])
+        share = (middle - pressure[:-1]) / np.diff(pressure)
+        ends = overclosure(pressure)
+        straight = ends[:-1] + share * np.diff(ends)
+        curved = overclosure(middle)
+        coarse = np.abs(curved - straight) > STRAIGHT * curved
+        if not coarse.any() or pressure.size + coarse.sum() >= MOST_ROWS:
+            break
+        pressure = np.sort(np.concatenate([pressure, middle[coarse]]))
+    closure = overclosure(pressure)
+    rising = np.concatenate([[True], np.diff(np.maximum.accumulate(closure)) > 0])
+    rising &= closure > 0
+    return np.concatenate([[0.0], pressure[rising]]), np.concatenate([[0.0], closure[rising]])
+
+
+def _heading(law: InterfaceLaw, mark: str, conductivity: float | None = None) -> str:
+    unit = law.units.get("gap_mean", "")
+    facts = [f"gap_at_touch = {law.gap_at_touch!r} {unit}".rstrip(), f"surfaces = {law.surfaces}"]
+    if conductivity is not None:
+        facts.append(f"conductivity = {conductivity!r} W/(m.K)")
+    lines = ["law of an interface, by hpc-gfmd", *law.about, *facts]
+    return "".join(f"{mark} {line}\n" for line in lines)
+
+
+def _csv(law: InterfaceLaw, conductivity: float | None, name: str) -> str:
+    table = law.to_dataframe()
+    units = table.attrs["units"]
+    table.columns = [f"{column} [{units[column]}]" for column in table.columns]
+    # seventeen digits: what is read back is equal
+    return _heading(law, "#", conductivity) + table.to_csv(index=False, float_format="%.17g")
+
+
+def _inp(law: InterfaceLaw, conductivity: float | None, name: str) -> str:
+    pressure, closure = finite_element_table(law)
+    lines = [f"*SURFACE INTERACTION, NAME={name}"]
+    lines += ["*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR"]
+    lines += [f"{p:.9E}, {o:.9E}" for p, o in zip(pressure, closure, strict=True)]
+    if conductivity is not None:
+        lines += ["*GAP CONDUCTANCE, PRESSURE"]
+        rows = zip(*_conductance_rows(law, conductivity), strict=True)
+        lines += [f"{h:.9E}, {p:.9E}, 0." for p, h in rows]
+    return _heading(law, "**", conductivity) + "\n".join(lines) + "\n"
+
+
+def _moose(law: InterfaceLaw, conductivity: float | None, name: str) -> str:
+    pressure, closure = finite_element_table(law)
+    tables = {f"{name}_pressure_of_closure": (closure, pressure)}
+    if conductivity is not None:
+        tables[f"{name}_conductance_of_pressure"] = _conductance_rows(law, conductivity)
+    lines = ["[Functions]"]
+    for function, (x, y) in tables.items():
+        lines += [f"  [{function}]", "    type = PiecewiseLinear"]
+        lines += [f"    x = '{_numbers(x)}'", f"    y = '{_numbers(y)}'", "    extrap = false"]
+        lines += ["  []"]
+    return _heading(law, "#", conductivity) + "\n".join([*lines, "[]"]) + "\n"
+
+
+def _numbers(values: np.ndarray) -> str:
+    return " ".join(f"{value:.9E}" for value in values)
+
+
+def _conductance_rows(law: InterfaceLaw, conductivity: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return (pressure, conductance per area and kelvin) from (0, 0) on."""
+    if "conductance" not in law.values:
+        raise SceneError(
+            "conductivity: found with a law that has no conductance, allowed: with a half-space"
+        )
+    pressure, _ = finite_element_table(law)
+    conductance = interpolate(law.pressure, law.values["conductance"], pressure[1:])
+    exists = np.isfinite(conductance)
+    return (
+        np.concatenate([[0.0], pressure[1:][exists]]),
+        np.concatenate([[0.0], conductivity * conductance[exists]]),
+    )
+
+
+def _read_csv(text: str) -> InterfaceLaw:
+    from pandas import read_csv
+
+    table = read_csv(StringIO(text), comment="#")
+    units = {}
+    columns = {}
+    for heading in table.columns:
+        name, unit = re.fullmatch(r"(\w+) \[(.*)\]", heading).groups()  # type: ignore[union-attr]
+        units[name] = unit
+        columns[name] = table[heading].to_numpy(float)
+    pressure = columns.pop("pressure")
+    names = [name for name in columns if not name.endswith(("_error", "_scatter"))]
+    facts = _facts(text)
+    return InterfaceLaw(
+        pressure,
+        {name: columns[name] for name in names},
+        {name: columns[f"{name}_error"] for name in names},
+        {name: columns[f"{name}_scatter"] for name in names},
+        facts["gap_at_touch"],
+        {name: units[name] for name in ("pressure", *names)},
+        int(facts["surfaces"]),
+        _about(text),
+    )
+
+
+def _read_inp(text: str) -> InterfaceLaw:
+    tables: dict[str, list[list[float]]] = {}
+    rows: list[list[float]] = []
+    for line in text.splitlines():
+        if line.startswith("**"):
+            continue
+        if line.startswith("*"):
+            rows = tables.setdefault(line.partition(",")[0], [])
+        else:
+            rows.append([float(number) for number in line.split(",")])
+    conductance = [row[1::-1] for row in tables.get("*GAP CONDUCTANCE", ())]
+    return _of_finite_elements(text, tables["*SURFACE BEHAVIOR"], conductance)
+
+
+def _read_moose(text: str) -> InterfaceLaw:
+    functions = re.findall(r"\[(\w+)\]\s+type.*?x = '(.*?)'\s+y = '(.*?)'", text, re.DOTALL)
+    tables = {
+        function.rsplit("_", 2)[0].rsplit("_", 1)[1]: np.array([x.split(), y.split()], float).T
+        for function, x, y in functions
+    }
+    pressure = tables["pressure"][:, ::-1].tolist()
+    return _of_finite_elements(text, pressure, tables.get("conductance", np.empty((0, 2))).tolist())
+
+
+def _of_finite_elements(
+    text: str, behaviour: Sequence[Sequence[float]], conductance: Sequence[Sequence[float]]
+) -> InterfaceLaw:
+    """Make a law of rows (pressure, overclosure) and (pressure, conductance)."""
+    facts = _facts(text)
+    pressure, closure = np.array(behaviour[1:], float).T
+    values = {"gap_mean": facts["gap_at_touch"] - closure}
+    if conductance:
+        p, h = np.array(conductance[1:], float).T
+        values["conductance"] = np.interp(
+            pressure, p, h / facts["conductivity"], left=np.nan, right=np.nan
+        )
+    unknown = {name: np.full_like(pressure, np.nan) for name in values}
+    unit = re.search(r"gap_at_touch = \S+ (\S+)", text)
+    length = unit[1] if unit else ""
+    units = {"pressure": "Pa" if length == "m" else "", "gap_mean": length}
+    units["conductance"] = f"1/{length}" if length else ""
+    return InterfaceLaw(
+        pressure,
+        values,
+        unknown,
+        unknown,
+        facts["gap_at_touch"],
+        {name: units[name] for name in ("pressure", *values)},
+        int(facts["surfaces"]),
+        _about(text),
+    )
+
+
+def _facts(text: str) -> dict[str, float]:
+    return {name: float(number) for name, number, _ in FACT.findall(text)}
+
+
+def _about(text: str) -> tuple[str, ...]:
+    """Return the lines of the heading that are neither its first one nor facts."""
+    heading = [line for line in text.splitlines() if line.startswith(("#", "**"))]
+    lines = [re.sub(r"^[#*]+ ?", "", line) for line in heading]
+    return tuple(line for line in lines[1:] if not FACT.match(line))
+
+
+WRITERS: dict[str, Callable[[InterfaceLaw, float | None, str], str]] = {
+    ".csv": _csv,
+    ".inp": _inp,
+    ".i": _moose,
+}
+READERS: dict[str, Callable[[str], InterfaceLaw]] = {
+    ".csv": _read_csv,
+    ".inp": _read_inp,
+    ".i": _read_moose,
+}

@@ -1,0 +1,435 @@
+"""The law of an interface from as few loads as its interpolation needs: each interval of pressures
+is checked by a further load, and halved where that deviates."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
+from os import PathLike
+from typing import Any
+
+import numpy as np
+
+from ..contact import all_numbers
+from ..contact.contact import heights_of
+from ..output.interface_law import QUANTITIES, InterfaceLaw, interpolate
+from ..output.numbers import unit_of
+from ..output.summary import surface_line
+from ..parallel.comm import Comm
+from ..parallel.guard import on_rank_0
+from ..parallel.world import comm_of, threads_of, world
+from ..scene import Scene, load_scene
+from ..surface import build_surface, surface_size
+from ..surface.arrays import is_topography
+from ..util.errors import SceneError
+from ..util.quantities import Quantity, parse
+from .loads import check, solved, step_attributes, surface_attributes, sweep_of
+from .prepared import PreparedSurface, prepare_surface
+from .progress import Reporter
+from .solve import solve
+
+ACCURACY_SHARE = 0.1  # of the law's error: accuracy of its loads, so that it does not deviate by it
+Steps = list[dict[str, Any]]  # attributes of the loads of one surface
+Sampler = Callable[[list[float]], list[Steps]]  # of pressures, for each surface
+Pressures = Sequence[float | str]
+
+
+def interface_law(
+    surfaces: Any,
+    start: float | str,
+    stop: float | str,
+    error: float = 0.01,
+    *,
+    quantities: Sequence[str] = QUANTITIES,
+    realisations: int = 1,
+    progress: bool = False,
+    comm: Any = None,
+    **keys: Any,
+) -> InterfaceLaw:
+    """Find contact area, gap, stiffness, conductance and critical gap against the mean pressure.
+
+    Parameters
+    ----------
+    surfaces : array, PreparedSurface, Topography, path of a scene, or a list of them
+        What `solve` takes, or scenes, whose loads and output do not count. The law of several
+        surfaces is their mean, with its scatter. Collective for scenes.
+    start, stop : float or str
+        Range of mean pressures, in the unit of E_star, or with a unit as "1 MPa".
+    error : float
+        Largest relative deviation of a further load from the interpolated law.
+    quantities : sequence of str
+        Numbers of a load, by the names of the result file.
+    realisations : int
+        Of each scene with a self-affine surface: seeds `seed`, `seed` + 1, ...
+    progress : bool
+        Whether to print a line for each round of loads.
+    comm : communicator of mpi4py, optional
+        Of scenes; default: all processes that the launcher started.
+    **keys
+        Of surfaces that are no scenes: other arguments of `solve`, such as E_star and accuracy
+        (default: a tenth of `error`).
+
+    Returns
+    -------
+    InterfaceLaw
+        `write_law(law, "law.csv")`, `write_law(law, "law.inp")` write it for other programs.
+
+    Raises
+    ------
+    SceneError
+        For input that makes no sense, in one line, on all ranks.
+
+    Notes
+    -----
+    Values are interpolated monotonically (PCHIP) in log-log. An interval is accepted where the load
+    in its middle deviates by less than `error`, or by less than that load's own estimated error, or
+    where the interval itself is shorter than `error`, as at the load that closes a seal.
+
+    Examples
+    --------
+    >>> law = hpc_gfmd.interface_law(scan, "1 MPa", "1 GPa", E_star="110 GPa")
+    >>> law("conductance", 20e6)
+    """
+    low = _pressure(start, "start")
+    high = _pressure(stop, "stop")
+    if not low < high or isinstance(low, Quantity) != isinstance(high, Quantity):
+        raise SceneError(
+            f"start, stop: found {start} and {stop}, allowed: start below stop, both with units or"
+            " both plain"
+        )
+    if not 1e-4 <= error <= 0.5:
+        raise SceneError(f"error: found {error!r}, allowed: a number from 1e-4 to 0.5")
+    if not quantities or set(quantities) - set(all_numbers()):
+        unknown = sorted(set(quantities) - set(all_numbers()))
+        raise SceneError(f"quantities: found {unknown}, allowed: {', '.join(QUANTITIES)}")
+    sampler = _sampler(surfaces, quantities, error, realisations, keys, comm, progress)
+    unit = " Pa" if isinstance(low, Quantity) else ""
+
+    def sample(pressures: list[float]) -> list[Steps]:
+        return sampler([f"{p!r}{unit}" if unit else p for p in pressures])
+
+    curves = _Curves(quantities, error)
+    curves.refine(sample, float(low), float(high))
+    return curves.law(sampler.facts())
+
+
+class _Curves:
+    """Solved loads of all surfaces by pressure, and the deviations that further loads had.
+
+    Attributes
+    ----------
+    steps : dict of float to list of dict
+        Attributes of the load of each surface, by pressure.
+    deviations : dict of float to dict of str to float
+        Relative deviation of the law, before a load was part of it, by pressure and quantity.
+    """
+
+    def __init__(self, quantities: Sequence[str], error: float) -> None:
+        self.quantities = quantities
+        self.error = error
+        self.steps: dict[float, Steps] = {}
+        self.deviations: dict[float, dict[str, float]] = {}
+
+    def refine(self, sample: Sampler, low: float, high: float) -> None:
+        """Solve loads from low to high until each interval is accepted."""
+        middle = math.sqrt(low * high)
+        self._add([low, middle, high], sample)
+        pending = [(low, middle), (middle, high)]
+        while pending:
+            middles = [math.sqrt(a * b) for a, b in pending]
+            predicted = {
+                name: interpolate(*self.curve(name), np.array(middles)) for name in self.quantities
+            }
+            self._add(middles, sample)
+            halves = []
+            for k, (interval, middle) in enumerate(zip(pending, middles, strict=True)):
+                at_middle = {name: values[k] for name, values in predicted.items()}
+                if not self._accepts(interval, middle, at_middle):
+                    halves += [(interval[0], middle), (middle, interval[1])]
+            pending = halves
+
+    def _add(self, pressures: list[float], sample: Sampler) -> None:
+        of_surfaces = sample(sorted(pressures))
+        for k, pressure in enumerate(sorted(pressures)):
+            self.steps[pressure] = [steps[k] for steps in of_surfaces]
+
+    def _accepts(
+        self, interval: tuple[float, float], middle: float, predicted: Mapping[str, float]
+    ) -> bool:
+        """Note how far the law was from the load in the middle; return whether that is near."""
+        deviations = {}
+        accepted = True
+        for name in self.quantities:
+            solved_value = _mean(name, self.steps[middle])
+            if not math.isfinite(solved_value):
+                continue
+            scale = max(abs(solved_value), abs(predicted[name]))
+            deviation = abs(solved_value - predicted[name]) / scale if scale > 0 else 0.0
+            if math.isnan(deviation):  # the law begins or ends within the interval
+                deviation = math.inf
+            deviations[name] = deviation
+            ends = [_mean(name, self.steps[pressure]) for pressure in interval]
+            closes = min(ends) == 0 < max(ends)  # somewhere within the interval
+            accurate = deviation <= max(self.error, _own_error(name, self.steps[middle]))
+            accepted = accepted and accurate and not closes
+        self.deviations[middle] = deviations
+        return accepted or math.log(interval[1] / interval[0]) <= self.error
+
+    def curve(self, name: str) -> tuple[np.ndarray, np.ndarray]:
+        """Return (pressures, means over the surfaces) of a quantity."""
+        pressures = sorted(self.steps)
+        return np.array(pressures), np.array([_mean(name, self.steps[p]) for p in pressures])
+
+    def law(self, facts: Mapping[str, Any]) -> InterfaceLaw:
+        """Return the law; quantities without any value are left out, and it says why."""
+        pressures = sorted(self.steps)
+        about = list(facts["about"])
+        names = []
+        for name in self.quantities:
+            if np.isfinite(self.curve(name)[1]).any():
+                names.append(name)
+            else:
+                about.append(f"{name}: has no value on this body or surface")
+        failed = {
+            step["status"]: p for p in pressures for step in self.steps[p]
+            if step["status"] != "converged"
+        }  # fmt: skip
+        about += [f"a load at {p:g} is {status}" for status, p in failed.items()]
+        values = {name: self.curve(name)[1] for name in names}
+        return InterfaceLaw(
+            np.array(pressures),
+            values,
+            {name: self._errors(name, pressures) for name in names},
+            {name: np.array([_scatter(name, self.steps[p]) for p in pressures]) for name in names},
+            facts["gap_at_touch"],
+            {"pressure": facts["pressure_unit"]}
+            | {name: unit_of(name, facts["surface"], all_numbers()) for name in names},
+            len(self.steps[pressures[0]]),
+            tuple(about),
+        )
+
+    def _errors(self, name: str, pressures: Sequence[float]) -> np.ndarray:
+        """Return relative errors: each load's own, and the deviation of the intervals beside it."""
+        checked = [p for p in pressures if name in self.deviations.get(p, ())]
+        errors = []
+        for pressure in pressures:
+            below = [p for p in checked if p <= pressure]
+            above = [p for p in checked if p >= pressure]
+            beside = {*below[-1:], *above[:1]}
+            deviation = max((self.deviations[p][name] for p in beside), default=0.0)
+            errors.append(_own_error(name, self.steps[pressure]) + min(deviation, 1.0))
+        return np.array(errors)
+
+
+def _mean(name: str, steps: Steps) -> float:
+    values = [step.get(name) for step in steps]
+    return math.nan if None in values else float(np.mean(values))  # type: ignore[arg-type]
+
+
+def _scatter(name: str, steps: Steps) -> float:
+    values = [step.get(name) for step in steps]
+    if None in values:
+        return math.nan
+    return float(np.std(values, ddof=1)) if len(values) > 1 else 0.0  # type: ignore[arg-type]
+
+
+def _own_error(name: str, steps: Steps) -> float:
+    """Return the largest relative error that the solutions of a load estimate of a quantity."""
+    return max(_relative_error(name, step) for step in steps)
+
+
+def _relative_error(name: str, step: Mapping[str, Any]) -> float:
+    """Return the relative error of a number of one load, of the solver and of the grid.
+
+    A stiffness goes as the radii of the contact spots, so that it errs by half as much as their
+    area. A critical gap has the absolute error of the mean gap.
+    """
+    of_the_grid = float(step.get("a_r_discretisation") or 0.0)
+    if name == "a_r":
+        return float(step["a_r_error"]) + of_the_grid
+    if name in ("stiffness", "conductance"):
+        return float(max(step["gap_error"], step["pressure_error"])) + 0.5 * of_the_grid
+    if name.startswith("critical_gap"):
+        value = step.get(name)
+        return float(step["gap_error"] * step["gap_mean"] / value) if value else 0.0
+    if name.startswith("gap"):
+        return float(step["gap_error"])
+    return float(max(step["gap_error"], step["pressure_error"]))
+
+
+def _pressure(value: float | str, where: str) -> float:
+    """Return a positive pressure, of a number or of a text with a unit."""
+    try:
+        number = _plain_number(value)
+        if number is None:
+            number = parse(str(value), "pressure")
+    except (TypeError, ValueError) as error:
+        raise SceneError(
+            f'{where}: found {value!r}, {error}, allowed: a number, or as "20 MPa"'
+        ) from None
+    if not 0 < number < math.inf:
+        raise SceneError(f"{where}: found {value!r}, allowed: a positive mean pressure")
+    return number
+
+
+def _plain_number(value: float | str) -> float | None:
+    """Return a number that has no unit; None for a text that has one."""
+    try:
+        return float(value)
+    except ValueError:
+        return None
+
+
+def _sampler(
+    surfaces: Any,
+    quantities: Sequence[str],
+    error: float,
+    realisations: int,
+    keys: Mapping[str, Any],
+    comm: Any,
+    progress: bool,
+) -> _Heights | _Scenes:
+    """Return what solves loads of all surfaces."""
+    listed = list(surfaces) if isinstance(surfaces, list | tuple) else [surfaces]
+    if not listed:
+        raise SceneError("surfaces: found none, allowed: one surface, or a list of them")
+    scenes = [isinstance(surface, str | PathLike | Scene) for surface in listed]
+    if any(scenes):
+        if not all(scenes) or keys:
+            beside = f"{next(iter(keys))}=" if keys else "heights"
+            raise SceneError(
+                f"surfaces: found scenes beside {beside}, allowed: scenes alone, which say all"
+            )
+        return _Scenes(listed, quantities, error, realisations, comm, progress)
+    if realisations != 1:
+        raise SceneError("realisations: found with heights, allowed: with scenes")
+    return _Heights(listed, quantities, error, keys, progress)
+
+
+class _Heights:
+    """Solves loads of surfaces in memory, on this process."""
+
+    def __init__(
+        self,
+        surfaces: Iterable[Any],
+        quantities: Sequence[str],
+        error: float,
+        keys: Mapping[str, Any],
+        progress: bool,
+    ) -> None:
+        self.surfaces = [
+            prepare_surface(surface) if is_topography(surface) else surface for surface in surfaces
+        ]
+        asked = {"accuracy": ACCURACY_SHARE * error} if "residual" not in keys else {}
+        self.keys = asked | {"observables": list(quantities), "fields": ()} | dict(keys)
+        self.progress = progress
+        self.surface: dict[str, Any] = {}
+
+    def __call__(self, pressures: Pressures) -> list[Steps]:
+        """Return the attributes of all loads, for each surface."""
+        sampled = []
+        for surface in self.surfaces:
+            solutions = solve(surface, pressures, progress=self.progress, **self.keys)
+            self.surface = self.surface or solutions.result.surface
+            sampled.append(solutions.result.steps)
+        return sampled
+
+    def facts(self) -> dict[str, Any]:
+        """Return what the law says of its surfaces; after the first loads."""
+        heights = [s.heights if isinstance(s, PreparedSurface) else s for s in self.surfaces]
+        return {
+            "surface": self.surface,
+            "pressure_unit": self.surface.get("pressure_unit", ""),
+            "gap_at_touch": float(np.mean([np.max(z) - np.mean(z) for z in heights])),
+            "about": (surface_line(self.surface),),
+        }
+
+
+class _Scenes:
+    """Solves loads of scenes, on all ranks together."""
+
+    def __init__(
+        self,
+        scenes: Sequence[str | PathLike | Scene],
+        quantities: Sequence[str],
+        error: float,
+        realisations: int,
+        comm: Any,
+        progress: bool,
+    ) -> None:
+        self.comm: Comm = world() if comm is None else comm_of(comm)
+        self.quantities = quantities
+        self.accuracy = ACCURACY_SHARE * error
+        self.progress = progress
+        self.scenes = [
+            realisation
+            for scene in scenes
+            for realisation in on_rank_0(
+                self.comm, "reading the scene", partial(_realised, scene, realisations)
+            )
+        ]
+        self.surface: dict[str, Any] = {}
+        self.gaps: dict[int, float] = {}
+
+    def __call__(self, pressures: Pressures) -> list[Steps]:
+        """Return the attributes of all loads, for each surface. Collective."""
+        return [self._solve(k, scene, pressures) for k, scene in enumerate(self.scenes)]
+
+    def _solve(self, number: int, scene: Scene, pressures: Pressures) -> Steps:
+        tables = tomllib.loads(scene.to_toml())
+        tables["load"] = {"pressure": list(pressures)}
+        tables["output"] = {"observables": list(self.quantities)}
+        if "residual" not in tables["solver"]:
+            asked = tables["solver"].get("accuracy", self.accuracy)
+            tables["solver"]["accuracy"] = min(asked, self.accuracy)
+        at_pressures = Scene.from_dict(tables)
+        check(at_pressures)
+        n, _ = surface_size(scene.surface)
+        threads = threads_of(self.comm, scene.machine.threads, n[0] * n[1])
+        low_memory = scene.solver.low_memory
+
+        def make_surface(dtype: np.dtype) -> Any:
+            return build_surface(scene.surface, self.comm, dtype, threads, low_memory)
+
+        sweep = sweep_of(at_pressures, make_surface)
+        attributes = surface_attributes(at_pressures, sweep.surface)
+        self.surface = self.surface or attributes
+        if number not in self.gaps:
+            heights = heights_of(sweep.surface)[:]
+            total = float(self.comm.sum([float(np.sum(heights, dtype=float))])[0])
+            self.gaps[number] = -total / (n[0] * n[1])
+        say = Reporter(self.comm, at_pressures.solver, not self.progress)
+        loads = sweep.pressures(at_pressures.load)
+        return [
+            step_attributes(at_pressures, index, contact, seconds)
+            for index, contact, seconds in solved(at_pressures, sweep, loads, say)
+        ]
+
+    def facts(self) -> dict[str, Any]:
+        """Return what the law says of its surfaces; after the first loads."""
+        titles = [scene.title for scene in self.scenes if scene.title]
+        return {
+            "surface": self.surface,
+            "pressure_unit": self.surface.get("pressure_unit", ""),
+            "gap_at_touch": float(np.mean(list(self.gaps.values()))),
+            "about": (*titles[:1], surface_line(self.surface)),
+        }
+
+
+def _realised(scene: str | PathLike | Scene, realisations: int) -> list[Scene]:
+    """Return a scene with as many seeds as there are realisations."""
+    first = scene if isinstance(scene, Scene) else load_scene(scene)
+    if realisations == 1:
+        return [first]
+    if not hasattr(first.surface, "seed"):
+        raise SceneError(
+            f"realisations: found {realisations} of a surface without a seed, allowed: 1, or a"
+            " self-affine surface"
+        )
+    if realisations < 1:
+        raise SceneError(f"realisations: found {realisations}, allowed: a whole number from 1")
+    seeds = range(first.surface.seed, first.surface.seed + realisations)
+    surfaces = [first.surface.model_copy(update={"seed": seed}) for seed in seeds]
+    return [first.model_copy(update={"surface": surface}) for surface in surfaces]

@@ -1,0 +1,129 @@
+"""The law of an interface: interpolation, and files that are read back."""
+
+import numpy as np
+import pytest
+
+from hpc_gfmd.output.interface_law import InterfaceLaw, interpolate
+from hpc_gfmd.output.law_files import finite_element_table, harmonic_mean, read_law, write_law
+from hpc_gfmd.util.errors import SceneError
+
+
+def power_law(pressures=7):
+    """A law whose quantities are powers of the pressure, with a seal that closes at 1e8."""
+    p = np.geomspace(1e6, 1e9, pressures)
+    values = {
+        "a_r": 1e-9 * p,
+        "gap_mean": 1e-6 * (1e6 / p) ** 0.3,
+        "stiffness": 1e7 * p**0.95,
+        "conductance": 1e-4 * p**0.95,
+        "critical_gap_x": np.where(p < 0.99e8, 1e-6 * (1e6 / p) ** 0.4, 0.0),
+    }
+    units = {"a_r": "1", "gap_mean": "m", "stiffness": "Pa/m", "conductance": "1/m"}
+    units |= {"critical_gap_x": "m", "pressure": "Pa"}
+    errors = {name: np.full(pressures, 0.01) for name in values}
+    scatter = {name: 0.1 * v for name, v in values.items()}
+    return InterfaceLaw(p, values, errors, scatter, 2e-6, units, 3, ("a wall", "of steel"))
+
+
+def test_powers_are_interpolated_exactly():
+    law = power_law()
+    at = np.geomspace(1e6, 1e9, 41)
+    np.testing.assert_allclose(law("a_r", at), 1e-9 * at, rtol=1e-12)
+    np.testing.assert_allclose(law("conductance", at), 1e-4 * at**0.95, rtol=1e-12)
+    assert isinstance(law("a_r", 2e6), float)
+
+
+def test_interpolation_is_monotone_and_ends_where_values_end():
+    p = np.array([1.0, 2.0, 4.0, 8.0, 16.0])
+    at = np.geomspace(1, 16, 200)
+    rising = interpolate(p, np.array([1.0, 1.1, 5.0, 5.2, 6.0]), at)
+    assert (np.diff(rising) >= 0).all()
+    ends = interpolate(p, np.array([1.0, 2.0, 3.0, np.nan, np.nan]), at)
+    assert np.isfinite(ends[at <= 4]).all()
+    assert np.isnan(ends[at > 4.01]).all()
+    closes = interpolate(p, np.array([3.0, 2.0, 1.0, 0.0, 0.0]), at)
+    assert (closes[at < 7.99] >= 1 - 1e-12).all()
+    assert (closes[at >= 8.01] == 0).all()
+
+
+def test_the_load_that_closes_a_seal():
+    law = power_law()
+    assert law.sealing_pressure("x") == pytest.approx(1e8)
+    with pytest.raises(SceneError, match="axis"):
+        law.sealing_pressure("y")
+    law.values["critical_gap_x"][:] = 1e-6
+    with pytest.raises(SceneError, match="open"):
+        law.sealing_pressure("x")
+
+
+@pytest.mark.parametrize("pressure", [0.5e6, 2e9, np.nan])
+def test_a_law_is_not_extrapolated(pressure):
+    with pytest.raises(SceneError, match=r"allowed: 1e\+06 to 1e\+09"):
+        power_law()("a_r", pressure)
+    with pytest.raises(SceneError, match="gap"):
+        power_law()("gap", 1e7)
+
+
+def test_csv_is_read_back_to_the_bit(tmp_path):
+    law = power_law()
+    law.values["stiffness"][-1] = np.nan
+    back = read_law(write_law(law, tmp_path / "law.csv"))
+    np.testing.assert_array_equal(back.pressure, law.pressure)
+    for name, values in law.values.items():
+        np.testing.assert_array_equal(back.values[name], values)
+        np.testing.assert_array_equal(back.errors[name], law.errors[name])
+        np.testing.assert_array_equal(back.scatter[name], law.scatter[name])
+    assert (back.units, back.gap_at_touch, back.surfaces) == (law.units, 2e-6, 3)
+    assert back.about == law.about
+
+
+@pytest.mark.parametrize("suffix", [".inp", ".i"])
+def test_tables_of_finite_elements_are_read_back(suffix, tmp_path):
+    law = power_law()
+    back = read_law(write_law(law, tmp_path / f"law{suffix}", conductivity=(50.0, 200.0)))
+    for name in ("gap_mean", "conductance"):
+        values = law(name, np.clip(back.pressure, *law.pressure[[0, -1]]))
+        np.testing.assert_allclose(back.values[name], values, rtol=1e-6)
+        assert np.isnan(back.errors[name]).all()
+    assert back.about == law.about
+    assert (back.units["gap_mean"], back.units["conductance"]) == ("m", "1/m")
+
+
+def test_straight_lines_follow_the_law():
+    law = power_law(3)
+    pressure, closure = finite_element_table(law)
+    assert (pressure[0], closure[0]) == (0, 0)
+    assert (np.diff(pressure) > 0).all()
+    assert (np.diff(closure) > 0).all()
+    at = np.geomspace(1e6, 1e9, 500)
+    exact = 2e-6 - 1e-6 * (1e6 / at) ** 0.3
+    np.testing.assert_allclose(np.interp(at, pressure, closure), exact, rtol=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "reason"),
+    [
+        ({"path": "law.txt"}, r"\.csv"),
+        ({"path": "law.inp", "conductivity": -1.0}, "conductivity"),
+        ({"path": "law.inp", "conductivity": (1.0, 2.0, 3.0)}, "conductivity"),
+    ],
+)
+def test_what_cannot_be_written_is_refused(arguments, reason, tmp_path):
+    path = tmp_path / arguments.pop("path")
+    with pytest.raises(SceneError, match=reason):
+        write_law(power_law(), path, **arguments)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".inp", ".i"])
+@pytest.mark.parametrize("text", ["", "a,b\n1,2\n", "*STEP\n", "[Mesh]\n[]\n"])
+def test_foreign_files_are_refused(suffix, text, tmp_path):
+    path = tmp_path / f"law{suffix}"
+    path.write_text(text)
+    with pytest.raises(SceneError, match="law"):
+        read_law(path)
+
+
+def test_harmonic_mean():
+    assert harmonic_mean(3.0) == 3.0
+    assert harmonic_mean((50.0, 200.0)) == pytest.approx(80.0)

@@ -1,0 +1,126 @@
+"""A law of an interface follows the loads it is made of, from few of them."""
+
+import numpy as np
+import pytest
+from contacts import scene_text
+
+import hpc_gfmd
+from hpc_gfmd.runs.interface_law import _Curves, interface_law
+from hpc_gfmd.util.errors import SceneError
+
+
+def wall(seed=1):
+    return hpc_gfmd.make_surface(
+        "self-affine", hurst=0.8, L_over_lam_l=2, lam_l_over_lam_s=8, lam_s_over_a=4, seed=seed
+    )
+
+
+def formula(quantity):
+    """A sampler of one surface whose a_r is a function of the pressure, and the number of calls."""
+    calls = []
+
+    def sample(pressures):
+        calls.extend(pressures)
+        return [
+            [
+                {"a_r": quantity(p), "a_r_error": 0.0, "gap_error": 0.0, "pressure_error": 0.0}
+                for p in pressures
+            ]
+        ]
+
+    return sample, calls
+
+
+def test_a_power_needs_five_loads():
+    sample, calls = formula(lambda p: p**0.9)
+    curves = _Curves(["a_r"], 0.01)
+    curves.refine(sample, 1.0, 1000.0)
+    assert len(calls) == 5
+
+
+@pytest.mark.parametrize("error", [0.05, 0.01, 0.001])
+def test_the_law_deviates_by_less_than_asked(error):
+    def saturating(p):
+        return p / (1 + p) * (1 + 0.2 * np.tanh(3 * np.log(p / 7)))
+
+    sample, calls = formula(saturating)
+    curves = _Curves(["a_r"], error)
+    curves.refine(sample, 0.01, 1000.0)
+    pressures, values = curves.curve("a_r")
+    at = np.geomspace(0.01, 1000, 777)
+    from hpc_gfmd.output.interface_law import interpolate
+
+    deviation = np.abs(interpolate(pressures, values, at) / saturating(at) - 1)
+    assert deviation.max() < error
+    assert len(calls) < 12 / error**0.5
+
+
+def test_a_jump_is_narrowed_down_to_the_error():
+    sample, _ = formula(lambda p: float(p < 3.7))
+    curves = _Curves(["a_r"], 0.01)
+    curves.refine(sample, 1.0, 10.0)
+    pressures, values = curves.curve("a_r")
+    last_open = pressures[values > 0].max()
+    first_tight = pressures[values == 0].min()
+    assert last_open < 3.7 <= first_tight
+    assert np.log(first_tight / last_open) <= 0.01
+
+
+def test_the_law_of_a_wall_agrees_with_single_loads():
+    surface = wall()
+    law = interface_law(surface, 0.01, 0.5, 0.02, E_star=1.0)
+    for p in (0.02, 0.11, 0.37):
+        solution = hpc_gfmd.solve(surface, p, 1.0, observables=["conductance", "critical_gap"])
+        for name in ("a_r", "gap_mean", "stiffness", "conductance", "critical_gap_x"):
+            nearest = np.argmin(np.abs(np.log(law.pressure / p)))
+            allowed = max(0.02, float(law.errors[name][nearest]))
+            assert law(name, p) == pytest.approx(solution.value(name), rel=allowed), name
+    assert law.gap_at_touch == pytest.approx(surface.heights.max() - surface.heights.mean())
+
+
+def test_a_scene_gives_the_law_of_its_surface(tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text(scene_text((2, 8, 4)))
+    of_scene = interface_law(path, 0.01, 0.5, 0.02)
+    of_heights = interface_law(wall(), 0.01, 0.5, 0.02)
+    at = np.geomspace(0.01, 0.5, 9)
+    for name in of_scene.values:
+        allowed = np.interp(at, of_scene.pressure, of_scene.errors[name]) + 0.02
+        difference = np.abs(of_scene(name, at) - of_heights(name, at))
+        assert (difference <= allowed * of_scene(name, at)).all(), name
+    assert of_scene.gap_at_touch == pytest.approx(of_heights.gap_at_touch)
+
+
+def test_the_law_of_several_walls_is_their_mean_with_scatter(tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text(scene_text((2, 8, 4)))
+    law = interface_law(path, 0.02, 0.2, 0.05, quantities=["a_r", "gap_mean"], realisations=3)
+    assert law.surfaces == 3
+    areas = [hpc_gfmd.solve(wall(seed), law.pressure[0]).a_r for seed in (1, 2, 3)]
+    assert law.values["a_r"][0] == pytest.approx(np.mean(areas), rel=0.01)
+    assert law.scatter["a_r"][0] == pytest.approx(np.std(areas, ddof=1), rel=0.1)
+
+
+def test_a_quantity_without_a_value_says_why():
+    law = interface_law(
+        wall(), 0.05, 0.2, 0.05, quantities=["a_r", "conductance"], thickness=0.1, nu=0.3
+    )
+    assert list(law.values) == ["a_r"]
+    assert any(line.startswith("conductance:") for line in law.about)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "reason"),
+    [
+        ({"start": 1.0, "stop": 0.5}, "start"),
+        ({"start": "1 MPa", "stop": 5.0}, "unit"),
+        ({"start": -1.0, "stop": 0.5}, "positive"),
+        ({"start": "1 nm", "stop": "1 MPa"}, "pressure"),
+        ({"start": 0.1, "stop": 0.5, "error": 0.0}, "error"),
+        ({"start": 0.1, "stop": 0.5, "quantities": ["area"]}, "area"),
+        ({"start": 0.1, "stop": 0.5, "realisations": 2}, "realisations"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(arguments, reason):
+    with pytest.raises(SceneError, match=reason):
+        interface_law(wall(), **arguments)
