@@ -234,11 +234,7 @@ class Load(Table):
     @property
     def given(self) -> tuple[str, tuple[float, ...]]:
         """The key that is given, and its values."""
-        return next(
-            (name, values)
-            for name in LOADS
-            if (values := getattr(self, name)) is not None
-        )
+        return next((name, values) for name in LOADS if (values := getattr(self, name)) is not None)
 
     @property
     def found(self) -> bool:

@@ -4,5 +4,5 @@ thermodynamic, fractal and continuum limits. NumPy and SciPy only."""
 import lazy_loader
 
 __getattr__, __dir__, __all__ = lazy_loader.attach(
-    __name__, ["elastic", "persson", "reference", "tfc"]
+    __name__, ["adhesion", "elastic", "persson", "reference", "tfc"]
 )

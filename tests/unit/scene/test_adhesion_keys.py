@@ -13,7 +13,7 @@ MEASURED = {
         "amplitude": "1 nm",
         "n": [16, 16],
         "physical_sizes": ["1 um", "1 um"],
-    },
+    }
 }
 
 
@@ -61,7 +61,9 @@ def test_refused(adhesion, words):
     assert "\n" not in str(refusal.value)
 
 
-@pytest.mark.parametrize("load", [{"p_star": -0.1}, {"p_star": [0.1, 0]}, {"pressure": [0.1, -0.1]}])
+@pytest.mark.parametrize(
+    "load", [{"p_star": -0.1}, {"p_star": [0.1, 0]}, {"pressure": [0.1, -0.1]}]
+)
 def test_a_load_that_pulls_needs_an_attraction(load):
     assert scene(load).load.given[1]
     (name,) = load
