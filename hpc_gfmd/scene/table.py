@@ -162,7 +162,7 @@ def about(field: Any) -> dict[str, Any]:
 
 
 def table_fields(field: Any) -> Mapping[str, Any]:
-    """Return the keys of the table that a key takes, {name: field}; none where it takes no table."""
+    """Return the keys of the table that a key takes, {name: field}; none of others."""
     models = [field.annotation, *get_args(field.annotation)]
     return next((model.model_fields for model in models if hasattr(model, "model_fields")), {})
 
