@@ -13,7 +13,7 @@ launch() {
     esac
     "${start[@]}" "$@" &
     pid=$!
-    trap 'echo "$(date +%T) signal USR1: the ranks are asked to write a checkpoint"; kill -USR1 $pid' USR1
+    trap 'echo "$(date +%T) signal USR1: the ranks are asked to stop"; kill -USR1 $pid' USR1
     trap 'kill -TERM $pid' TERM
     wait $pid || code=$?
     while kill -0 $pid 2>/dev/null; do  # a trapped signal ends wait, not the ranks

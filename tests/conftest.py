@@ -127,7 +127,7 @@ def own_cache(tmp_path_factory):
 def own_folder(request, monkeypatch):
     """The current folder of every test is its own, that of all ranks the same; grids that another
     one has used are forgotten."""
-    _kept.grid.cache_clear()
+    _kept.tables.cache_clear()
     name = "shared_path" if mpi_harness.is_child() else "tmp_path"
     monkeypatch.chdir(request.getfixturevalue(name))
 

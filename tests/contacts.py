@@ -4,7 +4,8 @@ import numpy as np
 import tomli_w
 
 from hpc_gfmd.bodies import body_of
-from hpc_gfmd.driver.sweep import Sweep
+from hpc_gfmd.driver.load import Load
+from hpc_gfmd.driver.sweep import make_sweep
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.runs import loads
 from hpc_gfmd.scene import Material, Scene, Solver
@@ -30,9 +31,24 @@ def scene_text(n_over=(2, 8, 2), p_star=(0.05, 0.1), **others):
     return tomli_w.dumps({"surface": rough(n_over), "load": {"p_star": list(p_star)}, **others})
 
 
+class Pressing:
+    """A Sweep whose `solve` takes plain mean pressures beside a Load."""
+
+    def __init__(self, sweep):
+        self.sweep = sweep
+
+    def solve(self, load, *more, **named):
+        load = load if isinstance(load, Load) else Load("pressure", float(load))
+        return self.sweep.solve(load, *more, **named)
+
+    def __getattr__(self, name):
+        return getattr(self.sweep, name)
+
+
 def sweep_of(surface, E_star=1.0, comm=None, duality=False, layer=None, **solver):
-    """A Sweep over a [surface] table with keys of [solver]; `comm` defaults to this process; layer:
-    further keys of [material]."""
+    """A Pressing over a [surface] table with keys of [solver].
+
+    `comm` defaults to this process; layer: further keys of [material]."""
     scene = Scene.from_dict(
         {
             "surface": surface,
@@ -42,12 +58,13 @@ def sweep_of(surface, E_star=1.0, comm=None, duality=False, layer=None, **solver
             "output": {"observables": ["duality_gap"]} if duality else {},
         }
     )
-    return loads.sweep_of(
+    made = loads.sweep_of(
         scene,
         lambda dtype: build_surface(
             scene.surface, comm or SerialComm(), dtype, low_memory=scene.solver.low_memory
         ),
     )
+    return Pressing(made)
 
 
 def surface_over(z, sizes=(1.0, 1.0), dtype=np.float64, comm=None, free=(False, False)):
@@ -59,13 +76,14 @@ def surface_over(z, sizes=(1.0, 1.0), dtype=np.float64, comm=None, free=(False, 
 def sweep_over(
     z, sizes=(1.0, 1.0), free=(False, False), body=None, comm=None, E_star=1.0, **solver
 ):
-    """A Sweep over it with keys of [solver]."""
-    return Sweep(
+    """A Pressing over it with keys of [solver]."""
+    made = make_sweep(
         lambda dtype: surface_over(z, sizes, dtype, comm, free),
         Solver(**solver or EXACT),
         E_star,
         body=body or body_of(Material(), free),
     )
+    return Pressing(made)
 
 
 def solve_scene(surface, p_star, E_star=1.0, comm=None, **solver):

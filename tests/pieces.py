@@ -1,5 +1,5 @@
 """Runs in pieces: stopped or dead wherever a test likes, continued, and compared with the run that
-was not disturbed."""
+was not disturbed: the same within the accuracy."""
 
 from contacts import rough
 from result_files import assert_same_steps
@@ -22,10 +22,9 @@ class Died(BaseException):
 
 
 class Chance(Interrupt):
-    """Stops the run, or lets it die, when it has been polled `after` times; asks for checkpoints at
-    the polls `save_at`."""
+    """Stops the run, or lets it die, when it has been polled `after` times."""
 
-    after, dies, save_at, polled = NEVER, False, (), 0
+    after, dies, polled = NEVER, False, 0
 
     def poll(self):
         type(self).polled += 1
@@ -33,10 +32,7 @@ class Chance(Interrupt):
             raise Died
         stop = self.polled >= self.after
         self.agreed = 15 if stop else 0
-        return stop, self.polled in self.save_at
-
-    def cheap(self):
-        return not self.dies
+        return stop
 
 
 class Pieces:
@@ -57,12 +53,12 @@ class Pieces:
         return self.chance.polled
 
     def run(self, scene, *pieces, comms=()):
-        """Run in pieces (after, dies, save_at) and then to the end; comms: of the pieces, where
-        others than that of all."""
-        for k, (after, dies, save_at) in enumerate([*pieces, (NEVER, False, ())]):
+        """Run in pieces (after, dies) and then to the end; comms: of the pieces, where others than
+        that of all."""
+        for k, (after, dies) in enumerate([*pieces, (NEVER, False)]):
             comm = comms[k] if k < len(comms) else self.comm
             chance = self.chance
-            chance.polled, chance.after, chance.dies, chance.save_at = 0, after, dies, save_at
+            chance.polled, chance.after, chance.dies = 0, after, dies
             status = None
             if comm is self.comm or self.comm.rank == 0:
                 try:
@@ -73,9 +69,8 @@ class Pieces:
             assert status is None or (status in ("died", "interrupted")) == (after < NEVER)
         assert not partial_folder(self.path).exists()
 
-    def compare(self, rel=0.0):
-        """Everything but the time is the same, to the last bit unless rel, a relative tolerance, is
-        given."""
+    def compare(self, rel):
+        """All numbers and fields are the same within a relative tolerance."""
         found, wanted = read_result(self.path), read_result(self.whole)
         assert found.indices == wanted.indices
         assert_same_steps(found, wanted, rel)

@@ -19,6 +19,8 @@ STEP = {
     "status": "converged",
 }
 
+UNFINISHED = {"p": 0.2, "seconds": 2.5, "iterations": 4, "fft_pairs": 6.5}  # of a load
+
 
 def begin(path, identity="abc", **how):
     """The file of a run; how: as of RunFile."""

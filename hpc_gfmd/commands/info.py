@@ -38,7 +38,7 @@ def facts() -> dict[str, str]:
     lines["solvers"] = "auto (bpx), " + ", ".join(solver_names())
     lines["cores"] = f"{len(cores())}, {processor()}"
     lines["memory"] = f"{available_gib():.1f} GiB free"
-    lines["cache"] = str(cache_folder())
+    lines["cache"] = str(cache_folder() or "none: no home folder (HPC_GFMD_CACHE names one)")
     return lines
 
 

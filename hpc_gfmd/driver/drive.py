@@ -1,24 +1,23 @@
-"""The only loop: iterate a solver until its target, its limits or a request to stop, and certify
-what it returns."""
+"""The only loop: iterate a solver until its load is solved, its limits or a request to stop, and
+certify what it returns."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from ..certificate.certificate import Certificate, certify
 from ..certificate.criterion import StoppingCriterion
-from .load import GivenLoad
+from .search import area_may_be_met
 
 if TYPE_CHECKING:
     from ..solvers.base import Progress, Solver
+    from .search import LoadSearch
 
     Watch = Callable[[int, Progress], Any]
-
-UNKNOWN = 1.0  # an error measure that says nothing
 
 
 @dataclass(frozen=True)
@@ -29,170 +28,238 @@ class Calibration:
 
     Attributes
     ----------
-    check_from, check_growth : float
-        The iteration at which a solver without error estimates is certified first, and the factor
-        from one such iteration to the next.
     refusals : int
         Times that the certificate may refuse without having come nearer, before the solver counts
         as stagnated.
-    floor : float
-        Share of its patience that a solver has that believed that it was there: only rounding
-        errors are left.
+    patience_at_floor : float
+        Share of its patience that a solver has after a refusal: only rounding errors are left.
     improvement : float
-        Of the error measure: what is progress.
+        Factor on a measure of the error that counts as progress.
     """
 
-    check_from: int = 10
-    check_growth: float = 1.25
     refusals: int = 5
-    floor: float = 1 / 6
+    patience_at_floor: float = 1 / 6
     improvement: float = 0.9
 
 
 CALIBRATION = Calibration()
 
 
-@dataclass
-class LoopState:
-    """What the loop remembers of a load beside the solver's state: both make a checkpoint."""
+class Outcome(NamedTuple):
+    """What the iterations of a load have come to.
 
-    checks: float = 0.0  # FFT pairs that certificates took
-    refusals: int = 0
-    refused: float = np.inf  # the smallest error of the pressure that the certificate refused
-    threshold: float = 1.0  # the solver's own error measure at which it is asked
-    next_check: float = CALIBRATION.check_from
-    best: float = np.inf  # error measure, and the iteration that reached it
-    best_at: int = 0
+    Attributes
+    ----------
+    status : str
+        See `contact.Contact`.
+    certificate : Certificate
+        Of the solver's gap; solver.p is its pressure, in the solver's precision.
+    pairs : float
+        FFT pairs that certificates took.
+    """
 
-    def begin_again(self, iterations: int) -> None:
-        """Forget what was reached so far: the load has changed."""
-        self.refusals, self.refused, self.threshold = 0, np.inf, 1.0
-        self.best, self.best_at = np.inf, iterations
+    status: str
+    certificate: Certificate
+    pairs: float
 
 
 def drive(
     solver: Solver,
-    target: StoppingCriterion,
+    criterion: StoppingCriterion,
     watch: Watch | None = None,
-    loop: LoopState | None = None,
-    load: GivenLoad | None = None,
-) -> tuple[str, Certificate, float]:
-    """Iterate; return the status of the load, see contact.Contact, its certificate, and the FFT
-    pairs that certificates took. watch(iterations, progress), if given, is called after every step
-    and returns a true value to stop.
+    search: LoadSearch | None = None,
+) -> Outcome:
+    """Iterate a solver that has been started.
 
-    load: a search for it, where it is not given; loop: the LoopState of this load where its
-    beginning was before a checkpoint, which is kept up to date. On return solver.p is the fresh
-    pressure of the certificate, in the solver's precision.
+    Collective.
+
+    Parameters
+    ----------
+    solver : Solver
+        At its start.
+    criterion : StoppingCriterion
+        What the solution has to reach.
+    watch : callable, optional
+        Called after every step, ``watch(iterations, progress)``; a true value stops.
+    search : LoadSearch, optional
+        Finds the mean pressure meanwhile, where it is not given.
     """
-    loop = loop or LoopState(best_at=solver.iterations)
-    load = load or GivenLoad(solver.p0)
-    progress = solver.progress()
+    limits = Limits(solver, criterion)
+    pairs = 0.0
     while True:
-        status = None
-        done = solver.iterations
-        if load.adjust(solver, progress):
-            loop.begin_again(done)
-            progress = solver.progress()
-        measure = _measure(progress, target)
-        unknown = progress.estimate is None and target.residual is None
-        falling = progress.residual if measure == UNKNOWN else measure
-        if falling < CALIBRATION.improvement * loop.best:
-            loop.best, loop.best_at = falling, done
-        if not progress.finite:
-            status = "nonfinite"
-        elif (
-            measure < loop.threshold
-            and (target.accuracy is None or load.may_be_met(solver, progress, target.accuracy))
-        ) or (unknown and done >= loop.next_check):
-            certificate = certificate_of(solver, target)
-            loop.checks += certificate.pairs
-            solved = _left(target, certificate)
-            left = max(solved, load.learn(solver, certificate))
-            if left < 1:
-                return _status(target, certificate), certificate, loop.checks
-            if measure < loop.threshold:
-                error = certificate.errors[2] if target.residual is None else certificate.residual
-                loop.refusals = (
-                    loop.refusals + 1 if not error < CALIBRATION.improvement * loop.refused else 0
-                )
-                if loop.refusals > CALIBRATION.refusals:
-                    return "stagnated", certificate, loop.checks
-                loop.threshold = measure / left if np.isfinite(left) else measure
-                loop.refused = min(error, loop.refused)
-            if progress.estimate is not None:
-                solver.refresh(certificate.uKu)
-            if load.correct(solver, certificate, solved < 1):
-                loop.begin_again(done)
-            loop.next_check = CALIBRATION.check_growth * done + 1
-        elif done >= target.max_iterations:
-            status = "max_iterations"
-        elif done - loop.best_at > solver.patience * (
-            1 if np.isinf(loop.refused) else CALIBRATION.floor
-        ):
-            status = "stagnated"
-        elif watch is not None and watch(done, progress):
-            status = "interrupted"
-        if status is not None:
-            certificate = certificate_of(solver, target)
-            met = max(_left(target, certificate), load.learn(solver, certificate)) < 1
-            if met and status not in ("nonfinite", "interrupted"):
-                status = _status(target, certificate)
-            return status, certificate, loop.checks + certificate.pairs
-        solver.step()
         progress = solver.progress()
+        if search is not None and search.adjust(solver, progress):
+            limits.begin_again()
+            progress = solver.progress()
+        limits.note(progress)
+        if limits.ask_for_certificate(progress) and _may_be_met(
+            solver, progress, criterion, search
+        ):
+            certificate = certificate_of(solver, criterion)
+            pairs += certificate.pairs
+            error = error_left(certificate, criterion)
+            miss = search.learn(solver, certificate) if search is not None else 0.0
+            if max(error, miss) < 1:
+                return Outcome(_status_of(certificate, criterion), certificate, pairs)
+            limits.note_refusal(certificate, max(error, miss))
+            if limits.refused_too_often:
+                return Outcome("stagnated", certificate, pairs)
+            solver.after_certificate(certificate.uKu)
+            if search is not None and search.correct(solver, certificate, error < 1):
+                limits.begin_again()
+        else:
+            reason = limits.exceeded(progress)
+            if reason is None and watch is not None and watch(solver.iterations, progress):
+                reason = "interrupted"
+            if reason is not None:
+                return _conclude(solver, criterion, search, reason, pairs)
+        solver.step()
 
 
-def certificate_of(solver: Solver, target: StoppingCriterion) -> Certificate:
-    """Return the certificate of the solver's state. Collective."""
-    if target.in_turn:
+class Limits:
+    """Decides when the certificate is asked, and when a solver has had enough iterations.
+
+    The solver's own measure of the error is compared with a threshold. Where the certificate
+    refuses, the threshold is lowered by as much as the certificate misses.
+    """
+
+    def __init__(self, solver: Solver, criterion: StoppingCriterion):
+        self.solver = solver
+        self.criterion = criterion
+        self.begin_again()
+
+    def begin_again(self) -> None:
+        """Forget what was reached so far: the load has changed."""
+        self.refusals = 0
+        self.least_refused = np.inf  # the smallest error that the certificate refused
+        self.threshold = 1.0
+        self.best = np.inf
+        self.best_at = self.solver.iterations
+
+    def note(self, progress: Progress) -> None:
+        """Note the progress of an iteration."""
+        self.measure = measure_of(progress, self.criterion)
+        if self.measure < CALIBRATION.improvement * self.best:
+            self.best = self.measure
+            self.best_at = self.solver.iterations
+
+    def ask_for_certificate(self, progress: Progress) -> bool:
+        """Return whether the solver believes that it is there."""
+        return progress.finite and self.measure < self.threshold
+
+    def note_refusal(self, certificate: Certificate, left: float) -> None:
+        """Note a certificate that misses what is asked for by the factor `left`."""
+        by_residual = self.criterion.residual is not None
+        error = certificate.residual if by_residual else certificate.errors[2]
+        nearer = error < CALIBRATION.improvement * self.least_refused
+        self.refusals = 0 if nearer else self.refusals + 1
+        self.least_refused = min(error, self.least_refused)
+        self.threshold = self.measure / left if np.isfinite(left) else self.measure
+
+    @property
+    def refused_too_often(self) -> bool:
+        """Whether further iterations bring the certificate no nearer."""
+        return self.refusals > CALIBRATION.refusals
+
+    def exceeded(self, progress: Progress) -> str | None:
+        """Return the status of a load that has to end here, None where it may go on."""
+        if not progress.finite:
+            return "nonfinite"
+        if self.solver.iterations >= self.criterion.max_iterations:
+            return "max_iterations"
+        refused = np.isfinite(self.least_refused)
+        patience = self.solver.patience * (CALIBRATION.patience_at_floor if refused else 1)
+        if self.solver.iterations - self.best_at > patience:
+            return "stagnated"
+        return None
+
+
+def _may_be_met(
+    solver: Solver, progress: Progress, criterion: StoppingCriterion, search: LoadSearch | None
+) -> bool:
+    """Return whether the certificate may find what takes a look at all points: the area, and the
+    target of a search."""
+    if criterion.accuracy is None:
+        return True
+    if search is None:
+        return area_may_be_met(solver, progress, criterion.accuracy)
+    return search.may_be_met(solver, progress, criterion.accuracy)
+
+
+def _conclude(
+    solver: Solver,
+    criterion: StoppingCriterion,
+    search: LoadSearch | None,
+    reason: str,
+    pairs: float,
+) -> Outcome:
+    """Return the outcome of a load that ends for a reason other than its certificate; it may have
+    reached what is asked for all the same."""
+    certificate = certificate_of(solver, criterion)
+    pairs += certificate.pairs
+    miss = search.learn(solver, certificate) if search is not None else 0.0
+    met = max(error_left(certificate, criterion), miss) < 1
+    if met and reason not in ("nonfinite", "interrupted"):
+        reason = _status_of(certificate, criterion)
+    return Outcome(reason, certificate, pairs)
+
+
+def certificate_of(solver: Solver, criterion: StoppingCriterion) -> Certificate:
+    """Return the certificate of the solver's gap; solver.p becomes its pressure. Collective."""
+    if criterion.in_turn:
         solver.make_room()
-    found = certify(
+    certificate = certify(
         solver.problem_now,
         solver.g,
         solver.p,
         solver.levels,
-        target.certificate_dtype,
-        target.duality,
+        criterion.certificate_dtype,
+        criterion.duality,
     )
-    if target.in_turn:
-        solver.grid.forget_fft(target.certificate_dtype)
+    if criterion.in_turn:
+        solver.grid.forget_fft(criterion.certificate_dtype)
         solver.take_room()
-    if target.closes and found.contact == solver.N:
-        found = replace(found, errors=(0.0, 0.0, found.errors[2]))
-    return found
+    if criterion.closes and certificate.contact == solver.N:
+        _, _, pressure_error = certificate.errors
+        certificate = replace(certificate, errors=(0.0, 0.0, pressure_error))
+    return certificate
 
 
-def _measure(progress: Progress, target: StoppingCriterion) -> float:
-    """Tell how far from the target, by the solver's own numbers: below 1 it believes that it is
-    there; UNKNOWN without estimates."""
-    if target.residual is not None:
-        return progress.residual / target.residual
-    if progress.estimate is None:
-        return UNKNOWN
-    gap, pressure, attainable, *_ = progress.estimate
-    return _beyond(target, (0.0, min(gap, 1.0), pressure), attainable)
+def measure_of(progress: Progress, criterion: StoppingCriterion) -> float:
+    """Return the solver's own measure of the error over what is asked for: below 1 it believes that
+    it is there. Infinite after a step in which the solver has not estimated its errors."""
+    if criterion.residual is not None:
+        return progress.residual / criterion.residual
+    estimate = progress.estimate
+    if estimate is None:
+        return np.inf
+    errors = (0.0, min(estimate.gap, 1.0), estimate.pressure)
+    return _largest_over_tolerance(criterion, errors, estimate.attainable)
 
 
-def _left(target: StoppingCriterion, certificate: Certificate) -> float:
-    """Tell how far from the target, by the certificate: below 1 it is reached."""
+def error_left(certificate: Certificate, criterion: StoppingCriterion) -> float:
+    """Return the certified error over what is asked for: below 1 that is reached."""
     if not certificate.finite:
         return np.inf
-    if target.residual is not None:
-        return certificate.residual / target.residual
-    return _beyond(target, certificate.errors, certificate.attainable)
+    if criterion.residual is not None:
+        return certificate.residual / criterion.residual
+    return _largest_over_tolerance(criterion, certificate.errors, certificate.attainable)
 
 
-def _beyond(
-    target: StoppingCriterion, errors: tuple[float, float, float], attainable: tuple[float, float]
+def _largest_over_tolerance(
+    criterion: StoppingCriterion,
+    errors: tuple[float, float, float],
+    attainable: tuple[float, float],
 ) -> float:
-    """Return the largest over what is asked for of the errors that iterations make smaller."""
-    best = (0.0, *attainable)
-    left = [e for e, least in zip(errors, best, strict=True) if least < target.tolerance]
-    return max(left, default=0.0) / target.tolerance
+    """Return the largest error over the tolerance, of those that iterations make smaller."""
+    least = (0.0, *attainable)
+    errors_left = [
+        error for error, best in zip(errors, least, strict=True) if best < criterion.tolerance
+    ]
+    return max(errors_left, default=0.0) / criterion.tolerance
 
 
-def _status(target: StoppingCriterion, certificate: Certificate) -> str:
-    """Tell the status of what is as accurate as it will be."""
-    asked = target.residual is not None or max(certificate.errors) < target.tolerance
-    return "converged" if asked else "stagnated"
+def _status_of(certificate: Certificate, criterion: StoppingCriterion) -> str:
+    """Return the status of a solution that is as accurate as it will be."""
+    met = criterion.residual is not None or max(certificate.errors) < criterion.tolerance
+    return "converged" if met else "stagnated"

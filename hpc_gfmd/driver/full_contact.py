@@ -9,13 +9,13 @@ point in tension.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import DTypeLike
 
 from ..certificate.certificate import Certificate, certify
-from .load import GivenLoad
+from .search import LoadSearch
 
 if TYPE_CHECKING:
     from ..operators.problem import Problem
@@ -49,21 +49,34 @@ def tension_of(grid: Grid, p: np.ndarray, unit: np.ndarray | None = None) -> tup
     return tension, CLOSED * float(np.finfo(p.dtype).eps) * largest
 
 
-class FullContact(GivenLoad):
-    """A search for the least load that closes the gap. tolerance: relative, of the load; unit: the
-    solution for a flat surface at a mean pressure of 1, local slab: the pressure on the surface,
-    the displacement beyond it; None where the surface does not end."""
+class ClosingSearch(LoadSearch):
+    """A search for the least load that closes the gap.
+
+    Attributes
+    ----------
+    tolerance : float
+        Relative, of the load.
+    unit : ndarray or None
+        The solution for a flat surface at a mean pressure of 1, local slab: the pressure on the
+        surface, the displacement beyond it. To be set before the iterations where the surface ends;
+        None where it does not.
+    """
 
     from_full_contact = True
-    given = False
 
-    def __init__(self, tolerance: float, unit: np.ndarray | None, p0: float = 1.0):
-        super().__init__(p0, closes=True)
-        self.tolerance, self.unit = tolerance, unit
+    def __init__(self, tolerance: float):
+        self.tolerance = tolerance
+        self.unit: np.ndarray | None = None
+        self._p0 = 1.0
 
-    def numbers(self) -> dict[str, Any]:
-        """Give what makes a checkpoint: there is no other state."""
-        return {"kind": "full contact"}
+    @property
+    def p0(self) -> float:
+        """The mean pressure to begin with; in the end the solver's is the least."""
+        return self._p0
+
+    def begin_at(self, p0: float) -> None:
+        """Begin with this mean pressure."""
+        self._p0 = p0
 
     def adjust(self, solver: Solver, progress: Progress) -> bool:
         """Change the load where points are in tension."""

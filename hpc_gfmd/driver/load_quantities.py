@@ -4,28 +4,30 @@ it before, in the course of the iterations and in the end."""
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from math import erf, hypot, inf, isinf, log, sqrt
 from statistics import NormalDist
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from .load import GivenLoad, HeightStatistics
-from .load_search import CALIBRATION, Errors, LoadSearch, Value, x_of
+from .height_statistics import HeightStatistics
+from .load_search import CALIBRATION, Errors, SecantSearch, Value, x_of
+from .search import area_may_be_met
 
 if TYPE_CHECKING:
     from ..certificate.certificate import Certificate
     from ..solvers.base import Progress, Solver
     from ..surface import Surface
-    from .load_target import LoadTarget
+    from .load import Load
 
 Known = tuple[float, bool, HeightStatistics]
 
 POINT = 1.001  # by which an area may be missed
 
 
-class AreaSearch(LoadSearch):
+class AreaSearch(SecantSearch):
     """For an area, which is a number of points: it is met to the tolerance or to one point."""
 
-    kind, usual, steps = "a_r", 1.0, True
+    usual, steps = 1.0, True
 
     def guess(self, surface: Surface) -> float:
         """Guess by an area of about 2 p*; with a hardness `straight` is about x."""
@@ -67,7 +69,7 @@ class AreaSearch(LoadSearch):
 
     def within(self, solver: Solver, progress: Progress, room: float) -> bool:
         """Look at all points."""
-        return GivenLoad.may_be_met(self, solver, progress, room)
+        return area_may_be_met(solver, progress, room)
 
     def certified(self, solver: Solver, certificate: Certificate) -> Value:
         """Give the area of the certificate."""
@@ -83,10 +85,10 @@ class AreaSearch(LoadSearch):
         return left
 
 
-class GapSearch(LoadSearch):
+class GapSearch(SecantSearch):
     """For a mean gap."""
 
-    kind, usual = "gap_mean", 0.4
+    usual = 0.4
 
     def guess(self, surface: Surface) -> float:
         """Guess as of self-affine walls, or where one point carries all."""
@@ -117,26 +119,33 @@ class GapSearch(LoadSearch):
         return certificate.gap_mean * solver.grid.a, error
 
 
+@dataclass
 class OpeningSearch(GapSearch):
     """For a mean gap next to full contact: a power of p0/(closes_at - p0)."""
 
-    kind, usual, from_full_contact = "opening", 1.5, True
+    usual, from_full_contact = 1.5, True
+
+    opens: float = 0.0  # p0 that a single open point takes, below closes_at
 
     @classmethod
-    def below(cls, closes_at: float, opens: float, target: float, known: Known) -> OpeningSearch:
-        """Begin where a single point is open so far, which takes that much less load."""
-        x = log(closes_at) + log(max(closes_at / opens - 1, 1.0))
-        return cls(target, *known, known[-1], closes_at, x, cls.usual)
+    def of(cls, target: float, opens: float, known: Known) -> OpeningSearch:
+        """Return a search that `begin_below` begins, once the load of full contact is known."""
+        return cls(target, *known, known[-1], slope=cls.usual, opens=opens)
+
+    def begin_below(self, closes_at: float) -> None:
+        """Begin below the load of full contact, where a single point is open."""
+        self.closes_at = closes_at
+        self.x = log(closes_at) + log(max(closes_at / self.opens - 1, 1.0))
 
     def straight(self, y: float) -> float:
         """Take the logarithm of that power."""
         return log(self.heights.top / y) if y > 0 else inf
 
 
-class ApproachSearch(LoadSearch):
+class ApproachSearch(SecantSearch):
     """For an approach."""
 
-    kind, usual = "approach", 0.8
+    usual = 0.8
 
     def guess(self, surface: Surface) -> float:
         """Guess as of a punch as large as the surface."""
@@ -170,18 +179,20 @@ def _error(y: float, gap: float, gap_error: float, pressure_error: float) -> flo
     return gap_error * gap / y + CALIBRATION.field * pressure_error if y > 0 else inf
 
 
-SEARCHES: dict[str, type[LoadSearch]] = {
-    search.kind: search for search in (AreaSearch, GapSearch, ApproachSearch, OpeningSearch)
+SEARCHES: dict[str, type[SecantSearch]] = {
+    "a_r": AreaSearch,
+    "gap_mean": GapSearch,
+    "approach": ApproachSearch,
 }
 
 
 def search_for(
-    load: LoadTarget,
+    load: Load,
     surface: Surface,
     known: Known,
     history: Sequence[dict[str, float]],
     hardness: float | None = None,
-) -> LoadSearch:
+) -> SecantSearch:
     """Begin the search for the load that gives a target.
 
     known: the tolerance, whether the error of the solution counts towards it, and the heights;
@@ -202,10 +213,3 @@ def search_for(
         search.slope = found.usual
     search.x = x + way / search.slope
     return search
-
-
-def restored(numbers: dict[str, Any]) -> LoadSearch:
-    """Go on with the numbers of a checkpoint."""
-    parts = {name: HeightStatistics(*numbers[name]) for name in ("finest", "heights")}
-    own = {name: value for name, value in numbers.items() if name != "kind"}
-    return SEARCHES[numbers["kind"]](**own | parts)

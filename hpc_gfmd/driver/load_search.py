@@ -12,11 +12,12 @@ in ordered walls whose asperities touch all at once: the nearer side is taken, a
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from math import copysign, exp, inf, isfinite, log
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
-from .load import GivenLoad, HeightStatistics
+from .height_statistics import HeightStatistics
+from .search import LoadSearch, area_may_be_met
 
 if TYPE_CHECKING:
     from ..certificate.certificate import Certificate
@@ -73,8 +74,8 @@ def x_of(p0: float, closes_at: float | None) -> float:
 
 
 @dataclass
-class LoadSearch(GivenLoad):
-    """The state of a search: plain numbers, which make a checkpoint. A subclass knows a quantity.
+class SecantSearch(LoadSearch):
+    """The state of a search: plain numbers. A subclass knows a quantity.
 
     target: an area, or a length over the unit of slopes; tolerance: relative; counts: whether the
     error of the solution counts towards it; finest, heights: of the finest grid and of this one;
@@ -83,10 +84,8 @@ class LoadSearch(GivenLoad):
     straightened value) of the last certificate; trials: corrections by predictions on this grid;
     corrections: in all; looked: the last iteration that was looked at."""
 
-    kind: ClassVar[str]
     usual: ClassVar[float]  # slope, before anything is known
     steps: ClassVar[bool] = False  # whether the value may jump
-    given = False
 
     target: float
     tolerance: float
@@ -149,9 +148,9 @@ class LoadSearch(GivenLoad):
         self.low = self.high = self.before = self.note = None
         return self.p0
 
-    def numbers(self) -> dict[str, Any]:
-        """Give what makes a checkpoint."""
-        return {"kind": self.kind} | asdict(self)
+    def begin_at(self, p0: float) -> None:
+        """Begin with this mean pressure, whose solution is about known."""
+        self.x = x_of(p0, self.closes_at)
 
     # -- in the course of the iterations
 
@@ -201,7 +200,7 @@ class LoadSearch(GivenLoad):
         found = self._prediction(solver, progress) if self.counts and not self.note else None
         missed = self.miss(found[0]) if found else 0.0
         room = accuracy - missed if missed < accuracy else accuracy
-        area_is_known = self.steps or super().may_be_met(solver, progress, accuracy)
+        area_is_known = self.steps or area_may_be_met(solver, progress, accuracy)
         return area_is_known and self.within(solver, progress, room)
 
     def within(self, solver: Solver, progress: Progress, room: float) -> bool:

@@ -31,7 +31,7 @@ from .full_contact import closed_contact
 if TYPE_CHECKING:
     from ..operators.problem import Problem
     from ..solvers.base import Solver
-    from .load import GivenLoad
+    from .search import LoadSearch
 
     MakeSolver = Callable[[Problem], Solver]
 
@@ -180,14 +180,15 @@ class Nested:
         self,
         problem: Problem,
         make_solver: MakeSolver,
-        load: GivenLoad,
+        search: LoadSearch | None,
         into: np.ndarray | None = None,
     ) -> tuple[np.ndarray, float]:
         """Return a starting gap (local slab) for a problem on the grid, and the FFT pairs that it
         took, in pairs of that grid.
 
-        into: memory for the gap; may be that of problem.h, which is then lost. load: as it is
-        searched for on every grid. Raises Stopped on all ranks when the run is to stop.
+        into: memory for the gap; may be that of problem.h, which is then lost. search: for the mean
+        pressure, on every grid; None where that is given. Raises Stopped on all ranks when the run
+        is to stop.
         """
         if self.step is None:
             g = cold_gap(problem)
@@ -198,9 +199,10 @@ class Nested:
         full, pairs, stopped = False, 0.0, 0
         if coarse is not None and self.coarser is not None:
             try:
-                g, pairs = self.coarser.start(coarse, make_solver, load=load)
-                coarse = replace(coarse, p0=load.begin(coarse))
-                solver = _roughly_solved(coarse, make_solver, g, self.reduction, load)
+                g, pairs = self.coarser.start(coarse, make_solver, search)
+                if search is not None:
+                    coarse = replace(coarse, p0=search.begin(coarse))
+                solver = _roughly_solved(coarse, make_solver, g, self.reduction, search)
                 pairs = (pairs + solver.pairs) * coarse.grid.cell_points / problem.grid.cell_points
                 full = not coarse.grid.padded and solver.progress().contact == coarse.grid.N
             except interrupt.Stopped as found:
@@ -209,7 +211,8 @@ class Nested:
         full, pairs, stopped = problem.grid.comm.bcast((full, pairs, stopped))
         if stopped:
             interrupt.stop(stopped)
-        load.agree(problem.grid.comm)
+        if search is not None:
+            search.agree(problem.grid.comm)
         return _prolong(problem, self.step, coarse, solver, full, into), pairs
 
     def may_be_full(self, problem: Problem) -> tuple[bool, float]:
@@ -227,7 +230,11 @@ class Nested:
 
 
 def _roughly_solved(
-    problem: Problem, make_solver: MakeSolver, g: np.ndarray, reduction: float, load: GivenLoad
+    problem: Problem,
+    make_solver: MakeSolver,
+    g: np.ndarray,
+    reduction: float,
+    search: LoadSearch | None,
 ) -> Solver:
     """Return a solver that has come from the gap g to a residual that is so much smaller, and to a
     load that is near enough."""
@@ -237,7 +244,7 @@ def _roughly_solved(
     enough = reduction * progress.residual
     for _ in range(CALIBRATION.iterations):
         interrupt.check(problem.grid.comm)
-        near = load.near(solver, progress)
+        near = search is None or search.near(solver, progress)
         if not progress.finite or (near and progress.residual <= enough):
             break
         solver.step()

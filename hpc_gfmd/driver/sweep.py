@@ -1,211 +1,253 @@
-"""One load after another on one surface: which precision, which start, and what comes out."""
+"""One load after another on one surface: in which precision, from which start, and what comes
+out."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import asdict, replace
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ..bodies.halfspace import HALF_SPACE
 from ..certificate.certificate import Certificate
 from ..certificate.error_estimates import full_contact_error
 from ..contact.contact import Contact
 from ..parallel import interrupt
 from ..util.errors import SceneError
+from .contact_model import ContactModel
 from .drive import drive
-from .full_contact import CLOSED, FullContact, closed_contact, tension_of
-from .load import GivenLoad
-from .load_quantities import OpeningSearch, restored, search_for
-from .load_search import x_of
-from .load_target import LoadTarget, loads_of
-from .precision import too_little
-from .start import OTHER_VERSION, Start
+from .full_contact import CLOSED, ClosingSearch, closed_contact, tension_of
+from .load import Load
+from .load_quantities import OpeningSearch
+from .low_memory import LowMemorySurface
+from .precision import first_precision, too_little
+from .scene_loads import loads_of
+from .searches import Searches
+from .starter import Starter
+from .working_surface import WorkingSurface
 
 if TYPE_CHECKING:
-    from ..scene import Load
+    from ..bodies.base import Body
+    from ..scene import Load as SceneLoad
+    from ..scene import Solver as Settings
     from ..surface import Surface
     from .drive import Watch
-    from .start import Slabs
+    from .working_surface import MakeSurface
 
-# relative: g_rms, and p* with it, has other rounding errors on other numbers of ranks
-SAME_LOAD = 1e-9
-NEARLY = 0.2  # of E* g_rms: full contact takes 0.3 to 20
+DOUBLE = np.dtype(np.float64)
 
 
-def _needs_double(contact: Contact) -> bool:
-    """Tell whether single precision turned out to be too little for a load."""
-    return contact.status in ("stagnated", "nonfinite") or contact.gap_is_rounding
+def make_sweep(
+    make_surface: MakeSurface,
+    settings: Settings,
+    E_star: float = 1.0,
+    lam_s: float | None = None,
+    duality: bool = False,
+    body: Body = HALF_SPACE,
+    hardness: float | None = None,
+) -> Sweep:
+    """Compose the sweep of a surface.
+
+    Collective.
+
+    Parameters
+    ----------
+    make_surface : callable
+        Makes the surface.Surface in a precision: ``make_surface(dtype)``.
+    settings : scene.Solver
+        The table [solver] of a scene.
+    E_star, body, hardness, lam_s
+        See `ContactModel`.
+    duality : bool
+        Whether the certificates have to give the duality gap.
+
+    Raises
+    ------
+    SceneError
+        For a solver, or a surface, that low memory cannot do with.
+    """
+    model = ContactModel(float(E_star), body, hardness, lam_s)
+    starter = Starter(settings, duality)
+    kind = WorkingSurface
+    if settings.low_memory:
+        if starter.solver_class.name != "bpx":
+            raise SceneError('solver.low_memory: found true, allowed: with solver.name = "bpx"')
+        kind = LowMemorySurface
+    surface_in = partial(kind, make_surface, model, nests=starter.nests)
+    return Sweep(surface_in, starter, Searches(settings))
 
 
-class Sweep(Start):
-    """Solves loads on one surface in the order given. Its arguments: see Start."""
+class Sweep:
+    """Solves loads on one surface in the order given.
 
-    closed_form = True  # whether the solution of full contact is at hand
+    Parameters
+    ----------
+    surface_in : callable
+        Makes the WorkingSurface in a precision: ``surface_in(dtype)``. Collective.
+    starter : Starter
+        Starts the solver at each load.
+    searches : Searches
+        Begins the search for each load that is no pressure.
 
-    _failed = False
-    _punch: np.ndarray | None = None  # see _flat_solution
-    _history: Sequence[dict[str, float]] = ()  # what the last two loads gave
+    Attributes
+    ----------
+    working : WorkingSurface
+        The surface in the present precision.
+    """
 
-    def pressures(self, load: Load) -> Sequence[float | LoadTarget]:
-        """Return what `solve` takes for the loads of scene.Load on this surface: mean pressures, or
-        LoadTarget where they have to be found.
+    def __init__(
+        self, surface_in: Callable[[np.dtype], WorkingSurface], starter: Starter, searches: Searches
+    ):
+        self.surface_in = surface_in
+        self.starter = starter
+        self.searches = searches
+        self.settings = starter.settings
+        self._failed = False
+        self._punch: np.ndarray | None = None  # see _flat_solution
+        self.working = surface_in(first_precision(self.settings))
 
-        Raises SceneError for what a flat surface does not have, what the precision cannot hold, and
-        what no pressure gives.
+    @property
+    def surface(self) -> Surface:
+        """The surface in the present precision."""
+        return self.working.surface
+
+    @property
+    def dtype(self) -> np.dtype:
+        """The present precision; once a load is in double precision, all others are."""
+        return self.working.dtype
+
+    def loads(self, asked: SceneLoad) -> list[Load]:
+        """Return the loads that the table [load] of a scene asks for.
+
+        Collective. Raises SceneError for what this surface does not have, see `loads_of`.
         """
-        return loads_of(load, self)
+        return loads_of(asked, self.working, self.settings, self.starter.solver_class)
 
     def solve(
-        self, load: float | LoadTarget, watch: Watch | None = None, midway: bool = False
+        self, asked: Load, watch: Watch | None = None, unfinished: Unfinished | None = None
     ) -> Contact:
-        """Solve the contact at a load: a mean pressure (unit of E_star), or LoadTarget.
+        """Solve one load.
 
-        watch(iterations, progress) is called after every iteration, a true value stops. midway: go
-        on where `restore` went back to.
+        Collective.
+
+        Parameters
+        ----------
+        asked : Load
+            As of `loads`.
+        watch : callable, optional
+            Called after every iteration, ``watch(iterations, progress)``; a true value stops.
+        unfinished : Unfinished, optional
+            What is there of this load from a run that was stopped: it goes on from there.
+
+        Returns
+        -------
+        Contact
+            It refers to the solver's fields, which the next load overwrites.
+
+        Raises
+        ------
+        Stopped
+            On all ranks, when the run is to stop before the first iteration.
         """
-        if self.is_flat:
-            assert not isinstance(load, LoadTarget)  # refused by `pressures`
-            return self._flat(load)
-        if not midway:
-            self._forget_failure()
-            self._spent = 0.0
-            self._load = self._load_for(load)
-        promote = self.settings.precision == "auto" and self.dtype == np.float32
-        if promote and not midway and self._too_little():
-            self._set_precision(np.float64)
-            promote = False
-        contact = self._solve(watch, midway, promote)
-        if promote and (contact is None or _needs_double(contact)):
-            self._spent = self._spent if contact is None else contact.fft_pairs
-            contact = None  # its fields make room
-            self._set_precision(np.float64)
-            contact = self._solve(watch, False)
-        assert contact is not None  # without `promote` there is one
+        if self.working.is_flat:
+            return self._flat_contact(asked)
+        if self._failed:
+            self.starter.forget()
+        load = self.searches.begin(asked, self.working)
+        pairs = self._solve_before(load)
+        if unfinished is not None:
+            pairs += unfinished.pairs
+            if load.search is not None:
+                load.search.begin_at(unfinished.p_mean / self.working.pressure_unit)
+        contact = None
+        *others, final = self._precisions(load, unfinished)
+        for dtype in (*others, final):
+            self._work_in(dtype)
+            contact, pairs = self._attempt(load, watch, unfinished, pairs, dtype != final)
+            if contact is not None:
+                break
+        assert contact is not None  # the final precision always gives one
         self._failed = contact.status not in ("converged", "interrupted")
+        if contact.status == "converged":
+            self.searches.remember(contact, self.working)
         return contact
 
-    def _forget_failure(self) -> None:
-        """Forget the state of a load that failed: the next one starts afresh."""
-        if self._failed:
-            self.solver, self._failed = None, False
+    # -- precisions
 
-    def _load_for(self, load: float | LoadTarget) -> GivenLoad:
-        """Make what finds the load."""
-        if not isinstance(load, LoadTarget):
-            return GivenLoad(self._p_star(load), load)
-        tolerance, heights = self.settings.tolerance, self.heights
-        if load.quantity == "a_r" and load.value == 1:
-            if self.closed_form and not self.surface.grid.padded:
-                return GivenLoad(1.0, closes=True)
-            if self.solver_class.holds_tension:
-                return FullContact(tolerance, self._flat_solution())
-        known = (tolerance, self.settings.accuracy is not None, heights)
-        if load.quantity == "gap_mean" and self.solver_class.holds_tension and not self.hardness:
-            single = load.value / self.surface.height_unit * self.surface.grid.N
-            opens = single * float(self.body.near(self.surface.grid)[0])  # a single point so far
-            if opens < NEARLY:
-                closed = self.solve(
-                    LoadTarget("a_r", 1.0), lambda *_: interrupt.check(self.surface.grid.comm)
-                )
-                self._spent = closed.pairs
-                closes_at = closed.p_mean / closed.pressure_unit
-                target = load.value / self.surface.slope
-                return OpeningSearch.below(closes_at, opens, target, known)
-        return search_for(load, self.surface, known, self._history, self._limit)
+    def _precisions(self, load: Load, unfinished: Unfinished | None) -> list[np.dtype]:
+        """Return the precisions in which a load is tried, one after the other."""
+        if self.settings.precision != "auto" or self.dtype == DOUBLE:
+            return [self.dtype]
+        was_in_double = unfinished is not None and unfinished.gap.dtype == DOUBLE
+        if was_in_double or self._is_too_little(load):
+            return [DOUBLE]
+        return [self.dtype, DOUBLE]
 
-    def _too_little(self) -> bool:
-        """Tell whether single precision is too little for the load."""
-        return too_little(self.settings, self.surface.grid.N, self._load.half_area)
+    def _is_too_little(self, load: Load) -> bool:
+        """Return whether single precision is known to be too little for a load."""
+        return too_little(self.settings, self.surface.grid.N, load.half_area)
 
-    def state(
-        self, upcoming: float | LoadTarget | None = None
-    ) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Return what `restore` needs to go on in the present load or, given the load that is
-        upcoming, at its beginning: local slabs by name, and numbers."""
-        if upcoming is not None:
-            self._forget_failure()
-        arrays: dict[str, Any] = {}
-        numbers: dict[str, Any] = {"dtype": self.dtype.name, "history": self._history}
-        if upcoming is None or self._may_start_here(upcoming):
-            arrays, own = self.solver.state()
-            numbers |= {"p0": self.solver.p0, "own": own}
-        if upcoming is None:
-            numbers |= {
-                "loop": asdict(self.loop),
-                "spent": self._spent,
-                "pairs": self.solver.pairs - self._first_pairs,
-                "search": self._load.numbers(),
-            }
-        return arrays, numbers
+    def _work_in(self, dtype: np.dtype) -> None:
+        """Go on with the surface in another precision. Raises SceneError where its heights have
+        changed."""
+        if dtype == self.dtype:
+            return
+        checksum = self.surface.checksum
+        self.starter.forget()
+        self.working.release()
+        del self.working  # its memory is needed for the next one
+        self.working = self.surface_in(dtype)
+        if checksum not in (None, self.surface.checksum):
+            raise SceneError("surface.path: the heights have changed since this run read them")
 
-    def restore(self, arrays: Slabs, numbers: dict[str, Any], load: float | LoadTarget) -> None:
-        """Go back to a `state`, perhaps of another number of ranks; load: what is asked for at that
-        load, as `solve` has it.
+    # -- one load in one precision
 
-        Collective. arrays: function of the grid, gives local slabs. Raises SceneError for the state
-        of another load or version.
+    def _attempt(
+        self,
+        load: Load,
+        watch: Watch | None,
+        unfinished: Unfinished | None,
+        pairs: float,
+        may_need_double: bool,
+    ) -> Attempt:
+        """Solve a load in the present precision.
+
+        pairs: FFT pairs that the load has taken before; may_need_double: whether single precision
+        may turn out to be too little.
         """
-        self._spent = 0.0
-        if numbers["dtype"] != self.dtype:
-            self._set_precision(numbers["dtype"])
-        try:
-            self._history = list(numbers["history"])
-            found = numbers.get("search")
-            if found and found["kind"] == "full contact":
-                self._load = FullContact(self.settings.tolerance, self._flat_solution())
-            else:
-                # of what has to be found only the load that closes the gap is known at once
-                known = GivenLoad(numbers.get("p0", 1.0), closes=isinstance(load, LoadTarget))
-                self._load = restored(found) if found else known
-        except (KeyError, TypeError):
-            raise SceneError(OTHER_VERSION) from None
-        if "p0" in numbers:
-            self._spent = numbers.get("spent", 0.0)
-            p0 = numbers["p0"]
-            if "loop" in numbers and not isinstance(load, LoadTarget):
-                # in the middle of this load, not at its beginning
-                p0 = self._p_star(load)
-                if not abs(p0 / numbers["p0"] - 1) < SAME_LOAD:
-                    raise SceneError(
-                        f"a state at p* = {numbers['p0']:g}, allowed: at {p0:g}, the load that is"
-                        " asked for"
-                    )
-                self._load = GivenLoad(p0, load)
-            self._go_back(p0, arrays, numbers)
-
-    def _may_start_here(self, load: float | LoadTarget) -> bool:
-        """Tell whether a load, or one that follows it if it closes the gap at once, may start from
-        the present state."""
-        if self.solver is None or isinstance(load, LoadTarget):
-            return self.solver is not None
-        p_star = self._p_star(load)
-        return self._near(p_star) or p_star >= self.body.full_p_star
-
-    def _solve(self, watch: Watch | None, midway: bool, promote: bool = False) -> Contact | None:
-        """Solve the present load; promote: return None where the search on coarser grids finds that
-        single precision is too little."""
-        if not midway:
-            full = self._full_contact(self._load.p0)
-            if full is not None:
-                return full
-            self._begin(self._load.p0)
-            if promote and self._too_little():
-                return None
-        solver = self.solver
-        status, certificate, pairs = drive(solver, self.target, watch, self.loop, self._load)
-        pairs = self._spent + (solver.pairs - self._first_pairs) + pairs
-        found = solver.g, solver.p, status, certificate, solver.iterations, pairs
-        return self._contact(self._p_mean(solver.p0), *found)
-
-    def _p_mean(self, p0: float) -> float:
-        """Return the mean pressure in the scene's unit: as it was given, where it was, without
-        rounding errors of the unit."""
-        return self._load.p_mean or p0 * (self.E_star * self.surface.slope)
+        closed = self._full_contact(load, pairs)
+        if closed.contact is not None:
+            return closed
+        gap = None if unfinished is None else unfinished.gap
+        start = self.starter.start(self.working, load, gap)
+        solver = start.solver
+        if unfinished is not None:
+            solver.iterations = unfinished.iterations
+        pairs = closed.pairs + start.pairs
+        if may_need_double and self._is_too_little(load):  # as the coarser grids have found
+            return Attempt(None, pairs + solver.pairs)
+        outcome = drive(solver, start.criterion, watch, load.search)
+        pairs += solver.pairs + outcome.pairs
+        contact = self._contact(
+            load,
+            solver.p0,
+            solver.g,
+            solver.p,
+            outcome.status,
+            outcome.certificate,
+            iterations=solver.iterations,
+            pairs=pairs,
+        )
+        if may_need_double and _needs_double(contact):
+            return Attempt(None, pairs)
+        return Attempt(contact, pairs)
 
     def _contact(
         self,
-        p_mean: float,
+        load: Load,
+        p0: float,
         g: np.ndarray,
         p: np.ndarray,
         status: str,
@@ -213,72 +255,136 @@ class Sweep(Start):
         iterations: int = 0,
         pairs: float = 0.0,
     ) -> Contact:
-        of_all = self.settings.tolerance, self.lam_s, self.body, self._load.note
-        done = status, certificate, *of_all, iterations, float(pairs), self.hardness
-        contact = Contact(self.surface, self.E_star, p_mean, g, p, *done)
-        if status == "converged":
-            known = {
-                "x": x_of(self._p_star(p_mean), self._limit),
-                "a_r": contact.contact_points / contact.N,
-                "gap_mean": certificate.gap_mean * self.surface.grid.a,
-                "approach": certificate.approach * self.surface.grid.a,
-            }
-            self._history = [*self._history[-1:], known]
-        return contact
+        """Return what a load has come to; a pressure that was given is as it was given, without
+        rounding errors of the unit."""
+        model = self.working.model
+        return Contact(
+            self.surface,
+            model.E_star,
+            load.value if load.is_pressure else p0 * self.working.pressure_unit,
+            g,
+            p,
+            status,
+            certificate,
+            accuracy=self.settings.tolerance,
+            lam_s=model.lam_s,
+            body=model.body,
+            remark=load.note,
+            iterations=iterations,
+            pairs=float(pairs),
+            hardness=model.hardness,
+        )
 
-    def _flat_solution(self) -> np.ndarray | None:
-        """Solve once for what FullContact needs of a surface that ends; None of one that does not.
-        Collective."""
-        surface, (rows, points) = self.surface, self.surface.grid.inside
-        if surface.grid.padded and self._punch is None:
-            self.solver = None  # its memory is needed now
+    # -- loads that need no iteration, and what some loads need before their own
 
-            def flat(dtype: np.dtype) -> Surface:
-                h = np.zeros((rows, points), dtype)
-                return replace(surface, h=h, h_rms=0.0, g_rms=0.0, checksum=None)
-
-            step = type(self)(flat, self.settings, body=self.body).solve(
-                1.0, lambda *_: interrupt.check(surface.grid.comm)
-            )
-            self._punch = step.g
-            self._punch[:rows, :points] = step.p[:rows, :points]
-            self._spent += step.pairs
-        return self._punch
-
-    def _full_contact(self, p0: float) -> Contact | None:
-        """Return the contact where u = -h is the solution, which needs no iteration; None where it
-        is not."""
-        if not (self.closed_form and self._load.given):
-            return None
-        problem = self._problem(p0)
-        if not self._load.closes:
-            if p0 < self.body.full_p_star:
-                return None
-            likely, pairs = (True, 0.0) if self.nested is None else self.nested.may_be_full(problem)
-            self._spent += pairs
-            if not likely:
-                return None
-        g, p, certificate = closed_contact(problem, dual=self.target.duality)
-        self._spent += certificate.pairs
-        tension, rounding = tension_of(problem.grid, p)
-        nearly = problem.dtype == np.float64 and 0 <= tension <= CLOSED * problem.rounding
-        if nearly or self._load.closes:
-            problem = self._problem(p0 + tension + rounding)
-            g, p, certificate = closed_contact(problem, dual=self.target.duality)
-            self._spent += certificate.pairs
-        if self._load.closes:
-            self._load = GivenLoad(problem.p0, closes=True)
-        if certificate.contact - certificate.yielded < problem.grid.N:
-            return None
-        exact = replace(certificate, errors=(0.0, 0.0, full_contact_error(problem)))
-        return self._contact(self._p_mean(problem.p0), g, p, "converged", exact, pairs=self._spent)
-
-    def _flat(self, p_mean: float) -> Contact:
-        """Give full contact, which a flat wall has at any load: there is nothing to compute."""
-        g = np.zeros_like(self.surface.h)
+    def _flat_contact(self, load: Load) -> Contact:
+        """Return the contact of a flat surface, which is closed at any load."""
+        p_mean = load.value
+        g = np.zeros_like(self.surface.gap)
+        p = np.full_like(g, p_mean / self.working.model.E_star)
         certificate = Certificate(
             contact=self.surface.grid.N, errors=(0.0, 0.0, 0.0), duality_gap=0.0
         )
-        return self._contact(
-            p_mean, g, np.full_like(g, p_mean / self.E_star), "converged", certificate
-        )
+        return self._contact(load, p_mean, g, p, "converged", certificate)
+
+    def _full_contact(self, load: Load, pairs: float) -> Attempt:
+        """Return the contact where u = -h is the solution, none where it is not.
+
+        The load that closes the gap is known then, also where points yield.
+        """
+        working = self.working
+        if load.search is not None or not working.full_contact_is_known:
+            return Attempt(None, pairs)
+        if not load.closes and load.p0 < working.model.body.full_p_star:
+            return Attempt(None, pairs)
+        problem = working.problem(load.p0)
+        nested = working.nested()
+        if not load.closes and nested is not None:
+            likely, of_coarse = nested.may_be_full(problem)
+            pairs += of_coarse
+            if not likely:
+                return Attempt(None, pairs)
+        duality = self.starter.criterion.duality
+        g, p, certificate = closed_contact(problem, dual=duality)
+        pairs += certificate.pairs
+        tension, rounding = tension_of(problem.grid, p)
+        nearly = problem.dtype == DOUBLE and 0 <= tension <= CLOSED * problem.rounding
+        if nearly or load.closes:
+            problem = working.problem(load.p0 + tension + rounding)
+            g, p, certificate = closed_contact(problem, dual=duality)
+            pairs += certificate.pairs
+        if load.closes:
+            load.given_p0 = problem.p0
+        if certificate.contact - certificate.yielded < problem.grid.N:
+            return Attempt(None, pairs)
+        exact = replace(certificate, errors=(0.0, 0.0, full_contact_error(problem)))
+        contact = self._contact(load, problem.p0, g, p, "converged", exact, pairs=pairs)
+        return Attempt(contact, pairs)
+
+    def _solve_before(self, load: Load) -> float:
+        """Solve the contacts that the search for a load begins with; return the FFT pairs that they
+        took."""
+        search = load.search
+        if isinstance(search, ClosingSearch) and self.surface.grid.padded:
+            search.unit, pairs = self._flat_solution()
+            return pairs
+        if isinstance(search, OpeningSearch):
+            closed = self.solve(Load("a_r", 1.0), self._raise_if_stopped)
+            search.begin_below(closed.p_mean / closed.pressure_unit)
+            return closed.pairs
+        return 0.0
+
+    def _flat_solution(self) -> tuple[np.ndarray, float]:
+        """Return what `ClosingSearch.unit` needs, solved once, and the FFT pairs that it took."""
+        if self._punch is not None:
+            return self._punch, 0.0
+        surface = self.surface
+        rows, points = surface.grid.inside
+        self.starter.forget()  # its memory is needed now
+
+        def flat(dtype: np.dtype) -> Surface:
+            h = np.zeros((rows, points), dtype)
+            return replace(surface, h=h, h_rms=0.0, g_rms=0.0, checksum=None)
+
+        sweep = make_sweep(flat, self.settings, body=self.working.model.body)
+        contact = sweep.solve(Load("pressure", 1.0), self._raise_if_stopped)
+        self._punch = contact.g
+        self._punch[:rows, :points] = contact.p[:rows, :points]
+        return self._punch, contact.pairs
+
+    def _raise_if_stopped(self, *_: object) -> None:
+        """Raise Stopped on all ranks when the run is to stop: nothing of this contact is kept."""
+        interrupt.check(self.surface.grid.comm)
+
+
+class Unfinished(NamedTuple):
+    """What is kept of a load that was stopped in its middle.
+
+    Attributes
+    ----------
+    gap : ndarray
+        Local slab of the grid, in the program's unit and in the precision of that run.
+    p_mean : float
+        The mean pressure that it belongs to, in the unit of E_star.
+    iterations : int
+    pairs : float
+        Iterations and FFT pairs that the load has taken so far.
+    """
+
+    gap: np.ndarray
+    p_mean: float
+    iterations: int
+    pairs: float
+
+
+class Attempt(NamedTuple):
+    """What came of a load in one precision: its contact, None where another way has to be taken,
+    and all FFT pairs that the load has taken."""
+
+    contact: Contact | None
+    pairs: float
+
+
+def _needs_double(contact: Contact) -> bool:
+    """Return whether single precision turned out to be too little for a load."""
+    return contact.status in ("stagnated", "nonfinite") or contact.gap_is_rounding

@@ -1,35 +1,119 @@
-"""Where numba keeps compiled kernels: in a folder for each state of their sources, versions and
+"""Keep compiled kernels from run to run: in a folder for each state of their sources, versions and
 kind of processor.
 
-numba looks at the source file of a kernel only, but other files' functions are compiled into it.
-What it cannot read or write it raises; `retry_without_cache` then empties the folder and begins
-again.
+numba looks at the source file of a kernel only, but functions of other files are compiled into it;
+hence a folder for each state of all sources. numba also trusts the bytes that it finds, and numbers
+the files of a kernel, so that two processes that compile at the same moment mix them up. So this
+module writes the files: one for each kernel and signature, read only if its checksum is right.
 """
 
 import hashlib
+import pickle
 import shutil
 import tempfile
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
-from traceback import walk_tb
-from types import TracebackType
-from typing import TypeVar
+from typing import Any
 
 import llvmlite
 import numba
 import numpy
 from llvmlite import binding
 from numba.core import event
+from numba.core.serialize import dumps
 
-from ..util.caches import cache_folder
+from ..util.caches import cache_folder, keep, kept
+from ..util.errors import SceneError
 from ..util.plugins import sources_added
 
 NEWEST = 4  # states whose folders are kept
 ROOM = 64 * 2**20  # bytes that must be free
-T = TypeVar("T")
-ATTEMPTS = 100  # on a disk without room every kernel may fail once: when it is to be written
+SUFFIX = ".kernel"  # of the files
+
+
+def compiled_on_first_use(function: Callable[..., Any], **options: Any) -> Any:
+    """Return numba.njit(**options)(function), whose machine code is kept where it can be.
+
+    Parameters
+    ----------
+    function : function
+        The source of a kernel.
+    **options
+        Of numba.njit, but `cache`.
+
+    Returns
+    -------
+    numba dispatcher
+        Compiles or reads the code of a signature when it is first called with it.
+
+    Raises
+    ------
+    SceneError
+        Where numba was told not to compile.
+    """
+    if numba.config.DISABLE_JIT:
+        raise SceneError(
+            "NUMBA_DISABLE_JIT: found in the environment, allowed: not set; the kernels call FFTW"
+            " by its address, which only compiled code can"
+        )
+    path = folder()
+    if path is not None:
+        before = numba.config.CACHE_DIR
+        numba.config.CACHE_DIR = str(path)
+        try:
+            dispatcher = numba.njit(cache=True, **options)(function)
+            numbas = dispatcher._cache._cache_file
+            stem = Path(numbas._index_path).with_suffix("")
+            if stem.is_relative_to(path):
+                dispatcher._cache._cache_file = KernelFiles(stem, repr(numbas._source_stamp))
+                return dispatcher
+        except (OSError, RuntimeError):  # numba could not make a folder of its own in it
+            pass
+        finally:
+            numba.config.CACHE_DIR = before  # other packages' kernels are kept elsewhere
+    return numba.njit(**options)(function)
+
+
+class KernelFiles:
+    """The files with the machine code of one kernel, one for each signature and kind of processor;
+    has the methods of numba's `IndexDataCacheFile`.
+
+    Parameters
+    ----------
+    stem : Path
+        What the files are called, up to a hash and `SUFFIX`.
+    source : str
+        Changes with the source of the kernel. Code that was made from another source is not used.
+    """
+
+    def __init__(self, stem: Path, source: str):
+        self.stem = stem
+        self.source = source
+
+    def load(self, key: Any) -> Any:
+        """Return the code that was saved under a key (signature, processor, hash of the bytecode);
+        None where there is none, or none that is undamaged."""
+        path, purpose = self._file(key)
+        content = kept(path, purpose)
+        return None if content is None else pickle.loads(content)
+
+    def save(self, key: Any, data: Any) -> None:
+        """Keep code under a key, if there is room for it."""
+        path, purpose = self._file(key)
+        keep(path, dumps(data), purpose)
+
+    def flush(self) -> None:
+        """Remove all files of this kernel."""
+        for path in self.stem.parent.glob(f"{self.stem.name}.*{SUFFIX}"):
+            path.unlink(missing_ok=True)
+
+    def _file(self, key: Any) -> tuple[Path, str]:
+        """Return the file of a key, and what is to be in it."""
+        purpose = f"{stamp()} {self.stem.name} {self.source} {key!r}"
+        digest = hashlib.sha256(repr(key).encode()).hexdigest()[:16]
+        return self.stem.with_name(f"{self.stem.name}.{digest}{SUFFIX}"), purpose
 
 
 @cache
@@ -51,31 +135,22 @@ def stamp() -> str:
 
 
 @contextmanager
-def cached() -> Iterator[bool]:
-    """Tell numba the folder, for a block; gives whether there is one that can be written.
-    NUMBA_CACHE_DIR moves it."""
-    users, path = numba.config.CACHE_DIR, folder()
-    numba.config.CACHE_DIR = str(path or users)
-    try:
-        yield path is not None
-    finally:
-        numba.config.CACHE_DIR = users  # other packages' kernels are not ours
-
-
-@contextmanager
 def on_first_compile(say: Callable[[str], object] | None) -> Iterator[None]:
-    """Call say(text), if it is not None, once in a block: before the first kernel is compiled that
-    has not been kept."""
+    """Call say(text), if it is not None, once in a block: before the first kernel is compiled."""
 
     def first() -> None:
-        here = folder()
-        kept = here is not None and any(here.rglob("*.nbi"))
-        if say:
+        path = folder()
+        if say is None:
+            return
+        if path is None:
             say(
-                "compiling what this scene needs in addition, once (some seconds)"
-                if kept
-                else "compiling, once (half a minute)"
+                "compiling (half a minute), at every start: there is no folder to keep it in,"
+                " HPC_GFMD_CACHE=FOLDER names one"
             )
+        elif any(path.rglob(f"*{SUFFIX}")):
+            say("compiling what this scene needs in addition, once (some seconds)")
+        else:
+            say("compiling, once (half a minute)")
 
     with event.install_listener("numba:compile", _Once(first)):
         yield
@@ -88,7 +163,8 @@ class _Once(event.Listener):  # type: ignore[misc]
         self.call: Callable[[], object] | None = call
 
     def on_start(self, _: object) -> None:
-        call, self.call = self.call, None
+        call = self.call
+        self.call = None
         if call is not None:
             call()
 
@@ -97,8 +173,17 @@ class _Once(event.Listener):  # type: ignore[misc]
 
 
 def folder() -> Path | None:
-    """Return the folder of the present state, or None where it cannot be written."""
-    return _folder(Path(numba.config.CACHE_DIR or cache_folder() / "kernels"), stamp())
+    """Return the folder of the present state, or None where there is none that can be written.
+
+    The environment variable NUMBA_CACHE_DIR moves it.
+    """
+    root: Path | None
+    if numba.config.CACHE_DIR:
+        root = Path(numba.config.CACHE_DIR)
+    else:
+        root = cache_folder()
+        root = root and root / "kernels"
+    return root and _folder(root, stamp())
 
 
 @cache
@@ -115,29 +200,3 @@ def _folder(root: Path, state: str) -> Path | None:
         return path if shutil.disk_usage(path).free > ROOM else None
     except OSError:
         return None
-
-
-def retry_without_cache(call: Callable[[], T]) -> T:
-    """Return call(), with emptied folders where numba fails to read or to write them."""
-    for _ in range(ATTEMPTS):
-        try:
-            return call()
-        except Exception as error:
-            if not _of_numbas_cache(error.__traceback__):
-                raise
-            _empty()
-    return call()
-
-
-def _of_numbas_cache(traceback: TracebackType | None) -> bool:
-    return any(
-        frame.f_globals.get("__name__") == "numba.core.caching" for frame, _ in walk_tb(traceback)
-    )
-
-
-def _empty() -> None:
-    """Remove all that was kept of this state; the folders stay."""
-    here = folder()
-    for file in here.rglob("*.nb*") if here else ():
-        with suppress(OSError):
-            file.unlink()

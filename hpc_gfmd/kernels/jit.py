@@ -4,10 +4,9 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-import numba
 import numpy as np
 
-from .cache import cached
+from .cache import compiled_on_first_use
 
 # NaN and infinity must stay visible, so no "nnan" and "ninf"; "reassoc" is what lets a sum use the
 # vector unit.
@@ -21,15 +20,14 @@ def kernel(function: Callable[..., Any], makes_arrays: bool = False, piece: bool
     loop takes, which is slow. piece: of another kernel. As a function of its own, kept code would
     have another copy of it than code that has just been compiled, and other last bits.
     """
-    with cached() as possible:
-        return numba.njit(
-            nogil=True,
-            error_model="numpy",
-            fastmath=FASTMATH,
-            cache=possible,
-            _nrt=makes_arrays,
-            forceinline=piece,
-        )(function)
+    return compiled_on_first_use(
+        function,
+        nogil=True,
+        error_model="numpy",
+        fastmath=FASTMATH,
+        _nrt=makes_arrays,
+        forceinline=piece,
+    )
 
 
 inline = partial(kernel, piece=True)

@@ -13,7 +13,6 @@ hierarchy.py.
 
 from __future__ import annotations
 
-from base64 import b64decode, b64encode
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -126,19 +125,6 @@ class Multilevel:
     def z(self) -> np.ndarray:
         """The result on level 1, own rows and halo, (rows + 2, m)."""
         return self.fields[0][0]
-
-    @property
-    def mode(self) -> str:
-        """The gap mode that M has (deflation.py), as a text."""
-        return b64encode(self.coarsest.mode.tobytes()).decode() if self.coarsest else ""
-
-    @mode.setter
-    def mode(self, text: str) -> None:
-        if self.coarsest:
-            self.coarsest.at, self.coarsest.mode = (
-                self.gap_mode.at or 0,
-                np.frombuffer(b64decode(text), self.dtype).copy(),
-            )
 
     def sweep(self, anew: bool = False) -> tuple[float, ...]:
         """Make z on level 1 (own rows and halo) from what was restricted to it in the windows of

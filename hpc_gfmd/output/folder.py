@@ -11,7 +11,7 @@ from pathlib import Path
 from ..util.errors import SceneError
 
 HEAD, STATE, LOCK = "head.h5", "checkpoint.h5", "lock"
-_OURS = re.compile(r"(head|step-\d+|checkpoint)\.h5(\.tmp)?|wisdom-\w+")
+_OURS = re.compile(r"(head|step-\d+|checkpoint)\.h5(\.tmp)?")
 
 
 def followed(path: str | os.PathLike) -> Path:
@@ -21,7 +21,8 @@ def followed(path: str | os.PathLike) -> Path:
 
 
 def partial_folder(path: str | os.PathLike) -> Path:
-    """Return the folder where a run that writes `path` keeps its finished steps and checkpoints."""
+    """Return the folder where a run that writes `path` keeps its finished loads, and the gap of
+    one that was stopped."""
     return Path(f"{followed(path)}.partial")
 
 

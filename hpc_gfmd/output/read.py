@@ -20,6 +20,8 @@ from .folder import HEAD, is_held, partial_folder, step_files
 from .numbers import names_of
 
 FORMAT, CHECKPOINT, FORMAT_VERSION = "hpc-gfmd", "hpc-gfmd checkpoint", 3
+# (table, key) that scenes in older files may have, and that changed no result
+WITHDRAWN = (("machine", "checkpoint_seconds"),)
 
 
 @dataclass(frozen=True)
@@ -59,6 +61,9 @@ class Result:
         """The same; where heights were an array, with the sizes and the boundary alone as its
         surface."""
         table = parse_toml(self.scene_toml, str(self.path))
+        for name, key in WITHDRAWN:
+            if isinstance(table.get(name), dict):
+                table[name].pop(key, None)
         return (Scene if "kind" in table.get("surface", {}) else ArrayScene).from_dict(
             table, str(self.path)
         )
@@ -204,14 +209,35 @@ def read_partial(path: str | os.PathLike) -> Result:
     )
 
 
-def read_checkpoint(path: Path, solver: str, identity: str) -> Result | None:
-    """Read a file of the same layout with the state of a solver in the place of a load step; None
-    if there is none. Raises SceneError as read_result, and for another solver or scene."""
-    found = _read(path, CHECKPOINT) if path.exists() else None
-    if found and (found.head.get("solver"), found.head.get("identity")) != (solver, identity):
-        of = "another scene" if found.head.get("solver") == solver else found.head.get("solver")
-        raise SceneError(f"{path}: a checkpoint of {of}, allowed: of {solver} and this scene")
-    return found
+def read_checkpoint(path: Path, identity: str) -> Result | None:
+    """Read the gap of a load that was stopped, a file of the same layout with one load step.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    identity : str
+        Of the scene that it has to belong to.
+
+    Returns
+    -------
+    Result or None
+        With one step and its field "gap"; None if there is no such file.
+
+    Raises
+    ------
+    SceneError
+        As `read_result`, and for what another scene or another version of the program wrote.
+    """
+    if not path.exists():
+        return None
+    checkpoint = _read(path, CHECKPOINT)
+    if checkpoint.head.get("identity") != identity:
+        raise SceneError(f"{path}: a checkpoint of another scene, allowed: of this one")
+    known = [{"p", "seconds", "iterations", "fft_pairs"} <= {*step} for step in checkpoint.steps]
+    if known != [True] or "gap" not in checkpoint.fields[0]:
+        raise SceneError(f"{path}: a checkpoint of another version of hpc_gfmd, allowed: of this")
+    return checkpoint
 
 
 def _read(path: Path, kind: str = FORMAT) -> Result:

@@ -2,7 +2,7 @@
 
 Everything finished goes at once into the folder OUT.h5.partial, one file per load step, and at the
 end all of it becomes OUT.h5 in one rename. So nothing finished is lost, and nothing half-written
-has a final name. Beside them lies the last checkpoint.
+has a final name. Beside them lies the gap of a load that was stopped in its middle.
 """
 
 import os
@@ -12,7 +12,10 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ..parallel.comm import Comm
+from ..parallel.grid import Grid
 from ..parallel.guard import on_rank_0
 from ..parallel.h5 import Stored, io_way, write_file
 from ..util.errors import GfmdError, SceneError, reason
@@ -120,46 +123,51 @@ class RunFile(AbstractContextManager):
         )
         self.finished = dict(sorted((self.finished | {index: attributes}).items()))
 
-    def write_checkpoint(
-        self,
-        grid: Any,
-        solver: str,
-        step: int,
-        state: tuple[dict, dict],
-        seconds: float | None = None,
-    ) -> None:
-        """Write where the run can go on.
+    def write_checkpoint(self, grid: Grid, index: int, gap: np.ndarray, numbers: dict) -> None:
+        """Write the gap of a load that is stopped in its middle, from which it can go on.
 
-        solver: its name; step: index of the load; state: (arrays, numbers) of Sweep.state on
-        `grid`; seconds: spent on the load so far, None at its beginning.
+        Parameters
+        ----------
+        grid : Grid
+            The grid of the solver, which is larger than the surface where that ends.
+        index : int
+            Of the load.
+        gap : ndarray
+            Local slab of the grid, in the program's unit.
+        numbers : dict
+            p, seconds, iterations and fft_pairs of the load so far, see `read_checkpoint`.
+
+        Raises
+        ------
+        GfmdError
+            On every rank, if it cannot be written.
         """
-        name, (arrays, numbers) = group_of(step), state
+        name = group_of(index)
         groups = {
             "/": {
                 "format": CHECKPOINT,
                 "format_version": FORMAT_VERSION,
-                "solver": solver,
                 "identity": self._head["identity"],
             },
             "surface": {"n": list(grid.n)},
-            name: {"seconds": seconds, "numbers": numbers},
+            name: numbers,
         }
-        slabs = {f"{name}/{key}": array for key, array in arrays.items()}
         write_file(
             self.comm,
             self.partial / STATE,
             grid.n,
             grid.rows,
-            slabs,
+            {f"{name}/gap": gap},
             lambda file: set_attributes(file, groups),
         )
 
-    def checkpoint(self, solver: str) -> Result | None:
-        """Read the last checkpoint, None if there is none. Raises SceneError as read_checkpoint."""
-        wanted = self.partial / STATE, solver, self._head["identity"]
-        return on_rank_0(
-            self.comm, f"reading {self.partial / STATE}", lambda: read_checkpoint(*wanted)
-        )
+    def checkpoint(self) -> Result | None:
+        """Read the gap of the load that was stopped, None if there is none.
+
+        Raises SceneError as `read_checkpoint`.
+        """
+        path, identity = self.partial / STATE, self._head["identity"]
+        return on_rank_0(self.comm, f"reading {path}", lambda: read_checkpoint(path, identity))
 
     def take(self, result: Result) -> None:
         """Take all load steps of a result, numbered anew, which `finish` writes."""

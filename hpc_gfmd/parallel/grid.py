@@ -29,17 +29,47 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
-KEPT = 16  # grids of one process that are kept for the next contact of their size
+KEPT = 16  # sizes of grids whose tables a thread keeps
 SMALL = 2**24  # bytes of transforms below which making them anew costs more than keeping them
 
 
-class Grid:
-    """n = (n_x, n_y) points in a cell of physical sizes (L_x, L_y); every rank owns the rows
-    [start, stop) of each field.
+class GridTables:
+    """Transforms and tables that depend on the size of a grid alone.
 
-    starts: first row of each rank, and n_x; by default the block distribution of mpi4py-fft.
-    nominal: points along each axis that the surface has, from point 0; the others are padding,
-    where nothing can touch. Means and counts are over the nominal area.
+    Attributes
+    ----------
+    transforms : dict
+        SlabFFT by dtype.
+    values : dict
+        What `Grid.once` has computed, by its key.
+    """
+
+    def __init__(self) -> None:
+        self.transforms: dict[np.dtype, SlabFFT] = {}
+        self.values: dict[Hashable, Any] = {}
+
+
+class Grid:
+    """A periodic grid; every rank owns the rows [start, stop) of each field.
+
+    Parameters
+    ----------
+    n : (int, int)
+        Points (n_x, n_y) of the whole grid.
+    sizes : (float, float)
+        Physical lengths (L_x, L_y) of the cell.
+    comm : Comm, optional
+        Communicator of the ranks; by default this process alone.
+    threads : int
+        Threads of this rank.
+    starts : array of int, optional
+        First row of each rank, and n_x at the end; by default the block distribution of
+        mpi4py-fft.
+    nominal : (int, int), optional
+        Points along each axis that the surface has, from point 0; by default all. The others are
+        padding, where nothing can touch. Means and counts are over the nominal area.
+    tables : GridTables, optional
+        Transforms and tables of a grid of the same size; by default they are made anew.
     """
 
     def __init__(
@@ -50,6 +80,7 @@ class Grid:
         threads: int = 1,
         starts: ArrayLike | None = None,
         nominal: Sequence[int] | None = None,
+        tables: GridTables | None = None,
     ):
         from .comm import SerialComm
 
@@ -61,8 +92,7 @@ class Grid:
             row_starts(self.n[0], self.comm.size) if starts is None else np.asarray(starts)
         )
         self.nominal = self.n if nominal is None else (int(nominal[0]), int(nominal[1]))
-        self._fft: dict[np.dtype, SlabFFT] = {}
-        self._known: dict[Hashable, Any] = {}
+        self._tables = tables or GridTables()
 
     @classmethod
     def kept(
@@ -74,16 +104,25 @@ class Grid:
         starts: ArrayLike | None = None,
         nominal: Sequence[int] | None = None,
     ) -> Grid:
-        """Return the grid, with its transforms and tables, that this thread has used before where
-        it is of one process; otherwise a new one."""
+        """Make a grid that shares transforms and tables with earlier grids of its size.
+
+        Only grids of one process share them, within a thread: scratch memory is among them.
+
+        Parameters
+        ----------
+        n, sizes, comm, threads, starts, nominal
+            As of the class.
+
+        Returns
+        -------
+        Grid
+            A new grid.
+        """
         if comm.size > 1 or comm.parent is not None:
             return cls(n, sizes, comm, threads, starts, nominal)
         ends = None if nominal is None else tuple(map(int, nominal))
-        grid = _kept.grid(tuple(map(int, n)), tuple(map(float, sizes)), None, threads, None, ends)
-        grid.comm = comm  # by which a request to stop knows its run
-        for fft in grid.planned():
-            fft.comm = comm
-        return grid
+        tables = _kept.tables(tuple(map(int, n)), tuple(map(float, sizes)), threads, ends)
+        return cls(n, sizes, comm, threads, None, nominal, tables)
 
     @property
     def cell_points(self) -> int:
@@ -169,19 +208,20 @@ class Grid:
     def fft(self, dtype: DTypeLike) -> SlabFFT:
         """Return the transforms of this grid in one precision, planned once."""
         dtype = np.dtype(dtype)
-        if dtype not in self._fft:
-            self._fft[dtype] = SlabFFT(self.comm, self.n, self.starts, dtype, self.threads)
-        return self._fft[dtype]
+        transforms = self._tables.transforms
+        if dtype not in transforms:
+            transforms[dtype] = SlabFFT(self.comm, self.n, self.starts, dtype, self.threads)
+        return transforms[dtype]
 
     def planned(self) -> list[SlabFFT]:
         """Return the transforms that have been planned, all precisions."""
-        return list(self._fft.values())
+        return list(self._tables.transforms.values())
 
     def forget_fft(self, dtype: DTypeLike) -> None:
-        """Give back the memory of the transforms in one precision, if it is worth it."""
-        fft = self._fft.get(np.dtype(dtype))
+        """Free the memory of the transforms in one precision if it is large."""
+        fft = self._tables.transforms.get(np.dtype(dtype))
         if fft is not None and fft.blocks.nbytes > SMALL:
-            del self._fft[fft.dtype]
+            del self._tables.transforms[fft.dtype]
 
     def empty(self, dtype: DTypeLike) -> np.ndarray:
         """Make an uninitialised local slab."""
@@ -199,11 +239,24 @@ class Grid:
         return on_threads(self.threads, work, self.pieces(rows))
 
     def once(self, key: Hashable, make: Callable[[], T]) -> T:
-        """Return what make() returns, called the first time alone: what depends on the grid and the
-        key."""
-        if key not in self._known:
-            self._known[key] = make()
-        return self._known[key]
+        """Return what make() returns; it is called only the first time for this size of grid.
+
+        Parameters
+        ----------
+        key : hashable
+            With the size of the grid it determines the value.
+        make : function
+            Takes no arguments.
+
+        Returns
+        -------
+        object
+            The value, which grids of one size share.
+        """
+        values = self._tables.values
+        if key not in values:
+            values[key] = make()
+        return values[key]
 
     def column_tables(self, fft: SlabFFT) -> tuple[np.ndarray, np.ndarray]:
         """Return q_y and multiplicity of every column of the blocks of `fft`, shape (M, W), in its
@@ -215,10 +268,10 @@ class Grid:
 
 
 class _Kept(threading.local):
-    """The grids that a thread has used last: two threads never share scratch memory."""
+    """Tables of the grids that a thread has used last: threads never share scratch memory."""
 
     def __init__(self) -> None:
-        self.grid = lru_cache(maxsize=KEPT)(Grid)
+        self.tables = lru_cache(maxsize=KEPT)(lambda *size: GridTables())
 
 
 _kept = _Kept()

@@ -8,7 +8,6 @@ from typing import Any, NoReturn, Self
 from ..util.errors import SceneError
 from .comm import Comm
 
-CHEAP = 0.05  # share of the time that may go into checkpoints between loads
 HANDLED = tuple(  # as far as the system has them; SIGUSR1: the batch system's warning
     getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGUSR1") if hasattr(signal, name)
 )
@@ -29,8 +28,8 @@ def check(comm: Comm) -> None:
     """Raise Stopped on all ranks of a communicator if one of them was sent a signal while an
     Interrupt listens. Collective.
 
-    Time that is up is left to `poll`: however short it is, a run then comes to an iteration and a
-    checkpoint of it. Only for the communicator of the run and parts of it: what a rank does on its
+    Time that is up is left to `poll`: however short it is, a run then comes to an iteration, and
+    keeps its gap. Only for the communicator of the run and parts of it: what a rank does on its
     own, such as compiling, it does to the end.
     """
     whole: Any = comm
@@ -52,18 +51,23 @@ def stop(number: int) -> NoReturn:
 
 
 class Interrupt:
-    """Listens from `with` on. deadline: seconds from now, or None; every: seconds between
-    checkpoints.
+    """Listens for requests to stop, from `with` on.
 
     A second signal ends the process at once. The handlers that Python had before come back at the
     end.
+
+    Parameters
+    ----------
+    comm : Comm
+        All ranks of the run.
+    deadline : float, optional
+        Seconds from now after which the run is to stop.
     """
 
-    def __init__(self, comm: Comm, deadline: float | None = None, every: float | None = None):
+    def __init__(self, comm: Comm, deadline: float | None = None):
         self.comm = comm
         self.begun = time.monotonic()
-        self.deadline, self.every = deadline, every
-        self.last, self.cost = self.begun, 0.0  # end of the last checkpoint, and what it took
+        self.deadline = deadline
         self.signal = 0
         self.agreed = 0
 
@@ -95,19 +99,13 @@ class Interrupt:
         """130 for SIGINT, 143 for everything else that stopped the run."""
         return 130 if self.agreed == signal.SIGINT else 143
 
-    def poll(self) -> tuple[bool, bool]:
-        """Return (stop, save), the same on all ranks: whether to stop now, and whether a checkpoint
-        is due. Collective."""
-        due = (
-            self.every is not None
-            and self.comm.rank == 0
-            and time.monotonic() - self.last > self.every
-        )
+    def poll(self) -> bool:
+        """Return whether to stop now, the same on all ranks. Collective."""
         late = signal.SIGTERM if self._late else 0
-        stop, due = (int(x) for x in self.comm.max([self.signal or late, due]))
-        if stop:
-            self.agreed = stop
-        return bool(stop), bool(due)
+        number = int(self.comm.max([self.signal or late])[0])
+        if number:
+            self.agreed = number
+        return bool(number)
 
     def require_time(self) -> None:
         """Raise SceneError where the time was up before the first load: the same would happen again
@@ -122,17 +120,3 @@ class Interrupt:
     @property
     def _late(self) -> bool:
         return self.deadline is not None and time.monotonic() - self.begun > self.deadline
-
-    def cheap(self) -> bool:
-        """Tell whether a checkpoint now would take little beside the time since the last one, the
-        same on all ranks. Collective."""
-        return bool(
-            self.comm.max(
-                [self.comm.rank == 0 and self.cost < CHEAP * (time.monotonic() - self.last)]
-            )[0]
-        )
-
-    def saved(self, begun: float) -> None:
-        """Note that a checkpoint has been written; begun: the time.monotonic() at which."""
-        self.last = time.monotonic()
-        self.cost = self.last - begun

@@ -1,5 +1,4 @@
-"""FFTW's memory of measured plans ("wisdom"): kept from run to run, the same on all ranks, kept
-with every checkpoint.
+"""FFTW's memory of measured plans ("wisdom"): kept from run to run, the same on all ranks.
 
 The same plan rounds in the same way, and planning by measurement takes seconds. So rank 0 plans,
 with what the user's cache knows, and the others take over its wisdom. There is one file for each
@@ -13,14 +12,13 @@ import ctypes
 import hashlib
 from collections.abc import Callable, Hashable
 from functools import cache
-from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import DTypeLike
 
-from ..util.caches import cache_folder, keep
+from ..util.caches import cache_folder, keep, kept
 from ..util.versions import processor
 from .fftw import PREFIXES, load_fftw
 from .launcher import launcher_rank
@@ -54,7 +52,8 @@ def planned(comm: Comm, dtype: DTypeLike, make: Callable[[], T], shapes: Hashabl
         plans = make()
         if launcher_rank() == 0 and not _lines(wisdom.text()) <= _lines(known):
             wisdom.read()  # what others have found meanwhile
-            keep(wisdom.path, wisdom.text())
+            if wisdom.path:
+                keep(wisdom.path, wisdom.text())
     if comm.size > 1:
         _take_over(comm, wisdom)
     return plans if comm.rank == 0 else make()
@@ -71,20 +70,6 @@ def _take_over(comm: Comm, wisdom: _Wisdom) -> None:
         if comm.rank != 0:
             wisdom.replace(text)
         wisdom.version = version
-
-
-def keep_with(folder: str | PathLike) -> None:
-    """Write all plans of this process into a folder, for a run that goes on from there."""
-    for name in _used:
-        keep(Path(folder) / f"wisdom-{name}", _wisdom(name).text())
-
-
-def take_from(folder: str | PathLike) -> None:
-    """Plan as the run did that wrote this folder; what is not there or of another kind of machine
-    is measured."""
-    for name in load_fftw() or ():
-        if content := _content(Path(folder) / f"wisdom-{name}"):
-            _wisdom(name).replace(content)
 
 
 class _Wisdom:
@@ -107,14 +92,17 @@ class _Wisdom:
         ).hexdigest()[:16]
 
     @property
-    def path(self) -> Path:
-        """The file of this kind of machine in the cache."""
-        return cache_folder() / "wisdom" / f"{self.kind}-{self.name}"
+    def path(self) -> Path | None:
+        """The file of this kind of machine in the cache, if there is a cache."""
+        folder = cache_folder()
+        return folder and folder / "wisdom" / f"{self.kind}-{self.name}"
 
     def read(self) -> bytes:
         """Know what is in the cache, too; returns it, nothing where it cannot be understood. It is
         taken over only where it has changed: that takes longer than making plans that are known."""
-        content = _content(self.path, LIMIT)
+        content = (self.path and kept(self.path)) or b""
+        if len(content) > LIMIT:
+            content = b""
         if content != self._read:
             self._read = content if self._add(content) else b""
         return self._read
@@ -150,16 +138,6 @@ _used: list[str] = []  # precisions
 def _wisdom(name: str) -> _Wisdom:
     _used.append(name)
     return _Wisdom(name)
-
-
-def _content(path: Path, most: float = np.inf) -> bytes:
-    """Read what a file of at most so many bytes holds; nothing where it is longer or cannot be
-    read."""
-    try:
-        content = path.read_bytes()
-    except OSError:
-        return b""
-    return content if len(content) <= most else b""
 
 
 def _lines(text: bytes) -> set[bytes]:

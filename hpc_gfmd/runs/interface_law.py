@@ -401,7 +401,7 @@ class _Scenes:
             total = float(self.comm.sum([float(np.sum(heights, dtype=float))])[0])
             self.gaps[number] = -total / (n[0] * n[1])
         say = Reporter(self.comm, at_pressures.solver, not self.progress)
-        loads = sweep.pressures(at_pressures.load)
+        loads = sweep.loads(at_pressures.load)
         return [
             step_attributes(at_pressures, index, contact, seconds)
             for index, contact, seconds in solved(at_pressures, sweep, loads, say)

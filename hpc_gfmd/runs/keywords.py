@@ -14,7 +14,7 @@ from .prepared import PreparedSurface, plain
 
 CALLER = "hpc_gfmd.solve"
 # without a result file these do nothing
-OF_RUNS = "path", "dtype", "compression", "wall_seconds", "checkpoint_seconds", "memory_gib"
+OF_RUNS = "path", "dtype", "compression", "wall_seconds", "memory_gib"
 HOMES = {  # key: its table
     key: table
     for table, model in ArrayScene.model_fields.items()

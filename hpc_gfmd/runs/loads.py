@@ -18,10 +18,10 @@ from ..contact import (
 from ..contact.area import a_r_discretisation
 from ..contact.contact import Contact
 from ..contact.duality import OBSERVABLES as OF_DUALITY
-from ..driver.load_target import LoadTarget
-from ..driver.lowmemory import LowMemorySweep
-from ..driver.sweep import Sweep
-from ..scene import File, Load, Scene, each, has_unit
+from ..driver.load import Load
+from ..driver.sweep import Sweep, Unfinished, make_sweep
+from ..scene import File, Scene, each, has_unit
+from ..scene import Load as SceneLoad
 from ..scene.explain import require_known
 from ..solvers import solver_names
 from ..solvers.base import Progress
@@ -29,8 +29,6 @@ from ..surface import Surface
 from ..util.errors import SceneError
 from ..util.quantities import format_quantity
 from .progress import Reporter
-
-Loads = Sequence[float | LoadTarget]  # mean pressures, or what they have to give
 
 # the last one is the worst
 STATUS_ORDER = "converged", "max_iterations", "stagnated", "nonfinite", "interrupted"
@@ -65,8 +63,7 @@ def check(scene: Scene) -> None:
 def sweep_of(scene: Scene, make_surface: Callable[[np.dtype], Surface]) -> Sweep:
     """Make the driver.sweep.Sweep of a scene; make_surface(dtype) -> surface.Surface. Collective.
     Raises SceneError."""
-    kind = LowMemorySweep if scene.solver.low_memory else Sweep
-    sweep = kind(
+    sweep = make_sweep(
         make_surface,
         scene.solver,
         scene.material.E_star,
@@ -125,42 +122,68 @@ def surface_attributes(scene: Scene, surface: Surface) -> dict[str, Any]:
 def solved(
     scene: Scene,
     sweep: Sweep,
-    loads: Loads,
+    loads: Sequence[Load],
     say: Reporter,
     watch: Callable[[int, float], bool] = lambda index, seconds: False,
-    first: int = 0,
-    spent: float | None = None,
+    indices: Sequence[int] | None = None,
+    unfinished_of: Callable[[int], tuple[Unfinished, float] | None] = lambda index: None,
 ) -> Iterator[tuple[int, Contact, float]]:
-    """Run the only loop over loads: solve them from the first on, each when it is asked for;
-    (index, contact, seconds spent). The next load overwrites the fields of a contact. Collective.
+    """Solve loads one after the other, each when it is asked for: the only loop over them.
 
-    loads: those of the scene as sweep.pressures has them; watch(index, seconds) is called after
-    every iteration, a true value stops it; spent: seconds, where the first load goes on in its
-    middle.
+    Collective.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is solved.
+    sweep : Sweep
+        Of the scene's surface.
+    loads : sequence of Load
+        All loads of the scene, as of `Sweep.loads`.
+    say : Reporter
+        Shows how far a load is.
+    watch : callable, optional
+        Called after every iteration with the index of the load and the seconds spent on it; a true
+        value stops.
+    indices : sequence of int, optional
+        Of the loads to be solved; default: all.
+    unfinished_of : callable, optional
+        Returns what is there of the load of an index from a run that was stopped, and the seconds
+        spent on it; None where there is nothing.
+
+    Yields
+    ------
+    (int, Contact, float)
+        Index, solution and seconds spent. The next load overwrites the fields of the contact.
     """
+    for index in range(len(loads)) if indices is None else indices:
+        load = loads[index]
+        unfinished, seconds_before = unfinished_of(index) or (None, 0.0)
+        begun = time.monotonic() - seconds_before
 
-    def solve(index: int, spent: float | None) -> tuple[int, Contact, float]:
-        load, begun = loads[index], time.monotonic() - (spent or 0.0)
-
-        def watched(iterations: int, progress: Progress) -> bool:
+        def watched(
+            iterations: int, progress: Progress, index: int = index, begun: float = begun
+        ) -> bool:
             say.watch(iterations, progress)
             return watch(index, time.monotonic() - begun)
 
-        target = [(key.removeprefix("target_"), x) for key, x in _target(scene.load, index).items()]
-        if not target and not isinstance(load, LoadTarget):
-            target = [("p*", load / (sweep.E_star * sweep.surface.slope))]
-        say.step(index, len(loads), *target[0])
+        say.step(index, len(loads), *_shown_target(scene, sweep, load, index))
         try:
-            contact = sweep.solve(load, watched, spent is not None)
+            contact = sweep.solve(load, watched, unfinished)
         finally:
             say.done()
-        return index, contact, time.monotonic() - begun
-
-    for index in range(first, len(loads)):
-        yield solve(index, spent if index == first else None)
+        yield index, contact, time.monotonic() - begun
+        del contact, unfinished  # their fields make room for the next load
 
 
-def _target(load: Load, index: int) -> dict[str, float]:
+def _shown_target(scene: Scene, sweep: Sweep, load: Load, index: int) -> tuple[str, float]:
+    """Return the name and the value by which a load is shown: p* of a pressure."""
+    for name, value in _target(scene.load, index).items():
+        return name.removeprefix("target_"), value
+    return "p*", load.value / sweep.working.pressure_unit
+
+
+def _target(load: SceneLoad, index: int) -> dict[str, float]:
     """Return what the load gives in place of a mean pressure."""
     name, values = load.given
     return {} if name in ("p_star", "pressure") else {f"target_{name}": float(values[index])}

@@ -13,15 +13,14 @@ import numpy as np
 
 from ..contact import all_numbers
 from ..contact.contact import Contact, heights_of
-from ..driver.load_target import LoadTarget
 from ..driver.precision import first_precision
+from ..driver.sweep import Unfinished
 from ..driver.warmup import compile_once
 from ..output.fields import FIELDS
 from ..output.folder import HEAD, clear, is_held, partial_folder
 from ..output.read import read_partial
 from ..output.record import RunFile
 from ..output.summary import surface_line
-from ..parallel import wisdom
 from ..parallel.comm import Comm
 from ..parallel.guard import on_rank_0
 from ..parallel.interrupt import Interrupt, Stopped
@@ -99,7 +98,7 @@ def run_scene(
     head = {"scene": scene.to_toml(), "identity": scene.identity(), "versions": versions()}
     output = scene.output
     with (
-        Interrupt(comm, scene.machine.wall_seconds, scene.machine.checkpoint_seconds) as interrupt,
+        Interrupt(comm, scene.machine.wall_seconds) as interrupt,
         RunFile(
             comm,
             output.path,
@@ -119,7 +118,7 @@ def run_scene(
             run = _Run(comm, scene, file, say, interrupt)
             run.start(threads, begun)
             status = run.all_loads()
-        except Stopped:  # between two iterations: a restart begins from the last checkpoint
+        except Stopped:
             say.say(f"stopped; continue with: hpc-gfmd restart {file.path}")
             status = "interrupted"
         codes = {"converged": 0, "interrupted": interrupt.exit_code}
@@ -139,20 +138,18 @@ class _Run:
     def start(self, threads: int, begun: float) -> None:
         """Make the surface and the sweep; begun: time at which the run began."""
         comm, scene, file, say = self.comm, self.scene, self.file, self.say
-        if file.resumed and comm.rank == 0:
-            wisdom.take_from(file.partial)
         spec, low = scene.surface, scene.solver.low_memory
         compile_once(comm, scene, lambda contact: step_attributes(scene, 0, contact, 0.0), say.say)
         self.sweep = sweep_of(scene, lambda dtype: build_surface(spec, comm, dtype, threads, low))
         surface = self.sweep.surface
-        self.loads = self.sweep.pressures(scene.load)
+        self.loads = self.sweep.loads(scene.load)
         known = file.earlier.get("heights")
         if (known is not None or file.finished) and (known or None) != surface.checksum:
             raise SceneError(
                 f"{file.partial}: of other heights than surface.path has now (content, shape or"
                 " size), allowed: the same; run with --force for the new ones"
             )
-        self._require_storable(*(load for load in self.loads if not isinstance(load, LoadTarget)))
+        self._require_storable(*(load.value for load in self.loads if load.is_pressure))
         attributes = surface_attributes(scene, surface)
         self.table = GrowingTable(attributes, scene.output.observables or ())
         file.update(
@@ -166,47 +163,42 @@ class _Run:
         say.say(self._headline(attributes, time.monotonic() - begun))
 
     def all_loads(self) -> str:
-        """Solve what is not finished, and complete the file; returns the status. Raises Stopped."""
+        """Solve what is not finished, and complete the file; return the status. Raises Stopped."""
         finished = self.file.finished
         if finished:
             self.say.say(self.table.add(finished))
-        unfinished = [index for index in range(len(self.loads)) if index not in finished]
-        if unfinished:
-            first, spent = self._go_back(unfinished[0])
+        missing = [index for index in range(len(self.loads)) if index not in finished]
+        if missing:
             self.interrupt.require_time()
-            for index, contact, seconds in solved(
-                self.scene, self.sweep, self.loads, self.say, self._watch, first, spent
-            ):
-                self._after(index, contact, seconds)
-                del contact  # its fields make room for the next load
-                if index == unfinished[-1]:
-                    break
+            self._solve(missing)
         status = worst([*self.file.finished.values()])
         self.file.finish(status)
         for line in self.table.end():
             self.say.say(line)
         return status
 
-    def _watch(self, index: int, seconds: float) -> bool:
-        """Write a checkpoint after an iteration where one is due; tell whether to stop."""
-        stop, due = self.interrupt.poll()
-        if stop or due:
-            self._save(index, seconds)
-        return stop
-
-    def _after(self, index: int, contact: Contact, seconds: float) -> None:
-        """Finish a load: write it if it is new, and go on, or raise Stopped."""
-        stop = contact.status == "interrupted"
-        if not stop:
-            if index not in self.file.finished:
-                self._write(index, contact, seconds)
-            stop, _ = self.interrupt.poll()
-            if index + 1 < len(self.loads) and (stop or self.interrupt.cheap()):
-                self._save(index + 1)
-        if stop:
-            raise Stopped(self.interrupt.agreed)
+    def _solve(self, missing: list[int]) -> None:
+        """Solve the loads of these indices and write each as soon as it is finished. Raises
+        Stopped."""
+        for index, contact, seconds in solved(
+            self.scene,
+            self.sweep,
+            self.loads,
+            self.say,
+            lambda *_: self.interrupt.poll(),
+            missing,
+            self._unfinished,
+        ):
+            if contact.status == "interrupted":
+                self._keep_gap(index, contact, seconds)
+                raise Stopped(self.interrupt.agreed)
+            self._write(index, contact, seconds)
+            del contact  # its fields make room for the next load
+            if index != missing[-1] and self.interrupt.poll():
+                raise Stopped(self.interrupt.agreed)
 
     def _write(self, index: int, contact: Contact, seconds: float) -> None:
+        """Write a finished load."""
         self._require_storable(contact.p_mean)
         attributes = step_attributes(self.scene, index, contact, seconds)
         names = self.scene.output.fields
@@ -215,50 +207,34 @@ class _Run:
         )
         self.say.say(self.table.add({index: attributes}))
 
-    def _save(self, index: int, seconds: float | None = None) -> None:
-        """Write a checkpoint in the middle of a load (seconds: spent on it so far) or at its
-        beginning."""
-        surface, begun = self.sweep.surface, time.monotonic()
-        if surface.reduced_axis is None and not self.sweep.is_flat:
-            if self.comm.rank == 0:
-                wisdom.keep_with(self.file.partial)
-            state = self.sweep.state(self.loads[index] if seconds is None else None)
-            solver = self.sweep.solver_class.name
-            self.file.write_checkpoint(surface.grid, solver, index, state, seconds)
-            self.interrupt.saved(begun)
+    def _keep_gap(self, index: int, contact: Contact, seconds: float) -> None:
+        """Write the gap of a load that is stopped in its middle, so that it goes on from there."""
+        if self.sweep.surface.reduced_axis is None:  # along one axis a load takes no time
+            numbers = {
+                "p": contact.p_mean,
+                "seconds": seconds,
+                "iterations": contact.iterations,
+                "fft_pairs": contact.fft_pairs,
+            }
+            self.file.write_checkpoint(contact.grid, index, contact.g, numbers)
 
-    def _go_back(self, unfinished: int) -> tuple[int, float | None]:
-        """Go to the last checkpoint, so that all goes on as if nothing had happened: loads finished
-        since then are repeated, not written again. unfinished: the first load to be solved. Returns
-        the load to begin with and, in the middle of it, the seconds spent on it."""
-        first, seconds = 0, None  # died before its first checkpoint
+    def _unfinished(self, index: int) -> tuple[Unfinished, float] | None:
+        """Return what a run that was stopped has left of a load, and the seconds spent on it; None
+        where there is nothing that can be read, which is said."""
+        grid = self.sweep.surface.grid
         try:
-            found = self.file.checkpoint(self.sweep.solver_class.name)
-            if found is not None:
-                (first,), (step,), (stored,) = found.indices, found.steps, found.fields
-                numbers, seconds = json.loads(step["numbers"]), step.get("seconds")
-                if first > unfinished:
-                    raise SceneError(
-                        f"{found.path}: later than load {unfinished + 1}, which has to be solved"
-                        " again"
-                    )
-                self.sweep.restore(
-                    lambda grid: {
-                        name: field.slab(grid.comm, grid.rows) for name, field in stored.items()
-                    },
-                    numbers,
-                    self.loads[first],
-                )
+            checkpoint = self.file.checkpoint()
+            if checkpoint is None or checkpoint.indices != [index]:
+                return None
+            if checkpoint.surface["n"] != list(grid.n):
+                raise SceneError(f"{checkpoint.path}: of another grid, allowed: the same")
+            gap = checkpoint.fields[0]["gap"].slab(grid.comm, grid.rows)
         except GfmdError as error:
-            self.say.say(f"note: {error}; load {unfinished + 1} begins anew")
-            self.sweep.solver = None
-            return unfinished, None
-        if first < unfinished:
-            self.say.say(
-                f"note: repeating from load {first + 1}, where the last checkpoint is; finished"
-                " loads stay as they are"
-            )
-        return first, seconds
+            self.say.say(f"note: {error}; load {index + 1} begins anew")
+            return None
+        numbers = checkpoint.steps[0]
+        unfinished = Unfinished(gap, numbers["p"], numbers["iterations"], numbers["fft_pairs"])
+        return unfinished, numbers["seconds"]
 
     def _require_storable(self, *pressures: float) -> None:
         """Raise SceneError where a field that is asked for in single precision does not fit into
@@ -314,7 +290,7 @@ def _left_scene(path: Path) -> Scene:
         if path.suffix == ".partial":
             there = f"is the folder of a run: hpc-gfmd restart {path.with_suffix('')}"
         raise SceneError(f"{path}: {there}, allowed: the result file of an interrupted run")
-    return Scene.from_toml(read_partial(path).scene_toml, str(path))
+    return read_partial(path).scene
 
 
 def _read_scene(

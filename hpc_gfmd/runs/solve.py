@@ -14,7 +14,7 @@ import numpy as np
 
 from ..contact.contact import Contact, heights_of
 from ..driver.warmup import compile_once
-from ..kernels.cache import on_first_compile, retry_without_cache
+from ..kernels.cache import on_first_compile
 from ..output.fields import FIELDS, Slab
 from ..output.read import Result
 from ..parallel.comm import Comm
@@ -202,7 +202,7 @@ def solve(
         steps.clear()
         contacts.clear()
         sweep = sweep_of(scene, make_surface)
-        loads = sweep.pressures(scene.load)
+        loads = sweep.loads(scene.load)
         table = GrowingTable(
             surface_attributes(scene, sweep.surface), scene.output.observables or ()
         )
@@ -223,7 +223,7 @@ def solve(
             solve_all()
         else:
             with on_first_compile(say.say):
-                retry_without_cache(solve_all)
+                solve_all()
     except KeyboardInterrupt:
         if comm.size > 1 or not (steps and several):  # other ranks may not have been interrupted
             raise

@@ -342,14 +342,13 @@ class Machine(Table):
         "auto",
     )
     wall_seconds: Positive | None = key(
-        "stop with a checkpoint after this time",
+        "stop after this time, so that the run can go on",
         POSITIVE,
         None,
         unit="s",
         example=3600.0,
         said="never",
     )
-    checkpoint_seconds: Positive = key("time between two checkpoints", POSITIVE, 600.0, unit="s")
     memory_gib: Positive | None = key(
         "memory of each machine that may be used",
         POSITIVE,

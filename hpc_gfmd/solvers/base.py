@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -37,8 +37,8 @@ class Progress:
     gap_mean : float
         In the problem's units.
     estimate : Estimate, or None
-        What the certificate is expected to find; None where the solver does not know and it has to
-        be asked now and then.
+        What the certificate is expected to find; None after a step in which that was not
+        estimated.
     finite : bool
         Whether all numbers are.
     predicted : pair of float, or None
@@ -71,8 +71,8 @@ class Solver:
         The present mean pressure.
     iterations : int
         Steps since the load began.
-    state_names, scalar_names : tuple of str
-        The attributes that a bit-identical continuation needs: local slabs, and numbers.
+    uKu : float
+        <u, K u> where the solver was started; of one that keeps it up to date at any time.
     allowed : dict
         The smallest and largest value of each option.
     sources : tuple of str
@@ -82,15 +82,10 @@ class Solver:
     d: np.ndarray  # the last step, of those that have one
     name = ""
     sources: tuple[str, ...] = ()
-    state_names: tuple[str, ...] = ("g", "p")
-    scalar_names: tuple[str, ...] = ()
+    uKu: float
     allowed: Mapping[str, tuple[float, float]] = {}
-    nests = True  # whether nested iteration pays
-    # whether its pressure may be < 0 where the gap is closed, as it is at a load that is too small
-    holds_tension = True
     dents = False  # whether it can do with a hardness
     attracts = False  # whether it can do with an attraction
-    takes_gap = False  # whether __init__ has an argument g: memory for the gap
     patience = 60  # iterations without progress after which the solver counts as stagnated
 
     def __init__(
@@ -112,6 +107,11 @@ class Solver:
     def pairs(self) -> float:
         """FFT pairs done on this grid so far."""
         return self.elastic.pairs
+
+    def reset_counts(self) -> None:
+        """Count iterations and FFT pairs from 0: a load begins."""
+        self.iterations = 0
+        self.elastic.pairs = 0.0
 
     @cached_property
     def levels(self) -> Multilevel:
@@ -167,6 +167,13 @@ class Solver:
         and self.levels used by somebody else. uKu: <u, K u>, None if that has not changed."""
         raise NotImplementedError
 
+    def after_certificate(self, uKu: float) -> None:
+        """Go on after the certificate has computed self.p anew from self.g, and used self.levels.
+
+        uKu: <u, K u>.
+        """
+        self.refresh(uKu)
+
     def make_room(self) -> None:
         """Give the memory of the transforms and of the last step, which is lost, to somebody else
         until `take_room`."""
@@ -184,22 +191,43 @@ class Solver:
         """Tell how far the solver is."""
         raise NotImplementedError
 
+    def estimate_errors(self) -> Estimate:
+        """Estimate what the certificate would find, from g and p without an FFT: one pass over
+        memory and a sweep over the levels. Collective.
+
+        For solvers that do not have these sums from their steps anyway.
+        """
+        from ..certificate.error_estimates import State, estimate
+
+        sums = self.levels.restrict(self.g, self.p, self.problem.limit)
+        level_sums = self.levels.sweep()
+        uKu = sum(self.grid.by_rows(self._work_of_pressure))
+        count = len(sums)
+        totals = self.grid.comm.sum([*sums, *level_sums, uKu]).tolist()
+        totals_of_points = type(sums)(*totals[:count])
+        _, _, mean, *products, uKu = totals[count:]
+        state = State(
+            self.p0,
+            mean * self.grid.cell_points,
+            totals_of_points.rr,
+            totals_of_points.pp - totals_of_points.rr,
+            totals_of_points.contact,
+            totals_of_points.yielded,
+            totals_of_points.gap,
+            uKu,
+            products,
+        )
+        return estimate(self.problem, self.levels, state)
+
+    def _work_of_pressure(self, i0: int, i1: int) -> float:
+        """Return <u, p - p_cell> = <u, K u> on rows i0..i1; heights have to be stored."""
+        rows, points = self.grid.inside
+        u = self.g[i0:i1].astype(np.float64)
+        inner = max(min(rows, i1) - i0, 0)
+        u[:inner, :points] -= self.problem.heights[i0 : i0 + inner]
+        return float(np.vdot(u, self.p[i0:i1].astype(np.float64) - self.p_cell))
+
     def expected_area(self, squares: float) -> float:
         """Return the relative error of the area that the certificate is expected to find if the
         squares of the pressure's error add up to `squares`."""
         return 0.0
-
-    def state(self) -> tuple[dict[str, Any], ...]:
-        """Return everything that a bit-identical continuation needs: local slabs by name, and a
-        dict of numbers."""
-        return tuple(
-            {name: getattr(self, name) for name in names}
-            for names in (self.state_names, self.scalar_names)
-        )
-
-    def load_state(self, arrays: dict[str, np.ndarray], numbers: dict[str, Any]) -> None:
-        """Undo `state`: take over what it returned."""
-        for name in self.state_names:
-            getattr(self, name)[...] = arrays[name]
-        for name in self.scalar_names:
-            setattr(self, name, numbers[name])

@@ -12,7 +12,6 @@ never appears: with the gap g = u + h and p = p0 + K u, a step d changes them by
 """
 
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -26,7 +25,7 @@ from ..certificate.error_estimates import (
     spread_of,
 )
 from ..kernels.adhesive_rows import add_attraction, shift_gap
-from ..kernels.bfloat16 import Decoded, encoded, stored_dtype
+from ..kernels.bfloat16 import stored_dtype
 from ..kernels.bpx import UpdateSums, search_passes
 from ..operators.multilevel import Multilevel
 from ..operators.problem import Problem
@@ -47,27 +46,7 @@ class Bpx(Solver):
     sources = (
         "Bramble, Pasciak, Xu, Math. Comp. 55 (1990) 1, doi:10.1090/S0025-5718-1990-1023042-6",
     )
-    takes_gap = dents = attracts = True
-    state_names = ("g", "p", "d")
-    scalar_names = (
-        "s",
-        "rayleigh",
-        "contact",
-        "yielded",
-        "gap_mean",
-        "rz",
-        "rd",
-        "zKd",
-        "dKd",
-        "rr",
-        "pp",
-        "uKu",
-        "mean",
-        "level_sums",
-        "changing",
-        "attracted",
-        "iterations",
-    )
+    dents = attracts = True
 
     def __init__(
         self, problem: Problem, options: dict[str, float] | None = None, g: np.ndarray | None = None
@@ -129,16 +108,6 @@ class Bpx(Solver):
         self._measure(sums, anew=True)
         if self.levels.gap_mode.wanted((self.contact - self.yielded) / self.grid.cell_points):
             self.elastic.pairs += self.levels.gap_mode.pairs
-
-    def state(self) -> tuple[dict[str, Any], ...]:
-        arrays, numbers = super().state()
-        return arrays | {"d": Decoded(self.d)}, numbers | {"mode": self.levels.mode}
-
-    def load_state(self, arrays: dict[str, Any], numbers: dict[str, Any]) -> None:
-        super().load_state(arrays | {"d": encoded(arrays["d"], self.problem.dtype)}, numbers)
-        self.levels.mode = numbers["mode"]
-        self.levels.restrict(self.g, self.p, self.problem.limit)
-        self.levels.sweep()  # z on the coarse levels follows from g and p
 
     # -- one iteration
 

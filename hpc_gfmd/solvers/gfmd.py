@@ -30,6 +30,7 @@ from .base import Progress, Solver
 
 DT = 0.95  # default time step, relative to the stability limit
 UNDERDAMPED = 0.5  # share of the Rayleigh quotient that is taken as mu
+ESTIMATED_EVERY = 4  # time steps from one estimate of the errors to the next
 PATIENCE = 20  # stagnation is judged over that many time scales sqrt(lambda/mu) of the longest wave
 
 
@@ -39,12 +40,12 @@ class Gfmd(Solver):
     above). Raises SceneError for others."""
 
     name = "gfmd"
-    state_names = ("g", "p", "d")
-    scalar_names: tuple[str, ...] = ("rr", "pp", "pd", "dd", "dx", "contact", "gap", "iterations")
     allowed = {"dt": (0.01, 1.0), "damping": (0.0, 1e6)}
 
-    def __init__(self, problem: Problem, options: dict[str, float] | None = None):
-        super().__init__(problem, options)
+    def __init__(
+        self, problem: Problem, options: dict[str, float] | None = None, g: np.ndarray | None = None
+    ):
+        super().__init__(problem, options, g)
         self.d = zeros_aligned(self.grid.shape, problem.dtype)
         self.longest, self.stiffest = problem.body.bounds(self.grid)
         self.patience = max(
@@ -58,20 +59,21 @@ class Gfmd(Solver):
         self.elastic.pressure_rows(
             self.problem.displacement_rows(self.g, self.problem.level(self.g))
         )
-        self.elastic.pressure_columns()
+        uKu = self.elastic.pressure_columns()
+        self.uKu = float(self.grid.comm.sum([uKu])[0])
         self._measure(self.elastic.use_rows(self._update))
-        self._begin()
 
     def refresh(self, uKu: float | None = None) -> None:
+        if uKu is not None:
+            self.uKu = uKu
         self.d[...] = 0
         fft = self.elastic.fft
         zero = np.zeros((fft.R, self.grid.n[1]), self.problem.dtype)
         passes = [(i0, i1, zero) for i0, i1 in fft.passes()]
         self._measure(on_threads(self.grid.threads, self._update, passes))
-        self._begin()
 
-    def _begin(self) -> None:
-        """Begin with solids at rest."""
+    def after_certificate(self, uKu: float) -> None:
+        """Go on with the velocity that there is: the pressure has changed by rounding errors."""
 
     # -- one time step
 
@@ -114,6 +116,8 @@ class Gfmd(Solver):
 
     def progress(self) -> Progress:
         residual = float(np.sqrt(self.rr / self.N)) / self.p0
-        return Progress(
-            residual, self.contact, self.gap / self.N, None, bool(np.isfinite(self.pp + self.gap))
-        )
+        finite = bool(np.isfinite(self.pp + self.gap))
+        errors = None
+        if finite and self.iterations % ESTIMATED_EVERY == 0:
+            errors = self.estimate_errors()
+        return Progress(residual, self.contact, self.gap / self.N, errors, finite)

@@ -14,7 +14,8 @@ import numpy as np
 
 from hpc_gfmd.bodies.free import Coupled, Free, matrices_of
 from hpc_gfmd.bodies.images import images, kernel
-from hpc_gfmd.driver.sweep import Sweep
+from hpc_gfmd.driver.load import Load
+from hpc_gfmd.driver.sweep import make_sweep
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.scene import Solver
 
@@ -23,12 +24,12 @@ from hpc_gfmd.scene import Solver
 def by_cells(case):
     """Return the pressure of the contact by this discretisation, far more accurate than any that is
     measured."""
-    sweep = Sweep(
+    sweep = make_sweep(
         partial(case.build, SerialComm()),
         Solver(precision="double", residual=1e-9),
         body=Cells((True, True)),
     )
-    return np.array(sweep.solve(case.p_star).field("pressure"))
+    return np.array(sweep.solve(Load("pressure", case.p_star)).field("pressure"))
 
 
 @dataclass(frozen=True)

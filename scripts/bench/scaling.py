@@ -9,7 +9,8 @@ from itertools import product
 import numpy as np
 from scipy.fft import next_fast_len
 
-from hpc_gfmd.driver.sweep import Sweep
+from hpc_gfmd.driver.load import Load
+from hpc_gfmd.driver.sweep import make_sweep
 from hpc_gfmd.driver.warmup import compile_once
 from hpc_gfmd.operators.multilevel import Multilevel
 from hpc_gfmd.parallel.comm import MpiComm
@@ -94,7 +95,7 @@ def worker(comm, n, precision, p_star, threads):
     case = Case(n, p_star)
     scene = case.scene(solver={"precision": precision, "accuracy": ACCURACY})
     compile_once(comm, scene, lambda contact: None)
-    sweep = Sweep(partial(case.build, comm, threads=threads), scene.solver)
+    sweep = make_sweep(partial(case.build, comm, threads=threads), scene.solver)
     source, target = np.ones((2, COPIED // 4), np.float32)
     watch = Stopwatch()
     watch.watch(Multilevel, "sweep", "levels")
@@ -102,11 +103,11 @@ def worker(comm, n, precision, p_star, threads):
         watch.watch(MpiComm, method, "messages")
 
     def measure():
-        sweep.solver = None
+        sweep.starter.forget()
         comm.barrier()
         watch.take()
         begun, cpu = time.perf_counter(), time.process_time()
-        step = sweep.solve(p_star * sweep.surface.g_rms)
+        step = sweep.solve(Load("pressure", p_star * sweep.surface.g_rms))
         comm.barrier()
         spent = time.perf_counter() - begun
         parts = watch.take()

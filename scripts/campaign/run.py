@@ -45,7 +45,7 @@ def parser():
     add("--count", type=int, default=5, help="walls of each family")
     add("--seed", type=int, default=1)
     add("--index", type=int, nargs="+", help="these walls of each family, not the first --count")
-    add("--solvers", nargs="+", default=["bpx"], choices=("bpx", "gfmd", "fire", "ccg"))
+    add("--solvers", nargs="+", default=["bpx"], choices=("bpx", "gfmd"))
     add("--precision", nargs="+", default=list(PRECISIONS), choices=PRECISIONS)
     add("--accuracy", nargs="+", type=float, default=list(ACCURACIES))
     add("--low-memory", default="yes", choices=("yes", "no", "only"))

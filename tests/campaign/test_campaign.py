@@ -12,7 +12,7 @@ PROBLEMS = float(os.environ.get("HPC_GFMD_PROBLEMS", 1))  # 1: as many as here, 
 SEED = int(os.environ.get("HPC_GFMD_SEED", 2311))
 WALLS = 8  # of each family, for the default solver
 BPX = ways(["bpx"], PRECISIONS, ACCURACIES, "yes")
-OTHERS = ways(["gfmd", "fire", "ccg"], ["double", "single"], [1e-2, 1e-4], "no")
+OTHERS = ways(["gfmd"], ["double", "single"], [1e-2, 1e-4], "no")
 QUICK = ways(["bpx"], ["single", "double"], [1e-2, 1e-3, 1e-4], "yes")
 # Walls (seed 11) on which solves once were less accurate than they said.
 HARD = {

@@ -1,7 +1,6 @@
 """What every solver promises. A new file in hpc_gfmd/solvers is tested by being there, here and on
 grids of any shape in tests/physics/test_oracle.py."""
 
-import json
 from dataclasses import replace
 
 import numpy as np
@@ -18,11 +17,7 @@ from hpc_gfmd.util.errors import SceneError
 
 SURFACE = rough((2, 8, 3), seed=2)
 every_solver = pytest.mark.parametrize("name", solver_names())
-KINDS = [
-    *[(name, {}) for name in solver_names()],
-    ("gfmd", {"damping": 1.0}),
-    ("ccg", {"preconditioned": 1}),
-]
+KINDS = [*[(name, {}) for name in solver_names()], ("gfmd", {"damping": 1.0})]
 
 
 def problem_of(p0=0.1):
@@ -88,29 +83,6 @@ def test_single_precision(name):
 
 
 @every_solver
-@pytest.mark.parametrize("hardness", [None, 0.3])
-def test_state_goes_on_bit_by_bit(name, hardness):
-    """state -> load_state of a new solver continues with exactly the numbers of the one that was
-    never stopped."""
-    problem = replace(problem_of(), hardness=hardness if solver_class(name).dents else None)
-    one = started(name, problem)
-    for _ in range(7):
-        one.step()
-    arrays, numbers = one.state()
-    arrays = {k: np.array(v) for k, v in arrays.items()}
-    numbers = json.loads(json.dumps(numbers))  # as a checkpoint keeps them
-    other = solver_class(name)(problem, {})
-    other.load_state(arrays, numbers)
-    for _ in range(9):
-        one.step()
-        other.step()
-        assert np.array_equal(one.g, other.g)
-        assert np.array_equal(one.p, other.p)
-        assert one.progress() == other.progress()
-    assert one.iterations == other.iterations == 16
-
-
-@every_solver
 def test_progress_and_pairs(name):
     """Progress tells what the state is; an iteration costs at least one FFT pair, and all are
     counted."""
@@ -131,15 +103,12 @@ def test_progress_and_pairs(name):
         assert progress.residual == pytest.approx(rms, rel=0.5)
 
 
-@pytest.mark.parametrize(
-    ("name", "options", "each"),
-    [("gfmd", {}, 1), ("fire", {}, 1), ("ccg", {}, 2), ("ccg", {"preconditioned": 1}, 3)],
-)
-def test_pairs_per_iteration(name, options, each):
-    solver = started(name, problem_of(), options)
+@every_solver
+def test_pairs_per_iteration(name):
+    solver = started(name, problem_of())
     before = solver.pairs
     solver.step()
-    assert solver.pairs == before + each
+    assert solver.pairs == before + 1
 
 
 @every_solver
@@ -196,9 +165,6 @@ def test_stops(name):
         ("gfmd", {"dt": 1.5}, "0.01 to 1"),
         ("gfmd", {"dt": float("nan")}, "0.01 to 1"),
         ("gfmd", {"damping": -1}, "0 to"),
-        ("fire", {"damping": 1.0}, "'fire': dt"),
-        ("ccg", {"dt": 1.0}, "preconditioned"),
-        ("ccg", {"preconditioned": 0.5}, "a whole number from 0 to 1"),
     ],
 )
 def test_options_are_checked(name, options, message):

@@ -56,7 +56,7 @@ def read_results(path):
 
 def read_state(path):
     """A checkpoint and its arrays."""
-    found = read_checkpoint(path, "bpx", "abc")
+    found = read_checkpoint(path, "abc")
     for field in found.fields[0].values():
         if field.shape[0] * field.shape[1] <= MOST_POINTS:
             field.read()

@@ -1,5 +1,4 @@
-"""Caches that are stale, damaged or cannot be written: compiled again, never run, never an
-error."""
+"""Caches that are stale, damaged or cannot be written: made again, never used, never an error."""
 
 import errno
 import importlib.util
@@ -7,61 +6,100 @@ import os
 import pickle
 import platform
 import shutil
+import sys
+from itertools import permutations
 
 import pytest
+from faults.test_readers import EDITS, changed
+from hypothesis import HealthCheck, given, settings
+from mpi_harness import environment, python
 
-KERNEL = "from hpc_gfmd.kernels.jit import kernel\n\n@kernel\ndef f(x):\n    return 3 * x\n"
+from hpc_gfmd.util.caches import keep, kept
+
+KERNELS = """
+from hpc_gfmd.kernels.jit import kernel
+
+@kernel
+def triple(x):
+    return 3 * x
+
+@kernel
+def square(x):
+    return x * x
+"""
 
 
 @pytest.fixture
 def compiled(tmp_path, monkeypatch):
-    """compiled(): (value, hits of the cache) of a small kernel, imported anew; .file(kind): its
-    index or code in the cache."""
+    """compiled(): (3 * 2.0, hits of the cache) by a small kernel, imported anew; .module(): all
+    kernels of the file; .files(): what is kept."""
     numba = pytest.importorskip("numba")
-    from hpc_gfmd.kernels.cache import retry_without_cache
+    cache = tmp_path / "cache"
+    # numba reads its variables anew where one has changed
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(cache))
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(cache))
+    (tmp_path / "small.py").write_text(KERNELS)
 
-    monkeypatch.setenv(
-        "NUMBA_CACHE_DIR", str(tmp_path / "cache")
-    )  # numba reads its variables anew where one has changed
-    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "cache"))
-    (tmp_path / "small.py").write_text(KERNEL)
-
-    def run():
+    def module():
         spec = importlib.util.spec_from_file_location("small", tmp_path / "small.py")
         module = importlib.util.module_from_spec(spec)
         spec.loader.exec_module(module)
-        return retry_without_cache(lambda: module.f(2.0)), sum(module.f.stats.cache_hits.values())
+        return module
 
-    run.file = lambda kind: next((tmp_path / "cache").rglob(f"*.{kind}"))
+    def run():
+        triple = module().triple
+        return triple(2.0), sum(triple.stats.cache_hits.values())
+
+    run.module = module
+    run.files = lambda: sorted(cache.rglob("*.kernel"))
     return run
 
 
 DAMAGE = {
-    "index cut": ("nbi", lambda data: data[: len(data) // 2]),
-    "index of another version of numba": (
-        "nbi",
-        lambda data: pickle.dumps("0.0.1", -1) + b"anything",
-    ),
-    "code cut": ("nbc", lambda data: data[:-100]),
-    "code of another program": ("nbc", lambda data: pickle.dumps((b"", b""))),
-    "code of noise": ("nbc", lambda data: b"\xcc" * len(data)),
+    "cut": lambda data: data[:-100],
+    "empty": lambda data: b"",
+    "noise": lambda data: b"\xcc" * len(data),
+    "one bit": lambda data: data[:-50] + bytes([data[-50] ^ 4]) + data[-49:],
+    "valid, of nothing": lambda data: pickle.dumps((b"", b"")),
+    "as numba keeps it, without a checksum": lambda data: data[32:],
 }
 
 
 @pytest.mark.parametrize("damage", DAMAGE)
-def test_a_bad_cache_is_compiled_again(damage, compiled):
+def test_a_damaged_kernel_is_compiled_again(damage, compiled):
     assert compiled() == (6.0, 0)
     assert compiled() == (6.0, 1)
-    kind, change = DAMAGE[damage]
-    path = compiled.file(kind)
+    (path,) = compiled.files()
     data = path.read_bytes()
-    assert change(data) != data
-    path.write_bytes(change(data))
+    assert DAMAGE[damage](data) != data
+    path.write_bytes(DAMAGE[damage](data))
     assert compiled() == (6.0, 0)
     assert compiled() == (6.0, 1)
+    assert compiled.files() == [path]
 
 
-@pytest.mark.parametrize("how", ["no folder", "no room", "disk full"])
+def test_code_of_another_kernel_or_signature_is_not_run(compiled):
+    """Whatever the names of the files are."""
+    arguments = 2.0, 3, 1j
+    for x in arguments:
+        assert (compiled.module().triple(x), compiled.module().square(x)) == (3 * x, x * x)
+    originals = [path.read_bytes() for path in compiled.files()]
+    assert len(originals) == 6
+    for order in list(permutations(range(6)))[1::90]:
+        for path, source in zip(compiled.files(), order, strict=True):
+            path.write_bytes(originals[source])
+        for x in arguments:
+            assert (compiled.module().triple(x), compiled.module().square(x)) == (3 * x, x * x)
+
+
+def test_the_source_has_changed(compiled, tmp_path):
+    assert compiled() == (6.0, 0)
+    (tmp_path / "small.py").write_text(KERNELS.replace("3 * x", "7 * x"))
+    assert compiled() == (14.0, 0)
+    assert compiled() == (14.0, 1)
+
+
+@pytest.mark.parametrize("how", ["no folder", "no room", "disk full", "folder of another"])
 def test_a_cache_that_cannot_be_written_is_none(how, compiled, monkeypatch, tmp_path):
     def fails(*_, **__):
         raise OSError(errno.ENOSPC, how)
@@ -72,11 +110,13 @@ def test_a_cache_that_cannot_be_written_is_none(how, compiled, monkeypatch, tmp_
         monkeypatch.setattr(
             shutil, "disk_usage", lambda _: shutil._ntuple_diskusage(10**9, 10**9, 0)
         )
-    else:
+    elif how == "disk full":
         monkeypatch.setattr(os, "replace", fails)
+    else:
+        monkeypatch.setattr(os, "makedirs", fails)
     assert compiled() == (6.0, 0)
     assert compiled() == (6.0, 0)
-    assert not list(tmp_path.rglob("*.nb?"))
+    assert compiled.files() == []
 
 
 def test_other_sources_have_another_folder_and_few_are_kept(compiled, monkeypatch, tmp_path):
@@ -98,16 +138,53 @@ def test_other_sources_have_another_folder_and_few_are_kept(compiled, monkeypatc
     assert users == numba.config.CACHE_DIR
 
 
-def test_an_error_that_is_not_the_caches_is_raised(compiled):
-    from hpc_gfmd.kernels.cache import retry_without_cache
+def test_only_what_was_kept_comes_back(tmp_path):
+    """Whatever happens to the bytes of a file."""
+    original, path = bytes(range(256)) * 3, tmp_path / "file"
+    keep(path, original)
+    data = path.read_bytes()
+    assert kept(path) == original
+    assert kept(path, "something else") is None
 
-    calls = []
-    with pytest.raises(ZeroDivisionError):
-        retry_without_cache(lambda: calls.append(1) or 1 / 0)
-    assert len(calls) == 1
+    @settings(
+        deadline=None, max_examples=300, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    )
+    @given(EDITS)
+    def check(edits):
+        path.write_bytes(changed(data, edits))
+        assert kept(path) == (original if path.read_bytes() == data else None)
+
+    check()
+    path.rename(tmp_path / "other")
+    assert kept(tmp_path / "other") is None
+    assert kept(tmp_path) is None
 
 
-@pytest.mark.parametrize("content", [b"", b"[]", b"\xff\xfe", b"null"])
+SOLVE = """
+import hpc_gfmd
+wall = hpc_gfmd.make_surface("self-affine", hurst=0.8, L_over_lam_l=1, lam_l_over_lam_s=8,
+                             lam_s_over_a=2, seed=1)
+print(hpc_gfmd.solve(wall, 0.1, accuracy=1e-2).a_r.hex())
+"""
+
+
+@pytest.mark.slow
+def test_a_solve_with_all_caches_damaged(tmp_path):
+    """The number is that of an empty cache, and of what is damaged nothing is used."""
+    env = environment(HPC_GFMD_CACHE=str(tmp_path / "cache"))
+    env.pop("NUMBA_CACHE_DIR", None)
+    expected = python(None, ["-c", SOLVE], env)
+    assert expected.returncode == 0, expected.stderr
+    files = [path for path in (tmp_path / "cache").rglob("*") if path.is_file()]
+    assert len(files) > 20
+    for damage in DAMAGE.values():
+        for path in files:
+            path.write_bytes(damage(path.read_bytes()))
+        done = python(None, ["-c", SOLVE], env)
+        assert (done.returncode, done.stdout) == (0, expected.stdout), done.stderr
+
+
+@pytest.mark.parametrize("content", [b"", b"[]", b"\xff\xfe", b"null", b"1e-30"])
 def test_a_bad_note_of_the_speed_of_this_machine(content, tmp_path, monkeypatch):
     """`plan` measures again."""
     from hpc_gfmd.runs import timing
@@ -116,9 +193,60 @@ def test_a_bad_note_of_the_speed_of_this_machine(content, tmp_path, monkeypatch)
     measured = iter([1e-9, 3e-9])
     monkeypatch.setattr(timing, "_measure", lambda dtype: next(measured))
     (tmp_path / f"speed-float64-{platform.node()}").write_bytes(content)
-    assert timing.seconds_per_work("float64") == 1e-9
+    assert [timing.seconds_per_work("float64") for _ in range(2)] == [1e-9] * 2
     monkeypatch.setenv("HPC_GFMD_CACHE", "/proc/none")
     assert timing.expected_seconds(1.0, ["float64"] * 3, (1, 2)) == pytest.approx(18e-9)
+
+
+WITHOUT_A_NAME = """
+import os, pwd
+
+def nobody(*_):
+    raise KeyError("no such user")
+
+pwd.getpwuid = pwd.getpwnam = nobody
+for name in ("HOME", "USER", "LOGNAME", "HPC_GFMD_CACHE", "XDG_CACHE_HOME", "NUMBA_CACHE_DIR"):
+    os.environ.pop(name, None)
+"""
+
+
+@pytest.mark.parametrize("home", [None, "relative"])
+def test_without_a_home_nothing_is_kept(home, monkeypatch):
+    """As in a container whose user has no name: all works, and nothing is written."""
+    from hpc_gfmd.util.caches import cache_folder
+
+    for name in ("HPC_GFMD_CACHE", "XDG_CACHE_HOME"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.delenv("HOME", raising=False)
+    if home is None:
+        pwd = pytest.importorskip("pwd")
+        monkeypatch.setattr(pwd, "getpwuid", lambda _: {}["no such user"])
+    else:
+        monkeypatch.setenv("HOME", home)
+    assert cache_folder() is None
+
+
+@pytest.mark.parametrize(
+    ("commands", "files"),
+    [
+        (["info", "init", "persson --hurst 0.8 --eps-f 0.01 --p-star 0.1"], ["scene.toml"]),
+        # compiles
+        pytest.param(
+            ["init", "plan scene.toml", "run scene.toml --set surface.lam_l_over_lam_s=8"],
+            ["contact.h5", "scene.toml"],
+            marks=pytest.mark.slow,
+        ),
+    ],
+)
+def test_commands_without_a_home(commands, files, tmp_path):
+    program = f"""{WITHOUT_A_NAME}
+from hpc_gfmd.commands.cli import main
+print([main(command.split()) for command in {commands}])
+"""
+    done = python(None, ["-c", program], environment(), tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.endswith("[0, 0, 0]\n"), done.stdout
+    assert sorted(path.name for path in tmp_path.iterdir()) == files
 
 
 def test_kept_code_calls_no_copy_of_a_piece():
@@ -126,3 +254,18 @@ def test_kept_code_calls_no_copy_of_a_piece():
     from hpc_gfmd.kernels.multilevel import restrict_row
 
     assert restrict_row.targetoptions["forceinline"]
+
+
+def test_kernels_that_are_not_to_be_compiled(tmp_path):
+    """numba's switch for debugging would have Python call FFTW by an address."""
+    done = python(None, ["-c", SOLVE], environment(NUMBA_DISABLE_JIT="1"))
+    assert done.returncode == 1
+    assert "NUMBA_DISABLE_JIT" in done.stderr.splitlines()[-1]
+    (tmp_path / "scene.toml").write_text(
+        "[surface]\nkind = 'wave'\namplitude = 0.1\nn = [8, 8]\n[load]\npressure = 0.1\n"
+    )
+    words = ["-m", "hpc_gfmd", "run", "scene.toml"]
+    done = python(None, words, environment(NUMBA_DISABLE_JIT="1"), tmp_path)
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1), done.stderr
+    assert "NUMBA_DISABLE_JIT" in done.stderr
+    assert sys.platform != "linux" or sorted(os.listdir(tmp_path)) == ["scene.toml"]

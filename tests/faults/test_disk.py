@@ -8,18 +8,10 @@ import pytest
 from faults.jobs import call, goes_on, needs_mpi, run, write_scene
 from result_files import names
 
-from hpc_gfmd.util.caches import cache_folder
-
 SEVERAL = pytest.param(2, id="two ranks", marks=[pytest.mark.slow, needs_mpi])
-FIELDS = {"checkpoint": 600, "fields": ["gap", "pressure", "displacement"]}
+FIELDS = {"fields": ["gap", "pressure", "displacement"]}
 FULL = {  # when: KiB of the disk, of the scene, fault, what the message names
     "at start": (4, {}, None, "output.path: cannot write to|writing .*head.h5: No space left"),
-    "during a checkpoint": (
-        300,
-        {},
-        None,
-        r"checkpoint\.h5: No space left on device \(.* MB needed\)",
-    ),
     "during a field write": (300, FIELDS, None, r"step-0000\.h5: No space"),
     # where the space could not be reserved: HDF5 and MPI meet the full disk, on several ranks in a
     # collective write
@@ -31,7 +23,7 @@ FULL = {  # when: KiB of the disk, of the scene, fault, what the message names
     ),
     "while the result is put together": (
         1568,
-        {"checkpoint": 600},
+        {},
         None,
         r"out\.h5: No space left.*the finished steps are safe in",
     ),
@@ -53,10 +45,7 @@ def test_full(small_disk, undisturbed, when, ranks):
     """No result, nothing half-written; with more space all goes on."""
     size, how, fault, message = FULL[when]
     to_the_end = when == "while the result is put together"
-    plans = sum(
-        path.stat().st_size for path in (cache_folder() / "wisdom").glob("*-float64")
-    )  # are kept with the checkpoints
-    disk = small_disk(size * 1024 + plans * to_the_end)
+    disk = small_disk(size * 1024)
     path = write_scene(disk, **how)
     asked = "run scene.toml -q", ranks, disk
     # this process may know plans of other tests

@@ -152,7 +152,7 @@ def test_a_bad_checkpoint_is_never_used(left, tmp_path, capfd, monkeypatch):
     else:
         with h5py.File(path) as file:
             place = (
-                file["steps/0000/g"].id.get_offset() + 64
+                file["steps/0000/gap"].id.get_offset() + 64
                 if left == "numbers"
                 else data.index(b"OHDR") + 30
             )

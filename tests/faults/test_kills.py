@@ -44,7 +44,7 @@ HELD = {
 def test_held(undisturbed, where, target):
     """Killed where that is being written."""
     rank, function, file, kept = HELD[where]
-    path = write_scene(checkpoint=600)
+    path = write_scene()
     job = Job("run scene.toml -q", RANKS, fault=f"hold {rank} {function} {file} held")
     assert job.wait_for(Path("held").exists), job.end().err
     job.kill(signal.SIGKILL, *TARGETS[target](job))
@@ -52,12 +52,12 @@ def test_held(undisturbed, where, target):
     assert job.code != 0
     assert any(path.parent.rglob("*.tmp"))
     Path("held").unlink()
-    goes_on(path, undisturbed(RANKS, checkpoint=600), RANKS, kept)
+    goes_on(path, undisturbed(RANKS), RANKS, kept)
 
 
 @pytest.mark.slow
 def test_at_random_moments(tmp_path, undisturbed):
-    """From the start to after the end; a checkpoint in every iteration."""
+    """From the start to after the end."""
     dice, duration = random.Random(1), 2.0
     for moment in range(MOMENTS):
         folder = tmp_path / str(moment)

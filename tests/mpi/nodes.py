@@ -42,7 +42,7 @@ def sent_in_a_step(sweep):
     """(bytes, messages) of this rank in one more iteration of a sweep on a CountingComm."""
     sent = sweep.surface.grid.comm.sent
     before = sent.copy()
-    sweep.solver.step()
+    sweep.starter.solver.step()
     return tuple((sent - before).tolist())
 
 

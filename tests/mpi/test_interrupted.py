@@ -1,5 +1,5 @@
-"""Stopped by a signal or by its time limit, a run leaves a checkpoint from which any number of
-ranks goes on."""
+"""Stopped by a signal or by its time limit, a run leaves what is finished and the gap of the load
+that it was at, from which any number of ranks goes on."""
 
 import pytest
 from pieces import Pieces
@@ -17,32 +17,30 @@ pytestmark = pytest.mark.mpi
     ("solver", "boundary", "loads"),
     [
         ("bpx", "periodic", [0.1, 0.11, 0.12]),
-        ("ccg", "periodic", [0.1, 0.11, 0.12]),
+        ("gfmd", "periodic", [0.1, 0.11, 0.12]),
         ("bpx", "free", {"approach": [0.1, 0.02, 0.03]}),
     ],
 )
-def test_bit_identical(comm, shared_path, monkeypatch, solver, boundary, loads):
-    """On as many ranks: stopped in the first load and at the end of the second, then dead without a
-    word."""
+def test_as_many_ranks(comm, shared_path, monkeypatch, solver, boundary, loads):
+    """Stopped in the first load and at the end of the second, then dead without a word."""
     pieces = Pieces(monkeypatch, comm, shared_path)
-    asked = small(solver, loads, boundary=boundary)
+    asked = small(solver, loads, boundary=boundary, accuracy=1e-5)
     part = pieces.undisturbed(asked) // 3
-    pieces.run(asked, (part // 2, False, ()), (part + part // 2, False, ()), (part // 2, True, ()))
-    pieces.compare()
+    pieces.run(asked, (part // 2, False), (part + part // 2, False), (part // 2, True))
+    pieces.compare(rel=2e-5)
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
 def test_another_number_of_ranks(comm, shared_path, monkeypatch, boundary):
-    """Begun by all ranks, continued by one, and then by all again, and the other way round: equal
-    within rounding to what one has begun and ended."""
+    """Begun by all ranks, continued by one, and then by all again, and the other way round."""
     pieces, alone = Pieces(monkeypatch, comm, shared_path), SerialComm()
     asked = small("auto", [0.02, 0.025, 0.2], accuracy=None, residual=1e-11, boundary=boundary)
     part = pieces.undisturbed(asked) // 3
     pieces.run(asked, comms=(alone,))
     pieces.compare(rel=1e-10)
     for comms in ((comm, alone, comm), (alone, comm, alone)):
-        pieces.run(asked, (part, False, ()), (part, False, ()), comms=comms)
-        pieces.compare(rel=1e-10)
+        pieces.run(asked, (part, False), (part, False), comms=comms)
+        pieces.compare(rel=1e-8)
 
 
 def test_restart_of_what_is_not_there(comm):

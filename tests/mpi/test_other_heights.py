@@ -96,10 +96,11 @@ def goes_on_as_if_undisturbed(begun, z):
     for name in ("contact.h5", "whole.h5"):
         with h5py.File(name) as file:
             found.append([step.attrs["gap_mean"] for step in file["steps"].values()])
-    assert found[0] == found[1]
+    assert found[0] == pytest.approx(found[1], rel=2e-3)
 
 
-def test_the_checkpoint_of_other_heights_is_not_used(comm, begun):
+def test_the_gap_of_other_heights_does_no_harm(comm, begun):
+    """It is a start as any other."""
     z = random_heights((12, 12))
     for heights, name in ((2 * z, "other.partial"), (z, PARTIAL)):
         assert begun(heights, "run scene.toml -q")[0] == 143

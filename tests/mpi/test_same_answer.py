@@ -9,7 +9,7 @@ from contacts import EXACT, random_heights, rough, sweep_of, sweep_over
 from mpi.same import assert_same, compare, every_size, sweeps
 
 from hpc_gfmd.certificate.error_estimates import misclassified_points
-from hpc_gfmd.driver.load_target import LoadTarget
+from hpc_gfmd.driver.load import Load
 from hpc_gfmd.operators.problem import Problem
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.parallel.grid import Grid
@@ -55,7 +55,7 @@ def test_prescribed(comm, quantity, value, low_memory, hardness):
     solver = {"accuracy": 1e-3, "precision": "double", "low_memory": low_memory}
     pair = sweeps(comm, surface, layer={"hardness": hardness}, **solver)
     for factor in (1.0, 0.8):
-        steps = [sweep.solve(LoadTarget(quantity, factor * value)) for sweep in pair]
+        steps = [sweep.solve(Load(quantity, factor * value)) for sweep in pair]
         assert steps[0].p_mean == pytest.approx(steps[1].p_mean, rel=1e-6)
         assert_same(comm, *steps, tolerance=1e-5)
 
@@ -68,7 +68,7 @@ with_edges = pytest.mark.parametrize(
 @with_edges
 def test_a_gap_that_closes(comm, boundary):
     pair = sweeps(comm, rough(boundary=boundary), accuracy=1e-6)
-    steps = [sweep.solve(LoadTarget("a_r", 1.0)) for sweep in pair]
+    steps = [sweep.solve(Load("a_r", 1.0)) for sweep in pair]
     assert steps[0].contact_points == steps[0].N
     assert steps[0].p_mean == pytest.approx(steps[1].p_mean, rel=1e-6)
     assert_same(comm, *steps, tolerance=1e-5)

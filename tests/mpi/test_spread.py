@@ -17,9 +17,9 @@ LARGE = rough((2, 300, 2), seed=5)  # 1200 x 1200
 def spread_levels(sweep):
     """Levels of the preconditioner and grids of the nested start, beside the finest, that no rank
     holds as a whole."""
-    grids = len([coarse for coarse in sweep.nested.grids if coarse.comm.size > 1])
+    grids = len([coarse for coarse in sweep.working.nested().grids if coarse.comm.size > 1])
     # a rank may have no part in the last ones
-    return sweep.solver.levels.distributed, int(sweep.surface.grid.comm.max([grids])[0])
+    return sweep.starter.solver.levels.distributed, int(sweep.surface.grid.comm.max([grids])[0])
 
 
 def compare_all(comm, surface, loads, **solver):

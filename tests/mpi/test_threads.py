@@ -77,7 +77,7 @@ def solved(comm, case, threads):
         lambda dtype: build_surface(scene.surface, comm, dtype, threads, scene.solver.low_memory),
     )
     steps = []
-    for load in sweep.pressures(scene.load):
+    for load in sweep.loads(scene.load):
         step = sweep.solve(load)
         assert step.status == "converged"
         fft = step.surface.grid.fft(step.g.dtype)
@@ -85,7 +85,7 @@ def solved(comm, case, threads):
         assert min(len(fft.passes()), fft.K) > 1
         numbers = {name: f(step) for name, f in all_observables().items()}
         steps.append((numbers, [field(step, name) for name in ("pressure", "gap")]))
-    grids = [] if case in WITHOUT_GRIDS else sweep.nested.grids
+    grids = [] if case in WITHOUT_GRIDS else sweep.working.nested().grids
     return steps, min((grid.comm.size for grid in grids), default=0)
 
 

@@ -291,7 +291,7 @@ def test_how_well_the_gap_is_known(boundary, loose):
     sweep, ratios = sweep_of(surface, accuracy=1e-5, precision="double"), []
 
     def watch(*_):
-        solver = sweep.solver
+        solver = sweep.starter.solver
         found = certify(solver.problem_now, solver.g, np.empty_like(solver.p), solver.levels)
         solver.levels.restrict(solver.g, solver.p)
         solver.levels.sweep()  # as it was

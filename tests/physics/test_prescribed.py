@@ -13,9 +13,10 @@ from scene_tables import rows
 
 import hpc_gfmd
 from hpc_gfmd.bodies import body_of
+from hpc_gfmd.driver.load import Load
 from hpc_gfmd.driver.load_quantities import search_for
-from hpc_gfmd.driver.load_target import LoadTarget
-from hpc_gfmd.scene import Load, Material
+from hpc_gfmd.scene import Load as SceneLoad
+from hpc_gfmd.scene import Material
 from hpc_gfmd.solvers import solver_names
 
 LAYER = {"thickness": 0.05, "nu1": 0.3, "E_star": 1.0}
@@ -74,7 +75,7 @@ def test_the_pressure_is_found(wall, quantity):
     sweep = sweep_of(surface, layer=layer, **asked)
     pairs = []
     for value, (step, pressure) in zip(values, steps, strict=True):
-        found = sweep.solve(LoadTarget(quantity, value))
+        found = sweep.solve(Load(quantity, value))
         assert found.status == "converged"
         points = 1.001 / found.N if quantity == "a_r" else 0.0
         error = found.certificate.errors[0 if quantity == "a_r" else 1]
@@ -97,7 +98,7 @@ def test_what_it_costs(quantity, boundary):
     plain = [
         (step.pairs, quantity_of(step, quantity)) for p in loads for step in [sweeps[0].solve(p)]
     ]
-    found = [sweeps[1].solve(LoadTarget(quantity, value)).pairs for _, value in plain]
+    found = [sweeps[1].solve(Load(quantity, value)).pairs for _, value in plain]
     assert found[0] <= 2.5 * plain[0][0]
     assert sum(found[1:]) <= 1.5 * sum(pairs for pairs, _ in plain[1:])
 
@@ -119,7 +120,7 @@ def test_every_way(solver, quantity):
     fine, sweep = sweep_of(surface, **EXACT), sweep_of(surface, **solver)
     value = quantity_of(fine.solve(0.1), quantity)
     for target in (1.5 * value, value):
-        found = sweep.solve(LoadTarget(quantity, target))
+        found = sweep.solve(Load(quantity, target))
         assert found.status == "converged"
         assert quantity_of(found, quantity) == pytest.approx(target, abs=point, rel=accuracy)
     found_again = fine.solve(found.p_mean)
@@ -132,7 +133,7 @@ def test_every_way(solver, quantity):
 @pytest.mark.parametrize("load", [{"gap_mean": 0}, {"gap_over_h_rms": [0.0]}, {"a_r": 1}])
 def test_the_least_pressure_that_closes_the_gap(load, layer):
     sweep = sweep_of(rough((2, 8, 2)), layer=layer, **EXACT)
-    step = sweep.solve(*sweep.pressures(Load(**load)))
+    step = sweep.solve(*sweep.loads(SceneLoad(**load)))
     p = field(step, "pressure")
     assert step.contact_points == step.N
     assert step.gap_mean == 0
@@ -149,7 +150,7 @@ def with_edges(free, **solver):
 @pytest.mark.parametrize("solver", [{"accuracy": 1e-5}, {"accuracy": 1e-3, "precision": "single"}])
 def test_a_gap_that_closes_to_its_edges(free, solver):
     """At the least load that does; what it costs counts all."""
-    step = with_edges(free, **solver).solve(LoadTarget("a_r", 1.0))
+    step = with_edges(free, **solver).solve(Load("a_r", 1.0))
     p = field(step, "pressure")
     assert step.status == "converged"
     assert step.contact_points == step.N
@@ -176,7 +177,7 @@ def test_a_gap_that_nearly_closes(make, gap, accuracy, most):
     """A single point is open; the load is looked for from the one that closes it, too. most: FFT
     pairs, over those of the load as a pressure."""
     sweep = make(accuracy=accuracy)
-    step = sweep.solve(*sweep.pressures(Load(gap_over_h_rms=gap)))
+    step = sweep.solve(*sweep.loads(SceneLoad(gap_over_h_rms=gap)))
     assert step.status == "converged"
     assert step.gap_mean == pytest.approx(gap * sweep.surface.h_rms, rel=accuracy)
     assert step.pairs <= most * make(accuracy=accuracy).solve(step.p_mean).pairs
@@ -194,7 +195,7 @@ def test_a_gap_that_nothing_makes_more_accurate():
     """Next to full contact the error of free edges counts for more than is asked: that is said, and
     not tried for long."""
     closed, nearly = (with_edges((True, True), accuracy=1e-6) for _ in range(2))
-    step = nearly.solve(0.99 * closed.solve(LoadTarget("a_r", 1.0)).p_mean)
+    step = nearly.solve(0.99 * closed.solve(Load("a_r", 1.0)).p_mean)
     area, gap, pressure = step.certificate.errors
     assert step.status == "stagnated"
     assert area == 0
@@ -209,7 +210,7 @@ def test_a_sweep_through_full_contact(boundary, solver):
     """From above or below, and again: at the same pressure."""
     sweep = sweep_of(rough((2, 8, 2), boundary=boundary), accuracy=1e-3, **solver)
     contacts = [
-        sweep.solve(load) for load in sweep.pressures(Load(gap_over_h_rms=[0.3, 0, 0.1, 0]))
+        sweep.solve(load) for load in sweep.loads(SceneLoad(gap_over_h_rms=[0.3, 0, 0.1, 0]))
     ]
     assert all(contact.status == "converged" for contact in contacts)
     closed = [contact.contact_points == contact.N for contact in contacts]
@@ -223,7 +224,7 @@ def test_an_area_that_jumps():
     z = np.full((16, 16), -1.0)
     z[::8, ::8], z[4::8, ::8] = 0.0, -0.01
     for wanted, points in ((5.5 / 256, 4), (6.5 / 256, 8)):
-        step = sweep_over(z, accuracy=1e-3, precision="double").solve(LoadTarget("a_r", wanted))
+        step = sweep_over(z, accuracy=1e-3, precision="double").solve(Load("a_r", wanted))
         assert step.status == "converged"
         assert step.contact_points == points
         assert "a_r jumps from 0.01562 to 0.03125: the nearer" in step.note
@@ -242,7 +243,7 @@ def test_areas_that_no_load_has(free):
     fresh = partial(sweep_over, flat_tops(64, 16), free=free, accuracy=1e-3)
     sweep, loads = fresh(), []
     for wanted in (0.1, 0.02, 0.2, 1 / 4096):
-        together, alone = (one.solve(LoadTarget("a_r", wanted)) for one in (sweep, fresh()))
+        together, alone = (one.solve(Load("a_r", wanted)) for one in (sweep, fresh()))
         for step in (together, alone):
             assert step.status == "converged"
             assert step.contact_points in (1024, 1025)  # a point more or less is nothing
@@ -275,7 +276,7 @@ BODY = body_of(Material(**LAYER), (False, False))
 def test_an_area_that_jumps_over_what_is_wanted(z, how, wanted):
     """What is found is as near as can be."""
     sweep, plain = (sweep_over(z, **how) for _ in range(2))
-    found = sweep.solve(LoadTarget("a_r", wanted))
+    found = sweep.solve(Load("a_r", wanted))
     assert found.status == "converged"
     assert found.pairs < (10 * plain.solve(found.p_mean).pairs if "body" in how else 60)
     assert is_as_near_as_can_be(found, plain, wanted, how["accuracy"])
@@ -288,7 +289,7 @@ def test_areas_of_a_lattice():
     found = given = 0.0
     for wanted in 0.02 + 0.03 * np.arange(9):
         sweep, plain = (sweep_over(-(x[:, None] ** 2 + x**2), accuracy=1e-4) for _ in range(2))
-        step = sweep.solve(LoadTarget("a_r", wanted))
+        step = sweep.solve(Load("a_r", wanted))
         assert step.status == "converged"
         found, given = found + step.pairs, given + plain.solve(step.p_mean).pairs
     assert found < 4 * given
@@ -307,8 +308,8 @@ def test_one_tall_point(height, quantity, values):
     sweep = sweep_over(z, accuracy=1e-2)
     for value in values:
         for found in (
-            sweep.solve(LoadTarget(quantity, value * unit)),
-            sweep_over(z, accuracy=1e-2).solve(LoadTarget(quantity, value * unit)),
+            sweep.solve(Load(quantity, value * unit)),
+            sweep_over(z, accuracy=1e-2).solve(Load(quantity, value * unit)),
         ):
             missed = abs(quantity_of(found, quantity) / (value * unit) - 1)
             assert found.status == "converged"
@@ -321,9 +322,7 @@ def test_hardly_touching(free):
     """A mean gap that is but a little less than where the highest peak touches."""
     z = random_heights((16, 16), seed=3)
     gap = (z.max() - z).mean() * (1 - 1e-4)
-    step = sweep_over(z, free=free, accuracy=1e-6, precision="double").solve(
-        LoadTarget("gap_mean", gap)
-    )
+    step = sweep_over(z, free=free, accuracy=1e-6, precision="double").solve(Load("gap_mean", gap))
     assert step.gap_mean == pytest.approx(gap, rel=1e-6)
     assert step.status == "converged"
 
@@ -333,7 +332,7 @@ def test_an_approach_that_is_next_to_nothing(share):
     """One point touches, whose force is proportional to it; coarse grids are without that point."""
     sweep = sweep_over(0.1 * random_heights((16, 16), seed=3), free=(True, True), accuracy=1e-4)
     h_rms = sweep.surface.h_rms
-    step = sweep.solve(LoadTarget("approach", share * h_rms))
+    step = sweep.solve(Load("approach", share * h_rms))
     assert step.status == "converged"
     assert step.contact_points == 1
     assert step.approach == pytest.approx(share * h_rms, rel=1e-4)
@@ -344,11 +343,11 @@ def test_what_the_load_is_in_the_units_of_the_scene():
     sweep = sweep_of(
         rough((2, 8, 2), physical_sizes=[3.0, 3.0], boundary="free"), E_star=5.0, accuracy=1e-3
     )
-    assert sweep.pressures(Load(force=[9.0, 18.0])) == (1.0, 2.0)
+    assert [load.value for load in sweep.loads(SceneLoad(force=[9.0, 18.0]))] == [1.0, 2.0]
     h_rms = sweep.surface.h_rms
     loads = [
-        *sweep.pressures(Load(gap_mean=0.5 * h_rms)),
-        *sweep.pressures(Load(gap_over_h_rms=0.5)),
+        *sweep.loads(SceneLoad(gap_mean=0.5 * h_rms)),
+        *sweep.loads(SceneLoad(gap_over_h_rms=0.5)),
     ]
     first, second = (sweep.solve(load).p_mean for load in loads)
     assert sweep.solve(loads[0]).gap_mean == pytest.approx(0.5 * h_rms, rel=1e-3)
@@ -375,7 +374,7 @@ free | gap_mean = 0.5 | found a flat surface
 )
 def test_what_cannot_be_had(surface, load, words):
     with refused(f"^load.{load.partition(' ')[0]}: {words}"):
-        sweep_of(SURFACES[surface], **EXACT).pressures(Load(**tomllib.loads(load)))
+        sweep_of(SURFACES[surface], **EXACT).loads(SceneLoad(**tomllib.loads(load)))
 
 
 def test_an_area_far_from_those_before():
@@ -386,6 +385,6 @@ def test_an_area_far_from_those_before():
         {"x": x, "a_r": area, "gap_mean": 1.0, "approach": 1.0}
         for x, area in ((0.40, 0.9990), (0.44, 0.9991))
     ]
-    known = 1e-3, True, sweep.heights
-    search = search_for(LoadTarget("a_r", 4e-5), sweep.surface, known, near)
+    known = 1e-3, True, sweep.working.heights
+    search = search_for(Load("a_r", 4e-5), sweep.surface, known, near)
     assert abs(search.x - np.log(2e-5)) < 3

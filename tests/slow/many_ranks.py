@@ -29,8 +29,8 @@ def main(lam_l_over_lam_s, per_node, folder):
         "status": step.status,
         "contact": step.contact_points,
         "gap_mean": step.gap_mean,
-        "levels": sweep.solver.levels.distributed,
-        "grids": [grid.comm.size for grid in sweep.nested.grids],
+        "levels": sweep.starter.solver.levels.distributed,
+        "grids": [grid.comm.size for grid in sweep.working.nested().grids],
     }
     fields = {name: field(step, name) for name in ("pressure", "gap")}
     if comm.size == 1:

@@ -22,7 +22,7 @@ def test_fewer_pairs(boundary, monkeypatch):
     usual = deflation.CALIBRATION
     for fewest in (usual.fewest, np.inf):
         monkeypatch.setattr(deflation, "CALIBRATION", replace(usual, fewest=fewest))
-        _kept.grid.cache_clear()
+        _kept.tables.cache_clear()
         walls = [rough((2, 64, 2), seed=seed, boundary=boundary) for seed in (1, 2, 3)]
         means.append(np.mean([solve_scene(wall, 3e-4, accuracy=1e-3).fft_pairs for wall in walls]))
     assert means[0] < 0.8 * means[1]

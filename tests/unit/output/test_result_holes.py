@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 import pytest
 from refusal import refused
-from result_files import FIELD, N, begin, complete, interrupted, names
+from result_files import FIELD, UNFINISHED, N, begin, complete, interrupted, names
 
 from hpc_gfmd.output.folder import partial_folder
 from hpc_gfmd.output.read import read_partial, read_result
@@ -57,7 +57,7 @@ def test_what_lies_in_the_place_of_a_step_is_left_out(path, tmp_path, cli):
     """Another step, a head, a checkpoint, a step of another scene: refused, named, solved again."""
     folder = interrupted(path)
     with begin(path) as run:
-        run.write_checkpoint(GRID, "bpx", 0, ({"g": FIELD}, {}))
+        run.write_checkpoint(GRID, 0, FIELD, UNFINISHED)
     other = interrupted(tmp_path / "other.h5", identity="xyz") / "step-0001.h5"
     for source, words in (
         (folder / "step-0000.h5", "holds no load step 1"),
@@ -80,19 +80,20 @@ def test_what_lies_in_the_place_of_a_step_is_left_out(path, tmp_path, cli):
 def test_a_checkpoint_belongs_to_its_scene(path, tmp_path):
     other = interrupted(tmp_path / "other.h5", identity="xyz")
     with begin(path) as run:
-        assert run.checkpoint("bpx") is None
-        run.write_checkpoint(GRID, "bpx", 3, ({"g": FIELD}, {"s": 1.5}), 2.5)
-        found = run.checkpoint("bpx")
-        assert (found.indices, found.steps) == ([3], [{"seconds": 2.5, "numbers": '{"s": 1.5}'}])
-        assert np.array_equal(found.fields[0]["g"].slab(SerialComm(), (0, 6)), FIELD)
-        with refused("a checkpoint of bpx, allowed: of ccg and this scene"):
-            run.checkpoint("ccg")
+        assert run.checkpoint() is None
+        run.write_checkpoint(GRID, 3, FIELD, UNFINISHED)
+        found = run.checkpoint()
+        assert (found.indices, found.steps) == ([3], [UNFINISHED])
+        assert np.array_equal(found.fields[0]["gap"].slab(SerialComm(), (0, 6)), FIELD)
+        run.write_checkpoint(GRID, 3, FIELD, {"p": 0.1})
+        with refused("of another version"):
+            run.checkpoint()
         shutil.copy(run.partial / "checkpoint.h5", other)
         with begin(tmp_path / "other.h5", "xyz") as run_of_other, refused("of another scene"):
-            run_of_other.checkpoint("bpx")
+            run_of_other.checkpoint()
         shutil.copy(other / "step-0000.h5", run.partial / "checkpoint.h5")
         with refused("not a checkpoint"):
-            run.checkpoint("bpx")
+            run.checkpoint()
 
 
 def test_loads_are_in_the_order_of_their_numbers(path):

@@ -1,4 +1,5 @@
-"""Grids of one process are kept for the next contact of their size, and change nothing."""
+"""Tables of the grids of one process are kept for the next contact of their size, and change
+nothing."""
 
 from concurrent.futures import ThreadPoolExecutor
 
@@ -14,14 +15,19 @@ SERIAL = SerialComm()
 
 
 def test_the_same_grid_again():
-    kept = Grid.kept((12, 10), (1, 1), SERIAL)
-    assert kept is Grid.kept([12, 10], [1.0, 1.0], SERIAL)
-    assert kept is not Grid.kept((12, 10), (1, 2), SERIAL)
-    assert kept is not Grid.kept((12, 10), (1, 1), SERIAL, nominal=(8, 10))
+    def transforms(n, sizes, comm=SERIAL, **options):
+        return Grid.kept(n, sizes, comm, **options).fft(np.float64)
+
+    kept = transforms((12, 10), (1, 1))
+    assert kept is transforms([12, 10], [1.0, 1.0])
+    assert kept is not transforms((12, 10), (1, 2))
+    assert kept is not transforms((12, 10), (1, 1), nominal=(8, 10))
+    assert kept is not Grid((12, 10)).fft(np.float64)
     other = SerialComm()
+    assert kept is transforms((12, 10), (1, 1), other)
     assert Grid.kept((12, 10), (1, 1), other).comm is other
     with ThreadPoolExecutor(1) as pool:
-        assert pool.submit(Grid.kept, (12, 10), (1, 1), SERIAL).result() is not kept
+        assert pool.submit(transforms, (12, 10), (1, 1)).result() is not kept
 
 
 @pytest.mark.parametrize("n", [64, 4096])

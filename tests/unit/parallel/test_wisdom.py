@@ -3,14 +3,12 @@ never an error."""
 
 import numpy as np
 import pytest
-from pieces import NEVER, Pieces, scene
 
-from hpc_gfmd.output.folder import partial_folder
 from hpc_gfmd.parallel import grid, wisdom
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.parallel.fftw import load_fftw
 from hpc_gfmd.parallel.grid import Grid
-from hpc_gfmd.runs.simulation import run_scene
+from hpc_gfmd.util.caches import keep, kept
 
 pytestmark = pytest.mark.skipif(load_fftw() is None, reason="FFTW is missing")
 N = (120, 84)
@@ -24,7 +22,7 @@ def memory(tmp_path, monkeypatch):
     found = wisdom._wisdom("float64")
     before = found.text()
     found.replace(b"")
-    grid._kept.grid.cache_clear()  # so that all is planned anew
+    grid._kept.tables.cache_clear()  # so that all is planned anew
     yield found
     found.replace(before)
 
@@ -42,14 +40,14 @@ def test_one_file_that_is_read_again_and_not_written_when_all_is_known(memory, t
     first = memory.text()
     (path,) = files(tmp_path)
     assert path == memory.path
-    assert path.read_bytes() == first
+    assert kept(path) == first
     stamp = path.stat().st_mtime_ns
     memory.replace(b"")
     plan()
     assert wisdom._lines(memory.text()) == wisdom._lines(first)
     assert path.stat().st_mtime_ns == stamp
     plan((60, 84))
-    assert wisdom._lines(first) < wisdom._lines(path.read_bytes())
+    assert wisdom._lines(first) < wisdom._lines(kept(path))
     assert files(tmp_path) == [path]
 
 
@@ -60,18 +58,18 @@ def test_a_campaign_of_many_grids_is_bounded(memory, tmp_path, monkeypatch):
         plan((24 + 2 * k, 36 + 2 * k))
         (path,) = files(tmp_path)
         assert path.stat().st_size < 3 * wisdom.LIMIT
-        assert wisdom._lines(memory.text()) <= wisdom._lines(path.read_bytes()) | {b""}
+        assert wisdom._lines(memory.text()) <= wisdom._lines(kept(path)) | {b""}
 
 
 @pytest.mark.parametrize(
     "content",
     [b"", b"(fftw-3.3.10 fftw_wisdom", b"\0\xff" * 500, b"(" * 5000, b"x" * 2 * wisdom.LIMIT],
 )
-def test_a_damaged_file_is_measured_again(content, memory):
-    memory.path.parent.mkdir(parents=True)
-    memory.path.write_bytes(content)
+def test_what_is_no_wisdom_is_measured_again(content, memory):
+    """Though it is what was kept."""
+    keep(memory.path, content)
     plan()
-    assert memory.path.read_bytes() == memory.text()
+    assert kept(memory.path) == memory.text()
     assert len(memory.text().splitlines()) > 5
 
 
@@ -112,17 +110,3 @@ def test_ranks_plan_as_rank_0_does(memory):
     plan((64, 100))
     assert wisdom.planned(Rank(1, sent), np.float64, make, N) == 2
     assert wisdom._lines(made[1]) == wisdom._lines(wanted)
-
-
-def test_every_checkpoint_has_its_plans(memory, tmp_path, monkeypatch):
-    pieces = Pieces(monkeypatch, SerialComm(), tmp_path)
-    pieces.chance.after = 3
-    assert run_scene(scene("bpx"), out=pieces.path, quiet=True).status == "interrupted"
-    kept = (partial_folder(pieces.path) / "wisdom-float64").read_bytes()
-    assert wisdom._lines(kept) == wisdom._lines(memory.text())
-    memory.path.unlink()
-    memory.replace(b"")
-    pieces.chance.after = NEVER
-    run_scene(scene("bpx"), out=pieces.path, quiet=True)
-    assert wisdom._lines(kept) <= wisdom._lines(memory.text())
-    assert not partial_folder(pieces.path).exists()

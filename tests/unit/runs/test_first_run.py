@@ -10,7 +10,7 @@ from hpc_gfmd.kernels import cache
     ("kept", "said"),
     [
         ("nothing", "compiling, once (half a minute)"),
-        ("kernel.nbi", "compiling what this scene needs in addition"),
+        ("one.kernel", "compiling what this scene needs in addition"),
     ],
 )
 def test_compiling_is_announced_once_and_only_if_something_is_compiled(
@@ -29,3 +29,13 @@ def test_compiling_is_announced_once_and_only_if_something_is_compiled(
     assert len(told) == 1
     with cache.on_first_compile(None):
         assert numba.njit(lambda x: -x)(1) == -1
+
+
+def test_it_is_said_if_nothing_can_be_kept(monkeypatch):
+    monkeypatch.setattr(cache, "folder", lambda: None)
+    told = []
+    with cache.on_first_compile(told.append):
+        assert numba.njit(lambda x: x - 1)(1) == 0
+    assert len(told) == 1
+    assert "every" in told[0]
+    assert "HPC_GFMD_CACHE" in told[0]

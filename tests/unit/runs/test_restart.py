@@ -1,17 +1,20 @@
-"""A run that was stopped, or died, and went on is the run that was not disturbed, to the last
-bit."""
-
-from dataclasses import replace
+"""A run that was stopped, or died, and goes on: nothing finished is solved again, a load that was
+stopped in its middle goes on from its gap, and the answer is that of the run that was not
+disturbed."""
 
 import numpy as np
 import pytest
-from pieces import Pieces, scene
+from pieces import LOADS, Pieces, scene
 
-from hpc_gfmd.driver import start
-from hpc_gfmd.operators import deflation as gapmode
-from hpc_gfmd.output.read import read_result
+from hpc_gfmd.driver.sweep import Sweep
+from hpc_gfmd.output.folder import partial_folder
+from hpc_gfmd.output.read import read_partial, read_result
 from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.runs.simulation import run_scene
+from hpc_gfmd.scene import Scene
 from hpc_gfmd.solvers import solver_names
+
+TIGHT = {"accuracy": None, "residual": 1e-9}
 
 
 @pytest.fixture
@@ -20,64 +23,115 @@ def pieces(monkeypatch, tmp_path):
 
 
 @pytest.mark.parametrize("solver", sorted(solver_names()))
-def test_bit_identical(pieces, solver):
-    """Stopped in the middle of loads and at once, and dead somewhere without a word, with and
-    without checkpoints."""
-    asked = scene(solver)
+def test_stopped_and_dead(pieces, solver):
+    """Stopped in the middle of loads and at once, and dead without a word."""
+    asked = scene(solver, **TIGHT)
     count = pieces.undisturbed(asked)
     part = count // 4
     for plan in (
-        [
-            (1, False, ()),
-            (1, False, ()),
-            (part, False, ()),
-            (part, False, ()),
-            (part + 1, False, ()),
-        ],
-        [(count - 2, True, ())],
-        [(2 * part, True, (part,)), (part, True, (2, 3))],
+        [(1, False), (1, False), (part, False), (part + 1, False)],
+        [(count - 2, True)],
+        [(2 * part, True), (part, True)],
     ):
         pieces.run(asked, *plan)
-        pieces.compare()
+        pieces.compare(rel=1e-6)
 
 
 SWEEPS = {
-    "each load": scene("auto"),
-    "full contact that ends": scene(
-        "auto", {"gap_over_h_rms": [1e-5, 0, 0.1]}, boundary=["free", "periodic"]
+    "each load": (scene("auto", **TIGHT), 1e-6),
+    "full contact that ends": (
+        scene("auto", {"gap_over_h_rms": [1e-5, 0, 0.1]}, boundary=["free", "periodic"]),
+        2e-2,
     ),
-    "low memory": scene("bpx", [0.05, 0.06, 0.3], ["gap"], low_memory=True),
-    "prescribed": scene("auto", {"gap_over_h_rms": [0.3, 0.32, 1.2, 0.0, 0.4]}),
-    "prescribed areas": scene("bpx", {"a_r": [0.1, 0.5]}, ["gap"], low_memory=True),
-    "single until a load with few points": scene(
-        "auto", [0.3, 1e-4, 1.2e-4, 1.3e-4], precision="auto", accuracy=1e-3
+    "low memory": (scene("bpx", [0.05, 0.06, 0.3], ["gap"], low_memory=True, **TIGHT), 1e-6),
+    "prescribed": (scene("auto", {"gap_over_h_rms": [0.3, 0.32, 1.2, 0.0, 0.4]}), 2e-2),
+    "prescribed areas": (scene("bpx", {"a_r": [0.1, 0.5]}, ["gap"], low_memory=True), 4e-2),
+    "single until a load with few points": (
+        scene("auto", [0.3, 1e-4, 1.2e-4, 1.3e-4], precision="auto", accuracy=1e-3),
+        2e-3,
     ),
 }
 
 
 @pytest.mark.parametrize("name", SWEEPS)
 def test_wherever_it_is_stopped(pieces, name):
-    stop_everywhere(pieces, SWEEPS[name], rel=1e-8 if name == "full contact that ends" else 0)
-
-
-def test_with_a_gap_mode(pieces, monkeypatch):
-    """Which small grids have none of."""
-    monkeypatch.setattr(gapmode, "CALIBRATION", replace(gapmode.CALIBRATION, fewest=1))
-    stop_everywhere(pieces, scene("bpx", [0.01, 0.012, 0.05]))
-
-
-def test_precision_given_up_in_the_middle(pieces, monkeypatch):
-    """A load that stagnates in single precision is solved again in double; stopped there, it does
-    not begin in single again."""
-    monkeypatch.setattr(start, "first_precision", lambda _: np.dtype(np.float32))
-    asked = scene("bpx", [0.3, 0.35], precision="auto", accuracy=None, residual=1e-8)
-    stop_everywhere(pieces, asked)
-    assert read_result(pieces.whole).steps[0]["fft_pairs"] > 40  # of both attempts
-
-
-def stop_everywhere(pieces, asked, rel=0):
     """Or at least in five places."""
+    asked, rel = SWEEPS[name]
     count = pieces.undisturbed(asked)
     for point in range(1, count, max(1, count // 5)):
-        pieces.run(asked, (point, False, ()))
+        pieces.run(asked, (point, False))
         pieces.compare(rel)
+
+
+def test_finished_loads_are_not_solved_again(pieces, monkeypatch):
+    """And not written again."""
+    asked = scene("bpx")
+    pieces.chance.after = pieces.undisturbed(asked) // 2
+    pieces.chance.polled = 0
+    assert run_scene(asked, out=pieces.path, quiet=True).status == "interrupted"
+    folder = partial_folder(pieces.path)
+    finished = read_partial(pieces.path).indices
+    assert 0 < len(finished) < len(LOADS)
+    files = {file: file.stat().st_mtime_ns for file in folder.glob("step-*.h5")}
+    solve, solved = Sweep.solve, []
+
+    def counted(sweep, load, *more):
+        solved.append(load.value)
+        assert {file: file.stat().st_mtime_ns for file in files} == files
+        return solve(sweep, load, *more)
+
+    monkeypatch.setattr(Sweep, "solve", counted)
+    pieces.chance.after = 10**9
+    assert run_scene(asked, out=pieces.path, quiet=True).status == "converged"
+    assert len(solved) == len(LOADS) - len(finished)
+
+
+def test_a_load_goes_on_from_its_gap(pieces):
+    """Iterations, pairs and seconds of both runs count; no coarser grid is solved again."""
+    asked = scene("bpx", [0.05], **TIGHT)
+    pieces.undisturbed(asked)
+    (whole,) = read_result(pieces.whole).steps
+    pieces.run(asked, (whole["iterations"] // 2, False))
+    (step,) = read_result(pieces.path).steps
+    # one pair for the certificate of what was stopped, one for the first pressure, a few for the
+    # direction that is lost
+    assert whole["fft_pairs"] < step["fft_pairs"] < whole["fft_pairs"] + 12
+    assert whole["iterations"] <= step["iterations"] < whole["iterations"] + 10
+    assert step["gap_mean"] == pytest.approx(whole["gap_mean"], rel=1e-7)
+
+
+def test_a_load_in_double_goes_on_in_double(pieces, monkeypatch):
+    """A load that stagnates in single precision is solved again in double; stopped there, it does
+    not begin in single again."""
+    from hpc_gfmd.driver import sweep
+
+    monkeypatch.setattr(sweep, "first_precision", lambda _: np.dtype(np.float32))
+    asked = scene("bpx", [0.3], precision="auto", accuracy=None, residual=1e-8)
+    count = pieces.undisturbed(asked)
+    assert read_result(pieces.whole).steps[0]["fft_pairs"] > 40  # of both attempts
+    precisions, attempt = [], Sweep._attempt
+
+    def noted(self, *args):
+        precisions.append(self.dtype.name)
+        return attempt(self, *args)
+
+    pieces.chance.after, pieces.chance.polled = count, 0
+    assert run_scene(asked, out=pieces.path, quiet=True).status == "interrupted"
+    monkeypatch.setattr(Sweep, "_attempt", noted)
+    pieces.chance.after = 10**9
+    run_scene(asked, out=pieces.path, quiet=True)
+    assert precisions == ["float64"]
+    pieces.compare(rel=1e-5)
+
+
+def test_the_scene_of_an_older_run_can_be_read(pieces):
+    """A key that scenes had, and that changed no result."""
+    asked = scene("bpx", [0.05])
+    pieces.undisturbed(asked)
+    import h5py
+
+    with h5py.File(pieces.whole, "r+") as file:
+        text = file.attrs["scene"] + "\n[machine]\ncheckpoint_seconds = 60.0\n"
+        del file.attrs["scene"]
+        file.attrs["scene"] = text
+    assert isinstance(read_result(pieces.whole).scene, Scene)

@@ -33,7 +33,7 @@ def test_defaults():
         material.E_star = 1
         solver = {accuracy = 1e-3, name = "auto", precision = "auto", nested = "auto"}
         output.fields = []
-        machine = {threads = "auto", checkpoint_seconds = 600}""")
+        machine = {threads = "auto"}""")
     for table, keys in known.items():
         found = json.loads(getattr(scene, table).model_dump_json())
         assert {key: found[key] for key in keys} == keys

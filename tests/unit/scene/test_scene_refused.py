@@ -59,7 +59,6 @@ compression = [1]
 [machine]
 threads = [0, "all", true, 1.5]
 wall_seconds = [0]
-checkpoint_seconds = [-1]
 memory_gib = ["8"]
 """)
 

@@ -1,0 +1,33 @@
+"""What is pressed against the surface: the same for all loads and precisions of a sweep."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from ..bodies.halfspace import HALF_SPACE
+
+if TYPE_CHECKING:
+    from ..bodies.base import Body
+
+
+@dataclass(frozen=True)
+class ContactModel:
+    """The elastic body and its material.
+
+    Attributes
+    ----------
+    E_star : float
+        Effective modulus; all pressures of a scene are in its unit.
+    body : Body
+        The elastic body, see bodies/.
+    hardness : float or None
+        The largest pressure, in the unit of E_star; None: there is none.
+    lam_s : float or None
+        Shortest wavelength of the surface, in its unit of length, where that is known.
+    """
+
+    E_star: float = 1.0
+    body: Body = HALF_SPACE
+    hardness: float | None = None
+    lam_s: float | None = None

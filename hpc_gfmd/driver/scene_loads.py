@@ -1,0 +1,143 @@
+"""The loads that a scene asks for, and what cannot be had."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..surface.number_range import require_range, single_solves
+from ..util.errors import SceneError
+from ..util.quantities import format_quantity
+from .load import Load
+
+if TYPE_CHECKING:
+    from ..scene import Load as SceneLoad
+    from ..scene import Solver as Settings
+    from ..solvers.base import Solver
+    from .working_surface import WorkingSurface
+
+FLAT_HAS_NONE = ("p_star", "gap_mean", "gap_over_h_rms", "a_r")
+LENGTHS = 100.0  # rounding errors of the largest height that a gap or an approach may have
+
+
+def loads_of(
+    asked: SceneLoad, working: WorkingSurface, settings: Settings, solver: type[Solver]
+) -> list[Load]:
+    """Return the loads that a scene asks for, in their order.
+
+    A mean gap of 0 is a contact area of 1. Collective.
+
+    Parameters
+    ----------
+    asked : scene.Load
+        The table [load].
+    working : WorkingSurface
+        The surface in the first precision.
+    settings : scene.Solver
+        The table [solver].
+    solver : type of Solver
+        What solves the loads.
+
+    Raises
+    ------
+    SceneError
+        For what a flat surface does not have, what the precision cannot hold, and what no pressure
+        gives.
+    """
+    name, values = asked.given
+    surface = working.surface
+    E_star = working.model.E_star
+    has_none = name in FLAT_HAS_NONE or (name == "approach" and working.is_flat)
+    if surface.g_rms == 0 and has_none:
+        raise SceneError(f"load.{name}: found a flat surface (g_rms = 0), allowed: load.pressure")
+    pressures = asked.p0(E_star, surface.g_rms, float(np.prod(surface.sizes)))
+    require_range(E_star, surface, pressures)
+    if working.model.hardness is not None:
+        require_dents(solver, working.model.hardness, name, values, pressures)
+    if settings.precision == "single" and surface.g_rms > 0:
+        _require_single(pressures, E_star * surface.g_rms, surface.grid.N)
+    if pressures:
+        return [Load("pressure", p_mean) for p_mean in pressures]
+    if name == "a_r":
+        _require_areas(values, surface.grid.N)
+        return [Load("a_r", float(value)) for value in values]
+    quantity = "approach" if name == "approach" else "gap_mean"
+    unit = surface.h_rms if name == "gap_over_h_rms" else 1.0
+    _require_lengths(name, quantity, values, unit, working, settings)
+    return [Load(quantity, float(value) * unit) if value else Load("a_r", 1.0) for value in values]
+
+
+def _require_single(pressures: Sequence[float], unit: float, points: int) -> None:
+    """Raise SceneError for pressures that single precision cannot solve; unit: E* g_rms."""
+    for p_mean in pressures:
+        if not single_solves(p_mean / unit, points):
+            raise SceneError(
+                'solver.precision: found "single", too little for a pressure of'
+                f' {p_mean:g}, allowed: "auto", "double"'
+            )
+
+
+def _require_areas(values: Sequence[float], points: int) -> None:
+    """Raise SceneError for areas that are less than one point."""
+    for value in values:
+        if value * points < 0.5:
+            raise SceneError(
+                f"load.a_r: found {value:g}, less than half of one of {points} points, "
+                f"allowed: {1 / points:.3g} to 1"
+            )
+
+
+def _require_lengths(
+    name: str,
+    quantity: str,
+    values: Sequence[float],
+    unit: float,
+    working: WorkingSurface,
+    settings: Settings,
+) -> None:
+    """Raise SceneError for mean gaps that no pressure gives, and for lengths that rounding errors
+    spoil; unit: of the values, in the surface's unit of length."""
+    stays = settings.precision == "single" or settings.low_memory
+    rounding = float(np.finfo(working.dtype if stays else np.float64).eps)
+    # the least length over the largest that rounding errors leave as accurate as asked
+    resolution = LENGTHS * rounding / settings.tolerance
+    # the mean gap where the highest peak just touches
+    largest = working.heights.top * working.surface.slope / unit
+    for value in values:
+        if quantity == "gap_mean" and not value < largest:
+            allowed = f"below {format_quantity(largest, value)}, where the highest peak touches"
+        elif 0 < value < resolution * largest:
+            allowed = (
+                f"above {format_quantity(resolution * largest, value)}, what rounding errors leave"
+            )
+        else:
+            continue
+        raise SceneError(f"load.{name}: found {format_quantity(value)}, allowed: {allowed}")
+
+
+def require_dents(
+    solver: type[Solver],
+    hardness: float,
+    name: str,
+    values: Sequence[float],
+    pressures: Sequence[float],
+) -> None:
+    """Raise SceneError where a solver cannot do with a hardness, or no pressure below it gives what
+    the key of a scene's [load] asks for."""
+    if not solver.dents:
+        raise SceneError(
+            f'solver.name: found "{solver.name}" with material.hardness, allowed: "bpx"'
+        )
+    for p_mean in pressures:
+        if p_mean >= hardness:
+            raise SceneError(
+                f"load.{name}: found a pressure of {format_quantity(p_mean)}, allowed: below"
+                f" material.hardness, {format_quantity(hardness)}"
+            )
+    if min(values) == 0 or (name == "a_r" and max(values) == 1):
+        raise SceneError(
+            f"load.{name}: found full contact, allowed with material.hardness: less, as at a"
+            " pressure"
+        )

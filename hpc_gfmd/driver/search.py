@@ -1,0 +1,86 @@
+"""What the iterations ask a search for a load."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ..certificate.certificate import Certificate
+    from ..operators.problem import Problem
+    from ..parallel.comm import Comm
+    from ..solvers.base import Progress, Solver
+
+
+class LoadSearch:
+    """A search for the mean pressure of a load that is prescribed by something else.
+
+    The loop (`drive.py`) asks it after every iteration and after every certificate, nested
+    iteration on every coarse grid. Numbers are in the program's units, the same on all ranks.
+
+    Attributes
+    ----------
+    p0 : float
+        The present mean pressure.
+    note : str or None
+        What a user has to know of the load that is found.
+    from_full_contact : bool
+        Whether the iterations begin with a closed gap.
+    """
+
+    note: str | None = None
+    from_full_contact = False
+
+    @property
+    def p0(self) -> float:
+        """The present mean pressure."""
+        raise NotImplementedError
+
+    @property
+    def half_area(self) -> float:
+        """About half of the relative contact area, which is about p0 where that is small."""
+        return self.p0
+
+    def begin(self, problem: Problem | None = None) -> float:
+        """Begin on the grid of `problem`, or on the finest one, and return p0. Collective."""
+        return self.p0
+
+    def begin_at(self, p0: float) -> None:
+        """Begin with this mean pressure, whose solution is about known."""
+        raise NotImplementedError
+
+    def agree(self, comm: Comm) -> None:
+        """Take over on all ranks what rank 0 has found. Collective."""
+        vars(self).update(comm.bcast(vars(self)))
+
+    def near(self, solver: Solver, progress: Progress) -> bool:
+        """Return whether p0 is as near as a coarse grid knows it; if not, p0 may be changed.
+        Collective."""
+        return True
+
+    def adjust(self, solver: Solver, progress: Progress) -> bool:
+        """Change p0 of the solver where it predicts that the target is missed; return whether.
+        Collective."""
+        return False
+
+    def may_be_met(self, solver: Solver, progress: Progress, accuracy: float) -> bool:
+        """Return whether the certificate may find the target met to this accuracy. Collective."""
+        return area_may_be_met(solver, progress, accuracy)
+
+    def learn(self, solver: Solver, certificate: Certificate) -> float:
+        """Learn from a certificate; return how far the target is missed over the tolerance, below 1
+        where it is met. Collective."""
+        return 0.0
+
+    def correct(self, solver: Solver, certificate: Certificate, solved: bool) -> bool:
+        """Change p0 of the solver after a certificate that missed the target; return whether.
+
+        Collective. solved: whether the solution at the present p0 is as accurate as asked.
+        """
+        return False
+
+
+def area_may_be_met(solver: Solver, progress: Progress, accuracy: float) -> bool:
+    """Return whether the certificate may find the contact area as accurate as this: a look at all
+    points. Collective."""
+    estimate = progress.estimate
+    return estimate is None or solver.expected_area(estimate.squares) < accuracy
