@@ -25,9 +25,10 @@ def stickiness(contact: Contact) -> float | None:
         return None
     area = contact.contact_points * contact.grid.spacings[0] * contact.grid.spacings[1]
     reach = law.work / float(law.traction(0.0))
-    repelled = contact.p_mean + contact.certificate.attraction * contact.pressure_unit
     share = contact.contact_points / contact.N
-    return float(of_ring(share, repelled, contact.g_rms, pi * area / edge, law.work, reach))
+    return float(
+        of_ring(share, contact.wall_pressure, contact.g_rms, pi * area / edge, law.work, reach)
+    )
 
 
 OBSERVABLES = {

@@ -16,12 +16,14 @@ from ..certificate.error_estimates import full_contact_error
 from ..contact.contact import Contact
 from ..parallel import interrupt
 from ..util.errors import SceneError
+from .branches import SaddleGuard
 from .contact_model import ContactModel
 from .drive import drive
 from .full_contact import CLOSED, ClosingSearch, closed_contact, tension_of
 from .load import Load
 from .load_quantities import OpeningSearch
 from .low_memory import LowMemorySurface
+from .nested import undeformed_gap
 from .precision import first_precision, too_little
 from .scene_loads import loads_of
 from .searches import Searches
@@ -30,6 +32,7 @@ from .working_surface import WorkingSurface
 
 if TYPE_CHECKING:
     from ..bodies.base import Body
+    from ..laws.base import Law
     from ..scene import Load as SceneLoad
     from ..scene import Solver as Settings
     from ..surface import Surface
@@ -47,6 +50,8 @@ def make_sweep(
     duality: bool = False,
     body: Body = HALF_SPACE,
     hardness: float | None = None,
+    attraction: Law | None = None,
+    branch: str = "approach",
 ) -> Sweep:
     """Compose the sweep of a surface.
 
@@ -58,7 +63,7 @@ def make_sweep(
         Makes the surface.Surface in a precision: ``make_surface(dtype)``.
     settings : scene.Solver
         The table [solver] of a scene.
-    E_star, body, hardness, lam_s
+    E_star, body, hardness, lam_s, attraction, branch
         See `ContactModel`.
     duality : bool
         Whether the certificates have to give the duality gap.
@@ -68,7 +73,7 @@ def make_sweep(
     SceneError
         For a solver, or a surface, that low memory cannot do with.
     """
-    model = ContactModel(float(E_star), body, hardness, lam_s)
+    model = ContactModel(float(E_star), body, hardness, attraction, branch, lam_s)
     starter = Starter(settings, duality)
     kind = WorkingSurface
     if settings.low_memory:
@@ -169,7 +174,7 @@ class Sweep:
             if contact is not None:
                 break
         assert contact is not None  # the final precision always gives one
-        self._failed = contact.status not in ("converged", "interrupted")
+        self._failed = contact.status not in ("converged", "interrupted", "separated")
         if contact.status == "converged":
             self.searches.remember(contact, self.working)
         return contact
@@ -217,6 +222,10 @@ class Sweep:
         pairs: FFT pairs that the load has taken before; may_need_double: whether single precision
         may turn out to be too little.
         """
+        model = self.working.model
+        attracts = model.attraction is not None
+        if attracts and load.p0 < 0 and not self.starter.follows(self.working, load):
+            return self._separated(load, 0, pairs)
         closed = self._full_contact(load, pairs)
         if closed.contact is not None:
             return closed
@@ -228,8 +237,11 @@ class Sweep:
         pairs = closed.pairs + start.pairs
         if may_need_double and self._is_too_little(load):  # as the coarser grids have found
             return Attempt(None, pairs + solver.pairs)
-        outcome = drive(solver, start.criterion, watch, load.search)
+        guard = SaddleGuard(solver, model.branch) if attracts else None
+        outcome = drive(solver, start.criterion, watch, load.search, guard)
         pairs += solver.pairs + outcome.pairs
+        if outcome.status == "separated":
+            return self._separated(load, solver.iterations, pairs)
         contact = self._contact(
             load,
             solver.p0,
@@ -273,6 +285,7 @@ class Sweep:
             iterations=iterations,
             pairs=float(pairs),
             hardness=model.hardness,
+            attraction=model.attraction,
         )
 
     # -- loads that need no iteration, and what some loads need before their own
@@ -287,13 +300,24 @@ class Sweep:
         )
         return self._contact(load, p_mean, g, p, "converged", certificate)
 
+    def _separated(self, load: Load, iterations: int, pairs: float) -> Attempt:
+        """Return what is left where the load pulls more than the attraction: undeformed bodies."""
+        self.starter.forget()
+        g = undeformed_gap(self.working.problem(load.p0))
+        certificate = Certificate(errors=(0.0, 0.0, 0.0), gap_mean=np.nan)
+        contact = self._contact(
+            load, load.p0, g, np.zeros_like(g), "separated", certificate, iterations, pairs
+        )
+        return Attempt(contact, pairs)
+
     def _full_contact(self, load: Load, pairs: float) -> Attempt:
         """Return the contact where u = -h is the solution, none where it is not.
 
         The load that closes the gap is known then, also where points yield.
         """
         working = self.working
-        if load.search is not None or not working.full_contact_is_known:
+        attracts = working.model.attraction is not None
+        if load.search is not None or attracts or not working.full_contact_is_known:
             return Attempt(None, pairs)
         if not load.closes and load.p0 < working.model.body.full_p_star:
             return Attempt(None, pairs)
