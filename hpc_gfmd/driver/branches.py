@@ -115,39 +115,51 @@ class SaddleGuard:
     def _length_of_kick(self, mode: np.ndarray) -> float:
         """Return the length along the mode, of which <e, K e> = 1, where the energy is least of some
         lengths; 0 where it falls nowhere. First to the side to which the branch goes. Collective."""
-        solver = self.solver
-        grid, law = solver.grid, solver.problem.law()
+        work, largest = self._work_along(mode)
+        law = self.solver.problem.attraction
         assert law is not None  # nobody looks for saddles otherwise
-        rows, points = grid.inside
-        real = solver.problem.dtype.type
-
-        def products(i0: int, i1: int) -> tuple[float, float, float]:
-            inner = max(min(i1, rows) - i0, 0)
-            e = mode[i0 : i0 + inner, :points].astype(np.float64)
-            t = law.traction(solver.g[i0 : i0 + inner, :points])
-            re = np.vdot(solver.p[i0:i1].astype(np.float64), mode[i0:i1])
-            return float(re - np.vdot(t, e)), float(np.abs(e).max(initial=0.0)), 0.0
-
-        parts = [(0.0, 0.0, 0.0), *grid.by_rows(products)]
-        (work,) = grid.comm.sum([sum(part[0] for part in parts)])
-        (largest,) = grid.comm.max([max(part[1] for part in parts)])
         unit = float(law.range) / largest
-        sign = 1.0 if self.branch == RETRACTION else -1.0
-        for side in (sign, -sign):
-            lengths = [side * unit * share for share in KICK_LENGTHS]
-            changes = []
-            for length in lengths:
-                step = real(length)
-                gained = sum(
-                    grid.by_rows(
-                        lambda i0, i1, step=step: gain_along(
-                            law, solver.g, mode, step, i0, i1, grid.inside
-                        )
-                    )
-                )
-                (gained,) = grid.comm.sum([gained])
-                changes.append(length * work + 0.5 * length**2 + gained)
+        side = 1.0 if self.branch == RETRACTION else -1.0
+        for sign in (side, -side):
+            lengths = [sign * unit * share for share in KICK_LENGTHS]
+            changes = [
+                length * work + 0.5 * length**2 + self._gain_along(mode, length)
+                for length in lengths
+            ]
             least = int(np.argmin(changes))
             if changes[least] < 0:
                 return lengths[least]
         return 0.0
+
+    def _work_along(self, mode: np.ndarray) -> tuple[float, float]:
+        """Return <w, e>, w being the pressure of the body, and the largest |e| on the surface.
+        Collective."""
+        solver = self.solver
+        grid, law = solver.grid, solver.problem.attraction
+        assert law is not None
+        rows, points = grid.inside
+        work, largest = [0.0], [0.0]
+
+        def add(i0: int, i1: int) -> None:
+            here = slice(i0, max(min(i1, rows), i0)), slice(0, points)
+            e = mode[here].astype(np.float64)
+            t = law.traction(solver.g[here].astype(np.float64))
+            of_wall = np.vdot(solver.p[i0:i1].astype(np.float64), mode[i0:i1])
+            work.append(float(of_wall - np.vdot(t, e)))
+            largest.append(float(np.abs(e).max(initial=0.0)))
+
+        grid.by_rows(add)
+        (total,) = grid.comm.sum([sum(work)])
+        (most,) = grid.comm.max([max(largest)])
+        return float(total), float(most)
+
+    def _gain_along(self, mode: np.ndarray, length: float) -> float:
+        """Return what a step along a mode adds to the energy of attraction. Collective."""
+        solver, law = self.solver, self.solver.problem.law()
+        step, inside = solver.problem.dtype.type(length), solver.grid.inside
+
+        def gain(i0: int, i1: int) -> float:
+            return float(gain_along(law, solver.g, mode, step, i0, i1, inside))
+
+        (total,) = solver.grid.comm.sum([sum(solver.grid.by_rows(gain))])
+        return float(total)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ..bodies.halfspace import HALF_SPACE
+from .branches import APPROACH, RETRACTION
 
 if TYPE_CHECKING:
     from ..bodies.base import Body
@@ -37,5 +38,10 @@ class ContactModel:
     body: Body = HALF_SPACE
     hardness: float | None = None
     attraction: Law | None = None
-    branch: str = "approach"
+    branch: str = APPROACH
     lam_s: float | None = None
+
+    @property
+    def retracts(self) -> bool:
+        """Whether each load starts from the larger one before."""
+        return self.attraction is not None and self.branch == RETRACTION

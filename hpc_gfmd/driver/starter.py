@@ -10,7 +10,7 @@ import numpy as np
 
 from ..certificate.criterion import StoppingCriterion
 from ..solvers import solver_class
-from .branches import RETRACTION, goes_on
+from .branches import goes_on
 from .drive import certificate_of
 from .nested import cold_gap, roughly_solved, undeformed_gap
 
@@ -89,6 +89,12 @@ class Starter:
         """Give the solver's memory back: the next load starts afresh."""
         self.solver = None
 
+    @property
+    def gap(self) -> np.ndarray:
+        """The gap of the load before, local slab of the grid."""
+        assert self.solver is not None  # there is one
+        return self.solver.g
+
     def start(self, working: WorkingSurface, load: Load, gap: np.ndarray | None = None) -> Start:
         """Start the solver at a load.
 
@@ -131,10 +137,9 @@ class Starter:
             return False
         before = self.solver.p0
         if working.model.attraction is not None:
-            branch = working.model.branch
-            if not goes_on(branch, load.p0, before):
+            if not goes_on(working.model.branch, load.p0, before):
                 return False
-            if branch == RETRACTION:  # however far: the state before is part of what is asked
+            if working.model.retracts:  # however far: the state before is part of what is asked
                 return True
         return 1 / WARM_DOWN < load.p0 / before < WARM_UP
 

@@ -158,7 +158,7 @@ class Sweep:
         """
         if self.working.is_flat:
             return self._flat_contact(asked)
-        if self._failed:
+        if self._failed and not self.working.model.retracts:
             self.starter.forget()
         load = self.searches.begin(asked, self.working)
         pairs = self._solve_before(load)
@@ -168,14 +168,19 @@ class Sweep:
                 load.search.begin_at(unfinished.p_mean / self.working.pressure_unit)
         contact = None
         *others, final = self._precisions(load, unfinished)
+        gap = None if unfinished is None else unfinished.gap
+        gap_before = self._gap_before(load) if gap is None and final != self.dtype else None
         for dtype in (*others, final):
-            self._work_in(dtype)
-            contact, pairs = self._attempt(load, watch, unfinished, pairs, dtype != final)
+            if dtype != self.dtype:
+                self._work_in(dtype)
+                gap = gap_before if unfinished is None else gap
+            contact, pairs = self._attempt(load, watch, unfinished, gap, pairs, dtype != final)
             if contact is not None:
                 break
         assert contact is not None  # the final precision always gives one
         self._failed = contact.status not in ("converged", "interrupted", "separated")
-        if contact.status == "converged":
+        searched = self.working.model.attraction is None  # no other load is
+        if contact.status == "converged" and searched:
             self.searches.remember(contact, self.working)
         return contact
 
@@ -189,6 +194,13 @@ class Sweep:
         if was_in_double or self._is_too_little(load):
             return [DOUBLE]
         return [self.dtype, DOUBLE]
+
+    def _gap_before(self, load: Load) -> np.ndarray | None:
+        """Return a copy of the gap of the load before, from which a load on the retraction branch
+        starts in whatever precision; None where it starts by itself."""
+        if self.working.model.retracts and self.starter.follows(self.working, load):
+            return self.starter.gap.copy()
+        return None
 
     def _is_too_little(self, load: Load) -> bool:
         """Return whether single precision is known to be too little for a load."""
@@ -214,22 +226,24 @@ class Sweep:
         load: Load,
         watch: Watch | None,
         unfinished: Unfinished | None,
+        gap: np.ndarray | None,
         pairs: float,
         may_need_double: bool,
     ) -> Attempt:
         """Solve a load in the present precision.
 
-        pairs: FFT pairs that the load has taken before; may_need_double: whether single precision
+        gap: where to start, None: as the starter finds it; pairs: FFT pairs that the load has
+        taken before; may_need_double: whether single precision
         may turn out to be too little.
         """
         model = self.working.model
         attracts = model.attraction is not None
-        if attracts and load.p0 < 0 and not self.starter.follows(self.working, load):
+        begins = gap is None and not self.starter.follows(self.working, load)
+        if attracts and load.p0 < 0 and begins:
             return self._separated(load, 0, pairs)
         closed = self._full_contact(load, pairs)
         if closed.contact is not None:
             return closed
-        gap = None if unfinished is None else unfinished.gap
         start = self.starter.start(self.working, load, gap)
         solver = start.solver
         if unfinished is not None:

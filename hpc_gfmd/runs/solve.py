@@ -17,6 +17,7 @@ from ..driver.warmup import compile_once
 from ..kernels.cache import on_first_compile
 from ..output.fields import FIELDS, Slab
 from ..output.read import Result
+from ..output.summary import converged
 from ..parallel.comm import Comm
 from ..parallel.grid import Grid
 from ..parallel.guard import collective_errors, raise_on_all
@@ -277,7 +278,7 @@ def _warn(comm: Comm, steps: Sequence[dict]) -> None:
         if note.endswith(DIFFERENT_UNITS):
             warnings.warn(note, stacklevel=3)
     for index, step in enumerate(steps):
-        if step["status"] != "converged" and comm.rank == 0:
+        if not converged(step) and comm.rank == 0:
             which = f"load {index + 1}: " if len(steps) > 1 else ""
             errors = ", ".join(
                 f"{step[name]:.1e}" for name in ("a_r_error", "gap_error", "pressure_error")
