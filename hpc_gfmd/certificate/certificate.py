@@ -209,6 +209,7 @@ def _errors(
     found = estimate(
         problem,
         levels,
+        g,
         State(
             wall_load,
             sums.open_p,
@@ -225,7 +226,7 @@ def _errors(
     if not np.isfinite(found.squares):
         return (np.inf, np.inf, np.inf), (0.0, 0.0)
     spread = spread_of(sums.open_pp, sums.open_p4, contact, grid.N)
-    wrong = misclassified_points(problem, g, p, found.squares, spread)
+    wrong = misclassified_points(problem, g, p, found, spread, contact)
     # the one point that may be open is a gap that is not known
     gap = found.gap if wrong == 0 or contact < grid.N else np.inf
     return (relative_error(wrong, contact), gap, found.pressure), found.attainable

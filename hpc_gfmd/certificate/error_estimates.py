@@ -43,6 +43,7 @@ from ..kernels.certify import BINS, PER_OCTAVE, count_uncertain, open_moments
 from ..operators.multilevel import EQUIVALENCE
 from ..operators.problem import ROUNDING, self_energy
 from ..parallel.threads import added
+from .plastic_limits import further_movement
 
 if TYPE_CHECKING:
     from ..operators.multilevel import Multilevel
@@ -117,17 +118,20 @@ class State(NamedTuple):
 class Estimate(NamedTuple):
     """Relative errors of the mean gap and of the pressure field; attainable: of both, where most of
     it is what no iteration makes smaller, that part, else 0; squares: of the pressure's error,
-    summed over points; shift: of the sum of gaps, by the load that is missing or misplaced."""
+    summed over points; shift: of the sum of gaps, by the load that is missing or misplaced; fall:
+    height by which the body may move further than the contact's stiffness says, because all that is
+    elastic yields or opens."""
 
     gap: float = np.inf
     pressure: float = np.inf
     attainable: tuple[float, float] = (0.0, 0.0)
     squares: float = np.inf
     shift: float = np.nan
+    fall: float = 0.0
 
 
 def estimate(
-    problem: Problem, levels: Multilevel, state: State, stability: float = 1.0
+    problem: Problem, levels: Multilevel, g: np.ndarray, state: State, stability: float = 1.0
 ) -> Estimate:
     """Return the Estimate of a state, for solver and certificate alike.
 
@@ -140,6 +144,8 @@ def estimate(
     """
     p0, N, body = state.p0, problem.grid.N, problem.body
     contact, gap, closed_pp = state.contact - state.yielded, state.gap, state.closed_pp
+    if contact == 0 and state.yielded > 0:
+        contact = 1.0  # the point that is to balance the load
     if not (contact > 0 and closed_pp > 0 and isfinite(state.open_pp + gap + state.uKu)):
         return Estimate()
     if not (stability > 0 and p0 > 0):
@@ -167,7 +173,8 @@ def estimate(
     second = CALIBRATION.unknown * response * e + CALIBRATION.shift * abs(shift)
     if state.yielded:
         first += (second - first) * (1 - p0 / (problem.hardness or inf))
-    wrong = min(first, second)
+    further = further_movement(problem, N * p0, g, gap, state.contact, e, response)
+    wrong = min(first, second) + further
     wide = sqrt(N - contact)
     last = CALIBRATION.corner * sqrt(N) * wide * max(1, wide / 2)  # m points: sqrt(m)/2
     loaded = CALIBRATION.loaded * (response**2 + compliance * N)
@@ -176,7 +183,12 @@ def estimate(
     least /= stability
     attainable = relative_error(least, gap) if wrong < least else 0.0, floor
     return Estimate(
-        relative_error(wrong + least, gap), pressure, attainable, squares, opened * shift
+        relative_error(wrong + least, gap),
+        pressure,
+        attainable,
+        squares,
+        opened * shift,
+        further / (N - state.contact),
     )
 
 
@@ -187,16 +199,34 @@ def relative_error(wrong: float, value: float) -> float:
 
 
 def misclassified_points(
-    problem: Problem, g: np.ndarray, p: np.ndarray, squares: float, spread: float
+    problem: Problem, g: np.ndarray, p: np.ndarray, errors: Estimate, spread: float, contact: float
 ) -> float:
-    """Count how many points may be in the wrong set, in contact or out of it; squares: of the error
-    of the pressure, summed over points; spread: number of points that it is spread over.
-    Collective.
+    """Count how many points may be in the wrong set, in contact or out of it. Collective.
 
-    Those whose change takes little beside the rms of that error, no more than it takes to use
-    `squares` up, the easiest first. Points in contact and out of it are counted apart: they change
-    the area in opposite ways.
+    Those whose change takes little beside the rms error of the pressure, no more than it takes to
+    use the squares of that error up, the easiest first. Points in contact and out of it are counted
+    apart: they change the area in opposite ways. With a hardness no fewer points touch than carry
+    the load.
+
+    Parameters
+    ----------
+    problem : Problem
+        At the load of the state.
+    g, p : array, local slabs
+        Gap and pressure of the state.
+    errors : Estimate
+        Of the state.
+    spread : float
+        Number of points that the error of the pressure is spread over.
+    contact : float
+        Number of points in contact.
+
+    Returns
+    -------
+    float
+        Number of points, whole.
     """
+    squares = errors.squares
     mean_square, tie = squares / spread, CALIBRATION.rounding * problem.rounding
     double = problem.dtype == np.float64
     sure = 0.0 if double else tie
@@ -204,7 +234,7 @@ def misclassified_points(
     if largest <= 0:
         return 0.0
     grid = problem.grid
-    limits = 1.0 / problem.body.scale(grid), tie if double else 0.0, sure, largest
+    limits = 1.0 / problem.body.scale(grid), tie if double else 0.0, sure, largest, errors.fall
 
     def count(i0: int, i1: int) -> np.ndarray:
         counts, inside = np.zeros((2, BINS)), (i1 - i0, grid.inside[1])
@@ -215,12 +245,17 @@ def misclassified_points(
     takes = largest * 2.0 ** (-(np.arange(BINS) + 1) / PER_OCTAVE)
     takes[-1] = 0.0
     wrong, reach = 0.0, CALIBRATION.reach
-    for points in np.reshape(grid.comm.sum(counts.ravel()), (2, BINS)):
+    leaving = inf
+    if problem.hardness is not None:
+        leaving = np.floor(contact - grid.N * problem.p0 / problem.hardness)
+    counts = np.reshape(grid.comm.sum(counts.ravel()), (2, BINS))
+    for points, most_points in zip(counts, (leaving, inf), strict=True):
         near, far = (points[takes < mean_square * x**2].sum() for x in (reach / 2, reach))
         most = max(near, far - near)
         likely = max(most + np.sqrt(most), min(points.sum(), CALIBRATION.few))
         spent, easiest = np.cumsum((points * takes)[::-1]), np.cumsum(points[::-1])
-        wrong = max(wrong, min(likely, np.floor(np.interp(squares, spent, easiest))))
+        affordable = np.floor(np.interp(squares, spent, easiest))
+        wrong = max(wrong, min(likely, affordable, most_points))
     return float(wrong)
 
 

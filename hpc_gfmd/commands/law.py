@@ -153,4 +153,17 @@ def as_text(law: InterfaceLaw) -> str:
         rows.append([f"{pressure:.4g}", *numbers])
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     lines = ["  ".join(map(str.rjust, row, widths)).rstrip() for row in rows]
-    return "\n".join([*law.about, *lines])
+    return "\n".join([*law.about, *lines, *_tightness(law)])
+
+
+def _tightness(law: InterfaceLaw) -> list[str]:
+    """Return a line for each axis along which a seal closes within the law."""
+    unit = law.units["pressure"]
+    lines = []
+    for axis in "xy":
+        closed = law.values.get(f"critical_gap_{axis}")
+        if closed is not None and (closed == 0).any() and closed[0] > 0:
+            lines.append(
+                f"tight along {axis} from {law.sealing_pressure(axis):.4g} {unit}".rstrip()
+            )
+    return lines

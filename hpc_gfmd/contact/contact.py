@@ -21,13 +21,14 @@ from ..scene.model import TOUCHING
 from ..surface import Surface
 from ..surface.number_range import field_dtype
 from ..surface.quality import load_notes
+<<<<<<< HEAD
 from .attraction_notes import attraction_notes
+=======
+from ..util.quantities import prefixed
+>>>>>>> main
 
-PLASTIC, MANY = 0.2, 0.1  # pressure over E*, and share of the contact, at which solids yield
-YIELDS = (
-    "the pressure exceeds E*/5 on more than a tenth of the contact: material.hardness limits it"
-)
-UNIT_SLOPE = 1e-6
+METALLIC = 1e9  # Pa: of an effective modulus from which the note on yield speaks
+YIELDS_AT = 50  # metals yield where the contact pressure is E* over about this
 ROUNDING = 16  # times the rounding error of the heights: a mean gap below that is nothing else
 
 
@@ -152,6 +153,7 @@ class Contact:
     def note(self) -> str | None:
         """What a reader should know before the numbers, one line; None if there is nothing."""
         of_load = load_notes(self.p_mean, self.E_star, self.g_rms, self.surface.unit)
+<<<<<<< HEAD
         said = [
             self._doubt,
             *attraction_notes(self),
@@ -160,24 +162,29 @@ class Contact:
             *self.surface.notes,
             self._overloaded,
         ]
+=======
+        said = [self._doubt, self.remark, *of_load, *self.surface.notes, self._yields]
+>>>>>>> main
         return "; ".join(filter(None, said)) or None
 
-    @cached_property
-    def _overloaded(self) -> str | None:
-        """That real solids would yield, but where slopes are in units of themselves. Collective."""
-        high, area = PLASTIC * self.E_star, self.contact_points / self.N
-        # what is above `high` carries no more than the load
-        if self.hardness is not None or abs(self.g_rms - 1) < UNIT_SLOPE or self.g_rms == 0:
+    @property
+    def _yields(self) -> str | None:
+        """Why metals would yield in this contact, whose modulus is elastic at any pressure."""
+        if self.hardness is not None or self.E_star < METALLIC or self.contact_points == 0:
             return None
+<<<<<<< HEAD
         if self.wall_pressure < MANY * area * high:
+=======
+        pressure = self.p_mean * self.N / self.contact_points
+        if pressure * YIELDS_AT < self.E_star:
+>>>>>>> main
             return None
-        limit, grid = high / self.pressure_unit, self.grid
-
-        def above(i0: int, i1: int) -> int:
-            return int(np.count_nonzero(self.pressure_rows(i0, i1) > limit))
-
-        found = grid.comm.sum([sum(grid.by_rows(above, grid.inside[0]))])[0]
-        return YIELDS if found > MANY * self.contact_points else None
+        scale, unit = prefixed([pressure], "Pa")
+        share = self.E_star / pressure
+        return (
+            f"mean contact pressure {pressure / scale:.2g} {unit} = E*/{share:.2g}: metals yield"
+            f" from about E*/{YIELDS_AT}; material.hardness"
+        )
 
     @property
     def _doubt(self) -> str | None:

@@ -55,7 +55,9 @@ def loads_of(
     pressures = asked.p0(E_star, surface.g_rms, float(np.prod(surface.sizes)))
     require_range(E_star, surface, [abs(p_mean) for p_mean in pressures if p_mean != 0])
     if working.model.attraction is not None and working.is_flat:
-        raise SceneError("material.adhesion: found a flat surface (g_rms = 0), allowed: a rough one")
+        raise SceneError(
+            "material.adhesion: found a flat surface (g_rms = 0), allowed: a rough one"
+        )
     if working.model.attraction is not None and not solver.attracts:
         raise SceneError(
             f'solver.name: found "{solver.name}" with material.adhesion, allowed: "bpx"'

@@ -83,4 +83,4 @@ def area_may_be_met(solver: Solver, progress: Progress, accuracy: float) -> bool
     """Return whether the certificate may find the contact area as accurate as this: a look at all
     points. Collective."""
     estimate = progress.estimate
-    return estimate is None or solver.expected_area(estimate.squares) < accuracy
+    return estimate is None or solver.expected_area(estimate) < accuracy

@@ -7,6 +7,7 @@ import numpy as np
 
 from ..bodies import body_of
 from ..bodies.halfspace import HALF_SPACE
+from ..certificate.error_estimates import Estimate
 from ..contact.contact import Contact
 from ..kernels.cache import on_first_compile
 from ..operators.multilevel import Multilevel
@@ -70,7 +71,7 @@ def _tiny_contact(scene: Scene, observe: Callable[[Contact], object]) -> None:
         # a contact that is less accurate than asked may not have called it
         solver = sweep.starter.solver
         if solver is not None:
-            solver.expected_area(1.0)
+            solver.expected_area(Estimate(squares=1.0))
         observe(contact)
         grid, dtype = sweep.surface.grid, sweep.dtype
         # for the levels that only larger grids distribute

@@ -107,17 +107,19 @@ def open_moments(g, p, hardness, inside):
 
 
 @kernel
-def count_uncertain(g, p, inside, compliance, tie, sure, largest, counts):
+def count_uncertain(g, p, inside, compliance, tie, sure, largest, fall, counts):
     """Count the points that errors of the pressure might move into contact or out of it, by the
     square of what that takes.
 
     It takes |p| where g <= 0, elsewhere g/compliance less the pressure that is left there, which
-    closes the point by itself. counts (2, BINS), points in contact and out of it: bin k holds
+    closes the point by itself. Where the body as a whole may be wrong by the height `fall` that
+    takes as much less. counts (2, BINS), points in contact and out of it: bin k holds
     squares from largest 2^(-(k + 1)/PER_OCTAVE) on, the last one all smaller ones. Less than tie:
     on either side right, not counted; less than sure: takes nothing.
     """
     real = g.dtype.type
-    reach, stiffness, zero = real(ROUNDED * np.sqrt(largest)), real(1 / compliance), real(0)
+    given = fall / compliance
+    reach, stiffness, zero = real(ROUNDED * np.sqrt(largest) + given), real(1 / compliance), real(0)
     rows, n = inside
     for i in range(rows):
         for j0 in range(0, n, GROUP):
@@ -136,12 +138,46 @@ def count_uncertain(g, p, inside, compliance, tie, sure, largest, counts):
                 if t < tie:
                     continue
                 if here[j] > 0:
-                    t = max(t - max(pressure[j], zero), 0.0)
+                    t = t - max(pressure[j], zero)
+                t = max(t - given, 0.0)
                 if t * t <= largest:
                     k = BINS - 1
                     if t > sure:
                         k = min(int(-PER_OCTAVE * np.log2(t * t / largest)), k)
                     counts[0 if here[j] <= 0 and pressure[j] > 0 else 1, k] += 1
+
+
+@kernel
+def count_heights(g, inside, largest, counts):
+    """Count open points by their gap, and dents by their depth.
+
+    Parameters
+    ----------
+    g : array, rows of a local slab
+        Gap.
+    inside : tuple of int
+        Rows and points of each row that belong to the surface.
+    largest : float
+        Upper end of the first bin.
+    counts : array (2, BINS + 1)
+        Open points and dents; bin k gets heights from largest 2^(-k/PER_OCTAVE) down to the next
+        one, bin BINS - 1 all smaller ones. The last column gets the points with g <= 0, and with
+        g < 0.
+    """
+    for i in range(inside[0]):
+        for j in range(inside[1]):
+            height = 1.0 * g[i, j]
+            side = 0
+            if height <= 0:
+                counts[0, BINS] += 1
+                if height == 0:
+                    continue
+                counts[1, BINS] += 1
+                side = 1
+                height = -height
+            if height <= largest:
+                k = min(int(-PER_OCTAVE * np.log2(height / largest)), BINS - 1)
+                counts[side, k] += 1
 
 
 @kernel

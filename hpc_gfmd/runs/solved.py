@@ -135,6 +135,46 @@ class Solved:
         some = self.result.only(fields=fields)
         return export(some, kinds[Path(path).suffix], path, all_numbers())
 
+    def leak_rate(
+        self,
+        viscosity: float,
+        pressure_drop: float,
+        width: float = 1.0,
+        length: float = 1.0,
+        axis: str = "x",
+    ) -> Any:
+        """Estimate what leaks through a seal from the critical gap, see `theory.leak.leak_rate`.
+
+        Parameters
+        ----------
+        viscosity : float
+            Of the fluid, in Pa s.
+        pressure_drop : float
+            Of the fluid over the seal, in Pa.
+        width, length : float
+            Extent of the seal across and along the flow; their ratio counts.
+        axis : {"x", "y"}
+            Direction of the flow.
+
+        Returns
+        -------
+        float, or ndarray of several loads
+            Volume per time, in m^3/s where the unit of the heights is m; 0 where the seal is tight.
+
+        Raises
+        ------
+        SceneError
+            For numbers out of range, and where the gap is not kept and `critical_gap` was not asked
+            for.
+        """
+        from ..theory.leak import leak_rate
+
+        if axis not in ("x", "y"):
+            raise SceneError(f'axis: found {axis!r}, allowed: "x" or "y"')
+        critical_gap = self._get(f"critical_gap_{axis}")
+        rate = leak_rate(critical_gap, viscosity, pressure_drop, width, length)
+        return float(rate) if rate.ndim == 0 else rate
+
     def to_dataframe(self) -> "DataFrame":
         """Make a pandas table: a row for each load, a column for each number; units by column in
         its `attrs`."""

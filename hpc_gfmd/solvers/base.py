@@ -228,7 +228,7 @@ class Solver:
             uKu,
             products,
         )
-        return estimate(self.problem, self.levels, state)
+        return estimate(self.problem, self.levels, self.g, state)
 
     def _work_of_pressure(self, i0: int, i1: int) -> float:
         """Return <u, p - p_cell> = <u, K u> on rows i0..i1; heights have to be stored."""
@@ -238,7 +238,7 @@ class Solver:
         u[:inner, :points] -= self.problem.heights[i0 : i0 + inner]
         return float(np.vdot(u, self.p[i0:i1].astype(np.float64) - self.p_cell))
 
-    def expected_area(self, squares: float) -> float:
-        """Return the relative error of the area that the certificate is expected to find if the
-        squares of the pressure's error add up to `squares`."""
+    def expected_area(self, estimate: Estimate) -> float:
+        """Return the relative error of the area that the certificate is expected to find beside an
+        Estimate."""
         return 0.0

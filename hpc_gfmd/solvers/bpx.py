@@ -28,8 +28,10 @@ from ..certificate.error_estimates import (
 from ..kernels.adhesive_rows import add_attraction, shift_gap
 from ..kernels.bfloat16 import stored_dtype
 from ..kernels.bpx import UpdateSums, search_passes
+from ..kernels.selection import depths_below
 from ..operators.multilevel import Multilevel
 from ..operators.problem import Problem
+from ..operators.selection import nth_smallest
 from ..parallel.threads import added, on_threads, shares
 from .base import Progress, Solver
 
@@ -114,6 +116,7 @@ class Bpx(Solver):
         self.s = 1.0
         self.rayleigh = FIRST
         self._measure(sums, anew=True)
+        self._balance()
         if self.levels.gap_mode.wanted((self.contact - self.yielded) / self.grid.cell_points):
             self.elastic.pairs += self.levels.gap_mode.pairs
 
@@ -173,7 +176,42 @@ class Bpx(Solver):
         self.uKu += 2 * self.s * Kud + self.s**2 * dKd
         if self.problem.hardness is not None:  # pd has the work of dents
             self.uKu -= 2 * self.s * self.problem.hardness * deeper
+        self._balance()
         self.iterations += 1
+
+    def _balance(self) -> None:
+        """Move the body up or down to where its contact can carry the load.
+
+        With a hardness the contact carries between H times the points with a dent and H times all
+        points that touch. Where the load is beyond that, a rigid translation lowers the energy at
+        no elastic cost. Its minimum is where the n-th smallest gap becomes 0, n being the load over
+        H, rounded up. The body is moved there where that gains more energy than the next step is
+        expected to. The pressure does not change; the last step is forgotten.
+        """
+        hardness = self.problem.hardness
+        if hardness is None or self.law is not None:
+            return
+        load = self.N * self.p0
+        if hardness * self.yielded <= load <= hardness * self.contact:
+            return
+        carrying = min(max(int(np.ceil(load / hardness)), 1), self.N)
+        shift = nth_smallest(self.grid, self.g, carrying)
+        rows, points = self.grid.inside
+
+        def depths(i0: int, i1: int) -> tuple[float, float]:
+            return depths_below(self.g[i0:i1], (i1 - i0, points), shift)
+
+        before, after = self.grid.comm.sum(added(self.grid.by_rows(depths, rows), 2)).tolist()
+        gain = load * float(shift) - hardness * (after - before)
+        a, b = self._coefficients()
+        if not gain > 0.5 * (a * self.rz + b * self.rd):
+            return
+
+        def lower(i0: int, i1: int) -> None:
+            self.g[i0:i1] -= shift
+
+        self.grid.by_rows(lower)
+        self._measure(self.levels.restrict(self.g, self.p, self.problem.limit))
 
     def _coefficients(self) -> tuple[float, float]:
         """Return a and b of the step -(a z + b d): the minimum of the energy in the plane of z and
@@ -290,8 +328,12 @@ class Bpx(Solver):
             self.uKu,
             self.level_sums,
         )
+<<<<<<< HEAD
         stability = 1.0 if self.stability is None else self.stability.lowest
         return estimate(self.problem, self.levels, state, stability)
+=======
+        return estimate(self.problem, self.levels, self.g, state, self.stability)
+>>>>>>> main
 
     def _predicted(self, found: Estimate) -> tuple[float, float] | None:
         """Predict the converged area and gap: the area goes with the load that the contact
@@ -305,8 +347,10 @@ class Bpx(Solver):
         gap = self.gap_mean + SHIFT * found.shift / self.N
         return min(n * carried / load, self.N), gap
 
-    def expected_area(self, squares: float) -> float:
+    def expected_area(self, estimate: Estimate) -> float:
         open_pp, open_p4 = self.grid.comm.sum(moments_of_open(self.problem, self.g, self.p))
         spread = spread_of(open_pp, open_p4, self.contact, self.N)
-        wrong = misclassified_points(self.problem, self.g, self.p, squares, spread)
+        wrong = misclassified_points(
+            self.problem_now, self.g, self.p, estimate, spread, self.contact
+        )
         return relative_error(max(wrong, self.changing), self.contact)

@@ -51,7 +51,7 @@ def judged(solver, **how):
 def test_a_wrong_estimate_is_vetoed(surface, monkeypatch, wrong):
     """A solver that believes from the first iteration on that it is there goes on until it is."""
     monkeypatch.setattr(Bpx, "_estimate", lambda self: Estimate(wrong, wrong, squares=wrong))
-    monkeypatch.setattr(Bpx, "expected_area", lambda self, squares: wrong)
+    monkeypatch.setattr(Bpx, "expected_area", lambda self, estimate: wrong)
     status, found, _ = drive(started(surface, 0.05), StoppingCriterion(accuracy=1e-4))
     _, exact, _ = drive(started(surface, 0.05), StoppingCriterion(residual=1e-12))
     assert status == "converged"

@@ -8,7 +8,7 @@ import pytest
 from contacts import EXACT, random_heights, rough, sweep_of, sweep_over
 from mpi.same import assert_same, compare, every_size, sweeps
 
-from hpc_gfmd.certificate.error_estimates import misclassified_points
+from hpc_gfmd.certificate.error_estimates import Estimate, misclassified_points
 from hpc_gfmd.driver.load import Load
 from hpc_gfmd.operators.problem import Problem
 from hpc_gfmd.parallel.comm import SerialComm
@@ -176,7 +176,12 @@ def test_uncertain_points_of_slabs(comm, side):
         mine = slice(*grid.rows)
         found.append(
             misclassified_points(
-                Problem(grid, g[mine], 0.1), g[mine], p[mine], float(side**2), float(side**2)
+                Problem(grid, g[mine], 0.1),
+                g[mine],
+                p[mine],
+                Estimate(squares=float(side**2)),
+                float(side**2),
+                float(np.sum(g <= 0)),
             )
         )
     assert found[0] == found[1] > 0

@@ -48,7 +48,7 @@ CASES = {
         for name in solver_names()
     },
 }
-WITHOUT_GRIDS = ("low memory", "ccg")  # none is left, none was made
+WITHOUT_GRIDS = ("low memory",)  # none is left
 
 
 @pytest.fixture

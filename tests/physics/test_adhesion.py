@@ -227,7 +227,7 @@ def test_weak_attraction_is_none():
     """Numbers go over into those without; `stickiness` says when."""
     wall = adhesive.wall()
     plain = hpc_gfmd.solve(wall, adhesive.LOAD)
-    for kappa, least, most in ((1e-4, 0.0, 0.01), (3.0, 0.1, 10.0)):
+    for kappa, least, most in ((1e-4, 0.0, 1e-3), (3.0, 0.03, 1.0)):
         adhesion = adhesive.attraction(kappa, 0.02)
         found = hpc_gfmd.solve(wall, adhesive.LOAD, adhesion=adhesion, observables=["stickiness"])
         assert least < found.observable("stickiness") < most
@@ -235,4 +235,4 @@ def test_weak_attraction_is_none():
             assert found.a_r == pytest.approx(plain.a_r, rel=2e-3)
             assert found.value("stability") > 0.99
         else:
-            assert found.a_r > 1.05 * plain.a_r
+            assert found.a_r > 1.03 * plain.a_r

@@ -39,7 +39,7 @@ def test_uncertain_points(random):
     takes, contact = np.where(g > 0, g / 0.7, np.abs(p)), (g <= 0) & (p > 0)
     tied, takes = takes < 0.05, np.where(g > 0, np.maximum(takes - np.maximum(p, 0), 0), takes) ** 2
     counts = np.zeros((2, certify.BINS))
-    certify.count_uncertain(g, p, g.shape, 0.7, 0.05, 0.1, 0.5, counts)
+    certify.count_uncertain(g, p, g.shape, 0.7, 0.05, 0.1, 0.5, 0.0, counts)
     edges = 0.5 * 2.0 ** (-np.arange(certify.BINS + 1) / certify.PER_OCTAVE)
     for side, found in zip((contact, ~contact), counts, strict=True):
         t = takes[side & ~tied & (takes <= 0.5)]

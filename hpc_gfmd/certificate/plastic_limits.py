@@ -1,0 +1,126 @@
+"""How much further a body may move where its elastic contact can take little more load.
+
+With a hardness H the contact carries between H times the yielded points and H times all points in
+contact. Where the load is close to either limit, a small error of the pressure stands for a large
+one of the gap: the elastic points yield, and the body comes down onto the next points.
+
+The bound follows from the duality gap at a slightly different energy, E + t <1, g^+>. Its minimum
+is concave in t, with the slope <1, g*^+> at t = 0, the sum of the gaps of the solution. So for
+every t > 0 and every test pressure q with -t <= q <= H and the mean p0
+
+    <1, g^+> - <1, g*^+> <= (<q + t, g^+> + <H - q, g^-> + 1/2 <q - p, S (q - p)>)/t,
+
+and the same with t <= q <= H and q - t bounds the difference from the other side. Take
+q = p^ + t v, where v is -1 on open points and makes up for it on the elastic contact. With
+e = |p^ - p|_S and R = |v|_S the right side is at most e^2/(2 t) + t R^2/2 + e R c, where c is the
+cosine between both.
+Its minimum over t is the linear estimate, of the size e R, at t = e/R. But q <= H allows no more
+than
+
+    t n <= room = H (points in contact) - N p0,
+
+n being the number of open points, and on the other side t n <= carried = N p0 - H (yielded points).
+Beyond that, q may use points that the body meets when it moves by a height x, which costs at most
+x H for each of the m(x) open points with a gap up to x (or dents as deep). So with
+t(x) = (room + H m(x))/n the gaps may be wrong by
+
+    min over x of   x H m(x)/t(x) + max(e - t(x) R, 0)^2/(2 t(x))
+
+more than the linear estimate says. `further_movement` returns this, the larger one of both sides.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..kernels.certify import BINS, PER_OCTAVE, count_heights
+
+if TYPE_CHECKING:
+    from ..operators.problem import Problem
+
+
+def further_movement(
+    problem: Problem,
+    load: float,
+    g: np.ndarray,
+    gap: float,
+    contact: float,
+    e: float,
+    response: float,
+) -> float:
+    """Bound what plastic limits add to the linear estimate of the error of the gap. Collective.
+
+    Parameters
+    ----------
+    problem : Problem
+        With or without a hardness.
+    load : float
+        N p0.
+    g : array, local slab
+        Gap of the state.
+    gap : float
+        Sum of the gaps of all open points.
+    contact : float
+        Number of points in contact, yielded ones included.
+    e : float
+        sqrt(<p^ - p, S (p^ - p)>).
+    response : float
+        sqrt(<v, S v>) of the direction that lowers the pressure of every open point by 1.
+
+    Returns
+    -------
+    float
+        In the problem's unit of height, summed over open points; 0 without a hardness, and where
+        the elastic contact can take or give up enough load.
+    """
+    if problem.hardness is None:
+        return 0.0
+    n_open = problem.grid.N - contact
+    largest = gap / n_open
+    touching, dented, near_open, near_dents = _counts_near_contact(problem, g, largest)
+    heights = largest * 2.0 ** (-np.arange(BINS) / PER_OCTAVE)
+    movements = []
+    for movable, points in (
+        (problem.hardness * touching - load, near_open),
+        (load - problem.hardness * dented, near_dents),
+    ):
+        if movable * response >= e * n_open:
+            continue
+        met = np.append(0.0, problem.hardness * np.cumsum(points[::-1]))
+        x = np.append(0.0, heights[::-1])
+        t = (max(movable, 0.0) + met) / n_open
+        beyond = np.maximum(e - t * response, 0.0)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            bound = np.where(t > 0, x * met / t + beyond**2 / (2 * t), np.inf)
+        movements.append(float(bound.min()))
+    return max(movements, default=0.0)
+
+
+def _counts_near_contact(
+    problem: Problem, g: np.ndarray, largest: float
+) -> tuple[float, float, np.ndarray, np.ndarray]:
+    """Count the points of the surface by the height between them and contact. Collective.
+
+    Returns
+    -------
+    touching : float
+        Points with g <= 0.
+    dented : float
+        Points with g < 0.
+    open_points, dents : array (BINS,)
+        Points with 0 < g <= largest, and with 0 < -g <= largest, by height: bin k reaches from
+        largest 2^(-k/PER_OCTAVE) down to the next one, the last bin to 0.
+    """
+    grid = problem.grid
+    points = grid.inside[1]
+
+    def count(i0: int, i1: int) -> np.ndarray:
+        counts = np.zeros((2, BINS + 1))
+        count_heights(g[i0:i1], (i1 - i0, points), largest, counts)
+        return counts
+
+    local = np.sum([np.zeros((2, BINS + 1)), *grid.by_rows(count, grid.inside[0])], axis=0)
+    counts = np.reshape(grid.comm.sum(local.ravel()), (2, BINS + 1))
+    return counts[0, BINS], counts[1, BINS], counts[0, :BINS], counts[1, :BINS]

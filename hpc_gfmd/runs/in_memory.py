@@ -1,0 +1,302 @@
+"""The steps of `solve`: the scene and the surface that its arguments mean, its loads, and the
+solutions that come of them."""
+
+import json
+import sys
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+from typing import Any
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from ..contact.contact import Contact, heights_of
+from ..driver.warmup import compile_once
+from ..kernels.cache import on_first_compile
+from ..output.fields import FIELDS, Slab
+from ..output.read import Result
+from ..parallel.comm import Comm
+from ..parallel.grid import Grid
+from ..parallel.guard import collective_errors, raise_on_all
+from ..parallel.world import threads_of
+from ..scene import Scene
+from ..surface.arrays import checked_array, is_topography
+from ..surface.build import Surface, surface_of
+from ..surface.heights import checked
+from ..surface.quality import quality_of
+from ..surface.topography import Topography
+from ..util.errors import SceneError
+from ..util.versions import versions
+from .keywords import scene_of_keywords
+from .loads import check, solved, step_attributes, surface_attributes, sweep_of, worst
+from .prepared import PreparedSurface, prepare_surface
+from .progress import Reporter
+from .solution import Solutions
+from .table import GrowingTable
+
+Heights = Any  # an array, a PreparedSurface or a Topography of SurfaceTopography
+
+# The surfaces of prepared heights, which cannot be written to, for as long as these live: a second
+# solve finds them ready.
+_surfaces: WeakKeyDictionary[PreparedSurface, dict[np.dtype, Surface]] = WeakKeyDictionary()
+
+
+# -- the scene and its surface
+
+
+def scene_of(
+    comm: Comm, heights: Heights, keywords: dict[str, Any], more: dict[str, Any]
+) -> tuple[Scene, np.ndarray | PreparedSurface]:
+    """Return the scene that the arguments of `solve` mean, and its heights, checked. Collective.
+
+    Raises SceneError on all ranks.
+    """
+    with collective_errors(comm, "reading the arguments"):
+        wall = prepare_surface(heights) if is_topography(heights) else heights
+        prepared = wall if isinstance(wall, PreparedSurface) else None
+        scene = scene_of_keywords(keywords, more, prepared)
+        check(scene)
+        if prepared is None:
+            wall = _complete(wall)
+    if comm.size > 1:
+        _require_the_same(comm, scene, _array_of(wall).shape)
+    return scene, wall
+
+
+def _array_of(wall: np.ndarray | PreparedSurface) -> np.ndarray:
+    """Return the heights as an array."""
+    return wall.heights if isinstance(wall, PreparedSurface) else wall
+
+
+@dataclass
+class Surfaces:
+    """Makes the surface of a scene in a precision, on all ranks.
+
+    Attributes
+    ----------
+    topography : Topography
+        The heights with their sizes.
+    ready : dict
+        Surfaces by precision that are kept from one solve to the next; None where the heights may
+        change.
+    checksum : str or None
+        Of the heights, once a surface has been made.
+    setup_seconds : float or None
+        From the beginning to the first surface.
+    """
+
+    comm: Comm
+    scene: Scene
+    topography: Topography
+    threads: int
+    ready: dict[np.dtype, Surface] | None
+    is_made: bool
+    begun: float = field(default_factory=time.monotonic)
+    checksum: str | None = None
+    setup_seconds: float | None = None
+
+    def __call__(self, dtype: np.dtype) -> Surface:
+        """Return the surface in a precision. Collective."""
+        if self.ready is not None and dtype in self.ready:
+            surface = self._with_grid_of_this_thread(self.ready[dtype])
+        else:
+            free = self.scene.surface.free
+            surface = surface_of(self.topography, self.comm, dtype, self.threads, free, known=False)
+            if self.ready is not None:
+                self.ready[dtype] = surface
+        self.checksum = surface.checksum
+        if self.setup_seconds is None:
+            self.setup_seconds = time.monotonic() - self.begun
+        is_measured = hasattr(self.scene.surface, "path")
+        return surface if is_measured else replace(surface, checksum=None)
+
+    def _with_grid_of_this_thread(self, surface: Surface) -> Surface:
+        grid = surface.grid
+        kept = Grid.kept(grid.n, grid.sizes, self.comm, self.threads, nominal=grid.nominal)
+        return replace(surface, grid=kept)
+
+
+def surfaces_of(
+    comm: Comm, scene: Scene, wall: np.ndarray | PreparedSurface, note_quality: bool
+) -> Surfaces:
+    """Return what makes the surface of a scene from its heights. Collective.
+
+    note_quality: whether to look for signs that an array is not periodic, as nobody has said.
+    """
+    begun = time.monotonic()
+    array = _array_of(wall)
+
+    def rows_of(start: int, stop: int) -> np.ndarray:
+        return np.asarray(array[start:stop], dtype=np.float64)
+
+    ready = None
+    if isinstance(wall, PreparedSurface):
+        topography = Topography(
+            array.shape, wall.sizes, rows_of, wall.unit, done=wall.prepared, notes=wall.notes
+        )
+        if comm.size == 1 and not array.flags.writeable:
+            ready = _surfaces.setdefault(wall, {})
+    else:
+        sizes = tuple(float(size) for size in scene.surface.physical_sizes or ())
+        topography = Topography(array.shape, sizes, rows_of)
+        notes = _quality_notes(comm, topography) if note_quality else ()
+        topography = replace(topography.on_form(scene.surface.radii), notes=notes)
+    is_made = isinstance(wall, PreparedSurface) and wall.table is not None
+    threads = threads_of(comm, scene.machine.threads, array.size)
+    return Surfaces(comm, scene, topography, threads, ready, is_made, begun)
+
+
+# -- its loads
+
+
+@dataclass
+class SolvedLoads:
+    """The loads of a scene that are finished.
+
+    Attributes
+    ----------
+    steps : list of dict
+        Their attributes, by the names of the result file.
+    contacts : list of Contact or None
+        Their solutions; None where no field is kept.
+    surface : Surface or None
+        In the precision of the last one.
+    interrupted : bool
+        Whether Ctrl-C came before the others.
+    """
+
+    steps: list[dict] = field(default_factory=list)
+    contacts: list[Contact | None] = field(default_factory=list)
+    surface: Surface | None = None
+    interrupted: bool = False
+
+
+def solve_loads(
+    comm: Comm, scene: Scene, surfaces: Surfaces, progress: bool, keep_interrupted: bool
+) -> SolvedLoads:
+    """Solve all loads of a scene. Collective.
+
+    keep_interrupted: whether Ctrl-C after the first load, on one process, ends this early; it is
+    raised otherwise.
+    """
+    say = Reporter(comm, scene.solver, not progress, progress, sys.stderr)
+    loads = SolvedLoads()
+
+    def solve_all() -> None:
+        sweep = sweep_of(scene, surfaces)
+        asked = sweep.loads(scene.load)
+        table = GrowingTable(
+            surface_attributes(scene, sweep.surface), scene.output.observables or ()
+        )
+        for index, contact, seconds in solved(scene, sweep, asked, say):
+            attributes = step_attributes(scene, index, contact, seconds)
+            loads.surface = contact.surface
+            kept = _kept(contact, copy=index + 1 < len(asked)) if scene.output.fields else None
+            loads.contacts.append(kept)
+            loads.steps.append(attributes)  # now the load is finished
+            if progress:  # rows take longer than a small contact's iteration
+                say.say(table.add({index: attributes}))
+
+    try:
+        if comm.size > 1:
+            compile_once(comm, scene, lambda contact: step_attributes(scene, 0, contact, 0.0))
+            solve_all()
+        else:
+            with on_first_compile(say.say):
+                solve_all()
+    except KeyboardInterrupt:
+        # under MPI other ranks may not have been interrupted
+        if comm.size > 1 or not (loads.steps and keep_interrupted):
+            raise
+        loads.interrupted = True
+        del loads.contacts[len(loads.steps) :]
+    _forget_transforms(loads.contacts)
+    return loads
+
+
+def _kept(contact: Contact, copy: bool) -> Contact:
+    """Return a contact whose fields the next load does not overwrite, if there is one (copy)."""
+    return replace(contact, g=contact.g.copy(), p=contact.p.copy()) if copy else contact
+
+
+def _forget_transforms(contacts: Iterable[Contact | None]) -> None:
+    """Give back the memory of the transforms on the grids of contacts that are kept."""
+    for contact in contacts:
+        if contact is not None:
+            grid = contact.surface.grid
+            for transform in grid.planned():
+                grid.forget_fft(transform.dtype)
+
+
+# -- its solutions
+
+
+def collect(
+    comm: Comm, scene: Scene, surfaces: Surfaces, loads: SolvedLoads, start_time: str
+) -> Solutions:
+    """Return the solutions of the loads that are finished."""
+    assert loads.surface is not None  # of the first load
+    identity = scene.identity()
+    if not surfaces.is_made:  # the scene does not say all about the heights
+        identity += f" of {surfaces.checksum}"
+    head = {
+        "heights": surfaces.checksum,
+        "setup_seconds": surfaces.setup_seconds,
+        "scene": scene.to_toml(),
+        "identity": identity,
+        "versions": json.dumps(versions()),
+        "start_time": start_time,
+    }
+    names = scene.output.fields
+    result = Result(
+        path=None,
+        surface=surface_attributes(scene, loads.surface),
+        steps=loads.steps,
+        indices=list(range(len(loads.steps))),
+        status=worst(loads.steps),
+        head=head,
+        fields=[{} if contact is None else _fields(names, contact) for contact in loads.contacts],
+    )
+    if loads.interrupted:
+        note = f"interrupted: {result.missing_loads}"
+        result = replace(result, status="interrupted", notes=(note,))
+    return Solutions(result, loads.surface.rows, comm, loads.contacts)
+
+
+def _fields(names: Iterable[str], contact: Contact) -> dict[str, Slab]:
+    """Return {name: Slab} of a contact, computed as they are read."""
+    surface = contact.surface
+    start, n = surface.rows[0], (surface.n[0], surface.n[1])
+    return {
+        name: Slab(contact.field(name) if name in FIELDS else heights_of(surface), start, n)
+        for name in names
+    }
+
+
+def _quality_notes(comm: Comm, found: Topography) -> tuple[str, ...]:
+    """Find notes on an array of which nobody said that it is periodic. Collective."""
+    rows = found.rows
+    found = replace(found, rows=lambda i, j: checked(rows(i, j), i, "surface"))
+    return tuple(quality_of(found, comm).notes((True, True)))
+
+
+def _require_the_same(comm: Comm, scene: Scene, shape: tuple[int, ...]) -> None:
+    """Raise SceneError on all ranks where they were not called with the same arguments."""
+    own = scene.to_toml(), shape
+    error = SceneError(
+        "hpc_gfmd.solve: found other arguments on some ranks, allowed: the same, with the whole map"
+        " on each"
+    )
+    raise_on_all(comm, None if comm.bcast(own) == own else error)
+
+
+def _complete(heights: Any) -> np.ndarray:
+    """Return the array as it is. Raises SceneError for what is no complete height map."""
+    heights = checked_array(heights)
+    if np.ma.is_masked(heights):
+        raise SceneError(
+            f"heights: found {np.ma.count_masked(heights)} masked points, allowed: a complete map,"
+            ' as of hpc_gfmd.prepare_surface(heights, fill="harmonic")'
+        )
+    return heights

@@ -1,0 +1,50 @@
+"""The leak rate of a seal from the narrowest place of its widest channel."""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .checks import within
+
+
+def leak_rate(
+    critical_gap: ArrayLike,
+    viscosity: float,
+    pressure_drop: float,
+    width: float = 1.0,
+    length: float = 1.0,
+) -> np.ndarray:
+    """Return the volume per time that leaks through a seal, Q = (w/l) g_c^3 dp/(12 eta).
+
+    Parameters
+    ----------
+    critical_gap : float or array_like
+        g_c, the largest gap that an open channel has all along (`critical_gap_x`), in m.
+    viscosity : float
+        eta of the fluid, in Pa s.
+    pressure_drop : float
+        dp of the fluid over the seal, in Pa.
+    width, length : float
+        Extent of the seal across and along the flow; their ratio counts.
+
+    Returns
+    -------
+    float or ndarray
+        In m^3/s; 0 where the seal is tight.
+
+    Raises
+    ------
+    SceneError
+        For numbers out of range.
+
+    Notes
+    -----
+    Nearly all of the pressure drops at the narrowest place of the widest channel, taken as square
+    (Persson, Yang, J. Phys.: Condens. Matter 20 (2008) 315011). An estimate of the order of
+    magnitude: `examples/leak.py` solves Reynolds' equation on the gap.
+    """
+    gap = within("critical_gap", critical_gap, 0, np.inf)
+    eta = within("viscosity", viscosity, 0, np.inf, open_low=True)
+    drop = within("pressure_drop", pressure_drop, 0, np.inf)
+    across = within("width", width, 0, np.inf, open_low=True)
+    along = within("length", length, 0, np.inf, open_low=True)
+    return across / along * gap**3 * drop / (12 * eta)

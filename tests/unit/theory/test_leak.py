@@ -1,0 +1,38 @@
+"""Leak rates: parallel plates, seals that are tight, and the flow of Reynolds' equation."""
+
+import numpy as np
+import pytest
+
+import hpc_gfmd
+from hpc_gfmd.theory.leak import leak_rate
+from hpc_gfmd.util.errors import SceneError
+
+
+def test_square_plates():
+    """A gap of 1 um, water, 1 bar: g^3 dp/(12 eta)."""
+    assert leak_rate(1e-6, 1e-3, 1e5) == pytest.approx(1e-18 * 1e5 / 12e-3)
+    assert leak_rate(1e-6, 1e-3, 1e5, width=0.3, length=0.1) == pytest.approx(2.5e-11)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("viscosity", 0.0), ("pressure_drop", -1.0), ("width", 0.0)]
+)
+def test_what_makes_no_sense_is_refused(name, value):
+    arguments = {"viscosity": 1e-3, "pressure_drop": 1e5} | {name: value}
+    with pytest.raises(SceneError, match=name):
+        leak_rate(1e-6, **arguments)
+
+
+def test_a_seal_leaks_until_it_is_tight():
+    wall = hpc_gfmd.make_surface(
+        "self-affine", hurst=0.8, L_over_lam_l=2, lam_l_over_lam_s=8, lam_s_over_a=4, seed=1
+    )
+    loads = hpc_gfmd.solve(wall, p_star=[0.02, 0.1, 0.6])
+    rates = loads.leak_rate(1e-3, 1e5)
+    assert (np.diff(rates) < 0).all()
+    assert rates[-1] == 0
+    critical = loads[0].value("critical_gap_y")
+    expected = 3 * critical**3 * 1e5 / 12e-3
+    assert loads[0].leak_rate(1e-3, 1e5, width=3.0, axis="y") == pytest.approx(expected)
+    with pytest.raises(SceneError, match="axis"):
+        loads.leak_rate(1e-3, 1e5, axis="z")
