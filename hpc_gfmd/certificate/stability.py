@@ -14,9 +14,9 @@ was found before, if there is one.
 
 A value that is found so is never too small. How much too large it may be follows from the residual
 R = D e - mu K e, as there is an eigenvalue within |R|_S/|e|_K of mu; M stands for S = 1/K on open
-points. Before the search has come to rest there may be a larger one, so twice as much counts then. Where
-single points are soft there may be modes of few points, which the first e hardly has a part of: the
-search goes on for some steps then.
+points. Before the search has come to rest there may be a larger one, so twice as much counts then.
+Where single points are soft there may be modes of few points, which the first e hardly has a part
+of: the search goes on for some steps then.
 """
 
 from __future__ import annotations

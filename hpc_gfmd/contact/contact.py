@@ -21,11 +21,8 @@ from ..scene.model import TOUCHING
 from ..surface import Surface
 from ..surface.number_range import field_dtype
 from ..surface.quality import load_notes
-<<<<<<< HEAD
-from .attraction_notes import attraction_notes
-=======
 from ..util.quantities import prefixed
->>>>>>> main
+from .attraction_notes import attraction_notes
 
 METALLIC = 1e9  # Pa: of an effective modulus from which the note on yield speaks
 YIELDS_AT = 50  # metals yield where the contact pressure is E* over about this
@@ -153,18 +150,14 @@ class Contact:
     def note(self) -> str | None:
         """What a reader should know before the numbers, one line; None if there is nothing."""
         of_load = load_notes(self.p_mean, self.E_star, self.g_rms, self.surface.unit)
-<<<<<<< HEAD
         said = [
             self._doubt,
             *attraction_notes(self),
             self.remark,
             *of_load,
             *self.surface.notes,
-            self._overloaded,
+            self._yields,
         ]
-=======
-        said = [self._doubt, self.remark, *of_load, *self.surface.notes, self._yields]
->>>>>>> main
         return "; ".join(filter(None, said)) or None
 
     @property
@@ -172,12 +165,8 @@ class Contact:
         """Why metals would yield in this contact, whose modulus is elastic at any pressure."""
         if self.hardness is not None or self.E_star < METALLIC or self.contact_points == 0:
             return None
-<<<<<<< HEAD
-        if self.wall_pressure < MANY * area * high:
-=======
-        pressure = self.p_mean * self.N / self.contact_points
+        pressure = self.wall_pressure * self.N / self.contact_points
         if pressure * YIELDS_AT < self.E_star:
->>>>>>> main
             return None
         scale, unit = prefixed([pressure], "Pa")
         share = self.E_star / pressure

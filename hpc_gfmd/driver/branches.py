@@ -113,8 +113,11 @@ class SaddleGuard:
         return True
 
     def _length_of_kick(self, mode: np.ndarray) -> float:
-        """Return the length along the mode, of which <e, K e> = 1, where the energy is least of some
-        lengths; 0 where it falls nowhere. First to the side to which the branch goes. Collective."""
+        """Return the length along the mode, of which <e, K e> = 1, that lowers the energy most.
+
+        The side to which the branch goes comes first; 0 where the energy falls on neither.
+        Collective.
+        """
         work, largest = self._work_along(mode)
         law = self.solver.problem.attraction
         assert law is not None  # nobody looks for saddles otherwise

@@ -56,8 +56,7 @@ def surface_line(surface: dict) -> str:
 
 
 def converged(step: dict) -> bool:
-    """Return whether the step reached what the scene asks for: also where the load has separated the
-    bodies."""
+    """Return whether the step reached what the scene asks for, separated bodies included."""
     return step.get("status") in FINE
 
 

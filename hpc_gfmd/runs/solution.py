@@ -68,8 +68,8 @@ class Solution(Solved):
     gap_mean : float
         Mean gap.
     status : str
-        "converged", "stagnated", "max_iterations", "nonfinite", "interrupted", or "separated", where
-        the load pulls more than the attraction of the surfaces holds.
+        "converged", "stagnated", "max_iterations", "nonfinite", "interrupted", or "separated",
+        where the load pulls more than the attraction of the surfaces holds.
     iterations, fft_pairs : int, float
         On the fine grid; everything counted.
     precision : str

@@ -7,15 +7,7 @@ from typing import Any, overload
 
 import numpy as np
 
-<<<<<<< HEAD
-from ..contact.contact import Contact, heights_of
-from ..driver.warmup import compile_once
-from ..kernels.cache import on_first_compile
-from ..output.fields import FIELDS, Slab
-from ..output.read import Result
 from ..output.summary import converged
-=======
->>>>>>> main
 from ..parallel.comm import Comm
 from ..parallel.world import comm_of
 from ..surface.quality import DIFFERENT_UNITS

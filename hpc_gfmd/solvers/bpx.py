@@ -328,12 +328,8 @@ class Bpx(Solver):
             self.uKu,
             self.level_sums,
         )
-<<<<<<< HEAD
         stability = 1.0 if self.stability is None else self.stability.lowest
-        return estimate(self.problem, self.levels, state, stability)
-=======
-        return estimate(self.problem, self.levels, self.g, state, self.stability)
->>>>>>> main
+        return estimate(self.problem, self.levels, self.g, state, stability)
 
     def _predicted(self, found: Estimate) -> tuple[float, float] | None:
         """Predict the converged area and gap: the area goes with the load that the contact
