@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 from math import ceil
-from typing import TYPE_CHECKING
+from typing import Any
 
 from ..laws.base import steepest
-
-if TYPE_CHECKING:
-    from .contact import Contact
 
 ABOUT_TO_JUMP = 0.1  # a stability
 RESOLVED, FLIPPING = 0.5, 1.0  # softening over stiffness of one point: fine; flips alone
 
 
-def attraction_notes(contact: Contact) -> list[str]:
-    """Return remarks on stability and resolution; none without an attraction."""
+def attraction_notes(contact: Any) -> list[str]:
+    """Return remarks on the stability and the resolution of a Contact; none without attraction."""
     if contact.attraction is None or contact.is_separated:
         return []
     notes = []
@@ -36,10 +33,9 @@ def attraction_notes(contact: Contact) -> list[str]:
     return notes
 
 
-def resolution(contact: Contact) -> float:
+def resolution(contact: Any) -> float:
     """Return how much the attraction softens a single point, at most, over its stiffness: above 1
     it jumps alone."""
     law, grid = contact.attraction, contact.grid
-    assert law is not None  # nobody asks otherwise
     stiffness = float(contact.body.near(grid)[0]) * contact.E_star / grid.a
     return steepest(law) / stiffness

@@ -19,8 +19,8 @@ from ..parallel.halo import next_row
 from ..parallel.threads import added
 from ..scene.model import TOUCHING
 from ..surface import Surface
+from ..surface.doubtful_numbers import load_notes
 from ..surface.number_range import field_dtype
-from ..surface.quality import load_notes
 from ..util.quantities import prefixed
 from .attraction_notes import attraction_notes
 

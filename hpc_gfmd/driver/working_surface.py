@@ -110,15 +110,18 @@ class WorkingSurface:
         surface = self.surface
         if surface.h is None:
             surface = self.make_surface(self.dtype)
-        return HeightStatistics.of(surface.grid, surface.gap)
+        return HeightStatistics.of(self._problem_of(surface, 1.0))
 
     # -- problems
 
     def problem(self, p0: float) -> Problem:
         """Return the problem at a mean pressure, in the program's unit, with stored heights."""
+        return self._problem_of(self.surface, p0)
+
+    def _problem_of(self, surface: Surface, p0: float) -> Problem:
         return Problem(
-            self.surface.grid,
-            self.surface.gap,
+            surface.grid,
+            surface.gap,
             p0,
             body=self.model.body,
             hardness=self.hardness,

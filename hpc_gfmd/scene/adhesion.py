@@ -1,8 +1,6 @@
 """The table [material.adhesion]: the attraction of the two surfaces across the gap."""
 
-from .table import LENGTH, Length, Table, Text, Work, key
-
-WORK = 'a number greater than 0, plain or as "50 mJ/m2"'
+from .table import Length, Table, Text, Work, key
 
 
 class Adhesion(Table):
@@ -10,11 +8,11 @@ class Adhesion(Table):
     touch, and rises to 0 over the range."""
 
     work: Work = key(
-        "work of adhesion per area, from contact to infinity", WORK, unit="work", example="50 mJ/m2"
+        "work of adhesion per area, from contact to infinity", unit="work", example="50 mJ/m2"
     )
-    range: Length = key(
-        "length over which the attraction falls", LENGTH, unit="length", example="2 nm"
-    )
+    range: Length = key("length over which the attraction falls", unit="length", example="2 nm")
     law: Text = key(
-        "how it falls with the gap", '"exponential" or the name of another law', "exponential"
+        "how it falls with the gap",
+        "exponential",
+        allowed='"exponential" or the name of another law',
     )

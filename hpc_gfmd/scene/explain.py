@@ -9,9 +9,10 @@ from pydantic import BaseModel, ValidationError
 
 from ..util.errors import SceneError, one_line
 from ..util.quantities import DECIMAL_COMMA, NO_COMMA
+from .allowed import LARGEST, SMALLEST
 from .not_modelled import not_modelled
 from .surface import KINDS
-from .table import LARGEST, SMALLEST, about, table_fields
+from .table import allowed_of, table_fields
 
 _short = reprlib.Repr()
 _short.maxstring = _short.maxother = _short.maxlong = 60
@@ -117,7 +118,7 @@ def _line(item: Any, scene: Model, data: dict) -> tuple[tuple, str]:
             elif isinstance(value, dict) and place in value:
                 path, value = f"{path}.{printable(place)}", value[place]
         found = f"found {shown(value)}"
-    what = about(fields[field])["allowed"] + _limits(item)
+    what = allowed_of(fields[field]) + _limits(item)
     why = _why(item) if rest else ""
     return key, f"{path}: {found}, {why}allowed: {what}"
 

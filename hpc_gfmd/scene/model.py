@@ -26,16 +26,22 @@ TOUCHING = 100  # fewer contact points than this say little about a rough contac
 class Scene(Table):
     """What is asked: the surface, the material, the loads, how accurately, and what to keep."""
 
-    title: Text = key("what the result is called", "one line of text", "", said="none")
-    surface: AnySurface = key("the rigid rough surface", "a table [surface]")
+    title: Text = key("what the result is called", "", said="none", allowed="one line of text")
+    surface: AnySurface = key("the rigid rough surface", allowed="a table [surface]")
     material: Material = key(
-        "the elastic solid that is pressed against it", "a table [material]", Material()
+        "the elastic solid that is pressed against it", Material(), allowed="a table [material]"
     )
-    load: Load = key("how hard", "a table [load]")
-    solver: Solver = key("which algorithm, and when it may stop", "a table [solver]", Solver())
-    output: Output = key("the result file, and what goes into it", "a table [output]", Output())
+    load: Load = key("how hard", allowed="a table [load]")
+    solver: Solver = key(
+        "which algorithm, and when it may stop", Solver(), allowed="a table [solver]"
+    )
+    output: Output = key(
+        "the result file, and what goes into it", Output(), allowed="a table [output]"
+    )
     machine: Machine = key(
-        "speed and limits, nothing of which changes the answer", "a table [machine]", Machine()
+        "speed and limits, nothing of which changes the answer",
+        Machine(),
+        allowed="a table [machine]",
     )
 
     @model_validator(mode="after")
@@ -210,7 +216,7 @@ class ArrayScene(Scene):
     for."""
 
     surface: Surface = key(  # type: ignore[assignment]
-        "the sizes of the heights", "a table [surface]", Surface()
+        "the sizes of the heights", Surface(), allowed="a table [surface]"
     )
 
     @model_validator(mode="after")

@@ -18,8 +18,8 @@ from pydantic import (
 )
 
 from ..util.quantities import Quantity, factor, parse
+from .allowed import LARGEST, MAX_INT, SMALLEST, allowed_values
 
-MAX_INT = 2**63 - 1  # the integers of TOML and of HDF5
 MAX_N = 2**24  # grid points per direction
 
 
@@ -30,8 +30,6 @@ class Table(BaseModel):
     model_config = ConfigDict(strict=True, frozen=True, extra="forbid", allow_inf_nan=False)
 
 
-# The bounds keep squares and products of a few such numbers finite in double precision.
-SMALLEST, LARGEST = 1e-100, 1e100
 Positive = Annotated[float, Field(ge=SMALLEST, le=LARGEST)]
 
 
@@ -127,28 +125,40 @@ Loads = Annotated[tuple[T, ...], Field(min_length=1), BeforeValidator(each)]  # 
 Side = Literal["periodic", "free"]
 Boundary = Annotated[Side | tuple[Side, Side], LIST]
 
-POSITIVE = "a number greater than 0"
-POSITIVES = "a number greater than 0, or a list of them"
-LENGTH = f'{POSITIVE}, plain or as "100 um"'
-FRACTION = "a number above 0 and below 1"
-SWITCH = "true or false"
-
 
 def key(
     meaning: str,
-    allowed: str,
     default: Any = ...,
     *,
+    allowed: str = "",
     unit: str = "",
     example: Any = None,
     said: str = "",
     **more: Any,
 ) -> Any:
-    """Make a field of a table, with all that is said of it: `meaning` and `unit` by `hpc-gfmd help
-    scene` and in the scenes of `hpc-gfmd init`, `allowed` there and in error messages.
+    """Make a field of a table, with all that help and messages say of it.
 
-    example: a value where there is no default, or none that says how it is written; said: what
-    stands for the default where that depends on other keys; more: of pydantic.Field.
+    Parameters
+    ----------
+    meaning : str
+        What the key is, for `hpc-gfmd help scene` and the scenes of `hpc-gfmd init`.
+    default : object
+        Its value where a scene does not give it; without one it must be given.
+    allowed : str
+        Values that it may have, where the type does not say it (`allowed_of`).
+    unit : str
+        "length", "pressure", "force", or the name of a unit; "" for a plain number.
+    example : object
+        A value for the scenes of `hpc-gfmd init`; by default the default.
+    said : str
+        What stands for the default where that depends on other keys.
+    **more
+        All else that pydantic.Field takes.
+
+    Returns
+    -------
+    FieldInfo
+        For the body of a Table.
     """
     example = default if example is None else example
     extra = {"allowed": allowed, "unit": unit, "example": example, "said": said}
@@ -156,9 +166,16 @@ def key(
 
 
 def about(field: Any) -> dict[str, Any]:
-    """Return what a field made by `key` says of itself, by the names of its arguments; nothing of
-    others."""
+    """Return the arguments of `key` that made a field, by name; empty for other fields."""
     return field.json_schema_extra or {}
+
+
+def allowed_of(field: Any) -> str:
+    """Describe the values that a field made by `key` may have, from its type and bounds."""
+    extra = about(field)
+    return extra["allowed"] or allowed_values(
+        field.annotation, tuple(field.metadata), extra["unit"]
+    )
 
 
 def table_fields(field: Any) -> Mapping[str, Any]:

@@ -85,8 +85,8 @@ surface.seed = true | found true
 load.pressure = -3 | load.pressure: found -3, allowed: a number greater than 0
 surface.g_rms = -1 | surface.g_rms: found -1, allowed: a number greater than 0
 surface.g_rms = 1e-200 | surface.g_rms: found 1e-200, allowed: a number greater than 0, from 1e-100 to 1e+100
-surface.physical_sizes = 1e-4 | surface.physical_sizes: found 0.0001, allowed: two numbers greater than 0, [L_x, L_y]
-surface.physical_sizes = [1, 2, 3] | physical_sizes: found [1, 2, 3], allowed: two numbers greater than 0, [L_x, L_y]
+surface.physical_sizes = 1e-4 | surface.physical_sizes: found 0.0001, allowed: a list of two, each a number greater than 0
+surface.physical_sizes = [1, 2, 3] | physical_sizes: found [1, 2, 3], allowed: a list of two, each a number greater than 0
 solver.options.mass = true | solver.options.mass: found true, allowed: a table
 load.p_star = [0.1, -1] | load.p_star: found -1
 surface = {g_rms = 1, h_rms = 1} | surface: found g_rms and h_rms
@@ -117,9 +117,9 @@ surface = {L_over_lam_l = 1.5, lam_l_over_lam_s = 1} | no wave vector
 surface = {kind = "wave", amplitude = 0.1, n = [8, 6], periods = [0, 0]} | surface: found periods = [0, 0]
 surface = {kind = "wave", amplitude = 0.1, n = [8, 6], periods = [1, 4]} | found 4 periods on 6 points
 surface = {kind = "wave", amplitude = 0.1, n = [8, 6.0]} | surface.n[1]: found 6.0
-surface = {kind = "wave", amplitude = 0.1, n = 8} | surface.n: found 8, allowed: two whole numbers
+surface = {kind = "wave", amplitude = 0.1, n = 8} | surface.n: found 8, allowed: a list of two, each a whole number from 1 to 16777216
 surface = {kind = "wave", amplitude = 0, n = [8, 6]} | load.p_star: found a flat surface
-surface.kind = "wave" | surface.amplitude: not given, allowed: a number, plain or as "100 nm"; surface.n: not given
+surface.kind = "wave" | surface.amplitude: not given, allowed: a number, plain or as "100 um"; surface.n: not given
 surface = {kind = "file", path = ""} | surface.path: found ''
 surface = {kind = "file", path = "z.npy", boundary = "free", mirror = true} | found a free boundary and mirror
 surface = {kind = "file", path = ["a.npy"]} | surface.path: found ['a.npy'], allowed: the path of a height map
