@@ -248,7 +248,7 @@ def _lay_down(solver: Solver, criterion: StoppingCriterion, gap: np.ndarray) -> 
     if gap is not solver.g:
         solver.g[...] = gap
     first = certificate_of(solver, replace(criterion, duality=False))
-    solver.after_certificate(first)
+    solver.begin_at(first)
     return first.pairs
 
 

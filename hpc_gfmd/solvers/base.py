@@ -176,10 +176,14 @@ class Solver:
         more than the attraction."""
         return False
 
+    def begin_at(self, certificate: Certificate) -> None:
+        """Begin where a certificate has computed self.p from self.g."""
+        self.refresh(certificate.uKu)
+
     def after_certificate(self, certificate: Certificate) -> None:
         """Go on after the certificate has computed self.p anew from self.g, and used
         self.levels."""
-        self.refresh(certificate.uKu)
+        self.begin_at(certificate)
 
     def after_stability(self) -> None:
         """Go on after the search for the stability has used self.levels."""

@@ -103,9 +103,9 @@ class Bpx(Solver):
         self.d[...] = 0
         self._begin(self.levels.restrict(self.g, self.p, self.problem.limit))
 
-    def after_certificate(self, certificate: Certificate) -> None:
+    def begin_at(self, certificate: Certificate) -> None:
         self.attracted = certificate.attraction * self.N
-        super().after_certificate(certificate)
+        super().begin_at(certificate)
 
     def after_stability(self) -> None:
         self.levels.restrict(self.g, self.p, self.problem.limit)
