@@ -4,7 +4,7 @@ import adhesive
 import numpy as np
 import pytest
 
-from hpc_gfmd.laws import law_names, law_named
+from hpc_gfmd.laws import law_named, law_names
 from hpc_gfmd.operators.problem import Problem
 from hpc_gfmd.parallel.grid import Grid
 from hpc_gfmd.solvers.bpx import Bpx
