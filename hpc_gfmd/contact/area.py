@@ -89,9 +89,11 @@ def kappa(area: Callable[[Contact], float | None], contact: Contact) -> float | 
     Returns
     -------
     float or None
-        None where the area has no value, and on a flat surface.
+        None where the area has no value, on a flat surface and without a pressure.
     """
-    value = area(contact) if contact.g_rms > 0 else None
+    if contact.g_rms == 0 or contact.p_mean == 0:
+        return None
+    value = area(contact)
     return None if value is None else value / contact.p_star
 
 

@@ -20,10 +20,12 @@ def duality_gap(contact: Contact) -> float | None:
 
 def pressure_bound(contact: Contact) -> float | None:
     """Bound the relative L2 error of the pressure field; None where the duality gap was not asked
-    for, or where the error reaches the pressure itself."""
+    for, where the error reaches the pressure itself, and with an attraction: the distance to the
+    equilibrium is that to the contact under the same attraction over a stability that is estimated.
+    """
     energy = _energy_norm(contact)
     certificate = contact.certificate
-    if energy is None:
+    if energy is None or contact.attraction is not None:
         return None
     grid = contact.grid
     left = certificate.residual * contact.p_mean / contact.pressure_unit * np.sqrt(grid.N)
@@ -38,7 +40,7 @@ def gap_bound(contact: Contact) -> float | None:
 
     energy = _energy_norm(contact)
     certificate = contact.certificate
-    if energy is None or contact.hardness is not None:
+    if energy is None or contact.hardness is not None or contact.attraction is not None:
         return None
     p0 = contact.p_mean / contact.pressure_unit
     grid = contact.grid
@@ -51,7 +53,7 @@ def _energy_norm(contact: Contact) -> float | None:
     certificate = contact.certificate
     if certificate.duality_gap is None or not np.isfinite(certificate.duality_gap):
         return None
-    p0 = contact.p_mean / contact.pressure_unit
+    p0 = contact.wall_pressure / contact.pressure_unit
     gap = certificate.duality_gap * p0 * certificate.gap_mean * contact.N
     return float(np.sqrt(2 * gap))
 

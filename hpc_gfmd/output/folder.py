@@ -59,8 +59,18 @@ def acquire(folder: Path) -> int:
     return descriptor
 
 
+def release(folder: Path, lock: int, keep: bool = True) -> None:
+    """Give back the lock that `acquire` returned.
+
+    The folder stays if it is to be kept and a run has begun in it.
+    """
+    if not keep or not (folder / HEAD).exists():
+        clear(folder)
+    os.close(lock)
+
+
 def is_held(folder: Path) -> bool:
-    """Return whether a run holds the lock of `folder`."""
+    """Return whether a run holds the lock of a folder."""
     with suppress(OSError), open(folder / LOCK, "rb") as file:
         return _taken(file.fileno(), alone=False)
     return False
