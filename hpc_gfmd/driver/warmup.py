@@ -10,15 +10,18 @@ from ..bodies.halfspace import HALF_SPACE
 from ..certificate.error_estimates import Estimate
 from ..contact.contact import Contact
 from ..kernels.cache import on_first_compile
+from ..laws import law_named
+from ..laws.base import Law
 from ..operators.multilevel import Multilevel
 from ..parallel.comm import Comm, SerialComm
 from ..parallel.guard import collective_errors
-from ..scene import Scene
+from ..scene import Material, Scene
 from ..surface import build_surface
 from .load import Load
 from .precision import first_precision
 from .sweep import make_sweep
 
+TINY_ATTRACTION = 1e-3, 0.1  # work and range
 TINY = {
     "kind": "self-affine",
     "hurst": 0.8,
@@ -54,6 +57,12 @@ def compile_once(
             solve()
 
 
+def _tiny_attraction(material: Material) -> Law | None:
+    """Return a weak attraction by the law that a material means, for the tiny contact."""
+    adhesion = material.adhesion
+    return None if adhesion is None else law_named(adhesion.law, *TINY_ATTRACTION)
+
+
 def _tiny_contact(scene: Scene, observe: Callable[[Contact], object]) -> None:
     """Solve a tiny contact in every precision that the run of a scene may use."""
     settings, material = scene.solver, scene.material
@@ -66,6 +75,7 @@ def _tiny_contact(scene: Scene, observe: Callable[[Contact], object]) -> None:
             settings.model_copy(update={"max_iterations": 3, "precision": precision}),
             body=body_of(material, tiny.free),
             hardness=material.hardness and 1.0,
+            attraction=_tiny_attraction(material),
         )
         contact = sweep.solve(Load("pressure", 0.05))
         # a contact that is less accurate than asked may not have called it
