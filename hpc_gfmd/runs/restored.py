@@ -18,13 +18,8 @@ ROUNDING = 1e-6  # relative, of stored pressures
 
 
 def restored_contact(result: Result) -> Contact:
-    """Return the contact of a result with one load, on one process.
-
-    Raises
-    ------
-    SceneError
-        Where the result has no pressure or no gap.
-    """
+    """Make the Contact of a Result with one load, on one process. Raises SceneError without its
+    pressure and gap."""
     step = result.steps[0]
     stored = result.fields[0]
     attributes = result.surface
@@ -48,13 +43,9 @@ def restored_contact(result: Result) -> Contact:
         }
     grid = grid_of(tuple(n), attributes["physical_sizes"], SerialComm(), free=free)
     heights = fields.get("heights")
+    n_x, n_y = attributes["n"]
     surface = Surface(
-        grid,
-        None,
-        tuple(attributes["n"]),
-        attributes["h_rms"],
-        attributes["g_rms"],
-        (0, attributes["n"][0]),
+        grid, None, (n_x, n_y), attributes["h_rms"], attributes["g_rms"], rows=(0, n_x)
     )
     if heights is not None:
         surface = replace(surface, h=heights / -surface.height_unit)
@@ -68,23 +59,18 @@ def restored_contact(result: Result) -> Contact:
         stability=step.get("stability") or np.nan,
     )
     E_star = scene.material.E_star
-    pressure_unit = E_star * surface.slope
-    beyond = [
-        (0, cells - points) for cells, points in zip(grid.shape, fields["gap"].shape, strict=True)
-    ]
-    g = np.pad(fields["gap"] / surface.height_unit, beyond)
-    p = np.pad(fields["pressure"] / pressure_unit, beyond)
+    beyond = [(0, cell - points) for cell, points in zip(grid.shape, fields["gap"].shape)]
     return Contact(
         surface,
         E_star,
         step["p"],
-        g,
-        p,
-        step["status"],
-        certificate,
-        scene.solver.tolerance,
-        getattr(scene.surface, "lam_s", None),
-        body_of(scene.material, free),
+        g=np.pad(fields["gap"] / surface.height_unit, beyond),
+        p=np.pad(fields["pressure"] / (E_star * surface.slope), beyond),
+        status=step["status"],
+        certificate=certificate,
+        accuracy=scene.solver.tolerance,
+        lam_s=getattr(scene.surface, "lam_s", None),
+        body=body_of(scene.material, free),
         hardness=hardness,
         attraction=attraction_of(scene.material),
     )

@@ -33,11 +33,11 @@ class Solved:
     Parameters
     ----------
     result : Result
-        All numbers and fields.
+        What is there, by the names of the result file.
     rows : (int, int), optional
-        Global rows of the fields that this rank has; default: all.
+        Start and stop of this rank's rows of the fields; default: all.
     comm : Comm, optional
-        Of the ranks over which the fields are spread; default: this process alone.
+        The ranks that share the fields; default: this process alone.
     """
 
     _picture: str | None = None
@@ -51,11 +51,11 @@ class Solved:
     def __reduce__(self) -> tuple:
         if any(self.result.fields):
             self._require_whole("pickle")
-        kept = [
-            {name: Slab(field.read(), 0, field.shape) for name, field in fields.items()}
+        in_memory = [
+            {name: Slab(stored.read(), 0, stored.shape) for name, stored in fields.items()}
             for fields in self.result.fields
         ]
-        return type(self), (replace(self.result, fields=kept),)
+        return type(self), (replace(self.result, fields=in_memory),)
 
     @property
     def g_rms(self) -> float:
@@ -89,21 +89,24 @@ class Solved:
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_") or name not in self._known():
-            is_observable = not name.startswith("_") and name in all_observables()
-            why = f"was not asked for: observable({name!r}) of a Solution finds it"
-            raise AttributeError(f"{name}: {why if is_observable else 'no such number or method'}")
+            reason = "no such number or method"
+            if not name.startswith("_") and name in all_observables():
+                reason = f"was not asked for: observable({name!r}) of a Solution finds it"
+            raise AttributeError(f"{name}: {reason}")
         return self._get(name)
 
     def __dir__(self) -> list[str]:
         return sorted({*super().__dir__(), *self._known()})
 
     def save(self, path: str | PathLike, force: bool = False) -> Path:
-        """Write a result file, as `hpc-gfmd run` does. Collective.
+        """Write a result file, as `hpc-gfmd run` does, and warn of what it replaces.
+
+        Collective.
 
         Parameters
         ----------
         path : path
-            Of the file; ends in .h5 or .hdf5.
+            Of the file; ends in .h5.
         force : bool
             Whether to overwrite a file that is not a result of the same surface, loads and
             settings, or an interrupted run.
@@ -119,11 +122,6 @@ class Solved:
             Where it may not be written.
         GfmdError
             Where writing fails.
-
-        Warns
-        -----
-        UserWarning
-            Of a file that is replaced.
         """
         path = Path(path)
         result = self.result
@@ -163,8 +161,8 @@ class Solved:
         path : path
             Ends in .vtkhdf (ParaView), .nc, .npz, .csv, .gwy (Gwyddion, all fields) or .x3p (one
             length of one load).
-        fields : sequence of str, optional
-            Default: all that are kept.
+        fields : list of str, optional
+            These alone; default: all.
 
         Returns
         -------
@@ -174,14 +172,15 @@ class Solved:
         Raises
         ------
         SceneError
-            Where the format cannot hold the fields.
+            Where the format cannot hold them.
         """
         self._require_whole("export")
         kinds = {extension: kind for kind, (_, extension) in FORMATS.items()}
         if Path(path).suffix not in kinds:
             raise SceneError(f"path: found {str(path)!r}, allowed: one in {', '.join(kinds)}")
-        chosen = self.result.only(fields=fields)
-        return export(chosen, kinds[Path(path).suffix], path, all_numbers())
+        return export(
+            self.result.only(fields=fields), kinds[Path(path).suffix], path, all_numbers()
+        )
 
     def leak_rate(
         self,
@@ -235,12 +234,12 @@ class Solved:
 
         self._require_whole("to_xarray")
         result = self.result
-        of_loads = numbers(result.steps)
+        columns = numbers(result.steps)
 
         def variable(name: str, dims: tuple[str, ...], values: Any) -> tuple:
             return dims, values, said_of(name, result.surface, all_numbers())
 
-        content = {name: variable(name, ("load",), values) for name, values in of_loads.items()}
+        content = {name: variable(name, ("load",), values) for name, values in columns.items()}
         for name in common_fields(result):
             values = [fields[name].read() for fields in result.fields]
             content[name] = (
@@ -248,7 +247,7 @@ class Solved:
                 if name == "heights"
                 else variable(name, ("load", "x", "y"), np.stack(values))
             )
-        scales = {"load": of_loads["p"], **axes(result.surface)}
+        scales = {"load": columns["p"], **axes(result.surface)}
         places = {name: variable(name, (name,), values) for name, values in scales.items()}
         return Dataset(content, places, result.facts)
 
@@ -266,9 +265,10 @@ class Solved:
         self._require_whole("plot")
         return plot(self.result, what or self._picture, **how)
 
-    def _require_whole(self, what: str) -> None:
+    def _require_whole(self, action: str) -> None:
+        """Raise SceneError where the fields are spread over ranks."""
         if self.comm.size > 1:
             raise SceneError(
-                f"{what}: found fields that are spread over {self.comm.size} ranks, allowed: save,"
-                " and load the file"
+                f"{action}: found fields that are spread over {self.comm.size} ranks, allowed:"
+                " save, and load the file"
             )
