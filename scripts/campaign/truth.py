@@ -152,7 +152,7 @@ class Contact:
         )
 
     def _yielding(self, p_star, hardness):
-        """Find the Truth where the pressure is at most a hardness, by an active set of three states.
+        """Find the Truth where a hardness limits the pressure, by an active set of three states.
 
         Guess which points are elastic and which yield. That gives a linear problem; points that
         violate the bounds of their state change it. Where this goes round in circles, projected
