@@ -19,7 +19,7 @@ from ..output.read import Result
 from ..parallel.comm import Comm
 from ..parallel.grid import Grid
 from ..parallel.guard import collective_errors, raise_on_all
-from ..parallel.world import threads_of
+from ..parallel.thread_count import threads_of
 from ..scene import Scene
 from ..surface.arrays import checked_array, is_topography
 from ..surface.build import Surface, surface_of
@@ -203,7 +203,8 @@ def solve_loads(
             compile_once(comm, scene, lambda contact: step_attributes(scene, 0, contact, 0.0))
             solve_all()
         else:
-            with on_first_compile(say.say):
+            # said without `progress`, too: nothing else explains the wait
+            with on_first_compile(Reporter(comm, scene.solver, False, False, sys.stderr).say):
                 solve_all()
     except KeyboardInterrupt:
         # under MPI other ranks may not have been interrupted

@@ -12,11 +12,12 @@ from .explain import nearest, printable
 from .model import Scene
 from .not_modelled import not_modelled
 from .surface import KINDS, Surface
-from .table import about
+from .table import about, allowed_of
 
 UNITS = {
     "length": "in the unit of the surface, or with a unit",
     "pressure": "in the unit of the moduli, or with a unit",
+    "work": "in the unit of the moduli times that of the surface, or with a unit",
     "force": "in the unit of the moduli times that of the surface squared, or with a unit",
 }
 
@@ -139,7 +140,7 @@ def _listed(allowed: str) -> str:
 def _key(name: str, field: Any, known: Any = ()) -> Key:
     extra, value = about(field), "none" if field.default is None else toml(field.default)
     default = extra["said"] or (None if field.is_required() else value)
-    what = extra["allowed"] + (f": {', '.join(sorted(known))}" if known else "")
+    what = allowed_of(field) + (f": {', '.join(sorted(known))}" if known else "")
     return Key(name, field.description, what, extra["unit"], default, extra["example"])
 
 

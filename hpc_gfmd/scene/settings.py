@@ -5,17 +5,12 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
+from .adhesion import Adhesion
 from .table import (
     DISTINCT,
-    FRACTION,
-    LENGTH,
     LIST,
     MAX_INT,
-    POSITIVE,
-    POSITIVES,
-    SWITCH,
     Coordinate,
-    Force,
     Fraction,
     Length,
     Loads,
@@ -24,6 +19,9 @@ from .table import (
     Positive,
     Pressure,
     Share,
+    Signed,
+    SignedForce,
+    SignedPressure,
     Table,
     Text,
     Whole,
@@ -31,7 +29,6 @@ from .table import (
     one_of,
 )
 
-MODULUS = f'{POSITIVE}, plain or as "50 GPa"'
 SOLIDS = ("E1", "nu1", "E2", "nu2")
 PoissonRatio = Annotated[float, Field(gt=-1, le=0.5)]
 Parameter = Annotated[int, Field(ge=-MAX_INT, le=MAX_INT)] | float
@@ -39,8 +36,8 @@ Names = Annotated[tuple[Path, ...], LIST, DISTINCT]
 Fields = Annotated[
     tuple[Literal["pressure", "gap", "displacement", "plastic", "heights"], ...], LIST, DISTINCT
 ]
-POISSON = "a number above -1 and up to 0.5"
 NAMES = "a list of names, each once"
+PUSH = "greater than 0, with material.adhesion also 0 and below"
 
 
 def _effective_modulus(given: dict) -> float:
@@ -59,23 +56,20 @@ class Material(Table):
 
     E1: Pressure | None = key(
         "Young's modulus of the elastic solid (alone with nu1: against a rigid one)",
-        MODULUS,
         None,
         unit="pressure",
         example="50 GPa",
     )
-    nu1: PoissonRatio | None = key("its Poisson ratio", POISSON, None, example=0.3)
+    nu1: PoissonRatio | None = key("its Poisson ratio", None, example=0.3)
     E2: Pressure | None = key(
         "Young's modulus of the other solid, whose roughness counts to the surface's",
-        MODULUS,
         None,
         unit="pressure",
         example="2 GPa",
     )
-    nu2: PoissonRatio | None = key("its Poisson ratio", POISSON, None, example=0.4)
+    nu2: PoissonRatio | None = key("its Poisson ratio", None, example=0.4)
     E_star: Pressure = key(
         "effective modulus, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2",
-        MODULUS,
         default_factory=_effective_modulus,
         unit="pressure",
         example=1.0,
@@ -83,7 +77,6 @@ class Material(Table):
     )
     thickness: Length | None = key(
         "makes the elastic solid a layer of this thickness on a base (needs nu1)",
-        LENGTH,
         None,
         unit="length",
         example=0.05,
@@ -91,21 +84,27 @@ class Material(Table):
     )
     base: Literal["bonded", "frictionless", "elastic"] = key(
         "how the layer lies on its base: on a rigid one, or bonded to an elastic half-space",
-        '"bonded", "frictionless" or "elastic"',
         "bonded",
     )
     base_E: Pressure | None = key(
-        "Young's modulus of the elastic base", MODULUS, None, unit="pressure", example="200 GPa"
+        "Young's modulus of the elastic base", None, unit="pressure", example="200 GPa"
     )
-    base_nu: PoissonRatio | None = key("its Poisson ratio", POISSON, None, example=0.3)
+    base_nu: PoissonRatio | None = key("its Poisson ratio", None, example=0.3)
 
     hardness: Pressure | None = key(
         "the largest pressure, where the solid gets a dent (elastic - perfectly plastic)",
-        MODULUS,
         None,
         unit="pressure",
         example="6 GPa",
         said="none, elastic",
+    )
+
+    adhesion: Adhesion | None = key(
+        "attraction of the two surfaces across the gap",
+        None,
+        allowed="a table {work, range, law}",
+        example={"work": "50 mJ/m2", "range": "2 nm", "law": "exponential"},
+        said="none",
     )
 
     @model_validator(mode="after")
@@ -163,110 +162,102 @@ class Load(Table):
     """The loads of a sweep, in order: mean pressures, or what the mean pressure has to give, which
     is then found."""
 
-    p_star: Loads[Positive] | None = key(
-        "mean pressures p0/(E* g_rms), solved in this order", POSITIVES, None, example=[0.01, 0.1]
+    p_star: Loads[Signed] | None = key(
+        f"mean pressures p0/(E* g_rms), solved in this order; {PUSH}", None, example=[0.01, 0.1]
     )
-    pressure: Loads[Pressure] | None = key(
-        "mean pressures instead of p_star; they push, so that they are positive",
-        'a number greater than 0, plain or as "20 MPa", or a list of them',
+    pressure: Loads[SignedPressure] | None = key(
+        f"mean pressures instead of p_star; {PUSH}",
         None,
         unit="pressure",
         example=["2 MPa", "20 MPa"],
     )
     gap_mean: Loads[Coordinate] | None = key(
         "mean gaps, whose pressures are found; 0: full contact",
-        'a number from 0, plain or as "50 nm", or a list of them',
         None,
         unit="length",
         example="50 nm",
     )
     gap_over_h_rms: Loads[NotNegative] | None = key(
-        "the same, over the rms height", "a number from 0, or a list of them", None, example=0.5
+        "the same, over the rms height", None, example=0.5
     )
     a_r: Loads[Share] | None = key(
         "relative contact areas, whose pressures are found; met to the accuracy or to one point",
-        "a number above 0 and up to 1, or a list of them",
         None,
         example=[0.01, 0.1],
     )
-    force: Loads[Force] | None = key(
-        "forces on a surface with free edges",
-        'a number greater than 0, plain or as "5 mN", or a list of them',
-        None,
-        unit="force",
-        example="5 mN",
+    force: Loads[SignedForce] | None = key(
+        f"forces on a surface with free edges; {PUSH}", None, unit="force", example="5 mN"
     )
     approach: Loads[Length] | None = key(
         "how far the bodies come together after they touch (free boundaries along both axes, or a"
         " layer)",
-        'a number greater than 0, plain or as "10 nm", or a list of them',
         None,
         unit="length",
         example="10 nm",
     )
+    branch: Literal["approach", "retraction"] = key(
+        "with material.adhesion, from which side a load is reached: from less contact, as the"
+        " surfaces come together, or from more, as they are pulled apart",
+        "approach",
+    )
 
     @model_validator(mode="after")
     def _one(self) -> Self:
-        one_of(self, *type(self).model_fields)
+        one_of(self, *LOADS)
         return self
 
     @property
     def given(self) -> tuple[str, tuple[float, ...]]:
         """The key that is given, and its values."""
-        return next(
-            (name, values)
-            for name in type(self).model_fields
-            if (values := getattr(self, name)) is not None
-        )
+        return next((name, values) for name in LOADS if (values := getattr(self, name)) is not None)
 
     @property
     def found(self) -> bool:
         """Whether the pressures have to be found."""
-        return not (self.p_star or self.pressure or self.force)
+        return self.given[0] not in PRESSURES
 
     def p0(self, E_star: float, g_rms: float, area: float = 1.0) -> tuple[float, ...]:
         """Return the mean pressures, in the unit of E_star, on a surface of realised g_rms and an
         area; none where they have to be found."""
-        _, values = self.given
-        scale = E_star * g_rms if self.p_star else 1 / area if self.force else 1.0
+        name, values = self.given
+        scale = {"p_star": E_star * g_rms, "force": 1 / area}.get(name, 1.0)
         return () if self.found else tuple(float(value) * scale for value in values)
+
+
+PRESSURES = ("p_star", "pressure", "force")
+LOADS = tuple(name for name in Load.model_fields if name != "branch")  # one of them is given
 
 
 class Solver(Table):
     """Which algorithm, and when it may stop: at an accuracy or at a residual."""
 
     name: Text = key(
-        "the algorithm; gfmd is that of the paper", '"auto" or the name of a solver', "auto"
+        "the algorithm; gfmd is that of the paper", "auto", allowed='"auto" or the name of a solver'
     )
     residual: Fraction | None = key(
         "instead of accuracy: rms pressure at points where the gap is open, over the mean pressure",
-        FRACTION,
         None,
         example=1e-8,
     )
     accuracy: Fraction | None = key(
         "wanted relative accuracy of contact area, mean gap and pressure field",
-        FRACTION,
         default_factory=lambda given: 1e-3 if given.get("residual") is None else None,
         example=1e-3,
         said="0.001, unless residual is given",
     )
     precision: Literal["auto", "single", "double"] = key(
-        "of the floating-point numbers; auto: double where a load needs it",
-        '"auto", "single" or "double"',
-        "auto",
+        "of the floating-point numbers; auto: double where a load needs it", "auto"
     )
-    max_iterations: Whole = key(
-        "of one load, after which it ends as not converged", "a whole number from 1", 100_000
-    )
-    nested: Literal["auto"] | bool = key("begin on coarser grids", '"auto", true or false', "auto")
+    max_iterations: Whole = key("of one load, after which it ends as not converged", 100_000)
+    nested: Literal["auto"] | bool = key("begin on coarser grids", "auto")
     low_memory: bool = key(
         "make the heights anew where they are needed (self-affine surfaces only): half the memory,"
         " longer",
-        SWITCH,
         False,
     )
-    options: dict[str, Parameter] = key("the solver's own parameters", "a table of numbers", {})
+    options: dict[str, Parameter] = key(
+        "the solver's own parameters", {}, allowed="a table of numbers"
+    )
 
     @model_validator(mode="after")
     def _one(self) -> Self:
@@ -283,33 +274,35 @@ class Output(Table):
     """The result file and what goes into it: numbers, maps, distributions."""
 
     path: Annotated[Path, Field(pattern=r"[^/]\.([hH]5|[hH][dD][fF]5)$")] = key(
-        "the result file, in a folder that exists", "a path that ends in .h5 or .hdf5", "contact.h5"
+        "the result file, in a folder that exists",
+        "contact.h5",
+        allowed="a path that ends in .h5 or .hdf5",
     )
     fields: Fields = key(
         "maps that are kept; pictures of the contact need pressure or gap",
-        'a list out of "pressure", "gap", "displacement", "plastic", "heights", each once',
         (),
         example=["pressure", "gap"],
         said="none",
+        allowed='a list out of "pressure", "gap", "displacement", "plastic", "heights", each once',
     )
     observables: Names | None = key(
         "numbers of each load, beside the cheap ones that every load has; see hpc-gfmd help"
         " observables",
-        NAMES,
         None,
         example=["stiffness", "patches"],
+        allowed=NAMES,
     )
     distributions: Names = key(
-        "histograms and spectra of each load", NAMES, (), example=["pressure", "gap"], said="none"
+        "histograms and spectra of each load",
+        (),
+        example=["pressure", "gap"],
+        said="none",
+        allowed=NAMES,
     )
     dtype: Literal["single", "double"] | None = key(
-        "precision of the stored fields",
-        '"single" or "double"',
-        None,
-        example="single",
-        said="as solved",
+        "precision of the stored fields", None, example="single", said="as solved"
     )
-    compression: bool = key("compress the stored fields without loss", SWITCH, False)
+    compression: bool = key("compress the stored fields without loss", False)
 
 
 class Machine(Table):
@@ -317,12 +310,10 @@ class Machine(Table):
 
     threads: Annotated[int, Field(ge=1, le=65536)] | Literal["auto"] = key(
         "threads of each rank; auto: all cores of one process where they pay, one of several ranks",
-        'a whole number from 1 to 65536, or "auto"',
         "auto",
     )
     wall_seconds: Positive | None = key(
         "stop after this time, so that the run can go on",
-        POSITIVE,
         None,
         unit="s",
         example=3600.0,
@@ -330,7 +321,6 @@ class Machine(Table):
     )
     memory_gib: Positive | None = key(
         "memory of each machine that may be used",
-        POSITIVE,
         None,
         unit="GiB",
         example=8.0,

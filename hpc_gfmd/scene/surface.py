@@ -7,12 +7,9 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from .table import (
-    LENGTH,
     LIST,
     MAX_INT,
     MAX_N,
-    POSITIVE,
-    SWITCH,
     Boundary,
     Corners,
     Height,
@@ -33,24 +30,17 @@ from .table import (
 )
 from .table import Path as PathText
 
-SIZES = 'two numbers greater than 0, [L_x, L_y], plain or as "12.8 um"'
-SIDES = '"periodic", "free" or one of them for each axis'
-POINTS = f"two whole numbers [n_x, n_y] from 1 to {MAX_N}"
 Factor = Annotated[int, Field(ge=1, le=1024)]
-FACTOR = "a whole number from 1 to 1024"
-RATIO = "a number from 1"
-RADIUS = 'a length greater than 0, plain or as "5 mm", or [R_x, R_y], of which one may be inf'
 ANY = "surface"  # the data set or channel where the scene names none
 
 
 class Surface(Table):
     """The rigid rough surface. What every kind has: the cell, in the unit of the heights."""
 
-    physical_sizes: Pair[Length] = key("lengths of the cell", SIZES, (1.0, 1.0), unit="length")
-    boundary: Boundary = key("whether the cell repeats, or has free edges", SIDES, "periodic")
+    physical_sizes: Pair[Length] = key("lengths [L_x, L_y] of the cell", (1.0, 1.0), unit="length")
+    boundary: Boundary = key("whether the cell repeats, or has free edges", "periodic")
     radius: Radii | None = key(
         "of a ball under the roughness, or [R_x, R_y]; inf: a cylinder",
-        f"{RADIUS}, with a free boundary",
         None,
         unit="length",
         example="5 mm",
@@ -90,33 +80,25 @@ class SelfAffine(Surface):
 
     kind: Literal["self-affine"]
     hurst: Annotated[float, Field(ge=0, le=1)] = key(
-        "Hurst exponent H: the spectrum falls as q^(-2 - 2 H)", "a number from 0 to 1", example=0.8
+        "Hurst exponent H: the spectrum falls as q^(-2 - 2 H)", example=0.8
     )
-    L_over_lam_l: Ratio = key("length of the cell over the longest wave length", RATIO, example=2)
+    L_over_lam_l: Ratio = key("length of the cell over the longest wave length", example=2)
     lam_l_over_lam_s: Ratio = key(
-        "longest over shortest wave length; n = product of the three ratios", RATIO, example=64
+        "longest over shortest wave length; n = product of the three ratios", example=64
     )
     lam_s_over_a: Annotated[float, Field(ge=2, le=1e100)] = key(
-        "shortest wave length over the distance of grid points",
-        "a number from 2 (the grid does not resolve lam_s < 2 a)",
+        "shortest wave length over the grid spacing a, which resolves no wave shorter than 2 a",
         example=2,
     )
     lam_l_over_lam_r: Ratio = key(
-        "longest wave length over that of the roll-off, between which the spectrum is constant",
-        RATIO,
-        1.0,
+        "longest wave length over that of the roll-off, between which the spectrum is constant", 1.0
     )
     seed: Annotated[int, Field(ge=0, le=MAX_INT)] = key(
-        "of the random numbers; gives the same surface on any grid",
-        "a whole number from 0",
-        example=1,
+        "of the random numbers; gives the same surface on any grid", example=1
     )
-    h_rms: Length | None = key(
-        "rms height, instead of g_rms", LENGTH, None, unit="length", example=0.01
-    )
+    h_rms: Length | None = key("rms height, instead of g_rms", None, unit="length", example=0.01)
     g_rms: Positive | None = key(
         "rms slope",
-        POSITIVE,
         default_factory=lambda given: 1.0 if given.get("h_rms") is None else None,
         example=1.0,
         said="1, unless h_rms is given",
@@ -196,15 +178,10 @@ class Wave(Surface):
 
     kind: Literal["wave"]
     amplitude: Height = key(
-        "A, half of the height from valley to peak",
-        'a number, plain or as "100 nm"',
-        unit="length",
-        example=0.01,
+        "A, half of the height from valley to peak", unit="length", example=0.01
     )
-    n: Pair[Points] = key("grid points", POINTS, example=[256, 256])
-    periods: Pair[Modes] = key(
-        "waves along x and y", "two whole numbers [k_x, k_y] from 0, not both 0", (1, 0)
-    )
+    n: Pair[Points] = key("grid points [n_x, n_y]", example=[256, 256])
+    periods: Pair[Modes] = key("waves along x and y, [k_x, k_y], not both 0", (1, 0))
 
     @model_validator(mode="after")
     def _resolved(self) -> Self:
@@ -225,58 +202,63 @@ class Sphere(Surface):
 
     kind: Literal["sphere"]
     radius: Radii = key(
-        "R, of curvature at the summit, or [R_x, R_y]; inf: a cylinder",
-        RADIUS,
-        unit="length",
-        example=1.0,
+        "R, of curvature at the summit, or [R_x, R_y]; inf: a cylinder", unit="length", example=1.0
     )
-    n: Pair[Points] = key("grid points", POINTS, example=[256, 256])
+    n: Pair[Points] = key("grid points [n_x, n_y]", example=[256, 256])
 
 
 class File(Surface):
     """A measured or computed height map, or the sum of two, x and y of which are the same
-    directions in space; the grid is its shape. What the file says of sizes holds unless these
-    keys say otherwise; a unit that contradicts the file's is refused."""
+    directions in space; the grid is its shape. x is the first index of an array, which in a text is
+    the number of the line, unless the file says otherwise. What the file says of sizes holds unless
+    these keys say otherwise; a unit that contradicts the file's is refused."""
 
     kind: Literal["file"]
     path: Paths = key(
         "a relative one counts from the folder of the scene; two maps, of two rough bodies, are"
         " added",
-        "the path of a height map (.npy, .h5, .nc, .csv, .tif, .x3p, ...), or a list of two",
         example="map.npy",
+        allowed="the path of a height map (.npy, .h5, .nc, .csv, .tif, .x3p, ...), or a list of"
+        " two",
     )
     dataset: PathText = key(
         "which one, where the file has several",
-        "the name of a data set (HDF5, NetCDF, .npz) or of a channel",
         ANY,
+        allowed="the name of a data set (HDF5, NetCDF, .npz) or of a channel",
     )
     skip_lines: Annotated[int, Field(ge=0)] | None = key(
-        "of a text: lines before the numbers",
-        "a whole number from 0",
-        None,
-        example=3,
-        said="those that are no numbers",
+        "of a text: lines before the numbers", None, example=3, said="those that are no numbers"
     )
     decimal: Literal[".", ","] | None = key(
-        "of a text: what decimals begin with", '"." or ","', None, example=",", said="what fits"
+        "of a text: what decimals begin with", None, example=",", said="what fits"
     )
     missing: Annotated[tuple[Text, ...], LIST] = key(
-        'of a text: what stands for missing points, besides nothing, "***", "BAD", "---", "nan"',
-        "a list of texts",
+        'what stands for missing points; in a text besides nothing, "***", "BAD", "---", "nan"',
         (),
         example=["9999"],
+        allowed="a list of texts",
+    )
+    coordinates: Literal["none", "line", "column", "both"] | None = key(
+        "of a text: whether its first line, its first column or both are coordinates, not heights",
+        None,
+        example="both",
+        said="what the numbers show, else it must be given",
+    )
+    first_axis: Literal["x", "y"] | None = key(
+        "what the first index of an array, or the number of the line of a text, runs along",
+        None,
+        example="y",
+        said="what the file says, else x",
     )
     height_range: Pair[Height] | None = key(
         "of a TIFF or PNG of whole numbers: heights of the lowest and the highest possible",
-        'two heights, plain or as ["0 nm", "500 nm"]',
         None,
         unit="length",
         example=["0 nm", "500 nm"],
     )
     # None, other than in a surface that is made: as the file says
     physical_sizes: Pair[Length] | None = key(  # type: ignore[assignment]
-        "lengths of the map",
-        f"{SIZES}; plain ones are in surface.unit",
+        "lengths [L_x, L_y] of the map; plain ones are in surface.unit",
         None,
         unit="length",
         example=["10 um", "8 um"],
@@ -284,14 +266,13 @@ class File(Surface):
     )
     unit: LengthUnit | None = key(
         "of the heights, and of plain sizes",
-        'a unit of length, such as "nm"',
         None,
         example="nm",
         said="what the file says",
+        allowed='a unit of length, such as "nm"',
     )
     boundary: Boundary | None = key(  # type: ignore[assignment]
         "whether the map repeats, or has free edges",
-        SIDES,
         None,
         example="free",
         said=(
@@ -300,35 +281,28 @@ class File(Surface):
         ),
     )
     crop: Corners | None = key(
-        "keep this part only",
-        "four lengths [x0, y0, x1, y1], plain in the unit of the sizes or with units",
+        "keep only this part, [x0, y0, x1, y1], plain in the unit of the sizes",
         None,
         unit="length",
         example=["0 um", "0 um", "5 um", "5 um"],
         said="all",
     )
     detrend: Literal["none", "mean", "tilt", "curvature"] = key(
-        "subtract the mean, the best plane, or the best paraboloid",
-        '"none", "mean", "tilt" or "curvature"',
-        "none",
+        "subtract the mean, the best plane, or the best paraboloid", "none"
     )
-    fill: Literal["none", "harmonic"] = key(
-        "how points without a height get one", '"none" or "harmonic"', "none"
-    )
-    flip: bool = key("turn the heights over: valleys become peaks", SWITCH, False)
+    fill: Literal["none", "harmonic"] = key("how points without a height get one", "none")
+    flip: bool = key("turn the heights over: valleys become peaks", False)
     mirror: bool = key(
-        "make the map periodic by its mirror images: twice as long along both axes", SWITCH, False
+        "make the map periodic by its mirror images: twice as long along both axes", False
     )
     window: Literal["none", "hann", "tukey"] = key(
-        "make the map periodic by fading it out towards its edges",
-        '"none", "hann" or "tukey"',
-        "none",
+        "make the map periodic by fading it out towards its edges", "none"
     )
     refine: Factor = key(
-        "this many times as many points along both axes, by Fourier interpolation", FACTOR, 1
+        "this many times as many points along both axes, by Fourier interpolation", 1
     )
     downsample: Factor = key(
-        "only every so many-th point along both axes, after shorter waves are removed", FACTOR, 1
+        "only every so many-th point along both axes, after shorter waves are removed", 1
     )
 
     @model_validator(mode="after")

@@ -2,8 +2,9 @@
 rule "exactly one of"."""
 
 import os
+from collections.abc import Mapping
 from math import inf
-from typing import Annotated, Any, Literal, TypeVar
+from typing import Annotated, Any, Literal, TypeVar, get_args
 
 from pydantic import (
     AfterValidator,
@@ -17,8 +18,8 @@ from pydantic import (
 )
 
 from ..util.quantities import Quantity, factor, parse
+from .allowed import LARGEST, MAX_INT, SMALLEST, allowed_values
 
-MAX_INT = 2**63 - 1  # the integers of TOML and of HDF5
 MAX_N = 2**24  # grid points per direction
 
 
@@ -29,8 +30,6 @@ class Table(BaseModel):
     model_config = ConfigDict(strict=True, frozen=True, extra="forbid", allow_inf_nan=False)
 
 
-# The bounds keep squares and products of a few such numbers finite in double precision.
-SMALLEST, LARGEST = 1e-100, 1e100
 Positive = Annotated[float, Field(ge=SMALLEST, le=LARGEST)]
 
 
@@ -78,6 +77,12 @@ def _distinct(values: tuple) -> tuple:
     return values
 
 
+def _not_tiny(value: float) -> float:
+    if 0 < abs(value) < SMALLEST:
+        raise ValueError(f"the least magnitude is {SMALLEST:g}")
+    return value
+
+
 def _bent(radii: Any) -> Any:
     if radii in (inf, (inf, inf)):
         raise ValueError("straight along both axes")
@@ -99,6 +104,11 @@ Radii = Annotated[Radius | tuple[Radius, Radius], LIST, AfterValidator(_bent)]
 Coordinate = Annotated[NotNegative, _in("length"), AS_GIVEN]
 Pressure = Annotated[Positive, _in("pressure"), AS_GIVEN]
 Force = Annotated[Positive, _in("force"), AS_GIVEN]
+Work = Annotated[Positive, _in("work"), AS_GIVEN]
+# of loads, which pull where the surfaces attract each other
+Signed = Annotated[float, Field(ge=-LARGEST, le=LARGEST), AfterValidator(_not_tiny)]
+SignedPressure = Annotated[Signed, _in("pressure"), AS_GIVEN]
+SignedForce = Annotated[Signed, _in("force"), AS_GIVEN]
 LengthUnit = Annotated[str, AfterValidator(_length_unit)]
 Whole = Annotated[int, Field(ge=1, le=MAX_INT)]
 Text = Annotated[str, AfterValidator(_printable)]
@@ -115,28 +125,40 @@ Loads = Annotated[tuple[T, ...], Field(min_length=1), BeforeValidator(each)]  # 
 Side = Literal["periodic", "free"]
 Boundary = Annotated[Side | tuple[Side, Side], LIST]
 
-POSITIVE = "a number greater than 0"
-POSITIVES = "a number greater than 0, or a list of them"
-LENGTH = f'{POSITIVE}, plain or as "100 um"'
-FRACTION = "a number above 0 and below 1"
-SWITCH = "true or false"
-
 
 def key(
     meaning: str,
-    allowed: str,
     default: Any = ...,
     *,
+    allowed: str = "",
     unit: str = "",
     example: Any = None,
     said: str = "",
     **more: Any,
 ) -> Any:
-    """Make a field of a table, with all that is said of it: `meaning` and `unit` by `hpc-gfmd help
-    scene` and in the scenes of `hpc-gfmd init`, `allowed` there and in error messages.
+    """Make a field of a table, with all that help and messages say of it.
 
-    example: a value where there is no default, or none that says how it is written; said: what
-    stands for the default where that depends on other keys; more: of pydantic.Field.
+    Parameters
+    ----------
+    meaning : str
+        What the key is, for `hpc-gfmd help scene` and the scenes of `hpc-gfmd init`.
+    default : object
+        Its value where a scene does not give it; without one it must be given.
+    allowed : str
+        Values that it may have, where the type does not say it (`allowed_of`).
+    unit : str
+        "length", "pressure", "force", or the name of a unit; "" for a plain number.
+    example : object
+        A value for the scenes of `hpc-gfmd init`; by default the default.
+    said : str
+        What stands for the default where that depends on other keys.
+    **more
+        All else that pydantic.Field takes.
+
+    Returns
+    -------
+    FieldInfo
+        For the body of a Table.
     """
     example = default if example is None else example
     extra = {"allowed": allowed, "unit": unit, "example": example, "said": said}
@@ -144,9 +166,22 @@ def key(
 
 
 def about(field: Any) -> dict[str, Any]:
-    """Return what a field made by `key` says of itself, by the names of its arguments; nothing of
-    others."""
+    """Return the arguments of `key` that made a field, by name; empty for other fields."""
     return field.json_schema_extra or {}
+
+
+def allowed_of(field: Any) -> str:
+    """Describe the values that a field made by `key` may have, from its type and bounds."""
+    extra = about(field)
+    return extra["allowed"] or allowed_values(
+        field.annotation, tuple(field.metadata), extra["unit"]
+    )
+
+
+def table_fields(field: Any) -> Mapping[str, Any]:
+    """Return the keys of the table that a key takes, {name: field}; none of others."""
+    models = [field.annotation, *get_args(field.annotation)]
+    return next((model.model_fields for model in models if hasattr(model, "model_fields")), {})
 
 
 def one_of(table: BaseModel, *keys: str) -> None:

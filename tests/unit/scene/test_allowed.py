@@ -1,0 +1,58 @@
+"""What a message says is allowed are the bounds that the key is checked with."""
+
+import re
+from typing import Annotated
+
+import pytest
+from pydantic import TypeAdapter, ValidationError
+
+from hpc_gfmd.scene import Scene
+from hpc_gfmd.scene.surface import KINDS
+from hpc_gfmd.scene.table import about, allowed_of
+
+TABLES = {
+    name: field.annotation
+    for name, field in Scene.model_fields.items()
+    if hasattr(field.annotation, "model_fields")
+} | KINDS
+FIELDS = {
+    f"{table}.{name}": field
+    for table, model in TABLES.items()
+    for name, field in model.model_fields.items()
+    if about(field)
+}
+NUMBER = re.compile(r"(a|a whole) number (from|above|greater than) (-?[\d.]+)")
+
+
+@pytest.mark.parametrize("name", FIELDS)
+def test_every_key_says_what_is_allowed(name):
+    assert allowed_of(FIELDS[name]) not in ("", "a text")
+
+
+@pytest.mark.parametrize("name", [n for n in FIELDS if NUMBER.match(allowed_of(FIELDS[n]))])
+def test_the_lowest_number(name):
+    """What is at the bound passes exactly where the words say so, and nothing below it does."""
+    field = FIELDS[name]
+    kind, word, bound = NUMBER.match(allowed_of(field)).groups()
+    number = int(bound) if kind == "a whole" else float(bound)
+    check = TypeAdapter(Annotated[(field.annotation, *field.metadata, None)])
+    if word == "from":
+        check.validate_python(number)
+    else:
+        with pytest.raises(ValidationError):
+            check.validate_python(number)
+    with pytest.raises(ValidationError):
+        check.validate_python(number - 1)
+
+
+@pytest.mark.parametrize(
+    ("key", "words"),
+    [
+        ("material.nu1", "a number above -1 and up to 0.5"),
+        ("solver.nested", '"auto", true or false'),
+        ("load.a_r", "a number above 0 and up to 1, or a list of them"),
+        ("machine.threads", 'a whole number from 1 to 65536 or "auto"'),
+    ],
+)
+def test_words(key, words):
+    assert allowed_of(FIELDS[key]) == words
