@@ -48,8 +48,19 @@ class Observable:
 
 @dataclass(frozen=True)
 class Distribution:
-    """Arrays of a contact; `of` returns None where there is nothing to count. units: of each array;
-    periodic: not for surfaces that end."""
+    """Arrays of a contact: a histogram, a spectrum.
+
+    Attributes
+    ----------
+    of : callable
+        Of a Contact: arrays by name; returns None where there is nothing to count.
+    meaning : str
+        What the arrays are, a phrase.
+    units : dict of str to str
+        Of each array, as `Observable.unit`.
+    periodic : bool
+        Whether it needs periodic boundaries.
+    """
 
     of: Callable[[Contact], Arrays | None]
     meaning: str
@@ -69,7 +80,7 @@ OF_EVERY_LOAD = {
     "iterations": ("iterations on the fine grid", ""),
     "fft_pairs": ("FFT pairs (forward and back), as many of the fine grid", ""),
     "wall_seconds": ("time of this load alone, without start-up", "s"),
-    "status": ("converged, stagnated, max_iterations, nonfinite or interrupted", ""),
+    "status": ("converged, separated, stagnated, max_iterations, nonfinite or interrupted", ""),
     "a_r_error": (ERROR.format("a_r"), ""),
     "a_r_discretisation": ("estimated relative error of a_r by the size of a grid point", ""),
     "gap_error": (ERROR.format("gap_mean"), ""),

@@ -20,9 +20,12 @@ def duality_gap(contact: Contact) -> float | None:
 
 def pressure_bound(contact: Contact) -> float | None:
     """Bound the relative L2 error of the pressure field; None where the duality gap was not asked
-    for, or where the error reaches the pressure itself."""
-    energy, certificate = _energy_norm(contact), contact.certificate
-    if energy is None:
+    for, where the error reaches the pressure itself, and with an attraction: the distance to the
+    equilibrium is that to the contact under the same attraction over a stability that is estimated.
+    """
+    energy = _energy_norm(contact)
+    certificate = contact.certificate
+    if energy is None or contact.attraction is not None:
         return None
     grid = contact.grid
     left = certificate.residual * contact.p_mean / contact.pressure_unit * np.sqrt(grid.N)
@@ -35,21 +38,24 @@ def gap_bound(contact: Contact) -> float | None:
     and dents together have a bound then, the gaps alone have none."""
     from ..operators.problem import self_energy  # names of observables need no kernels
 
-    energy, certificate = _energy_norm(contact), contact.certificate
-    if energy is None or contact.hardness is not None:
+    energy = _energy_norm(contact)
+    certificate = contact.certificate
+    if energy is None or contact.hardness is not None or contact.attraction is not None:
         return None
-    p0, grid = contact.p_mean / contact.pressure_unit, contact.grid
+    p0 = contact.p_mean / contact.pressure_unit
+    grid = contact.grid
     norm = np.sqrt(max(certificate.uKu, 0.0)) + energy
     return _relative(energy * (norm / p0 + self_energy(grid)) / grid.N, certificate.gap_mean)
 
 
 def _energy_norm(contact: Contact) -> float | None:
     """Return |e|_K at most; None where it is not known."""
-    found = contact.certificate
-    if found.duality_gap is None or not np.isfinite(found.duality_gap):
+    certificate = contact.certificate
+    if certificate.duality_gap is None or not np.isfinite(certificate.duality_gap):
         return None
-    p0 = contact.p_mean / contact.pressure_unit
-    return float(np.sqrt(2 * found.duality_gap * p0 * found.gap_mean * contact.N))
+    p0 = contact.wall_pressure / contact.pressure_unit
+    gap = certificate.duality_gap * p0 * certificate.gap_mean * contact.N
+    return float(np.sqrt(2 * gap))
 
 
 def _relative(wrong: float, value: float) -> float | None:

@@ -10,7 +10,9 @@ from pathlib import Path
 
 from ..util.errors import SceneError
 
-HEAD, STATE, LOCK = "head.h5", "checkpoint.h5", "lock"
+HEAD = "head.h5"
+STATE = "checkpoint.h5"
+LOCK = "lock"
 _OURS = re.compile(r"(head|step-\d+|checkpoint)\.h5(\.tmp)?")
 
 
@@ -57,22 +59,40 @@ def acquire(folder: Path) -> int:
     return descriptor
 
 
+def release(folder: Path, lock: int, keep: bool = True) -> None:
+    """Give back the lock that `acquire` returned.
+
+    The folder stays if it is to be kept and a run has begun in it.
+    """
+    if not keep or not (folder / HEAD).exists():
+        clear(folder)
+    os.close(lock)
+
+
 def is_held(folder: Path) -> bool:
-    """Tell whether a run holds the lock of `folder`."""
+    """Return whether a run holds the lock of a folder."""
     with suppress(OSError), open(folder / LOCK, "rb") as file:
         return _taken(file.fileno(), alone=False)
     return False
 
 
 def clear(folder: Path, keep_lock: bool = False) -> None:
-    """Remove what is ours, the head first: a folder without a head that nobody holds is nobody's
-    run."""
+    """Remove the files of a run, the head first: without head.h5 and without a lock a folder is
+    stale.
+
+    Parameters
+    ----------
+    folder : Path
+        Beside a result file.
+    keep_lock : bool
+        Whether the lock and the folder stay.
+    """
     for file in sorted(folder.glob("*"), key=lambda file: not file.name.startswith(HEAD)):
         if _OURS.fullmatch(file.name):
             file.unlink(missing_ok=True)
     if not keep_lock:
         (folder / LOCK).unlink(missing_ok=True)
-        with suppress(OSError):  # somebody else may keep something there
+        with suppress(OSError):  # there may be other files
             folder.rmdir()
 
 

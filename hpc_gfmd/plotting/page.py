@@ -5,14 +5,27 @@ from dataclasses import dataclass
 from itertools import zip_longest
 from typing import Any
 
+COLUMN_WIDTH = 3.35  # inches, 85 mm: one column of a journal
 Panel = Callable[[Any], None]  # draws on the axes
 
 
 @dataclass(frozen=True)
 class Page:
-    """panels: row by row, in so many columns (default: three, of four panels two); width, height:
-    of the picture, without what stands above and below it, and of one row, in inches; images:
-    whether axes keep their aspect and share their ticks."""
+    """A picture as panels.
+
+    Attributes
+    ----------
+    panels : sequence of callable
+        Draw on axes; row by row.
+    columns : int
+        At most; four panels that are no images have two.
+    height : float
+        Of one row, in inches.
+    width : float
+        Of the picture, in inches; a single panel that is no image has COLUMN_WIDTH.
+    images : bool
+        Whether axes keep their aspect and share their ticks.
+    """
 
     panels: Sequence[Panel]
     columns: int = 3
@@ -22,10 +35,12 @@ class Page:
 
     def draw(self, fig: Any) -> None:
         """Draw all panels."""
-        panels, images = self.panels, self.images
+        panels = self.panels
+        images = self.images
         columns = 2 if len(panels) == 4 and not images else min(self.columns, len(panels))
         rows = -(-len(panels) // columns)
-        fig.set_size_inches(self.width, self.height * rows + (0.5 if images else 0.85))
+        width = self.width if images or columns > 1 else COLUMN_WIDTH
+        fig.set_size_inches(width, self.height * rows + (0.5 if images else 0.85))
         if images:
             fig.set_layout_engine("compressed", hspace=0.01, wspace=0.01, h_pad=0.03)
         axes = fig.subplots(rows, columns, squeeze=False, sharex=images, sharey=images).flat

@@ -8,42 +8,86 @@ from typing import Any
 import numpy as np
 
 SLAB_BYTES = 2**25
+YIELD_ROUNDING = 1e-5  # relative, of a pressure that is the hardness, in single precision
 BINS = 48  # of pressure
-GAP_DECADES, PER_DECADE = 6, 10  # of the gap, below the largest one; its bins
+GAP_DECADES = 6  # of the gap, below the largest one
+PER_DECADE = 10  # bins of the gap
 
 
 @dataclass(frozen=True)
 class Survey:
-    """means: {name: pixel means}, those of pressure over the points that touch (0 where none does),
-    and "contact": the share of each pixel that touches, where that is known; largest: {name:
-    largest value of a point}."""
+    """Fields of a load step, reduced to pixels.
+
+    Attributes
+    ----------
+    means : dict of str to ndarray
+        Pixel means of the fields, of the pressure over the points that touch (0 where none does);
+        "contact": the share of each pixel that touches, where that is known; "yielded": with a
+        hardness the share of the points in contact whose pressure it is.
+    largest : dict of str to float
+        Largest value of a point.
+    """
 
     means: dict[str, np.ndarray]
     largest: dict[str, float]
 
 
-def survey(fields: dict, pixels: int, window: tuple | None = None) -> Survey:
-    """Look at the fields of one load step; pixels: at most so many along each axis; window: points
-    (i0, i1, j0, j1), default: all."""
+def survey(
+    fields: dict, pixels: int, window: tuple | None = None, hardness: float | None = None
+) -> Survey:
+    """Reduce the fields of one load step to pixels, reading a few rows at a time.
+
+    Parameters
+    ----------
+    fields : dict of str to field
+        By name; with `read(start, stop)`.
+    pixels : int
+        Largest number of pixels along each axis.
+    window : (i0, i1, j0, j1), optional
+        Points; default: all.
+    hardness : float, optional
+        Pressure at which the solid yields, in the unit of the pressure.
+
+    Returns
+    -------
+    Survey
+    """
     shape = next(iter(fields.values())).shape
     i0, i1, j0, j1 = window or (0, shape[0], 0, shape[1])
     f_x, f_y = (max(1, -(-n // pixels)) for n in (i1 - i0, j1 - j0))
     parts: dict[str, list] = {}
     largest: dict[str, float] = {}
     for slab in _slabs(fields, i0, i1, f_x, slice(j0, j1)):
+        if hardness is not None and "pressure" in slab:
+            slab["yielded"] = slab["pressure"] >= hardness * (1 - YIELD_ROUNDING)
         for name, values in slab.items():
-            counted = slab["contact"] if name == "pressure" else np.ones(values.shape)
+            in_contact = name in ("pressure", "yielded")
+            counted = slab["contact"] if in_contact else np.ones(values.shape)
             values = values * counted
-            total, points = (_pixel_sums(one, f_x, f_y) for one in (values, counted))
+            total = _pixel_sums(values, f_x, f_y)
+            points = _pixel_sums(counted, f_x, f_y)
             parts.setdefault(name, []).append(total / np.maximum(points, 1))
             largest[name] = max(largest.get(name, -np.inf), float(values.max()))
     return Survey({name: np.concatenate(blocks) for name, blocks in parts.items()}, largest)
 
 
 def histogram(fields: dict, name: str) -> tuple[np.ndarray, np.ndarray]:
-    """Count (edges, shares of all points) of "pressure" over the points that touch, in even bins
-    from 0, or of "gap" over the others, in logarithmic bins with all that is smaller in the first
-    one."""
+    """Return a histogram of one field.
+
+    Parameters
+    ----------
+    fields : dict of str to field
+        Of a load step.
+    name : {"pressure", "gap"}
+        The pressure of the points that touch, in even bins from 0; or the gap of the others, in
+        logarithmic bins with all that is smaller in the first one.
+
+    Returns
+    -------
+    edges : ndarray, shape (k + 1,)
+    shares : ndarray, shape (k,)
+        Of all points.
+    """
     n_x, n_y = fields[name].shape
 
     def values() -> Iterator[np.ndarray]:
@@ -51,13 +95,13 @@ def histogram(fields: dict, name: str) -> tuple[np.ndarray, np.ndarray]:
             touching = slab["contact"]
             yield slab[name][touching if name == "pressure" else ~touching]
 
-    top = max(found.max(initial=0.0) for found in values()) or 1.0
+    top = max(block.max(initial=0.0) for block in values()) or 1.0
     edges = np.linspace(0, top, BINS + 1)
     if name == "gap":
         edges = np.append(
             0.0, np.geomspace(top / 10**GAP_DECADES, top, GAP_DECADES * PER_DECADE + 1)
         )
-    return edges, sum(np.histogram(found, edges)[0] for found in values()) / (n_x * n_y)
+    return edges, sum(np.histogram(block, edges)[0] for block in values()) / (n_x * n_y)
 
 
 def _slabs(fields: dict, i0: int, i1: int, multiple: int, columns: slice) -> Iterator[Any]:
