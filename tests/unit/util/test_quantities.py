@@ -50,7 +50,7 @@ def test_parsed(text, dimension, value):
 )
 def test_no_length(text):
     with pytest.raises(
-        ValueError, match=r"no number with a unit|no unit of length|not of length|a comma"
+        ValueError, match=r"not a number with a unit|no unit of length|not of length|a comma"
     ):
         parse(text, "length")
 
