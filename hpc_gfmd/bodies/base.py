@@ -268,3 +268,31 @@ class Body:
         return np.array(
             [K[0, 0], K[1 % n_x, 0] * x, K[0, 1 % n_y] * y, K[1 % n_x, 1 % n_y] * (x and y)]
         )
+
+    @once_per_grid
+    def point_compliance(self, grid: Grid) -> float:
+        """Return S between a point and itself: how far a pressure of 1 on this point alone presses
+        it down, relative to the mean, in units of a.
+
+        Parameters
+        ----------
+        grid : Grid
+            Its spacings and numbers of points count.
+
+        Returns
+        -------
+        float
+            The mean of 1/K over all waves but the uniform one. Summed over NEAR_POINTS along an
+            axis, with the longest waves on finer and finer wave numbers, so it takes no table.
+        """
+        left, unit, total = np.array(grid.n), np.array(grid.spacings) / grid.a, 0.0
+        weight = 1.0
+        while left.max() > 1:
+            points = np.minimum(left, NEAR_POINTS)
+            q_x, q_y = (2 * np.pi * np.fft.fftfreq(k) / s for k, s in zip(points, unit))
+            q = np.hypot(q_x[:, None], q_y).ravel()[1:]
+            weight /= points.prod()
+            total += weight * float(np.sum(1 / self.stiffness(q, grid.a)))
+            left = -(-left // points)
+            unit = unit * points
+        return total

@@ -5,13 +5,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import erf, hypot, inf, isinf, log, sqrt
-from statistics import NormalDist
+from math import inf, isfinite, log, prod
 from typing import TYPE_CHECKING
 
+from .area_search import AreaSearch
 from .height_statistics import HeightStatistics
-from .load_search import CALIBRATION, Errors, SecantSearch, Value, x_of
-from .search import area_may_be_met
+from .load_search import CALIBRATION, Errors, SecantSearch, Value
 
 if TYPE_CHECKING:
     from ..certificate.certificate import Certificate
@@ -20,69 +19,6 @@ if TYPE_CHECKING:
     from .load import Load
 
 Known = tuple[float, bool, HeightStatistics]
-
-POINT = 1.001  # by which an area may be missed
-
-
-class AreaSearch(SecantSearch):
-    """For an area, which is a number of points: it is met to the tolerance or to one point."""
-
-    usual, steps = 1.0, True
-
-    def guess(self, surface: Surface) -> float:
-        """Guess by an area of about 2 p*; with a hardness `straight` is about x."""
-        return log(self.half_area) if isinf(self.closes_at) else self.straight(self.target)
-
-    @property
-    def half_area(self) -> float:
-        """Half of the contact area that is asked for."""
-        return self.target / 2
-
-    @property
-    def aim(self) -> float:
-        """The area that this grid has, by Persson's theory, where the finest has the target, or the
-        least that it has at any load."""
-        aim, finer = self.target, self.finest.steepness / (self.heights.steepness or inf)
-        if finer > 1 > aim:
-            aim = erf(NormalDist().inv_cdf((1 + aim) / 2) * finer / sqrt(2))
-        return max(aim, self.heights.highest / self.heights.points)
-
-    def miss(self, y: float) -> float:
-        """Take a point more or less for none."""
-        miss = super().miss(y)
-        return miss if miss * self.aim * self.heights.points > POINT else 0.0
-
-    def straight(self, y: float) -> float:
-        """Invert Persson's area, erf(c p0), and p0 over the hardness."""
-        y = min(y, 1 - 0.25 / self.heights.points)
-        if y <= 0:
-            return -inf
-        elastic = NormalDist().inv_cdf((1 + y) / 2)
-        if isinf(self.closes_at):
-            return log(elastic)
-        return x_of(1 / hypot(2 / elastic, 1 / (y * self.closes_at)), self.closes_at)
-
-    def predicted(self, solver: Solver, progress: Progress, errors: Errors) -> Value | None:
-        """Predict the area by the load that the points in contact carry: as uncertain as the
-        pressure."""
-        return (round(progress.predicted[0]) / solver.N, errors[1]) if progress.predicted else None
-
-    def within(self, solver: Solver, progress: Progress, room: float) -> bool:
-        """Look at all points."""
-        return area_may_be_met(solver, progress, room)
-
-    def certified(self, solver: Solver, certificate: Certificate) -> Value:
-        """Give the area of the certificate."""
-        return certificate.contact / solver.N, certificate.errors[0]
-
-    def learn(self, solver: Solver, certificate: Certificate) -> float:
-        """Learn as of any value; an area that is less than any load has is missed, which `note`
-        says."""
-        left = super().learn(solver, certificate)
-        point = POINT / self.heights.points
-        if left < 1 and self.aim - self.target > max(self.tolerance * self.target, point):
-            self.note = f"a_r jumps from 0 to {self.aim:.4g}: the least at any load"
-        return left
 
 
 class GapSearch(SecantSearch):
@@ -196,20 +132,26 @@ def search_for(
     """Begin the search for the load that gives a target.
 
     known: the tolerance, whether the error of the solution counts towards it, and the heights;
-    history: loads that were solved before, x and what each gave.
+    history: loads that were solved before, p0 and what each gave.
     """
+    tolerance, counts, heights = known
     value = load.value if load.quantity == "a_r" else load.value / surface.slope
-    found = SEARCHES[load.quantity]
-    search = found(value, *known, known[-1], hardness or inf, slope=found.usual)
-    for point in history:
-        search.x = point["x"]
-        search.secant(point[load.quantity])
-    if search.before is None:
+    kind = SEARCHES[load.quantity]
+    search = kind(
+        value, tolerance, counts, heights, heights, closes_at=hardness or inf, slope=kind.usual
+    )
+    if isinstance(search, AreaSearch):
+        search.map_points = prod(surface.n) // prod(surface.grid.nominal)
+    for solved in history:
+        search.x = search.x_of(solved["p0"])
+        if isfinite(search.x):
+            search.secant(solved[load.quantity])
+    if search.certified_before is None:
         search.x = search.guess(surface)
         return search
-    x, f = search.before
+    x, f = search.certified_before
     way = search.straight(search.aim) - f
     if abs(way) > 4 * CALIBRATION.step * search.slope:  # what is near tells nothing of it
-        search.slope = found.usual
+        search.slope = kind.usual
     search.x = x + way / search.slope
     return search

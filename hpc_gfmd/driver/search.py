@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -9,6 +10,7 @@ if TYPE_CHECKING:
     from ..operators.problem import Problem
     from ..parallel.comm import Comm
     from ..solvers.base import Progress, Solver
+    from .height_statistics import HeightStatistics
 
 
 class LoadSearch:
@@ -39,6 +41,17 @@ class LoadSearch:
     def half_area(self) -> float:
         """About half of the relative contact area, which is about p0 where that is small."""
         return self.p0
+
+    @property
+    def needs_double(self) -> bool:
+        """Whether what is known so far cannot be trusted in single precision."""
+        return False
+
+    def measure(self, heights: Callable[[], HeightStatistics]) -> None:
+        """Take over what has to be known of the heights in the precision of the solver.
+
+        Collective. heights: finds the statistics of the finest grid.
+        """
 
     def begin(self, problem: Problem | None = None) -> float:
         """Begin on the grid of `problem`, or on the finest one, and return p0. Collective."""

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from .full_contact import ClosingSearch
 from .load_quantities import OpeningSearch, search_for
-from .load_search import x_of
 
 if TYPE_CHECKING:
     from ..contact.contact import Contact
@@ -61,7 +60,7 @@ class Searches:
         """Remember what a solved load gave, for the searches after it."""
         a = working.surface.grid.a
         solved = {
-            "x": x_of(contact.p_mean / working.pressure_unit, working.hardness),
+            "p0": contact.p_mean / working.pressure_unit,
             "a_r": contact.contact_points / contact.N,
             "gap_mean": contact.certificate.gap_mean * a,
             "approach": contact.certificate.approach * a,

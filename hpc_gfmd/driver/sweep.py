@@ -30,6 +30,7 @@ from .working_surface import WorkingSurface
 
 if TYPE_CHECKING:
     from ..bodies.base import Body
+    from ..operators.problem import Problem
     from ..scene import Load as SceneLoad
     from ..scene import Solver as Settings
     from ..surface import Surface
@@ -187,6 +188,8 @@ class Sweep:
 
     def _is_too_little(self, load: Load) -> bool:
         """Return whether single precision is known to be too little for a load."""
+        if load.search is not None and load.search.needs_double:
+            return True
         return too_little(self.settings, self.surface.grid.N, load.half_area)
 
     def _work_in(self, dtype: np.dtype) -> None:
@@ -217,6 +220,8 @@ class Sweep:
         pairs: FFT pairs that the load has taken before; may_need_double: whether single precision
         may turn out to be too little.
         """
+        if load.search is not None:
+            load.search.measure(lambda: self.working.heights)
         closed = self._full_contact(load, pairs)
         if closed.contact is not None:
             return closed
@@ -240,7 +245,9 @@ class Sweep:
             iterations=solver.iterations,
             pairs=pairs,
         )
-        if may_need_double and _needs_double(contact):
+        if may_need_double and (
+            _needs_double(contact, load, solver.problem_now) or self._is_too_little(load)
+        ):
             return Attempt(None, pairs)
         return Attempt(contact, pairs)
 
@@ -308,7 +315,10 @@ class Sweep:
         g, p, certificate = closed_contact(problem, dual=duality)
         pairs += certificate.pairs
         tension, rounding = tension_of(problem.grid, p)
-        nearly = problem.dtype == DOUBLE and 0 <= tension <= CLOSED * problem.rounding
+        doubtful = abs(tension) <= CLOSED * problem.rounding
+        if doubtful and problem.dtype != DOUBLE and not load.closes:
+            return Attempt(None, pairs)
+        nearly = doubtful and tension >= 0
         if nearly or load.closes:
             problem = working.problem(load.p0 + tension + rounding)
             g, p, certificate = closed_contact(problem, dual=duality)
@@ -385,6 +395,15 @@ class Attempt(NamedTuple):
     pairs: float
 
 
-def _needs_double(contact: Contact) -> bool:
-    """Return whether single precision turned out to be too little for a load."""
-    return contact.status in ("stagnated", "nonfinite") or contact.gap_is_rounding
+def _needs_double(contact: Contact, load: Load, problem: Problem) -> bool:
+    """Return whether single precision turned out to be too little for a load.
+
+    A gap that is closed everywhere is so where the smallest pressure is more than rounding errors,
+    unless the load is to be the least that closes it. Collective.
+    """
+    if contact.status in ("stagnated", "nonfinite") or contact.gap_is_rounding:
+        return True
+    if load.closes or contact.contact_points < contact.N:
+        return False
+    tension, _ = tension_of(contact.grid, contact.p)
+    return tension > -CLOSED * problem.rounding

@@ -102,15 +102,16 @@ class WorkingSurface:
         surface = self.surface
         if surface.h is None:
             surface = self.make_surface(self.dtype)
-        return HeightStatistics.of(surface.grid, surface.gap)
+        return HeightStatistics.of(self._problem_of(surface, 1.0))
 
     # -- problems
 
     def problem(self, p0: float) -> Problem:
         """Return the problem at a mean pressure, in the program's unit, with stored heights."""
-        return Problem(
-            self.surface.grid, self.surface.gap, p0, body=self.model.body, hardness=self.hardness
-        )
+        return self._problem_of(self.surface, p0)
+
+    def _problem_of(self, surface: Surface, p0: float) -> Problem:
+        return Problem(surface.grid, surface.gap, p0, body=self.model.body, hardness=self.hardness)
 
     def problem_to_start(self, p0: float) -> Problem:
         """Return the problem at p0 with stored heights, from which a starting gap is made."""

@@ -1,5 +1,5 @@
-"""Numbers with units, read by pint: "100 um" is 1e-4 (m), "50 GPa" is 5e10 (Pa). Inside the program
-they are numbers in SI units."""
+"""Numbers with units: "100 um" is 1e-4 (m), "50 GPa" is 5e10 (Pa). Inside the program they are
+numbers in SI units. Lengths are read by util/lengths.py, pressures and forces by pint."""
 
 import difflib
 import re
@@ -9,6 +9,7 @@ from math import floor, isfinite, log10
 from typing import Any
 
 from .errors import one_line
+from .lengths import length_factor
 
 SI = {"length": "m", "pressure": "Pa", "force": "N"}
 USUAL = {  # suggested for misspelt units
@@ -122,6 +123,8 @@ def factor(unit: str, dimension: str = "length") -> float:
 
 def _in_si(unit: str, dimension: str) -> float | None:
     """Return the size of a unit in SI units, or None if it is not a unit of the dimension."""
+    if dimension == "length":
+        return length_factor(unit)
     import pint
 
     try:

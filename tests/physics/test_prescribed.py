@@ -278,7 +278,7 @@ def test_an_area_that_jumps_over_what_is_wanted(z, how, wanted):
     sweep, plain = (sweep_over(z, **how) for _ in range(2))
     found = sweep.solve(Load("a_r", wanted))
     assert found.status == "converged"
-    assert found.pairs < (10 * plain.solve(found.p_mean).pairs if "body" in how else 60)
+    assert found.pairs < (12 * plain.solve(found.p_mean).pairs if "body" in how else 60)
     assert is_as_near_as_can_be(found, plain, wanted, how["accuracy"])
 
 
@@ -292,7 +292,7 @@ def test_areas_of_a_lattice():
         step = sweep.solve(Load("a_r", wanted))
         assert step.status == "converged"
         found, given = found + step.pairs, given + plain.solve(step.p_mean).pairs
-    assert found < 4 * given
+    assert found < 8 * given  # as accurate as it takes to know that points are alike
 
 
 @pytest.mark.parametrize(
@@ -382,7 +382,7 @@ def test_an_area_far_from_those_before():
     area is about twice p*."""
     sweep = sweep_over(random_heights((100, 100), seed=4), accuracy=1e-3)
     near = [
-        {"x": x, "a_r": area, "gap_mean": 1.0, "approach": 1.0}
+        {"p0": np.exp(x), "a_r": area, "gap_mean": 1.0, "approach": 1.0}
         for x, area in ((0.40, 0.9990), (0.44, 0.9991))
     ]
     known = 1e-3, True, sweep.working.heights

@@ -1,0 +1,114 @@
+"""Two loads that enclose the one that is searched for, and the next load between them.
+
+Source: Chandrupatla, Adv. Eng. Softw. 28 (1997) 145, doi:10.1016/S0965-9978(96)00051-8.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import isfinite, sqrt
+from typing import NamedTuple
+
+
+class Bound(NamedTuple):
+    """A load that is known to be too small, or too large.
+
+    Attributes
+    ----------
+    x : float
+        The variable of the search.
+    value : float
+        What this load gives.
+    distance : float
+        A continuous function of the load with its zero at the target: below 0 where the load is too
+        small. It may be infinite.
+    """
+
+    x: float
+    value: float
+    distance: float
+
+
+@dataclass
+class Bracket:
+    """The loads nearest to the target so far.
+
+    Attributes
+    ----------
+    low, high : Bound or None
+        The largest load that is too small, the smallest that is too large.
+    newest_is_low : bool
+        Which of them was found last.
+    replaced : Bound or None
+        The bound in whose place that one came.
+    """
+
+    low: Bound | None = None
+    high: Bound | None = None
+    newest_is_low: bool = True
+    replaced: Bound | None = None
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether the target is known to lie between two loads."""
+        return self.low is not None and self.high is not None
+
+    @property
+    def bounds(self) -> list[Bound]:
+        """The bounds that there are."""
+        return [bound for bound in (self.low, self.high) if bound is not None]
+
+    def excludes(self, x: float) -> bool:
+        """Return whether a load is known to be too small or too large."""
+        too_small = self.low is not None and x <= self.low.x
+        too_large = self.high is not None and x >= self.high.x
+        return too_small or too_large
+
+    def add(self, bound: Bound, is_low: bool) -> None:
+        """Add a load that is too small (is_low) or too large, or the same load, solved more
+        accurately; a bound on the other side that contradicts it was wrong, and is dropped."""
+        before = self.low if is_low else self.high
+        if before is None or before.x != bound.x:
+            self.replaced = before
+        self.newest_is_low = is_low
+        if is_low:
+            self.low = bound
+            if self.high is not None and self.high.x <= bound.x:
+                self.high = None
+        else:
+            self.high = bound
+            if self.low is not None and self.low.x >= bound.x:
+                self.low = None
+
+    def between(self, meet: float) -> float:
+        """Return the next load between two bounds: by inverse quadratic interpolation where that
+        may be trusted, else the middle; first by a secant.
+
+        meet: difference of x at which bounds are the same load; the next one is no nearer to
+        either.
+        """
+        assert self.low is not None
+        assert self.high is not None
+        newest, other = (self.low, self.high) if self.newest_is_low else (self.high, self.low)
+        share = _share(newest, other, self.replaced)
+        least = min(meet / (self.high.x - self.low.x), 0.5)
+        return newest.x + min(max(share, least), 1 - least) * (other.x - newest.x)
+
+
+def _share(a: Bound, b: Bound, c: Bound | None) -> float:
+    """Return where between a, the newest bound, and b the zero is expected; c: the bound that a
+    replaced."""
+    distances = [bound.distance for bound in (a, b, c) if bound is not None]
+    if not all(isfinite(distance) for distance in distances) or a.distance == b.distance:
+        return 0.5
+    if c is None:
+        return a.distance / (a.distance - b.distance)
+    if c.distance in (a.distance, b.distance):
+        return 0.5
+    xi = (a.x - b.x) / (c.x - b.x)
+    phi = (a.distance - b.distance) / (c.distance - b.distance)
+    if not (0 < xi < 1 and 1 - sqrt(1 - xi) < phi < sqrt(xi)):
+        return 0.5
+    of_b = a.distance / (b.distance - a.distance) * c.distance / (b.distance - c.distance)
+    of_c = a.distance / (c.distance - a.distance) * b.distance / (c.distance - b.distance)
+    return of_b + of_c * (c.x - a.x) / (b.x - a.x)
