@@ -1,8 +1,8 @@
 """Everything public has a docstring that stands alone, in the form of numpydoc.
 
 Public is what has no leading underscore: functions, classes and their methods, in every file of the
-package. UNFINISHED lists the folders that have not been rewritten by these rules. Whoever rewrites
-one of them takes it out of that list, until the list is empty and goes.
+package. UNFINISHED lists folders and files that have not been rewritten by these rules. Whoever
+rewrites one of them takes it out of that list, until the list is empty and goes.
 """
 
 import dataclasses
@@ -28,7 +28,15 @@ UNFINISHED = (
     "output",
     "parallel",
     "plotting",
-    "runs",
+    "runs.loads",
+    "runs.prepared",
+    "runs.references",
+    "runs.restored",
+    "runs.simulation",
+    "runs.solution",
+    "runs.solve",
+    "runs.solved",
+    "runs.table",
     "scene",
     "solvers",
     "surface",
@@ -45,7 +53,8 @@ RULES = {
 MODULES = [
     module.name
     for module in pkgutil.walk_packages(hpc_gfmd.__path__, "hpc_gfmd.")
-    if module.name.split(".")[1] not in UNFINISHED and not module.name.endswith("__main__")
+    if not f"{module.name}.".startswith(tuple(f"hpc_gfmd.{name}." for name in UNFINISHED))
+    and not module.name.endswith("__main__")
 ]
 
 
@@ -60,8 +69,9 @@ def public(module):
         elif inspect.isclass(entry):
             yield name, entry
             for method, value in vars(entry).items():
-                if not method.startswith("_") and callable(getattr(entry, method)):
-                    yield f"{name}.{method}", getattr(value, "__func__", value)
+                function = getattr(value, "__func__", value)
+                if not method.startswith("_") and inspect.isfunction(function):
+                    yield f"{name}.{method}", function
 
 
 def fields(entry):
@@ -85,6 +95,8 @@ def mistakes(module, name, entry):
     path = f"{module.__name__}.{name}"
     record = fields(entry) if inspect.isclass(entry) else []
     exempt = set()
+    if inspect.isclass(entry) and "__init__" not in vars(entry):
+        exempt.add("PR01")
     if is_short(entry) or record or (inspect.isclass(entry) and issubclass(entry, BaseModel)):
         exempt |= {"PR01", "RT01"}
     if record or inspect.isclass(entry):
@@ -109,6 +121,6 @@ def test_public_docstrings(name):
     assert not found, "\n".join(found)
 
 
-def test_the_list_of_exceptions_has_folders_only():
-    folders = {module.name for module in pkgutil.iter_modules(hpc_gfmd.__path__)}
-    assert set(UNFINISHED) <= folders
+def test_the_exceptions_exist():
+    modules = {module.name for module in pkgutil.walk_packages(hpc_gfmd.__path__, "hpc_gfmd.")}
+    assert {f"hpc_gfmd.{name}" for name in UNFINISHED} <= modules
