@@ -24,6 +24,7 @@ BYTES = {
     (8, True, 2): (51, 51),
 }
 STIFFNESS = 5.0  # numbers per point for the tangent stiffness
+STABILITY = 11.0  # numbers per point for the stability of a contact with attraction
 ON_REQUEST = 2.0  # numbers per point for other observables and for distributions
 FIELD_GIB = 1 / 8  # at most, for a piece of a field that is written
 LAYER = 1.5  # numbers per point for the stiffness of a layer, a table
@@ -66,6 +67,8 @@ def memory_of(
         passing.append(ON_REQUEST * itemsize * points)
     if "stiffness" in (output.observables or ()):
         passing.append(STIFFNESS * itemsize * points)
+    if scene.material.adhesion is not None:
+        passing.append(STABILITY * itemsize * points)
     nbytes += max(passing) + HALO * itemsize * cell[1]
     if scene.surface.kind == "file":  # resampled along y, then along x
         before = scene.surface.downsample / scene.surface.refine  # points, over those after

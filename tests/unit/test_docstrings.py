@@ -28,6 +28,7 @@ UNFINISHED = (
     "output",
     "parallel",
     "plotting",
+    "runs.in_memory",
     "runs.loads",
     "runs.prepared",
     "runs.references",
