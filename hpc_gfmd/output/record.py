@@ -20,6 +20,7 @@ from ..parallel.guard import on_rank_0
 from ..parallel.h5 import Stored, write_file
 from ..parallel.mpi_io import io_way, mpi_io_obstacle
 from ..util.errors import GfmdError, SceneError, reason
+from ..util.file_names import require_name
 from .describe import SIGNS, describe, set_attributes
 from .folder import HEAD, STATE, acquire, clear, followed, partial_folder, step_files
 from .numbers import About
@@ -224,6 +225,7 @@ class RunFile(AbstractContextManager):
     ) -> tuple[Result, bool, list[str]]:
         """Make and lock the folder, on rank 0; returns what an earlier run left, whether this one
         goes on with it, and notes."""
+        require_name("output.path", self.path)
         if not self.path.parent.is_dir():
             raise SceneError(f"output.path: the folder {self.path.parent} does not exist")
         if self.path.is_dir():

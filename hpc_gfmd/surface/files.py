@@ -14,6 +14,7 @@ import numpy as np
 from ..parallel.h5 import inside
 from ..scene.surface import ANY
 from ..util.errors import SceneError, one_line
+from ..util.file_names import require_name
 from . import instruments, pictures, text
 from .heights import require_map
 from .metadata import NAMES, Map, Metadata, by_attributes, by_axes
@@ -48,6 +49,7 @@ def open_map(spec: Any) -> Map:
     """Open the height map of a scene.File, of one path: (its numbers, two axes; the Metadata beside
     them). Raises SceneError for anything unreadable, and for what holds no heights."""
     path = Path(spec.path)
+    require_name("surface.path", path)
     if not path.is_file():
         raise SceneError(
             f"surface.path: found {path}, which is no file, allowed: the path of a height map"
