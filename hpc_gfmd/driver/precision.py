@@ -62,6 +62,8 @@ def first_precision(settings: Settings) -> np.dtype:
 def few_points(N: int, p_star: float, accuracy: float | None) -> bool:
     """Tell whether so few of N points will touch that single precision, which may err in a few of
     them, cannot give the area to an accuracy (None where a residual is asked for)."""
+    if p_star <= 0:  # with an attraction: how many touch nobody knows
+        return True
     expected = N * min(1.0, 2 * p_star)  # a_r is about 2 p*
     return accuracy is not None and CALIBRATION.few_points / expected > accuracy
 

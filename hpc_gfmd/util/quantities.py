@@ -1,5 +1,5 @@
-"""Numbers with units, by pint: "100 um" is 1e-4 (m), "50 GPa" is 5e10 (Pa). Inside the program they
-are numbers in SI units."""
+"""Numbers with units: "100 um" is 1e-4 (m), "50 GPa" is 5e10 (Pa). Inside the program they are
+numbers in SI units. Lengths are those of util/lengths.py, pressures and forces those of pint."""
 
 import difflib
 import re
@@ -9,12 +9,14 @@ from math import floor, isfinite, log10
 from typing import Any
 
 from .errors import one_line
+from .lengths import length_factor
 
-SI = {"length": "m", "pressure": "Pa", "force": "N"}
+SI = {"length": "m", "pressure": "Pa", "force": "N", "work": "J/m^2"}
 USUAL = {  # to guess from what was meant
     "length": ("m", "mm", "um", "nm", "pm"),
     "pressure": ("Pa", "kPa", "MPa", "GPa", "bar", "N/mm^2"),
     "force": ("N", "uN", "nN", "mN", "kN"),
+    "work": ("J/m^2", "mJ/m^2", "N/m", "mN/m"),
 }
 DECIMAL_COMMA = re.compile(r"\s*[-+]?\d*,\d+(?!.*,).*")
 NO_COMMA = "decimals have a point, not a comma"
@@ -70,11 +72,14 @@ def factor(unit: str, dimension: str = "length") -> float:
 
 
 def _in_si(unit: str, dimension: str) -> float | None:
+    if dimension == "length":
+        return length_factor(unit)
     import pint
 
     try:
         if _UNIT.fullmatch(unit):
-            return float(_registry()(unit).to(SI[dimension]).magnitude)
+            power = re.sub(r"(?<=[^\W\d_])(-?[1-9])", r"^\1", unit)  # pint has "m^2" for "m2"
+            return float(_registry()(power).to(SI[dimension]).magnitude)
     except (ValueError, AttributeError, pint.PintError):
         pass
     return None
