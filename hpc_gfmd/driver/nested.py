@@ -181,6 +181,11 @@ class Nested:
             self.coarser = Nested(self.step.coarse, dtype, finer + 1)
 
     @property
+    def is_coarsest(self) -> bool:
+        """Whether the grid has no coarser one, the same on all ranks."""
+        return self.step is None
+
+    @property
     def grids(self) -> list[Grid]:
         """The coarse grids that this rank has a part in, finest first."""
         return [self.coarser.grid, *self.coarser.grids] if self.coarser is not None else []

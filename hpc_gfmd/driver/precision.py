@@ -129,4 +129,6 @@ def known_heights(scene: Scene, n: tuple[int, int]) -> tuple[float | None, float
 def counting(asked: StoppingCriterion | Settings, p_star: float) -> float:
     """Return the errors of the pressure at all open points, in the problem's unit, that count as
     much as what is asked for."""
-    return asked.residual * p_star if asked.residual else (asked.accuracy or 0.0) * p_star**0.5
+    if asked.residual:
+        return asked.residual * p_star
+    return (asked.accuracy or 0.0) * max(p_star, 0.0) ** 0.5

@@ -173,7 +173,7 @@ class Starter:
         else:
             bare = replace(problem, attraction=None)
             gap, pairs = nested.start(bare, self._make, load.search, memory)
-            if problem.attraction is not None and not nested.grids:
+            if problem.attraction is not None and nested.is_coarsest:
                 gap, more = self._without_attraction(bare, gap)
                 pairs += more
         del nested  # in low memory the transforms of the coarser grids go with it

@@ -188,6 +188,7 @@ class Scene(Table):
                 for axis, n, k in zip("xy", surface.n, surface.periods)
                 if n < RESOLVED * k
             ]
+        attracts = self.material.adhesion is not None  # more touches then
         if not isinstance(surface, SelfAffine) or surface.radius:
             return found
         if surface.eps_f > 1 / 8:
@@ -204,7 +205,7 @@ class Scene(Table):
         )  # about
         _, values = self.load.given
         for load, area in zip(values, self.load.a_r or areas):
-            if area * n_x * n_y < TOUCHING:
+            if area * n_x * n_y < TOUCHING and not attracts:
                 found.append(
                     f"load: at {load:g} fewer than {TOUCHING} of the {n_x} x {n_y} points touch"
                 )
