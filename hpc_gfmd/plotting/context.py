@@ -15,7 +15,7 @@ class FigureContext:
     result: with the chosen steps alone; left_out: how many others there are; window: (x0, x1, y0,
     y1) in the unit of its sizes, points: the same in grid points; hardness: of the solid, None
     without one; units, theory, lengths: how it is scaled, and what is drawn beside it; dpi: of the
-    print; name: in a legend of several results."""
+    print; attracts: whether the surfaces do; name: in a legend of several results."""
 
     def __init__(
         self,
@@ -32,6 +32,7 @@ class FigureContext:
         scene = scene_of(result)
         self.theory = theory_of(scene, result.surface)
         self.hardness = scene.material.hardness if scene else None
+        self.attracts = scene is not None and scene.material.adhesion is not None
         self.units = Units(result, self.theory, dimensionless)
         # 1 where all varies along one axis alone
         self.dimensions = 1 if 0 in getattr(scene and scene.surface, "periods", ()) else 2

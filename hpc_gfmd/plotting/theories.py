@@ -43,6 +43,8 @@ def theory_of(scene: Scene | None, found: Any) -> Theory | None:
     and where a theory is only of periodic or of free ones."""
     if scene is None or scene.material.thickness is not None:
         return None
+    if scene.material.adhesion is not None:  # these theories have none
+        return None
     surface, hardness, E_star = scene.surface, scene.material.hardness, float(scene.material.E_star)
     periodic, slope = not any(surface.free), found.get("g_rms")
     if surface.kind == "self-affine" and periodic and good(slope):

@@ -169,7 +169,9 @@ class Bpx(Solver):
             self.rayleigh = 1.0
         else:
             zKz = dKd + stiffer - 2 * a * b * self.zKd - b * b * self.dKd
-            self.rayleigh = zKz / (a * a * self.rz)
+            with np.errstate(over="ignore"):  # of the last bits of a closed contact
+                self.rayleigh = zKz / (a * a * self.rz)
+            self.rayleigh = self.rayleigh if np.isfinite(self.rayleigh) else 1.0
         self._measure(sums)
         # K u = p - t - p_cell
         Kud = pd - td - self.p_cell * self.grid.cell_points * mean
