@@ -46,7 +46,8 @@ def compile_once(
     """
 
     def solve() -> None:
-        _tiny_contact(scene, observe)
+        # a single process compiles double precision where a load asks for it
+        _tiny_contact(scene, observe, every_precision=comm.size > 1)
 
     with collective_errors(comm, "compiling"):
         if comm.rank == 0:
@@ -63,13 +64,17 @@ def _tiny_attraction(material: Material) -> Law | None:
     return None if adhesion is None else law_named(adhesion.law, *TINY_ATTRACTION)
 
 
-def _tiny_contact(scene: Scene, observe: Callable[[Contact], object]) -> None:
-    """Solve a tiny contact in every precision that the run of a scene may use."""
+def _tiny_contact(
+    scene: Scene, observe: Callable[[Contact], object], every_precision: bool
+) -> None:
+    """Solve a tiny contact in the precision that the run of a scene begins with, or in every one
+    that it may use."""
     settings, material = scene.solver, scene.material
     surface = TINY | {"boundary": scene.surface.boundary or "periodic"}
     tiny = Scene.from_dict({"surface": surface, "load": {"p_star": 0.05}}).surface
     first = "single" if first_precision(settings) == np.float32 else "double"
-    for precision in {first, "double"} if settings.precision == "auto" else {first}:
+    may_need_double = every_precision and settings.precision == "auto"
+    for precision in {first, "double"} if may_need_double else {first}:
         sweep = make_sweep(
             lambda dtype: build_surface(tiny, SerialComm(), dtype),
             settings.model_copy(update={"max_iterations": 3, "precision": precision}),
