@@ -154,9 +154,10 @@ class AreaSearch(SecantSearch):
         self.jumps = self._changes_at_once(solver)
         if self.jumps:
             below, above = self.bracket.bounds
-            self.note = (
-                f"a_r jumps from {below.value:.4g} to {above.value:.4g}: the nearer is taken"
-            )
+            ends = f"from {below.value:.4g} to {above.value:.4g}"
+            self.note = f"a_r jumps {ends}: the nearer is taken"
+            if solver.problem.dtype != np.float64:
+                self.note = f"single precision cannot tell whether a_r jumps {ends}"
             return self._confirm(solver, certificate)
         point = POINT / self.heights.points
         if left < 1 and self.aim - self.target > max(self.tolerance * self.target, point):
@@ -166,8 +167,8 @@ class AreaSearch(SecantSearch):
     def correct(self, solver: Solver, certificate: Certificate, solved: bool) -> bool:
         """Go to the nearer side of a jump, or between the bounds."""
         if self.jumps:
-            nearer = self._nearer
-            return self.x != nearer.x and self._go(nearer.x, solver)
+            plateau = self._nearer.plateau
+            return self.x != plateau and self._go(plateau, solver)
         y, error = self.certified(solver, certificate)
         surely_missed = self.miss(y) > error
         if self.corrections == CALIBRATION.most or not surely_missed or self.undecided > 1:
@@ -244,7 +245,7 @@ class AreaSearch(SecantSearch):
         nearer = self._nearer
         y, _ = self.certified(solver, certificate)
         point = POINT / self.heights.points
-        if self.x != nearer.x:
+        if self.x not in (nearer.x, nearer.plateau):
             return inf
         if abs(y - self.aim) <= abs(nearer.value - self.aim) + point:
             return 0.0
