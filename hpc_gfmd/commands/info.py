@@ -54,11 +54,13 @@ def _io() -> str:
 
 
 def _mpi_library() -> str:
+    from ..util.errors import one_line
+
     try:
         import mpi4py
 
         mpi4py.rc.initialize = False
         from mpi4py import MPI
-    except ImportError as error:
-        return f"none ({error})"
-    return MPI.Get_library_version().split(",")[0].split("\n")[0]
+    except (ImportError, RuntimeError) as error:  # RuntimeError: it finds no MPI library
+        return f"none ({one_line(str(error))})"
+    return one_line(MPI.Get_library_version().split(",")[0].split("\n")[0])

@@ -107,7 +107,7 @@ def compose(
 def _of_map(what: str, path: Path, tables: dict[str, Any]) -> Any:
     """Make the Suggestion for a height map; its path counts from the folder of the scene."""
     from ..scene import Scene
-    from ..surface.quality import NO_MODULUS
+    from ..surface.doubtful_numbers import NO_MODULUS
     from ..surface.suggest import suggestion
 
     def make(values: dict[str, Any]) -> Any:

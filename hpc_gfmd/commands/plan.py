@@ -33,7 +33,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 def main(args: Namespace) -> int:
     """Print the plan; raises SceneError if the scene is wrong or does not fit into this machine."""
-    from ..parallel.world import auto_threads, ranks_per_node
+    from ..parallel.thread_count import auto_threads, ranks_per_node
     from ..runs.loads import check
     from ..runs.plan import plan_of, text_of
     from ..scene import load_scene

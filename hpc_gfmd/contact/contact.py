@@ -18,8 +18,8 @@ from ..parallel.halo import next_row
 from ..parallel.threads import added
 from ..scene.model import TOUCHING
 from ..surface import Surface
+from ..surface.doubtful_numbers import load_notes
 from ..surface.number_range import field_dtype
-from ..surface.quality import load_notes
 from ..util.quantities import prefixed
 
 METALLIC = 1e9  # Pa: of an effective modulus from which the note on yield speaks

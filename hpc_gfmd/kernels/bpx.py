@@ -125,7 +125,7 @@ def search_passes(
         )
         if law is not None:
             work[k, 0], work[k, 1] = work_of_step(law, g, rows[0], i0, i1, inside)
-        store_rows(rows, i0, i1)
+        store_rows(rows[1], i0, i1)
 
 
 @kernel
@@ -180,7 +180,7 @@ def update_passes(
         i0 = passes[k, 0]
         i1 = passes[k, 1]
         if spectra:
-            load_rows(rows, i0, i1)
+            load_rows(rows[1], i0, i1)
         of_slab = i0 if d.shape[0] == g.shape[0] else 0
         d_rows = d[of_slab : of_slab + i1 - i0]
         if law is not None:
@@ -243,7 +243,8 @@ def projected_step(g, p, d, d_rows, i0, i1, z_1, transfer, step, H, inside, scra
     PROJECTED = encode(g.dtype.type(-np.inf))
     coarse_row = scratch[0, :m]
     Pz = scratch[1, :n]  # P z_1 on one row
-    Pz[:] = zero
+    for j in range(n):
+        Pz[j] = zero
     length = alpha * compliance
     H_or_0 = limit(H, zero)
     rd = 0.0
@@ -319,20 +320,21 @@ def update_state(g, p, d, Kd, s, i0, i1, coarse, shared, transfer, H, inside, ga
     tuple
         UpdateSums of these rows.
     """
-    J_x = transfer[0]
-    f_x = transfer[1]
+    J_x, f_x, mode, J_y, f_y, factor = transfer
     n = g.shape[1]
     RR = PP = RD = DKD = RKD = CONTACT = GAP = OPENING = CLOSING = YIELDED = 0.0
-    ends = J_x[i0], J_x[i1 - 1] + 1
-    gathered[3:6] = 0
-    i = i0
-    while i < i1:
-        J = J_x[i]
-        end = i + 1
+    first = J_x[i0]
+    last = J_x[i1 - 1] + 1  # the one after the rows, which has parts of these, too
+    for j in range(n):
+        for c in range(3, 6):
+            gathered[c, j] = 0
+    start = i0
+    for J in range(first, last + 1):
+        end = start
         while end < i1 and J_x[end] == J:
             end += 1
         rr, pp, rd, dKd, rKd, contact, gap, opening, closing, yielded = _step_rows(
-            g, p, d, Kd, s, i0, i, end, H, inside
+            g, p, d, Kd, s, i0, start, end, H, inside
         )
         RR += rr
         PP += pp
@@ -344,10 +346,11 @@ def update_state(g, p, d, Kd, s, i0, i1, coarse, shared, transfer, H, inside, ga
         OPENING += opening
         CLOSING += closing
         YIELDED += yielded
-        _gather_rows(g, p, Kd, i0, i, end, f_x, H, inside, gathered)
-        _scatter_row(gathered[0:3], n, J, ends, shared, coarse, transfer)
-        i = end
-    _scatter_row(gathered[3:6], n, ends[1], ends, shared, coarse, transfer)
+        _gather_rows(g, p, Kd, i0, start, end, f_x, H, inside, gathered)
+        for c in range(3):
+            target = shared[0, c] if J == first else (shared[1, c] if J == last else coarse[c, J])
+            restrict_row(gathered[c, :n], target, factor, mode, J_y, f_y)
+        start = end
     return RR, PP, RD, DKD, RKD, CONTACT, GAP, OPENING, CLOSING, YIELDED
 
 
@@ -471,15 +474,3 @@ def _gather_rows(g, p, Kd, i0, start, end, f_x, H, inside, gathered):
             gathered[2, j] += (one - f) * Kd[i - i0, j]
             gathered[3, j] += f * p[i, j]
             gathered[5, j] += f * Kd[i - i0, j]
-
-
-@inline
-def _scatter_row(complete, n, J, ends, shared, coarse, transfer):
-    """Restrict coarse row J, complete[:, :n] along x, along y to where it belongs.
-
-    ends: the first and the last coarse row, which go to `shared`; all others go to `coarse`.
-    """
-    _, _, mode, J_y, f_y, factor = transfer
-    for c in range(3):
-        target = shared[0, c] if J == ends[0] else (shared[1, c] if J == ends[1] else coarse[c, J])
-        restrict_row(complete[c, :n], target, factor, mode, J_y, f_y)

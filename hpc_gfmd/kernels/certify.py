@@ -89,7 +89,11 @@ def kkt_residuals(g, p, x, p0, hardness, inside, i0, i1):
             worst[0, j] = dent - gij if dent - gij > worst[0, j] else worst[0, j]
             worst[1, j] = tension if tension > worst[1, j] else worst[1, j]
     sums = KktSums(open_p, open_pp, open_p4, closed_pp, pg, contact, gap, yielded)
-    return sums, KktExtremes(worst[0].max(), worst[1].max())
+    penetration = tension = 0.0
+    for j in range(g.shape[1]):
+        penetration = worst[0, j] if worst[0, j] > penetration else penetration
+        tension = worst[1, j] if worst[1, j] > tension else tension
+    return sums, KktExtremes(penetration, tension)
 
 
 @kernel

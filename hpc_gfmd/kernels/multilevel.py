@@ -1,29 +1,41 @@
-"""Transfer between a grid and the next coarser one, and the sweep over the coarsest levels, which
-one rank holds.
+"""Restriction and interpolation between a grid and the next coarser one, and the sweep of the
+multilevel preconditioner over the levels.
 
-Along an axis of n points that is coarsened to m = ceil(n/2), coarse point J sits at fine position J
-n/m: fine point i lies between J0 = floor(i m/n) and J0 + 1 with weight f = i m/n - J0 of the
-latter. P is linear interpolation, R = (m/n)^2 P^T (full weighting).
+Letters. Pressures are in E* g_rms, weights of levels in units of that of the shortest wave.
 
-`transfer` is the tuple of tables that Transfer.tables has (parallel/coarsening.py): k0, f_x:
-coarse row (halo counted) and weight f of each own fine row; mode of the column axis: 0 not
-coarsened, 1 even n (f = 0, 1/2, 0, ...), 2 general (tables j0, f); factor (m/n)^2. Arrays with halo
-rows have one row before and one after the rank's own rows.
+=============  ===================================================================================
+i, j           row and column of a fine point; n points along a row
+J              coarse row or column; m points along a row. Coarse point J sits at fine position
+               J n/m, so that fine point i lies between J0 = floor(i m/n) and J0 + 1, with the
+               weight f = i m/n - J0 of the latter
+P, R           linear interpolation; its adjoint, full weighting: R = (m/n)^2 P^T
+transfer       (J_x, f_x, mode, J_y, f_y, factor), as Transfer.tables (parallel/coarsening.py) has
+               it: J_x: J0 of this rank's fine rows as rows of a coarse array (halo counted), f_x:
+               their weights; mode of the columns: 0 not coarsened, 1 n even (f = 0, 1/2, 0, ...),
+               2 general; J_y, f_y: J0 and f of the columns; factor: (m/n)^2
+r, t           fields 0 and 1 of a level: p on F and the indicator of A, restricted
+x              field 2, where there is one: K d on F, restricted
+z              the result: r/(weight + damping t) + P z of the next coarser level
+s              indicator of the surface, restricted: the product of s_x and s_y
+=============  ===================================================================================
+
+Fields of a level are one array (fields, rows + 2, n): own rows 1 to rows, halo rows 0 and rows + 1.
 """
 
-import numpy as np
+from .jit import inline, kernel
+from .views import view_fields
 
-from .jit import inline, making_arrays
+SUMS = 7  # that smooth_level returns
 
 
 @inline
-def restrict_row(fine, coarse, factor, mode, j0, f):
+def restrict_row(fine, coarse, factor, mode, J_y, f_y):
     """Set coarse = factor P^T fine along one row."""
-    one = fine.dtype.type(1)
+    real = fine.dtype.type
     n = fine.shape[0]
     m = coarse.shape[0]
     if mode == 1:
-        half = factor * fine.dtype.type(0.5)
+        half = factor * real(0.5)
         before = half * fine[n - 1]
         # even and odd points are read together: vectors of every second point alone would be
         # gathered
@@ -35,264 +47,281 @@ def restrict_row(fine, coarse, factor, mode, j0, f):
         for J in range(m):
             coarse[J] = factor * fine[J]
     else:
-        coarse[:] = fine.dtype.type(0)
-        for i in range(n):
-            a = j0[i]
-            b = a + 1
-            if b == m:
-                b = 0
-            v = factor * fine[i]
-            coarse[a] += v * (one - f[i])
-            coarse[b] += v * f[i]
+        for J in range(m):
+            coarse[J] = real(0)
+        for j in range(n):
+            J = J_y[j]
+            J_next = J + 1 if J + 1 < m else 0
+            value = factor * fine[j]
+            coarse[J] += value * (real(1) - f_y[j])
+            coarse[J_next] += value * f_y[j]
 
 
 @inline
-def interpolate_row(coarse, fine, mode, j0, f):
+def interpolate_row(coarse, fine, mode, J_y, f_y):
     """Set fine = P coarse along one row."""
-    one, half = fine.dtype.type(1), fine.dtype.type(0.5)
+    real = fine.dtype.type
     n = fine.shape[0]
     m = coarse.shape[0]
     if mode == 1:
         for J in range(m - 1):
-            a = coarse[J]
-            fine[2 * J] = a
-            fine[2 * J + 1] = half * (a + coarse[J + 1])
+            fine[2 * J] = coarse[J]
+            fine[2 * J + 1] = real(0.5) * (coarse[J] + coarse[J + 1])
         fine[n - 2] = coarse[m - 1]
-        fine[n - 1] = half * (coarse[m - 1] + coarse[0])
+        fine[n - 1] = real(0.5) * (coarse[m - 1] + coarse[0])
     elif mode == 0:
         for J in range(m):
             fine[J] = coarse[J]
     else:
-        for i in range(n):
-            a = j0[i]
-            b = a + 1
-            if b == m:
-                b = 0
-            fine[i] = coarse[a] * (one - f[i]) + coarse[b] * f[i]
+        for j in range(n):
+            J = J_y[j]
+            J_next = J + 1 if J + 1 < m else 0
+            fine[j] = coarse[J] * (real(1) - f_y[j]) + coarse[J_next] * f_y[j]
 
 
 @inline
-def combine_rows(coarse, k, f, out):
-    """Set out = (1 - f) coarse[k] + f coarse[k + 1]."""
+def combine_rows(coarse, J, f, out):
+    """Set out = (1 - f) coarse[J] + f coarse[J + 1]: P along x, for one fine row."""
     m = out.shape[0]
     one = out.dtype.type(1)
     if f == 0.0:
-        for J in range(m):
-            out[J] = coarse[k, J]
+        for column in range(m):
+            out[column] = coarse[J, column]
     else:
-        for J in range(m):
-            out[J] = coarse[k, J] * (one - f) + coarse[k + 1, J] * f
-
-
-@making_arrays
-def restrict_level(fine, coarse, transfer, i0, i1):
-    """Set coarse = factor P^T fine for all fields: fine (c, rows + 2, n) with valid own rows;
-    coarse (c, rows' + 2, m), halo included.
-
-    Makes the coarse rows that own rows i0..i1 lie on or after; i0 opens a coarse row. With the last
-    row also the one that comes next; coarse rows that no fine row lies beside are left as they are.
-    Rows are added up first: that is contiguous, and leaves half as many rows to restrict along the
-    other axis.
-    """
-    k0, f_x, mode, j0, f, factor = transfer
-    c, rows, n = fine.shape
-    here = np.empty(n, fine.dtype)
-    after = np.empty(n, fine.dtype)
-    before = i0
-    while before > 0 and k0[before - 1] == k0[max(i0 - 1, 0)]:
-        before -= 1
-    for k in range(c):
-        after[:] = 0
-        own = fine[k, 1 : rows - 1]
-        if before < i0:
-            gather_rows(own, k0, f_x, before, here, after)
-        i = i0
-        while i < i1:
-            K = k0[i]
-            i = gather_rows(own, k0, f_x, i, here, after)
-            restrict_row(here, coarse[k, K], factor, mode, j0, f)
-            if i == rows - 2:
-                restrict_row(after, coarse[k, K + 1], factor, mode, j0, f)
+        for column in range(m):
+            out[column] = coarse[J, column] * (one - f) + coarse[J + 1, column] * f
 
 
 @inline
-def gather_rows(fine, k0, f_x, i, here, after):
-    """Add up the rows i, i + 1, ... that lie beside the same coarse row: here = after + sum of (1 -
-    f_x) row, after = sum of f_x row.
+def gather_rows(fine, start, end, f_x, complete, following):
+    """Add up own rows start <= i < end, all those beside one coarse row: R along x.
 
-    Returns the row that comes next. There are two of them wherever the axis is halved: those take
-    one pass.
+    Sets complete = following + sum of (1 - f_x) row, and following = sum of f_x row. Two rows, as
+    wherever the axis is halved, take a single pass.
     """
-    rows, n = fine.shape
-    end = i + 1
-    while end < rows and k0[end] == k0[i]:
-        end += 1
-    one = here.dtype.type(1)
-    if end == i + 2:
-        a, b = fine[i], fine[i + 1]
-        fa, fb = f_x[i], f_x[i + 1]
+    n = complete.shape[0]
+    zero = complete.dtype.type(0)
+    one = complete.dtype.type(1)
+    if end == start + 2:
+        f0 = f_x[start]
+        f1 = f_x[start + 1]
         for j in range(n):
-            here[j] = after[j] + (one - fa) * a[j] + (one - fb) * b[j]
-            after[j] = fa * a[j] + fb * b[j]
-        return end
+            row0 = fine[start + 1, j]
+            row1 = fine[start + 2, j]
+            complete[j] = following[j] + (one - f0) * row0 + (one - f1) * row1
+            following[j] = f0 * row0 + f1 * row1
+        return
     for j in range(n):
-        here[j] = after[j]
-        after[j] = here.dtype.type(0)
-    for r in range(i, end):
-        a, fa = fine[r], f_x[r]
+        complete[j] = following[j]
+        following[j] = zero
+    for i in range(start, end):
+        f = f_x[i]
         for j in range(n):
-            here[j] += (one - fa) * a[j]
-            after[j] += fa * a[j]
-    return end
+            complete[j] += (one - f) * fine[i + 1, j]
+            following[j] += f * fine[i + 1, j]
 
 
-@making_arrays
-def smooth_level(rt, z_coarse, out, weight, damping, transfer, nominal, i0, i1):
-    """Set out = r/(weight + damping t) + P z_coarse on own rows i0..i1; rt: (>=2, rows + 2, n).
-    Returns <r, out>, <x, out>, <r, r>, <t, t>, <r, t>, <t, s> and <r, s>.
+@kernel
+def restrict_level(fine, coarse, transfer, i0, i1, scratch):
+    """Set coarse = R fine for the coarse rows that own rows i0 <= i < i1 lie on or after.
 
-    x is the third field of rt if there is one; s is the product of nominal = (rows,), (n,). out may
-    be rt[0].
+    With the last own row also the coarse row after it; coarse rows that no fine row lies beside
+    are left as they are. Rows are added up first: that is contiguous, and leaves half as many rows
+    to restrict along the other axis.
+
+    Parameters
+    ----------
+    fine : (>= fields, rows + 2, n)
+        Its own rows are read.
+    coarse : (fields, coarse rows + 2, m)
+        Halo rows count.
+    transfer : tuple
+        Between the two, see the head of the file.
+    i0, i1 : int
+        i0 is the first of the rows beside its coarse row.
+    scratch : (>= 2, >= n)
+        Memory of one thread.
+    """
+    J_x, f_x, mode, J_y, f_y, factor = transfer
+    rows = fine.shape[1] - 2
+    n = fine.shape[2]
+    complete = scratch[0, :n]
+    following = scratch[1, :n]
+    # the rows of the coarse row before, which have a part of the first one
+    before = i0
+    while before > 0 and J_x[before - 1] == J_x[i0 - 1]:
+        before -= 1
+    for c in range(coarse.shape[0]):
+        for j in range(n):
+            following[j] = fine.dtype.type(0)
+        start = before
+        while start < i1:
+            J = J_x[start]
+            end = start + 1
+            while end < rows and J_x[end] == J:
+                end += 1
+            gather_rows(fine[c], start, end, f_x, complete, following)
+            if start >= i0:
+                restrict_row(complete, coarse[c, J], factor, mode, J_y, f_y)
+            start = end
+        if start == rows:
+            restrict_row(following, coarse[c, J_x[rows - 1] + 1], factor, mode, J_y, f_y)
+
+
+@kernel
+def smooth_level(fields, z_coarse, out, weight, damping, transfer, nominal, i0, i1, scratch):
+    """Set z = r/(weight + damping t) + P z_coarse on own rows i0 <= i < i1.
+
+    Sums are in the precision of the fields along a row, over rows in double precision.
+
+    Parameters
+    ----------
+    fields : (2 or 3, rows + 2, n)
+        r, t and perhaps x.
+    z_coarse : (coarse rows + 2, m)
+        z of the next coarser level, with valid halo rows.
+    out : (rows + 2, n)
+        Gets z; may be the memory of r.
+    weight, damping : float
+        Of this level, in the precision of the fields.
+    transfer : tuple
+        See the head of the file.
+    nominal : (s_x, s_y)
+        (rows,) and (n,).
+    i0, i1 : int
+        Own rows.
+    scratch : (>= 2, >= n)
+        Memory of one thread.
+
+    Returns
+    -------
+    tuple
+        <r, z>, <x, z>, <r, r>, <t, t>, <r, t>, <t, s> and <r, s> over these rows.
     """
     s_x, s_y = nominal
-    k0, f_x, mode, j0, f, _ = transfer
-    n = rt.shape[2]
-    has_x = rt.shape[0] > 2
-    m = z_coarse.shape[1]
-    row = np.empty(m, rt.dtype)
-    fine = np.empty(n, rt.dtype)
-    zero = rt.dtype.type(0)
-    rz = xz = rr = tt = cross = ts = rs = 0.0
-    for h in range(i0 + 1, i1 + 1):
-        combine_rows(z_coarse, k0[h - 1], f_x[h - 1], row)
-        interpolate_row(row, fine, mode, j0, f)
-        out_r = r_r = t_t = r_t = t_s = r_s = zero
+    J_x, f_x, mode, J_y, f_y, _ = transfer
+    n = fields.shape[2]
+    has_x = fields.shape[0] > 2
+    zero = fields.dtype.type(0)
+    coarse_row = scratch[0, : z_coarse.shape[1]]
+    z_row = scratch[1, :n]
+    rz = xz = rr = tt = rt = ts = rs = 0.0
+    for i in range(i0, i1):
+        combine_rows(z_coarse, J_x[i], f_x[i], coarse_row)
+        interpolate_row(coarse_row, z_row, mode, J_y, f_y)
+        row_rz = row_xz = row_rr = row_tt = row_rt = row_ts = row_rs = zero
         for j in range(n):
-            r, t = rt[0, h, j], rt[1, h, j]
-            z = r / (weight + damping * t) + fine[j]
-            out_r += r * z
-            r_r += r * r
-            t_t += t * t
-            r_t += r * t
-            t_s += t * s_y[j]
-            r_s += r * s_y[j]
-            fine[j] = z
-        rz += out_r
-        rr += r_r
-        tt += t_t
-        cross += r_t
-        ts += s_x[h - 1] * t_s
-        rs += s_x[h - 1] * r_s
+            r = fields[0, i + 1, j]
+            t = fields[1, i + 1, j]
+            z = r / (weight + damping * t) + z_row[j]
+            row_rz += r * z
+            row_rr += r * r
+            row_tt += t * t
+            row_rt += r * t
+            row_ts += t * s_y[j]
+            row_rs += r * s_y[j]
+            z_row[j] = z
+        rz += row_rz
+        rr += row_rr
+        tt += row_tt
+        rt += row_rt
+        ts += s_x[i] * row_ts
+        rs += s_x[i] * row_rs
         if has_x:
-            out_x = zero
             for j in range(n):
-                out_x += rt[2, h, j] * fine[j]
-            xz += out_x
+                row_xz += fields[2, i + 1, j] * z_row[j]
+            xz += row_xz
         for j in range(n):
-            out[h, j] = fine[j]
-    return rz, xz, rr, tt, cross, ts, rs
+            out[i + 1, j] = z_row[j]
+    return rz, xz, rr, tt, rt, ts, rs
 
 
-@making_arrays
-def sweep_coarsest(r, t, shapes, offsets, weights, softness, damping, mode, at):
-    """Sweep the levels that one rank holds completely, in place: r of the finest of them becomes z.
+@kernel
+def sweep_levels(memory, levels, tables, numbers, softness, damping, mode, mode_level, scratch):
+    """Sweep consecutive levels, down to a single point, that one rank has completely.
 
-    r, t: flat storage of all levels; level k is r[offsets[k]:...] of shape shapes[k]; r and t of
-    level 0 are given. mode: flat, added to z on level `at` times its product with r there. Returns
-    the sums over levels of softness times <r, r>, <t, t> and <r, t>, each as a sum over the points
-    of level 0, and the mean of r.
+    Parameters
+    ----------
+    memory : flat array
+        Fields of all levels; r, t and perhaps x of level 0 are given. r of every level becomes z,
+        with halo rows. A level of zeros follows the last one: what is coarser than a point.
+    levels : (levels + 1, 7) int64
+        Of each level: where its fields begin in `memory`, their number, rows, points along a row,
+        mode of the columns, and where its rows and columns begin in `tables`.
+    tables : tuple
+        J_x, f_x, J_y, f_y, s_x and s_y of all levels, one level after the other.
+    numbers : (levels, 2)
+        Weight and factor of each level.
+    softness : (levels,) float64
+        What the sums of a level are weighted by.
+    damping : float
+        Of all levels, in the precision of the fields.
+    mode : flat array
+        The gap mode, added to z of level `mode_level` times its product with r there; empty where
+        there is none.
+    mode_level : int
+        The level of the gap mode.
+    scratch : (>= 2, >= n)
+        n: points along a row of level 0, or of any other.
+
+    Returns
+    -------
+    rz, xz : float
+        <r, z> and <x, z> on level 0.
+    rr, tt, rt, ts, rs : float
+        <r, r>, <t, t>, <r, t>, <t, s> and <r, s>, summed over levels times their softness.
+    mean : float
+        r of the last level, a single point: the mean of r.
     """
-    levels = shapes.shape[0]
-    rr = tt = rt = 0.0
-    N = shapes[0, 0] * shapes[0, 1]
-    mean = 0.0
-    for k in range(levels - 1):
-        n_x, n_y = shapes[k]
-        m_x, m_y = shapes[k + 1]
-        a, b = offsets[k], offsets[k + 1]
-        _restrict(r[a : a + n_x * n_y].reshape(n_x, n_y), r[b : b + m_x * m_y].reshape(m_x, m_y))
-        _restrict(t[a : a + n_x * n_y].reshape(n_x, n_y), t[b : b + m_x * m_y].reshape(m_x, m_y))
-    amplitude = r.dtype.type(0)
-    for i in range(mode.shape[0]):
-        amplitude += mode[i] * r[offsets[at] + i]
-    for k in range(levels - 1, -1, -1):
-        n_x, n_y = shapes[k]
-        a = offsets[k]
-        weight = weights[k]
-        here, contact = r[a : a + n_x * n_y], t[a : a + n_x * n_y]
-        mean = here.mean() if k == levels - 1 else mean
-        s = u = v = 0.0
-        for i in range(here.shape[0]):
-            s += here[i] * here[i]
-            u += contact[i] * contact[i]
-            v += here[i] * contact[i]
-            here[i] = here[i] / (weight + damping * contact[i])
-        share = N / (n_x * n_y) * softness[k]
-        rr += s * share
-        tt += u * share
-        rt += v * share
-        if k < levels - 1:
-            m_x, m_y = shapes[k + 1]
-            b = offsets[k + 1]
-            _interpolate(
-                r[b : b + m_x * m_y].reshape(m_x, m_y), r[a : a + n_x * n_y].reshape(n_x, n_y)
-            )
-        if k == at:
+    J_x, f_x, J_y, f_y, s_x, s_y = tables
+    last = levels.shape[0] - 2
+    for k in range(last):
+        begin, _, rows, n, along, at_x, at_y = levels[k]
+        next_begin, _, next_rows, next_n, _, _, _ = levels[k + 1]
+        fine = view_fields(memory, begin, 2, rows + 2, n)
+        coarse = view_fields(memory, next_begin, 2, next_rows + 2, next_n)
+        transfer = (J_x[at_x:], f_x[at_x:], along, J_y[at_y:], f_y[at_y:], numbers[k, 1])
+        for c in range(2):
+            for j in range(next_n):
+                coarse[c, 0, j] = 0
+                coarse[c, next_rows + 1, j] = 0
+        restrict_level(fine, coarse, transfer, 0, rows, scratch)
+        for c in range(2):  # the axis is periodic: halo rows are rows of the other end
+            for j in range(next_n):
+                coarse[c, 1, j] += coarse[c, next_rows + 1, j]
+                coarse[c, next_rows, j] += coarse[c, 0, j]
+    begin = levels[last, 0]
+    mean = 1.0 * memory[begin + levels[last, 3]]
+    amplitude = memory.dtype.type(0)
+    if mode.shape[0] > 0:
+        begin = levels[mode_level, 0] + levels[mode_level, 3]
+        for i in range(mode.shape[0]):
+            amplitude += mode[i] * memory[begin + i]
+    rz = xz = rr = tt = rt = ts = rs = 0.0
+    for k in range(last, -1, -1):
+        begin, count, rows, n, along, at_x, at_y = levels[k]
+        next_begin, _, next_rows, next_n, _, _, _ = levels[k + 1]
+        fields = view_fields(memory, begin, count, rows + 2, n)
+        z_coarse = view_fields(memory, next_begin, 1, next_rows + 2, next_n)[0]
+        transfer = (J_x[at_x:], f_x[at_x:], along, J_y[at_y:], f_y[at_y:], numbers[k, 1])
+        nominal = (s_x[at_x:], s_y[at_y:])
+        z = fields[0]
+        rz, xz, level_rr, level_tt, level_rt, level_ts, level_rs = smooth_level(
+            fields, z_coarse, z, numbers[k, 0], damping, transfer, nominal, 0, rows, scratch
+        )
+        rr += softness[k] * level_rr
+        tt += softness[k] * level_tt
+        rt += softness[k] * level_rt
+        ts += softness[k] * level_ts
+        rs += softness[k] * level_rs
+        if k == mode_level and mode.shape[0] > 0:
+            rz += amplitude * amplitude
             for i in range(mode.shape[0]):
-                r[a + i] += amplitude * mode[i]
-    return rr, tt, rt, mean
-
-
-@making_arrays
-def _axis(n, m, dtype_of):
-    """Make mode and tables of one axis of a level that one rank holds completely."""
-    mode = 0 if n == m else (1 if n == 2 * m and n > 2 else 2)
-    j0 = np.empty(n, np.int32)
-    f = np.empty(n, dtype_of.dtype)
-    for i in range(n):
-        j0[i] = (i * m) // n
-        f[i] = ((i * m) % n) / n
-    return mode, j0, f
-
-
-@making_arrays
-def _restrict(fine, coarse):
-    n_x, n_y = fine.shape
-    m_x, m_y = coarse.shape
-    mode, j0, f = _axis(n_y, m_y, fine)
-    _, k0, g = _axis(n_x, m_x, fine)
-    factor = fine.dtype.type((m_x / n_x) * (m_y / n_y))
-    here = np.empty(n_y, fine.dtype)
-    after = np.zeros(n_y, fine.dtype)
-    i = 0
-    while i < n_x:
-        K = k0[i]
-        i = gather_rows(fine, k0, g, i, here, after)
-        restrict_row(here, coarse[K], factor, mode, j0, f)
-    if g[n_x - 1] > 0:  # the last row lies between the last coarse row and the first
-        line = np.empty(m_y, fine.dtype)
-        restrict_row(after, line, factor, mode, j0, f)
-        for J in range(m_y):
-            coarse[0, J] += line[J]
-
-
-@making_arrays
-def _interpolate(coarse, fine):
-    """Add P coarse to fine."""
-    one = fine.dtype.type(1)
-    n_x, n_y = fine.shape
-    m_x, m_y = coarse.shape
-    mode, j0, f = _axis(n_y, m_y, fine)
-    _, k0, g = _axis(n_x, m_x, fine)
-    row = np.empty(m_y, fine.dtype)
-    temp = np.empty(n_y, fine.dtype)
-    for i in range(n_x):
-        K = k0[i]
-        L = K + 1 if K + 1 < m_x else 0
-        a = one - g[i]
-        b = g[i]
-        for J in range(m_y):
-            row[J] = coarse[K, J] * a + coarse[L, J] * b
-        interpolate_row(row, temp, mode, j0, f)
-        for j in range(n_y):
-            fine[i, j] += temp[j]
+                memory[begin + n + i] += amplitude * mode[i]
+                if count > 2:
+                    x = memory[begin + 2 * (rows + 2) * n + n + i]
+                    xz += amplitude * (mode[i] * x)
+        for j in range(n):
+            z[0, j] = z[rows, j]
+            z[rows + 1, j] = z[1, j]
+    return rz, xz, rr, tt, rt, ts, rs, mean

@@ -10,11 +10,22 @@ A step that ends compliance times the hardness below -g_c makes a dent as deep a
 
 Beyond the surface, where the grid goes on, nothing pokes through: h = 0 and g = u there, and v,
 which follows the finer edge, is not bounded.
+
+Letters. Gaps are in g_rms a of the fine grid, pressures in E* g_rms, K in 1/a.
+
+============  ====================================================================================
+i, j          row and column of a fine point, of this rank; x: row of the whole grid
+J             column of a coarse point, k its row. Coarse point (k, J) lies on fine point (2 k, 2 J)
+u, p          displacement and pressure of the coarse solution
+h             initial gap
+g             gap on the fine grid, the result
+v             what the steps change, see above
+============  ====================================================================================
 """
 
 import numpy as np
 
-from .jit import inline, making_arrays
+from .jit import inline, kernel
 
 SWEEPS = 3  # gradient steps; each widens the halo by a row
 # coarse rows needed beyond a rank's own: an axis may not be coarsened, or take a cubic
@@ -22,139 +33,181 @@ HALO = max(SWEEPS, SWEEPS // 2 + 2)
 RING = SWEEPS + 1  # rows of every quantity that are kept
 
 
-@making_arrays
-def prolong_gap(u, p, h, g, fine_rows, coarse_rows, halved, compliance, stencil, most, nominal):
-    """Make the gap g on this rank's rows; fine_rows: the first of them and how many there are on
-    all ranks, coarse_rows: likewise.
+def prolong_gap(u, p, h, g, fine_rows, coarse_rows, halved, compliance, stencil, deepest, nominal):
+    """Make the gap g on some rows from the solution on the decimated grid.
 
-    u, p: displacement and pressure of the coarse solution, h: initial gap; each the rows before
-    this rank's own, those, and the rows after: HALO of u and p, SWEEPS of h. halved: whether the
-    coarse grid has half as many points along x, along y; nominal: points along each axis that have
-    an initial gap. stencil: K_near for the point itself, its neighbours along x, along y, and the
-    diagonal ones. most: compliance times the hardness, inf without one. g may be h's own rows.
-    Coarse point J lies on fine point 2 J; points in between get the cubic through the four nearest,
-    (-1, 9, 9, -1)/16, of u, and the mean of two of p."""
-    h_before, h, h_after = h
-    start, n_x = fine_rows
-    first, m_x = coarse_rows
-    halve_x, halve_y = halved
-    step_x = 2 if halve_x else 1
-    rows, n = g.shape
-    one, half = g.dtype.type(1), g.dtype.type(0.5)
-    near, far = g.dtype.type(9.0 / 16.0), g.dtype.type(-1.0 / 16.0)
-    s0, s1, s2, s3 = (
+    Between coarse points u is the cubic through the four nearest, (-1, 9, 9, -1)/16, and p the mean
+    of two.
+
+    Parameters
+    ----------
+    u, p, h : tuple of three arrays
+        The rows before these, these, and the rows after: HALO of u and p, SWEEPS of h.
+    g : (rows, n)
+        Gets the gap; may be the memory of h.
+    fine_rows, coarse_rows : (int, int)
+        The first of the rows and how many there are on all ranks.
+    halved : (bool, bool)
+        Whether the coarse grid has half as many points along x, along y.
+    compliance : float
+        Length of a gradient step, in the precision of g.
+    stencil : (4,)
+        K between a point and itself, its neighbours along x, along y, and the diagonal ones.
+    deepest : float
+        Compliance times the hardness, inf without one.
+    nominal : (int, int)
+        Points along each axis that have an initial gap.
+    """
+    # Rows in rings, with one more point on either side: -g_c, then compliance P p, then v after
+    # 0, 1, ... steps; the last row is scratch.
+    ring = np.zeros(((SWEEPS + 3) * RING + 1, g.shape[1] + 2), g.dtype)
+    line = np.empty(u[1].shape[1] + 3, g.dtype)
+    own = np.array([*fine_rows, *coarse_rows, *halved, *nominal], np.int64)
+    _prolong(u, p, h, g, own, compliance, stencil, deepest, ring, line)
+
+
+@kernel
+def _prolong(u, p, h, g, own, compliance, stencil, deepest, ring, line):
+    """Do the work of `prolong_gap`; own: its numbers of rows and points; ring, line: its memory."""
+    real = g.dtype.type
+    start, n_x, first, m_x, halve_x, halve_y, surface_rows, surface_points = own
+    rows = g.shape[0]
+    n = g.shape[1]
+    zero = real(0)
+    one = real(1)
+    near = real(9.0 / 16.0)
+    far = real(-1.0 / 16.0)
+    mean = compliance * real(0.5)
+    couplings = (
         one - compliance * stencil[0],
         -compliance * stencil[1],
         -compliance * stencil[2],
         -compliance * stencil[3],
     )
-    m = u[1].shape[1]
-    line = np.empty(m + 3, g.dtype)
-    # Rows in rings, one more point on either side: first -g_c, then compliance P p, then v after 0,
-    # 1, ... steps; the last is scratch.
-    t = np.zeros(((SWEEPS + 3) * RING + 1, n + 2), g.dtype)
-    for r in range(-SWEEPS, rows + SWEEPS):
-        slot = (r + RING) % RING
-        x, shift = start + r, first
+    for i in range(-SWEEPS, rows + SWEEPS):
+        slot = (i + RING) % RING
+        x = start + i
+        shift = first
         if x < 0:
-            x, shift = x + n_x, first + m_x
+            x += n_x
+            shift += m_x
         elif x >= n_x:
-            x, shift = x - n_x, first - m_x
-        inner = nominal[1] if x < nominal[0] else 0
-        k = x // step_x - shift
+            x -= n_x
+            shift -= m_x
+        inner = surface_points if x < surface_rows else 0
+        k = (x // 2 if halve_x else x) - shift
         between = halve_x and x % 2 == 1
-        if between:
-            a, b, c, d = (_row(u, k - 1), _row(u, k), _row(u, k + 1), _row(u, k + 2))
-            for J in range(m):
-                line[J + 1] = near * (b[J] + c[J]) + far * (a[J] + d[J])
-        else:
-            line[1 : m + 1] = _row(u, k)
-        _interpolate_row(line, t[slot], halve_y, near, far)
-        v = 2 * RING + slot
+        lowest = ring[slot]
+        v = ring[2 * RING + slot]
+        _coarse_line(u, k, between, one, near, far, line)
+        _interpolate_row(line, lowest, halve_y, near, far)
+        for j in range(1, n + 1):
+            lowest[j] = -lowest[j]
+            v[j] = zero
         if inner > 0:
-            a = h_before[r + SWEEPS] if r < 0 else (h[r] if r < rows else h_after[r - rows])
+            heights = h[0] if i < 0 else (h[1] if i < rows else h[2])
+            row = i + SWEEPS if i < 0 else (i if i < rows else i - rows)
             for j in range(inner):
-                g_c = t[slot, j + 1] + a[j]
-                t[slot, j + 1] = -g_c
-                t[v, j + 1] = max(min(-g_c, most), g.dtype.type(0))
-        for j in range(inner, n):
-            t[slot, j + 1] = -t[slot, j + 1]
-            t[v, j + 1] = g.dtype.type(0)
-        _wrap(t[v])
-        if between:
-            a, b = _row(p, k), _row(p, k + 1)
-            for J in range(m):
-                line[J + 1] = compliance * half * (a[J] + b[J])
-        else:
-            a = _row(p, k)
-            for J in range(m):
-                line[J + 1] = compliance * a[J]
-        _interpolate_row(line, t[RING + slot], halve_y, half, g.dtype.type(0))
+                free = lowest[j + 1] - heights[row, j]
+                lowest[j + 1] = free
+                dent = deepest if deepest < free else free
+                v[j + 1] = zero if zero > dent else dent
+        _wrap(v)
+        _coarse_line(p, k, between, compliance, mean, zero, line)
+        _interpolate_row(line, ring[RING + slot], halve_y, real(0.5), zero)
         for s in range(1, SWEEPS + 1):
-            i = r - s
-            if i >= s - SWEEPS:
-                y = (start + i + n_x) % n_x
-                inner = nominal[1] if y < nominal[0] else 0
-                _relax(t, (s + 1) * RING, i, n, inner, most, s0, s1, s2, s3)
-        i = r - SWEEPS
-        if i >= 0:
-            lowest, v = (i + RING) % RING, (SWEEPS + 2) * RING + (i + RING) % RING
+            if i - s >= s - SWEEPS:
+                x = (start + i - s + n_x) % n_x
+                inner = surface_points if x < surface_rows else 0
+                _relax(ring, (s + 1) * RING, i - s, n, inner, deepest, couplings)
+        done = i - SWEEPS
+        if done >= 0:
+            slot = (done + RING) % RING
             for j in range(n):
-                g[i, j] = t[v, j + 1] - t[lowest, j + 1]
+                g[done, j] = ring[(SWEEPS + 2) * RING + slot, j + 1] - ring[slot, j + 1]
 
 
-@making_arrays
-def _row(field, k):
-    """Return row k of a field: of own rows, or of those before and after."""
-    before, own, after = field
-    if k < 0:
-        return before[before.shape[0] + k]
-    if k >= own.shape[0]:
-        return after[k - own.shape[0]]
-    return own[k]
+@inline
+def _coarse_line(field, k, between, factor, near, far, line):
+    """Set line[1:m + 1] = factor times row k of a field, or where the fine row lies between two of
+    them near (k + (k + 1)) + far ((k - 1) + (k + 2)).
+
+    field: rows before this rank's own, these, and rows after.
+    """
+    before = field[0].shape[0]
+    own = field[1].shape[0]
+    m = line.shape[0] - 3
+    terms = 1
+    if between:
+        terms = 4 if far != 0 else 2
+    for term in range(terms):
+        row = k + term if term < 3 else k - 1
+        rows = field[0] if row < 0 else (field[1] if row < own else field[2])
+        row = row + before if row < 0 else (row if row < own else row - own)
+        if term == 0:
+            weight = near if between else factor
+            for J in range(m):
+                line[J + 1] = weight * rows[row, J]
+        else:
+            weight = near if term == 1 else far
+            for J in range(m):
+                line[J + 1] += weight * rows[row, J]
 
 
-@making_arrays
+@inline
 def _interpolate_row(line, fine, halve_y, near, far):
-    """Interpolate coarse points line[1:-2] along the row, fine[1:-1]."""
-    n, m = fine.shape[0] - 2, line.shape[0] - 3
-    if not halve_y:
-        fine[1 : n + 1] = line[1 : m + 1]
-        return
-    line[0], line[m + 1], line[m + 2] = line[m], line[1], line[1 + 1 % m]
-    for J in range(n // 2):
-        fine[2 * J + 1] = line[J + 1]
-        fine[2 * J + 2] = near * (line[J + 1] + line[J + 2]) + far * (line[J] + line[J + 3])
-    fine[n] = line[m] if n % 2 else fine[n]
+    """Set fine[1:-1] from the coarse points line[1:-2] of a row, which wraps around."""
+    n = fine.shape[0] - 2
+    m = line.shape[0] - 3
+    if halve_y:
+        line[0] = line[m]
+        line[m + 1] = line[1]
+        line[m + 2] = line[1 + 1 % m]
+        for J in range(n // 2):
+            fine[2 * J + 1] = line[J + 1]
+            fine[2 * J + 2] = near * (line[J + 1] + line[J + 2]) + far * (line[J] + line[J + 3])
+        if n % 2:
+            fine[n] = line[m]
+    else:
+        for j in range(1, n + 1):
+            fine[j] = line[j]
 
 
 @inline
 def _wrap(row):
+    """Set the points before and after a periodic row."""
     n = row.shape[0] - 2
-    row[0], row[n + 1] = row[n], row[1]
+    row[0] = row[n]
+    row[n + 1] = row[1]
 
 
 @inline
-def _relax(t, v, i, n, inner, most, s0, s1, s2, s3):
-    """Make one step for row i, of which `inner` points are of the surface: t[v + ...] is the ring
-    of its input."""
-    a, b, c = v + (i - 1 + RING) % RING, v + (i + RING) % RING, v + (i + 1 + RING) % RING
-    lowest, p, out, last = (
-        (i + RING) % RING,
-        RING + (i + RING) % RING,
-        v + RING + (i + RING) % RING,
-        t.shape[0] - 1,
-    )
+def _relax(ring, at, i, n, inner, deepest, couplings):
+    """Make one step for row i, of which `inner` points are of the surface.
+
+    at: where the ring of its input begins; that of its output follows.
+    """
+    own, along_x, along_y, diagonal = couplings
+    slot = (i + RING) % RING
+    above = ring[at + (i - 1 + RING) % RING]
+    v = ring[at + slot]
+    below = ring[at + (i + 1 + RING) % RING]
+    v_new = ring[at + RING + slot]
+    lowest = ring[slot]
+    p = ring[RING + slot]
+    beside = ring[ring.shape[0] - 1]
     for j in range(n + 2):
-        t[last, j] = t[a, j] + t[c, j]
+        beside[j] = above[j] + below[j]
     for j in range(1, n + 1):
-        t[out, j] = (
-            s0 * t[b, j]
-            + s1 * t[last, j]
-            + s2 * (t[b, j - 1] + t[b, j + 1])
-            + s3 * (t[last, j - 1] + t[last, j + 1])
-            - t[p, j]
+        v_new[j] = (
+            own * v[j]
+            + along_x * beside[j]
+            + along_y * (v[j - 1] + v[j + 1])
+            + diagonal * (beside[j - 1] + beside[j + 1])
+            - p[j]
         )
     for j in range(1, inner + 1):
-        t[out, j] = max(t[out, j], min(t[out, j] + most, t[lowest, j]))
-    _wrap(t[out])
+        dent = v_new[j] + deepest
+        dent = dent if dent < lowest[j] else lowest[j]
+        v_new[j] = dent if dent > v_new[j] else v_new[j]
+    _wrap(v_new)

@@ -20,7 +20,7 @@ def multiply_blocks(columns, k0, k1, numbers, factors, inverse, backward, found)
     columns: see transforms.py; numbers: its scratch as real numbers; factors: (scale, ...) of
     `multiply`.
     """
-    plans = columns[4]
+    plans = columns[5]
     for k in range(k0, k1):
         if plans[k, 0] > 0:
             load_columns(columns, k, True)

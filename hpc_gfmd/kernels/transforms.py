@@ -1,19 +1,29 @@
 """One-dimensional transforms in kernels, and where rows and columns of a field stand before and
 after them (parallel/fft.py).
 
-A transform is called by the address of a C function of a plan, a source and a target. What kernels
-take of a thread:
+A transform is called by addresses: (function, plan, source, target), a C function, a plan of it,
+and the memory of two arrays. Spectra are moved in words of 8 bytes (float64), of which a complex
+number of single precision is one and of double precision two: so the same compiled code moves both.
+What kernels take of a thread:
 
-    rows       (real, half, blocks, edges, n_loc, forward, backward): scratch of a pass, real
-               (R, n_y) and complex (R, n_c); the spectra of the n_loc rows of this rank, in blocks
-               of columns that stand one after another; first column of each block, and n_c;
-               (function, plan) of the transforms
-    columns    (moved, near, far, function, plans): scratch of a block (W, n_x) in a type that the
-               compiler moves at once; what of the blocks stands in memory that ranks have in
-               common, and what other nodes have sent; the transforms
-
-near and far are (memory, first, rows): rows[r, 0] <= i < rows[r, 1] of block k stand at
-memory[first[k, r]:]. plans[k] is (width, columns of the plan, forward, backward).
+========  ==========================================================================================
+rows      (real, spectra)
+real      scratch of a pass of rows, (R, n_y), in the precision of the field
+spectra   (half, blocks, edges, n_loc, forward, backward)
+half      spectra of the rows of a pass, one after the other, in words
+blocks    spectra of all n_loc rows of this rank, in blocks of columns that stand one after another,
+          in words
+edges     first word of each block in a row, and the words of a row
+forward   transform of real to half; backward: of half to real
+columns   (moved, address, near, far, function, plans)
+moved     scratch of a block of columns, (W, n_x), in a type that the compiler moves at once:
+          float64 for a complex number of single precision, otherwise the complex number itself;
+          address: its memory
+near      (memory, first, rows) of what stands in memory that ranks have in common; far: likewise of
+          what other nodes have sent. Rows rows[r, 0] <= i < rows[r, 1] of block k stand at
+          memory[first[k, r]:]
+plans     [k]: (width, columns of the plan, plan forward, plan backward) of block k, for `function`
+========  ==========================================================================================
 """
 
 import numpy as np
@@ -29,129 +39,110 @@ TILE = 8  # complex numbers of single precision in a cache line
 
 @intrinsic
 def transform(_, function, plan, source, target):
-    """Call the C function at an address with a plan and the memory of two arrays, in kernels."""
+    """Call the C function at an address with a plan and the addresses of two arrays, in kernels."""
 
     def generate(context, builder, signature, values):
         pointer = ir.IntType(8).as_pointer()
-        memory = [
-            context.make_array(signature.args[k])(context, builder, values[k]).data for k in (2, 3)
-        ]
         called = ir.FunctionType(ir.VoidType(), [pointer] * 3).as_pointer()
-        builder.call(
-            builder.inttoptr(values[0], called),
-            [
-                builder.inttoptr(values[1], pointer),
-                *(builder.bitcast(address, pointer) for address in memory),
-            ],
-        )
+        arguments = [builder.inttoptr(value, pointer) for value in values[1:]]
+        builder.call(builder.inttoptr(values[0], called), arguments)
         return context.get_dummy_value()
 
     return types.void(function, plan, source, target), generate
 
 
-@kernel
-def store_rows(rows, i0, i1):
-    """Transform the real rows i0..i1 of a pass and copy their spectra to the blocks."""
-    real, half, blocks, edges, n_loc, (function, plan), _ = rows
-    transform(function, plan, real, half)
-    to_blocks(half, blocks, edges, n_loc, i0, i1 - i0)
+def no_rows(real):
+    """Return the `rows` of a thread that has real rows (R, n_y) and no spectra."""
+    nothing = np.zeros(1)
+    return real, (nothing, nothing, np.zeros(1, np.int64), 0, (0, 0, 0, 0), (0, 0, 0, 0))
 
 
 @kernel
-def load_rows(rows, i0, i1):
-    """Copy the spectra of rows i0..i1 from the blocks and transform them to real rows of a pass."""
-    real, half, blocks, edges, n_loc, _, (function, plan) = rows
-    from_blocks(blocks, half, edges, n_loc, i0, i1 - i0)
-    transform(function, plan, half, real)
+def store_rows(spectra, i0, i1):
+    """Transform the real rows of a pass, i0 <= i < i1, and copy their spectra to the blocks."""
+    half, blocks, edges, n_loc, (function, plan, source, target), _ = spectra
+    transform(function, plan, source, target)
+    words = edges[-1]
+    for block in range(edges.shape[0] - 1):
+        width = edges[block + 1] - edges[block]
+        whole = width - width % WIDTH
+        for i in range(i0, i1):
+            to = n_loc * edges[block] + i * width
+            begin = (i - i0) * words + edges[block]
+            for w in range(0, whole, WIDTH):
+                move_line(blocks, to + w, half, begin + w)
+            for w in range(whole, width):
+                blocks[to + w] = half[begin + w]
 
 
 @kernel
-def to_blocks(rows, blocks, edges, n_loc, i0, count):
-    """Copy `count` transformed rows, shape (R, n_c), to rows i0.. of n_loc of the blocks, which lie
-    one after another; edges: first column of each of them, and n_c."""
-    source, target = rows.view(np.float64), blocks.view(np.float64)
-    n = source.shape[1]
-    words = n // rows.shape[1]
-    flat = source.reshape(source.size)
-    for m in range(edges.shape[0] - 1):
-        j0, width = words * edges[m], words * (edges[m + 1] - edges[m])
-        start = words * n_loc * edges[m] + i0 * width
-        for r in range(count):
-            a, b = start + r * width, r * n + j0
-            for w in range(0, width - width % WIDTH, WIDTH):
-                move_line(target, a + w, flat, b + w)
-            for w in range(width - width % WIDTH, width):
-                target[a + w] = flat[b + w]
-
-
-@kernel
-def from_blocks(blocks, rows, edges, n_loc, i0, count):
-    """Undo `to_blocks`."""
-    source, target = blocks.view(np.float64), rows.view(np.float64)
-    n = target.shape[1]
-    words = n // rows.shape[1]
-    flat = target.reshape(target.size)
-    for m in range(edges.shape[0] - 1):
-        j0, width = words * edges[m], words * (edges[m + 1] - edges[m])
-        start = words * n_loc * edges[m] + i0 * width
-        for r in range(count):
-            a, b = start + r * width, r * n + j0
-            for w in range(0, width - width % WIDTH, WIDTH):
-                move_line(flat, b + w, source, a + w)
-            for w in range(width - width % WIDTH, width):
-                flat[b + w] = source[a + w]
+def load_rows(spectra, i0, i1):
+    """Copy the spectra of rows i0 <= i < i1 from the blocks and transform them to real rows."""
+    half, blocks, edges, n_loc, _, (function, plan, source, target) = spectra
+    words = edges[-1]
+    for block in range(edges.shape[0] - 1):
+        width = edges[block + 1] - edges[block]
+        whole = width - width % WIDTH
+        for i in range(i0, i1):
+            begin = n_loc * edges[block] + i * width
+            to = (i - i0) * words + edges[block]
+            for w in range(0, whole, WIDTH):
+                move_line(half, to + w, blocks, begin + w)
+            for w in range(whole, width):
+                half[to + w] = blocks[begin + w]
+    transform(function, plan, source, target)
 
 
 @kernel
 def load_columns(columns, k, forward):
     """Fill the scratch with the columns of block k and transform them; forward=False: with 0."""
-    moved, near, far, function, plans = columns
-    width, planned = plans[k, 0], plans[k, 1]
-    moved[width if forward else 0 : planned] = 0
+    moved, address, near, far, function, plans = columns
+    width = plans[k, 0]
+    for w in range(width if forward else 0, plans[k, 1]):
+        for i in range(moved.shape[1]):
+            moved[w, i] = 0
     if forward:
         for memory, first, rows in (near, far):
-            _transpose(memory, first[k], rows, moved[:width])
-        transform(function, plans[k, 2], moved, moved)
+            _transpose(memory, first[k], rows, moved, width)
+        transform(function, plans[k, 2], address, address)
 
 
 @kernel
 def store_columns(columns, k):
     """Transform the scratch back and put it where the columns of block k stand."""
-    moved, near, far, function, plans = columns
-    transform(function, plans[k, 3], moved, moved)
+    moved, address, near, far, function, plans = columns
+    transform(function, plans[k, 3], address, address)
     for memory, first, rows in (near, far):
-        _transpose_back(moved[: plans[k, 0]], memory, first[k], rows)
+        _transpose_back(moved, plans[k, 0], memory, first[k], rows)
 
 
 @inline
-def _transpose(memory, first, rows, columns):
-    """Set columns (W, n_x) = a block (n_x, W) transposed, a cache line of either at a time."""
-    W = columns.shape[0]
-    for k in range(first.shape[0]):
-        i0, n = rows[k, 0], rows[k, 1] - rows[k, 0]
-        block = memory[first[k] : first[k] + n * W].reshape(n, W)
+def _transpose(memory, first, rows, columns, width):
+    """Set columns[:width] = a block (n_x, width) transposed, a cache line of either at a time."""
+    for r in range(first.shape[0]):
+        i0 = rows[r, 0]
+        n = rows[r, 1] - i0
         whole = n - n % TILE
         for i in range(0, whole, TILE):
-            for w in range(W):
+            for w in range(width):
                 for j in range(TILE):
-                    columns[w, i0 + i + j] = block[i + j, w]
+                    columns[w, i0 + i + j] = memory[first[r] + (i + j) * width + w]
         for i in range(whole, n):
-            for w in range(W):
-                columns[w, i0 + i] = block[i, w]
+            for w in range(width):
+                columns[w, i0 + i] = memory[first[r] + i * width + w]
 
 
 @inline
-def _transpose_back(columns, memory, first, rows):
+def _transpose_back(columns, width, memory, first, rows):
     """Undo `_transpose`."""
-    W = columns.shape[0]
-    for k in range(first.shape[0]):
-        i0, n = rows[k, 0], rows[k, 1] - rows[k, 0]
-        block = memory[first[k] : first[k] + n * W].reshape(n, W)
+    for r in range(first.shape[0]):
+        i0 = rows[r, 0]
+        n = rows[r, 1] - i0
         whole = n - n % TILE
         for i in range(0, whole, TILE):
-            for w in range(W):
+            for w in range(width):
                 for j in range(TILE):
-                    block[i + j, w] = columns[w, i0 + i + j]
+                    memory[first[r] + (i + j) * width + w] = columns[w, i0 + i + j]
         for i in range(whole, n):
-            for w in range(W):
-                block[i, w] = columns[w, i0 + i]
+            for w in range(width):
+                memory[first[r] + i * width + w] = columns[w, i0 + i]

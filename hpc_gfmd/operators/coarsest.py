@@ -1,53 +1,129 @@
-"""The coarse levels of the preconditioner that one rank sweeps alone, in one call."""
+"""The coarse levels of the preconditioner that one rank sweeps alone, in one compiled call."""
 
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ..kernels.multilevel import sweep_coarsest
-from ..parallel.coarsening import Level
+from ..kernels.multilevel import sweep_levels
+from ..parallel.coarsening import Level, axis_mode, axis_tables
 
 DAMPING = 4.0  # of a level by the contact on it, over its stiffness
 
 
 class CoarsestLevels:
-    """levels: finest first, with their weights and softness, see hierarchy.py.
+    """Consecutive levels, down to a single point, with memory for their fields.
 
-    mode, at: a field that M has as one more function, flat, empty where there is none, and the
-    level that it is on; r, t: z and the contact of the last sweep on all levels, flat, which begin
-    at `offsets`.
+    Parameters
+    ----------
+    levels : list of Level
+        Finest first.
+    weights : array
+        Stiffness of each level, in the precision of the fields.
+    softness : array of float64
+        What the sums of each level are weighted by.
+    fields : int
+        Number of fields of the first level: r, t and perhaps x; all others have r and t.
+    nominal : list of (s_x, s_y), optional
+        What the indicator of the surface is a product of on each level; default: 1.
+
+    Attributes
+    ----------
+    fields : array (fields, rows + 2, n)
+        Those of the first level with a halo row before and after: r, t and perhaps x go in, z
+        comes out in place of r.
+    mode : flat array
+        The gap mode that is added to z; empty where there is none.
+    mode_level : int
+        The level of the gap mode.
     """
 
-    def __init__(self, levels: Sequence[Level], weights: np.ndarray, softness: np.ndarray):
+    def __init__(
+        self,
+        levels: Sequence[Level],
+        weights: np.ndarray,
+        softness: ArrayLike,
+        fields: int = 2,
+        nominal: Sequence[Sequence[np.ndarray]] | None = None,
+    ):
         dtype = weights.dtype
-        self.shapes = np.array([level.n for level in levels], np.int64).reshape(-1, 2)
-        sizes = self.shapes[:, 0] * self.shapes[:, 1]
-        self.offsets = np.concatenate([[0], np.cumsum(sizes)[:-1]]).astype(np.int64)
-        self.weights, self.softness = weights, softness
-        self.r, self.t = np.zeros(sizes.sum(), dtype), np.zeros(sizes.sum(), dtype)
-        self.damping = dtype.type(DAMPING)
-        self.mode, self.at = np.zeros(0, dtype), 0
-
-    def sweep(self, r: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, list[float], float]:
-        """Return z on the first level from r and t there; the sums over levels of softness times
-        <r, r>, <t, t> and <r, t>, as sums over the points of the first; the mean of r."""
-        n = r.size
-        self.r[:n] = r.ravel()
-        self.t[:n] = t.ravel()
-        *squares, mean = sweep_coarsest(
-            self.r,
-            self.t,
-            self.shapes,
-            self.offsets,
-            self.weights,
-            self.softness,
-            self.damping,
-            self.mode,
-            self.at,
+        shapes = [level.n for level in levels]
+        coarser = [*shapes[1:], shapes[-1]]
+        counts = [fields] + [2] * (len(levels) - 1) + [1]
+        sizes = [
+            count * (n_x + 2) * n_y for count, (n_x, n_y) in zip(counts, [*shapes, shapes[-1]])
+        ]
+        begins = np.cumsum([0, *sizes])
+        rows_before = np.cumsum([0, *(n_x for n_x, _ in shapes)])
+        columns_before = np.cumsum([0, *(n_y for _, n_y in shapes)])
+        along = [axis_mode(n[1], m[1]) for n, m in zip(shapes, coarser)] + [0]
+        shapes.append(shapes[-1])  # the level of zeros
+        self._levels = np.array(
+            [
+                (begin, count, n_x, n_y, mode, at_x, at_y)
+                for begin, count, (n_x, n_y), mode, at_x, at_y in zip(
+                    begins, counts, shapes, along, rows_before, columns_before
+                )
+            ],
+            np.int64,
         )
-        return self.r[:n].reshape(r.shape), squares, mean
+        rows, columns = (
+            [axis_tables(n[axis], m[axis], dtype) for n, m in zip(shapes, coarser)]
+            for axis in (0, 1)
+        )
+        if nominal is None:
+            nominal = [[np.ones(n_x), np.ones(n_y)] for n_x, n_y in shapes[:-1]]
+        self._tables = (
+            np.concatenate([J_x + np.int32(1) for J_x, _ in rows]),
+            np.concatenate([f_x for _, f_x in rows]),
+            np.concatenate([J_y for J_y, _ in columns]),
+            np.concatenate([f_y for _, f_y in columns]),
+            np.concatenate([s_x for s_x, _ in nominal]).astype(dtype),
+            np.concatenate([s_y for _, s_y in nominal]).astype(dtype),
+        )
+        factors = [m[0] / n[0] * m[1] / n[1] for n, m in zip(shapes, coarser)]
+        self._numbers = np.array([weights, factors], dtype).T.copy()
+        self._softness = np.asarray(softness, np.float64)
+        self._damping = dtype.type(DAMPING)
+        self._memory = np.zeros(begins[-1], dtype)
+        self._scratch = np.empty((2, max(n_y for _, n_y in shapes)), dtype)
+        self.fields = self._fields_of(0)
+        self.mode = np.zeros(0, dtype)
+        self.mode_level = 0
+
+    def sweep(self) -> tuple[float, ...]:
+        """Make z on the first level from r and t there.
+
+        Returns
+        -------
+        tuple
+            <r, z> and <x, z> on the first level; <r, r>, <t, t>, <r, t>, <t, s> and <r, s> summed
+            over levels times their softness; the mean of r.
+        """
+        return sweep_levels(
+            self._memory,
+            self._levels,
+            self._tables,
+            self._numbers,
+            self._softness,
+            self._damping,
+            self.mode,
+            self.mode_level,
+            self._scratch,
+        )
+
+    def apply(self, r: np.ndarray, t: np.ndarray) -> np.ndarray:
+        """Return z of r and t, which are fields (rows, n) of the first level; z is overwritten by
+        the next sweep."""
+        self.fields[0, 1:-1] = r
+        self.fields[1, 1:-1] = t
+        self.sweep()
+        return self.fields[0, 1:-1]
 
     def contact(self, k: int) -> np.ndarray:
-        """Return t of level k in the last sweep."""
-        n = self.shapes[k]
-        return self.t[self.offsets[k] : self.offsets[k] + n[0] * n[1]].reshape(n)
+        """Return t of level k in the last sweep, (rows, n)."""
+        return self._fields_of(k)[1, 1:-1]
+
+    def _fields_of(self, k: int) -> np.ndarray:
+        begin, count, rows, n = self._levels[k, :4].tolist()
+        return self._memory[begin : begin + count * (rows + 2) * n].reshape(count, rows + 2, n)

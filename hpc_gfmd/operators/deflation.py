@@ -54,7 +54,7 @@ class GapMode:
 
     def __init__(self, grid: Grid, body: Body, levels: Sequence[Level], weights: np.ndarray):
         points = [level.n[0] * level.n[1] for level in levels]
-        self.at = next(
+        self.level = next(
             (
                 k
                 for k, few in enumerate(points)
@@ -63,11 +63,13 @@ class GapMode:
             None,
         )
         self.pairs = 0.0
-        if self.at is None:
+        if self.level is None:
             return
-        self.pairs = CALIBRATION.steps * points[self.at] / grid.cell_points
-        self.levels = CoarsestLevels(levels[self.at :], weights[self.at :], weights[self.at :])
-        n = levels[self.at].n
+        self.pairs = CALIBRATION.steps * points[self.level] / grid.cell_points
+        self.levels = CoarsestLevels(
+            levels[self.level :], weights[self.level :], weights[self.level :]
+        )
+        n = levels[self.level].n
         q_x, q_y = (
             2 * np.pi * np.fft.fftfreq(m, size / m) * grid.a
             for m, size in zip(n, grid.sizes, strict=True)
@@ -78,15 +80,15 @@ class GapMode:
 
     def wanted(self, share: float) -> bool:
         """Return whether there is a mode where so much of the grid is in contact."""
-        return self.at is not None and 0 < share < 1
+        return self.level is not None and 0 < share < 1
 
     def find(self, t: np.ndarray) -> np.ndarray:
         """Return w sqrt((1 - mu)/<1, w>) where t is the share of contact."""
         real = t.dtype.type
         w, r, d, rz = np.zeros_like(t), np.ones_like(t), np.zeros_like(t), np.inf
-        known = float(self.levels.sweep(r, t)[0].sum())
+        known = float(self.levels.apply(r, t).sum())
         for _ in range(CALIBRATION.steps):
-            z = self.levels.sweep(r, t / real(DAMPING))[0]
+            z = self.levels.apply(r, t / real(DAMPING))
             before, rz = rz, float((r * z).sum())
             if rz < CALIBRATION.solved * known:
                 break

@@ -108,7 +108,7 @@ class Hierarchy:
             np.resize(a, len(self.levels)) for a in (body.weights(grid), body.softness(grid))
         )
         self.weights, alone = weights.astype(dtype), len(self.steps)
-        self.area = NominalArea(grid, self.levels, self.softness, alone)
+        self.area = NominalArea(grid, self.levels, self.softness)
         starts, rank = [grid.starts, *(step.starts for step in self.steps)], grid.comm.rank
         self.nominal = [
             (x[rows[rank] : rows[rank + 1]].astype(dtype), y.astype(dtype))

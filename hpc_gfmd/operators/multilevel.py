@@ -2,13 +2,13 @@
 
     M r = sum over levels of P ... P (weight_l + DAMPING theta_l)^-1 R ... R r
 
-weight_l is the body's stiffness on that level (bodies/base.py), theta_l the local contact fraction:
+weight_l is the body's stiffness on that level (bodies/base.py), theta_l the local share of contact:
 the restricted indicator of the contact. Damping each level by it is what keeps the spectrum of M K
 on the free points narrow at every load, without a parameter to tune.
 
 The finest level is never swept here: the solver's own passes restrict to level 1 (p on F, the
-indicator of A, and x) and interpolate from it. Which ranks have which rows of a level is told by
-hierarchy.py.
+indicator of A, and K d on F) and interpolate from it. Which ranks have which rows of a level is
+decided in hierarchy.py.
 """
 
 from __future__ import annotations
@@ -21,7 +21,8 @@ from numpy.typing import DTypeLike
 
 from ..kernels.bfloat16 import stored_dtype
 from ..kernels.bpx import UpdateSums, update_passes
-from ..kernels.multilevel import restrict_level, smooth_level
+from ..kernels.multilevel import SUMS, restrict_level, smooth_level
+from ..kernels.transforms import no_rows
 from ..parallel.threads import added, on_threads, shares
 from ..util.aligned import LINE, zeros_aligned
 from .coarsest import DAMPING, CoarsestLevels
@@ -38,8 +39,38 @@ EQUIVALENCE = 1.8
 
 
 class Multilevel:
-    """The sweep for one grid and body in one precision. longest: rows per pass of the solver;
-    coarsest_points: see hierarchy.py."""
+    """Sweep over the coarse levels of a grid for one body in one precision.
+
+    Parameters
+    ----------
+    grid : Grid
+        The finest level.
+    body : Body
+        Its stiffness weights the levels.
+    dtype : dtype
+        Precision of the fields.
+    longest : int
+        Rows of a pass of the solver, at most.
+    coarsest_points : int, optional
+        See hierarchy.py.
+
+    Attributes
+    ----------
+    hierarchy : Hierarchy
+        Levels, weights and tables, shared by all sweeps of this grid and body.
+    gap_mode : GapMode
+        Finds the deflation vector of a contact.
+    distributed : int
+        Number of coarse levels that more than one rank may have; rank 0 has the others alone.
+    transfers : list of Transfer
+        From each level to the next coarser one, as this rank sees it.
+    fields : list of array (fields, window rows, m)
+        Of levels 1, 2, ...: this rank's window of r, t and, on level 1, K d on F.
+    ends : array (passes, 2)
+        First row and end of each pass of the solver.
+    scratch : list of (array, array)
+        Memory of each thread for the solver's passes, see kernels/bpx.py: update_state.
+    """
 
     def __init__(
         self,
@@ -49,37 +80,45 @@ class Multilevel:
         longest: int,
         coarsest_points: int | None = None,
     ):
-        self.grid, self.comm, self.inside = grid, grid.comm, grid.inside
+        self.grid = grid
+        self.comm = grid.comm
         self.dtype: np.dtype = np.dtype(dtype)
         self.damping = np.array([DAMPING], self.dtype)[0]
-        known = grid.once(
+        hierarchy = self.hierarchy = grid.once(
             (Hierarchy, body, self.dtype, coarsest_points),
             lambda: Hierarchy(grid, body, self.dtype, coarsest_points),
         )
-        self.hierarchy, self.steps, self.gap_mode = known, known.steps, known.gap_mode
-        self.transfers = [step.transfer for step in self.steps]
-        self.distributed = len(self.steps) - 1  # coarse levels that more than one rank may have
+        steps = self.steps = hierarchy.steps
+        self.gap_mode = hierarchy.gap_mode
+        self.transfers = [step.transfer for step in steps]
+        self.distributed = len(steps) - 1
         # Level 1 is in the windows of all ranks in any case: that is what the solver's passes write
         # to and read from.
-        self.fields = [np.zeros(step.window_shape, self.dtype) for step in self.steps]
+        self.fields = [np.zeros(step.window_shape, self.dtype) for step in steps]
         # the rows that this rank owns: in the window where that is the same
         self.owned = [
             field if step.in_place else np.zeros(step.owned_shape, self.dtype)
-            for step, field in zip(self.steps[:-1], self.fields)
+            for step, field in zip(steps[:-1], self.fields)
         ]
-        last = slice(len(self.steps), None)
-        self.coarsest = (
-            CoarsestLevels(known.levels[last], known.weights[last], known.softness[last])
-            if self.comm.rank == 0
-            else None
-        )
-
+        self.coarsest: CoarsestLevels | None = None
+        if self.comm.rank == 0:
+            alone = slice(len(steps), None)
+            area = hierarchy.area
+            self.coarsest = CoarsestLevels(
+                hierarchy.levels[alone],
+                hierarchy.weights[alone],
+                area.weights[alone],
+                steps[-1].fields,
+                area.s[alone],
+            )
+            if self.fields[-1].shape == self.coarsest.fields.shape:  # a single rank's window
+                self.fields[-1] = self.coarsest.fields
         first = self.transfers[0]
         self.ends = np.array(first.passes(longest), np.int64).reshape(-1, 2)
-        rows, edges = (6, grid.n[1] + LINE // self.dtype.itemsize), (2, 3, first.m[1])
-        # of the solver's passes, of each thread: rows, and what passes share
+        gathered = (6, grid.n[1] + LINE // self.dtype.itemsize)
+        shared = (2, 3, first.m[1])
         self.scratch = [
-            (zeros_aligned(rows, self.dtype), np.zeros(edges, self.dtype))
+            (zeros_aligned(gathered, self.dtype), np.zeros(shared, self.dtype))
             for _ in range(grid.threads)
         ]
 
@@ -91,89 +130,177 @@ class Multilevel:
         s: float,
         rows: Sequence[tuple],
         hardness: np.floating | None = None,
-        comes: bool = True,
+        spectra: bool = True,
         law: Any = None,
         attracted: np.ndarray | None = None,
     ) -> UpdateSums:
-        """Make the solver's update of its state, see kernels/bpx.py: update_passes, and restrict it
-        to level 1. rows: of the transforms, of each thread; d: of the slab, or of one pass; law: of
-        attraction, as kernels take it; attracted: gets what `add_change` returns of each pass,
-        where there is one (kernels/adhesive_rows.py). Returns this rank's UpdateSums."""
-        coarse, tables, ends = self.fields[0], self.transfers[0].tables, self.ends
-        found = np.zeros((len(ends), len(UpdateSums._fields)))
-        if not len(ends):
-            return UpdateSums.total(found)
-        parts = shares(len(ends), self.grid.threads)
-        first = np.empty((len(parts), 3, coarse.shape[2]), self.dtype)
+        """Make the solver's update of its state and restrict the new state to level 1.
+
+        Parameters
+        ----------
+        g, p : array, local slab
+            Gap and pressure; become g + s d and p + s K d.
+        d : array
+            Last step, of the slab or of one pass.
+        s : float
+            Step length.
+        rows : list of tuple
+            Row transforms of each thread, see kernels/transforms.py.
+        hardness : float, optional
+            Largest pressure, in the precision of the fields.
+        spectra : bool
+            Whether the rows of K d come as spectra, see kernels/bpx.py: update_passes.
+        law : tuple, optional
+            Of attraction, as kernels take it.
+        attracted : array (passes, 2), optional
+            Gets what kernels/adhesive_rows.py: add_change returns of each pass.
+
+        Returns
+        -------
+        UpdateSums
+            Of this rank.
+        """
+        grid = self.grid
+        coarse = self.fields[0]
+        tables = self.transfers[0].tables
+        sums = np.zeros((len(self.ends), len(UpdateSums._fields)))
+        if not len(self.ends):
+            return UpdateSums.total(sums)
+        parts = shares(len(self.ends), grid.threads)
+        first_rows = np.empty((len(parts), 3, coarse.shape[2]), self.dtype)
         step = self.dtype.type(s)
-        args = g, p, d, step, comes, coarse, tables, hardness, self.inside, law, attracted
 
-        def some(share: int, k0: int, k1: int, thread: int) -> None:
-            own = rows[thread], self.scratch[thread], first[share], found
-            update_passes(ends, k0, k1, *own, *args)
+        def update_part(part: int, k0: int, k1: int, thread: int) -> None:
+            update_passes(
+                self.ends,
+                k0,
+                k1,
+                rows[thread],
+                self.scratch[thread],
+                first_rows[part],
+                sums,
+                g,
+                p,
+                d,
+                step,
+                spectra,
+                coarse,
+                tables,
+                hardness,
+                grid.inside,
+                law,
+                attracted,
+            )
 
-        pieces = [(share, *part) for share, part in enumerate(parts)]
-        on_threads(self.grid.threads, some, pieces, range(self.grid.threads))
+        pieces = [(part, *passes) for part, passes in enumerate(parts)]
+        on_threads(grid.threads, update_part, pieces, range(grid.threads))
         row_of = tables[0]
         coarse[:, : row_of[0] + 1] = 0
         coarse[:, row_of[-1] + 2 :] = 0
-        for (k0, _), row in zip(parts, first):
-            coarse[:, row_of[ends[k0, 0]]] += row
-        return UpdateSums.total(found)
+        for (k0, _), first_row in zip(parts, first_rows):
+            coarse[:, row_of[self.ends[k0, 0]]] += first_row
+        return UpdateSums.total(sums)
 
     @property
     def z(self) -> np.ndarray:
         """The result on level 1, own rows and halo, (rows + 2, m)."""
         return self.fields[0][0]
 
-    def sweep(self, anew: bool = False) -> tuple[float, ...]:
-        """Make z on level 1 (own rows and halo) from what was restricted to it in the windows of
-        all ranks. anew: by an M that has the gap mode of this contact.
+    def sweep(self, new_contact: bool = False) -> tuple[float, ...]:
+        """Make z on level 1 from what was restricted to it in the windows of all ranks.
 
-        Returns this rank's share of <p, M' p> and <x, M' p>, both on F, as sums over level 1 times
-        N/N_1: M' is M without the finest level; of the mean of p on F; and of the sums over these
-        levels of softness times <r, r>, <t, t>, <r, t>, <t, s> and <r, s>, r and t being p on F and
-        the indicator of A restricted to the level, times N/N_l, s being 1 on the surface and 0
-        beyond.
+        z is there on own and halo rows then. Collective.
+
+        Parameters
+        ----------
+        new_contact : bool
+            Whether M gets the gap mode of this contact first.
+
+        Returns
+        -------
+        tuple
+            This rank's share of <p, M' p> and <K d, M' p>, both on F, as sums over level 1 times
+            N/N_1: M' is M without the finest level; of the mean of p on F; and of the sums over
+            these levels of softness times <r, r>, <t, t>, <r, t>, <t, s> and <r, s>, r and t being
+            p on F and the indicator of A restricted to the level, times N/N_l, s being 1 on the
+            surface and 0 beyond.
         """
         for k in range(self.distributed):
-            own = self.owned[k]
-            self._add_up(k, own[:, 1:-1])
-            self.restrict_from(k + 1, own[:2])
-        rz, xz, mean, *sums = self._sweep_coarsest(anew)
+            fields = self.owned[k]
+            self._add_up(k, fields[:, 1:-1])
+            self.restrict_from(k + 1, fields[:2])
+        rz, xz, *sums, mean = self._sweep_coarsest(new_contact)
         for k in reversed(range(self.distributed)):
-            own = self.owned[k]
-            rz, xz, *here = self.smooth(k + 1, own, own[0])
-            sums = [a + b * self.hierarchy.area.weights[k + 1] for a, b in zip(sums, here)]
-            self._hand_out(k, self.owned[k][:1, 1:-1])
-        first = self.steps[0].transfer
-        ratio = self.grid.cell_points / (first.m[0] * first.m[1])
+            fields = self.owned[k]
+            rz, xz, *level_sums = self.smooth(k + 1, fields, fields[0])
+            weight = self.hierarchy.area.weights[k + 1]
+            sums = [total + weight * term for total, term in zip(sums, level_sums)]
+            self._hand_out(k, fields[:1, 1:-1])
+        m_x, m_y = self.steps[0].transfer.m
+        ratio = self.grid.cell_points / (m_x * m_y)
         return rz * ratio, xz * ratio, mean, *sums
 
     def restrict_from(self, k: int, fine: np.ndarray) -> None:
-        """Restrict two fields of level k, (2, rows + 2, n) with valid own rows, to the window of
-        the next one."""
-        coarse, transfer = self.fields[k][:2], self.transfers[k]
-        coarse[:, :1], coarse[:, -1:] = 0, 0
+        """Restrict two fields of level k to this rank's window of the next one.
+
+        Parameters
+        ----------
+        k : int
+            0: the grid itself.
+        fine : array (2, rows + 2, n)
+            Its own rows, between the first and the last, are read.
+        """
+        coarse = self.fields[k][:2]
+        transfer = self.transfers[k]
+        coarse[:, :1] = 0
+        coarse[:, -1:] = 0
         on_threads(
             self.grid.threads,
-            lambda i0, i1: restrict_level(fine, coarse, transfer.tables, i0, i1),
+            lambda i0, i1, scratch: restrict_level(
+                fine, coarse, transfer.tables, i0, i1, scratch[0]
+            ),
             transfer.pieces,
+            self.scratch,
         )
 
     def smooth(self, k: int, fields: np.ndarray, out: np.ndarray) -> np.ndarray:
-        """Make z of level k from that of the next one, see kernels/multilevel.py; fields: its r, t
-        and perhaps x. Returns the sums."""
-        z, transfer = self.fields[k][0], self.transfers[k]
-        weight, nominal = self.hierarchy.weights[k], self.hierarchy.nominal[k]
+        """Make z of level k from that of the next one.
 
-        def smooth(i0: int, i1: int) -> tuple[float, ...]:
+        Parameters
+        ----------
+        k : int
+            0: the grid itself.
+        fields : array (2 or 3, rows + 2, n)
+            r, t and perhaps a third one, of which the sum <x, z> is.
+        out : array (rows + 2, n)
+            Gets z on own rows; may be the memory of r.
+
+        Returns
+        -------
+        array
+            The sums of kernels/multilevel.py: smooth_level, of this rank.
+        """
+        z_coarse = self.fields[k][0]
+        transfer = self.transfers[k]
+        weight = self.hierarchy.weights[k]
+        nominal = self.hierarchy.nominal[k]
+
+        def smooth_rows(i0: int, i1: int, scratch: tuple[np.ndarray, ...]) -> tuple[float, ...]:
             return smooth_level(
-                fields, z, out, weight, self.damping, transfer.tables, nominal, i0, i1
+                fields,
+                z_coarse,
+                out,
+                weight,
+                self.damping,
+                transfer.tables,
+                nominal,
+                i0,
+                i1,
+                scratch[0],
             )
 
-        sums = on_threads(self.grid.threads, smooth, transfer.pieces)
-        return added(sums, 7)
+        sums = on_threads(self.grid.threads, smooth_rows, transfer.pieces, self.scratch)
+        return added(sums, SUMS)
 
     def _add_up(self, k: int, rows: np.ndarray) -> None:
         """Add up all windows on the rows of level k + 1 that this rank owns, (fields, rows, m)."""
@@ -196,15 +323,29 @@ class Multilevel:
         ts: float,
         rs: float,
     ) -> tuple[float, float, float]:
-        """Return |w|_S^2, share^2 |v|_S^2 and share <v, S w>, over the compliance of the shortest
-        wave, by sums over levels.
+        """Return norms and product of the test pressure by sums over levels.
 
         w = r - missing t is the pressure r that is out of contact less that load in contact; v =
         t/share - s the test pressure of certificate/error_estimates.py, share that of the surface
-        in contact, s the indicator of the surface. contact: points; open_p, open_pp: sums of r and
-        r^2; the others as `sweep` returns them.
+        in contact, s the indicator of the surface.
+
+        Parameters
+        ----------
+        open_p, open_pp : float
+            Sums of r and of r^2 over all points.
+        contact : float
+            Number of points in contact.
+        rr, tt, rt, ts, rs : float
+            As `sweep` returns them, of all ranks.
+
+        Returns
+        -------
+        tuple of float
+            |w|_S^2, share^2 |v|_S^2 and share <v, S w>, over the compliance of the shortest wave.
         """
-        share, missing, norm = contact / self.grid.N, open_p / contact, self.hierarchy.area.norm
+        share = contact / self.grid.N
+        missing = open_p / contact
+        norm = self.hierarchy.area.norm
         finest = contact * (1 - share)  # by itself: what is added may be rounding errors
         residual = max(rr - 2 * missing * rt + missing**2 * tt, 0.0)
         product = rt - share * (open_p + rs) - missing * (finest + tt - share * ts)
@@ -214,45 +355,54 @@ class Multilevel:
     def restrict(
         self, g: np.ndarray, p: np.ndarray, hardness: np.floating | None = None
     ) -> UpdateSums:
-        """Restrict what the update passes do, from a state that no step has led to; returns
-        UpdateSums."""
+        """Restrict a state that no step has led to, as the update passes do.
+
+        Parameters
+        ----------
+        g, p : array, local slab
+            Gap and pressure.
+        hardness : float, optional
+            Largest pressure, in the precision of the fields.
+
+        Returns
+        -------
+        UpdateSums
+            Of this rank.
+        """
         longest = int(np.diff(self.ends).max(initial=0))
         still = np.zeros((longest, self.grid.n[1]), self.dtype)
         d = np.zeros(still.shape, stored_dtype(self.dtype))
-        none = np.zeros((1, 1), np.result_type(self.dtype, np.complex64))
-        rows = still, none, none[0], np.zeros(1, np.int64), 0, (0, 0), (0, 0)
-        return self.update(g, p, d, 0.0, [rows] * self.grid.threads, hardness, comes=False)
+        rows = [no_rows(still)] * self.grid.threads
+        return self.update(g, p, d, 0.0, rows, hardness, spectra=False)
 
-    def _sweep_coarsest(self, anew: bool) -> tuple[float, ...]:
-        """Rank 0 sweeps the levels that it has alone; returns what `sweep` does, of these
-        levels."""
-        last, step = len(self.steps) - 1, self.steps[-1]
-        n, m = step.transfer.m
-        rows = np.empty((len(self.fields[last]), n if self.coarsest else 0, m), self.dtype)
-        self._add_up(last, rows)
-        if not self.coarsest:
-            self._hand_out(last, rows[:1])
-            return (0.0,) * 8
-        r_s, t_s = (self.hierarchy.area.products_of_coarsest(field) for field in rows[:2])
-        if anew:
-            self._find_mode(self.coarsest, rows[1])
-        z, squares, mean = self.coarsest.sweep(rows[0], rows[1])
-        self._hand_out(last, z[None])
-        ratio = self.grid.cell_points / (n * m)
-        # where level 1 itself is one of them
-        products = (0.0, 0.0) if self.distributed else (_dot(rows[0], z), _dot(rows[2], z))
-        return *products, mean, *(a * ratio for a in squares), t_s, r_s
+    def _sweep_coarsest(self, new_contact: bool) -> tuple[float, ...]:
+        """Sweep the levels that rank 0 has alone; returns what CoarsestLevels.sweep does, zeros on
+        other ranks."""
+        k = self.distributed
+        coarsest = self.coarsest
+        if coarsest is None:
+            nothing = np.empty((len(self.fields[k]), 0, self.transfers[k].m[1]), self.dtype)
+            self._add_up(k, nothing)
+            self._hand_out(k, nothing[:1])
+            return (0.0,) * (SUMS + 1)
+        self._add_up(k, coarsest.fields[:, 1:-1])
+        if new_contact:
+            self._find_mode(coarsest)
+        sums = coarsest.sweep()
+        self._hand_out(k, coarsest.fields[:1, 1:-1])
+        return sums
 
-    def _find_mode(self, coarsest: CoarsestLevels, t: np.ndarray) -> None:
+    def _find_mode(self, coarsest: CoarsestLevels) -> None:
+        """Give M the gap mode of the contact that the fields of the first of its levels have."""
         coarsest.mode = coarsest.mode[:0]
-        if self.gap_mode.wanted(t.mean()):
-            coarsest.at = self.gap_mode.at or 0
-            if coarsest.at > 0:
-                coarsest.sweep(t, t)
-                t = coarsest.contact(coarsest.at)
-            coarsest.mode = self.gap_mode.find(t).ravel()
-
-
-def _dot(a: np.ndarray, b: np.ndarray) -> float:
-    """Return <a, b>, not by BLAS, whose threads would get into the way of the other ranks."""
-    return float(np.einsum("ij,ij->", a, b))
+        if not self.gap_mode.wanted(coarsest.fields[1, 1:-1].mean()):
+            return
+        coarsest.mode_level = self.gap_mode.level or 0
+        if coarsest.mode_level > 0:
+            fields = coarsest.fields.copy()
+            coarsest.sweep()
+            t = coarsest.contact(coarsest.mode_level)
+            coarsest.fields[...] = fields
+        else:
+            t = coarsest.fields[1, 1:-1]
+        coarsest.mode = self.gap_mode.find(t.copy()).ravel()

@@ -10,15 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from ..parallel.coarsening import Level, restrict_axis, restrict_axis_back
+from ..parallel.coarsening import Level, restrict_axis
 
 
 class NominalArea:
     """levels, softness: of the grid, see operators/multilevel.py; alone: the first level that one
     rank has complete. N_l: points of a level, N: of the grid."""
 
-    def __init__(self, grid: Any, levels: Sequence[Level], softness: Iterable[float], alone: int):
-        self.levels, self.alone = levels, alone
+    def __init__(self, grid: Any, levels: Sequence[Level], softness: Iterable[float]):
         self.weights = [
             softness_l * grid.cell_points / (level.n[0] * level.n[1])
             for softness_l, level in zip(softness, levels)
@@ -36,19 +35,3 @@ class NominalArea:
                 for weight, (x, y) in zip(self.weights[1:], self.s[1:])
             )
         )
-
-    def products_of_coarsest(self, field: np.ndarray) -> float:
-        """Return softness <field, s> N/N_l, summed over the levels from `alone` on; field:
-        complete, on the first of them."""
-        return float(np.einsum("ij,ij->", self._of_coarsest, field))  # no threads of BLAS
-
-    @cached_property
-    def _of_coarsest(self) -> np.ndarray:
-        """The field whose product with another is `products_of_coarsest` of that."""
-        columns: tuple[list, list] = [], []
-        for k in range(self.alone, len(self.levels)):
-            for axis, s in enumerate(self.s[k]):
-                for finer in reversed(self.levels[self.alone : k]):
-                    s = restrict_axis_back(s, finer.n[axis])
-                columns[axis].append(s if axis else self.weights[k] * s)
-        return np.transpose(columns[0]) @ np.array(columns[1])

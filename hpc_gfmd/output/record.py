@@ -17,7 +17,8 @@ import numpy as np
 from ..parallel.comm import Comm
 from ..parallel.grid import Grid
 from ..parallel.guard import on_rank_0
-from ..parallel.h5 import Stored, io_way, write_file
+from ..parallel.h5 import Stored, write_file
+from ..parallel.mpi_io import io_way, mpi_io_obstacle
 from ..util.errors import GfmdError, SceneError, reason
 from .describe import SIGNS, describe, set_attributes
 from .folder import HEAD, STATE, acquire, clear, followed, partial_folder, step_files
@@ -85,7 +86,7 @@ class RunFile(AbstractContextManager):
                     "format": FORMAT,
                     "format_version": FORMAT_VERSION,
                     "ranks": comm.size,
-                    "io": io_way(comm),
+                    "io": self._io_way(),
                     "signs": SIGNS,
                     "start_time": datetime.now(UTC).isoformat(timespec="seconds"),
                 }
@@ -97,6 +98,19 @@ class RunFile(AbstractContextManager):
         except GfmdError:
             self.close()
             raise
+
+    def _io_way(self) -> str:
+        """Return how fields are written; a note says why not by MPI-IO where that is there."""
+        import h5py
+
+        way = io_way(self.comm, self.partial / HEAD)
+        if way == "serial" and self.comm.size > 1 and h5py.get_config().mpi:
+            obstacle = mpi_io_obstacle(self.comm, self.partial / HEAD)
+            self.notes = [
+                *self.notes,
+                f"{self.path}: rank 0 writes for all, because MPI-IO cannot ({obstacle})",
+            ]
+        return way
 
     def update(self, surface: dict | None = None, height_field: Any = None, **head: Any) -> None:
         """Add attributes of the surface, root attributes, and the local slab of the heights, kept

@@ -82,12 +82,6 @@ def restrict_axis(x: np.ndarray, m: int) -> np.ndarray:
     return (np.bincount(J0, (1 - f) * x, m) + np.bincount((J0 + 1) % m, f * x, m)) * (m / len(x))
 
 
-def restrict_axis_back(x: np.ndarray, n: int) -> np.ndarray:
-    """Apply the transposed map: <restrict_axis(y, m), x> = <y, restrict_axis_back(x, n)>."""
-    J0, f = axis_tables(n, len(x), np.float64)
-    return ((1 - f) * x[J0] + f * x[(J0 + 1) % len(x)]) * (len(x) / n)
-
-
 def axis_mode(n: int, m: int) -> int:
     """Tell how the column axis is coarsened: 0 not at all, 1 exactly halved, 2 anything else."""
     return 0 if n == m else (1 if n == 2 * m and n > 2 else 2)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
+from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
@@ -18,6 +19,7 @@ class SerialComm:
 
     rank, size = 0, 1
     mpi: Any = None
+    io_obstacles: dict[Path, str] = {}
 
     def __init__(self, parent: "Comm | None" = None):
         self.parent = parent
@@ -85,6 +87,7 @@ class MpiComm:
         self.size = mpi.Get_size()
         self.allgather, self.gather = mpi.allgather, mpi.gather
         self._among: dict[tuple[int, ...], Comm | None] = {}
+        self.io_obstacles: dict[Path, str] = {}  # of parallel.mpi_io, for each folder
 
     def _allreduce(self, values: ArrayLike, op: str) -> np.ndarray:
         from mpi4py import MPI

@@ -95,15 +95,25 @@ class SlabFFT(Layout):
     def _for_kernels(self, scratch: tuple[np.ndarray, ...]) -> tuple[tuple, tuple]:
         """Return `rows` and `columns` of a thread, as kernels/transforms.py has them."""
         real, half, columns, received = scratch
-        plans, widths = self.plans, self._own_widths
-        rows = (real, half, self.blocks, self.edges, self.n_loc)
+        plans = self.plans
+        widths = self._own_widths
+        words = half.itemsize // 8
+        spectra = (
+            half.view(np.float64).reshape(-1),
+            self.blocks.view(np.float64),
+            self.edges * words,
+            self.n_loc,
+            (*plans.rows_forward, real.ctypes.data, half.ctypes.data),
+            (*plans.rows_backward, half.ctypes.data, real.ctypes.data),
+        )
         planned = [next(w for w in self.widths if w >= width) for width in widths]
         of_blocks = [
             (width, w, plans.columns_forward[w][1], plans.columns_backward[w][1])
             for width, w in zip(widths, planned)
         ]
-        return (*rows, plans.rows_forward, plans.rows_backward), (
+        return (real, spectra), (
             _moved(columns),
+            columns.ctypes.data,
             (_moved(self._memory), self._first, self._near_rows),
             (_moved(received), np.outer(widths, self._far_rows[:, 0]), self._far_rows),
             plans.columns_forward[self.W][0],
@@ -133,7 +143,7 @@ class SlabFFT(Layout):
 
         def one(i0: int, i1: int, rows: tuple) -> T:
             result = fill(i0, i1, rows[0])
-            store_rows(rows, i0, i1)
+            store_rows(rows[1], i0, i1)
             return result
 
         return on_threads(self.threads, one, self.passes(), self.rows)
@@ -143,7 +153,7 @@ class SlabFFT(Layout):
         returned, in order."""
 
         def one(i0: int, i1: int, rows: tuple) -> T:
-            load_rows(rows, i0, i1)
+            load_rows(rows[1], i0, i1)
             return use(i0, i1, rows[0])
 
         return on_threads(self.threads, one, self.passes(), self.rows)

@@ -22,6 +22,7 @@ import numpy as np
 from ..util.errors import GfmdError
 from .comm import Comm, SerialComm
 from .guard import collective_errors, on_rank_0
+from .mpi_io import io_way
 
 VERSIONS = ("v110", "v110")  # HDF5 1.10 and later read it, and its bookkeeping has checksums
 # attribute of a field; HDF5's own, Fletcher-32, needs chunks and is five times as slow as writing
@@ -34,57 +35,89 @@ _SLACK, _PER_CHUNK = 2**16, 64  # bytes, generous; what is not needed is given b
 
 @dataclass(eq=False)
 class Stored:
-    """A field in a file; shape: (n_x, n_y); checksum: of all its numbers."""
+    """A field in a file.
+
+    Attributes
+    ----------
+    path : Path
+        The file.
+    dataset : str
+        Name of the field in it.
+    shape : (int, int)
+        (n_x, n_y) of the whole field.
+    dtype : numpy.dtype
+        Of its numbers.
+    checksum : int
+        Of all its numbers.
+    passed : (int, int)
+        How many rows were read one after the other from the first on, and their checksum.
+    """
 
     path: Path
     dataset: str
     shape: tuple[int, int]
     dtype: np.dtype
     checksum: int
-    # how many rows were read one after the other from the first on, and their checksum
     passed: tuple[int, int] = 0, 0
 
     def pieces(
-        self, comm: Comm | None = None, rows: tuple[int, int] | None = None
+        self, comm: Comm | None = None, rows: tuple[int, int] | None = None, ranks_at_once: int = 1
     ) -> Iterator[tuple[int, np.ndarray]]:
-        """Yield (start, rows from there on), ... as many on every rank; rows: (start, stop) of this
-        one (default: all of one process). Collective; raises GfmdError, for damaged numbers after
-        the last row of a pass over all of them, in one call or several."""
-        comm, rows = comm or SerialComm(), rows or (0, self.shape[0])
-        found, doing = 0, f"reading {self.path}"
-        for start, stop in _cuts(comm, rows, self.shape[1] * self.dtype.itemsize):
-            with collective_errors(comm, doing), reading(self.path) as file:
-                part = file[self.dataset][start:stop]
-                found += _checksum(part, start)
-            yield start, part
-        begin, end = comm.max([-rows[0], rows[1]])  # of all ranks
-        before, known = self.passed if begin else (0, 0)
-        if before == -begin:  # otherwise it is no pass over all of them
-            self.passed = int(end), (known + _total(comm, found)) % 2**64
-            if end == self.shape[0] and self.passed[1] != self.checksum:
+        """Read rows piece by piece, in as many pieces on every rank. Collective.
+
+        Parameters
+        ----------
+        comm : Comm, optional
+            The ranks that read; default: this process alone.
+        rows : (int, int), optional
+            (start, stop) of this rank; default: all.
+        ranks_at_once : int
+            How many ranks' pieces one of them will hold.
+
+        Yields
+        ------
+        int
+            Number of the first row of a piece.
+        ndarray
+            The rows, shape (rows of the piece, n_y).
+
+        Raises
+        ------
+        GfmdError
+            On all ranks; for damaged numbers after the last row of a pass over all of them, in one
+            call or several.
+        """
+        comm = comm or SerialComm()
+        rows = rows or (0, self.shape[0])
+        checksum = 0
+        row_bytes = self.shape[1] * self.dtype.itemsize
+        for start, stop in _cuts(comm, rows, row_bytes * ranks_at_once):
+            with collective_errors(comm, f"reading {self.path}"), reading(self.path) as file:
+                piece = file[self.dataset][start:stop]
+                checksum += _checksum(piece, start)
+            yield start, piece
+        minus_first, end = comm.max([-rows[0], rows[1]])  # of all ranks
+        first = -minus_first
+        rows_before, checksum_before = self.passed if first else (0, 0)
+        if rows_before == first:  # otherwise it is no pass over all of them
+            total = (checksum_before + _sum_modulo(comm, checksum)) % 2**64
+            self.passed = int(end), total
+            if end == self.shape[0] and total != self.checksum:
                 raise GfmdError(f"{self.path}: the numbers of {self.dataset} are damaged")
 
     def slab(self, comm: Comm, rows: tuple[int, int]) -> np.ndarray:
         """Read this rank's rows (start, stop) in one array. Collective; raises GfmdError as
         `pieces`."""
         with collective_errors(comm, f"reading {self.path}"):
-            found = np.empty((rows[1] - rows[0], self.shape[1]), self.dtype)
-        for start, part in self.pieces(comm, rows):
-            found[start - rows[0] : start - rows[0] + len(part)] = part
-        return found
+            slab = np.empty((rows[1] - rows[0], self.shape[1]), self.dtype)
+        for start, piece in self.pieces(comm, rows):
+            slab[start - rows[0] : start - rows[0] + len(piece)] = piece
+        return slab
 
     def read(self, start: int = 0, stop: int | None = None) -> np.ndarray:
         """Read rows start <= i < stop. Not collective: every rank may read what it needs. Raises
         GfmdError as `pieces`."""
         return self.slab(SerialComm(), (start, self.shape[0] if stop is None else stop))
-
-
-def io_way(comm: Comm) -> str:
-    """Tell how fields are written: "mpio", where opening and closing are collective, on several
-    ranks if HDF5 has it, or "serial"."""
-    import h5py
-
-    return "mpio" if comm.size > 1 and h5py.get_config().mpi else "serial"
 
 
 def write_file(
@@ -97,40 +130,71 @@ def write_file(
     compressed: bool = False,
     dtype: str | None = None,
 ) -> dict[str, Stored]:
-    """Write one HDF5 file, all of it or nothing; returns its fields. Collective.
+    """Write one HDF5 file, all of it or nothing. Collective.
 
-    n: (n_x, n_y); rows: (start, stop) of this rank, may be empty; fields: {dataset: local slab,
-    which is only sliced, or Stored}, with the same names on every rank; describe(file): called by
-    rank 0 when the datasets are there, still empty; compressed: rows are chunks (so that none
-    belongs to two ranks), shuffled and packed; dtype: as stored (default: as they come). Raises
-    GfmdError on every rank when any of them fails (disk full, folder gone, field of a wrong shape,
-    Stored one damaged).
+    Parameters
+    ----------
+    comm : Comm
+        The ranks that have parts of the fields.
+    path : Path
+        The file.
+    n : (int, int)
+        (n_x, n_y) of all fields.
+    rows : (int, int)
+        (start, stop) of this rank, may be empty.
+    fields : dict of ndarray or Stored
+        Local slab of each dataset, which is only sliced, or a field in another file; the same names
+        on every rank.
+    describe : function
+        describe(file) is called by rank 0 when the datasets are there, still empty.
+    compressed : bool
+        Rows are chunks (so that none belongs to two ranks), shuffled and packed.
+    dtype : str, optional
+        Type of the numbers in the file; default: as they come.
+
+    Returns
+    -------
+    dict of Stored
+        The fields of the new file.
+
+    Raises
+    ------
+    GfmdError
+        On every rank when any of them fails: disk full, folder gone, field of a wrong shape, Stored
+        one damaged.
     """
-    tmp, doing = path.with_name(path.name + ".tmp"), f"writing {path}"
-    together = io_way(comm) == "mpio"
-    types, stored = {name: np.dtype(dtype or field.dtype) for name, field in fields.items()}, {}
+    tmp = path.with_name(path.name + ".tmp")
+    doing = f"writing {path}"
+    types = {name: np.dtype(dtype or field.dtype) for name, field in fields.items()}
+    stored = {}
 
-    def described(file: Any) -> None:
+    def describe_all(file: Any) -> None:
         for name in fields:
             file[name].attrs.create(CHECKSUM, 0, dtype="uint64")
         describe(file)
 
     try:
         shapes = {name: (n, types[name]) for name in fields}
-        on_rank_0(comm, doing, lambda: lay_out(tmp, shapes, described, compressed))
-        with _opened(comm, tmp, doing) as file:
+        on_rank_0(comm, doing, lambda: lay_out(tmp, shapes, describe_all, compressed))
+        together = io_way(comm, tmp) == "mpio"
+        ranks_at_once = 1 if together else comm.size
+        with _opened(comm, tmp, together, doing) as file:
             for name, field in fields.items():
-                found = 0
-                for start, part in _parts(comm, field, types[name], n, rows, doing):
-                    parts = [(start, part)] if together else comm.gather((start, part)) or ()
+                checksum = 0
+                for start, piece in _pieces(
+                    comm, field, types[name], n, rows, ranks_at_once, doing
+                ):
+                    mine = start, piece
+                    to_write = [mine] if together else comm.gather(mine) or ()
                     with collective_errors(comm, doing):
-                        for at, numbers in parts:
-                            _write(file[name], at, numbers)
+                        for first_row, numbers in to_write:
+                            _write(file[name], first_row, numbers)
                             sync(tmp, wait=False)
-                        found += _checksum(part, start)
-                stored[name] = Stored(path, name, n, types[name], _total(comm, found))
+                        checksum += _checksum(piece, start)
+                total = _sum_modulo(comm, checksum)
+                stored[name] = Stored(path, name, n, types[name], total)
                 if together or comm.rank == 0:
-                    file[name].attrs.modify(CHECKSUM, np.uint64(stored[name].checksum))
+                    file[name].attrs.modify(CHECKSUM, np.uint64(total))
         with collective_errors(comm, doing):
             if comm.rank == 0 or together:
                 sync(tmp)
@@ -143,8 +207,8 @@ def write_file(
 
 
 def sync(path: Path, wait: bool = True) -> None:
-    """Bring a file or folder to the disk, or have the system begin to: the disk is busy then while
-    the next piece is made."""
+    """Bring a file or folder to the disk, or (wait=False) have the system begin to: the disk is
+    busy then while the next piece is made."""
     if os.name == "nt":  # no descriptor of a folder
         return
     descriptor = os.open(path, os.O_RDONLY)
@@ -158,18 +222,18 @@ def sync(path: Path, wait: bool = True) -> None:
 
 
 @contextmanager
-def _opened(comm: Comm, path: Path, doing: str) -> Iterator[Any]:
-    """Open an h5py file to fill in: by MPI-IO where it can be, else rank 0's alone. Collective."""
+def _opened(comm: Comm, path: Path, together: bool, doing: str) -> Iterator[Any]:
+    """Open an h5py file to fill in: by MPI-IO on all ranks together, else on rank 0 alone.
+    Collective."""
     import h5py
 
-    together = io_way(comm) == "mpio"
-    how = {"driver": "mpio", "comm": comm.mpi} if together else {"locking": False}
+    options = {"driver": "mpio", "comm": comm.mpi} if together else {"locking": False}
     file: Any = nullcontext()
     with collective_errors(comm, doing):
         os.stat(path)  # before ranks that see it wait for one that does not
     with collective_errors(comm, doing):
         if together or comm.rank == 0:
-            file = h5py.File(path, "r+", libver=VERSIONS, **how)
+            file = h5py.File(path, "r+", libver=VERSIONS, **options)
     with collective_errors(comm, doing), file:
         yield file
 
@@ -187,16 +251,16 @@ def reading(path: Path) -> Any:
 
 
 def inside(group: Any, name: str) -> Any:
-    """Find the group or dataset `name`. Raises ValueError if it, or its numbers, lie in another
+    """Return the group or dataset `name`. Raises ValueError if it, or its numbers, lie in another
     file: a link, a virtual or an external dataset could name any one of the machine."""
     import h5py
 
-    found = group[name]
-    if found.file.filename != group.file.filename:
+    member = group[name]
+    if member.file.filename != group.file.filename:
         raise ValueError(f"{name} is a link to another file")
-    if isinstance(found, h5py.Dataset) and (found.is_virtual or found.external):
+    if isinstance(member, h5py.Dataset) and (member.is_virtual or member.external):
         raise ValueError(f"the numbers of {name} lie in another file")
-    return found
+    return member
 
 
 def lay_out(
@@ -205,15 +269,31 @@ def lay_out(
     describe: Callable[[Any], object],
     compressed: bool = False,
 ) -> None:
-    """Write a file without the numbers of its fields, {dataset: (shape, dtype)}, and take the disk
-    space for all of it. describe, compressed: as of write_file. One process only."""
+    """Write a file without the numbers of its fields, and take the disk space for all of it. One
+    process only.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    fields : dict
+        (shape, dtype) of each dataset.
+    describe, compressed
+        As of `write_file`.
+
+    Raises
+    ------
+    OSError
+        With the space that is needed.
+    """
     import h5py
 
-    image, space = io.BytesIO(), _SLACK * bool(fields)
+    image = io.BytesIO()
+    space = _SLACK * bool(fields)
     with h5py.File(image, "w", libver=VERSIONS) as file:
         for name, (shape, dtype) in fields.items():
-            how = PACKED | {"chunks": (1, *shape[1:])} if compressed else {}
-            file.create_dataset(name, shape, dtype, fill_time="never", **how)
+            options = PACKED | {"chunks": (1, *shape[1:])} if compressed else {}
+            file.create_dataset(name, shape, dtype, fill_time="never", **options)
             numbers = prod(shape) * dtype.itemsize
             space += numbers + compressed * (numbers // 500 + _PER_CHUNK * shape[0])
         describe(file)
@@ -228,29 +308,35 @@ def lay_out(
             raise OSError(error.errno, f"{error.strerror} ({space / 1e6:.4g} MB needed)") from None
 
 
-def _parts(
-    comm: Comm, field: Any, dtype: np.dtype, n: tuple[int, int], rows: tuple[int, int], doing: str
+def _pieces(
+    comm: Comm,
+    field: Any,
+    dtype: np.dtype,
+    n: tuple[int, int],
+    rows: tuple[int, int],
+    ranks_at_once: int,
+    doing: str,
 ) -> Iterator[tuple[int, np.ndarray]]:
-    """Yield (start, rows from there on), ... of a Stored field or a local slab."""
+    """Yield (start, rows from there on) of a Stored field or a local slab."""
     if isinstance(field, Stored):
-        yield from field.pieces(comm, rows)
+        yield from field.pieces(comm, rows, ranks_at_once)
         return
-    for start, stop in _cuts(comm, rows, n[1] * dtype.itemsize):
+    for start, stop in _cuts(comm, rows, n[1] * dtype.itemsize * ranks_at_once):
         with collective_errors(comm, doing):
-            part = np.ascontiguousarray(field[start - rows[0] : stop - rows[0]], dtype)
-            if part.shape != (stop - start, n[1]) or stop > n[0]:
-                raise ValueError(f"{part.shape} points in rows {start}:{stop} of {tuple(n)}")
-        yield start, part
+            piece = np.ascontiguousarray(field[start - rows[0] : stop - rows[0]], dtype)
+            if piece.shape != (stop - start, n[1]) or stop > n[0]:
+                raise ValueError(f"{piece.shape} points in rows {start}:{stop} of {tuple(n)}")
+        yield start, piece
 
 
 def _cuts(comm: Comm, rows: tuple[int, int], row_bytes: int) -> list[tuple[int, int]]:
-    """Return (start, stop) of pieces of this rank's rows, as many on every rank."""
-    ranks = comm.size if io_way(comm) == "serial" else 1  # of which rank 0 has a piece each
-    step = max(1, PIECE_BYTES // (row_bytes * ranks))
-    calls = int(comm.max([-((rows[0] - rows[1]) // step)])[0])
+    """Return (start, stop) of pieces of this rank's rows, as many on every rank. row_bytes: bytes
+    of memory that go with a row. Collective."""
+    step = max(1, PIECE_BYTES // row_bytes)
+    count = int(comm.max([-((rows[0] - rows[1]) // step)])[0])
     return [
-        (min(i, rows[1]), min(i + step, rows[1]))
-        for i in range(rows[0], rows[0] + calls * step, step)
+        (min(start, rows[1]), min(start + step, rows[1]))
+        for start in range(rows[0], rows[0] + count * step, step)
     ]
 
 
@@ -259,17 +345,18 @@ def _write(dataset: Any, start: int, rows: np.ndarray) -> None:
     without rows."""
     from h5py import h5fd, h5p, h5s
 
-    memory, space = h5s.create_simple(rows.shape), dataset.id.get_space()
-    how = h5p.create(h5p.DATASET_XFER)
+    memory = h5s.create_simple(rows.shape)
+    space = dataset.id.get_space()
+    transfer = h5p.create(h5p.DATASET_XFER)
     if dataset.file.driver == "mpio":
-        how.set_dxpl_mpio(h5fd.MPIO_COLLECTIVE)
+        transfer.set_dxpl_mpio(h5fd.MPIO_COLLECTIVE)
     space.select_hyperslab((start, 0), rows.shape)
-    dataset.id.write(memory, space, rows, dxpl=how)
+    dataset.id.write(memory, space, rows, dxpl=transfer)
 
 
 def _checksum(rows: np.ndarray, start: int) -> int:
-    """Add up rows start, start + 1, ...: the sum of their words, times an odd number of the row;
-    adds up over pieces and ranks."""
+    """Return the checksum of rows start, start + 1, ...: the sum of their words, times an odd
+    number of the row; adds up over pieces and ranks."""
     words = rows.view("u8" if rows.shape[1] * rows.itemsize % 8 == 0 else "u4")
     return int(
         words.sum(axis=1, dtype=np.uint64)
@@ -277,7 +364,7 @@ def _checksum(rows: np.ndarray, start: int) -> int:
     )
 
 
-def _total(comm: Comm, checksum: int) -> int:
-    """Sum over ranks modulo 2**64; as halves, which float64 adds exactly."""
+def _sum_modulo(comm: Comm, checksum: int) -> int:
+    """Return the sum over ranks modulo 2**64; as halves, which float64 adds exactly."""
     high, low = comm.sum(divmod(checksum % 2**64, 2**32))
     return (int(high) * 2**32 + int(low)) % 2**64

@@ -1,4 +1,5 @@
-"""Whether and by what this process was started as one of several."""
+"""Whether and by what this process was started as one of several: environment variables of MPI
+launchers and of Slurm."""
 
 import os
 import re
@@ -12,16 +13,17 @@ LAUNCHER = "HPC_GFMD_LAUNCHER"
 
 
 def launched() -> tuple[bool, int | None]:
-    """Tell whether an MPI launcher started this process, and the number of processes if the
+    """Return whether an MPI launcher started this process, and the number of processes if the
     launcher tells it (else None).
 
-    The variable HPC_GFMD_LAUNCHER says "mpi" or "none" where that cannot be seen.
+    The environment variable HPC_GFMD_LAUNCHER says "mpi" or "none" where that cannot be seen.
     """
-    said = os.environ.get(LAUNCHER)
-    if said == "none":
+    setting = os.environ.get(LAUNCHER)
+    if setting == "none":
         return False, None
-    size = number_in(*LAUNCHER_SIZE)
-    by_launcher = said == "mpi" or size is not None or any(k in os.environ for k in LAUNCHER_RANK)
+    size = environment_number(*LAUNCHER_SIZE)
+    has_rank = any(name in os.environ for name in LAUNCHER_RANK)
+    by_launcher = setting == "mpi" or size is not None or has_rank
     if by_launcher and size is None:
         size = srun_size()  # PMIx tells processes their rank only
     return by_launcher, size
@@ -29,25 +31,30 @@ def launched() -> tuple[bool, int | None]:
 
 def srun_size() -> int | None:
     """Return the number of processes that srun started with this one, or None."""
-    return number_in("SLURM_STEP_NUM_TASKS")
+    return environment_number("SLURM_STEP_NUM_TASKS")
 
 
 def tasks_per_node() -> int | None:
     """Return the number of processes on each node (the fullest one) of the Slurm job around this
     process, or None."""
-    said = os.environ.get("SLURM_NTASKS_PER_NODE") or os.environ.get("SLURM_TASKS_PER_NODE", "")
+    text = os.environ.get("SLURM_NTASKS_PER_NODE") or os.environ.get("SLURM_TASKS_PER_NODE", "")
     # the latter as in "16(x3),8"
-    found = [int(number) for number in re.findall(r"(?:^|,)(\d+)", said)]
-    return max(found, default=0) or None
+    counts = [int(digits) for digits in re.findall(r"(?:^|,)(\d+)", text)]
+    return max(counts, default=0) or None
 
 
 def launcher_rank() -> int:
     """Return this process's number as the launcher tells it; 0 without a launcher."""
     if os.environ.get(LAUNCHER) == "none":
         return 0
-    return number_in(*LAUNCHER_RANK, "SLURM_PROCID") or 0
+    return environment_number(*LAUNCHER_RANK, "SLURM_PROCID") or 0
 
 
-def number_in(*names: str) -> int | None:
-    """Read the first of these environment variables that is a whole number; None without one."""
-    return next((int(text) for name in names if (text := os.environ.get(name, "")).isdigit()), None)
+def environment_number(*names: str) -> int | None:
+    """Return the value of the first of these environment variables that is a whole number; None
+    without one."""
+    for name in names:
+        text = os.environ.get(name, "")
+        if text.isdigit():
+            return int(text)
+    return None

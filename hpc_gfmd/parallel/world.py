@@ -1,5 +1,4 @@
-"""The communicator of a run: of all processes that a launcher started, or what a caller gives; and
-the threads of each rank."""
+"""The communicator of a run: of all processes that a launcher started, or what a caller gives."""
 
 import os
 import sys
@@ -9,13 +8,12 @@ from contextlib import suppress
 from types import TracebackType
 from typing import Any
 
-from ..util.errors import GfmdError, SceneError
-from ..util.machine import cores
+from ..util.errors import GfmdError, SceneError, one_line
 from .comm import Comm, MpiComm, SerialComm
-from .launcher import LAUNCHER, launched, launcher_rank, number_in, srun_size, tasks_per_node
+from .enclosing import enclosing_mpi_program
+from .launcher import LAUNCHER, launched, launcher_rank, srun_size
+from .mpi_library import REBUILD, load_mpi
 
-THREADS_PER_CORE = 8  # more are a mistake
-THREADED_POINTS = 2**20  # of a surface; two threads take as long as one for a quarter of them
 Hook = Callable[[type[BaseException], BaseException, TracebackType | None], Any]
 
 _world: Comm | None = None
@@ -24,38 +22,61 @@ _world: Comm | None = None
 def world() -> Comm:
     """Return the communicator of all processes of this run.
 
-    Raises GfmdError when a launcher started several processes but mpi4py is missing: they would all
-    do the same work; SceneError for a HPC_GFMD_LAUNCHER that means nothing.
+    Returns
+    -------
+    Comm
+        Of all processes that an MPI launcher started, or of this one alone.
+
+    Raises
+    ------
+    GfmdError
+        When a launcher started several processes that cannot talk to each other: they would all do
+        the same work.
+    SceneError
+        For a value of HPC_GFMD_LAUNCHER that means nothing.
     """
     global _world
     if _world is None:
-        if os.environ.get(LAUNCHER, "") not in ("", "mpi", "none"):
-            raise SceneError(f'{LAUNCHER}: found "{os.environ[LAUNCHER]}", allowed: "mpi", "none"')
-        by_launcher, size = launched()
-        if not by_launcher and (srun_size() or 1) > 1 and not os.environ.get(LAUNCHER):
-            raise GfmdError(
-                f"srun started {srun_size()} processes without MPI, allowed: srun --mpi=pmix, or"
-                f" mpirun (where each is to run on its own: {LAUNCHER}=none)"
-            )
-        _world = SerialComm()
-        if by_launcher and size != 1:
-            try:
-                from mpi4py import MPI
-            except ImportError as error:
-                raise GfmdError(
-                    f"started by an MPI launcher{f' on {size} ranks' if size else ''}, but mpi4py"
-                    f" cannot be imported ({error}): install the extra 'mpi' or run without the"
-                    " launcher"
-                ) from None
-            if MPI.COMM_WORLD.Get_size() > 1:
-                _world = MpiComm(MPI.COMM_WORLD)
-                sys.excepthook = _abort_on_error(MPI.COMM_WORLD, sys.excepthook)
-            elif size and size > 1:
-                raise GfmdError(
-                    f"the launcher started {size} processes but mpi4py sees one: mpi4py and mpirun"
-                    " belong to different MPI libraries"
-                )
+        _world = _launched_world()
     return _world
+
+
+def _launched_world() -> Comm:
+    """Return the communicator of `world`, made anew."""
+    setting = os.environ.get(LAUNCHER, "")
+    if setting not in ("", "mpi", "none"):
+        raise SceneError(f'{LAUNCHER}: found "{setting}", allowed: "mpi", "none"')
+    by_launcher, size = launched()
+    if not by_launcher and (srun_size() or 1) > 1 and not setting:
+        raise GfmdError(
+            f"srun started {srun_size()} processes without MPI, allowed: srun --mpi=pmix, or"
+            f" mpirun (where each is to run on its own: {LAUNCHER}=none)"
+        )
+    if not by_launcher or size == 1:
+        return SerialComm()
+    if program := enclosing_mpi_program():
+        raise GfmdError(
+            f"started by a rank of another MPI program ({one_line(program, 80)}), inside which MPI"
+            f" does not start again: call hpc_gfmd.run(scene, comm=...) there, or set"
+            f" {LAUNCHER}=none for a run of one process"
+        )
+    try:
+        MPI = load_mpi()
+    except GfmdError as error:
+        ranks = f" on {size} ranks" if size else ""
+        raise GfmdError(
+            f"started by an MPI launcher{ranks}, but {error}; or run without the launcher"
+        ) from None
+    if MPI.COMM_WORLD.Get_size() > 1:
+        sys.excepthook = _abort_on_error(MPI.COMM_WORLD, sys.excepthook)
+        return MpiComm(MPI.COMM_WORLD)
+    if size and size > 1:
+        raise GfmdError(
+            f"the launcher started {size} processes but mpi4py sees one: mpi4py was built for"
+            f" {MPI.get_vendor()[0]}, mpirun belongs to another MPI library: load the modules of"
+            f" the installation, or build it for this one: {REBUILD}"
+        )
+    return SerialComm()
 
 
 def collective_exit(
@@ -64,8 +85,15 @@ def collective_exit(
     """Wait until all ranks are about to leave with an error: mpirun ends the others, silently, as
     soon as one has left.
 
-    Not for ever: a rank that is alone with its error ends the job after `seconds`. say(): rank 0
-    calls it at once, another rank where it is left alone, so that it is heard once.
+    Parameters
+    ----------
+    exit_code : int
+        Of the job, where it is ended here.
+    seconds : float
+        After which a rank that is alone with its error ends the job.
+    say : function, optional
+        Prints the error. Rank 0 calls it at once, another rank only where it is left alone, so that
+        it is heard once.
     """
     say = say or (lambda: None)
     if launcher_rank() == 0:
@@ -76,7 +104,8 @@ def collective_exit(
         time.sleep(1.0 if launched()[0] else 0.0)
         return
     if comm.size > 1:
-        request, end = comm.mpi.Ibarrier(), time.monotonic() + seconds
+        request = comm.mpi.Ibarrier()
+        end = time.monotonic() + seconds
         while not request.Test():
             if time.monotonic() > end:
                 if comm.rank != 0:
@@ -85,50 +114,32 @@ def collective_exit(
             time.sleep(0.01)
 
 
-def comm_of(given: Any) -> Comm:
-    """Return the communicator that a caller means: None for this process alone, one of mpi4py, or
-    one of comm.py. Raises SceneError."""
-    if given is None or isinstance(given, SerialComm | MpiComm):
-        return given or SerialComm()
-    if not hasattr(given, "Allreduce"):
+def comm_of(argument: Any) -> Comm:
+    """Return the communicator that a caller means.
+
+    Parameters
+    ----------
+    argument : mpi4py communicator, Comm or None
+        None for this process alone.
+
+    Returns
+    -------
+    Comm
+        That of one process for a communicator of size 1.
+
+    Raises
+    ------
+    SceneError
+        For anything else.
+    """
+    if argument is None or isinstance(argument, SerialComm | MpiComm):
+        return argument or SerialComm()
+    if not hasattr(argument, "Allreduce"):
         raise SceneError(
-            f"comm: found {type(given).__name__}, allowed: a communicator of mpi4py, such as"
+            f"comm: found {type(argument).__name__}, allowed: a communicator of mpi4py, such as"
             " MPI.COMM_WORLD"
         )
-    return MpiComm(given) if given.Get_size() > 1 else SerialComm()
-
-
-def threads_of(comm: Comm, wanted: int | str, points: int) -> int:
-    """Choose the threads for each rank: a number as it is; "auto": what Slurm was asked for
-    (--cpus-per-task), else as `auto_threads`; points: of the surface.
-
-    Raises SceneError on all ranks for more than some machine can bear: every thread takes memory of
-    its own. Collective.
-    """
-    if wanted != "auto":
-        wanted = int(wanted)
-        most = int(comm.min([THREADS_PER_CORE * (os.cpu_count() or 1)])[0])
-        if wanted > most:
-            raise SceneError(
-                f"machine.threads: found {wanted}, allowed on this machine: up to {most}"
-                f" ({THREADS_PER_CORE} per core)"
-            )
-        return wanted
-    here = len(cores())
-    asked = int(comm.min([number_in("SLURM_CPUS_PER_TASK") or 0])[0])
-    return min(asked, here) or auto_threads(points, comm.size, here)
-
-
-def auto_threads(points: int, ranks: int, cores: int) -> int:
-    """Choose the threads for each rank where nobody says how many: one of several ranks; all cores
-    for one process, or one where the points are so few that more do not pay."""
-    return cores if ranks == 1 and points >= THREADED_POINTS else 1
-
-
-def ranks_per_node(ranks: int, threads: int) -> int:
-    """Tell how many of so many ranks share a node, as long as nobody says: as many as Slurm starts
-    on one, else as the cores that this process may use are enough for."""
-    return min(ranks, tasks_per_node() or max(1, len(cores()) // threads))
+    return MpiComm(argument) if argument.Get_size() > 1 else SerialComm()
 
 
 def _abort_on_error(mpi: Any, hook: Hook) -> Hook:

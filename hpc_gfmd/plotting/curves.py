@@ -1,10 +1,9 @@
-"""Contact area, mean gap and what else was asked for over the load, with the theory of the
-surface."""
+"""Contact area, mean gap and whatever else was asked for against the load, with the theory of the
+surface; of many results their mean and its scatter."""
 
 from collections.abc import Sequence
 from functools import partial
-from math import hypot
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -12,103 +11,153 @@ from ..output.summary import converged
 from ..util.errors import SceneError
 from .context import FigureContext
 from .page import Page
-from .style import THEORY, WARNING, colour, log_axis
-from .units import Scale, finite
+from .quantities import LoadAxis, Quantity, load_axis, quantity_of, relative_error
+from .style import THEORY, WARNING, colour, log_axis, marker
+from .units import finite
 
 DOUBTFUL = {"color": WARNING, "marker": "x", "label": "not converged"}
-BEYOND = 2  # of the loads: how far the axis goes on
-
-
-class Quantity(NamedTuple):
-    """What a panel shows: a symbol, the keys of its relative errors in a load step, whether it is
-    measured in the unit of heights."""
-
-    symbol: str
-    errors: tuple[str, ...] = ()
-    length: bool = False
-
-
-AREA = ("a_r_error", "a_r_discretisation")
-QUANTITIES = {
-    "a_r": Quantity("a_r", AREA),
-    "kappa": Quantity(r"\kappa = a_r/p^*", AREA),
-    "gap_mean": Quantity(r"\langle g \rangle", ("gap_error",), True),
-    "approach": Quantity(r"\delta", (), True),
-}
+BEYOND = 2  # factor by which the axis of loads goes on beyond the loads
+MOST_NAMED = 6  # more results than this are shown by their mean and scatter
+SAME_LOAD = 1e-6  # relative
 
 
 def curves(contexts: Sequence[FigureContext], names: list[str]) -> Page:
-    """Make a panel for each quantity, of one result or of several together. Raises SceneError where
-    they are not measured in the same units."""
-    units = {tuple(one.units.of(of, [1.0]).name for of in ("pressure", "gap")) for one in contexts}
+    """Return a page with a panel for each quantity, of one result or of several together.
+
+    Parameters
+    ----------
+    contexts : sequence of FigureContext
+        One for each result.
+    names : list of str
+        Numbers of a load, by the names of the result file.
+
+    Raises
+    ------
+    SceneError
+        Where the results are not measured in the same units.
+    """
+    units = {
+        tuple(context.units.of(kind, [1.0]).name for kind in ("pressure", "gap"))
+        for context in contexts
+    }
     if len(units) > 1:
         raise SceneError(
             "results: found different units, allowed: the same for all, or dimensionless = True"
         )
-    if not all(one.units.rough for one in contexts):
+    if not all(context.units.rough for context in contexts):
         names = [name for name in names if name != "kappa"] or names
-    return Page([partial(_panel, contexts=contexts, key=name) for name in names])
+    return Page([partial(_panel, contexts=list(contexts), key=name) for name in names])
 
 
-def _panel(ax: Any, contexts: Sequence[FigureContext], key: str) -> None:
-    quantity, alone = QUANTITIES[key], len(contexts) == 1
-    every, theories = [step for one in contexts for step in one.result.steps], []
-    for k, one in enumerate(contexts):
-        x = one.units.of("pressure", [step["p"] for step in every])
-        y = one.units.of("gap", [step.get(key) for step in every]) if quantity.length else Scale()
-        name = "simulation (bars: solver and grid)" if alone else one.name
-        _points(ax, one, key, (x, y), quantity.errors, color=colour(k), marker="o", label=name)
-        if key == "kappa" and alone:
-            _points(
-                ax,
-                one,
-                "kappa_corrected",
-                (x, y),
-                (),
-                color=colour(1),
-                marker="s",
-                label="edge-corrected",
-            )
-        if one.theory and key in one.theory.curves:
-            loads = [step["p"] for step in one.result.steps]
-            p = np.geomspace(min(loads) / BEYOND, max(loads) * BEYOND, 80)
-            line = THEORY | ({} if alone else {"color": colour(k)}) | {"label": one.theory.name}
-            theories.append((p / x.unit, one.theory.curves[key](p) / y.unit, line))
-    p_star = x.relative and one.units.rough
-    ax.set_xlabel(r"$p^* = p_0/(E^* g_\mathrm{rms})$" if p_star else x.label("p_0"))
-    ax.set_ylabel(y.label(quantity.symbol))
+def _panel(ax: Any, contexts: list[FigureContext], key: str) -> None:
+    quantity = quantity_of(key)
+    loads = load_axis(contexts)
+    scales = quantity.scales(contexts, key)
+    unit = float(np.prod([scale.unit**power for scale, power in scales]))
+    if len(contexts) > MOST_NAMED:
+        _mean_and_scatter(ax, contexts, key, loads, unit)
+    else:
+        for k, context in enumerate(contexts):
+            bars = " (bars: solver and grid)" if quantity.errors else ""
+            name = f"simulation{bars}" if len(contexts) == 1 else context.name
+            how = {"color": colour(k), "marker": marker(k), "label": name}
+            _points(ax, context, key, quantity, loads, unit, how)
+    if key == "kappa" and len(contexts) == 1:
+        how = {"color": colour(1), "marker": marker(1), "label": "edge-corrected"}
+        corrected = Quantity("", "")
+        _points(ax, contexts[0], "kappa_corrected", corrected, loads, unit, how)
+    ax.set_xlabel(loads.label)
+    ax.set_ylabel(quantity.label(scales))
     log_axis(ax, "x")
-    _limits(ax)  # a theory may leave the panel, a load with its error may not
-    for p, values, line in theories:
-        ax.plot(p, values, zorder=1, **line)
+    _limits(ax)  # before theories, which may leave the panel
+    with_theory = contexts if len(contexts) <= MOST_NAMED else contexts[:1]
+    for k, context in enumerate(with_theory):
+        _theory(ax, context, key, loads, unit, None if len(contexts) == 1 else colour(k))
 
 
 def _points(
     ax: Any,
     context: FigureContext,
     key: str,
-    scales: tuple[Scale, Scale],
-    errors: tuple[str, ...],
-    **how: Any,
+    quantity: Quantity,
+    loads: LoadAxis,
+    unit: float,
+    how: dict[str, Any],
 ) -> None:
-    for sound, changed in ((True, {}), (False, DOUBTFUL)):
+    """Draw the loads of a result, those that did not converge with marks of their own."""
+    for is_converged, changes in ((True, {}), (False, DOUBTFUL)):
         steps = [
             step
             for step in context.result.steps
-            if converged(step) == sound and finite(step.get(key))
+            if converged(step) == is_converged and finite(step.get(key))
         ]
-        if steps:
-            x, y = np.array([[s["p"] / scales[0].unit, s[key] / scales[1].unit] for s in steps]).T
-            relative = np.array([hypot(*(s.get(error) or 0.0 for error in errors)) for s in steps])
-            bars = np.abs(y) * np.nan_to_num(relative, posinf=0) if errors else None
-            how = {"linestyle": "", "capsize": 1.5, "elinewidth": 0.8} | how | changed
-            ax.errorbar(x, y, bars, **how)
+        if not steps:
+            continue
+        x = np.array([loads.of(step) for step in steps])
+        y = np.array([step[key] / unit for step in steps], dtype=float)
+        relative = np.array([relative_error(quantity, step) for step in steps])
+        bars = np.abs(y) * np.nan_to_num(relative, posinf=0) if quantity.errors else None
+        look = {"linestyle": "", "capsize": 1.5, "elinewidth": 0.8} | how | changes
+        ax.errorbar(x, y, bars, **look)
+
+
+def _mean_and_scatter(
+    ax: Any, contexts: list[FigureContext], key: str, loads: LoadAxis, unit: float
+) -> None:
+    """Draw the mean of many results with a band of their standard deviation, where they have the
+    same loads; otherwise all of them as points of one kind."""
+    rows = [
+        [
+            (loads.of(step), step[key] / unit)
+            for step in context.result.steps
+            if finite(step.get(key))
+        ]
+        for context in contexts
+    ]
+    curves_of_results = [np.array(row, dtype=float) for row in rows if row]
+    first = curves_of_results[0]
+    alike = all(
+        curve.shape == first.shape and np.allclose(curve[:, 0], first[:, 0], rtol=SAME_LOAD)
+        for curve in curves_of_results
+    )
+    number = len(curves_of_results)
+    if not alike:
+        x, y = np.concatenate(curves_of_results).T
+        ax.plot(x, y, ".", color=colour(0), label=f"{number} results")
+        return
+    x = first[:, 0]
+    values = np.array([curve[:, 1] for curve in curves_of_results])
+    mean = values.mean(axis=0)
+    deviation = values.std(axis=0, ddof=1)
+    ax.fill_between(
+        x,
+        mean - deviation,
+        mean + deviation,
+        color=colour(0),
+        alpha=0.25,
+        linewidth=0,
+        label="standard deviation",
+    )
+    ax.plot(x, mean, "o-", color=colour(0), label=f"mean of {number} results")
+
+
+def _theory(
+    ax: Any, context: FigureContext, key: str, loads: LoadAxis, unit: float, line_colour: Any
+) -> None:
+    """Draw what theory says of the surface of a result, if it does."""
+    if not (context.theory and key in context.theory.curves):
+        return
+    loads_of_steps = [loads.of(step) for step in context.result.steps]
+    x = np.geomspace(min(loads_of_steps) / BEYOND, max(loads_of_steps) * BEYOND, 80)
+    values = context.theory.curves[key](loads.pressure_of(x)) / unit
+    line = THEORY | ({} if line_colour is None else {"color": line_colour})
+    ax.plot(x, values, zorder=1, label=context.theory.name, **line)
 
 
 def _limits(ax: Any) -> None:
     """Frame what has been drawn."""
-    x0, low, x1, high = ax.dataLim.extents
-    ax.set_xlim(x0 / BEYOND, x1 * BEYOND)
+    left, low, right, high = ax.dataLim.extents
+    ax.set_xlim(left / BEYOND, right * BEYOND)
     if low > 0 and high > 10 * low:
         log_axis(ax, "y")
         ax.set_ylim(low / 2, high * 2)

@@ -9,7 +9,7 @@ import numpy as np
 from ..output.read import Result
 from .context import FigureContext
 from .page import Page
-from .style import THEORY, colour, log_axis
+from .style import THEORY, colour, line, log_axis
 from .survey import histogram
 from .units import label
 
@@ -44,6 +44,7 @@ def _panel(ax: Any, context: FigureContext, name: str) -> None:
             baseline=None,
             linewidth=1.1,
             color=colour(k),
+            linestyle=line(k),
             label=context.name_of(k),
         )
     density = label(f"P({symbol})", (scale, -power))

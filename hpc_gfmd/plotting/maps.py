@@ -6,12 +6,12 @@ from functools import cache, partial
 from typing import Any
 
 import numpy as np
-from matplotlib.colors import Normalize, PowerNorm
+from matplotlib.colors import ListedColormap, Normalize, PowerNorm
 
 from ..output.summary import converged
 from .context import FigureContext
 from .page import Page
-from .style import CONTACT_MAP, DPI, GROUND, PRESSURE_MAP, WARNING, WIDTH
+from .style import CONTACT_MAP, DPI, GROUND, PRESSURE_MAP, WARNING, WIDTH, YIELDED
 from .survey import Survey, survey
 from .units import Scale, good
 
@@ -43,7 +43,8 @@ def maps(contexts: Sequence[FigureContext], names: list[str]) -> Page:
         fields = context.result.fields[k]
         alone = {*names} <= {"heights", "displacement", "plastic"}
         needed = {*names} if alone else {*names, "pressure", "gap"}
-        return survey({n: fields[n] for n in needed & {*fields}}, pixels, context.points)
+        chosen = {n: fields[n] for n in needed & {*fields}}
+        return survey(chosen, pixels, context.points, context.hardness)
 
     def panel(k: int, name: str, ax: Any) -> None:
         _field(ax, context, found(k), name)
@@ -63,6 +64,20 @@ def maps(contexts: Sequence[FigureContext], names: list[str]) -> Page:
         width=WIDTH if columns > 1 else WIDTH / 2,
         images=True,
     )
+
+
+def _mark_yielded(ax: Any, share: np.ndarray, extent: list[float]) -> None:
+    """Colour the pixels where the pressure is the hardness, most of what touches there yielding."""
+    yielded = np.ma.masked_less(share, 0.5)
+    if yielded.count():
+        ax.imshow(
+            yielded.T,
+            ListedColormap([YIELDED]),
+            origin="lower",
+            extent=extent,
+            interpolation="nearest",
+        )
+        ax.plot([], [], "s", color=YIELDED, label="yields (pressure = hardness)")
 
 
 def _field(ax: Any, context: FigureContext, found: Survey, name: str) -> None:
@@ -89,17 +104,22 @@ def _field(ax: Any, context: FigureContext, found: Survey, name: str) -> None:
     image = ax.imshow(
         values.T, colours, norm, origin="lower", extent=extent, interpolation="nearest"
     )
+    if name in ("contact", "pressure") and "yielded" in found.means:
+        _mark_yielded(ax, found.means["yielded"], extent)
     ax.tick_params(color="0.5")
     for axis in (ax.xaxis, ax.yaxis):
         axis.set_major_formatter("{x:g}")
     ax.set(xlabel=context.lengths.label("x"), ylabel=context.lengths.label("y"))
     if name == "contact":
         return
+    titled = clipped or isinstance(norm, PowerNorm)
     bar = ax.figure.colorbar(
         image,
-        cax=ax.inset_axes([1.04, 0, 0.06, 0.95 if clipped else 1]),
+        cax=ax.inset_axes([1.04, 0, 0.06, 0.95 if titled else 1]),
         extend="max" if clipped else "neither",
     )
     bar.set_label(scale.label(symbol))
+    if isinstance(norm, PowerNorm):
+        bar.ax.set_title("square root", fontsize=6.5, pad=2, loc="left")
     if clipped:
         bar.ax.set_title(f"max {largest:.3g}", fontsize=6.5, pad=2, loc="left")

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from itertools import zip_longest
 from typing import Any
 
+COLUMN_WIDTH = 3.35  # inches, 85 mm: one column of a journal
 Panel = Callable[[Any], None]  # draws on the axes
 
 
@@ -25,7 +26,8 @@ class Page:
         panels, images = self.panels, self.images
         columns = 2 if len(panels) == 4 and not images else min(self.columns, len(panels))
         rows = -(-len(panels) // columns)
-        fig.set_size_inches(self.width, self.height * rows + (0.5 if images else 0.85))
+        width = self.width if images or columns > 1 else COLUMN_WIDTH
+        fig.set_size_inches(width, self.height * rows + (0.5 if images else 0.85))
         if images:
             fig.set_layout_engine("compressed", hspace=0.01, wspace=0.01, h_pad=0.03)
         axes = fig.subplots(rows, columns, squeeze=False, sharex=images, sharey=images).flat

@@ -3,8 +3,9 @@
 import tomllib
 from collections.abc import Callable, Mapping
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NoReturn
 
 import numpy as np
 
@@ -12,10 +13,11 @@ from ..output.read import Result, read_result
 from ..output.summary import surface_line
 from ..util.errors import GfmdError, SceneError, reason
 from .context import FigureContext
-from .curves import QUANTITIES, curves
+from .curves import curves
 from .distributions import NAMES, distributions
 from .maps import FIELDS, maps
-from .page import Page
+from .page import COLUMN_WIDTH, Page
+from .quantities import OVERVIEW, QUANTITIES
 from .spectra import PANELS, spectra
 from .style import Picture, legend, save, styled
 from .units import good
@@ -24,29 +26,48 @@ MAX_STEPS = 4  # in maps, distributions and spectra where nobody says which
 SUFFIXES = (".png", ".pdf", ".svg")
 
 
-class Kind(NamedTuple):
-    """A kind of pictures: how panels become a page; {panel: numbers and fields, of which a load
-    step needs one}."""
+@dataclass(frozen=True)
+class Kind:
+    """A kind of pictures.
 
-    make: Callable[[list[FigureContext], list[str]], Page]
+    Attributes
+    ----------
+    page : callable
+        Makes a page of figure contexts and names of panels.
+    panels : dict of str to tuple of str
+        Numbers and fields by panel, of which a load step needs one to be shown in it.
+    over_loads : bool
+        Whether loads are points of a curve: all of them are shown, and several results together.
+    """
+
+    page: Callable[[list[FigureContext], list[str]], Page]
     panels: Mapping[str, tuple[str, ...]]
+    over_loads: bool = False
+
+
+def _curve(name: str) -> Kind:
+    return Kind(curves, {name: (name,)}, over_loads=True)
 
 
 MAPS = {name: (name,) for name in FIELDS} | {"contact": ("pressure", "gap")}
-CURVES = {name: (name,) for name in QUANTITIES}
 PAGES = {
     "maps": Kind(maps, {name: MAPS[name] for name in ("contact", "pressure", "gap")}),
     "distributions": Kind(
         distributions, {name: (*MAPS.get(name, ()), f"{name}_edges") for name in NAMES}
     ),
     "spectra": Kind(spectra, {name: (f"{name}_q", f"{name}_r") for name in PANELS}),
-    "curves": Kind(curves, CURVES),
+    "curves": Kind(curves, {name: (name,) for name in OVERVIEW}, over_loads=True),
 }
 PICTURES = (
     PAGES
     | {name: Kind(maps, {name: keys}) for name, keys in MAPS.items()}
-    | {name: Kind(curves, {name: keys}) for name, keys in CURVES.items()}
+    | {name: _curve(name) for name in QUANTITIES}
 )
+
+
+def kind_of(name: str) -> Kind:
+    """Return the kind of a picture: one of PICTURES, or the curve of a number of a load."""
+    return PICTURES.get(name) or _curve(name)
 
 
 def plot(
@@ -67,8 +88,10 @@ def plot(
         legend, only curves are drawn.
     what : str, optional
         "maps" (contact, pressure, gap), one of these or "heights", "displacement", "plastic";
-        "distributions", "spectra"; "curves" over the load or one of them: "a_r", "kappa",
-        "gap_mean", "approach". By default the first of them that there is.
+        "distributions", "spectra"; "curves" against the load, or one of them: "a_r", "kappa",
+        "gap_mean", "approach", or any other number of the loads, as "conductance" or
+        "critical_gap_x". By default the first of them that there is. Of more than six results
+        curves show the mean and the standard deviation.
     step : int or list of int, optional
         The numbers of load steps; by default all for curves, otherwise at most four, first and last
         among them.
@@ -96,39 +119,28 @@ def plot(
     results = _results(result)
     if not results:
         raise SceneError("result: found none, allowed: a result or several")
-    there = [
-        name
-        for name, kind in PICTURES.items()
-        if all(chosen_steps(one, name, step) for one in results.values())
-        and (len(results) == 1 or kind.make is curves)
-    ]
     if what is None:
-        what = next(iter(there), "maps")
-    if what not in there:
-        allowed = ", ".join(there) or "nothing, it has no finished load step"
-        if "maps" not in there:
-            allowed += (
-                " (maps need output.fields, spectra output.distributions, distributions either)"
-            )
-        of = "" if step is None else f" of step {step}"
-        raise SceneError(f"what: found {what!r}{of}, allowed: {allowed}")
+        what = next((name for name in PICTURES if _can_draw(name, results, step)), "maps")
+    if not _can_draw(what, results, step):
+        _refuse(what, results, step)
     with styled():
         contexts = [
             FigureContext(one, chosen_steps(one, what, step), window, dpi, dimensionless, name)
             for name, one in results.items()
         ]
-        make, panels = PICTURES[what]
+        kind = kind_of(what)
         drawn = [
             name
-            for name in panels
-            if any(_steps(one.result, {name: panels[name]}) for one in contexts)
+            for name, keys in kind.panels.items()
+            if any(_steps(context.result, {name: keys}) for context in contexts)
         ]
-        page = make(contexts, drawn)
+        page = kind.page(contexts, drawn)
         fig = ax.figure if ax else Picture(layout="constrained")
         try:
             if ax is None:
                 page.draw(fig)
-                legend(fig, "outside lower center", columns=4)
+                narrow = fig.get_figwidth() <= COLUMN_WIDTH
+                legend(fig, "outside lower center", columns=1 if narrow else 4)
                 if len(contexts) == 1:
                     fig.suptitle(_title(contexts[0], what), x=0.01, ha="left", wrap=True)
             elif len(page.panels) == 1:
@@ -141,6 +153,23 @@ def plot(
         except (OSError, ValueError, TypeError, KeyError) as error:
             raise GfmdError(f"drawing {contexts[0].result.path}: {reason(error)}") from error
     return fig
+
+
+def _can_draw(what: Any, results: Mapping[str, Result], step: Any) -> bool:
+    """Return whether all results have what a picture shows, and may be drawn together."""
+    if not isinstance(what, str) or not (len(results) == 1 or kind_of(what).over_loads):
+        return False
+    return all(chosen_steps(result, what, step) for result in results.values())
+
+
+def _refuse(what: Any, results: Mapping[str, Result], step: Any) -> NoReturn:
+    """Raise SceneError that names the pictures that the results have."""
+    possible = [name for name in PICTURES if _can_draw(name, results, step)]
+    allowed = ", ".join(possible) or "nothing, it has no finished load step"
+    if "maps" not in possible:
+        allowed += " (maps need output.fields, spectra output.distributions, distributions either)"
+    of = "" if step is None else f" of step {step}"
+    raise SceneError(f"what: found {what!r}{of}, allowed: {allowed}")
 
 
 def _results(given: Any) -> dict[str, Result]:
@@ -206,14 +235,15 @@ def plot_result(file: Any, where: Any = None, what: Any = None, **how: Any) -> l
 def chosen_steps(result: Result, what: Any, step: Any) -> list[int]:
     """List the places in result.steps of the load steps that a picture shows, of all or of the
     numbers `step`. Raises SceneError for numbers that there are not."""
-    able = _steps(result, PICTURES[what].panels)
+    kind = kind_of(what)
+    able = _steps(result, kind.panels)
     if step is not None:
         if not np.size(step):
             raise SceneError("step: found none, allowed: the number of a load step or several")
         return [k for k in result.places(np.atleast_1d(step).tolist()) if k in able]
     if what == "heights":
         return able[:1]  # the same under all loads
-    if PICTURES[what].make is curves or len(able) <= MAX_STEPS:
+    if kind.over_loads or len(able) <= MAX_STEPS:
         return able
     return [able[k] for k in np.linspace(0, len(able) - 1, MAX_STEPS).round().astype(int)]
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from .context import FigureContext
 from .page import Page
-from .style import colour, log_axis
+from .style import colour, line, log_axis
 from .units import label
 
 SYMBOLS = {"heights": "z", "pressure": "p", "gap": "g"}
@@ -30,6 +30,7 @@ def _lines(context: FigureContext, name: str, x: str, y: str) -> Iterator[Any]:
             same = name == "heights"
             how = {
                 "color": "black" if same else colour(k),
+                "linestyle": "-" if same else line(k),
                 "label": "heights" if same else context.name_of(k),
             }
             yield *(np.array(step[f"{name}_{of}"], dtype=float) for of in (x, y)), how
@@ -46,7 +47,9 @@ def _spectrum(ax: Any, context: FigureContext, name: str) -> None:
     for q, power, how in lines:
         some = power > ROUNDING * power.max()
         y = power[some] / (scale.unit**2 * length.unit**dims)
-        ax.loglog(q[some] * length.unit, y, "." if some.sum() == 1 else "-", **how)
+        if some.sum() == 1:
+            how |= {"linestyle": "", "marker": "."}
+        ax.loglog(q[some] * length.unit, y, **how)
     ax.set(
         xlabel=label("q", (length, -1)),
         ylabel=label(f"C_{SYMBOLS[name]}(q)", (scale, 2), (length, dims)),

@@ -18,6 +18,14 @@ from .units import tex_number
 
 # Okabe and Ito; the last one is kept for warnings
 COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#000000")
+MARKERS = ("o", "s", "^", "D", "v", "P")
+LINES: tuple[Any, ...] = (
+    "-",
+    (0, (5, 1.5)),
+    (0, (1, 1)),
+    (0, (5, 1, 1, 1)),
+    (0, (3, 1, 1, 1, 1, 1)),
+)
 WARNING = "#D55E00"
 THEORY: dict[str, Any] = {"color": "0.35", "linewidth": 1.2}
 WIDTH = 7.2  # inches across two columns
@@ -32,6 +40,7 @@ def _part(name: str, low: float, high: float) -> LinearSegmentedColormap:
 # A single touching point must show on its ground, whatever its pressure.
 CONTACT_MAP, PRESSURE_MAP = _part("Greys", 0.5, 1.0), _part("magma_r", 0.22, 1.0)
 GROUND = "0.93"  # where nothing touches
+YIELDED = "#56B4E9"  # where the pressure is the hardness
 
 RC: Any = matplotlib.rc_params_from_file(
     Path(__file__).with_name("journal.mplstyle"), use_default_template=False
@@ -56,6 +65,16 @@ class Picture(Figure):
 def colour(k: int) -> str:
     """Choose the colour of the k-th of several things."""
     return COLOURS[k % len(COLOURS)]
+
+
+def marker(k: int) -> str:
+    """Return the marker of the k-th of several things: colour is not all that tells them apart."""
+    return MARKERS[k % len(MARKERS)]
+
+
+def line(k: int) -> Any:
+    """Return the line style of the k-th of several things, as `marker` does."""
+    return LINES[k % len(LINES)]
 
 
 def shade(x: float) -> Any:

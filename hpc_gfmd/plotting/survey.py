@@ -8,31 +8,60 @@ from typing import Any
 import numpy as np
 
 SLAB_BYTES = 2**25
+YIELD_ROUNDING = 1e-5  # relative, of a pressure that is the hardness, in single precision
 BINS = 48  # of pressure
 GAP_DECADES, PER_DECADE = 6, 10  # of the gap, below the largest one; its bins
 
 
 @dataclass(frozen=True)
 class Survey:
-    """means: {name: pixel means}, those of pressure over the points that touch (0 where none does),
-    and "contact": the share of each pixel that touches, where that is known; largest: {name:
-    largest value of a point}."""
+    """Fields of a load step, reduced to pixels.
+
+    Attributes
+    ----------
+    means : dict of str to ndarray
+        Pixel means of the fields, of the pressure over the points that touch (0 where none does);
+        "contact": the share of each pixel that touches, where that is known; "yielded": with a
+        hardness the share of the points in contact whose pressure it is.
+    largest : dict of str to float
+        Largest value of a point.
+    """
 
     means: dict[str, np.ndarray]
     largest: dict[str, float]
 
 
-def survey(fields: dict, pixels: int, window: tuple | None = None) -> Survey:
-    """Look at the fields of one load step; pixels: at most so many along each axis; window: points
-    (i0, i1, j0, j1), default: all."""
+def survey(
+    fields: dict, pixels: int, window: tuple | None = None, hardness: float | None = None
+) -> Survey:
+    """Reduce the fields of one load step to pixels, reading a few rows at a time.
+
+    Parameters
+    ----------
+    fields : dict of str to field
+        By name; with `read(start, stop)`.
+    pixels : int
+        Largest number of pixels along each axis.
+    window : (i0, i1, j0, j1), optional
+        Points; default: all.
+    hardness : float, optional
+        Pressure at which the solid yields, in the unit of the pressure.
+
+    Returns
+    -------
+    Survey
+    """
     shape = next(iter(fields.values())).shape
     i0, i1, j0, j1 = window or (0, shape[0], 0, shape[1])
     f_x, f_y = (max(1, -(-n // pixels)) for n in (i1 - i0, j1 - j0))
     parts: dict[str, list] = {}
     largest: dict[str, float] = {}
     for slab in _slabs(fields, i0, i1, f_x, slice(j0, j1)):
+        if hardness is not None and "pressure" in slab:
+            slab["yielded"] = slab["pressure"] >= hardness * (1 - YIELD_ROUNDING)
         for name, values in slab.items():
-            counted = slab["contact"] if name == "pressure" else np.ones(values.shape)
+            in_contact = name in ("pressure", "yielded")
+            counted = slab["contact"] if in_contact else np.ones(values.shape)
             values = values * counted
             total, points = (_pixel_sums(one, f_x, f_y) for one in (values, counted))
             parts.setdefault(name, []).append(total / np.maximum(points, 1))

@@ -3,7 +3,7 @@ spheres, Westergaard's of waves."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import pi
+from math import inf, isfinite, pi
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 from ..output.read import Result
 from ..scene import Scene
 from ..theory import persson, yielding
-from ..theory.elastic import Hertz, Westergaard
+from ..theory.elastic import Hertz, HertzLine, Westergaard
 from ..theory.slope_profile import SlopeProfile
 from ..util.errors import SceneError
 from .units import Scale, good
@@ -51,6 +51,8 @@ def theory_of(scene: Scene | None, found: Any) -> Theory | None:
         return _persson(surface, E_star * slope, found)
     if surface.kind == "sphere" and hardness is None and len({*surface.radii}) == 1:
         return _hertz(surface, E_star)
+    if surface.kind == "sphere" and hardness is None and inf in surface.radii:
+        return _hertz_line(surface, E_star)
     if surface.kind == "wave" and hardness is None and periodic:
         return _westergaard(surface, E_star)
     return None
@@ -113,6 +115,29 @@ def _hertz(surface: Any, E_star: float) -> Theory:
         curves["approach"] = lambda p: contact(p).approach
     source = "Hertz, J. Reine Angew. Math. 92 (1882) 156, doi:10.1515/crll.1882.92.156"
     return Theory("Hertz", curves, density, Scale(L_x, "L_x", True), (source,))
+
+
+def _hertz_line(surface: Any, E_star: float) -> Theory | None:
+    """Return the theory of a cylinder that is infinitely long: periodic along its axis."""
+    curved = 0 if isfinite(surface.radii[0]) else 1
+    if surface.free[1 - curved] or not surface.free[curved]:
+        return None
+    radius = float(surface.radii[curved])
+    width = float(surface.physical_sizes[curved])
+
+    def contact(p: Any) -> HertzLine:
+        return HertzLine(radius, p * width, E_star)
+
+    def area(p: Any) -> np.ndarray:
+        return 2 * contact(p).a / width
+
+    def density(x: Any, p: Any) -> np.ndarray:
+        peak = contact(p).peak_pressure
+        share = np.where(x < peak, x / peak, np.nan)
+        return area(p) * share / (peak * np.sqrt(1 - share**2))
+
+    source = "Johnson, Contact Mechanics (1985), doi:10.1017/CBO9781139171731"
+    return Theory("Hertz", {"a_r": area}, density, Scale(width, "L", True), (source,))
 
 
 def _westergaard(surface: Any, E_star: float) -> Theory:

@@ -87,6 +87,7 @@ class Units:
             "length": (length, Scale(self.size, "L_x", True)),
             "pressure": (pressure, Scale(next(unit, 0.0), name, True)),
             "height": (length, (theory and theory.height) or h_rms),
+            "force": ("N" if length and pressure else "", Scale(0.0, "", True)),
         }
 
     def of(self, name: str, values: Iterable[Any]) -> Scale:

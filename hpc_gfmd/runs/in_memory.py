@@ -19,7 +19,7 @@ from ..output.read import Result
 from ..parallel.comm import Comm
 from ..parallel.grid import Grid
 from ..parallel.guard import collective_errors, raise_on_all
-from ..parallel.world import threads_of
+from ..parallel.thread_count import threads_of
 from ..scene import Scene
 from ..surface.arrays import checked_array, is_topography
 from ..surface.build import Surface, surface_of

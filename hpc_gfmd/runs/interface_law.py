@@ -19,7 +19,8 @@ from ..output.numbers import unit_of
 from ..output.summary import surface_line
 from ..parallel.comm import Comm
 from ..parallel.guard import on_rank_0
-from ..parallel.world import comm_of, threads_of, world
+from ..parallel.thread_count import threads_of
+from ..parallel.world import comm_of, world
 from ..scene import Scene, load_scene
 from ..surface import build_surface, surface_size
 from ..surface.arrays import is_topography

@@ -24,7 +24,8 @@ from ..output.summary import surface_line
 from ..parallel.comm import Comm
 from ..parallel.guard import on_rank_0
 from ..parallel.interrupt import Interrupt, Stopped
-from ..parallel.world import comm_of, threads_of, world
+from ..parallel.thread_count import oversubscription, threads_of
+from ..parallel.world import comm_of, world
 from ..scene import Scene, load_scene, with_overrides
 from ..surface import build_surface, grid_of, surface_size
 from ..surface.number_range import field_dtype
@@ -112,8 +113,9 @@ def run_scene(
             dtype=output.dtype,
         ) as file,
     ):
-        for line in [*file.notes, *scene.warnings()]:
-            say.say(f"note: {line}")
+        for line in [*file.notes, *scene.warnings(), oversubscription(comm, threads)]:
+            if line:
+                say.say(f"note: {line}")
         try:
             run = _Run(comm, scene, file, say, interrupt)
             run.start(threads, begun)
@@ -143,6 +145,7 @@ class _Run:
         self.sweep = sweep_of(scene, lambda dtype: build_surface(spec, comm, dtype, threads, low))
         surface = self.sweep.surface
         self.loads = self.sweep.loads(scene.load)
+        self.threads = threads
         known = file.earlier.get("heights")
         if (known is not None or file.finished) and (known or None) != surface.checksum:
             raise SceneError(
@@ -258,7 +261,8 @@ class _Run:
         return (
             f"{scene.title or scene.surface.kind}: {surface_line(attributes)}"
             f"{'' if surface.reduced_axis is None else ', varies along one axis only'};"
-            f" {ranks} rank{'s' * (ranks > 1)}, {precision},"
+            f" {ranks} rank{'s' * (ranks > 1)} of {self.threads} thread{'s' * (self.threads > 1)},"
+            f" {precision},"
             f" {'accuracy' if settings.accuracy else 'residual'} {settings.tolerance:g}; ready"
             f" after {seconds:.1f} s"
         )

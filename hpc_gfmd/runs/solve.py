@@ -9,7 +9,7 @@ import numpy as np
 
 from ..parallel.comm import Comm
 from ..parallel.world import comm_of
-from ..surface.quality import DIFFERENT_UNITS
+from ..surface.doubtful_numbers import DIFFERENT_UNITS
 from ..util.errors import NotConverged
 from .in_memory import Heights, collect, scene_of, solve_loads, surfaces_of
 from .keywords import several_loads

@@ -17,7 +17,6 @@ from ..output.numbers import axes, names_of, numbers, said_of
 from ..output.read import Result
 from ..output.record import RunFile
 from ..parallel.comm import SerialComm
-from ..parallel.h5 import io_way
 from ..util.errors import SceneError
 from .references import references_of
 
@@ -99,11 +98,12 @@ class Solved:
             raise SceneError(
                 f"path: found {str(path)!r}, allowed: a path that ends in .h5 or .hdf5"
             )
-        head, n = result.head | {"io": io_way(comm)}, result.surface["n"]
+        # how it is written is told anew
+        head = {name: value for name, value in result.head.items() if name != "io"}
         with RunFile(
             comm,
             path,
-            n,
+            result.surface["n"],
             self.rows,
             head,
             result.surface,

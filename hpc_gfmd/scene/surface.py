@@ -209,8 +209,9 @@ class Sphere(Surface):
 
 class File(Surface):
     """A measured or computed height map, or the sum of two, x and y of which are the same
-    directions in space; the grid is its shape. What the file says of sizes holds unless these
-    keys say otherwise; a unit that contradicts the file's is refused."""
+    directions in space; the grid is its shape. x is the first index of an array, which in a text is
+    the number of the line, unless the file says otherwise. What the file says of sizes holds unless
+    these keys say otherwise; a unit that contradicts the file's is refused."""
 
     kind: Literal["file"]
     path: Paths = key(
@@ -232,10 +233,22 @@ class File(Surface):
         "of a text: what decimals begin with", None, example=",", said="what fits"
     )
     missing: Annotated[tuple[Text, ...], LIST] = key(
-        'of a text: what stands for missing points, besides nothing, "***", "BAD", "---", "nan"',
+        'what stands for missing points; in a text besides nothing, "***", "BAD", "---", "nan"',
         (),
         example=["9999"],
         allowed="a list of texts",
+    )
+    coordinates: Literal["none", "line", "column", "both"] | None = key(
+        "of a text: whether its first line, its first column or both are coordinates, not heights",
+        None,
+        example="both",
+        said="what the numbers show, else it must be given",
+    )
+    first_axis: Literal["x", "y"] | None = key(
+        "what the first index of an array, or the number of the line of a text, runs along",
+        None,
+        example="y",
+        said="what the file says, else x",
     )
     height_range: Pair[Height] | None = key(
         "of a TIFF or PNG of whole numbers: heights of the lowest and the highest possible",

@@ -18,9 +18,9 @@ from ..parallel.interrupt import check
 from ..util.errors import SceneError
 from .analytic import flat_rows, wave_rows
 from .cell import grid_of, nominal_part
+from .doubtful_numbers import slope_notes
 from .heights import LARGEST, checked, checksum
 from .prepare import prepare, prepared_size
-from .quality import slope_notes
 from .selfaffine import self_affine_gap
 from .slabs import slabs
 from .statistics import rms, rms_between_neighbours

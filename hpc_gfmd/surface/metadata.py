@@ -1,4 +1,5 @@
-"""What a file says about its heights beside them: sizes, units, whether they are periodic."""
+"""What a file says about its heights beside them: sizes, units, directions, whether they are
+periodic."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -6,15 +7,50 @@ from typing import Any
 
 import numpy as np
 
+from ..scene.table import MAX_N
+from ..util.errors import SceneError
+
 UNEVEN = 1e-3  # of a step: coordinates that differ by more are not those of a grid
+ATTRIBUTES = ("physical_sizes", "unit", "units", "periodic")
+_X_NAMES = ("x", "lon", "longitude", "easting", "column", "columns", "col", "cols", "width")
+_Y_NAMES = ("y", "lat", "latitude", "northing", "row", "rows", "line", "lines", "height")
+_X_STANDARD = ("projection_x_coordinate", "longitude", "grid_longitude")
+_Y_STANDARD = ("projection_y_coordinate", "latitude", "grid_latitude")
 
 
 @dataclass(frozen=True)
 class Metadata:
-    """sizes: (L_x, L_y), in sizes_unit; unit: of the heights; periodic: True where the file says
-    so. None: the file does not say.
+    """What a file says about its heights; None or nothing where it does not say it.
 
-    transposed: the first axis of the array is y.
+    Attributes
+    ----------
+    sizes : (L_x, L_y), optional
+        In sizes_unit.
+    sizes_unit : str, optional
+        As the file writes it, which may be no unit of length.
+    unit : str, optional
+        Of the heights, as the file writes it.
+    periodic : bool, optional
+        True where the file says so.
+    transposed : bool
+        The first axis of the array is y.
+    falling : tuple of bool
+        Whether the coordinates of the points fall along x, along y. The heights are turned, so that
+        they rise.
+    direction : str
+        How the file names the direction of x, for a person.
+    direction_known : bool
+        Whether the file itself says which direction is x.
+    channel : str
+        The one that was taken, where there are several.
+    other_channels : tuple of str
+        Those that were not taken.
+    missing : tuple of float
+        Numbers that stand for points without a height.
+    remarks : tuple of str
+        What a person should know of how the file was read, a line each.
+    reader : str
+        Of what format it was read as.
     """
 
     sizes: tuple[float, ...] | None = None
@@ -22,66 +58,170 @@ class Metadata:
     unit: str | None = None
     periodic: bool | None = None
     transposed: bool = False
+    falling: tuple[bool, ...] = (False, False)
+    direction: str = "along the first index of the array"
+    direction_known: bool = True
+    channel: str = ""
+    other_channels: tuple[str, ...] = ()
+    missing: tuple[float, ...] = ()
+    remarks: tuple[str, ...] = ()
+    reader: str = ""
 
 
 Map = tuple[Any, Metadata]  # an array, or what is sliced as one, and what is said of it
-NAMES = ("physical_sizes", "unit", "units", "periodic")
 
 
 def by_attributes(*places: Mapping[str, Any]) -> Metadata:
-    """Read attributes physical_sizes, unit or units, and periodic, each in the first of these
-    dictionaries that has it (HDF5, .npz). Sizes are in the unit beside them, or else in that of the
-    heights."""
+    """Read the attributes physical_sizes, unit or units, and periodic (HDF5, .npz).
 
-    def first(name: str) -> Mapping[str, Any]:
+    Parameters
+    ----------
+    *places : mapping
+        Attributes, those of the heights before those of the file; each attribute is taken from the
+        first that has it. Sizes are in the unit beside them, or else in that of the heights.
+
+    Returns
+    -------
+    Metadata
+    """
+
+    def first_with(name: str) -> Mapping[str, Any]:
         return next((place for place in places if name in place), {})
 
-    sized, unit = first("physical_sizes"), next(filter(None, map(_unit, places)), None)
-    sizes = np.ravel(sized.get("physical_sizes", ())).astype(float)
-    periodic = bool(np.all(first("periodic").get("periodic", False)))
+    beside_sizes = first_with("physical_sizes")
+    unit = next(filter(None, map(unit_in, places)), None)
+    sizes = np.ravel(beside_sizes.get("physical_sizes", ())).astype(float)
+    periodic = bool(np.all(first_with("periodic").get("periodic", False)))
     return Metadata(
-        tuple(sizes.tolist()) if len(sizes) == 2 else None,
-        _unit(sized) or unit,
-        unit,
-        periodic or None,
+        sizes=tuple(sizes.tolist()) if len(sizes) == 2 else None,
+        sizes_unit=unit_in(beside_sizes) or unit,
+        unit=unit,
+        periodic=periodic or None,
     )
 
 
 def by_axes(heights: Mapping[str, Any], axes: list) -> Metadata:
-    """Read what a NetCDF variable's attributes say, and its axes [(name, attributes, coordinates of
-    its points or None), ...].
+    """Read what a NetCDF variable and its axes say.
 
     Both conventions hold: `length` and `unit` of the axes (SurfaceTopography), coordinates of the
     points and `units` (CF).
+
+    Parameters
+    ----------
+    heights : mapping
+        Attributes of the variable.
+    axes : list of (name, attributes, coordinates)
+        Of both dimensions; coordinates is None where there are none.
+
+    Returns
+    -------
+    Metadata
+
+    Raises
+    ------
+    ValueError
+        Where the points are not those of a grid, or the axes are in different units.
     """
-    transposed = [name.lower() for name, *_ in axes] == ["y", "x"]
+    names = tuple(name for name, *_ in axes)
+    transposed = is_y_first([(name, attributes) for name, attributes, _ in axes])
     _, attributes, coordinates = zip(*(axes[::-1] if transposed else axes))
-    known = [found for found in map(_length, attributes, coordinates) if found is not None]
-    sizes, units = tuple(known) if len(known) == 2 else None, [*map(_unit, attributes)]
-    if sizes and units[0] != units[1]:
+    lengths = list(map(_length, attributes, coordinates))
+    units = list(map(unit_in, attributes))
+    known = all(length is not None for length in lengths)
+    if known and units[0] != units[1]:
         raise ValueError(f"its axes are in different units, {units[0]} and {units[1]}")
-    unit = _unit(heights) or (units[0] if all("length" in axis for axis in attributes) else None)
-    periodic = all(np.all(axis.get("periodic", False)) for axis in attributes)
-    return Metadata(sizes, units[0], unit, periodic or None, transposed)
+    has_lengths = all("length" in axis for axis in attributes)
+    unit = unit_in(heights) or (units[0] if has_lengths else None)
+    remarks: tuple[str, ...] = ()
+    if known and not has_lengths and units[0] is None and (unit or _are_indices(coordinates)):
+        known = False
+        remarks = ("the coordinates of the points have no unit: they are not used",)
+    return Metadata(
+        sizes=tuple(abs(length) for length in lengths if length is not None) if known else None,
+        sizes_unit=units[0],
+        unit=unit,
+        periodic=all(np.all(axis.get("periodic", False)) for axis in attributes) or None,
+        transposed=transposed,
+        falling=tuple(length is not None and length < 0 for length in lengths),
+        direction=f"along the axis {names[transposed]!r} of {names[0]!r}, {names[1]!r}",
+        direction_known=is_x_or_y(axes),
+        remarks=remarks,
+    )
+
+
+def is_y_first(axes: list[tuple[str, Mapping[str, Any]]]) -> bool:
+    """Whether the first of two axes is y, by their attributes (`axis`, `standard_name` of CF) and
+    their names; axes: [(name, attributes), (name, attributes)]."""
+    return [_direction(*axis) for axis in axes] in (["y", "x"], ["y", ""], ["", "x"])
+
+
+def is_x_or_y(axes: list) -> bool:
+    """Whether at least one of two axes says that it is x or y; axes: [(name, attributes, ...)]."""
+    return any(_direction(*axis[:2]) for axis in axes)
+
+
+def missing_numbers(spec: Any, path: object) -> tuple[float, ...]:
+    """Return the numbers that the scene calls missing; spec: scene.File.
+
+    Raises
+    ------
+    SceneError
+        For texts that are no numbers, which only a text can hold.
+    """
+    try:
+        return tuple(float(text) for text in spec.missing)
+    except ValueError:
+        raise SceneError(
+            f"surface.missing: found {list(spec.missing)}, but {path} is no text, allowed: numbers,"
+            ' such as ["-9999"]'
+        ) from None
+
+
+def unit_in(attributes: Mapping[str, Any]) -> str | None:
+    """Return the attribute unit or units, if it is a text."""
+    value = np.ravel(attributes.get("unit", attributes.get("units")))
+    text = value[0] if value.size == 1 else None
+    text = text.decode("utf-8", "replace") if isinstance(text, bytes) else text
+    return text.strip() or None if isinstance(text, str) else None
+
+
+def _direction(name: str, attributes: Mapping[str, Any]) -> str:
+    """Return "x", "y" or "" for an axis."""
+
+    def text(key: str) -> str:
+        value = attributes.get(key, "")
+        value = value.decode("utf-8", "replace") if isinstance(value, bytes) else value
+        return value.lower() if isinstance(value, str) else ""
+
+    word = name.lower().split("_")[0]
+    if text("axis") == "x" or text("standard_name") in _X_STANDARD or word in _X_NAMES:
+        return "x"
+    if text("axis") == "y" or text("standard_name") in _Y_STANDARD or word in _Y_NAMES:
+        return "y"
+    return ""
 
 
 def _length(attributes: Mapping[str, Any], x: Any) -> float | None:
-    """Return the length of an axis, None where it is not known, as of a NetCDF 4 dimension without
-    coordinates; of its coordinates x only the first two and the last two are read."""
+    """Return the length of an axis, negative where its coordinates x fall, None where it is not
+    known, as of a NetCDF 4 dimension without coordinates."""
     if "length" in attributes:
         return float(np.ravel(attributes["length"])[0])
-    if x is None or len(x) < 2 or "not a netCDF variable" in str(attributes.get("NAME")):
+    if (
+        x is None
+        or not 2 <= len(x) <= MAX_N
+        or "not a netCDF variable" in str(attributes.get("NAME"))
+    ):
         return None
-    first, second, other, last = (float(x[k]) for k in (0, 1, -2, -1))
-    step = (last - first) / (len(x) - 1)
-    even = (abs(one - step) <= UNEVEN * abs(step) for one in (second - first, last - other))
-    if not (step and all(even)):
+    points = np.asarray(x[:])
+    rounding = 4 * len(x) * np.finfo(points.dtype).eps if points.dtype.kind == "f" else 0.0
+    points = points.astype(np.float64)
+    step = float(points[-1] - points[0]) / (len(x) - 1)
+    deviation = np.abs(np.diff(points) - step).max()
+    if not (step and deviation <= max(UNEVEN, rounding) * abs(step)):
         raise ValueError("its points are not those of a regular grid")
-    return abs(step) * len(x)
+    return step * len(x)
 
 
-def _unit(attributes: Mapping[str, Any]) -> str | None:
-    found = np.ravel(attributes.get("unit", attributes.get("units")))
-    text = found[0] if found.size == 1 else None
-    text = text.decode("utf-8", "replace") if isinstance(text, bytes) else text
-    return text.strip() or None if isinstance(text, str) else None
+def _are_indices(coordinates: tuple) -> bool:
+    """Whether coordinates only number the points, 0, 1, 2, ... or 1, 2, 3, ..."""
+    return all(x is not None and x[0] in (0, 1) and x[1] == x[0] + 1 for x in coordinates)

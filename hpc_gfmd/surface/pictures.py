@@ -1,56 +1,142 @@
 """Heights as pictures: TIFF and PNG of whole numbers, which stand for a range of heights, and TIFF
 of numbers with decimals, which are heights."""
 
-from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 
 from ..util.quantities import Quantity, factor
 from . import instruments
-from .metadata import Map, Metadata
+from .contents import Contents
+from .metadata import Map, Metadata, missing_numbers
 
 GREY = ("L", "I", "I;16", "I;16B")  # modes of Pillow that have one number a point
+DIRECTION = "to the right in the picture, y down"
+_NO_DATA = 42113  # GDAL's tags of a TIFF
+_SCALES = 42112
+_UPRIGHT = 1
+_ALLOWED = (
+    'one number a point, either with decimals, or whole and surface.height_range = ["0 nm", "500'
+    ' nm"] for the lowest and the highest one that there may be'
+)
 
 
-def read(path: str | Path, spec: Any) -> Map:
-    """Read a picture: (heights (n_x, n_y), Metadata), x to the right, y down; spec: scene.File.
-    What an instrument wrote as a TIFF is read as such. Raises ValueError for colours, and for whole
-    numbers without a range."""
-    is_png = Path(path).suffix.lower() == ".png"
-    if found := None if is_png else instruments.recognised(path, spec):
+def read_png(contents: Contents, spec: Any) -> Map:
+    """Read a PNG: (heights (n_x, n_y), Metadata), x to the right, y down; spec: scene.File. Raises
+    ValueError for colours, and where surface.height_range is not given."""
+    z = _grey(contents)
+    return _heights(z, np.isin(z, missing_numbers(spec, contents.path)), spec, ())
+
+
+def read_tiff(contents: Contents, spec: Any) -> Map:
+    """Read a TIFF: (heights (n_x, n_y), nan where the file has none; Metadata), x to the right, y
+    down; spec: scene.File. What an instrument wrote as a TIFF is read as such.
+
+    Raises
+    ------
+    ValueError
+        For colours, several pictures, and whole numbers without a range.
+    """
+    if (found := instruments.recognised(contents, spec)) is not None:
         return found
-    z = _grey(path) if is_png else _tiff(path)
-    if z.dtype.kind == "f" and spec.height_range is None:
-        return z.T, Metadata()
-    if z.ndim != 2 or z.dtype.kind == "f" or spec.height_range is None:
-        raise ValueError(
-            f"found an array {z.shape} of {z.dtype}, allowed: one number a point, either with"
-            ' decimals, or whole and surface.height_range = ["0 nm", "500 nm"] for the lowest and'
-            " the highest one that there may be"
-        )
+    import tifffile
+
+    page: Any
+    with tifffile.TiffFile(contents.source) as file:
+        pages = [page for page in file.pages if not getattr(page, "is_reduced", False)]
+        masks = [page for page in pages if getattr(page, "is_mask", False)]
+        pictures = [page for page in pages if page not in masks]
+        if len(pictures) != 1:
+            raise ValueError(f"it has {len(pictures)} pictures, allowed: one")
+        (page,) = pictures
+        tags = page.tags
+        if tags.valueof(274, _UPRIGHT) != _UPRIGHT:
+            raise ValueError("it is stored turned or mirrored, allowed: TIFF orientation 1")
+        scale, offset = _scale_and_offset(tags.valueof(_SCALES, ""))
+        missing = [*_numbers(tags.valueof(_NO_DATA, "")), *missing_numbers(spec, contents.path)]
+        try:
+            z = page.asarray()
+            valid = masks[0].asarray() if masks else None
+        except ValueError:  # packed: Pillow reads fewer types of numbers, but unpacks more
+            z, valid = _grey(contents), None
+    if valid is not None and valid.shape != z.shape:
+        raise ValueError(f"its mask has {valid.shape} points, its heights {z.shape}")
+    without = np.isin(z, _in_type(np.array(missing), z.dtype))
+    if valid is not None:
+        without |= valid == 0
+    if (scale, offset) != (1.0, 0.0):
+        z = z * scale + offset
+    return _heights(z, without, spec, (scale, offset))
+
+
+def _heights(z: np.ndarray, holes: np.ndarray, spec: Any, scaled: tuple) -> Map:
+    """Make heights of the numbers of a picture, shape (n_y, n_x)."""
+    if z.ndim != 2:
+        raise ValueError(f"found an array {z.shape} of {z.dtype}, allowed: {_ALLOWED}")
+    has_decimals = z.dtype.kind == "f"
+    if has_decimals == (spec.height_range is not None):
+        raise ValueError(f"found an array {z.shape} of {z.dtype}, allowed: {_ALLOWED}")
+    if has_decimals:
+        heights = z.T if not holes.any() else np.where(holes, np.nan, z).T
+        remarks: tuple[str, ...] = ()
+        if scaled not in ((), (1.0, 0.0)):
+            remarks = (f"heights are {scaled[0]:g} times its numbers, plus {scaled[1]:g}",)
+        return heights, Metadata(direction=DIRECTION, remarks=remarks)
     unit = spec.unit or "m"
     low, high = (h / factor(unit) if isinstance(h, Quantity) else h for h in spec.height_range)
     limits = np.iinfo(z.dtype)
     share = (z.T - float(limits.min)) / (float(limits.max) - limits.min)
-    named = any(isinstance(h, Quantity) for h in spec.height_range)
-    return low + (high - low) * share, Metadata(unit=unit if named else None)
+    is_named = any(isinstance(h, Quantity) for h in spec.height_range)
+    texts = [getattr(h, "text", f"{h:g}") for h in spec.height_range]
+    remark = (
+        f"{limits.min} to {limits.max}, the range of {z.dtype}, stand for {texts[0]} to {texts[1]};"
+        f" its numbers are {z.min()} to {z.max()}"
+    )
+    heights = low + (high - low) * share
+    heights[holes.T] = np.nan
+    return heights, Metadata(
+        unit=unit if is_named else None, direction=DIRECTION, remarks=(remark,)
+    )
 
 
-def _tiff(path: str | Path) -> np.ndarray:
-    import tifffile
-
-    try:
-        return tifffile.imread(path)
-    except ValueError:  # packed: Pillow reads fewer types of numbers, but unpacks more
-        return _grey(path)
-
-
-def _grey(path: str | Path) -> np.ndarray:
+def _grey(contents: Contents) -> np.ndarray:
+    """Read a picture of one whole number a point, shape (n_y, n_x). Raises ValueError for
+    colours."""
     from PIL import Image
 
-    with Image.open(path) as picture:
+    with Image.open(contents.source) as picture:
         if picture.mode not in GREY:
             raise ValueError(f"found colours ({picture.mode}), allowed: one number a point")
         z = np.asarray(picture)
     return z.astype(np.uint16) if picture.mode == "I" else z  # how some versions open 16 bits
+
+
+def _numbers(text: Any) -> np.ndarray:
+    """Return the number that GDAL's tag names, none where it names none."""
+    text = text.decode("ascii", "replace") if isinstance(text, bytes) else str(text)
+    try:
+        return np.array([float(text.strip("\0 "))]) if text.strip("\0 ") else np.array([])
+    except ValueError:
+        raise ValueError(f"its GDAL_NODATA is {text!r}, which is no number") from None
+
+
+def _scale_and_offset(text: Any) -> tuple[float, float]:
+    """Read scale and offset of the heights in GDAL's metadata."""
+    text = text.decode("utf-8", "replace") if isinstance(text, bytes) else str(text)
+    scale = 1.0
+    offset = 0.0
+    if not text.strip("\0 "):
+        return scale, offset
+    for item in ElementTree.fromstring(text.strip("\0 ")).iter("Item"):
+        if item.get("role") == "scale":
+            scale = float(item.text or 1)
+        elif item.get("role") == "offset":
+            offset = float(item.text or 0)
+    return scale, offset
+
+
+def _in_type(values: np.ndarray, dtype: np.dtype) -> np.ndarray:
+    """Return numbers as they are when stored in a type of numbers with decimals."""
+    with np.errstate(over="ignore"):
+        return values.astype(dtype) if dtype.kind == "f" else values

@@ -17,7 +17,7 @@ from ..parallel.guard import collective_errors
 from ..util.errors import SceneError
 from ..util.quantities import format_quantity
 from .fill import filled
-from .quality import notes_on
+from .quality import notes_on, quality_of, window_note
 from .resample import resampled
 from .slabs import own_slabs
 from .topography import Topography
@@ -29,140 +29,191 @@ POWERS = {
 }  # of x and y
 
 
-def prepared_size(found: Topography, spec: Any) -> tuple[tuple[int, int], tuple[float, ...]]:
-    """Return (n_x, n_y) and (L_x, L_y) of what `prepare` makes of a Topography, without reading it.
-    Raises SceneError."""
-    found = _cropped(found, spec) if spec.crop else found
-    found = _mirrored(found) if spec.mirror else found
-    n_x, n_y = (k * spec.refine for k in found.n)
+def prepared_size(topography: Topography, spec: Any) -> tuple[tuple[int, int], tuple[float, ...]]:
+    """Return the size of what `prepare` makes of a Topography, without reading it.
+
+    Parameters
+    ----------
+    topography : Topography
+    spec : scene.File
+
+    Returns
+    -------
+    n : (n_x, n_y)
+    sizes : (L_x, L_y)
+
+    Raises
+    ------
+    SceneError
+    """
+    topography = _cropped(topography, spec) if spec.crop else topography
+    topography = _mirrored(topography) if spec.mirror else topography
+    n_x, n_y = (k * spec.refine for k in topography.n)
     if n_x % spec.downsample or n_y % spec.downsample:
         raise SceneError(
             f"surface.downsample: found {spec.downsample}, allowed: a divisor of {n_x} and of"
             f" {n_y} points"
         )
-    return (n_x // spec.downsample, n_y // spec.downsample), found.sizes
+    return (n_x // spec.downsample, n_y // spec.downsample), topography.sizes
 
 
-def prepare(found: Topography, spec: Any, comm: Any) -> Topography:
-    """Return the Topography as the scene wants it, with what has been `done` to it and its `notes`.
+def prepare(topography: Topography, spec: Any, comm: Any) -> Topography:
+    """Prepare a height map as the scene wants it. Collective.
 
-    Raises one SceneError on all ranks for everything that the scene still has to say.
+    Parameters
+    ----------
+    topography : Topography
+    spec : scene.File
+    comm : Comm
+
+    Returns
+    -------
+    Topography
+        With what was `done` to it and its `notes`.
+
+    Raises
+    ------
+    SceneError
+        One on all ranks, for everything that the scene still has to say.
     """
-    lacks = list(found.lacks.values())
+    lacks = list(topography.lacks.values())
     if lacks:  # only to see what else is
         spec = spec.model_copy(update={"crop": None})
-    size, _ = prepared_size(found, spec)
+    size, _ = prepared_size(topography, spec)
     if spec.crop:
-        found = _cropped(found, spec)
-    detrend = "mean" if spec.window != "none" and spec.detrend == "none" else spec.detrend
+        topography = _cropped(topography, spec)
+    has_window = spec.window != "none"
+    detrend = "mean" if has_window and spec.detrend == "none" else spec.detrend
     if detrend != "none":
-        found = _detrended(found, detrend, comm)
+        topography = _detrended(topography, detrend, comm)
     try:
-        found = filled(found, spec.fill, comm)
+        topography = filled(topography, spec.fill, comm)
     except SceneError as error:
         lacks.append(str(error))
-        found = filled(found, "harmonic", comm)
+        topography = filled(topography, "harmonic", comm)
     try:
-        found = replace(found, notes=notes_on(found, spec, comm))
+        notes, quality = notes_on(topography, spec, comm)
+        topography = replace(topography, notes=(*topography.notes, *notes))
     except SceneError as error:
         lacks.append(str(error))
     if lacks:
         raise SceneError("; ".join(lacks))
     if spec.flip:
-        upright = found.rows
-        found = found.after("upside down", rows=lambda start, stop: -upright(start, stop))
+        upright = topography.rows
+        topography = topography.after("upside down", rows=lambda start, stop: -upright(start, stop))
     if spec.mirror:
-        found = _mirrored(found)
-    if spec.window != "none":
-        found = _windowed(found, spec.window)
-    if size != found.n:
-        found = resampled(found, size, spec.free, comm)
+        topography = _mirrored(topography)
+    if has_window:
+        topography = _windowed(topography, spec.window)
+        note = window_note(
+            quality, quality_of(topography, comm), _kept(topography, spec.window), spec.window
+        )
+        topography = replace(topography, notes=(*topography.notes, *note))
+    if size != topography.n:
+        topography = resampled(topography, size, spec.free, comm)
     if spec.radius:
-        radii = tuple(found.length("radius", R) for R in spec.radii)
+        radii = tuple(topography.length("radius", R) for R in spec.radii)
         given = ", ".join(dict.fromkeys(map(format_quantity, spec.radii)))
-        found = found.on_form(radii).after(f"on a form of radius {given}")
-    return found
+        topography = topography.on_form(radii).after(f"on a form of radius {given}")
+    return topography
 
 
-def _cropped(found: Topography, spec: Any) -> Topography:
+def _cropped(topography: Topography, spec: Any) -> Topography:
     ends = []
     for axis in (0, 1):
-        step = found.sizes[axis] / found.n[axis]
-        first, last = (round(found.length("crop", spec.crop[k]) / step) for k in (axis, axis + 2))
-        if not 0 <= first < last <= found.n[axis]:
+        step = topography.sizes[axis] / topography.n[axis]
+        first, last = (
+            round(topography.length("crop", spec.crop[k]) / step) for k in (axis, axis + 2)
+        )
+        if not 0 <= first < last <= topography.n[axis]:
             L_x, L_y = (
-                f"{size / found.plain:.6g} {found.plain_unit}".strip() for size in found.sizes
+                f"{size / topography.plain:.6g} {topography.plain_unit}".strip()
+                for size in topography.sizes
             )
             raise SceneError(
-                f"surface.crop: found points {first} to {last} of {found.n[axis]} along"
+                f"surface.crop: found points {first} to {last} of {topography.n[axis]} along"
                 f" {'xy'[axis]}, allowed: [x0, y0, x1, y1] with 0 <= x0 < x1 <= {L_x} and 0 <= y0 <"
                 f' y1 <= {L_y}, plain in this unit or as "5 um"'
             )
         ends.append((first, last))
     (x0, x1), (y0, y1) = ends
     n = x1 - x0, y1 - y0
-    sizes = tuple(size * k / m for size, k, m in zip(found.sizes, n, found.n))
-    return found.after(
+    sizes = tuple(size * k / m for size, k, m in zip(topography.sizes, n, topography.n))
+    return topography.after(
         f"cropped to {n[0]} x {n[1]} points",
         n=n,
         sizes=sizes,
-        rows=lambda start, stop: found.rows(start + x0, stop + x0)[:, y0:y1],
-        periodic=found.periodic if n == found.n else None,
+        rows=lambda start, stop: topography.rows(start + x0, stop + x0)[:, y0:y1],
+        periodic=topography.periodic if n == topography.n else None,
     )
 
 
-def _detrended(found: Topography, what: str, comm: Any) -> Topography:
+def _detrended(topography: Topography, what: str, comm: Any) -> Topography:
     """Subtract the polynomial that fits the measured points best."""
     powers = POWERS[what]
-    x, y = (2 * np.arange(n) / max(n - 1, 1) - 1 for n in found.n)
+    x, y = (2 * np.arange(n) / max(n - 1, 1) - 1 for n in topography.n)
 
     def terms(start: int, stop: int) -> list[np.ndarray]:
         return [x[start:stop, None] ** i * y[None] ** j for i, j in powers]
 
-    own = []
+    sums = []
     with collective_errors(comm, "reading the surface"):
-        for start, stop in own_slabs(found, comm):
-            z = found.rows(start, stop)
-            there = np.isfinite(z)
-            values = [term[there] for term in (*terms(start, stop), z)]
-            own.append([[a @ b for b in values] for a in values[:-1]])
-    total = np.sum([*chain(*comm.allgather(own))], axis=0)  # in one order on any ranks
+        for start, stop in own_slabs(topography, comm):
+            z = topography.rows(start, stop)
+            is_measured = np.isfinite(z)
+            values = [term[is_measured] for term in (*terms(start, stop), z)]
+            sums.append([[a @ b for b in values] for a in values[:-1]])
+    total = np.sum([*chain(*comm.allgather(sums))], axis=0)  # in one order on any ranks
     factors = np.linalg.lstsq(total[:, :-1], total[:, -1])[0]
 
     def rows(start: int, stop: int) -> np.ndarray:
-        return found.rows(start, stop) - sum(
+        return topography.rows(start, stop) - sum(
             factor * term for factor, term in zip(factors, terms(start, stop))
         )
 
-    periodic = found.periodic if what == "mean" else None
-    return found.after(f"{what} removed", rows=rows, periodic=periodic)
+    periodic = topography.periodic if what == "mean" else None
+    return topography.after(f"{what} removed", rows=rows, periodic=periodic)
 
 
-def _mirrored(found: Topography) -> Topography:
+def _mirrored(topography: Topography) -> Topography:
     """Append the mirror images, so that the map is twice as long along both axes, and periodic."""
-    n = found.n[0]
+    n = topography.n[0]
 
     def rows(start: int, stop: int) -> np.ndarray:
-        straight = found.rows(min(start, n), min(stop, n))
-        turned = found.rows(2 * n - max(stop, n), 2 * n - max(start, n))[::-1]
-        return np.pad(np.concatenate([straight, turned]), ((0, 0), (0, found.n[1])), "symmetric")
+        straight = topography.rows(min(start, n), min(stop, n))
+        turned = topography.rows(2 * n - max(stop, n), 2 * n - max(start, n))[::-1]
+        return np.pad(
+            np.concatenate([straight, turned]), ((0, 0), (0, topography.n[1])), "symmetric"
+        )
 
-    return found.after(
+    return topography.after(
         "mirrored",
-        n=tuple(2 * k for k in found.n),
-        sizes=tuple(2 * size for size in found.sizes),
+        n=tuple(2 * k for k in topography.n),
+        sizes=tuple(2 * size for size in topography.sizes),
         rows=rows,
         periodic=True,
     )
 
 
-def _windowed(found: Topography, name: str) -> Topography:
+def _windowed(topography: Topography, name: str) -> Topography:
     """Fade the heights out to their mean, 0, at the edges; what is in the middle stays."""
-    from scipy.signal.windows import get_window
-
-    w_x, w_y = (get_window(name, n) for n in found.n)
-    return found.after(
+    w_x, w_y = _windows(topography, name)
+    return topography.after(
         f"window {name}",
-        rows=lambda start, stop: found.rows(start, stop) * w_x[start:stop, None] * w_y,
+        rows=lambda start, stop: topography.rows(start, stop) * w_x[start:stop, None] * w_y,
         periodic=True,
     )
+
+
+def _windows(topography: Topography, name: str) -> tuple[np.ndarray, ...]:
+    """Return the window along x and along y."""
+    from scipy.signal.windows import get_window
+
+    return tuple(get_window(name, n) for n in topography.n)
+
+
+def _kept(topography: Topography, name: str) -> float:
+    """Return the share of the area in which the window is more than a half."""
+    w_x, w_y = _windows(topography, name)
+    counts = np.searchsorted(np.sort(w_y), 0.5 / np.maximum(w_x, 1e-300), side="right")
+    return float(np.mean(w_y.size - counts) / w_y.size)

@@ -1,5 +1,5 @@
-"""What a reader should know of a height map before the numbers that come from it, and whether it is
-periodic: as the scene or the file says, else by the jump between its opposite edges."""
+"""What to know of a height map before the numbers that come from it, and whether it is periodic: as
+the scene or the file says, else by the jump between its opposite edges."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,28 +13,46 @@ from ..util.errors import SceneError
 from .slabs import own_slabs, with_neighbours
 from .topography import Topography
 
-DIFFERENT_UNITS = "are probably in different units"
-NO_MODULUS = "no modulus is given: E_star = 1 is taken, and pressures are in units of E*"
-
 
 @dataclass(frozen=True)
 class Doubt:
-    """From where on a map is doubted; chosen, not fitted. Slopes are g_rms, medians those of
-    neighbouring points."""
+    """Thresholds above which a height map triggers a note (chosen by hand).
 
-    steep: float = 1.0 + 1e-6  # slope that is not small; 1 itself has rounding errors
-    slopes: tuple[float, float] = (1e-5, 30.0)  # of real surfaces are between these
-    overload: float = 10.0  # mean pressure over E*
-    tilt: float = 0.5  # share of the variance of the heights
-    # mean square slope between neighbours over that between every second point: 1 where the grid
-    # resolves the spectrum
+    Attributes
+    ----------
+    tilt : float
+        Share of the variance of the heights that is tilt.
+    unresolved : float
+        Mean square slope between neighbours over that between every second point: 1 where the grid
+        resolves the spectrum.
+    filled : float
+        Share of the points that had no height.
+    jump : float
+        Between opposite edges, over that between neighbours.
+    kink : float
+        Change of slope at the edge, over that inside.
+    outlying : float
+        Distance from all neighbours, over what neighbours differ by.
+    faded : float
+        Relative change of h_rms or g_rms by a window.
+    rounding : float
+        Edges that differ by less than this share of the heights are the same.
+    rows : int
+        At most so many are looked at.
+    lag : int
+        At most so many points lie between those that slopes are taken from.
+    """
+
+    tilt: float = 0.5
     unresolved: float = 1.2
-    filled: float = 0.1  # share of the points
-    jump: float = 3.0  # between opposite edges, over that between neighbours
-    outlying: float = 10.0  # times what neighbours differ by: far from all of them
-    rounding: float = 1e-12  # of the heights: edges that differ by less are the same
-    rows: int = 512  # that medians are taken of
-    lag: int = 16  # points over which slopes are taken, at most
+    filled: float = 0.1
+    jump: float = 3.0
+    kink: float = 8.0
+    outlying: float = 10.0
+    faded: float = 0.1
+    rounding: float = 1e-12
+    rows: int = 512
+    lag: int = 16
 
 
 DOUBT = Doubt()
@@ -42,56 +60,105 @@ DOUBT = Doubt()
 
 @dataclass(frozen=True)
 class MapQuality:
-    """What some rows of a Topography show.
+    """What some rows of a Topography show. Medians are taken, which a few outliers do not change.
 
-    jumps: for each axis the jump from the last point to the first one over that between neighbours,
-    medians, which a few outliers do not change; typical: how much neighbours differ; tilt: share of
-    the variance of the heights that a plane of the typical slope takes off, which a step has not;
-    unresolved: see Doubt, the larger one of both axes.
+    Attributes
+    ----------
+    jumps : ndarray, shape (2,)
+        Along x and y: the jump from the last point to the first one over that between neighbours.
+    kinks : ndarray, shape (2,)
+        The same for changes of the slope.
+    typical : float
+        How much neighbours differ, in the unit of the heights.
+    tilt : float
+        Share of the variance of the heights that a plane of the typical slope takes off, which a
+        step has not.
+    unresolved : float
+        See Doubt, the larger one of both axes.
+    h_rms : float
+        In the unit of the heights.
+    g_rms : float
+        By differences between neighbours.
     """
 
     jumps: np.ndarray
+    kinks: np.ndarray
     typical: float
     tilt: float
     unresolved: float
+    h_rms: float
+    g_rms: float
 
     def notes(self, meet: Sequence[bool]) -> list[str]:
-        """Return one line for each doubt; meet: whether the opposite edges as they are will be
-        neighbours, along x, along y."""
-        found = [
-            f"opposite edges along {axis} differ by {jump:.3g} times what neighbouring points"
-            " differ by: the jump is pressed, too"
-            for axis, jump, edges in zip("xy", self.jumps, meet)
-            if jump > DOUBT.jump and edges
-        ]
+        """Return the notes on a map.
+
+        Parameters
+        ----------
+        meet : (bool, bool)
+            Whether the opposite edges as they are will be neighbours, along x, along y.
+
+        Returns
+        -------
+        list of str
+            One line for each doubt.
+        """
+        lines = []
+        for axis, jump, kink, edges_meet in zip("xy", self.jumps, self.kinks, meet):
+            if edges_meet and jump > DOUBT.jump:
+                lines.append(
+                    f"opposite edges along {axis} differ by {jump:.3g} times what neighbouring"
+                    " points differ by: the jump is pressed, too"
+                )
+            elif edges_meet and kink > DOUBT.kink:
+                lines.append(
+                    f"opposite edges along {axis} meet in a kink: the slope changes there"
+                    f' {kink:.3g} times as much as inside (surface.boundary = "free" for a single'
+                    " body, such as a lens)"
+                )
         if self.tilt > DOUBT.tilt:
-            found.append(
+            lines.append(
                 f"{100 * self.tilt:.0f} % of the variance of the heights is tilt (surface.detrend ="
                 ' "tilt" removes it)'
             )
         if self.unresolved > DOUBT.unresolved:
-            found.append(
+            lines.append(
                 "the spectrum is not resolved: it has power at the shortest waves of the grid, so"
                 " that more points would change g_rms and the area"
             )
-        return found
+        return lines
 
 
-def quality_of(found: Topography, comm: Any) -> MapQuality:
-    """Look at a Topography, of which rank 0 reads DOUBT.rows rows at most. Collective."""
-    return on_rank_0(comm, "reading the surface", lambda: _looked_at(found))
+def quality_of(topography: Topography, comm: Any) -> MapQuality:
+    """Look at a Topography without holes, of which rank 0 reads DOUBT.rows rows at most.
+    Collective."""
+    return on_rank_0(comm, "reading the surface", lambda: _looked_at(topography))
 
 
-def notes_on(found: Topography, spec: Any, comm: Any) -> tuple[str, ...]:
-    """Return the notes on a Topography. Collective.
+def notes_on(topography: Topography, spec: Any, comm: Any) -> tuple[tuple[str, ...], MapQuality]:
+    """Return the notes on a Topography, and its quality. Collective.
 
-    Raises SceneError where nobody says what its boundary is and it does not look periodic.
+    Parameters
+    ----------
+    topography : Topography
+        Without holes, before it is made periodic.
+    spec : scene.File
+    comm : Comm
+
+    Returns
+    -------
+    notes : tuple of str
+    quality : MapQuality
+
+    Raises
+    ------
+    SceneError
+        Where neither scene nor file says what its boundary is and it does not look periodic.
     """
-    quality = quality_of(found, comm)
+    quality = quality_of(topography, comm)
     made_periodic = spec.mirror or spec.window != "none"  # whatever its edges are
+    is_told = made_periodic or spec.boundary is not None or topography.periodic
     for axis, jump in zip("xy", quality.jumps):
-        said = made_periodic or spec.boundary is not None or found.periodic
-        if jump > DOUBT.jump and not said:
+        if jump > DOUBT.jump and not is_told:
             raise SceneError(
                 f"surface.boundary: not given, with edges along {axis} that differ by {jump:.3g}"
                 ' times what neighbouring points differ by, allowed: "free" (it ends there),'
@@ -99,81 +166,152 @@ def notes_on(found: Topography, spec: Any, comm: Any) -> tuple[str, ...]:
                 " window"
             )
     notes = quality.notes([not (made_periodic or ends) for ends in spec.free])
-    share = found.filled / np.prod(found.n)
+    share = topography.filled / np.prod(topography.n)
     if share > DOUBT.filled:
         notes.append(f"{100 * share:.0f} % of the heights are filled, not measured")
-    return tuple(notes)
+    return tuple(notes), quality
 
 
-def slope_notes(g_rms: float, measured: bool) -> list[str]:
-    """Return what is doubtful about the slope of a surface; measured: it is no formula, of which
-    any slope may be asked."""
-    low, high = DOUBT.slopes
-    if g_rms > high or (measured and 0 < g_rms < low):
-        return [f"g_rms = {g_rms:.2g}: heights and sizes {DIFFERENT_UNITS}"]
-    steep = g_rms > DOUBT.steep
-    return [f"g_rms = {g_rms:.3g}: the theory is that of small slopes"] if steep else []
+def window_note(before: MapQuality, after: MapQuality, kept: float, name: str) -> tuple[str, ...]:
+    """Return a note on what a window did to a map, none where that is little.
+
+    Parameters
+    ----------
+    before, after : MapQuality
+    kept : float
+        Share of the area in which the window is more than a half.
+    name : str
+        Of the window.
+
+    Returns
+    -------
+    tuple of str
+    """
+
+    def change(name: str) -> float:
+        values = getattr(before, name), getattr(after, name)
+        return abs(values[1] / values[0] - 1) if values[0] else 0.0
+
+    if max(change("h_rms"), change("g_rms")) < DOUBT.faded:
+        return ()
+    return (
+        f"the window {name} takes h_rms from {before.h_rms:.3g} to {after.h_rms:.3g} and g_rms from"
+        f" {before.g_rms:.3g} to {after.g_rms:.3g}; {100 * kept:.0f} % of the area keep more than"
+        " half of their heights and bear the load: area and gap are not those of the map",
+    )
 
 
-def outliers(found: Topography, typical: float) -> int:
+def outliers(topography: Topography, typical: float) -> int:
     """Count points of a Topography that stand out of the median of their neighbours; typical: how
     much neighbours differ."""
     from scipy.ndimage import median_filter
 
-    if min(found.n) < 3:
+    if min(topography.n) < 3:
         return 0
-    beside, total = np.ones((3, 3)), 0
+    beside = np.ones((3, 3))
     beside[1, 1] = 0
-    for start, stop in own_slabs(found, SerialComm()):
-        z = with_neighbours(found, start, stop, "reflect")
+    total = 0
+    for start, stop in own_slabs(topography, SerialComm()):
+        z = with_neighbours(topography, start, stop, "reflect")
         out = np.abs(z - median_filter(z, footprint=beside)) > DOUBT.outlying * typical
         total += int(np.count_nonzero(out[1:-1, 1:-1]))
     return total
 
 
-def load_notes(p_mean: float, E_star: float, g_rms: float, unit: str) -> list[str]:
-    """Return what is doubtful about a mean pressure p_mean beside the modulus E_star, on a surface
-    of slope g_rms; unit: of a measured one."""
-    found = [NO_MODULUS] if unit and E_star == 1 else []
-    if p_mean > DOUBT.overload * E_star * max(g_rms, 1.0):
-        found.append(f"p = {p_mean / E_star:.2g} E*: loads and moduli {DIFFERENT_UNITS}")
-    return found
+@dataclass(frozen=True)
+class _Differences:
+    """How much the points of one row differ from others along an axis, medians.
+
+    Attributes
+    ----------
+    step : float
+        From the next point.
+    second : float
+        From the second next.
+    far : float
+        Slope over a longer distance, per point.
+    bend : float
+        Change of the step from one point to the next.
+    square : float
+        Mean square of the step.
+    """
+
+    step: float
+    second: float
+    far: float
+    bend: float
+    square: float
 
 
-def _looked_at(found: Topography) -> MapQuality:
-    n_x, n_y = found.n
+def _looked_at(topography: Topography) -> MapQuality:
+    n_x, n_y = topography.n
 
     def row(i: int) -> np.ndarray:
-        return found.rows(min(i, n_x), min(i + 1, n_x))  # none beyond the map
+        """Return row i as an array of one row, or of none beyond the map."""
+        return topography.rows(min(i, n_x), min(i + 1, n_x))
 
-    def differences(z: np.ndarray, i: int, axis: int) -> tuple[float, float, float]:
-        """Return how much neighbours and every second point differ in row i, and the slope."""
-        lag = min(DOUBT.lag, max(found.n[axis] // 8, 1))
-        one, two, far = (z[:, k:] - z[:, :-k] if axis else row(i + k) - z for k in (1, 2, lag))
-        return _typical(one), _typical(two), _median(far) / lag
+    def differences(z: np.ndarray, i: int, axis: int) -> _Differences:
+        """Return how much points differ along an axis; z: row i."""
+        lag = min(DOUBT.lag, max(topography.n[axis] // 8, 1))
+        if axis == 0:
+            below, further = row(i + 1), row(i + 2)
+            step, second, far = below - z, further - z, row(i + lag) - z
+            bend = further - 2 * below + z if len(further) else further
+        else:
+            step, second, far = (z[:, k:] - z[:, :-k] for k in (1, 2, lag))
+            bend = np.diff(step, axis=1)
+        square = float(np.mean(step**2)) if step.size else float("nan")
+        return _Differences(
+            _typical(step), _typical(second), _median(far) / lag, _typical(bend), square
+        )
 
-    x, y = np.arange(0, n_x, -(-n_x // DOUBT.rows)), np.arange(n_y) - (n_y - 1) / 2
-    moments, of_axes, ends = [], [], []
+    x = np.arange(0, n_x, -(-n_x // DOUBT.rows))
+    y = np.arange(n_y) - (n_y - 1) / 2
+    means = []
+    squares = []
+    along_y = []
+    of_axes: tuple[list[_Differences], list[_Differences]] = ([], [])
+    ends_of_rows = []
     for i in x.tolist():
         z = row(i)
-        moments.append([z.mean(), np.mean(z**2), np.mean(y * z)])
-        of_axes.append([differences(z, i, axis) for axis in (0, 1)])
-        ends.append(z[0, 0] - z[0, -1])
-    one, two, slope = (np.nan_to_num([*map(_median, kind)]) for kind in np.transpose(of_axes))
-    mean, square, along_y = np.mean(moments, axis=0)
-    along_x = (x - x.mean()) @ np.array(moments)[:, 0] / len(x)
-    variance = square - mean**2
-    taken = sum(  # by a plane of these slopes
-        m * (2 * part - m * k.var()) for m, part, k in zip(slope, (along_x, along_y), (x, y))
+        means.append(z.mean())
+        squares.append(np.mean(z**2))
+        along_y.append(np.mean(y * z))
+        for axis in (0, 1):
+            of_axes[axis].append(differences(z, i, axis))
+        ends_of_rows.append([z[0, -2 % n_y], z[0, -1], z[0, 0], z[0, 1 % n_y]])
+    ends = (
+        np.concatenate([row((n_x - 2) % n_x), row(n_x - 1), row(0), row(1 % n_x)]),
+        np.transpose(ends_of_rows),
     )
-    edge = np.nan_to_num([_typical(row(0) - row(n_x - 1)), _typical(np.array(ends))])
+
+    def median_of(name: str) -> np.ndarray:
+        return np.nan_to_num([_median([getattr(d, name) for d in axis]) for axis in of_axes])
+
+    step = median_of("step")
+    second = median_of("second")
+    bend = median_of("bend")
+    square = np.mean(squares)
+    variance = square - np.mean(means) ** 2
+    along_x = (x - x.mean()) @ np.array(means) / len(x)
+    taken_by_plane = sum(
+        m * (2 * part - m * k.var())
+        for m, part, k in zip(median_of("far"), (along_x, np.mean(along_y)), (x, y))
+    )
+    edge = np.nan_to_num([_typical(rows[2] - rows[1]) for rows in ends])
+    edge_bend = np.nan_to_num([_typical(np.diff(rows, n=2, axis=0)) for rows in ends])
     least = DOUBT.rounding * np.sqrt(square)
+    mean_squares = [_mean([d.square for d in axis]) for axis in of_axes]
+    spacings = [size / k for size, k in zip(topography.sizes, topography.n)]
     with np.errstate(divide="ignore", invalid="ignore"):
         return MapQuality(
-            jumps=np.where((edge > least) & (one > 0), edge / one, 0.0),
-            typical=one.max(),
-            tilt=max(float(taken / variance), 0.0) if variance > 0 else 0.0,
-            unresolved=np.where(two > 0, (2 * one / two) ** 2, 0.0).max(),
+            jumps=np.where((edge > least) & (step > 0), edge / step, 0.0),
+            kinks=np.where((edge_bend > least) & (bend > least), edge_bend / bend, 0.0),
+            typical=step.max(),
+            tilt=max(float(taken_by_plane / variance), 0.0) if variance > 0 else 0.0,
+            unresolved=np.where(second > 0, (2 * step / second) ** 2, 0.0).max(),
+            h_rms=float(np.sqrt(max(variance, 0.0))),
+            g_rms=float(np.sqrt(sum(m / a**2 for m, a in zip(mean_squares, spacings)))),
         )
 
 
@@ -183,6 +321,14 @@ def _typical(differences: np.ndarray) -> float:
     return _median(np.abs(differences[differences != 0]))
 
 
-def _median(values: np.ndarray) -> float:
+def _median(values: Any) -> float:
+    """Return the median of numbers that are not nan, nan where there are none."""
+    values = np.asarray(values, dtype=float)
     values = values[~np.isnan(values)]
     return float(np.median(values)) if values.size else float("nan")
+
+
+def _mean(values: list[float]) -> float:
+    """Return the mean of numbers that are not nan, 0 where there are none."""
+    known = [value for value in values if value == value]
+    return float(np.mean(known)) if known else 0.0

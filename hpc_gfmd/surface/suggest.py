@@ -3,73 +3,154 @@
 from collections.abc import Callable
 from contextlib import suppress
 from math import ceil
+from pathlib import Path
+
+import numpy as np
 
 from ..parallel.comm import SerialComm
 from ..scene import File
 from ..scene.template import Suggestion
-from ..util.quantities import factor, prefixed
+from ..util.errors import SceneError, one_line
+from ..util.lengths import length_factor
+from ..util.quantities import prefixed
 from . import instruments
 from .arrays import unreliable
+from .contents import contents_of
+from .doubtful_numbers import slope_notes
+from .metadata import Metadata
 from .prepare import prepare
 from .quality import DOUBT, MapQuality, outliers, quality_of
 from .topography import Topography, open_topography
 
 NEEDED = "TO BE GIVEN, the file does not say it"
+SAYS_FILE = "as the file says"
+AGREE = 1e-3  # relative difference of sizes that are the same
 
 
 def suggestion(make: Callable[[dict], File], given: dict) -> Suggestion:
-    """Read the map of make({}) and suggest what a scene says of it; make(values): scene.File with
-    these values; given: what the user has said already.
+    """Read a map and suggest what a scene says of it.
 
-    Raises SceneError for a file that cannot be read.
+    Parameters
+    ----------
+    make : function
+        Takes keys of [surface] beside the path, and returns a scene.File.
+    given : dict
+        The keys that the user has set already.
+
+    Returns
+    -------
+    Suggestion
+
+    Raises
+    ------
+    SceneError
+        For a file that cannot be read, or that contradicts what is set.
     """
-    found, opened = Suggestion(dict(given)), open_topography(make(given))
-    found.unit = opened.unit
-    said = opened.said
-    about = f"{opened.n[0]} x {opened.n[1]} points"
-    if said.sizes is not None:
-        unit = said.sizes_unit or said.unit
-        found.said["physical_sizes"] = _readable(said.sizes, unit) if unit else list(said.sizes)
+    topography = open_topography(make(given))
+    said = topography.said
+    result = Suggestion(dict(given), unit=topography.unit, missing=list(topography.lacks))
+    unit = said.sizes_unit or said.unit or given.get("unit")
+    if said.sizes is not None and (unit is None or length_factor(unit)):
+        sizes = _readable(said.sizes, unit) if unit else list(said.sizes)
+        result.said["physical_sizes"] = sizes
         if unit:
-            found.said["crop"] = ["0 m", "0 m", *found.said["physical_sizes"]]
-        about += f", {found.said['physical_sizes'][0]} x {found.said['physical_sizes'][1]}"
+            result.said["crop"] = ["0 m", "0 m", *sizes]
+        _require_agreement(said.sizes, unit, topography, given)
     if said.unit is not None:
-        found.said["unit"] = said.unit
-    found.about.append(f"{about}, heights in {said.unit or 'a unit that the file does not name'}")
-    found.missing = list(opened.lacks)
-    found.why = dict.fromkeys(found.said.keys() - {"crop"}, "as the file says") | dict.fromkeys(
-        found.missing, NEEDED
-    )
-    _by_heights(found, make, given, said.periodic)
-    _by_instrument(found, opened, make(given))
-    return found
+        result.said["unit"] = said.unit
+    result.about += _about(topography, given)
+    by_file = result.said.keys() - given.keys() - {"crop"}
+    result.why = dict.fromkeys(by_file, SAYS_FILE) | dict.fromkeys(result.missing, NEEDED)
+    _by_heights(result, make, given, said.periodic)
+    _by_instrument(result, topography, make(given))
+    return result
 
 
-def _by_instrument(found: Suggestion, opened: Topography, spec: File) -> None:
+def _about(topography: Topography, given: dict) -> list[str]:
+    """Return what was read, a line each."""
+    said = topography.said
+    sizes = "of sizes that the file does not say"
+    if "physical_sizes" not in topography.lacks:
+        scale, name = prefixed(topography.sizes, topography.unit)
+        sizes = " x ".join(f"{size / scale:.10g} {name}".strip() for size in topography.sizes)
+    unit = said.unit or given.get("unit")
+    n = topography.n
+    lines = [
+        f"{n[0]} x {n[1]} points, {sizes}, heights in"
+        f" {unit or 'a unit that the file does not name'}",
+        f"read as {said.reader}; x runs {_direction(topography)}",
+    ]
+    if said.channel:
+        others = one_line(", ".join(said.other_channels))
+        lines.append(f"channel {said.channel}" + (f"; others: {others}" if others else ""))
+    lines += said.remarks
+    return lines + [note for note in topography.notes if not _is_told(note, said)]
+
+
+def _is_told(note: str, said: Metadata) -> bool:
+    """Whether the lines about the file say already what a note says."""
+    is_remark = any(note.endswith(remark) for remark in said.remarks)
+    return is_remark or said.direction in note or "is pressed; others" in note
+
+
+def _direction(topography: Topography) -> str:
+    """Say along what x runs, and how to change that."""
+    said = topography.said
+    turned = [axis for axis, falls in zip("xy", said.falling) if falls]
+    text = said.direction
+    if turned:
+        text += f"; the coordinates along {' and '.join(turned)} fall in the file: it is turned"
+    if said.direction_known:
+        return text
+    return f'{text} (surface.first_axis = "y" says that y does)'
+
+
+def _require_agreement(
+    sizes: tuple[float, ...], unit: str | None, topography: Topography, given: dict
+) -> None:
+    """Raise SceneError where the user sets other sizes than the file says."""
+    wanted = given.get("physical_sizes")
+    if wanted is None:
+        return
+    scale = length_factor(unit) if unit else 1.0
+    in_file = [size * (scale or 1.0) for size in sizes]
+    if bool(unit) == bool(topography.unit) and not np.allclose(in_file, topography.sizes, AGREE, 0):
+        texts = _readable(sizes, unit) if unit else list(sizes)
+        raise SceneError(
+            f"surface.physical_sizes: found {wanted}, but {topography.path} says {texts}, allowed:"
+            " no surface.physical_sizes, or the file's own (those of a scene hold, with a note)"
+        )
+
+
+def _by_instrument(result: Suggestion, topography: Topography, spec: File) -> None:
     """Suggest where to cut off waves that the instrument made, as far as it says."""
     with suppress(Exception):  # of a file that SurfaceTopography does not read
-        topography, _ = instruments.opened(str(spec.path), spec.dataset)
-        cutoff, why = unreliable(topography) or (0.0, "")
-        factors = (ceil(cutoff * n / (2 * L)) for n, L in zip(opened.n, opened.sizes))
+        contents = contents_of(Path(str(spec.path)))
+        scan = instruments.topography_of_channel(contents, spec.dataset)
+        cutoff, why = unreliable(scan) or (0.0, "")
+        factors = (ceil(cutoff * n / (2 * L)) for n, L in zip(topography.n, topography.sizes))
         least = max(factors)
-        cut = [k for k in range(least, opened.n[0]) if not any(n % k for n in opened.n)]
-        if least > 1 and cut:
-            found.about.append(f"{why}; surface.downsample = {cut[0]} removes them")
-            found.said["downsample"], found.why["downsample"] = cut[0], why
+        divisors = [
+            k for k in range(least, topography.n[0]) if not any(n % k for n in topography.n)
+        ]
+        if least > 1 and divisors:
+            result.about.append(f"{why}; surface.downsample = {divisors[0]} removes them")
+            result.said["downsample"] = divisors[0]
+            result.why["downsample"] = why
 
 
 def _readable(sizes: tuple[float, ...], unit: str) -> list[str]:
     """Write lengths as ["10 um", "8 um"]."""
-    lengths = [size * factor(unit) for size in sizes]
+    lengths = [size * (length_factor(unit) or 1.0) for size in sizes]
     scale, name = prefixed(lengths, "m")
     return [f"{length / scale:.10g} {name}" for length in lengths]
 
 
 def _by_heights(
-    found: Suggestion, make: Callable[[dict], File], given: dict, periodic: bool | None
+    result: Suggestion, make: Callable[[dict], File], given: dict, periodic: bool | None
 ) -> None:
     """Suggest what the heights themselves show."""
-    values, why = found.values, found.why
+    values, why = result.values, result.why
     plain: dict[str, object] = {
         "boundary": "periodic",
         "radius": None,
@@ -77,7 +158,7 @@ def _by_heights(
         "downsample": 1,
         "fill": "harmonic",
     }
-    if found.missing:
+    if result.missing:
         plain |= {"physical_sizes": (1.0, 1.0), "crop": None}
 
     def looked_at() -> tuple[Topography, MapQuality]:
@@ -86,22 +167,40 @@ def _by_heights(
         return heights, quality_of(heights, SerialComm())
 
     heights, quality = looked_at()
-    found.about.append(f"{heights.filled or 'no'} points without a height")
+    result.about.append(f"{heights.filled or 'no'} points without a height")
     if heights.filled and "fill" not in given:
-        values["fill"], why["fill"] = "harmonic", f"{heights.filled} points have no height"
-    said = f"{100 * quality.tilt:.0f} % of the variance of the heights is tilt"
-    found.about.append(said)
-    out = outliers(heights, quality.typical)
+        values["fill"] = "harmonic"
+        why["fill"] = f"{heights.filled} points have no height"
+    tilt = f"{100 * quality.tilt:.0f} % of the variance of the heights is tilt"
+    result.about.append(tilt)
+    stray = outliers(heights, quality.typical)
     if quality.tilt > DOUBT.tilt and "detrend" not in given:
-        values["detrend"], why["detrend"] = "tilt", said
+        values["detrend"] = "tilt"
+        why["detrend"] = tilt
         heights, quality = looked_at()
     edges = f"opposite edges differ by {max(quality.jumps):.2g} times what neighbours differ by"
-    found.about.append(edges)
-    if out:
-        found.about.append(
-            f"{out} points stand out of their neighbours by more than {DOUBT.outlying:g} times what"
-            " neighbours differ by: dust or spikes? They are pressed as they are"
+    result.about.append(edges)
+    if stray:
+        result.about.append(
+            f"{stray} points stand out of their neighbours by more than {DOUBT.outlying:g} times"
+            " what neighbours differ by: dust or spikes? They are pressed as they are"
         )
+    result.about.append(f"done to it: {', '.join(heights.done) or 'nothing'}")
+    scale, name = prefixed([quality.h_rms], heights.unit)
+    result.about.append(
+        f"h_rms = {quality.h_rms / scale:.3g} {name}".strip()
+        + ("" if result.missing else f", g_rms = {quality.g_rms:.3g}")
+    )
+    result.about += [
+        note
+        for note in heights.notes
+        if note not in result.about
+        and not _is_told(note, heights.said)
+        and "the jump is pressed" not in note  # the line on edges says it
+    ]
+    if not result.missing:
+        result.about += slope_notes(quality.g_rms, measured=True)
     ends = max(quality.jumps) > DOUBT.jump and not periodic
     if ends and {"boundary", "mirror", "window"}.isdisjoint(given):
-        values["boundary"], why["boundary"] = "free", f"{edges}; mirror = true is another way"
+        values["boundary"] = "free"
+        why["boundary"] = f"{edges}; mirror = true is another way"

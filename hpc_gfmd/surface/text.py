@@ -1,148 +1,217 @@
-"""Heights as text: matrices, or points (x, y, z) of three columns, bare or with what an instrument
-writes before them."""
+"""Heights as text: matrices, or points with columns x, y and z, bare or with what a program writes
+before them. Every number is accounted for, or the text is refused."""
 
-import re
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import replace
+from io import TextIOWrapper
 from itertools import islice
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from . import instruments
-from .metadata import UNEVEN, Map, Metadata
+from ..scene.surface import ANY
+from ..util.errors import one_line
+from . import header
+from .blocks import Block, joined, read_blocks
+from .contents import Contents, encoding_of
+from .coordinates import is_grid, numbers_from_0, points_on_grid
+from .layout import LOOKED_AT, Layout, layout_of
+from .metadata import Map, Metadata
+from .tables import Matrix, labels_of, without_coordinates
 
-LOOKED_AT = 200  # lines
-MARKS = (None, "\t", ";", ",")  # between numbers; None: white space
-MISSING = ("", "NA", "n/a", "BAD", "Bad", "bad", *(mark * k for mark in "*-" for k in range(1, 6)))
-
-
-@dataclass(frozen=True)
-class Layout:
-    """Of a text: lines before the numbers, what is between them, their decimal mark, how many there
-    are in a line, and in a line before them at most; units of x, y, z that the last line before
-    them names in brackets; whether each line ends with what is between numbers."""
-
-    skip: int
-    mark: str | None
-    decimal: str
-    columns: int
-    before: int
-    units: tuple[str, ...]
-    ended: bool
+ALONG_LINE = "along a line of the text"
+ACROSS_LINES = "from line to line of the text"
 
 
-def read(path: str | Path, spec: Any) -> Map:
-    """Read a text: (heights (n_x, n_y), nan where they are missing; Metadata); spec: scene.File.
+def read(contents: Contents, spec: Any) -> Map:
+    """Read a text.
 
-    A bare matrix is the array that numpy.savetxt wrote: the first index, the line, is x. With a
-    header that tells sizes or units it is an instrument's: each line is a scan along x.
+    A matrix is the array that numpy.savetxt wrote: its first index, the line, is x, unless its
+    header says otherwise.
+
+    Parameters
+    ----------
+    contents : Contents
+    spec : scene.File
+
+    Returns
+    -------
+    heights : ndarray, shape (lines, columns) or (n_x, n_y)
+        float64, nan where they are missing.
+    metadata : Metadata
+
+    Raises
+    ------
+    ValueError
+        Names what is wrong, and in which line.
     """
-    with open(path, encoding="utf-8-sig", errors="replace") as file:
-        layout = layout_of(list(islice(file, (spec.skip_lines or 0) + LOOKED_AT)), spec)
-    if layout is None or layout.columns < 3:
-        return instruments.read(path, spec)
-    # other readers leave out units of x, y and z
-    header = layout.skip and spec.skip_lines is None and len(layout.units) != 3
-    if header and (found := instruments.recognised(path, spec)):
-        return found
-    table = _table(path, layout, spec)
-    if table.shape[1] == 3:
-        return _on_grid(table, layout.units)
-    return table.to_numpy(), Metadata()
+    encoding = encoding_of(contents)
+    sample = list(islice(_lines(contents, encoding), (spec.skip_lines or 0) + LOOKED_AT))
+    layout = layout_of(sample, spec)
+    if layout.columns < 2:
+        raise ValueError("it has one number in a line, allowed: a matrix, or columns x, y and z")
+    blocks = read_blocks(_lines(contents, encoding), layout)
+    title = [] if spec.skip_lines is not None else blocks[0].header
+    names = header.columns_named(title, layout.mark, layout.columns)
+    if len(blocks) > 1:
+        has_points = names is not None or layout.columns == 3
+        return _one_of(blocks, layout, spec, has_points and not _titled(blocks))
+    if names is not None:
+        return _points(blocks[0], names, title, layout, spec)
+    return _matrix_or_points(blocks[0], layout, title, sample, spec)
 
 
-def layout_of(lines: list[str], spec: Any) -> Layout | None:
-    """Find the layout with the most columns that lines have to their end; None: there are no
-    numbers.
-
-    Raises ValueError where some of the lines before them look like numbers, too, and where only the
-    last line does not.
-    """
-    best = _best(lines, spec)
-    if best is None and (cut := _best(lines[:-1], spec)) and cut.columns > 2 and not cut.skip:
-        raise ValueError(f"line {len(lines)} is not like those before it: is the file complete?")
-    if best and spec.skip_lines is None:
-        if best.before > best.columns:
-            raise ValueError(
-                f"line {best.skip + 1} is shorter than those before it: is the file complete?"
-            )
-        if best.before == best.columns:
-            raise ValueError(
-                f"line {best.skip} is not like those before and after it; surface.missing names"
-                " what stands for missing points, surface.skip_lines how long the header is"
-            )
-    return best
+def _lines(contents: Contents, encoding: str) -> Iterator[str]:
+    """Yield the lines of a text."""
+    with contents.open() as stream, TextIOWrapper(stream, encoding, errors="replace") as text:
+        yield from text
 
 
-def _best(lines: list[str], spec: Any) -> Layout | None:
-    decimals = (spec.decimal,) if spec.decimal else (".", ",")
-    found = [
-        layout
-        for decimal in decimals
-        for mark in MARKS
-        if mark != decimal and (layout := _layout(lines, spec, mark, decimal))
-    ]
-    return max(found, key=lambda layout: (layout.columns, -layout.skip), default=None)
+def _titled(blocks: list[Block]) -> bool:
+    """Whether each of several blocks has a header of its own."""
+    return all(any(line.strip("#\t\r\n ") for line in block.header) for block in blocks)
 
 
-def _layout(lines: list[str], spec: Any, mark: str | None, decimal: str) -> Layout | None:
-    counts = [_columns(line, mark, decimal, spec.missing) for line in lines]
-    filled = [k for k, line in enumerate(lines) if line.strip() and not line.startswith("#")]
-    columns = counts[filled[-1]] if filled else 0
-    if not columns:
+def _one_of(blocks: list[Block], layout: Layout, spec: Any, are_points: bool) -> Map:
+    """Choose one of several maps in a text, by the channels that their headers name, the first one
+    where the scene names none."""
+    if are_points:  # of which a blank line ends each line of the grid
+        return _matrix_or_points(joined(blocks), layout, blocks[0].header, [], spec)
+    places = ", ".join(f"{block.lines} from line {block.first} on" for block in blocks[:4])
+    maps: dict[str, Map] = {}
+    for block in blocks if _titled(blocks) else ():
+        try:
+            found = _of_instrument(block, layout, spec)
+        except ValueError:  # another quantity
+            continue
+        if found is not None:
+            maps.setdefault(found[1].channel, found)
+    if not maps:
+        raise ValueError(
+            f"it has {len(blocks)} blocks of numbers ({places}), allowed: one map in a text;"
+            " surface.skip_lines leaves out what stands before it"
+        )
+    name = next(iter(maps)) if spec.dataset == ANY else spec.dataset
+    if name not in maps:
+        allowed = one_line(", ".join(maps))
+        raise ValueError(f"surface.dataset: found {name!r}, allowed: {allowed}")
+    heights, metadata = maps[name]
+    others = tuple(channel for channel in maps if channel != name)
+    return heights, replace(metadata, other_channels=others)
+
+
+def _of_instrument(block: Block, layout: Layout, spec: Any) -> Map | None:
+    """Read a block by what a program wrote before it; None where that says nothing known."""
+    title = block.header
+    if layout.decimal == ",":
+        title = [line.replace(",", ".") for line in title]
+    known = header.of_instrument(title, block.lines, layout.columns)
+    if known is None:
         return None
-    first = max((k + 1 for k in filled if counts[k] != columns), default=filled[0])
-    first = first if spec.skip_lines is None else spec.skip_lines
-    units = re.findall(r"[\[(]\s*([^\W\d_]+)\s*[\])]", "".join(lines[:first][-1:]))
-    ended = all(lines[k].rstrip("\r\n ").endswith(mark or "\n") for k in filled if k >= first)
-    before = max(counts[:first], default=0)
-    return Layout(first, mark, decimal, columns, before, tuple(units), ended)
+    metadata, height_factor = known
+    table = _without_missing(block.table(), header.missing_numbers(title), layout, spec)
+    return (table if height_factor == 1.0 else table * height_factor), metadata
 
 
-def _columns(line: str, mark: str | None, decimal: str, missing: tuple[str, ...]) -> int:
-    """Count the numbers of a line; 0 where it holds anything else, or no number and nothing of what
-    the scene calls missing."""
-    fields = [field.strip() for field in line.partition("#")[0].strip("\n\r").split(mark)]
-    known = [field for field in fields if field in missing or field not in MISSING]
-    try:
-        numbers = [field in missing or float(field.replace(decimal, ".")) for field in known]
-    except ValueError:
-        return 0
-    return len(fields) if numbers else 0
+def _points(
+    block: Block, names: header.Columns, title: list[str], layout: Layout, spec: Any
+) -> Map:
+    """Put points whose columns are named on a grid."""
+    table = block.table()
+    x, y, z = (table[:, place] for place in names.places)
+    z = _without_missing(z, header.missing_numbers(title), layout, spec)
+    heights, sizes = points_on_grid(x, y, z)
+    others = one_line(", ".join(names.others))
+    remarks = (f"column {others} is not used",) if len(names.others) == 1 else ()
+    remarks = (f"columns {others} are not used",) if len(names.others) > 1 else remarks
+    return heights, _of_points(sizes, names.units, remarks)
 
 
-def _table(path: str | Path, layout: Layout, spec: Any) -> Any:
-    from pandas import read_csv  # slow to import
-
-    table = read_csv(
-        path,
-        sep=layout.mark or r"\s+",
-        decimal=layout.decimal,
-        skiprows=layout.skip,
-        header=None,
-        na_values=[*MISSING, *spec.missing],
-        skipinitialspace=True,
-        dtype=float,
-        comment="#",
-        encoding="utf-8-sig",
-        encoding_errors="replace",
+def _of_points(
+    sizes: tuple[float, float], units: tuple[str, ...] | None, remarks: tuple[str, ...] = ()
+) -> Metadata:
+    """Return what is known of points on a grid. Raises ValueError."""
+    sizes_unit, unit_of_y, unit = units or (None, None, None)
+    if sizes_unit != unit_of_y:
+        raise ValueError(f"its axes are in different units, {sizes_unit} and {unit_of_y}")
+    return Metadata(
+        sizes, sizes_unit, unit, direction="along the column x", remarks=remarks, reader="x, y, z"
     )
-    empty_column = layout.ended and table.iloc[:, -1].isna().all()
-    return table.iloc[:, :-1] if empty_column else table
 
 
-def _on_grid(points: Any, units: tuple[str, ...]) -> Map:
-    """Put columns x, y, z on a grid: (heights, Metadata); points of the grid that are not among
-    them have no height. Raises ValueError if they are on none."""
-    if points.duplicated([0, 1]).any():
-        raise ValueError("it has a point twice")
-    table = points.pivot(index=0, columns=1, values=2)
-    steps = [np.diff(axis) for axis in table.axes]
-    if not all(step.size and np.ptp(step) <= UNEVEN * step.mean() for step in steps):
-        raise ValueError("its points are not those of a regular grid")
-    sizes = tuple(float(step.mean() * (step.size + 1)) for step in steps)
-    sizes_unit, other, unit = units if len(units) == 3 else (None, None, None)
-    if sizes_unit != other:
-        raise ValueError(f"its axes are in different units, {sizes_unit} and {other}")
-    return table.to_numpy(), Metadata(sizes, sizes_unit, unit)
+def _matrix_or_points(
+    block: Block, layout: Layout, title: list[str], sample: list[str], spec: Any
+) -> Map:
+    """Read a block of numbers whose columns have no names."""
+    missing = header.missing_numbers(title)
+    if title and (grid := header.of_esri(title, block.lines, layout.columns)):
+        return _without_missing(block.table(), missing, layout, spec), grid
+    if title and (found := _of_instrument(block, layout, spec)):
+        return found
+    table = block.table()
+    if spec.coordinates is None and layout.columns >= 3 and is_grid(table):
+        if layout.columns > 3:
+            raise ValueError(
+                f"its {layout.columns} columns are x, y, z and others, allowed: a header that names"
+                " them, or columns x, y and z alone"
+            )
+        z = _without_missing(table[:, 2], missing, layout, spec)
+        heights, sizes = points_on_grid(table[:, 0], table[:, 1], z)
+        return heights, _of_points(sizes, header.units_of(title))
+    labels = labels_of(sample, layout)
+    is_told = spec.coordinates is not None
+    if layout.columns == 3 and not is_told and not labels.any:
+        z = _without_missing(table[:, 2], missing, layout, spec)
+        heights, sizes = points_on_grid(table[:, 0], table[:, 1], z)
+        return heights, _of_points(sizes, header.units_of(title))
+    matrix = without_coordinates(table, labels, spec.coordinates)
+    if matrix.heights.shape[1] < 3 and matrix.of_columns is None and not is_told:
+        raise ValueError("it has two columns, a profile, allowed: a matrix, or columns x, y and z")
+    heights = _without_missing(matrix.heights, missing, layout, spec)
+    return heights, _of_matrix(matrix, labels.corner, layout)
+
+
+def _of_matrix(matrix: Matrix, corner: str | None, layout: Layout) -> Metadata:
+    """Return what is known of a matrix: sizes where it has coordinates with a unit."""
+    remarks = []
+    if layout.ended:
+        mark = {"\t": "tab"}.get(str(layout.mark), layout.mark)
+        remarks.append(f"each line ends with {mark!r}, after which no point is missing")
+    unit = header.unit_in_brackets(corner or "")
+    sizes = []
+    falling = []
+    coordinates = {"column": matrix.of_lines, "line": matrix.of_columns}
+    for (place, values), n in zip(coordinates.items(), matrix.heights.shape):
+        step = 0.0 if values is None else float(values[-1] - values[0]) / max(n - 1, 1)
+        falling.append(step < 0)
+        sizes.append(abs(step) * n)
+        if values is not None:
+            is_count = numbers_from_0(values) or numbers_from_0(values - 1)
+            what = "numbers of" if is_count else "coordinates of the"
+            used = ", which are used" if unit and not is_count and all(sizes) else ""
+            others = {"column": "lines", "line": "columns"}[place]
+            remarks.append(
+                f"the first {place} is {what} {others}, {values[0]:g} to {values[-1]:g}{used}"
+            )
+    return Metadata(
+        sizes=tuple(sizes) if unit and all(sizes) else None,
+        sizes_unit=unit,
+        falling=tuple(falling),
+        direction=ACROSS_LINES,
+        direction_known=False,
+        remarks=tuple(remarks),
+    )
+
+
+def _without_missing(
+    values: np.ndarray, missing: tuple[float, ...], layout: Layout, spec: Any
+) -> np.ndarray:
+    """Put nan in place of numbers that stand for missing points: those of the header and, where
+    they are written in another way there, of the scene."""
+    numbers = list(missing)
+    for text in spec.missing:
+        try:
+            numbers.append(float(text.replace(layout.decimal, ".")))
+        except ValueError:
+            continue
+    return np.where(np.isin(values, numbers), np.nan, values) if numbers else values

@@ -11,7 +11,8 @@ import numpy as np
 
 from ..scene import each, has_unit
 from ..util.errors import SceneError, one_line
-from ..util.quantities import Quantity, factor
+from ..util.lengths import length_factor
+from ..util.quantities import Quantity, prefixed
 from .analytic import Rows
 from .files import open_map
 from .heights import checked
@@ -19,18 +20,44 @@ from .metadata import Metadata
 
 ALIKE = 1e-6  # relative difference of lengths that are the same
 UNITS = 'a unit of length, such as surface.unit = "nm"'
+SQUARE = 0.01  # relative difference of spacings of square points, at most
+OBLONG = 0.05  # of points that are not square, at least
+SIZES = 1e-9, 1.0  # m: no instrument measures less, or more
 
 
 @dataclass(frozen=True)
 class Topography:
-    """n: (n_x, n_y); sizes: (L_x, L_y); rows(start, stop) -> heights, float64 (stop - start, n_y),
-    nan where one is missing.
+    """Heights that can be read by rows, with their sizes and units.
 
-    Sizes and heights are in m where `unit` is "m", otherwise ("") in a unit that nobody named.
-    periodic: True where the file says so. filled: points that had no height. plain: what a plain
-    length of the scene stands for, in plain_unit, that of the sizes. said: by the file itself.
-    lacks: {key of [surface]: why it has to be given}; `prepare` refuses a Topography that lacks
-    anything. done: to the heights, notes: what to know of them, a line each.
+    Attributes
+    ----------
+    n : (int, int)
+        Points along x and y.
+    sizes : (float, float)
+        (L_x, L_y), in m where `unit` is "m".
+    rows : function
+        (start, stop) -> heights, float64, shape (stop - start, n_y), nan where one is missing.
+    unit : str
+        "m", otherwise "": sizes and heights are in a unit that is not named.
+    periodic : bool, optional
+        True where the file says so.
+    path : object
+        Of the file, for messages.
+    filled : int
+        Points that had no height.
+    plain : float
+        What a plain length of the scene stands for, in m where `unit` is "m".
+    plain_unit : str
+        Unit of plain lengths.
+    said : Metadata
+        What the file says.
+    lacks : dict
+        {key of [surface]: why it has to be given}; `prepare` refuses a Topography that lacks
+        anything.
+    done : tuple of str
+        What was done to the heights, a line each.
+    notes : tuple of str
+        What to know of the heights, a line each.
     """
 
     n: tuple[int, ...]
@@ -47,14 +74,23 @@ class Topography:
     done: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
 
-    def after(self, done: str, **changed: Any) -> Self:
-        """Return the Topography changed, with one line more of what has been done to its
-        heights."""
-        return replace(self, done=(*self.done, done), **changed)
+    def after(self, done: str, **changes: Any) -> Self:
+        """Return a copy with other fields, and one line more of what was done to the heights."""
+        return replace(self, done=(*self.done, done), **changes)
 
     def on_form(self, radii: tuple[float, ...]) -> Self:
-        """Put the heights on the form z = -x^2/(2 R_x) - y^2/(2 R_y) about the centre of the cell;
-        where both radii are inf they stay as they are."""
+        """Put the heights on a form.
+
+        Parameters
+        ----------
+        radii : (R_x, R_y)
+            Of z = -x^2/(2 R_x) - y^2/(2 R_y) about the centre of the cell, in the unit of `sizes`;
+            inf: straight.
+
+        Returns
+        -------
+        Topography
+        """
         R = min(radii)
         if R == inf:
             return self
@@ -68,30 +104,116 @@ class Topography:
 
         return replace(self, rows=rows)
 
-    def length(self, key: str, given: float) -> float:
-        """Return a length of the scene in the unit of `sizes`. Raises SceneError where it has a
-        unit and the map none."""
-        if isinstance(given, Quantity) and not self.unit:
+    def length(self, key: str, value: float) -> float:
+        """Return a length of the scene in the unit of `sizes`.
+
+        Parameters
+        ----------
+        key : str
+            Of [surface], for the message.
+        value : float or Quantity
+
+        Returns
+        -------
+        float
+
+        Raises
+        ------
+        SceneError
+            Where the length has a unit and the map none.
+        """
+        if isinstance(value, Quantity) and not self.unit:
             raise SceneError(
-                f"surface.{key}: found {given.text}, allowed: a plain number, as the sizes are, or"
+                f"surface.{key}: found {value.text}, allowed: a plain number, as the sizes are, or"
                 " surface.unit beside it"
             )
-        return float(given) if isinstance(given, Quantity) else given * self.plain
+        return float(value) if isinstance(value, Quantity) else value * self.plain
 
 
 def open_topography(spec: Any) -> Topography:
-    """Open the Topography of a scene's height map, or of the sum of two, of which no height is read
-    yet. Raises SceneError."""
+    """Open the height map of a scene, or the sum of two, of which no height is read yet.
+
+    Parameters
+    ----------
+    spec : scene.File
+
+    Returns
+    -------
+    Topography
+
+    Raises
+    ------
+    SceneError
+    """
     specs = [spec.model_copy(update={"path": path}) for path in each(spec.path)]
-    return reduce(_sum, [topography_of(*open_map(one), one) for one in specs])
+    return reduce(_sum, [topography_of(*open_map(one_map), one_map) for one_map in specs])
+
+
+def topography_of(data: Any, said: Metadata, spec: Any) -> Topography:
+    """Make the Topography of a height map, with what a scene says of it.
+
+    Parameters
+    ----------
+    data : array or arrays_in_files.FileArray
+        Two axes; masked points have no height.
+    said : Metadata
+        What the file says.
+    spec : scene.File
+
+    Returns
+    -------
+    Topography
+
+    Raises
+    ------
+    SceneError
+        Where scene and file contradict each other.
+    """
+    path = Path(spec.path)
+    said = _turned(said, spec)
+    units = _Units(said, spec, path)
+    if not all(0 < size < inf for size in units.sizes):
+        raise SceneError(
+            f"surface.physical_sizes: found {list(units.sizes)} in {path}, allowed: two positive"
+            " numbers [L_x, L_y]"
+        )
+    n = data.shape[::-1] if said.transposed else data.shape
+
+    def rows(start: int, stop: int) -> np.ndarray:
+        try:
+            with np.errstate(over="ignore"):  # of long double; infinity is seen below
+                z = _rows_of(data, said, start, stop, n[0])
+        except Exception as error:
+            raise SceneError(
+                f"surface.path: reading {path} failed: {one_line(str(error))}"
+            ) from None
+        return units.height * checked(z, start, "surface.path", f" in {path}", missing=True)
+
+    notes = [*_notes_on_reading(said, spec, n), *units.notes]
+    if "physical_sizes" not in units.lacks:
+        notes += _notes_on_sizes(n, units, spec)
+    return Topography(
+        n,
+        units.sizes,
+        rows,
+        "m" if units.are_named else "",
+        said.periodic,
+        path,
+        plain=units.length,
+        plain_unit=units.sizes_unit or "",
+        said=said,
+        lacks=units.lacks,
+        notes=tuple(notes),
+    )
 
 
 def _sum(one: Topography, two: Topography) -> Topography:
+    """Add two maps. Raises SceneError where they do not fit together."""
     if one.n != two.n or one.unit != two.unit or not np.allclose(one.sizes, two.sizes, ALIKE, 0):
         here, there = (
-            f"{found.n[0]} x {found.n[1]} points, {found.sizes[0]:.6g} x {found.sizes[1]:.6g}"
-            f" {found.unit or 'without a unit'} in {found.path}"
-            for found in (one, two)
+            f"{topography.n[0]} x {topography.n[1]} points, {topography.sizes[0]:.6g} x"
+            f" {topography.sizes[1]:.6g} {topography.unit or 'without a unit'} in {topography.path}"
+            for topography in (one, two)
         )
         raise SceneError(
             f"surface.path: found {here} and {there}, allowed: two maps of the same points, lengths"
@@ -103,66 +225,171 @@ def _sum(one: Topography, two: Topography) -> Topography:
         periodic=one.periodic and two.periodic,
         path=f"{one.path} + {two.path}",
         lacks=one.lacks | two.lacks,
+        notes=tuple(dict.fromkeys([*one.notes, *two.notes])),
     )
 
 
-def topography_of(data: Any, said: Metadata, spec: Any) -> Topography:
-    """Make the Topography of a height map, with what a scene.File says of it; data: an array or
-    files.FileArray, of which masked points have no height. Raises SceneError."""
-    path, given = Path(spec.path), spec.physical_sizes
-    unit = spec.unit or said.unit
-    sizes_unit = said.sizes_unit or unit if given is None else unit
-    nothing, lacks = f"neither in the scene nor in {path}, allowed", {}
-    if given is None and said.sizes is None:
-        lacks["physical_sizes"] = (
-            f"surface.physical_sizes: not given, {nothing}: two positive numbers [L_x, L_y],"
-            ' plain in surface.unit or as "12.8 um"'
-        )
-    if unit is None and (given is None or has_unit(given)):
-        lacks["unit"] = f"surface.unit: not given for the heights, {nothing}: {UNITS}"
-    height, length, own = (_factor(name, path) for name in (unit, sizes_unit, said.unit or unit))
-    if height != own:
-        raise SceneError(
-            f"surface.unit: found {spec.unit!r}, but {path} has its heights in"
-            f" {said.unit!r}, allowed: no surface.unit, or the file's own"
-        )
-    sizes = [
-        float(size if isinstance(size, Quantity) else size * length)
-        for size in given or said.sizes or (1.0, 1.0)
-    ]
-    if not all(0 < size < inf for size in sizes):
-        raise SceneError(
-            f"surface.physical_sizes: found {sizes} in {path}, allowed: two positive numbers"
-            " [L_x, L_y]"
-        )
+def _turned(said: Metadata, spec: Any) -> Metadata:
+    """Return what the file says, with the direction of x that the scene tells."""
+    if spec.first_axis is None:
+        return said
+    transposed = spec.first_axis == "y"
+    told = replace(said, direction=f"as surface.first_axis = {spec.first_axis!r} says")
+    if transposed == said.transposed:
+        return replace(told, direction_known=True)
+    return replace(
+        told,
+        transposed=transposed,
+        direction_known=True,
+        sizes=said.sizes and said.sizes[::-1],
+        falling=said.falling[::-1],
+    )
 
-    def rows(start: int, stop: int) -> np.ndarray:
-        try:
-            with np.errstate(over="ignore"):  # of long double; infinity is seen below
-                z = data[:, start:stop].T if said.transposed else data[start:stop, :]
-                z = np.asarray(np.ma.filled(np.ma.asarray(z, dtype=np.float64), np.nan))
-        except Exception as error:
+
+def _rows_of(data: Any, said: Metadata, start: int, stop: int, n_x: int) -> np.ndarray:
+    """Read heights, float64, x and y rising, nan where there is none."""
+    first, last = (n_x - stop, n_x - start) if said.falling[0] else (start, stop)
+    z = data[:, first:last].T if said.transposed else data[first:last, :]
+    z = np.asarray(np.ma.filled(np.ma.asarray(z, dtype=np.float64), np.nan))
+    if said.falling[0]:
+        z = z[::-1]
+    if said.falling[1]:
+        z = z[:, ::-1]
+    if said.missing:
+        z = np.where(np.isin(z, said.missing), np.nan, z)
+    return z
+
+
+class _Units:
+    """Sizes and units of a map, by what its file and the scene say.
+
+    Attributes
+    ----------
+    sizes : (L_x, L_y)
+        In m where units are named.
+    height, length : float
+        What one unit of the heights, and of plain sizes, is in m where units are named.
+    sizes_unit : str, optional
+        Of plain sizes.
+    are_named : bool
+    lacks : dict
+        {key of [surface]: why it has to be given}
+    notes : list of str
+    """
+
+    def __init__(self, said: Metadata, spec: Any, path: object) -> None:
+        self.lacks: dict[str, str] = {}
+        self.notes: list[str] = []
+        unit = self._height_unit(said, spec, path)
+        given = spec.physical_sizes
+        file_unit = said.sizes_unit or unit
+        in_file = said.sizes if file_unit is None or length_factor(file_unit) else None
+        self.sizes_unit = file_unit if given is None and in_file is not None else unit
+        where = f"neither in the scene nor in {path}"
+        if given is None and in_file is None:
+            if said.sizes_unit and length_factor(said.sizes_unit) is None:
+                where = f"and in {path} in {said.sizes_unit!r}, which is no unit of length"
+            self.lacks["physical_sizes"] = (
+                f"surface.physical_sizes: not given, {where}, allowed: two positive numbers"
+                ' [L_x, L_y], plain in surface.unit or as "12.8 um"'
+            )
+        is_needed = given is None or has_unit(given)
+        if unit is None and "unit" not in self.lacks and is_needed:
+            self.lacks["unit"] = (
+                "surface.unit: not given for the heights, neither in the scene nor in"
+                f" {path}, allowed: {UNITS}"
+            )
+        self.are_named = unit is not None
+        self.height = _factor(unit, path)
+        self.length = _factor(self.sizes_unit, path)
+        self.sizes = tuple(
+            float(size if isinstance(size, Quantity) else size * self.length)
+            for size in given or in_file or (1.0, 1.0)
+        )
+        self._compare(said, in_file, file_unit, given)
+        if given is None and in_file is not None and not said.sizes_unit and spec.unit:
+            self.notes.append(f"x and y in {path} are taken in {spec.unit}, as the heights are")
+
+    def _height_unit(self, said: Metadata, spec: Any, path: object) -> str | None:
+        """Return the unit of the heights. Raises SceneError where scene and file contradict each
+        other."""
+        if said.unit is None:
+            return spec.unit
+        in_file = length_factor(said.unit)
+        if in_file is None and spec.unit is None:
+            self.lacks["unit"] = (
+                f"surface.unit: in {path} {said.unit!r} is no unit of length, allowed: {UNITS}"
+            )
+            return None
+        if in_file is None:
+            self.notes.append(
+                f"heights are taken in {spec.unit}, as surface.unit says; {path} says {said.unit!r}"
+            )
+            return spec.unit
+        if spec.unit is not None and length_factor(spec.unit) != in_file:
             raise SceneError(
-                f"surface.path: reading {path} failed: {one_line(str(error))}"
-            ) from None
-        return height * checked(z, start, "surface.path", f" in {path}", missing=True)
+                f"surface.unit: found {spec.unit!r}, but {path} has its heights in {said.unit!r},"
+                " allowed: no surface.unit, or the file's own"
+            )
+        return spec.unit or said.unit
 
-    return Topography(
-        data.shape[::-1] if said.transposed else data.shape,
-        tuple(sizes),
-        rows,
-        "" if unit is None else "m",
-        said.periodic,
-        path,
-        plain=length,
-        plain_unit=sizes_unit or "",
-        said=said,
-        lacks=lacks,
-    )
+    def _compare(self, said: Metadata, in_file: Any, file_unit: str | None, given: Any) -> None:
+        """Note where the scene has other sizes than the file."""
+        if given is None or in_file is None or (file_unit is None) == has_unit(given):
+            return
+        sizes = [size * (_factor(file_unit, "") if file_unit else 1.0) for size in in_file]
+        if not np.allclose(sizes, self.sizes, 1e-3, 0):
+            self.notes.append(
+                f"surface.physical_sizes are {_lengths(self.sizes, self.are_named)}, the file says"
+                f" {_lengths(sizes, self.are_named)}"
+            )
+
+
+def _notes_on_reading(said: Metadata, spec: Any, n: tuple[int, ...]) -> list[str]:
+    """Return what to know of how a file was read, a line each."""
+    notes = [f"{spec.path}: {remark}" for remark in said.remarks]
+    if said.other_channels and spec.dataset != said.channel:
+        others = one_line(", ".join(said.other_channels))
+        notes.append(f"channel {said.channel!r} of {spec.path} is pressed; others: {others}")
+    if not said.direction_known and n[0] != n[1]:
+        notes.append(
+            f'x runs {said.direction} {spec.path} (surface.first_axis = "y" says that y does)'
+        )
+    return notes
+
+
+def _notes_on_sizes(n: tuple[int, ...], units: _Units, spec: Any) -> list[str]:
+    """Return what is doubtful about sizes, a line each."""
+    notes = []
+    spacings = [size / k for size, k in zip(units.sizes, n)]
+    exchanged = [size / k for size, k in zip(units.sizes[::-1], n)]
+    is_oblong = abs(np.log(spacings[0] / spacings[1])) > OBLONG
+    if min(n) > 1 and is_oblong and abs(np.log(exchanged[0] / exchanged[1])) < SQUARE:
+        notes.append(
+            f"points are {_lengths(spacings, units.are_named)}; they would be square with exchanged"
+            ' sizes: are x and y meant the other way round? (surface.first_axis = "y" takes the'
+            " first index of the map, or the line of a text, for y)"
+        )
+    shortest, longest = SIZES
+    if units.are_named and not shortest <= min(units.sizes) <= max(units.sizes) <= longest:
+        notes.append(
+            f"the map is {_lengths(units.sizes, True)}, which no instrument measures: is the unit"
+            " right?"
+        )
+    return notes
+
+
+def _lengths(sizes: Any, are_named: bool) -> str:
+    """Write lengths as "10 um x 8 um"."""
+    scale, name = prefixed(sizes, "m" if are_named else "")
+    return " x ".join(f"{size / scale:.6g} {name}".strip() for size in sizes)
 
 
 def _factor(unit: str | None, path: object) -> float:
-    try:
-        return 1.0 if unit is None else factor(unit)
-    except ValueError as error:
-        raise SceneError(f"surface.unit: in {path} {error}, allowed: {UNITS}") from None
+    """Return one unit of length in m, 1 for none. Raises SceneError."""
+    if unit is None:
+        return 1.0
+    metres = length_factor(unit)
+    if metres is None:
+        raise SceneError(f"surface.unit: in {path} {unit!r} is no unit of length, allowed: {UNITS}")
+    return metres

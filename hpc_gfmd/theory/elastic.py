@@ -41,6 +41,38 @@ class Hertz:
         return self.peak_pressure * np.sqrt(np.maximum(1 - (np.asarray(r) / self.a) ** 2, 0))
 
 
+class HertzLine:
+    """Cylinder on a half-space: the contact is a strip.
+
+    Parameters
+    ----------
+    R : float or array
+        Radius (> 0).
+    F : float or array
+        Force per length of the cylinder (>= 0).
+    E_star : float or array
+        Effective modulus (> 0).
+
+    Attributes
+    ----------
+    a : float or array
+        Half width of the contact, sqrt(4 F R/(pi E*)).
+    peak_pressure : float or array
+        Largest pressure, 2 F/(pi a).
+    """
+
+    def __init__(self, R: ArrayLike, F: ArrayLike, E_star: ArrayLike = 1.0):
+        radius = within("R", R, 0, np.inf, open_low=True)
+        force = within("F", F, 0, np.inf)
+        modulus = within("E_star", E_star, 0, np.inf, open_low=True)
+        self.a = np.sqrt(4 * force * radius / (np.pi * modulus))
+        self.peak_pressure = modulus * self.a / (2 * radius)
+
+    def pressure(self, x: ArrayLike) -> np.ndarray:
+        """Return p(x) at the distance x from the middle of the strip."""
+        return self.peak_pressure * np.sqrt(np.maximum(1 - (np.asarray(x) / self.a) ** 2, 0))
+
+
 class Westergaard:
     """z = A cos(2 pi x/L) under the mean pressure p0; beyond p_full = pi E* A/L contact is full and
     stays so.

@@ -1,5 +1,5 @@
-"""Numbers with units, by pint: "100 um" is 1e-4 (m), "50 GPa" is 5e10 (Pa). Inside the program they
-are numbers in SI units."""
+"""Numbers with units: "100 um" is 1e-4 (m), "50 GPa" is 5e10 (Pa). Inside the program they are
+numbers in SI units. Lengths are those of util/lengths.py, pressures and forces those of pint."""
 
 import difflib
 import re
@@ -9,6 +9,7 @@ from math import floor, isfinite, log10
 from typing import Any
 
 from .errors import one_line
+from .lengths import length_factor
 
 SI = {"length": "m", "pressure": "Pa", "force": "N"}
 USUAL = {  # to guess from what was meant
@@ -70,6 +71,8 @@ def factor(unit: str, dimension: str = "length") -> float:
 
 
 def _in_si(unit: str, dimension: str) -> float | None:
+    if dimension == "length":
+        return length_factor(unit)
     import pint
 
     try:

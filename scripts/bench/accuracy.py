@@ -1,12 +1,15 @@
 """Time and FFT pairs of the solvers against the true errors of what they return.
 
 What is reported is the true error of the result, not what was asked. The default solver is asked
-for accuracies, the others, which have no estimates of their own, for residuals. Of a solver that
+for accuracies, the other for residuals, as the paper does. Of a solver that
 takes longer than the budget, or that does not converge, no tighter ones are tried.
 """
 
+import json
+import tomllib
 from functools import partial
 from itertools import product, starmap
+from pathlib import Path
 
 from hpc_gfmd import GfmdError
 
@@ -14,6 +17,8 @@ from .contacts import Case
 from .pictures import Panel, group, picture
 from .report import Report
 from .timing import in_turn, summary
+
+CODES = Path(__file__).with_name("codes.toml")
 
 
 def run(args):
@@ -23,15 +28,47 @@ def run(args):
         _one_case(case, args, report)
     report.finish()
     if report.path:
-        rows = [row for row in report.rows if row["n"] == max(args.n)]
-        keys = "solver", "start", "precision"
-        # error: the worst of area, gap, pressure
-        for name, cost in (("accuracy", "seconds_min"), ("accuracy-pairs", "fft_pairs")):
-            panels = [
-                Panel(members, keys, cost, "error", f"H = {hurst}, p* = {p_star:.3g}")
-                for (hurst, p_star), members in group(rows, "hurst", "p_star").items()
-            ]
-            picture(report.path.with_name(f"{name}.png"), panels)
+        draw(report.path, report.rows, args.peers)
+
+
+def draw(path, rows, peers):
+    """Draw the errors of the largest grid against time and pairs beside `path`.
+
+    peers: a file of rows that `bench peers` has written, "" for none; in the picture of pairs only.
+    """
+    largest = max(row["n"] for row in rows)
+    rows = [row for row in rows if row["n"] == largest]
+    keys = "solver", "start", "precision"
+    # error: the worst of area, gap, pressure
+    for name, cost, drawn in (
+        ("accuracy", "seconds_min", rows),
+        ("accuracy-pairs", "fft_pairs", rows + rows_of_peers(peers, rows)),
+    ):
+        panels = [
+            Panel(members, keys, cost, "error", f"H = {hurst}, p* = {p_star:.3g}")
+            for (hurst, p_star), members in group(drawn, "hurst", "p_star").items()
+        ]
+        picture(path.with_name(f"{name}.png"), panels)
+
+
+def rows_of_peers(path, rows):
+    """Return rows of other codes on the same surfaces and loads, whose FFT pairs follow from their
+    iterations; their errors are those of the pressure."""
+    if not path:
+        return []
+    each = tomllib.loads(CODES.read_text())["pairs_per_iteration"]
+    same = {(row["n"], row["hurst"], row["p_star"]) for row in rows}
+    found = []
+    for line in Path(path).read_text().splitlines():
+        row = json.loads(line)
+        code = row["code"]
+        if code in each and (row["n"], row["hurst"], row["p_star"]) in same and "error" in row:
+            pairs = each[code] * row["iterations"]
+            head = {key: row[key] for key in ("hurst", "p_star", "error")}
+            found.append(
+                head | {"solver": code, "start": "cold", "precision": "double", "fft_pairs": pairs}
+            )
+    return found
 
 
 def _one_case(case, args, report):

@@ -30,17 +30,21 @@ def picture(path, panels):
     columns = min(len(panels), 5) or 1
     lines = -(-len(panels) // columns)
     fig = Figure((4 * columns, 4 * lines), layout="constrained")
+    names = dict.fromkeys(name for panel in panels for name in group(panel.rows, *panel.keys))
+    colours = {name: f"C{k % 10}" for k, name in enumerate(names)}  # the same in all panels
+    handles = {}
     for k, panel in enumerate(panels, 1):
         ax = fig.add_subplot(lines, columns, k)
         for name, rows in group(panel.rows, *panel.keys).items():
             points = [row[panel.x] for row in rows], [row[panel.y] for row in rows]
-            ax.plot(*points, ".-", label=", ".join(map(str, name)))
+            label = ", ".join(map(str, name))
+            (handles[label],) = ax.plot(*points, ".-", color=colours[name], label=label)
         x, y = (LABELS.get(name, name) for name in (panel.x, panel.y))
         ax.set(xlabel=x, ylabel=y, title=panel.title, yscale=panel.scale)
         if not isinstance(panel.rows[0][panel.x], str):
             ax.set_xscale(panel.scale)
     if len({panel.keys for panel in panels}) == 1:  # all have the same lines
-        fig.legend(*ax.get_legend_handles_labels(), loc="outside lower center", ncols=4)
+        fig.legend(handles.values(), handles, loc="outside lower center", ncols=4)
     else:
         for ax in fig.axes:
             ax.legend(fontsize="xx-small")

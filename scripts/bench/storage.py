@@ -7,8 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from hpc_gfmd.parallel.h5 import io_way, write_file
+from hpc_gfmd.parallel.h5 import write_file
 from hpc_gfmd.parallel.layout import row_starts
+from hpc_gfmd.parallel.mpi_io import io_way
 from hpc_gfmd.parallel.world import world
 
 from .report import Report
@@ -55,7 +56,7 @@ def _measure(comm, place, n, repeats):
     runs = {
         RAW: lambda: write_raw(own, 0),
         ONE: lambda: write_raw(one, 4 * n * start),
-        f"result file, {io_way(comm)}": lambda: write_file(
+        f"result file, {io_way(comm, result)}": lambda: write_file(
             comm, result, (n, n), (start, stop), {"field": data}
         ),
     }

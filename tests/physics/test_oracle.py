@@ -3,6 +3,7 @@ made to order."""
 
 import numpy as np
 import oracle
+import polonsky_keer
 import pytest
 from contacts import EXACT, random_heights, relative, rough, wave_numbers
 from transfers import matrix
@@ -145,3 +146,24 @@ def test_with_a_hardness(load, hardness, yields):
         assert abs(rough_one.a_r - exact.a_r) <= area * exact.a_r
         assert abs(rough_one.gap_mean - exact.gap_mean) <= gap * exact.gap_mean
         assert relative(rough_one.pressure, exact.pressure) <= pressure
+
+
+@pytest.mark.parametrize("n", [(10, 9), (1, 20)])
+def test_both_oracles_agree(n):
+    z = random_heights(n)
+    dense, iterated = (which.solve(z, 0.4, 2.0, (1.0, 1.5)) for which in (oracle, polonsky_keer))
+    assert iterated.a_r == dense.a_r
+    assert iterated.gap_mean == pytest.approx(dense.gap_mean, rel=1e-9)
+    assert relative(iterated.pressure, dense.pressure) < 1e-9
+    assert iterated.energy == pytest.approx(dense.energy, rel=1e-9)
+
+
+@pytest.mark.parametrize("name", solver_names())
+@pytest.mark.parametrize(("n", "p_star"), [((64, 64), 0.02), ((96, 80), 0.2), ((64, 128), 0.8)])
+def test_pressures_of_polonsky_and_keer(name, n, p_star):
+    """On grids with many levels, by a method that goes the other way: from pressures to gaps."""
+    z = 1e-3 * random_heights(n, seed=n[1])
+    g_rms = hpc_gfmd.solve(z, 1.0).g_rms
+    exact = polonsky_keer.solve(z, p_star * g_rms)
+    found = hpc_gfmd.solve(z, p_star * g_rms, name=name, residual=1e-10, precision="double")
+    assert_exact(found, exact, 1e-7)

@@ -21,7 +21,7 @@ def test_transfers_are_adjoint(random, n):
     fine, coarse = np.zeros((1, n[0] + 2, n[1])), np.zeros((1, m[0] + 2, m[1]))
     fine[0, 1:-1] = x
     for rows in t.passes(3):
-        multilevel.restrict_level(fine, coarse, t.tables, *rows)
+        multilevel.restrict_level(fine, coarse, t.tables, *rows, np.empty((2, n[1])))
     R = coarse[0, 1:-1].copy()
     R[0] += coarse[0, -1]
     R[-1] += coarse[0, 0]
@@ -37,6 +37,7 @@ def test_transfers_are_adjoint(random, n):
         t.tables,
         tuple(map(np.ones, n)),
         *(0, n[0]),
+        np.empty((2, max(n[1], m[1]))),
     )
     assert np.allclose(Py[0, 1:-1], interpolated(y, n), atol=1e-13)
     assert np.vdot(R, y) * x.size / y.size == pytest.approx(np.vdot(x, Py[0, 1:-1]), abs=1e-12)

@@ -16,6 +16,7 @@ from hpc_gfmd.output.read import read_result
 from hpc_gfmd.output.record import RunFile
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.plotting import figures, height_map, plot, plot_result, style, survey
+from hpc_gfmd.scene import Scene
 from hpc_gfmd.theory import persson
 from hpc_gfmd.theory.elastic import Westergaard
 
@@ -189,7 +190,8 @@ def test_what_is_drawn_is_what_was_computed(kind, units):
             assert field * unit == pytest.approx(exact, rel=1e-6)
             bar, top = image.colorbar, exact.max() / unit
             clipped = bar.extend == "max"
-            assert bar.ax.get_title("left") == (f"max {top:.3g}" if clipped else "")
+            words = "square root" if field is gap else f"max {top:.3g}" if clipped else ""
+            assert bar.ax.get_title("left") == words
             assert clipped or image.norm.vmax == pytest.approx(top)
         length = unit_of(fig.axes[-1].get_xlabel(), solution)
         assert np.array(image.get_extent()[1::2]) * length == pytest.approx(size)
@@ -479,3 +481,78 @@ def test_survey_reads_slabs_and_keeps_means(monkeypatch):
     assert found.means["pressure"][-1, -1] == pytest.approx(block[block > 0].mean())
     assert found.means["gap"][3, 5] == pytest.approx(np.maximum(-noise[21:28, 15:18], 0).mean())
     assert found.largest["pressure"] == noise.max()
+
+
+def rough_sweep(seed=1, **arguments):
+    """A few loads on a small wall, in units."""
+    wall = hpc_gfmd.make_surface(
+        "self-affine", hurst=0.8, L_over_lam_l=1, lam_l_over_lam_s=8, lam_s_over_a=2, seed=seed,
+        physical_sizes=("10 um", "10 um"), h_rms="20 nm",
+    )  # fmt: skip
+    loads = [f"{p} MPa" for p in (30, 100, 300)]
+    return hpc_gfmd.solve(wall, loads, "110 GPa", **arguments)
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [
+        ("conductance", 1e6),  # per um
+        ("critical_gap_x", 1e-9),
+        ("patches", 1.0),
+        ("contact_pressure_max", 1e9),
+        ("gap_percolates_x", 1.0),
+        ("fft_pairs", 1.0),
+    ],
+)
+def test_any_number_of_the_loads_is_a_curve(name, unit):
+    sweep = rough_sweep(observables=["conductance", "critical_gap", "patches", "percolation"])
+    (ax,) = sweep.plot(name).axes
+    (line,) = (line for line in ax.lines if len(line.get_xdata()) == 3)
+    np.testing.assert_allclose(line.get_ydata(), sweep.values(name) / unit)
+
+
+def test_many_results_are_their_mean_and_scatter():
+    sweeps = [rough_sweep(seed, fields=()) for seed in range(8)]
+    fig = hpc_gfmd.plot(sweeps, "a_r")
+    (ax,) = fig.axes
+    areas = np.array([sweep.a_r for sweep in sweeps])
+    (mean,) = (line for line in ax.lines if "mean of 8" in line.get_label())
+    np.testing.assert_allclose(mean.get_ydata(), areas.mean(axis=0))
+    (band,) = ax.collections
+    edges = band.get_paths()[0].vertices
+    at_first = edges[np.isclose(edges[:, 0], mean.get_xdata()[0]), 1]
+    spread = areas[:, 0].std(ddof=1)
+    assert at_first.max() - at_first.min() == pytest.approx(2 * spread)
+    assert len(fig.legends[0].get_texts()) <= 3
+
+
+def test_loads_by_force_have_an_axis_of_forces():
+    z = -np.add.outer(np.linspace(-1, 1, 24) ** 2, np.linspace(-1, 1, 24) ** 2) * 1e-6
+    ball = hpc_gfmd.prepare_surface(z, physical_sizes=("20 um", "20 um"), unit="m", boundary="free")
+    sweep = hpc_gfmd.solve(ball, force=["1 mN", "2 mN"], E_star="100 GPa")
+    (ax,) = sweep.plot("a_r").axes
+    assert ax.get_xlabel() == "force $F$ (mN)"
+    np.testing.assert_allclose(ax.lines[0].get_xdata(), [1, 2])
+
+
+def test_a_cylinder_stands_beside_hertz():
+    surface = {"kind": "sphere", "radius": [10.0, float("inf")], "n": [128, 2]}
+    surface |= {"physical_sizes": [2.0, 0.03125], "boundary": ["free", "periodic"]}
+    tables = {"surface": surface, "load": {"pressure": [1e-3, 5e-3]}}
+    sweep = hpc_gfmd.load(hpc_gfmd.run(Scene.from_dict(tables), quiet=True).path)
+    (ax,) = sweep.plot("a_r").axes
+    (line,) = (line for line in ax.lines if line.get_label() == "Hertz")
+    expected = np.interp(
+        sweep.p, line.get_xdata() * sweep.p[0] / ax.lines[0].get_xdata()[0], line.get_ydata()
+    )
+    np.testing.assert_allclose(sweep.a_r, expected, rtol=0.05)
+
+
+def test_what_yields_is_marked_in_maps():
+    sweep = rough_sweep(hardness="2 GPa")
+    yielded = sweep[2].pressure >= 0.99999 * 2e9
+    assert yielded.any()
+    (ax,) = sweep[2].plot("pressure").axes[:1]
+    mark = ax.images[-1].get_array()
+    assert (mark.count() > 0) == yielded.any()
+    np.testing.assert_array_equal(~np.ma.getmaskarray(mark).T, yielded)

@@ -7,14 +7,11 @@ from pathlib import Path
 
 import pytest
 from contacts import rough
-from refusal import refused
 
 from hpc_gfmd.driver import nested
 from hpc_gfmd.output.read import read_result
-from hpc_gfmd.parallel import launcher, world
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.parallel.interrupt import Interrupt, Stopped, check
-from hpc_gfmd.parallel.launcher import launched, launcher_rank
 from hpc_gfmd.runs.simulation import restart, run_scene
 from hpc_gfmd.scene import Scene
 from hpc_gfmd.surface import selfaffine
@@ -89,38 +86,3 @@ def test_handlers_come_back():
         assert signal.getsignal(signal.SIGUSR1) is handler
     finally:
         signal.signal(signal.SIGUSR1, before)
-
-
-def test_launcher_can_be_said(monkeypatch):
-    for name in (
-        *launcher.LAUNCHER_SIZE,
-        *launcher.LAUNCHER_RANK,
-        launcher.LAUNCHER,
-        "SLURM_PROCID",
-    ):
-        monkeypatch.delenv(name, raising=False)
-    assert launched() == (False, None)
-    monkeypatch.setenv("OMPI_COMM_WORLD_SIZE", "4")
-    monkeypatch.setenv("OMPI_COMM_WORLD_RANK", "2")
-    assert (launched(), launcher_rank()) == ((True, 4), 2)
-    monkeypatch.setenv("HPC_GFMD_LAUNCHER", "none")
-    assert (launched(), launcher_rank()) == ((False, None), 0)
-    monkeypatch.delenv("OMPI_COMM_WORLD_SIZE")
-    monkeypatch.delenv("OMPI_COMM_WORLD_RANK")
-    monkeypatch.setenv("HPC_GFMD_LAUNCHER", "mpi")
-    assert launched() == (True, None)
-    monkeypatch.setattr(world, "_world", None)
-    monkeypatch.setenv("HPC_GFMD_LAUNCHER", "slurm")
-    with refused(r'HPC_GFMD_LAUNCHER: found "slurm", allowed: "mpi", "none"'):
-        world.world()
-
-
-def test_automatic_threads(monkeypatch):
-    """Those that Slurm was asked for; else the cores where there is enough to do, one otherwise."""
-    monkeypatch.delenv("SLURM_CPUS_PER_TASK", raising=False)
-    monkeypatch.setattr(os, "sched_getaffinity", lambda _: range(12))
-    few, many = world.THREADED_POINTS - 1, world.THREADED_POINTS
-    for slurm, points, threads in (("", many, 12), ("", few, 1), ("3", few, 3), ("4096", many, 12)):
-        monkeypatch.setenv("SLURM_CPUS_PER_TASK", slurm)
-        assert world.threads_of(SerialComm(), "auto", points) == threads
-    assert world.auto_threads(many, 2, 12) == 1

@@ -1,0 +1,75 @@
+"""Whether the ranks write a file together, by MPI-IO, or rank 0 writes for all."""
+
+import os
+import tempfile
+from contextlib import suppress
+from pathlib import Path
+
+from .comm import Comm
+from .guard import on_rank_0
+
+
+def io_way(comm: Comm, path: Path) -> str:
+    """Return how a file is written: "mpio", where opening and closing are collective, or "serial".
+
+    Parameters
+    ----------
+    comm : Comm
+        The ranks that have parts of the file's fields.
+    path : Path
+        The file; its folder is there.
+
+    Returns
+    -------
+    str
+        The same on all ranks. Collective.
+    """
+    import h5py
+
+    if comm.size == 1 or not h5py.get_config().mpi:
+        return "serial"
+    return "serial" if mpi_io_obstacle(comm, path) else "mpio"
+
+
+def mpi_io_obstacle(comm: Comm, path: Path) -> str:
+    """Return why MPI-IO cannot write a file, empty if it can; for a communicator of several ranks.
+
+    A file of one byte is opened in the same folder, once for each folder. Open MPI needs room in
+    /dev/shm for that; some file systems lack what MPI-IO needs. Collective.
+    """
+    if ":" in os.fspath(path):
+        return "it takes what is before a colon for the kind of a file system"
+    folder = path.parent
+    if folder not in comm.io_obstacles:
+        comm.io_obstacles[folder] = _failure_to_open(comm, folder)
+    return comm.io_obstacles[folder]
+
+
+def _failure_to_open(comm: Comm, folder: Path) -> str:
+    """Return what MPI-IO says of a new file in a folder, empty if it can be written. Collective."""
+    from mpi4py import MPI
+
+    def make_probe() -> str | None:
+        try:
+            descriptor, name = tempfile.mkstemp(prefix=".hpc-gfmd-", dir=folder)
+        except OSError:  # whoever writes the file itself says why
+            return None
+        os.write(descriptor, b"0")
+        os.close(descriptor)
+        return name
+
+    probe = on_rank_0(comm, f"writing in {folder}", make_probe)
+    if probe is None:
+        return ""
+    reason = ""
+    try:
+        file = MPI.File.Open(comm.mpi, probe, MPI.MODE_RDWR)
+    except MPI.Exception as error:
+        reason = " ".join(error.Get_error_string().split()) or "unknown error"
+    failing_rank = int(comm.min([comm.rank if reason else comm.size])[0])
+    if failing_rank == comm.size:
+        file.Close()  # together: a rank without it would not take part
+    if comm.rank == 0:
+        with suppress(OSError):
+            os.unlink(probe)
+    return "" if failing_rank == comm.size else comm.bcast(reason, failing_rank)

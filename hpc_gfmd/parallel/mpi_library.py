@@ -1,0 +1,42 @@
+"""mpi4py, or in one line why it cannot be had."""
+
+from types import ModuleType
+from typing import Any
+
+from ..util.errors import GfmdError, one_line
+
+REBUILD = "pip install --force-reinstall --no-deps --no-cache-dir --no-binary=mpi4py mpi4py"
+
+
+def load_mpi() -> Any:
+    """Import mpi4py.MPI, which starts MPI unless mpi4py.rc says otherwise.
+
+    Returns
+    -------
+    module
+        mpi4py.MPI.
+
+    Raises
+    ------
+    GfmdError
+        If mpi4py is missing, or does not find the MPI library that it was built for.
+    """
+    try:
+        import mpi4py
+    except ImportError as error:
+        raise GfmdError(
+            f"mpi4py cannot be imported ({one_line(str(error))}): pip install 'hpc-gfmd[mpi]'"
+        ) from None
+    return _load(mpi4py)
+
+
+def _load(package: ModuleType) -> Any:
+    try:
+        from mpi4py import MPI
+    except (ImportError, RuntimeError) as error:  # RuntimeError: of its wheels
+        reason = one_line(str(error).partition("\n")[0])
+        raise GfmdError(
+            f"mpi4py {package.__version__} is installed but does not load an MPI library"
+            f" ({reason}); it has to be built for the one that is here: {REBUILD}"
+        ) from None
+    return MPI

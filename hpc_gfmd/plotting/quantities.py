@@ -1,0 +1,141 @@
+"""What curves over the load are of: names, symbols, errors and units of the numbers of a load."""
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from math import hypot
+from typing import Any
+
+from .context import FigureContext
+from .units import Scale, good, label
+
+Power = tuple[str, int]  # kind of a unit, as Units.of takes it, and its power
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number of a load as a panel shows it.
+
+    Attributes
+    ----------
+    name : str
+        In words, for the axis.
+    symbol : str
+        In TeX; "" of none.
+    unit : tuple of (str, int)
+        Powers of "pressure", "gap" (measured like heights) and "length" (like positions).
+    errors : tuple of str
+        Keys of its relative errors in a load step, which count as independent.
+    """
+
+    name: str
+    symbol: str = ""
+    unit: tuple[Power, ...] = ()
+    errors: tuple[str, ...] = ()
+
+    def scales(self, contexts: Iterable[FigureContext], key: str) -> list[tuple[Scale, int]]:
+        """Return the scales of the factors of its unit, which suit the values of all results."""
+        contexts = list(contexts)
+        values = [step.get(key) for context in contexts for step in context.result.steps]
+        positive = [float(value) for value in values if value is not None and good(value)]
+        alone = len(self.unit) == 1
+        scales = []
+        for kind, power in self.unit:
+            roots = [value ** (1 / power) for value in positive]
+            typical = roots if alone else [_typical(contexts, kind)]
+            scales.append((contexts[0].units.of(kind, typical), power))
+        return scales
+
+    def label(self, scales: list[tuple[Scale, int]]) -> str:
+        """Return the label of its axis."""
+        if not self.symbol:
+            units = " ".join(f"{scale.name}^{power}" for scale, power in scales if scale.name)
+            return f"{self.name} ({units})" if units else self.name
+        return f"{self.name} {label(self.symbol, *scales)}"
+
+
+def _typical(contexts: list[FigureContext], kind: str) -> float:
+    """Return a typical value of a kind of quantity, which chooses the prefix of its unit."""
+    if kind == "pressure":
+        return max(float(step["p"]) for context in contexts for step in context.result.steps)
+    surface = contexts[0].result.surface
+    if kind == "length":
+        return float(surface.get("physical_sizes", (1.0,))[0])
+    return float(surface.get("h_rms") or 0.0)
+
+
+AREA_ERRORS = ("a_r_error", "a_r_discretisation")
+QUANTITIES = {  # by the names of the result file; the first ones are drawn where nobody chooses
+    "a_r": Quantity("contact area", "a_r", errors=AREA_ERRORS),
+    "kappa": Quantity("", r"\kappa = a_r/p^*", errors=AREA_ERRORS),
+    "gap_mean": Quantity("mean gap", r"\langle g \rangle", (("gap", 1),), ("gap_error",)),
+    "approach": Quantity("approach", r"\delta", (("gap", 1),)),
+    "stiffness": Quantity("stiffness", "k", (("pressure", 1), ("gap", -1))),
+    "conductance": Quantity("conductance", "c", (("gap", -1),)),
+    "critical_gap_x": Quantity("critical gap along x", "g_c", (("gap", 1),)),
+    "critical_gap_y": Quantity("critical gap along y", "g_c", (("gap", 1),)),
+    "contact_area": Quantity("contact area", "A", (("length", 2),), AREA_ERRORS),
+    "contact_pressure_mean": Quantity(
+        "mean pressure in contact", r"\langle p \rangle_c", (("pressure", 1),), AREA_ERRORS
+    ),
+    "contact_pressure_max": Quantity("largest pressure", r"p_\mathrm{max}", (("pressure", 1),)),
+    "a_plastic": Quantity("area that yields", r"a_\mathrm{pl}"),
+    "a_r_corrected": Quantity("contact area, edge-corrected", "a_r", errors=("a_r_error",)),
+    "patches": Quantity("number of patches"),
+    "patch_largest": Quantity("largest patch", "A_1", (("length", 2),)),
+    "patch_mean": Quantity("mean patch", r"\langle A \rangle", (("length", 2),)),
+    "perimeter": Quantity("length of the edges of contact", "P", (("length", 1),)),
+    "energy": Quantity("elastic energy per area", "U/A", (("pressure", 1), ("gap", 1))),
+    "gap_over_h_rms": Quantity("mean gap", r"\langle g \rangle/h_\mathrm{rms}"),
+}
+OVERVIEW = ("a_r", "kappa", "gap_mean", "approach")
+
+
+def quantity_of(key: str) -> Quantity:
+    """Return how a number of a load is shown; one that is not known here by its name alone."""
+    return QUANTITIES.get(key) or Quantity(key.replace("_", " "))
+
+
+def relative_error(quantity: Quantity, step: Mapping[str, Any]) -> float:
+    """Return the relative error of a number of a load, of the solver and of the grid; 0 of none."""
+    return hypot(*(step.get(error) or 0.0 for error in quantity.errors))
+
+
+@dataclass(frozen=True)
+class LoadAxis:
+    """The axis of the loads.
+
+    Attributes
+    ----------
+    of : callable
+        Of the attributes of a load step: its load in the unit of the axis.
+    pressure_of : callable
+        Of a load in the unit of the axis: the mean pressure in that of the result.
+    label : str
+    """
+
+    of: Callable[[Mapping[str, Any]], float]
+    pressure_of: Callable[[Any], Any]
+    label: str
+
+
+def load_axis(contexts: list[FigureContext]) -> LoadAxis:
+    """Return the axis of loads: forces where all results are loaded by forces, otherwise mean
+    pressures."""
+    steps = [step for context in contexts for step in context.result.steps]
+    forces = [step.get("target_force") for step in steps]
+    scale = contexts[0].units.of("force", forces)
+    if all(isinstance(force, float) for force in forces) and not scale.relative:
+        ratio = steps[0]["p"] / steps[0]["target_force"]
+        return LoadAxis(
+            lambda step: float(step["target_force"]) / scale.unit,
+            lambda load: load * scale.unit * ratio,
+            f"force {scale.label('F')}",
+        )
+    scale = contexts[0].units.of("pressure", [step["p"] for step in steps])
+    dimensionless = scale.relative and contexts[0].units.rough
+    name = r"pressure $p^* = p_0/(E^* g_\mathrm{rms})$"
+    return LoadAxis(
+        lambda step: float(step["p"]) / scale.unit,
+        lambda load: load * scale.unit,
+        name if dimensionless else f"pressure {scale.label('p_0')}",
+    )

@@ -1,0 +1,220 @@
+"""Height maps that are arrays in a file: .npy, .npz, HDF5 and NetCDF, of which a few rows are read
+at a time."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import cache
+from math import prod
+from typing import Any
+from zipfile import ZipFile
+
+import numpy as np
+
+from ..parallel.h5 import inside
+from ..scene.surface import ANY
+from ..util.errors import SceneError, one_line
+from .contents import Contents
+from .metadata import ATTRIBUTES, Map, Metadata, by_attributes, by_axes
+from .packed import unpacker
+
+MASK = "mask"  # where it is not 0 there is no height (SurfaceTopography)
+SMALL = 4096  # bytes of what an archive says of sizes and units
+
+
+@dataclass(frozen=True)
+class FileArray:
+    """Heights in a file, sliced by rows, nan where there is none.
+
+    Attributes
+    ----------
+    shape : (int, int)
+    dtype : dtype
+        Of the numbers as they are stored.
+    name : str
+        Of the array in the file.
+    unpacked : function
+        Makes heights of the numbers as they are stored.
+    find : function
+        Takes the name of an array and returns it, or what is sliced as one, or None.
+    has_mask : bool
+        An array MASK beside the heights is not 0 where there is none.
+    """
+
+    shape: tuple[int, ...]
+    dtype: np.dtype
+    name: str
+    unpacked: Callable[[np.ndarray], np.ndarray]
+    find: Callable[[str], Any]
+    has_mask: bool = False
+
+    def __getitem__(self, part: Any) -> np.ndarray:
+        z = self.unpacked(self.find(self.name)[part])
+        if not self.has_mask:
+            return z
+        mask = np.asarray(self.find(MASK)[part])
+        if mask.dtype.kind == "f" and not np.isin(mask, (0, 1)).all():
+            raise ValueError(f"found an array {MASK} of other numbers than 0 and 1 beside it")
+        return np.where(mask, np.nan, z)
+
+
+def read_npy(contents: Contents, spec: Any) -> Map:
+    """Open an array that numpy.save wrote; it is never unpickled."""
+    if contents.unpacked is None:
+        return np.lib.format.open_memmap(contents.path, mode="r"), Metadata()
+    return np.lib.format.read_array(contents.open(), allow_pickle=False), Metadata()
+
+
+def read_npz(contents: Contents, spec: Any) -> Map:
+    """Open one array of those that numpy.savez wrote, with sizes and units beside it."""
+    with np.load(contents.source, allow_pickle=False) as file:
+        arrays = [name for name in file.files if f"{name}.npy" in file.zip.namelist()]
+        heads = {name: _head_in_archive(file.zip, name) for name in arrays}
+        name, others = one_of({name: shape for name, (shape, _) in heads.items()}, spec)
+        sizes = {key: prod(shape) * dtype.itemsize for key, (shape, dtype) in heads.items()}
+        said = by_attributes(
+            {key: file[key] for key in ATTRIBUTES if sizes.get(key, SMALL) < SMALL}
+        )
+        if file.zip.getinfo(f"{name}.npy").file_size < sizes[name]:
+            raise ValueError(f"{name} is shorter than it says")
+
+    @cache
+    def find(key: str) -> Any:  # unpacked where it is first read: by then it is known to fit
+        with np.load(contents.source, allow_pickle=False) as file:
+            return file[key] if key in heads and not heads[key][1].hasobject else None
+
+    shape, dtype = heads[name]
+    has_mask = name != MASK and MASK in heads and is_mask(*heads[MASK], shape)
+    array = FileArray(shape, dtype, name, np.asarray, find, has_mask)
+    return array, replace(said, channel=name, other_channels=others)
+
+
+def read_hdf5(contents: Contents, spec: Any) -> Map:
+    """Open one data set of an HDF5 or NetCDF 4 file."""
+    import h5py
+
+    with h5py.File(contents.source, "r", locking=False) as file:
+        data = inside(file, spec.dataset) if spec.dataset in file else None
+        others: tuple[str, ...] = ()
+        if not isinstance(data, h5py.Dataset):  # nothing, or a group
+            names: list[str] = []
+            file.visit(names.append)
+            shapes = {name: getattr(file[name], "shape", None) or () for name in names}
+            name, others = one_of(shapes, spec)
+            data = inside(file, name)
+        axes = [
+            (axis[0].name.rpartition("/")[2], dict(axis[0].attrs), axis[0])
+            for axis in data.dims
+            if len(axis)
+        ]
+        attributes = dict(data.attrs)
+        with_axes = len(axes) == 2
+        said = by_axes(attributes, axes) if with_axes else by_attributes(attributes, file.attrs)
+        if "MATLAB_class" in attributes:  # which writes columns before rows
+            said = replace(said, transposed=True, direction="along the first index in MATLAB")
+        # Chunks that the next rows need as well are kept: unpacking a large one takes long.
+        row_bytes = prod(data.shape[1:]) * data.dtype.itemsize
+        band = data.chunks[0] * row_bytes if data.chunks else 0
+        folder = data.parent.name
+        shape, dtype, name = data.shape, data.dtype, data.name
+        is_other = name.rpartition("/")[2] != MASK
+        mask = data.parent.get(MASK) if is_other else None
+        has_mask = mask is not None and is_mask(
+            getattr(mask, "shape", ()), getattr(mask, "dtype", np.dtype("O")), shape
+        )
+    kept = max(2 * band, 2**20)
+    opened = h5py.File(contents.source, "r", locking=False, rdcc_nbytes=kept, rdcc_nslots=10007)
+    beside = opened[folder]
+    find = cache(lambda key: inside(beside, key) if beside.get(key) else None)
+    array = FileArray(shape, dtype, name, unpacker(attributes), find, has_mask)
+    return array, replace(said, channel=name.strip("/"), other_channels=others)
+
+
+def read_netcdf(contents: Contents, spec: Any) -> Map:
+    """Open one variable of a NetCDF 3 file."""
+    from scipy.io import netcdf_file
+
+    file = netcdf_file(contents.source, "r", mmap=contents.unpacked is None)
+    shapes = {name: variable.shape for name, variable in file.variables.items()}
+    name, others = one_of(shapes, spec)
+    variable = file.variables[name]
+    shape = variable.data.shape
+    axes = []
+    for axis, n in zip(variable.dimensions, shape):
+        x = file.variables.get(axis)
+        axes.append((axis, vars(x) if x else {}, x.data if x and x.shape == (n,) else None))
+    mask = file.variables.get(MASK) if name != MASK else None
+    has_mask = mask is not None and is_mask(mask.shape, mask.data.dtype, shape)
+    # found anew for each piece: the file may be closed only when nothing refers to its memory
+    array = FileArray(
+        shape,
+        variable.data.dtype,
+        name,
+        unpacker(vars(variable)),
+        lambda key: file.variables.get(key),
+        has_mask,
+    )
+    return array, replace(by_axes(vars(variable), axes), channel=name, other_channels=others)
+
+
+def one_of(shapes: Mapping[str, tuple[int, ...]], spec: Any) -> tuple[str, tuple[str, ...]]:
+    """Choose the array that the scene names, or the only one that may be meant.
+
+    Parameters
+    ----------
+    shapes : mapping
+        {name of an array: shape}
+    spec : scene.File
+
+    Returns
+    -------
+    name : str
+    others : tuple of str
+        Of other arrays that may have been meant; none where there is no choice.
+
+    Raises
+    ------
+    SceneError
+        Where several may be meant, or none.
+    """
+    flat = [name for name, shape in shapes.items() if len(shape) == 2]
+    maps = [name for name in flat if name != MASK]
+    wide = [name for name in maps if min(shapes[name]) > 1]  # MATLAB's vectors are not
+    maps = wide or maps
+    if len(maps) == 1 and spec.dataset == ANY:
+        return maps[0], ()
+    if spec.dataset not in flat:
+        allowed = one_line(", ".join(maps[:10]), 400) or "nothing, it has no map"
+        raise SceneError(
+            f"surface.dataset: found {one_line(repr(spec.dataset))}, allowed in {spec.path}:"
+            f" {allowed}"
+        )
+    return spec.dataset, tuple(name for name in maps if name != spec.dataset)
+
+
+def is_mask(
+    shape: tuple[int, ...] | None, dtype: np.dtype, shape_of_heights: tuple[int, ...]
+) -> bool:
+    """Whether an array MASK marks points without a height.
+
+    Raises
+    ------
+    ValueError
+        Where it does not fit the heights.
+    """
+    if shape == () and dtype.kind == "b":  # NumPy's for "nothing is masked"
+        return False
+    if shape != shape_of_heights or dtype.kind not in "buif":
+        raise ValueError(
+            f"found an array {MASK} of shape {shape} of {one_line(str(dtype), 40)} beside heights"
+            f" of shape {shape_of_heights}, allowed: 0 and 1 for each of their points"
+        )
+    return True
+
+
+def _head_in_archive(archive: ZipFile, name: str) -> tuple[tuple[int, ...], np.dtype]:
+    """Read shape and type of an array in an archive, of which nothing is unpacked."""
+    with archive.open(f"{name}.npy") as file:
+        version = np.lib.format.read_magic(file)
+        read = np.lib.format.read_array_header_1_0
+        shape, _, dtype = (read if version == (1, 0) else np.lib.format.read_array_header_2_0)(file)
+    return shape, dtype

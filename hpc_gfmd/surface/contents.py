@@ -1,0 +1,185 @@
+"""The bytes of a file, unpacked where it is packed, and what format they show, whatever the file is
+called."""
+
+import bz2
+import gzip
+import lzma
+import re
+from dataclasses import dataclass
+from io import BytesIO
+from pathlib import Path
+from typing import BinaryIO
+from zipfile import ZipFile, is_zipfile
+
+HEAD_BYTES = 4096
+TEXT_BYTES = 2**20  # without control characters: a text
+UNPACKERS = {b"\x1f\x8b": gzip.decompress, b"BZh": bz2.decompress, b"\xfd7zXZ": lzma.decompress}
+SIGNATURES = {  # first bytes: format
+    b"\x93NUMPY": "npy",
+    b"CDF": "netcdf",
+    b"II*\0": "tiff",
+    b"MM\0*": "tiff",
+    b"II+\0": "tiff",
+    b"MM\0+": "tiff",
+    b"\x89PNG": "png",
+    b"\xff\xd8\xff": "picture",
+    b"GIF8": "picture",
+    b"BM": "picture",
+}
+SUFFIXES = {  # formats that a file claims to have, where its first bytes show none
+    ".npy": "npy",
+    ".npz": "npz",
+    ".h5": "hdf5",
+    ".hdf5": "hdf5",
+    ".nc": "netcdf",
+    ".tif": "tiff",
+    ".tiff": "tiff",
+    ".png": "png",
+    ".txt": "text",
+    ".csv": "text",
+    ".asc": "text",
+    ".dat": "text",
+    ".xyz": "text",
+}
+_HDF5 = b"\x89HDF\r\n\x1a\n"
+_USER_BLOCKS = (0, 512, 1024, 2048)  # bytes before an HDF5 file, as in MATLAB's
+_UTF16 = (b"\xff\xfe", b"\xfe\xff")
+_CONTROL = re.compile(rb"[\x00-\x08\x0e-\x1f]")
+_NUMERIC_LINE = re.compile(rb"[\s\d.,;+\-eE]*\d[\s\d.,;+\-eE]*\s")
+
+
+@dataclass(frozen=True)
+class Contents:
+    """The bytes of a file.
+
+    Attributes
+    ----------
+    path : Path
+        As the scene names the file.
+    unpacked : bytes, optional
+        What the file holds, where it is packed (gzip, bzip2, xz, or a zip of one file).
+    name : str
+        Of the file that was packed, else that of `path`; its suffix says what the file claims.
+    """
+
+    path: Path
+    unpacked: bytes | None = None
+    name: str = ""
+
+    @property
+    def source(self) -> Path | BytesIO:
+        """What libraries open: the path, or a stream of what was unpacked."""
+        return self.path if self.unpacked is None else BytesIO(self.unpacked)
+
+    def open(self) -> BinaryIO:
+        """Open the bytes as a stream."""
+        return BytesIO(self.unpacked) if self.unpacked is not None else open(self.path, "rb")
+
+    def head(self) -> bytes:
+        """Return the first HEAD_BYTES bytes."""
+        with self.open() as stream:
+            return stream.read(HEAD_BYTES)
+
+    @property
+    def claimed(self) -> str:
+        """The format that the suffix names, or ""."""
+        return SUFFIXES.get(Path(self.name or self.path.name).suffix.lower(), "")
+
+
+def contents_of(path: Path) -> Contents:
+    """Open a file, and unpack it where it is packed.
+
+    Parameters
+    ----------
+    path : Path
+        Of an existing file.
+
+    Returns
+    -------
+    Contents
+
+    Raises
+    ------
+    OSError, EOFError, zlib.error, lzma.LZMAError
+        For what cannot be read or unpacked.
+    """
+    contents = Contents(path, name=path.name)
+    head = contents.head()
+    for signature, unpack in UNPACKERS.items():
+        if head.startswith(signature):
+            return Contents(path, unpack(path.read_bytes()), path.stem)
+    if head.startswith(b"PK\x03\x04") and is_zipfile(path):
+        with ZipFile(path) as archive:
+            members = [member for member in archive.namelist() if not member.endswith("/")]
+            if len(members) == 1 and not members[0].endswith(".npy"):
+                return Contents(path, archive.read(members[0]), Path(members[0]).name)
+    return contents
+
+
+def format_of(contents: Contents) -> str:
+    """Tell the format of a file by its first bytes.
+
+    Returns
+    -------
+    str
+        "npy", "npz", "x3p", "zip", "hdf5", "netcdf", "tiff", "png", "picture" (others), "numbers"
+        (a text whose first line is one of numbers, or a comment), "text" (another one), or "" for
+        what only SurfaceTopography may know.
+    """
+    head = contents.head()
+    if any(head[start:].startswith(_HDF5) for start in _USER_BLOCKS):
+        return "hdf5"
+    for signature, known in SIGNATURES.items():
+        if head.startswith(signature) and (known != "picture" or _CONTROL.search(head)):
+            return known
+    if head.startswith(b"PK\x03\x04"):
+        return _format_of_archive(contents)
+    if is_utf16(head):
+        return "text"
+    with contents.open() as stream:  # instruments write numbers in binary after much text
+        if not head or _CONTROL.search(stream.read(TEXT_BYTES)):
+            return ""
+    first_line = head.removeprefix(b"\xef\xbb\xbf").lstrip()
+    starts_plainly = first_line.startswith(b"#") or _NUMERIC_LINE.match(first_line)
+    return "numbers" if starts_plainly else "text"
+
+
+def is_utf16(head: bytes) -> bool:
+    """Whether a text is in UTF-16: it says so, or every second byte of it is zero."""
+    if head.startswith(_UTF16):
+        return True
+    pairs = len(head) // 2
+    zeros = max(head[0::2].count(0), head[1::2].count(0))
+    return pairs > 8 and zeros > 0.9 * pairs and b"\0\0" not in head[:64]
+
+
+def encoding_of(contents: Contents) -> str:
+    """Find the encoding of a text: that of its mark at the beginning, else UTF-8 where all of it is
+    valid, else that of Western Windows (a superset of Latin-1's letters)."""
+    head = contents.head()
+    if head.startswith(_UTF16):
+        return "utf-16"
+    if is_utf16(head):
+        return "utf-16-le" if head[1::2].count(0) > head[0::2].count(0) else "utf-16-be"
+    with contents.open() as stream:
+        valid = all(_is_utf8(line) for line in stream)
+    return "utf-8-sig" if valid else "cp1252"
+
+
+def _is_utf8(line: bytes) -> bool:
+    try:
+        line.decode("utf-8")
+    except UnicodeDecodeError:
+        return False
+    return True
+
+
+def _format_of_archive(contents: Contents) -> str:
+    try:
+        with contents.open() as stream, ZipFile(stream) as archive:
+            names = [Path(name).name for name in archive.namelist()]
+    except Exception:  # damaged: the reader of what it claims to be says how
+        return contents.claimed or "zip"
+    if "main.xml" in names:
+        return "x3p"
+    return "npz" if any(name.endswith(".npy") for name in names) else "zip"

@@ -1,0 +1,141 @@
+"""Coordinates in a text: columns x, y, z, and tables whose first line and column are
+coordinates."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .metadata import UNEVEN
+
+FEWEST = 8  # numbers that do not rise evenly by chance
+NO_GRID = "its points are not those of a regular grid"
+SPARSE = 8  # times as many points of a grid as are given, at most
+
+
+@dataclass(frozen=True)
+class GridAxis:
+    """Coordinates of points on the lines of a grid.
+
+    Attributes
+    ----------
+    index : ndarray of int
+        Of the line on which each point lies, rising with its coordinate.
+    n : int
+        Number of lines.
+    step : float
+        Their distance.
+    """
+
+    index: np.ndarray
+    n: int
+    step: float
+
+
+def grid_axis(coordinates: np.ndarray) -> GridAxis:
+    """Find the lines of a grid on which points lie; their coordinates may be rounded to the digits
+    that are written.
+
+    Raises
+    ------
+    ValueError
+        Where they lie on no grid.
+    """
+    values = np.unique(coordinates)
+    if not np.isfinite(values).all() or values.size < 2:
+        raise ValueError(NO_GRID)
+    gaps = np.diff(values)
+    wide = gaps[gaps > 0.25 * gaps.max()]
+    n = int(np.rint(wide / np.median(wide)).sum()) + 1
+    if n > SPARSE * values.size:
+        raise ValueError(NO_GRID)
+    if n == values.size and np.ptp(gaps) <= UNEVEN * gaps.mean():
+        origin, step = float(values[0]), float(gaps.mean())
+    else:
+        line = np.rint((values - values[0]) * (n - 1) / (values[-1] - values[0]))
+        step, origin = np.polyfit(line, values, 1).tolist()
+        deviation = np.abs(values - origin - line * step)
+        allowed = UNEVEN * step + 0.6 * _rounding(values)
+        if (deviation > np.minimum(allowed, 0.3 * step)).any():
+            raise ValueError(NO_GRID)
+    return GridAxis(np.rint((coordinates - origin) / step).astype(np.intp), n, step)
+
+
+def points_on_grid(
+    x: np.ndarray, y: np.ndarray, z: np.ndarray
+) -> tuple[np.ndarray, tuple[float, float]]:
+    """Put points in any order on a grid.
+
+    Parameters
+    ----------
+    x, y, z : ndarray, shape (points,)
+
+    Returns
+    -------
+    heights : ndarray, shape (n_x, n_y)
+        nan where there is no point.
+    sizes : (L_x, L_y)
+
+    Raises
+    ------
+    ValueError
+        Where they are on none, or a point is there twice.
+    """
+    along_x, along_y = grid_axis(x), grid_axis(y)
+    if along_x.n * along_y.n > SPARSE * z.size:
+        raise ValueError(NO_GRID)
+    heights = np.full((along_x.n, along_y.n), np.nan)
+    place = along_x.index * along_y.n + along_y.index
+    if np.unique(place).size < place.size:
+        raise ValueError("it has a point twice")
+    heights.ravel()[place] = z
+    return heights, (along_x.step * along_x.n, along_y.step * along_y.n)
+
+
+def is_grid(table: np.ndarray) -> bool:
+    """Whether the first two columns of a table are the coordinates of all points of a grid."""
+    x, y = table[:, 0], table[:, 1]
+    if np.unique(x).size * np.unique(y).size != len(table):
+        return False
+    try:
+        heights, _ = points_on_grid(x, y, np.zeros(len(table)))
+    except ValueError:
+        return False
+    return bool(np.isfinite(heights).all())
+
+
+def changes_evenly(values: np.ndarray, fewest: int = 3) -> bool:
+    """Whether numbers rise or fall evenly, as coordinates do."""
+    if values.size < fewest or not np.isfinite(values).all():
+        return False
+    steps = np.diff(values)
+    step = steps.mean()
+    allowed = np.minimum(UNEVEN * abs(step) + _rounding(values)[1:], 0.05 * abs(step))
+    return bool(step and (np.abs(steps - step) <= allowed).all())
+
+
+def numbers_from_0(values: np.ndarray) -> bool:
+    """Whether numbers are 0, 1, 2, ..."""
+    return values.size > 1 and bool(np.array_equal(values, np.arange(values.size)))
+
+
+def is_plane(table: np.ndarray) -> bool:
+    """Whether a table is a plane, which rises evenly everywhere although nothing in it is a
+    coordinate."""
+    lines, columns = (np.arange(n) / max(n - 1, 1) for n in table.shape)
+    corner = table[0, 0]
+    plane = corner + lines[:, None] * (table[-1, 0] - corner) + columns * (table[0, -1] - corner)
+    steps = [abs(table[-1, 0] - corner) / len(lines), abs(table[0, -1] - corner) / len(columns)]
+    return bool(np.abs(table - plane).max() <= 0.1 * max(steps))
+
+
+def _rounding(values: np.ndarray) -> np.ndarray:
+    """Return by how much each of the coordinates may be wrong, since they are written with a few
+    digits: as many decimals, or as many significant digits, as the longest of them has."""
+    written = [np.format_float_scientific(abs(value)).split("e") for value in values.tolist()]
+    digits = np.array([len(mantissa.replace(".", "")) for mantissa, _ in written])
+    powers = np.array([int(power) for _, power in written])
+    significant = digits.max()
+    if significant > 12:  # written in full
+        return np.zeros(values.size)
+    decimals = (digits - 1 - powers).max()
+    return np.maximum(10.0**-decimals, 10.0 ** (powers + 1 - significant))

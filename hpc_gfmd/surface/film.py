@@ -1,0 +1,104 @@
+"""The linear equations of a soap film over holes: conjugate gradients, preconditioned by multigrid
+over aggregates of points, in memory that is proportional to the number of points."""
+
+from typing import Any
+
+import numpy as np
+
+DIRECT = 5000  # unknowns that are solved for by factorisation
+TOLERANCE = 1e-11  # of the residual, relative to the right-hand side
+STEPS = 400
+DAMPING = 0.8  # of Jacobi's smoothing steps: the matrix is that of Laplace, or weaker
+SMOOTHING = 2  # steps, before and after the coarse grid
+OVERCORRECTION = 1.8  # constant pieces are stiffer than the film
+
+
+class Level:
+    """One level of the multigrid.
+
+    Attributes
+    ----------
+    matrix : csr_array
+    weights : ndarray
+        DAMPING over its diagonal.
+    parents : ndarray of int, optional
+        Which point of the next level each point belongs to; None: the coarsest level.
+    factors : SuperLU, optional
+        Of the coarsest level.
+    """
+
+    def __init__(self, matrix: Any, parents: np.ndarray | None) -> None:
+        from scipy.sparse.linalg import splu
+
+        self.matrix = matrix
+        self.weights = DAMPING / matrix.diagonal()
+        self.parents = parents
+        self.factors: Any = splu(matrix.tocsc()) if parents is None else None
+
+
+def solve_film(matrix: Any, right: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Solve for the heights of points in holes.
+
+    Parameters
+    ----------
+    matrix : csr_array, shape (points, points)
+        Symmetric and positive definite.
+    right : ndarray, shape (points,)
+    x, y : ndarray of int, shape (points,)
+        Places of the points on the grid.
+
+    Returns
+    -------
+    ndarray, shape (points,)
+
+    Raises
+    ------
+    MemoryError
+    """
+    from scipy.sparse.linalg import LinearOperator, cg, spsolve
+
+    if len(right) <= DIRECT:
+        return np.atleast_1d(spsolve(matrix.tocsc(), right))
+    levels = _levels(matrix, x, y)
+    cycle = LinearOperator(matrix.shape, lambda residual: _cycle(levels, 0, residual), dtype=float)
+    heights, steps = cg(matrix, right, rtol=TOLERANCE, atol=0.0, maxiter=STEPS, M=cycle)
+    if steps:
+        raise ArithmeticError(f"filling holes did not converge in {steps} steps")
+    return heights
+
+
+def _levels(matrix: Any, x: np.ndarray, y: np.ndarray) -> list[Level]:
+    """Build the levels: points within 2 x 2 places become one, until few are left."""
+    from scipy.sparse import csr_array
+
+    levels = []
+    while len(x) > DIRECT:
+        x, y = x // 2, y // 2
+        places = x * (int(y.max()) + 1) + y
+        _, first, parents = np.unique(places, return_index=True, return_inverse=True)
+        levels.append(Level(matrix, parents))
+        x, y = x[first], y[first]
+        shape = (len(parents), len(first))
+        ones = np.ones(len(parents))
+        aggregates = csr_array((ones, (np.arange(len(parents)), parents)), shape=shape)
+        matrix = (aggregates.T @ matrix @ aggregates).tocsr()
+    levels.append(Level(matrix, None))
+    return levels
+
+
+def _cycle(levels: list[Level], depth: int, residual: np.ndarray) -> np.ndarray:
+    """Return an approximate solution for a residual: one V-cycle, symmetric."""
+    level = levels[depth]
+    residual = residual.ravel()
+    if level.parents is None:
+        return level.factors.solve(residual)
+    solution = level.weights * residual
+    for _ in range(SMOOTHING - 1):
+        solution += level.weights * (residual - level.matrix @ solution)
+    rest = residual - level.matrix @ solution
+    coarse = np.bincount(level.parents, rest, len(levels[depth + 1].weights))
+    correction = _cycle(levels, depth + 1, coarse)
+    solution += OVERCORRECTION * correction[level.parents]
+    for _ in range(SMOOTHING):
+        solution += level.weights * (residual - level.matrix @ solution)
+    return solution

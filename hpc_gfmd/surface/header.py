@@ -1,0 +1,198 @@
+"""What the lines before the numbers of a text say: names and units of columns, and what programs of
+instruments write."""
+
+import re
+from dataclasses import dataclass
+from io import BytesIO
+
+from ..util.lengths import length_factor
+from ..util.libraries import surface_topography
+from .metadata import Metadata
+
+_COLUMN = re.compile(r"([^\W\d_]\w*)\s*(?:[\[(]\s*([^\])]*?)\s*[\])])?")
+_IN_BRACKETS = re.compile(r"[\[(]\s*([^\d\W_]+)\s*[\])]")
+_ROLES = {"x": r"x\d?|x[_ ].*", "y": r"y\d?|y[_ ].*", "z": r"z\d?|z[_ ].*|heights?|h|topography"}
+_GWYDDION_UNIT = re.compile(r"(?P<key>Lateral|Value) units:\s*(?P<unit>\S+)", re.I)
+_NO_DATA = re.compile(
+    r"\b(?:no_?data(?:_value)?|_?fill_?value|missing_value)\b\s*[:=]?\s*(\S+)", re.I
+)
+_ESRI = re.compile(r"\s*(ncols|nrows)\s+(\d+)\s*", re.I)
+_PIXELS = re.compile(r"(?<=\d)\s*(?:px|pixels?)\s*$", re.I | re.M)
+_ROW = "<row>"  # stands for a line of numbers
+
+
+@dataclass(frozen=True)
+class Columns:
+    """Names of the columns x, y and z of a text.
+
+    Attributes
+    ----------
+    places : (int, int, int)
+        Columns of x, y and z, from 0.
+    units : (str, str, str), optional
+        None where they are not all named.
+    others : tuple of str
+        Names of the columns that are none of them.
+    """
+
+    places: tuple[int, ...]
+    units: tuple[str, ...] | None
+    others: tuple[str, ...]
+
+
+def columns_named(header: list[str], mark: str | None, columns: int) -> Columns | None:
+    """Find the columns x, y and z by their names.
+
+    Parameters
+    ----------
+    header : list of str
+        Lines before the numbers.
+    mark : str or None
+        Between numbers; None: white space.
+    columns : int
+        Numbers in a line.
+
+    Returns
+    -------
+    Columns or None
+        None where the lines do not name one column each.
+    """
+    titles = [line.strip().lstrip("#%;/ \t").strip() for line in header if line.strip()][-3:]
+    for title in reversed(titles):
+        fields = title.split(mark) if mark and mark in title else _COLUMN.findall(title)
+        matches = [
+            _COLUMN.match(field.strip(' "')) if isinstance(field, str) else field
+            for field in fields
+        ]
+        named = [
+            ("", "") if match is None else match if isinstance(match, tuple) else match.groups("")
+            for match in matches
+        ]
+        if len(named) != columns:
+            continue
+        names = [name.lower() for name, _ in named]
+        places = [
+            [k for k, name in enumerate(names) if re.fullmatch(pattern, name)]
+            for pattern in _ROLES.values()
+        ]
+        if all(len(place) == 1 for place in places):
+            chosen = tuple(place[0] for place in places)
+            others = tuple(
+                named[k][0] or f"column {k + 1}" for k in range(columns) if k not in chosen
+            )
+            units = tuple(named[k][1] for k in chosen)
+            return Columns(chosen, units if all(units) else units_of(titles), others)
+    return None
+
+
+def units_of(header: list[str]) -> tuple[str, ...] | None:
+    """Return the units of x, y and z that a header names: in brackets in its last line, or as
+    Gwyddion writes them; None where it does not name all."""
+    named = {
+        match["key"].lower(): match["unit"] for match in _GWYDDION_UNIT.finditer("".join(header))
+    }
+    if len(named) == 2:
+        return named["lateral"], named["lateral"], named["value"]
+    for line in reversed([line for line in header if line.strip()][-2:]):
+        units = _IN_BRACKETS.findall(line)
+        if len(units) >= 3:
+            return tuple(units[:3])
+    return None
+
+
+def missing_numbers(header: list[str]) -> tuple[float, ...]:
+    """Return the numbers that a header says to stand for missing points, such as NODATA_value."""
+    numbers = []
+    for match in _NO_DATA.finditer("\n".join(header)):
+        try:
+            numbers.append(float(match[1]))
+        except ValueError:
+            continue
+    return tuple(numbers)
+
+
+def of_esri(header: list[str], lines: int, columns: int) -> Metadata | None:
+    """Read the header of an ESRI grid, whose cell size has no unit: a line runs along x.
+
+    Raises
+    ------
+    ValueError
+        Where there are not as many numbers as it says.
+    """
+    said = {match[1].lower(): int(match[2]) for match in map(_ESRI.fullmatch, header) if match}
+    if len(said) < 2:
+        return None
+    if (said["nrows"], said["ncols"]) != (lines, columns):
+        raise ValueError(
+            f"found {lines} lines of {columns} numbers, allowed: {said['nrows']} of"
+            f" {said['ncols']}, as its header says"
+        )
+    return Metadata(transposed=True, direction="along a line of the text, as its header says")
+
+
+def of_instrument(header: list[str], lines: int, columns: int) -> tuple[Metadata, float] | None:
+    """Read the header that Gwyddion, SPIP, Wyko, Nova, Attocube or others write, by
+    SurfaceTopography. It sees no number after the header: none can be left out.
+
+    Parameters
+    ----------
+    header : list of str
+        Lines before the numbers, decimals with points.
+    lines, columns : int
+        How many lines of how many numbers follow.
+
+    Returns
+    -------
+    (Metadata, float) or None
+        With the factor of the heights; None where it says nothing that is known.
+
+    Raises
+    ------
+    ValueError
+        Where it says that these are no heights, or that there are more or fewer numbers.
+    """
+    if not any(re.search(r"[^\W\d_]{2}", line) for line in header):
+        return None
+    surface_topography()
+    from SurfaceTopography.Exceptions import CorruptFile
+    from SurfaceTopography.IO.Text import AscReader
+
+    row = [0.0] * columns
+
+    class HeaderReader(AscReader):  # type: ignore[misc]  # it has no types
+        """Reads a header alone."""
+
+        def parse_data(self, line: str) -> list[float]:
+            if line.strip() == _ROW:
+                return row
+            raise ValueError
+
+    text = "".join(line.rstrip("\r\n") + "\n" for line in header)
+    in_pixels = bool(_PIXELS.search(text))
+    text = _PIXELS.sub(" m", text)
+    try:
+        channel = HeaderReader(BytesIO((text + f"{_ROW}\n" * lines).encode())).channels[0]
+    except CorruptFile as error:
+        if "line scan" in str(error):
+            return None
+        raise ValueError(f"its header does not fit: {error}; surface.skip_lines skips it") from None
+    sizes = channel.physical_sizes
+    if sizes is None and channel.unit is None and channel.height_scale_factor is None:
+        return None
+    return (
+        Metadata(
+            sizes=None if in_pixels or sizes is None else tuple(map(float, sizes)),
+            sizes_unit="px" if in_pixels else channel.unit,
+            unit=channel.unit,
+            transposed=True,
+            direction="along a line of the text, as its header says",
+            channel="" if channel.name == "Default" else channel.name,
+        ),
+        1.0 if channel.height_scale_factor is None else float(channel.height_scale_factor),
+    )
+
+
+def unit_in_brackets(text: str) -> str | None:
+    """Return the unit of length that a text names, alone or in brackets."""
+    units = [text.strip(), *_IN_BRACKETS.findall(text)]
+    return next((unit for unit in units if unit and length_factor(unit)), None)

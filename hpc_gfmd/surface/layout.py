@@ -1,0 +1,211 @@
+"""The layout of a text of numbers: what stands between them, their decimal mark, where they begin.
+It is found in the first lines; reading.py holds the whole text to it."""
+
+import csv
+import re
+from dataclasses import dataclass
+from typing import Any
+
+LOOKED_AT = 200  # lines
+MARKS = ("\t", ";", ",", None)  # between numbers; None: white space
+WORDS = (  # in any case
+    *("na", "n/a", "#n/a", "n.a.", "nan", "null", "none", "nodata", "no_data", "no-data", "bad"),
+    *("invalid", "masked", "undefined", "missing", "1.#qnan", "-1.#qnan", "1.#ind", "-1.#ind"),
+)
+MISSING = frozenset(["", *WORDS, *(sign * k for sign in "*-" for k in range(1, 12))])
+TWO_WORDS = re.compile(r"\bno data\b", re.I)  # Zygo's, in which white space marks nothing
+_COMMENT = re.compile(r"(?:^|\s)#.*")  # not within a token
+_WHOLE = re.compile(r"[+-]?\d+")
+
+
+class NoNumber(ValueError):
+    """A token is no number; its text is the token."""
+
+
+@dataclass(frozen=True)
+class Layout:
+    """How the numbers of a text are written.
+
+    Attributes
+    ----------
+    mark : str or None
+        Between numbers; None: white space.
+    decimal : str
+        "." or ",".
+    columns : int
+        Numbers in a line.
+    first : int
+        Lines before the numbers.
+    missing : frozenset of str
+        Texts that stand for missing points, in lower case.
+    ended : bool
+        Every line ends with a mark, after which there is no number.
+    """
+
+    mark: str | None
+    decimal: str
+    columns: int
+    first: int
+    missing: frozenset[str]
+    ended: bool = False
+
+    def tokens(self, line: str) -> list[str]:
+        """Cut a line into the texts of its numbers, without a comment after them. What ends every
+        line, as a mark may, is no token."""
+        tokens = tokens_of(line, self.mark, self.missing)
+        if self.ended and len(tokens) == self.columns + 1 and not tokens[-1]:
+            del tokens[-1]
+        return tokens
+
+    def number(self, token: str) -> float:
+        """Read a number, nan for a missing one. Raises NoNumber."""
+        return number_of(token, self.decimal, self.missing)
+
+
+def layout_of(lines: list[str], spec: Any) -> Layout:
+    """Find the layout that accounts for the most numbers.
+
+    Parameters
+    ----------
+    lines : list of str
+        The first of a text.
+    spec : scene.File
+        Its decimal, missing and skip_lines hold.
+
+    Returns
+    -------
+    Layout
+
+    Raises
+    ------
+    ValueError
+        Where there are no numbers, or where a line right before them has some, too.
+    """
+    missing = MISSING | {text.lower() for text in spec.missing}
+    decimals = (spec.decimal,) if spec.decimal else (".", ",")
+    candidates = [
+        _candidate(lines, mark, decimal, missing, spec.skip_lines)
+        for decimal in decimals
+        for mark in MARKS
+        if mark != decimal
+    ]
+    _, layout = max(candidates, key=lambda candidate: candidate[0])
+    if not layout.columns:
+        where = f"after line {spec.skip_lines}" if spec.skip_lines else "at its beginning"
+        raise ValueError(f"there are no numbers {where}, in {min(len(lines), LOOKED_AT)} lines")
+    if spec.skip_lines is None:
+        _require_header(lines, layout)
+    return layout
+
+
+def tokens_of(line: str, mark: str | None, missing: frozenset[str] = MISSING) -> list[str]:
+    """Cut a line into tokens, without a comment after them."""
+    if "#" in line:
+        line = _COMMENT.sub("", line)
+    if '"' in line and mark:
+        return [token.strip() for token in next(csv.reader([line], delimiter=mark), [])]
+    if mark is None:
+        if TWO_WORDS.search(line):
+            line = TWO_WORDS.sub("nodata", line)
+        for text in missing:
+            if " " in text:
+                line = re.sub(rf"(?<!\S){re.escape(text)}(?!\S)", "nodata", line, flags=re.I)
+        return line.split()
+    return [token.strip() for token in line.strip("\r\n").split(mark)] if line.strip() else []
+
+
+def number_of(token: str, decimal: str, missing: frozenset[str]) -> float:
+    """Read a number, nan for a missing one.
+
+    Raises
+    ------
+    NoNumber
+        For any other text, and for a point in a number with a decimal comma.
+    """
+    if token.lower() in missing or token.lower() == "no data":
+        return float("nan")
+    if "_" in token or (decimal == "," and "." in token):
+        raise NoNumber(token)
+    try:
+        return float(token.replace(decimal, "."))
+    except ValueError:
+        raise NoNumber(token) from None
+
+
+def count_numbers(tokens: list[str], decimal: str, missing: frozenset[str]) -> tuple[int, int]:
+    """Count the tokens that are numbers, and those that are numbers or stand for missing ones."""
+    numbers = 0
+    readable = 0
+    for token in tokens:
+        try:
+            value = number_of(token, decimal, missing)
+        except NoNumber:
+            continue
+        readable += 1
+        numbers += value == value or token.lower() == "nan"
+    return numbers, readable
+
+
+def is_comment(line: str) -> bool:
+    """Whether a line holds a comment only."""
+    return line.lstrip().startswith("#")
+
+
+def is_whole(token: str) -> bool:
+    """Whether a token is a whole number, written without decimals."""
+    return bool(_WHOLE.fullmatch(token))
+
+
+def _candidate(
+    lines: list[str], mark: str | None, decimal: str, missing: frozenset[str], skip: int | None
+) -> tuple[tuple, Layout]:
+    """Return how good a layout is, by the numbers that it accounts for, and the layout."""
+    numbers_of: dict[int, int] = {}  # {columns: numbers in lines of so many}
+    first_of: dict[int, int] = {}
+    open_ends: set[int] = set()  # columns of lines that do not end with a mark
+    for k, line in enumerate(lines[skip or 0 :], skip or 0):
+        tokens = [] if is_comment(line) else tokens_of(line, mark, missing)
+        numbers, readable = count_numbers(tokens, decimal, missing)
+        columns = len(tokens)
+        if readable < columns or (not numbers and columns < 3):
+            continue
+        numbers_of[columns] = numbers_of.get(columns, 0) + numbers
+        first_of.setdefault(columns, k)
+        if tokens[-1]:
+            open_ends.add(columns)
+    if not any(numbers_of.values()):
+        return (0, False), Layout(mark, decimal, 0, len(lines), missing)
+    columns = max(numbers_of, key=lambda count: numbers_of[count])
+    ended = columns > 1 and columns not in open_ends
+    layout = Layout(mark, decimal, columns - ended, first_of[columns], missing, ended)
+    return (numbers_of[columns], mark is not None), layout
+
+
+def _require_header(lines: list[str], layout: Layout) -> None:
+    """Raise ValueError where lines right before the numbers hold numbers, too: they may be a line
+    of the map with a token that is not known, or one that is damaged."""
+    hint = "surface.skip_lines tells how long the header is"
+    for k in range(layout.first - 1, -1, -1):
+        if not lines[k].strip() or is_comment(lines[k]):
+            return
+        tokens = layout.tokens(lines[k])
+        unknown = [token for token in tokens if not _is_number(token, layout)]
+        numbers, _ = count_numbers(tokens, layout.decimal, layout.missing)
+        if len(tokens) == layout.columns and numbers and unknown != tokens[:1]:
+            raise ValueError(
+                f"line {k + 1}: found {unknown[0]!r}, allowed: numbers, as in the lines after it;"
+                f" surface.missing names what stands for missing points, {hint}"
+            )
+        if not unknown and len(tokens) > 2:
+            raise ValueError(
+                f"line {k + 1}: found {len(tokens)} numbers, allowed: {layout.columns}, as in line"
+                f" {layout.first + 1}; {hint}"
+            )
+
+
+def _is_number(token: str, layout: Layout) -> bool:
+    try:
+        layout.number(token)
+    except NoNumber:
+        return False
+    return True

@@ -1,0 +1,180 @@
+"""Matrices in a text whose first line or first column may be coordinates, or numbers of lines and
+columns, and no heights."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .coordinates import FEWEST, changes_evenly, is_plane, numbers_from_0
+from .layout import Layout, NoNumber, is_whole
+
+HINT = (
+    'surface.coordinates = "line", "column", "both" or "none" tells which of the first line and'
+    " column are coordinates"
+)
+
+
+@dataclass(frozen=True)
+class Matrix:
+    """A matrix without its coordinates.
+
+    Attributes
+    ----------
+    heights : ndarray, shape (lines, columns)
+    of_lines : ndarray, shape (lines,), optional
+        What the first column holds: coordinates.
+    of_columns : ndarray, shape (columns,), optional
+        What the first line holds.
+    """
+
+    heights: np.ndarray
+    of_lines: np.ndarray | None = None
+    of_columns: np.ndarray | None = None
+
+
+@dataclass(frozen=True)
+class Labels:
+    """How the first lines of a matrix are written.
+
+    Attributes
+    ----------
+    corner : str or None
+        The first token of the first line, where it is no number.
+    above : ndarray or None
+        Numbers after it, where that line is not in the matrix.
+    names_index : bool
+        A line above names the columns, and leaves the first one without a name.
+    whole_line, whole_column : bool
+        The first line, or the first column, is of whole numbers and all others have decimals.
+    """
+
+    corner: str | None = None
+    above: np.ndarray | None = None
+    names_index: bool = False
+    whole_line: bool = False
+    whole_column: bool = False
+
+    @property
+    def any(self) -> bool:
+        """Whether something shows that the first line or column is no heights."""
+        return (
+            self.above is not None
+            or self.corner is not None
+            or (self.names_index or self.whole_line or self.whole_column)
+        )
+
+
+def labels_of(sample: list[str], layout: Layout) -> Labels:
+    """Look at how the first lines of a matrix are written; sample: of the text, from its
+    beginning."""
+    rows = [layout.tokens(line) for line in sample[layout.first :] if line.strip()]
+    rows = [row for row in rows if len(row) == layout.columns]
+    whole = [[is_whole(token) for token in row] for row in rows]
+    corner: str | None = rows[0][0] if rows and not rows[0][0] else None
+    above = None
+    names_index = False
+    if layout.first:
+        title = layout.tokens(sample[layout.first - 1].lstrip("#"))
+        if len(title) == layout.columns and layout.columns > 1:
+            try:
+                above = np.array([layout.number(token) for token in title[1:]])
+                corner = title[0]
+            except NoNumber:
+                names_index = title[0].lower() in ("", "index", "unnamed: 0")
+    start = 0 if above is not None else 1
+    body = [row[1:] for row in whole[start:]]
+    first_line = whole[0][1:] if whole and above is None else [True]
+    has_body = len(body) > 1 and any(body)
+    return Labels(
+        corner,
+        above,
+        names_index,
+        has_body and all(first_line) and not any(any(row) for row in body),
+        has_body and all(row[0] for row in whole) and not any(any(row) for row in body),
+    )
+
+
+def without_coordinates(table: np.ndarray, labels: Labels, told: str | None) -> Matrix:
+    """Take the coordinates off a matrix.
+
+    Parameters
+    ----------
+    table : ndarray, shape (lines, columns)
+    labels : Labels
+    told : str, optional
+        What is coordinates, as the scene says: "none", "line", "column" or "both".
+
+    Returns
+    -------
+    Matrix
+
+    Raises
+    ------
+    ValueError
+        Where the first line or column may be either.
+    """
+    if told is not None:
+        return _as_told(table, labels, told)
+    if labels.above is not None:
+        return _with_both(table[:, 1:], table[:, 0], labels.above)
+    if labels.corner is not None and changes_evenly(table[0, 1:], 2):
+        return _with_both(table[1:, 1:], table[1:, 0], table[0, 1:])
+    if labels.names_index and changes_evenly(table[:, 0], 2):
+        return Matrix(table[:, 1:], of_lines=table[:, 0])
+    if min(table.shape) > 1 and is_plane(table):
+        return Matrix(table)
+    line, column = table[0, 1:], table[1:, 0]
+    if changes_evenly(line) and changes_evenly(column):
+        if labels.whole_line and labels.whole_column:
+            return _with_both(table[1:, 1:], column, line)
+        inside = table[1:, 1:]
+        if changes_evenly(inside[0]) or changes_evenly(inside[:, 0]):
+            raise ValueError(f"its first line and column rise evenly: {HINT}")
+        return _with_both(inside, column, line)
+    heights = table
+    of_columns = of_lines = None
+    if _is_label(table, labels.whole_line, "line"):
+        heights, of_columns = table[1:], table[0]
+    elif _is_label(table.T, labels.whole_column, "column"):
+        heights, of_lines = table[:, 1:], table[:, 0]
+    return Matrix(heights, of_lines, of_columns)
+
+
+def _is_label(table: np.ndarray, is_whole_line: bool, what: str) -> bool:
+    """Whether the first line of a table is no heights. Raises ValueError where that is open."""
+    line = table[0]
+    if len(table) < 3 or line.size < 3 or not changes_evenly(line):
+        return False
+    counts = numbers_from_0(line)
+    if counts and is_whole_line:
+        return True
+    if counts or (line.size >= FEWEST and not changes_evenly(table[1])):
+        raise ValueError(f"its first {what} rises evenly: {HINT}")
+    return False
+
+
+def _with_both(heights: np.ndarray, of_lines: np.ndarray, of_columns: np.ndarray) -> Matrix:
+    for coordinates, what in ((of_columns, "line"), (of_lines, "column")):
+        if not changes_evenly(coordinates, 2):
+            raise ValueError(f"the coordinates in its first {what} do not rise evenly: {HINT}")
+    return Matrix(heights, of_lines, of_columns)
+
+
+def _as_told(table: np.ndarray, labels: Labels, told: str) -> Matrix:
+    """Take off what the scene says."""
+    has_line = told in ("line", "both")
+    has_column = told in ("column", "both")
+    of_columns = None
+    of_lines = None
+    if has_line and labels.above is None:
+        table, of_columns = table[1:], table[0]
+    elif has_line:
+        of_columns = labels.above
+    if has_column:
+        table, of_lines = table[:, 1:], table[:, 0]
+        if of_columns is not None and labels.above is None:
+            of_columns = of_columns[1:]
+    for coordinates, what in ((of_columns, "line"), (of_lines, "column")):
+        if coordinates is not None and not changes_evenly(coordinates, 2):
+            raise ValueError(f"the coordinates in its first {what} do not rise evenly")
+    return Matrix(table, of_lines, of_columns)

@@ -1,0 +1,59 @@
+"""Units of length as scenes and instruments write them. A list, and not pint's, for which px, point
+and au are lengths, too."""
+
+from functools import cache
+
+_PREFIXES = {
+    "": (0, ""),
+    "f": (-15, "femto"),
+    "p": (-12, "pico"),
+    "n": (-9, "nano"),
+    "u": (-6, "micro"),
+    "m": (-3, "milli"),
+    "c": (-2, "centi"),
+    "d": (-1, "deci"),
+    "k": (3, "kilo"),
+}
+_OTHERS = {  # in m: names, of which any may have capitals
+    1e-10: ("Å", "angstrom", "angstroem", "ångström", "ångstrom", "angstroms"),
+    1e-6: ("micron", "microns"),
+    2.54e-5: ("mil", "mils", "thou"),
+    0.0254: ("in", "inch", "inches"),
+    0.3048: ("ft", "foot", "feet"),
+}
+
+
+@cache
+def _known() -> dict[str, float]:
+    """Return {unit in lower case: m}."""
+    known = {name.casefold(): metres for metres, names in _OTHERS.items() for name in names}
+    for symbol, (power, prefix) in _PREFIXES.items():
+        metres = float(f"1e{power}")
+        known[f"{symbol}m"] = metres
+        for name in ("meter", "metre", "meters", "metres"):
+            known[f"{prefix}{name}"] = metres
+            known[f"{prefix}_{name}"] = metres
+    return known
+
+
+def length_factor(unit: str) -> float | None:
+    """Return how many metres a unit of length is.
+
+    Parameters
+    ----------
+    unit : str
+        "nm", "µm", "Angstrom", "NanoMeters", "mil", ... Names may have capitals, and symbols may
+        consist of them ("NM"). "Mm" and "Nm", which mean other things as well, are no lengths.
+
+    Returns
+    -------
+    float or None
+        None for what is no unit of length, such as "px".
+    """
+    text = unit.strip().replace("µ", "u").replace("μ", "u").replace("\u212b", "Å")
+    is_symbol = len(text) <= 2 and text.isascii() and text.lower().endswith("m")
+    if is_symbol and text not in (text.lower(), text.upper()):
+        return None
+    if text == "M":  # mega
+        return None
+    return _known().get(text.casefold())

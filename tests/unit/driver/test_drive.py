@@ -1,0 +1,171 @@
+"""The loop over iterations: when it asks for the certificate, and how a load ends. The solver's
+progress and the certificates are scripted."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+
+from hpc_gfmd.certificate.certificate import Certificate
+from hpc_gfmd.certificate.criterion import StoppingCriterion
+from hpc_gfmd.certificate.error_estimates import Estimate
+from hpc_gfmd.driver import drive as module
+from hpc_gfmd.driver.drive import CALIBRATION, drive
+from hpc_gfmd.driver.search import LoadSearch
+from hpc_gfmd.solvers.base import Progress
+
+ACCURACY = 1e-3
+PAIRS = 1.0  # of a certificate
+
+
+@dataclass
+class Scripted:
+    """A solver whose estimated error is a function of its iterations."""
+
+    error: object
+    patience: int = 60
+    finite: object = lambda iterations: True
+    iterations: int = 0
+    N: int = 100
+    p0: float = 0.1
+    certified_at: list = field(default_factory=list)
+
+    def progress(self):
+        e = self.error(self.iterations)
+        estimate = None if e is None else Estimate(0.1 * e, e, squares=0.0)
+        return Progress(0.0, 10, 1.0, estimate, self.finite(self.iterations))
+
+    def step(self):
+        self.iterations += 1
+
+    def expected_area(self, squares):
+        return 0.0
+
+    def after_certificate(self, uKu):
+        self.certified_at.append(self.iterations)
+
+
+@pytest.fixture
+def certified(monkeypatch):
+    """certified(error): what the certificate finds is error(solver)."""
+
+    def script(error):
+        def certificate_of(solver, criterion):
+            e = error(solver)
+            return Certificate(errors=(0.0, 0.1 * e, e), contact=10, gap_mean=1.0, pairs=PAIRS)
+
+        monkeypatch.setattr(module, "certificate_of", certificate_of)
+
+    return script
+
+
+def halving(iterations):
+    return 0.5**iterations
+
+
+CRITERION = StoppingCriterion(accuracy=ACCURACY, max_iterations=200)
+
+
+def test_ends_with_the_first_certificate_where_the_solver_is_right(certified):
+    certified(lambda solver: halving(solver.iterations))
+    outcome = drive(Scripted(halving), CRITERION)
+    assert (outcome.status, outcome.pairs) == ("converged", PAIRS)
+    assert max(outcome.certificate.errors) < ACCURACY
+
+
+def test_a_refusal_lowers_the_threshold_by_what_was_missed(certified):
+    """A solver that believes to be 8 times nearer than it is costs one certificate more."""
+    certified(lambda solver: 8 * halving(solver.iterations))
+    solver = Scripted(halving)
+    outcome = drive(solver, CRITERION)
+    assert (outcome.status, outcome.pairs) == ("converged", 2 * PAIRS)
+    (refused_at,) = solver.certified_at
+    assert solver.iterations == refused_at + 3  # halvings
+
+
+def test_a_step_without_an_estimate_asks_for_nothing(certified):
+    certified(lambda solver: halving(solver.iterations))
+    outcome = drive(Scripted(lambda k: halving(k) if k % 4 == 0 else None), CRITERION)
+    assert (outcome.status, outcome.pairs) == ("converged", PAIRS)
+
+
+def test_stagnates_where_the_certificate_comes_no_nearer(certified):
+    certified(lambda solver: 2 * ACCURACY)
+    outcome = drive(Scripted(halving), CRITERION)
+    assert outcome.status == "stagnated"
+    assert outcome.pairs <= PAIRS * (CALIBRATION.refusals + 2)
+
+
+def test_stagnates_where_the_solver_comes_no_nearer(certified):
+    certified(lambda solver: 1.0)
+    solver = Scripted(lambda k: max(halving(k), 10 * ACCURACY), patience=20)
+    outcome = drive(solver, CRITERION)
+    assert (outcome.status, outcome.pairs) == ("stagnated", PAIRS)
+    assert 20 < solver.iterations < 40
+
+
+def test_what_cannot_be_attained_is_not_waited_for(certified, monkeypatch):
+    """Errors of the working precision: the load ends at once, as not as accurate as asked."""
+
+    def certificate_of(solver, criterion):
+        errors = (0.0, 0.0, 5 * ACCURACY)
+        return Certificate(errors=errors, attainable=(0.0, 5 * ACCURACY), contact=10, gap_mean=1.0)
+
+    monkeypatch.setattr(module, "certificate_of", certificate_of)
+    assert drive(Scripted(halving), CRITERION).status == "stagnated"
+
+
+@pytest.mark.parametrize(("meets", "status"), [(False, "max_iterations"), (True, "converged")])
+def test_most_iterations(certified, meets, status):
+    """The solution may be accurate enough although the solver did not believe it."""
+    certified(lambda solver: 0.1 * ACCURACY if meets else 1.0)
+    solver = Scripted(lambda k: 1.0, patience=1000)
+    outcome = drive(solver, CRITERION)
+    assert (outcome.status, solver.iterations) == (status, CRITERION.max_iterations)
+
+
+def test_numbers_that_are_not_finite(certified):
+    certified(lambda solver: np.nan)
+    solver = Scripted(halving, finite=lambda iterations: iterations < 3)
+    assert drive(solver, CRITERION).status == "nonfinite"
+    assert solver.iterations == 3
+
+
+def test_is_stopped_by_the_watch(certified):
+    """Also where the solution happens to be accurate: whoever stops wants to go on."""
+    certified(lambda solver: 0.0)
+    solver = Scripted(lambda k: 1.0)
+    outcome = drive(solver, CRITERION, lambda iterations, progress: iterations == 7)
+    assert (outcome.status, solver.iterations) == ("interrupted", 7)
+
+
+class Doubling(LoadSearch):
+    """Finds that the load has to be doubled, by a certificate, so many times."""
+
+    def __init__(self, times):
+        self.times = times
+
+    @property
+    def p0(self):
+        return 0.1
+
+    def learn(self, solver, certificate):
+        return 2.0 if self.times else 0.0
+
+    def correct(self, solver, certificate, solved):
+        if not (self.times and solved):
+            return False
+        self.times -= 1
+        solver.p0 *= 2
+        return True
+
+
+def test_a_search_is_led_by_certificates(certified):
+    """Each new load has the refusals of its own."""
+    times = CALIBRATION.refusals + 3
+    certified(lambda solver: 0.1 * ACCURACY)
+    solver = Scripted(halving)
+    outcome = drive(solver, CRITERION, search=Doubling(times))
+    assert outcome.status == "converged"
+    assert solver.p0 == pytest.approx(0.1 * 2**times)
+    assert outcome.pairs == PAIRS * (times + 1)

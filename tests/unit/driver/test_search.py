@@ -1,0 +1,102 @@
+"""The search for a load on curves that are known in closed form, in place of contacts."""
+
+from dataclasses import dataclass
+from math import exp, inf, log
+from types import SimpleNamespace
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from hpc_gfmd.driver.height_statistics import HeightStatistics
+from hpc_gfmd.driver.load_search import SecantSearch, x_of
+
+TOLERANCE = 1e-3
+HEIGHTS = HeightStatistics(10_000, 1, 3.0, 0.0, 1.0)
+
+
+@dataclass
+class CurveSearch(SecantSearch):
+    """For a value y of the mean pressure p0 that `curve` gives."""
+
+    usual = 1.0
+    curve: object = None
+
+    def straight(self, y):
+        return log(y) if y > 0 else -inf
+
+    def predicted(self, solver, progress, errors):
+        return None
+
+    def certified(self, solver, certificate):
+        return self.curve(solver.p0), 0.0
+
+    def within(self, solver, progress, room):
+        return True
+
+
+class Solver:
+    """Is solved at once at any load."""
+
+    iterations = 0
+
+    def __init__(self, p0):
+        self.p0 = p0
+        self.loads = [p0]
+
+    def continue_at(self, p0):
+        self.p0 = p0
+        self.loads.append(p0)
+
+
+def found(curve, target, start, steps=False):
+    """The loads that a search goes through, which ends with one that meets the target."""
+    search = CurveSearch(target, TOLERANCE, True, HEIGHTS, HEIGHTS, x=log(start), curve=curve)
+    solver = Solver(search.p0)
+    certificate = SimpleNamespace()
+    while search.learn(solver, certificate) >= 1:
+        assert search.correct(solver, certificate, True), solver.loads
+    assert search.miss(curve(solver.p0)) <= TOLERANCE
+    return solver.loads
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    exponent=st.floats(0.2, 3.0),
+    scale=st.floats(1e-3, 1e3),
+    p0=st.floats(1e-5, 1.0),
+    off=st.floats(-4.0, 4.0),
+)
+def test_powers_of_the_load(exponent, scale, p0, off):
+    """Straight lines of any slope: a secant has them as soon as it is near."""
+    curve = lambda p: scale * p**exponent  # noqa: E731
+    loads = found(curve, curve(p0), p0 * exp(off))
+    assert loads[-1] == pytest.approx(p0, rel=2 * TOLERANCE / exponent)
+    assert len(loads) < 3 + abs(off) / log(2) + 8
+
+
+@settings(max_examples=60, deadline=None)
+@given(p0=st.floats(1e-4, 0.9), off=st.floats(-3.0, 3.0))
+def test_a_curve_that_saturates(p0, off):
+    curve = lambda p: p / (p + 0.1)  # noqa: E731
+    found(curve, curve(p0), p0 * exp(off))
+
+
+def test_a_plateau_is_crossed():
+    """Where a value hardly rises the next load is twice as far away."""
+    curve = lambda p: 0.2 + 1e-4 * log(p) if p < 0.5 else p  # noqa: E731
+    loads = found(curve, 0.8, 0.01)
+    assert loads[-1] == pytest.approx(0.8, rel=2 * TOLERANCE)
+
+
+def test_goes_on_where_a_stopped_run_was():
+    search = CurveSearch(0.3, TOLERANCE, True, HEIGHTS, HEIGHTS, curve=lambda p: p)
+    search.begin_at(0.123)
+    assert search.p0 == pytest.approx(0.123, rel=1e-12)
+
+
+@given(p0=st.floats(1e-6, 0.999), closes_at=st.sampled_from([1.0, None, inf]))
+def test_the_variable_of_a_search_stands_for_its_load(p0, closes_at):
+    search = CurveSearch(0.3, TOLERANCE, True, HEIGHTS, HEIGHTS, closes_at=closes_at or inf)
+    search.x = x_of(p0, closes_at)
+    assert search.p0 == pytest.approx(p0, rel=1e-9)

@@ -1,0 +1,186 @@
+"""Who started this process, on how many threads and cores it works, and what it says where MPI
+cannot be had."""
+
+import os
+import sys
+from pathlib import Path
+
+import pytest
+from mpi_harness import environment, python
+from refusal import refused
+
+from hpc_gfmd.parallel import enclosing, launcher, thread_count, world
+from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.parallel.launcher import launched, launcher_rank
+from hpc_gfmd.parallel.mpi_library import load_mpi
+from hpc_gfmd.util.errors import GfmdError
+
+
+def test_launcher_can_be_said(monkeypatch):
+    for name in (
+        *launcher.LAUNCHER_SIZE,
+        *launcher.LAUNCHER_RANK,
+        launcher.LAUNCHER,
+        "SLURM_PROCID",
+    ):
+        monkeypatch.delenv(name, raising=False)
+    assert launched() == (False, None)
+    monkeypatch.setenv("OMPI_COMM_WORLD_SIZE", "4")
+    monkeypatch.setenv("OMPI_COMM_WORLD_RANK", "2")
+    assert (launched(), launcher_rank()) == ((True, 4), 2)
+    monkeypatch.setenv("HPC_GFMD_LAUNCHER", "none")
+    assert (launched(), launcher_rank()) == ((False, None), 0)
+    monkeypatch.delenv("OMPI_COMM_WORLD_SIZE")
+    monkeypatch.delenv("OMPI_COMM_WORLD_RANK")
+    monkeypatch.setenv("HPC_GFMD_LAUNCHER", "mpi")
+    assert launched() == (True, None)
+    monkeypatch.setattr(world, "_world", None)
+    monkeypatch.setenv("HPC_GFMD_LAUNCHER", "slurm")
+    with refused(r'HPC_GFMD_LAUNCHER: found "slurm", allowed: "mpi", "none"'):
+        world.world()
+
+
+def test_automatic_threads(monkeypatch):
+    """Those that Slurm was asked for; else the cores where there is enough to do, one otherwise."""
+    monkeypatch.delenv("SLURM_CPUS_PER_TASK", raising=False)
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: range(12))
+    few, many = thread_count.THREADED_POINTS - 1, thread_count.THREADED_POINTS
+    for slurm, points, threads in (("", many, 12), ("", few, 1), ("3", few, 3), ("4096", many, 12)):
+        monkeypatch.setenv("SLURM_CPUS_PER_TASK", slurm)
+        assert thread_count.threads_of(SerialComm(), "auto", points) == threads
+    assert thread_count.auto_threads(many, 2, 12) == 1
+
+
+@pytest.mark.parametrize(
+    ("threads", "cores", "words"),
+    [(2, 1, ["2 threads on 1 core", "machine.threads = 1"]), (2, 2, []), (1, 4, [])],
+)
+def test_more_threads_than_cores_are_noted(threads, cores, words, monkeypatch):
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: range(cores))
+    note = thread_count.oversubscription(SerialComm(), threads)
+    assert bool(note) == bool(words)
+    assert all(word in note for word in words)
+
+
+class Ranks(SerialComm):
+    """One of several ranks of a machine that may use these cores."""
+
+    def __init__(self, cores_of_ranks):
+        self.cores_of_ranks = cores_of_ranks
+        self.size = len(cores_of_ranks)
+
+    def allgather(self, obj):
+        return self.cores_of_ranks
+
+
+@pytest.mark.parametrize(
+    ("cores_of_ranks", "threads", "word"),
+    [
+        ([[0], [1]], 1, ""),
+        ([[0, 1], [0, 1]], 1, ""),
+        ([[0], [1]], 2, "PE=2"),  # as mpirun binds
+        ([[0, 1], [2, 3]], 2, ""),
+        ([[0, 1], [0, 1], [0, 1]], 1, "3 ranks of 1 thread share 2 cores"),
+    ],
+)
+def test_more_ranks_than_cores_are_noted(cores_of_ranks, threads, word, monkeypatch):
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: cores_of_ranks[0])
+    note = thread_count.oversubscription(Ranks(cores_of_ranks), threads)
+    assert word in note
+    assert bool(note) == bool(word)
+
+
+def processes(folder, *ancestors):
+    """Make a folder like /proc of these processes, each the parent of the one before: (name,
+    variables, loaded libraries)."""
+    for k, (name, variables, libraries) in enumerate(ancestors):
+        place = folder / str(100 + k)
+        place.mkdir()
+        (place / "environ").write_bytes(b"\0".join(variables))
+        (place / "stat").write_text(f"{100 + k} ({name}) S {101 + k} 1 1")
+        (place / "maps").write_text(f"7f00-7f01 r-xp 0 00:00 1 /usr/lib/{libraries}\n")
+        (place / "cmdline").write_bytes(b"python\0optimise.py\0")
+
+
+RANK_1 = [b"HOME=/root", b"PMI_RANK=1", b"PMI_SIZE=2"]
+OTHER = [b"HOME=/root"]
+
+
+@pytest.mark.parametrize(
+    ("ancestors", "program"),
+    [
+        ([("python", RANK_1, "libmpi.so.40")], "python optimise.py"),
+        (
+            [("bash", RANK_1, "libc.so.6"), ("a (b) c", RANK_1, "libmpich.so.12")],
+            "python optimise.py",
+        ),
+        ([("bash", RANK_1, "libc.so.6"), ("hydra_pmi_proxy", OTHER, "libc.so.6")], None),
+        ([("mpirun", RANK_1, "libc.so.6"), ("python", RANK_1, "libmpi.so.40")], None),
+        ([("python", OTHER, "libmpi.so.40")], None),
+        ([], None),
+    ],
+)
+def test_a_rank_of_another_program_around_this_process(ancestors, program, tmp_path, monkeypatch):
+    for name in launcher.LAUNCHER_RANK:
+        monkeypatch.delenv(name, raising=False)
+    processes(tmp_path, *ancestors)
+    monkeypatch.setattr(os, "getppid", lambda: 100)
+    assert enclosing.enclosing_mpi_program(tmp_path) is None
+    monkeypatch.setenv("PMI_RANK", "1")
+    assert enclosing.enclosing_mpi_program(tmp_path) == program
+
+
+@pytest.mark.parametrize(
+    ("package", "words"),
+    [
+        (None, ["hpc-gfmd[mpi]"]),
+        (
+            "raise RuntimeError('cannot load MPI library\\nlibmpi.so.12: no such file')",
+            ["cannot load MPI library", "--no-binary=mpi4py"],
+        ),
+        ("raise ImportError('libmpi.so.40: cannot open')", ["libmpi.so.40", "--no-binary=mpi4py"]),
+    ],
+)
+def test_why_there_is_no_mpi(package, words, tmp_path, monkeypatch):
+    """What is missing, and what is there but does not find its library, are told apart."""
+    for name in [name for name in sys.modules if name.partition(".")[0] == "mpi4py"]:
+        monkeypatch.delitem(sys.modules, name)
+    if package is None:
+        monkeypatch.setitem(sys.modules, "mpi4py", None)
+    else:
+        (tmp_path / "mpi4py").mkdir()
+        Path("mpi4py/__init__.py").write_text("__version__ = '4'\n")
+        Path("mpi4py/MPI.py").write_text(package)
+        monkeypatch.syspath_prepend(tmp_path)
+    with pytest.raises(GfmdError) as caught:
+        load_mpi()
+    assert all(word in str(caught.value) for word in words)
+    assert str(caught.value).isprintable()
+
+
+INSIDE = """
+import os, subprocess, sys
+from mpi4py import MPI
+
+words = [sys.executable, "-m", "hpc_gfmd", "run", "scene.toml", "-o", f"{MPI.COMM_WORLD.rank}.h5"]
+for setting in (None, "none"):
+    env = os.environ | ({"HPC_GFMD_LAUNCHER": setting} if setting else {})
+    done = subprocess.run(words, capture_output=True, text=True, env=env)
+    print("##", done.returncode, done.stderr.strip(), flush=True)
+"""
+SCENE = "[surface]\nkind = 'wave'\namplitude = 0.1\nn = [8, 8]\n[load]\npressure = 0.1\n"
+
+
+@pytest.mark.skipif(not Path("/proc/self/maps").exists(), reason="needs /proc")
+def test_a_run_inside_another_mpi_program(folder):
+    """One line that says how to go on; MPI itself would end the process with a page."""
+    pytest.importorskip("mpi4py")
+    Path("inside.py").write_text(INSIDE)
+    done = python(2, ["inside.py"], environment(), folder)
+    lines = [line for line in done.stdout.splitlines() if line.startswith("##")]
+    assert len(lines) == 4, done.stdout + done.stderr
+    assert sorted(line.split()[1] for line in lines) == ["0", "0", "1", "1"]
+    (message,) = (line for line in lines if line.startswith("## 1 hpc-gfmd:"))  # of rank 0
+    assert "inside.py" in message
+    assert "HPC_GFMD_LAUNCHER=none" in message
+    assert {"0.h5", "1.h5"} <= {path.name for path in folder.iterdir()}

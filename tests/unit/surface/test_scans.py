@@ -1,0 +1,792 @@
+"""Height maps as engineers meet them: each is read right, or refused with the reason."""
+
+import bz2
+import gzip
+import struct
+import zipfile
+from io import BytesIO
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+import tifffile
+from contacts import random_heights
+from refusal import refused
+
+import hpc_gfmd
+from hpc_gfmd.commands.init import compose
+from hpc_gfmd.scene import File
+from hpc_gfmd.surface.topography import open_topography
+from hpc_gfmd.util.libraries import surface_topography
+
+Z = np.round(20 * random_heights((12, 8)), 3)  # nm
+SIZES = (1.2e-6, 0.4e-6)
+KEYS = {"physical_sizes": ("1.2 um", "0.4 um"), "unit": "nm"}
+SMALL = {"physical_sizes": ("4 um", "4 um"), "unit": "nm"}
+HOLE = (2, 5)
+
+
+def opened(path, **keys):
+    return open_topography(File(kind="file", path=str(path), **keys))
+
+
+def heights(path, **keys):
+    """Heights in nm, nan where there is none."""
+    topography = opened(path, **keys)
+    return 1e9 * topography.rows(0, topography.n[0])
+
+
+def is_map(found, wanted=Z):
+    return np.allclose(found, wanted, rtol=1e-6, atol=1e-5, equal_nan=True)
+
+
+def text(rows, mark="\t"):
+    return "\n".join(mark.join(map(str, row)) for row in rows) + "\n"
+
+
+def with_hole(z=Z):
+    z = z.copy()
+    z[HOLE] = np.nan
+    return z
+
+
+# 1. Nothing is dropped
+
+
+UNKNOWN = ["?", "off", "n.v.", "1_0", "1.5.2", "0x1F", "12e", "1,5"]
+
+
+@pytest.mark.parametrize("token", UNKNOWN)
+@pytest.mark.parametrize("lines", [[0], [3], [11], [3, 11], [0, 3, 5, 11]])
+def test_a_token_that_is_not_known_is_named(token, lines):
+    """Wherever it stands, with the line, if it is not told by surface.missing."""
+    rows = Z.astype(str)
+    for line in lines:
+        rows[line, 5] = token
+    Path("z.txt").write_text(text(rows))
+    with refused(f"line {lines[0] + 1}: found '{token}'|in line {lines[0] + 1}"):
+        heights("z.txt", **KEYS)
+    found = heights("z.txt", missing=[token], **KEYS)
+    assert np.isnan(found[lines, 5]).all()
+    assert np.isnan(found).sum() == len(lines)
+
+
+@pytest.mark.parametrize("mark", ["\t", " ", ",", ";"])
+@pytest.mark.parametrize("token", ["NoData", "NULL", "n.a.", "None", "nan", "BAD", "***", "---"])
+def test_what_stands_for_nothing_is_a_hole(mark, token):
+    rows = Z.astype(str)
+    rows[HOLE] = rows[11, 0] = token
+    Path("z.txt").write_text(text(rows, mark))
+    wanted = with_hole()
+    wanted[11, 0] = np.nan
+    assert is_map(heights("z.txt", **KEYS), wanted)
+
+
+LATE = np.round(random_heights((300, 4)), 4)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda row: [*row[:3]], "line 281: found 3 columns, allowed: 4"),
+        (lambda row: [*row, "7"], "line 281: found 5 columns, allowed: 4"),
+        (lambda row: [row[0], row[1] + "#2", *row[2:]], "line 281: found '.*#2'"),
+        (lambda row: [row[0], row[1] + " # 2", *row[2:]], "line 281: found 2 columns"),
+        (lambda row: [], "2 blocks of numbers .280 from line 1 on, 19 from line 282 on"),
+        (lambda row: ["# another map"], "2 blocks of numbers"),
+        (lambda row: ["end"], "line 281: found 1 columns"),
+    ],
+)
+@pytest.mark.parametrize("mark", ["\t", ","])
+def test_what_comes_after_the_lines_that_were_looked_at(change, words, mark):
+    rows = LATE.astype(str).tolist()
+    rows[280] = change(rows[280])
+    Path("z.txt").write_text(text(rows, mark))
+    with refused(words):
+        heights("z.txt", **SMALL)
+
+
+def test_an_empty_cell_late_is_a_hole_and_shifts_nothing():
+    rows = LATE.astype(str)
+    rows[250, 1] = ""
+    wanted = LATE.copy()
+    wanted[250, 1] = np.nan
+    Path("z.txt").write_text(text(rows))
+    assert is_map(heights("z.txt", **SMALL), wanted)
+
+
+def test_of_two_maps_the_one_that_is_named():
+    """As Gwyddion exports all channels."""
+    head = "# Channel: {}\n# Width: 1.2 µm\n# Height: 0.4 µm\n# Value units: {}\n"
+    parts = [("Error", "V", Z), ("Up", "nm", Z), ("Down", "nm", -Z)]
+    Path("z.txt").write_text("\n".join(head.format(*p[:2]) + text(p[2].T) for p in parts))
+    assert is_map(heights("z.txt"))
+    assert is_map(heights("z.txt", dataset="Down"), -Z)
+    assert "channel 'Up' of z.txt is pressed; others: Down" in opened("z.txt").notes
+    with refused(r"surface.dataset: found 'Left', allowed.* Up, Down"):
+        heights("z.txt", dataset="Left")
+
+
+def test_a_line_before_the_map_may_be_one_of_it():
+    Path("z.txt").write_text("1 2 3 4 5 6 7\n" + text(Z, " "))
+    with refused("line 1: found 7 numbers, allowed: 8"):
+        heights("z.txt", **KEYS)
+    assert is_map(heights("z.txt", skip_lines=1, **KEYS))
+
+
+# 2. Tables with axes
+
+X, Y = np.arange(12) * 0.1, np.arange(8) * 0.05
+
+
+@pytest.mark.parametrize(
+    ("index", "columns", "wanted"),
+    [
+        (range(12), range(8), "numbers of"),
+        (range(1, 13), [*"abcdefgh"], "numbers of"),
+        (X, Y, "coordinates of the"),
+        (X[::-1], Y, "coordinates of the"),
+        (None, range(8), "numbers of"),
+        (None, [*"abcdefgh"], ""),
+        (range(12), None, "numbers of"),
+    ],
+)
+@pytest.mark.parametrize("sep", [",", ";", "\t"])
+def test_tables_of_pandas(index, columns, wanted, sep):
+    import pandas as pd
+
+    table = pd.DataFrame(Z + 0.0005, index, columns)
+    table.to_csv("z.csv", index=index is not None, header=columns is not None, sep=sep)
+    topography = opened("z.csv", **KEYS)
+    turned = Z[::-1] if index is not None and index[0] > index[1] else Z
+    assert is_map(1e9 * topography.rows(0, 12), turned + 0.0005)
+    assert any(wanted in note for note in topography.notes)
+
+
+@pytest.mark.parametrize("corner", ["", "um", "y [um]", "0"])
+def test_coordinates_in_first_line_and_column(corner):
+    """They are used where their unit is known."""
+    rows = [[corner, *Y], *([x, *row] for x, row in zip(X, Z))]
+    Path("z.txt").write_text(text(rows))
+    topography = opened("z.txt", unit="nm", **({} if "um" in corner else {"physical_sizes": SIZES}))
+    assert is_map(1e9 * topography.rows(0, 12))
+    if "um" in corner:
+        assert topography.sizes == pytest.approx(SIZES)
+
+
+def test_what_may_be_coordinates_or_heights_has_to_be_told():
+    """A key tells it; a plane, of which everything rises evenly, is heights."""
+    whole = np.round(Z).astype(int)
+    whole[0] = range(8)
+    Path("z.txt").write_text(text(whole))
+    with refused('its first line rises evenly: surface.coordinates = "line"'):
+        heights("z.txt", **KEYS)
+    assert is_map(heights("z.txt", coordinates="none", **KEYS), whole)
+    assert is_map(heights("z.txt", coordinates="line", **KEYS), whole[1:])
+    plane = np.arange(96).reshape(12, 8)
+    Path("z.txt").write_text(text(plane))
+    assert is_map(heights("z.txt", **KEYS), plane)
+    Path("z.txt").write_text(text([[1, 2, 3, 4], [5, 6, 3, 1], [2, 4, 1, 3], [4, 3, 2, 1]]))
+    assert heights("z.txt", **SMALL).shape == (4, 4)
+
+
+def points(names, order=lambda table: table):
+    i, j = np.indices(Z.shape).reshape(2, -1)
+    columns = {"x": X[i], "y": Y[j], "z": Z.ravel(), "I": np.full(96, 17)}
+    table = order(np.array([columns[name[0]] for name in names]).T)
+    return table.tolist()
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("x[um]", "y[um]", "z[nm]", "I[1]"),
+        ("I[1]", "x[um]", "y[um]", "z[nm]"),
+        ("z [nm]", "x [um]", "y [um]"),
+        ("x (µm)", "y (µm)", "z (nm)"),
+    ],
+)
+@pytest.mark.parametrize("mark", ["\t", ";", ","])
+def test_columns_by_their_names(names, mark):
+    Path("z.xyz").write_text(text([names, *points(names)], mark))
+    topography = opened("z.xyz")
+    assert is_map(1e9 * topography.rows(0, 12))
+    assert topography.sizes == pytest.approx(SIZES)
+    assert any("column I is not used" in note for note in topography.notes) == (len(names) == 4)
+
+
+def test_columns_without_names():
+    Path("z.xyz").write_text(text(points("xyzI"), " "))
+    with refused("its 4 columns are x, y, z and others"):
+        heights("z.xyz", **KEYS)
+
+
+@pytest.mark.parametrize(
+    "order",
+    [
+        lambda t: t[::-1],
+        lambda t: t[np.lexsort(t.T[[0, 1]])],
+        lambda t: np.random.default_rng(1).permutation(t),
+        lambda t: t[np.lexsort((-t[:, 1], t[:, 0]))],
+    ],
+)
+def test_points_in_any_order(order):
+    Path("z.xyz").write_text(text([("x[um]", "y[um]", "z[nm]"), *points("xyz", order)], " "))
+    assert is_map(heights("z.xyz"))
+
+
+def test_points_of_which_blank_lines_end_each_line():
+    """As gnuplot wants them."""
+    lines = text(points("xyz"), " ").splitlines()
+    blocks = ["\n".join(lines[8 * k : 8 * k + 8]) for k in range(12)]
+    Path("z.xyz").write_text("# x[um] y[um] z[nm]\n" + "\n\n".join(blocks))
+    assert is_map(heights("z.xyz"))
+
+
+def test_rounded_coordinates_are_those_of_a_grid():
+    pitch = 1.6343e-6
+    lines = [
+        f"{pitch * (i + 0.5):.5g}\t{pitch * (j + 0.5):.5g}\t{1e-9 * i * (j + 1):.5g}"
+        for j in range(40)
+        for i in range(184)
+    ]
+    Path("z.xyz").write_text("\n".join(lines))
+    topography = opened("z.xyz", unit="m")
+    assert topography.n == (184, 40)
+    assert topography.sizes == pytest.approx((184 * pitch, 40 * pitch), rel=1e-4)
+    rows = topography.rows(0, 184)
+    assert np.allclose(rows, 1e-9 * np.outer(np.arange(184), np.arange(1, 41)), rtol=1e-4)
+    Path("z.xyz").write_text("\n".join([*lines, "3.3e-6\t8.2e-7\t0"]))
+    with refused("not those of a regular grid"):
+        opened("z.xyz", unit="m")
+
+
+# 3. Which direction is x
+
+HEADER = "# Channel: Height\n# Width: {}\n# Height: {}\n# Value units: nm\n"
+
+
+@pytest.mark.parametrize(
+    ("encoding", "decimal"),
+    [("utf-8", "."), ("latin-1", "."), ("utf-8-sig", "."), ("utf-16", "."), ("latin-1", ",")],
+)
+def test_a_header_tells_the_direction(encoding, decimal):
+    """Whatever it is encoded in."""
+    body = HEADER.format("1.2 µm", "0.4 µm") + text(Z.T)
+    Path("z.txt").write_bytes(body.replace(".", decimal).encode(encoding))
+    topography = opened("z.txt")
+    assert topography.sizes == pytest.approx(SIZES)
+    assert is_map(1e9 * topography.rows(0, 12))
+
+
+def test_one_convention_for_all():
+    """Array, matrix, points and picture of a map have the same heights; a key says otherwise."""
+    np.save("z.npy", Z)
+    np.savetxt("z.txt", Z)
+    Path("z.xyz").write_text(text([("x[um]", "y[um]", "z[nm]"), *points("xyz")], " "))
+    tifffile.imwrite("z.tif", Z.T)
+    for name in ("z.npy", "z.txt", "z.tif"):
+        assert is_map(heights(name, **KEYS))
+        assert is_map(heights(name, first_axis="x", **KEYS), Z)
+    assert is_map(heights("z.xyz"))
+    turned = {"unit": "nm", "physical_sizes": KEYS["physical_sizes"][::-1]}
+    for name in ("z.npy", "z.txt"):
+        assert is_map(heights(name, first_axis="y", **turned), Z.T)
+    assert any("first_axis" in note for note in opened("z.txt", **KEYS).notes)
+    assert not opened("z.txt", first_axis="x", **KEYS).notes
+
+
+def test_points_that_would_be_square_with_exchanged_sizes():
+    np.save("z.npy", Z[:6])
+    sizes = ("4 um", "3 um")  # as on the screen: 8 columns, 6 lines
+    assert any(
+        "would be square" in note for note in opened("z.npy", unit="nm", physical_sizes=sizes).notes
+    )
+    assert not opened("z.npy", unit="nm", physical_sizes=sizes[::-1]).notes
+    turned = opened("z.npy", unit="nm", physical_sizes=sizes, first_axis="y")
+    assert (turned.n, turned.notes) == ((8, 6), ())
+
+
+@pytest.mark.parametrize("names", [("y", "x"), ("lat", "lon"), ("Y", "X"), ("row", "column")])
+def test_axes_by_their_names(names):
+    with h5py.File("z.nc", "w") as file:
+        data = file.create_dataset("h", data=Z.T)
+        data.attrs["units"] = "nm"
+        for axis, (name, n, size) in enumerate(zip(names, (8, 12), SIZES[::-1])):
+            file[name] = np.arange(n) * size / n
+            file[name].attrs["units"] = "m"
+            file[name].make_scale(name)
+            data.dims[axis].attach_scale(file[name])
+    assert is_map(heights("z.nc"))
+
+
+@pytest.mark.parametrize("version", ["5", "7.3"])
+def test_matlab(version):
+    """The first index is x in both of its formats."""
+    if version == "5":
+        from scipy.io import savemat
+
+        savemat("z.mat", {"z": Z, "dx": 0.1})
+    else:
+        with h5py.File("z.mat", "w", userblock_size=512) as file:
+            for name, value in {"z": Z, "dx": np.array([[0.1]])}.items():
+                file.create_dataset(name, data=value.T).attrs["MATLAB_class"] = np.bytes_("double")
+        data = Path("z.mat").read_bytes()
+        Path("z.mat").write_bytes(b"MATLAB 7.3 MAT-file".ljust(512) + data[512:])
+    assert is_map(heights("z.mat", **KEYS))
+
+
+# 4. Units of length
+
+
+@pytest.mark.parametrize("unit", ["px", "pixel", "point", "au", "Pixels", "a.u.", "Nm", "1"])
+def test_what_is_no_length(unit):
+    Path("z.xyz").write_text(text([(f"x[{unit}]", f"y[{unit}]", "z[nm]"), *points("xyz")], ","))
+    with refused(r"^surface.physical_sizes: not given"):
+        hpc_gfmd.read_surface("z.xyz", boundary="periodic")
+    assert is_map(heights("z.xyz", physical_sizes=KEYS["physical_sizes"]))
+    np.savez("z.npz", z=Z, unit=unit, physical_sizes=SIZES)
+    with refused(r"^surface.unit: .*|surface.physical_sizes"):
+        hpc_gfmd.read_surface("z.npz", boundary="periodic")
+    assert is_map(heights("z.npz", **KEYS))
+    assert any("surface.unit says" in note for note in opened("z.npz", **KEYS).notes)
+    with refused("surface.physical_sizes"):
+        hpc_gfmd.read_surface("z.npz", unit="nm", physical_sizes=(f"512 {unit}", f"512 {unit}"))
+
+
+@pytest.mark.parametrize(
+    ("unit", "metres"),
+    [
+        ("Nanometer", 1e-9),
+        ("NanoMeters", 1e-9),
+        ("NM", 1e-9),
+        ("Micrometre", 1e-6),
+        ("Angstrom", 1e-10),
+        ("Å", 1e-10),
+        ("mil", 2.54e-5),
+        ("Inch", 0.0254),
+        ("Microns", 1e-6),
+        ("μm", 1e-6),
+    ],
+)
+def test_units_with_capitals_and_long_names(unit, metres):
+    np.savez("z.npz", z=Z, unit=unit, physical_sizes=[12.0, 4.0])
+    topography = opened("z.npz")
+    assert np.allclose(topography.rows(0, 12), metres * Z, rtol=1e-12)
+    assert topography.sizes == pytest.approx((12 * metres, 4 * metres))
+
+
+def gwyddion(path, lateral, vertical):
+    import gwyfile
+
+    field = gwyfile.objects.GwyDataField(
+        Z.T,
+        xreal=12.0,
+        yreal=8.0,
+        si_unit_xy=gwyfile.objects.GwySIUnit(unitstr=lateral),
+        si_unit_z=gwyfile.objects.GwySIUnit(unitstr=vertical),
+    )
+    gwyfile.objects.GwyContainer({"/0/data": field, "/0/data/title": "Height"}).tofile(path)
+
+
+@pytest.mark.parametrize(("lateral", "vertical"), [("px", "nm"), ("", ""), ("px", "")])
+def test_gwyddion_without_units_of_length(lateral, vertical):
+    gwyddion("z.gwy", lateral, vertical)
+    with refused("^surface.physical_sizes: not given"):
+        hpc_gfmd.read_surface("z.gwy", boundary="periodic")
+    assert is_map(heights("z.gwy", **KEYS))
+
+
+@pytest.mark.parametrize("sizes", [("160 m", "160 m"), ("1 pm", "1 pm")])
+def test_sizes_that_no_instrument_measures(sizes):
+    np.save("z.npy", Z)
+    notes = opened("z.npy", unit="nm", physical_sizes=sizes).notes
+    assert any("no instrument measures" in note for note in notes)
+    about = compose(
+        "z.npy", Path("a.toml"), [f"surface.physical_sizes={list(sizes)}", "surface.unit=nm"]
+    )[2]
+    assert any("no instrument measures" in line for line in about)
+    assert any("different units" in line for line in about)
+
+
+# 5. Content decides the format
+
+
+def netcdf3(path, packed=False):
+    from scipy.io import netcdf_file
+
+    with netcdf_file(path, "w") as file:
+        for name, n, size in (("x", 12, SIZES[0]), ("y", 8, SIZES[1])):
+            file.createDimension(name, n)
+            axis = file.createVariable(name, "f8", (name,))
+            axis[:] = np.arange(n) * size / n
+            axis.units = "m"
+        z = file.createVariable("h", "i2" if packed else "f8", ("x", "y"))
+        z.units = "nm"
+        z[:] = np.round(Z / 0.0625) if packed else Z
+        if packed:
+            z.scale_factor = 0.0625
+            z[HOLE] = z._FillValue = np.int16(-32768)
+
+
+def hdf5(path):
+    with h5py.File(path, "w") as file:
+        file.create_dataset("h", data=Z).attrs.update(
+            unit="nm", physical_sizes=1e9 * np.array(SIZES)
+        )
+
+
+def saved(save, *arrays, **named):
+    stream = BytesIO()
+    save(stream, *arrays, **named)
+    return stream.getvalue()
+
+
+KINDS = {
+    "npy": lambda path: Path(path).write_bytes(saved(np.save, Z)),
+    "npz": lambda path: Path(path).write_bytes(saved(np.savez, z=Z)),
+    "hdf5": hdf5,
+    "netcdf": netcdf3,
+    "tiff": lambda path: tifffile.imwrite(path, Z.T),
+    "text": lambda path: np.savetxt(path, Z, fmt="%.3f"),
+    "x3p": lambda path: topography().to_x3p(str(path)),
+}
+
+
+def topography():
+    return surface_topography().Topography(Z, (1200, 400), unit="nm")
+
+
+@pytest.mark.parametrize(
+    "suffix", ["", ".dat", ".hdf", ".txt", ".tif", ".nc", ".h5", ".map", ".x3p"]
+)
+@pytest.mark.parametrize("kind", KINDS)
+def test_any_name(kind, suffix):
+    KINDS[kind]("plain")
+    Path("plain").rename(f"z{suffix}")
+    keys = {"physical_sizes": KEYS["physical_sizes"]} | ({} if kind == "x3p" else {"unit": "nm"})
+    assert is_map(heights(f"z{suffix}", **keys))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("pack", ["gz", "bz2", "zip"])
+def test_packed(kind, pack):
+    KINDS[kind]("plain.map")
+    data = Path("plain.map").read_bytes()
+    if pack == "zip":
+        with zipfile.ZipFile("z.zip", "w") as archive:
+            archive.writestr("folder/plain.map", data)
+    else:
+        Path(f"z.{pack}").write_bytes({"gz": gzip, "bz2": bz2}[pack].compress(data))
+    keys = {"physical_sizes": KEYS["physical_sizes"]} | ({} if kind == "x3p" else {"unit": "nm"})
+    assert is_map(heights(f"z.{pack}", **keys))
+
+
+@pytest.mark.parametrize("suffix", [".nc", ".nc4", ".cdf", ".dat"])
+def test_packed_numbers_under_any_name(suffix):
+    netcdf3(f"z{suffix}", packed=True)
+    topography = opened(f"z{suffix}")
+    assert topography.sizes == pytest.approx(SIZES)
+    assert is_map(1e9 * topography.rows(0, 12), with_hole(np.round(Z / 0.0625) * 0.0625))
+
+
+@pytest.mark.parametrize("suffix", [".h5", ".hdf", ".mat", ".h5-jpk"])
+def test_of_several_maps_one_has_to_be_named(suffix):
+    with h5py.File(f"z{suffix}", "w") as file:
+        file.update(amplitude=-Z, height=Z, line=np.arange(3.0))
+    with refused("surface.dataset: .*amplitude, height"):
+        heights(f"z{suffix}", **KEYS)
+    assert is_map(heights(f"z{suffix}", dataset="height", **KEYS))
+
+
+@pytest.mark.parametrize(
+    ("attributes", "stored"),
+    [
+        ({"valid_min": -30.0}, lambda z: np.where(np.isnan(z), -99.0, z)),
+        ({"valid_max": 1e3}, lambda z: np.where(np.isnan(z), 1e4, z)),
+        ({"valid_range": [-1e3, 1e3]}, lambda z: np.where(np.isnan(z), -1e4, z)),
+        ({"missing_value": [-1e4, -2e4]}, lambda z: np.where(np.isnan(z), -2e4, z)),
+        ({"NODATA": -9999.9}, lambda z: np.where(np.isnan(z), -9999.9, z).astype("f4")),
+        (
+            {
+                "_Unsigned": "true",
+                "scale_factor": 0.001,
+                "add_offset": -32.0,
+                "_FillValue": np.int16(-1),
+            },
+            lambda z: (
+                np.where(np.isnan(z), 65535, np.round((z + 32) / 0.001)).astype("u2").view("i2")
+            ),
+        ),
+    ],
+)
+def test_what_stands_for_no_value(attributes, stored):
+    z = np.clip(Z, -29, 29)
+    with h5py.File("z.nc", "w") as file:
+        file.create_dataset("h", data=stored(with_hole(z))).attrs.update(attributes)
+    assert is_map(heights("z.nc", **KEYS), with_hole(z))
+
+
+def test_topography_goes_before_other_channels():
+    scans = {"Error": -Z, "Phase": Z / 3, "ZSensor": Z}
+    import gwyfile
+
+    container = {}
+    for k, (name, z) in enumerate(scans.items()):
+        container[f"/{k}/data/title"] = name
+        container[f"/{k}/data"] = gwyfile.objects.GwyDataField(
+            1e-9 * z.T,
+            xreal=1.2e-6,
+            yreal=4e-7,
+            si_unit_xy=gwyfile.objects.GwySIUnit(unitstr="m"),
+            si_unit_z=gwyfile.objects.GwySIUnit(unitstr="m"),
+        )
+    gwyfile.objects.GwyContainer(container).tofile("z.gwy")
+    assert is_map(heights("z.gwy"))
+    about = compose("z.gwy", Path("a.toml"))[2]
+    assert any("channel ZSensor; others: Error, Phase" in line for line in about)
+    surface = hpc_gfmd.read_surface("z.gwy", boundary="periodic")
+    assert any("channel 'ZSensor'" in note for note in surface.notes)
+    named = hpc_gfmd.read_surface("z.gwy", boundary="periodic", dataset="Error")
+    assert is_map(1e9 * named.heights, -Z)
+    assert not any("channel" in note for note in named.notes)
+
+
+# 6. What the file calls missing
+
+
+@pytest.mark.parametrize("number", [-9999, -32768, 3.4028234663852886e38, 0])
+@pytest.mark.parametrize("dtype", ["f4", "f8"])
+def test_nodata_of_geotiff(number, dtype):
+    z = np.where(np.isnan(with_hole()), number, Z).astype(dtype)
+    tag = [(42113, "s", 0, f"{number}", True)]
+    tifffile.imwrite("z.tif", z.T, extratags=tag)
+    assert is_map(heights("z.tif", **KEYS), with_hole(Z.astype(dtype)))
+
+
+def test_nodata_of_whole_numbers():
+    steps = np.round(1000 + 10 * Z).astype(np.uint16)
+    steps[HOLE] = 0
+    tifffile.imwrite("z.tif", steps.T, extratags=[(42113, "s", 0, "0", True)])
+    topography = opened("z.tif", height_range=["-100 nm", "6453.5 nm"], **KEYS)
+    found = 1e9 * topography.rows(0, 12)
+    assert np.allclose(found, with_hole(np.round(10 * Z) / 10), equal_nan=True, atol=1e-3)
+    assert any("0 to 65535" in note for note in topography.notes)
+
+
+@pytest.mark.parametrize("name", ["NODATA_value", "nodata_value", "NODATA_VALUE"])
+def test_nodata_of_esri(name):
+    """A line runs along x, as in a picture."""
+    head = "ncols 12\nnrows 8\nxllcorner 0\nyllcorner 0\ncellsize 0.1\n"
+    z = np.where(np.isnan(with_hole()), -9999, Z)
+    Path("z.asc").write_text(f"{head}{name} -9999\n" + text(z.T, " "))
+    assert is_map(heights("z.asc", **KEYS), with_hole())
+    Path("z.asc").write_text(f"{head}{name} -9999\n" + text(z.T[:-1], " "))
+    with refused("found 7 lines of 12 numbers, allowed: 8 of 12"):
+        heights("z.asc", **KEYS)
+
+
+@pytest.mark.parametrize("written", ["-9999", "-9999.0", "-9.999e3"])
+@pytest.mark.parametrize("name", ["z.txt", "z.npy", "z.tif"])
+def test_numbers_that_the_scene_calls_missing(written, name):
+    z = np.where(np.isnan(with_hole()), -9999, Z)
+    {"z.txt": np.savetxt, "z.npy": np.save}.get(name, lambda p, z: tifffile.imwrite(p, z.T))(
+        name, z
+    )
+    assert is_map(heights(name, missing=[written], **KEYS), with_hole())
+
+
+@pytest.mark.parametrize("kind", ["npz", "hdf5"])
+@pytest.mark.parametrize("dtype", [bool, np.uint8, float, np.float32])
+def test_masks(kind, dtype):
+    hole = np.isnan(with_hole())
+
+    def write(mask):
+        if kind == "npz":
+            np.savez("z.npz", z=Z, mask=mask)
+        else:
+            with h5py.File("z.hdf5", "w") as file:
+                file.update(z=Z, mask=mask)
+
+    write(hole.astype(dtype))
+    assert is_map(heights(f"z.{kind}", **KEYS), with_hole())
+    for wrong in (hole.T.astype(dtype), hole[0].astype(dtype), 0.3 * Z):
+        write(wrong)
+        with refused("mask"):
+            heights(f"z.{kind}", **KEYS)
+
+
+# 7. Falling coordinates
+
+
+@pytest.mark.parametrize("falling", ["x", "y", "xy", ""])
+@pytest.mark.parametrize("kind", ["netcdf3", "netcdf4"])
+def test_falling_coordinates_are_turned(falling, kind):
+    from scipy.io import netcdf_file
+
+    def turned(z):
+        return z[:: -1 if "x" in falling else 1, :: -1 if "y" in falling else 1]
+
+    axes = {
+        name: (np.arange(n) * size / n)[:: -1 if name in falling else 1]
+        for name, n, size in zip("xy", Z.shape, SIZES)
+    }
+    if kind == "netcdf3":
+        with netcdf_file("z.nc", "w") as file:
+            for name, values in axes.items():
+                file.createDimension(name, len(values))
+                file.createVariable(name, "f8", (name,))[:] = values
+                file.variables[name].units = "m"
+            file.createVariable("h", "f8", ("y", "x"))[:] = turned(Z).T
+            file.variables["h"].units = "nm"
+    else:
+        with h5py.File("z.nc", "w") as file:
+            data = file.create_dataset("h", data=turned(Z))
+            data.attrs["units"] = "nm"
+            for axis, (name, values) in enumerate(axes.items()):
+                file[name] = values
+                file[name].attrs["units"] = "m"
+                file[name].make_scale(name)
+                data.dims[axis].attach_scale(file[name])
+    topography = opened("z.nc")
+    assert is_map(1e9 * topography.rows(0, 12))
+    assert is_map(1e9 * topography.rows(3, 7), Z[3:7])
+    cropped = hpc_gfmd.read_surface(
+        "z.nc", crop=("0 m", "0 m", "0.3 um", "0.1 um"), boundary="free"
+    )
+    assert is_map(1e9 * cropped.heights, Z[:3, :2])
+
+
+# 9. A refusal says the known reason
+
+
+@pytest.mark.parametrize("kind", ["en dash", "folder", "both", "plain"])
+def test_x3p_as_other_programs_write_it(kind):
+    topography().to_x3p("plain.x3p")
+    folder = "scan/" if kind in ("folder", "both") else ""
+    with zipfile.ZipFile("plain.x3p") as archive, zipfile.ZipFile("z.x3p", "w") as other:
+        for name in archive.namelist():
+            data = archive.read(name)
+            if name == "main.xml" and kind in ("en dash", "both"):
+                data = data.replace(b"ISO5436 - 2000", "ISO5436 – 2000".encode())
+            other.writestr(folder + name, data)
+    assert is_map(heights("z.x3p"))
+
+
+def test_the_reason_of_the_reader_is_said():
+    topography().to_x3p("plain.x3p")
+    with zipfile.ZipFile("plain.x3p") as archive, zipfile.ZipFile("z.x3p", "w") as other:
+        for name in archive.namelist():
+            data = archive.read(name)
+            data = (
+                data.replace(b"<FeatureType>SUR", b"<FeatureType>PCL")
+                if name == "main.xml"
+                else data
+            )
+            other.writestr(name, data)
+    with refused("FeatureType should be 'SUR'"):
+        heights("z.x3p")
+    Path("z.gwy").write_bytes(b"GWYP" + b"\0" * 40)
+    with refused("z.gwy cannot be read"):
+        heights("z.gwy")
+
+
+def test_no_data_of_zygo():
+    lines = [f"{i} {j} {Z[i, j]}" for i in range(12) for j in range(8)]
+    lines[21] = "2 5 No Data"
+    Path("z.xyz").write_text("\n".join(lines) + "\n#\n")
+    assert is_map(heights("z.xyz", **KEYS), with_hole())
+
+
+def test_nms_of_which_the_spacing_is_in_nm():
+    head = bytearray(3468)
+    struct.pack_into("<2d", head, 16, 0.0, 1.0)
+    struct.pack_into("<2I2d", head, 1368, 12, 8, 312.5, 312.5)
+    Path("z.nms").write_bytes(bytes(head) + np.arange(96, dtype="<u2").tobytes())
+    topography = opened("z.nms")
+    assert topography.sizes == pytest.approx((12 * 312.5e-9, 8 * 312.5e-9))
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [("skip_lines", 3), ("decimal", ","), ("coordinates", "both"), ("height_range", [0.0, 1.0])],
+)
+def test_keys_of_other_formats_are_refused(key, value):
+    np.save("z.npy", Z)
+    with refused(f"surface.{key}: found .*z.npy is read as npy"):
+        opened("z.npy", **KEYS, **{key: value})
+
+
+def test_init_does_not_contradict_the_file():
+    Path("z.xyz").write_text(text([("x[um]", "y[um]", "z[nm]"), *points("xyz")], ","))
+    sizes = 'surface.physical_sizes=["3 um","2 um"]'
+    with refused(r"surface.physical_sizes: found .*3 um.*'1.2 um', '0.4 um'"):
+        compose("z.xyz", Path("a.toml"), [sizes])
+    written = compose("z.xyz", Path("a.toml"), ['surface.physical_sizes=["1.2 um","0.4 um"]'])[0]
+    assert 'physical_sizes = ["1.2 um", "0.4 um"]' in written
+    notes = opened("z.xyz", physical_sizes=("3 um", "2 um")).notes
+    assert any("the file says 1.2 um x 0.4 um" in note for note in notes)
+
+
+# 10. What preparation did
+
+
+def lens(n=32, radius=5e-4, size=3.2e-5):
+    x = (np.arange(n) - (n - 1) / 2) * size / n
+    np.savez(
+        "lens.npz", z=-(x[:, None] ** 2 + x**2) / (2 * radius), unit="m", physical_sizes=[size] * 2
+    )
+
+
+def test_a_lens_that_is_taken_as_periodic_is_noted():
+    lens()
+    notes = hpc_gfmd.read_surface("lens.npz").notes
+    assert [note[:30] for note in notes] == [
+        f"opposite edges along {axis} meet in" for axis in "xy"
+    ]
+    assert not hpc_gfmd.read_surface("lens.npz", boundary="free").notes
+    z = random_heights((64, 64))
+    assert not any(
+        "kink" in note for note in hpc_gfmd.prepare_surface(z, physical_sizes=(1, 1)).notes
+    )
+
+
+@pytest.mark.parametrize("window", ["hann", "tukey"])
+def test_a_window_is_noted(window):
+    z = random_heights((64, 64))
+    surface = hpc_gfmd.prepare_surface(z, window=window)
+    (note,) = [note for note in surface.notes if "window" in note]
+    assert f"window {window} takes h_rms from" in note
+    kept = np.outer(
+        *(__import__("scipy.signal.windows").signal.windows.get_window(window, 64),) * 2
+    )
+    assert f"{100 * np.mean(kept > 0.5):.0f} % of the area" in note
+
+
+def test_a_large_hole_is_filled_as_by_factorisation(monkeypatch):
+    from hpc_gfmd.surface import film
+
+    z = random_heights((160, 150))
+    z[20:130, 10:140] = np.nan
+    iterated = hpc_gfmd.prepare_surface(z, fill="harmonic", boundary="free").heights
+    monkeypatch.setattr(film, "DIRECT", 10**6)
+    factorised = hpc_gfmd.prepare_surface(z, fill="harmonic", boundary="free").heights
+    assert np.allclose(iterated, factorised, rtol=0, atol=1e-8 * np.ptp(factorised))
+    assert np.isfinite(iterated).all()
+
+
+def test_what_init_says():
+    rows = Z.astype(str)
+    rows[HOLE] = "nan"
+    Path("z.txt").write_text(text(rows))
+    keys = ['surface.physical_sizes=["1.2 um","0.4 um"]', "surface.unit=nm"]
+    about = "\n".join(compose("z.txt", Path("a.toml"), keys)[2])
+    for words in (
+        "12 x 8 points, 1.2 um x 0.4 um, heights in nm",
+        "read as text; x runs from line to line of the text",
+        "1 points without a height",
+        "done to it: 1 points (1 %) filled",
+        "h_rms = ",
+    ):
+        assert words in about
