@@ -42,6 +42,8 @@ class AreaSearch(SecantSearch):
     map_points : int
         Points of the map that a point of the grid stands for: more than one where the map varies
         along one axis only.
+    extrapolated : bool
+        Whether the present load is where a plateau was expected to end.
     jumps : bool
         Whether the area jumps over the target.
     undecided : float
@@ -51,6 +53,7 @@ class AreaSearch(SecantSearch):
     usual = 1.0
 
     map_points: int = 1
+    extrapolated: bool = False
     jumps: bool = False
     undecided: float = 0.0
 
@@ -174,14 +177,23 @@ class AreaSearch(SecantSearch):
         if self.corrections == CALIBRATION.most or not surely_missed or self.undecided > 1:
             return False
         if self.bracket.is_closed:
-            return self._go(self.bracket.between(self._rounding(solver) / solver.p0), solver)
-        x = self._end_of_plateau()
-        if x is None:
+            return self._go(self._between(solver), solver)
+        end = self._end_of_plateau()
+        if end is None:
             return super().correct(solver, certificate, solved)
-        return self._go(x, solver)
+        return self._go(end + BEYOND * (end - self.x), solver)
+
+    def _between(self, solver: Solver) -> float:
+        """Return the next x between two bounds: the end of a plateau, where it was not just tried,
+        or what the bracket says."""
+        end = self._end_of_plateau()
+        self.extrapolated = not self.extrapolated and end is not None
+        if end is None or not self.extrapolated or self.bracket.excludes(end):
+            return self.bracket.between(self._rounding(solver) / solver.p0)
+        return end
 
     def _end_of_plateau(self) -> float | None:
-        """Return x beyond the end of a plateau, None where the last two loads are not on one.
+        """Return x where a plateau ends, None where the last two loads are not on one.
 
         While the same points touch, pressures and gaps are linear in the load.
         """
@@ -193,9 +205,7 @@ class AreaSearch(SecantSearch):
         p0 = self.p0_of(newest.x)
         slope = (newest.distance - before.distance) / (p0 - self.p0_of(before.x))
         end = self.x_of(p0 - newest.distance / slope) if slope > 0 else inf
-        if not isfinite(end):
-            return None
-        return end + BEYOND * (end - newest.x)
+        return end if isfinite(end) else None
 
     def _rounding(self, solver: Solver) -> float:
         """Return the difference of pressures that may be rounding errors."""
