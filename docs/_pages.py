@@ -28,6 +28,11 @@ MODULES = (  # beside hpc_gfmd.__all__: title, name, what it is
         "NumPy and SciPy alone: nothing of it needs a solver.",
     ),
     ("Closed forms", "hpc_gfmd.theory.elastic", "What the tests compare solutions with."),
+    (
+        "Adhesive contacts",
+        "hpc_gfmd.theory.adhesion",
+        "Balls, waves, and when a rough wall sticks.",
+    ),
 )
 
 

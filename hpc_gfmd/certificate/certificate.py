@@ -35,6 +35,7 @@ from .error_estimates import State, estimate, misclassified_points, relative_err
 
 if TYPE_CHECKING:
     from ..operators.problem import Problem
+    from .stability import Stability
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,14 +96,14 @@ def certify(
     levels: Multilevel | None = None,
     dtype: DTypeLike = np.float64,
     dual: bool = False,
-    stability: float = np.nan,
+    stability: Stability | None = None,
 ) -> Certificate:
     """Certify the gap g (local slab) at the load problem.p0; writes the fresh pressure to p (local
     slab). One pair, half more if dual.
 
     levels: the Multilevel of the grid, whose fields are overwritten: without it there are no
-    errors; stability: of the state where there is an attraction, see stability.py: errors are those
-    of the contact with this attraction frozen, over it. Collective.
+    errors; stability: of the state, where there is an attraction: errors are those of the contact
+    with this attraction frozen, over what is to be reckoned with. Collective.
     """
     grid = problem.grid
     elastic = Elastic(grid, problem.body, dtype)
@@ -170,7 +171,7 @@ def certify(
             precision=np.dtype(dtype).name,
             attraction=float(t / N),
             energy_of_attraction=float(phi / N),
-            stability=float(stability),
+            stability=stability.value if stability is not None else np.nan,
         )
 
 
@@ -197,7 +198,7 @@ def _errors(
     sums: KktSums,
     uKu: float,
     wall_load: float,
-    stability: float,
+    stability: Stability | None,
 ) -> tuple[tuple[float, float, float], tuple[float, float]]:
     """Return the relative errors of area, mean gap and pressure field, and what no iteration makes
     smaller of the last two; sums: KktSums of all ranks; wall_load: mean pressure that the wall
@@ -220,7 +221,7 @@ def _errors(
             uKu,
             level_sums,
         ),
-        1.0 if np.isnan(stability) else stability,
+        1.0 if stability is None else stability.lowest,
     )
     if not np.isfinite(found.squares):
         return (np.inf, np.inf, np.inf), (0.0, 0.0)

@@ -9,11 +9,14 @@ At fixed contact A a small displacement e of the open points changes the energy 
 the energy falls along e. It is 1 - mu, mu being the largest eigenvalue of D = -phi'' with respect
 to K. It is found by locally optimal conjugate gradients (Knyazev 2001) in the space of e, the
 preconditioned residual and the last change of e: one application of K a step. The first e is
-M D 1, which has no change of sign, like the mode that is looked for.
+M D 1, which has no change of sign, like the mode that is looked for; with it comes the mode that
+was found before, if there is one.
 
 A value that is found so is never too small. How much too large it may be follows from the residual
 R = D e - mu K e, as there is an eigenvalue within |R|_S/|e|_K of mu; M stands for S = 1/K on open
 points. Before the search has come to rest there may be a larger one, so twice as much counts then.
+Where single points are soft there may be modes of few points, which the first e hardly has a part
+of: the search goes on for some steps then.
 """
 
 from __future__ import annotations
@@ -32,7 +35,9 @@ if TYPE_CHECKING:
     from ..operators.problem import Problem
 
 STEPS = 60  # at most
+SOFT, FEWEST = 0.5, 4  # softening over stiffness of a point, above which so many steps are made
 TOLERANCE = 0.02  # of s, by which the last step may have changed it
+DOUBTED = 0.25  # share of an s that counts at least, however badly it is known
 LEAST = 0.02  # an s to the accuracy of which smaller ones are found
 INDEPENDENT = 1e-10  # of the largest eigenvalue of the Gram matrix: less is no direction
 
@@ -112,27 +117,35 @@ class _Search:
         self.D = self.grid.empty(self.dtype)
         inside, law = self.grid.inside, problem.law()
 
-        def soften(i0: int, i1: int) -> float:
+        def soften(i0: int, i1: int) -> tuple[float, float]:
             here = slice(i0, max(min(i1, inside[0]), i0)), slice(0, inside[1])
             self.closed[here] = (g[here] <= 0) & (p[here] > 0)
             return softening(law, g, self.closed, self.D, i0, i1, inside)
 
-        self.attracts = bool(self.grid.comm.sum([sum(self.grid.by_rows(soften))])[0] > 0)
+        found = [(0.0, 0.0), *self.grid.by_rows(soften)]
+        self.attracts = bool(self.grid.comm.sum([sum(total for total, _ in found)])[0] > 0)
+        (largest,) = self.grid.comm.max([max(float(x) for _, x in found)])
+        self.softness = largest / float(problem.body.near(self.grid)[0])
 
     def run(self, enough: float, mode: np.ndarray | None, tolerance: float) -> Stability:
         """Step until s is known well enough."""
         shape = (3, *self.grid.shape)
         V, KV = np.zeros(shape, self.dtype), np.zeros(shape, self.dtype)
-        if mode is None:
-            self.residual[...] = self.D
-            self._precondition()
-            V[0] = self.z[1:-1]
-        else:
-            V[0] = mode
-            V[0] *= 1 - self.closed
+        self.residual[...] = self.D
+        self._precondition()
+        V[0] = self.z[1:-1]
+        self._normalise(V[0])
         self._apply(V[0], KV[0])
-        directions, s, lowest = 1, np.nan, -np.inf
-        for _ in range(STEPS):
+        directions = 1
+        if mode is not None:
+            V[1] = mode
+            V[1] *= 1 - self.closed
+            self._normalise(V[1])
+            self._apply(V[1], KV[1])
+            directions = 2
+        fewest = FEWEST if self.softness > SOFT else 1
+        s, lowest = np.nan, -np.inf
+        for step in range(1, STEPS + 1):
             before = s
             mu, weights = self._best(V, KV, directions)
             s = 1 - mu
@@ -141,7 +154,7 @@ class _Search:
             missing = self._precondition()  # <R, M R>; <e, K e> is 1
             doubt = np.sqrt(max(missing, 0.0))
             lowest = s - 2 * doubt
-            if lowest > enough or s < -LEAST or not missing > 0:
+            if (lowest > enough and step >= fewest) or s < -LEAST or not missing > 0:
                 break
             if abs(s - before) < tolerance * max(abs(s), LEAST):
                 lowest = max(s - doubt, s / 2)
@@ -150,6 +163,8 @@ class _Search:
             self._normalise(V[1])
             self._apply(V[1], KV[1])
             directions = min(directions + 1, 3)
+        if s > 0:  # rather than nothing
+            lowest = max(lowest, DOUBTED * s)
         upward = self.grid.comm.sum([V[0].sum(dtype=float)])[0] >= 0
         return Stability(s, min(lowest, s), V[0] if upward else -V[0], self.elastic.pairs)
 

@@ -79,7 +79,9 @@ def a_r_discretisation(contact: Contact) -> float:
 
 def kappa(area: Callable[[Contact], float | None], contact: Contact) -> float | None:
     """Return an area over p_star."""
-    value = area(contact) if contact.g_rms > 0 else None
+    if contact.g_rms == 0 or contact.p_mean == 0:
+        return None
+    value = area(contact)
     return None if value is None else value / contact.p_star
 
 

@@ -69,7 +69,7 @@ OF_EVERY_LOAD = {
     "iterations": ("iterations on the fine grid", ""),
     "fft_pairs": ("FFT pairs (forward and back), as many of the fine grid", ""),
     "wall_seconds": ("time of this load alone, without start-up", "s"),
-    "status": ("converged, stagnated, max_iterations, nonfinite or interrupted", ""),
+    "status": ("converged, separated, stagnated, max_iterations, nonfinite or interrupted", ""),
     "a_r_error": (ERROR.format("a_r"), ""),
     "a_r_discretisation": ("estimated relative error of a_r by the size of a grid point", ""),
     "gap_error": (ERROR.format("gap_mean"), ""),

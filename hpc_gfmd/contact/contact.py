@@ -10,6 +10,7 @@ import numpy as np
 from ..bodies.base import Body
 from ..bodies.halfspace import HALF_SPACE
 from ..certificate.certificate import Certificate
+from ..laws.base import Law
 from ..operators.tangent import Tangent, tangent
 from ..output.fields import LazyField
 from ..parallel.clusters import Clusters, find_clusters
@@ -21,6 +22,7 @@ from ..surface import Surface
 from ..surface.doubtful_numbers import load_notes
 from ..surface.number_range import field_dtype
 from ..util.quantities import prefixed
+from .attraction_notes import attraction_notes
 
 METALLIC = 1e9  # Pa: of an effective modulus from which the note on yield speaks
 YIELDS_AT = 50  # metals yield where the contact pressure is E* over about this
@@ -44,7 +46,9 @@ class Contact:
         Gap and pressure of the solution, in the program's units (operators/problem.py); the next
         load of a sweep overwrites them.
     status : str
-        "converged", "stagnated", "max_iterations", "nonfinite" or "interrupted".
+        "converged", "stagnated", "max_iterations", "nonfinite", "interrupted", or "separated",
+        where the load pulls more than the attraction: there is no contact then, and the fields are
+        those of undeformed bodies.
     certificate : Certificate
         The independent check of this solution, with its errors.
     accuracy : float
@@ -61,6 +65,8 @@ class Contact:
         FFT pairs of the solve, as many of the fine grid.
     hardness : float or None
         The largest pressure, in the unit of E_star; None: there is none.
+    attraction : Law or None
+        Law of attraction, in the unit of E_star and that of lengths; None: there is none.
     """
 
     surface: Surface
@@ -77,6 +83,7 @@ class Contact:
     iterations: int = 0
     pairs: float = 0.0
     hardness: float | None = None
+    attraction: Law | None = None
 
     @property
     def grid(self) -> Grid:
@@ -109,10 +116,20 @@ class Contact:
         return self.p_mean / self.pressure_unit if self.g_rms > 0 else float("nan")
 
     @property
+    def wall_pressure(self) -> float:
+        """Mean pressure that the wall bears, in the unit of E_star: p_mean, and the attraction."""
+        return self.p_mean + self.certificate.attraction * self.pressure_unit
+
+    @property
     def approach(self) -> float:
         """How far the bodies have come together since they touched undeformed; nan where a
         half-space gives way without end."""
         return self.certificate.approach * self.surface.height_unit
+
+    @property
+    def is_separated(self) -> bool:
+        """Whether the load has pulled the bodies apart."""
+        return self.status == "separated"
 
     @property
     def contact_points(self) -> int:
@@ -133,7 +150,14 @@ class Contact:
     def note(self) -> str | None:
         """What a reader should know before the numbers, one line; None if there is nothing."""
         of_load = load_notes(self.p_mean, self.E_star, self.g_rms, self.surface.unit)
-        said = [self._doubt, self.remark, *of_load, *self.surface.notes, self._yields]
+        said = [
+            self._doubt,
+            *attraction_notes(self),
+            self.remark,
+            *of_load,
+            *self.surface.notes,
+            self._yields,
+        ]
         return "; ".join(filter(None, said)) or None
 
     @property
@@ -141,7 +165,7 @@ class Contact:
         """Why metals would yield in this contact, whose modulus is elastic at any pressure."""
         if self.hardness is not None or self.E_star < METALLIC or self.contact_points == 0:
             return None
-        pressure = self.p_mean * self.N / self.contact_points
+        pressure = self.wall_pressure * self.N / self.contact_points
         if pressure * YIELDS_AT < self.E_star:
             return None
         scale, unit = prefixed([pressure], "Pa")
@@ -155,6 +179,8 @@ class Contact:
     def _doubt(self) -> str | None:
         """Why a solution that is converged may yet say little."""
         points = self.contact_points
+        if self.is_separated:
+            return "separated: the load pulls more than the attraction holds"
         if self.g_rms == 0 and not self.grid.padded:
             return "flat surface: every point touches at any load"
         if points == self.N:
@@ -305,7 +331,7 @@ class Contact:
         pressure: >= 0 and 0 out of contact; gap: >= 0; displacement: >= -h, positive away from
         the rigid surface, dents included; plastic: the depth of dents.
         """
-        dtype = field_dtype(name, self.g.dtype, self.p_mean, self.surface)
+        dtype = field_dtype(name, self.g.dtype, self.wall_pressure, self.surface)
         real = dtype.type
 
         def values(i0: int, i1: int) -> np.ndarray:

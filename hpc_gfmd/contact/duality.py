@@ -20,9 +20,11 @@ def duality_gap(contact: Contact) -> float | None:
 
 def pressure_bound(contact: Contact) -> float | None:
     """Bound the relative L2 error of the pressure field; None where the duality gap was not asked
-    for, or where the error reaches the pressure itself."""
+    for, where the error reaches the pressure itself, and with an attraction: the distance to the
+    equilibrium is that to the contact under the same attraction over a stability that is estimated.
+    """
     energy, certificate = _energy_norm(contact), contact.certificate
-    if energy is None:
+    if energy is None or contact.attraction is not None:
         return None
     grid = contact.grid
     left = certificate.residual * contact.p_mean / contact.pressure_unit * np.sqrt(grid.N)
@@ -36,7 +38,7 @@ def gap_bound(contact: Contact) -> float | None:
     from ..operators.problem import self_energy  # names of observables need no kernels
 
     energy, certificate = _energy_norm(contact), contact.certificate
-    if energy is None or contact.hardness is not None:
+    if energy is None or contact.hardness is not None or contact.attraction is not None:
         return None
     p0, grid = contact.p_mean / contact.pressure_unit, contact.grid
     norm = np.sqrt(max(certificate.uKu, 0.0)) + energy
@@ -48,7 +50,7 @@ def _energy_norm(contact: Contact) -> float | None:
     found = contact.certificate
     if found.duality_gap is None or not np.isfinite(found.duality_gap):
         return None
-    p0 = contact.p_mean / contact.pressure_unit
+    p0 = contact.wall_pressure / contact.pressure_unit
     return float(np.sqrt(2 * found.duality_gap * p0 * found.gap_mean * contact.N))
 
 

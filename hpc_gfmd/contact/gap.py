@@ -3,21 +3,24 @@
 from .base import Contact, Observable
 
 
-def gap_mean(contact: Contact) -> float:
-    """Return the mean of u + h over the nominal area, without the depth of dents."""
-    return contact.gap_mean
+def gap_mean(contact: Contact) -> float | None:
+    """Return the mean of u + h over the nominal area, without the depth of dents; None where the
+    bodies are separated."""
+    return None if contact.is_separated else contact.gap_mean
 
 
 def gap_over_h_rms(contact: Contact) -> float | None:
     """Return the mean gap over the rms height."""
-    return contact.gap_mean / contact.h_rms if contact.h_rms > 0 else None
+    if contact.is_separated or contact.h_rms == 0:
+        return None
+    return contact.gap_mean / contact.h_rms
 
 
 def gap_over_g_rms_lam_s(contact: Contact) -> float | None:
     """Return the mean gap over g_rms lam_s; only for surfaces whose lam_s is known."""
     return (
         contact.gap_mean / (contact.g_rms * contact.lam_s)
-        if contact.lam_s and contact.g_rms > 0
+        if contact.lam_s and contact.g_rms > 0 and not contact.is_separated
         else None
     )
 

@@ -4,10 +4,11 @@ from .base import Contact, Observable
 
 
 def contact_pressure_mean(contact: Contact) -> float | None:
-    """Return the load over the contact area, in the unit of E_star; None where nothing touches."""
+    """Return the load over the contact area, in the unit of E_star, with what an attraction adds to
+    it; None where nothing touches."""
     if contact.contact_points == 0:
         return None
-    return contact.p_mean * contact.N / contact.contact_points
+    return contact.wall_pressure * contact.N / contact.contact_points
 
 
 def contact_pressure_max(contact: Contact) -> float:

@@ -11,9 +11,11 @@ def stiffness(contact: Contact) -> float | None:
     """Return -dp/d(mean gap) while no point changes sides, with a relative error of at most the
     accuracy asked for.
 
-    None in full contact, where it is infinite, where nothing touches, and where it was not found to
-    that accuracy.
+    None with an attraction, which it does not count in, in full contact, where it is infinite,
+    where nothing touches, and where it was not found to that accuracy.
     """
+    if contact.attraction is not None:
+        return None
     compliance = contact.tangent.compliance
     return (
         contact.pressure_unit / (compliance * contact.surface.height_unit)

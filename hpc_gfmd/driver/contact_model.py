@@ -6,9 +6,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ..bodies.halfspace import HALF_SPACE
+from .branches import APPROACH, RETRACTION
 
 if TYPE_CHECKING:
     from ..bodies.base import Body
+    from ..laws.base import Law
 
 
 @dataclass(frozen=True)
@@ -23,6 +25,11 @@ class ContactModel:
         The elastic body, see bodies/.
     hardness : float or None
         The largest pressure, in the unit of E_star; None: there is none.
+    attraction : Law or None
+        Law of attraction, in the unit of E_star and that of the surface's lengths; None: there is
+        none.
+    branch : str
+        "approach" or "retraction", see branches.py.
     lam_s : float or None
         Shortest wavelength of the surface, in its unit of length, where that is known.
     """
@@ -30,4 +37,11 @@ class ContactModel:
     E_star: float = 1.0
     body: Body = HALF_SPACE
     hardness: float | None = None
+    attraction: Law | None = None
+    branch: str = APPROACH
     lam_s: float | None = None
+
+    @property
+    def retracts(self) -> bool:
+        """Whether each load starts from the larger one before."""
+        return self.attraction is not None and self.branch == RETRACTION

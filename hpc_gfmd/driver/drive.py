@@ -15,6 +15,7 @@ from .search import area_may_be_met
 
 if TYPE_CHECKING:
     from ..solvers.base import Progress, Solver
+    from .branches import SaddleGuard
     from .search import LoadSearch
 
     Watch = Callable[[int, Progress], Any]
@@ -35,11 +36,22 @@ class Calibration:
         Share of its patience that a solver has after a refusal: only rounding errors are left.
     improvement : float
         Factor on a measure of the error that counts as progress.
+    after_saddle : float
+        Of the measure at which a state was found to be a saddle: when it is looked at again.
+    waits, saddles : int
+        Every so many times that it is one still it is left by force; times that this may happen.
+    patience_with_attraction : float
+        Times its patience that a solver has with an attraction: on its way from a saddle the errors
+        rise for a while.
     """
 
     refusals: int = 5
     patience_at_floor: float = 1 / 6
     improvement: float = 0.9
+    after_saddle: float = 0.3
+    waits: int = 3
+    saddles: int = 12
+    patience_with_attraction: float = 2.5
 
 
 CALIBRATION = Calibration()
@@ -68,6 +80,7 @@ def drive(
     criterion: StoppingCriterion,
     watch: Watch | None = None,
     search: LoadSearch | None = None,
+    guard: SaddleGuard | None = None,
 ) -> Outcome:
     """Iterate a solver that has been started.
 
@@ -83,10 +96,14 @@ def drive(
         Called after every step, ``watch(iterations, progress)``; a true value stops.
     search : LoadSearch, optional
         Finds the mean pressure meanwhile, where it is not given.
+    guard : SaddleGuard, optional
+        Finds the stability, and leads away from saddles, where there is an attraction.
     """
     limits = Limits(solver, criterion)
     pairs = 0.0
     while True:
+        if solver.is_separated:
+            return Outcome("separated", Certificate(errors=(0.0, 0.0, 0.0)), pairs)
         progress = solver.progress()
         if search is not None and search.adjust(solver, progress):
             limits.begin_again()
@@ -95,6 +112,21 @@ def drive(
         if limits.ask_for_certificate(progress) and _may_be_met(
             solver, progress, criterion, search
         ):
+            if guard is not None:
+                pairs += guard.look(limits.measure if criterion.residual is None else 0.0)
+                if guard.at_saddle:
+                    if not limits.wait_at_saddle() and guard.leave_saddle():
+                        limits.begin_again()
+                        continue
+                    if limits.saddles > CALIBRATION.saddles:
+                        return _conclude(solver, criterion, search, None, "stagnated", pairs)
+                    solver.stability = None
+                    solver.step()
+                    continue
+                limits.note(solver.progress())
+                if not limits.ask_for_certificate(progress):
+                    solver.step()
+                    continue
             certificate = certificate_of(solver, criterion)
             pairs += certificate.pairs
             error = error_left(certificate, criterion)
@@ -104,7 +136,7 @@ def drive(
             limits.note_refusal(certificate, max(error, miss))
             if limits.refused_too_often:
                 return Outcome("stagnated", certificate, pairs)
-            solver.after_certificate(certificate.uKu)
+            solver.after_certificate(certificate)
             if search is not None and search.correct(solver, certificate, error < 1):
                 limits.begin_again()
         else:
@@ -112,7 +144,7 @@ def drive(
             if reason is None and watch is not None and watch(solver.iterations, progress):
                 reason = "interrupted"
             if reason is not None:
-                return _conclude(solver, criterion, search, reason, pairs)
+                return _conclude(solver, criterion, search, guard, reason, pairs)
         solver.step()
 
 
@@ -131,6 +163,7 @@ class Limits:
     def begin_again(self) -> None:
         """Forget what was reached so far: the load has changed."""
         self.refusals = 0
+        self.saddles = 0
         self.least_refused = np.inf  # the smallest error that the certificate refused
         self.threshold = 1.0
         self.best = np.inf
@@ -156,6 +189,13 @@ class Limits:
         self.least_refused = min(error, self.least_refused)
         self.threshold = self.measure / left if np.isfinite(left) else self.measure
 
+    def wait_at_saddle(self) -> bool:
+        """Note that the state is a saddle, which it may be on its way only; return whether to
+        iterate further before anything is done."""
+        self.saddles += 1
+        self.threshold = CALIBRATION.after_saddle * self.measure
+        return self.saddles % CALIBRATION.waits != 0
+
     @property
     def refused_too_often(self) -> bool:
         """Whether further iterations bring the certificate no nearer."""
@@ -169,6 +209,10 @@ class Limits:
             return "max_iterations"
         refused = np.isfinite(self.least_refused)
         patience = self.solver.patience * (CALIBRATION.patience_at_floor if refused else 1)
+        if (
+            self.solver.problem.attraction is not None
+        ):  # the energy falls, errors may rise meanwhile
+            patience = self.solver.patience * CALIBRATION.patience_with_attraction
         if self.solver.iterations - self.best_at > patience:
             return "stagnated"
         return None
@@ -190,11 +234,14 @@ def _conclude(
     solver: Solver,
     criterion: StoppingCriterion,
     search: LoadSearch | None,
+    guard: SaddleGuard | None,
     reason: str,
     pairs: float,
 ) -> Outcome:
     """Return the outcome of a load that ends for a reason other than its certificate; it may have
     reached what is asked for all the same."""
+    if guard is not None:
+        pairs += guard.look()
     certificate = certificate_of(solver, criterion)
     pairs += certificate.pairs
     miss = search.learn(solver, certificate) if search is not None else 0.0
@@ -215,6 +262,7 @@ def certificate_of(solver: Solver, criterion: StoppingCriterion) -> Certificate:
         solver.levels,
         criterion.certificate_dtype,
         criterion.duality,
+        solver.stability,
     )
     if criterion.in_turn:
         solver.grid.forget_fft(criterion.certificate_dtype)
@@ -239,7 +287,7 @@ def measure_of(progress: Progress, criterion: StoppingCriterion) -> float:
 
 def error_left(certificate: Certificate, criterion: StoppingCriterion) -> float:
     """Return the certified error over what is asked for: below 1 that is reached."""
-    if not certificate.finite:
+    if not certificate.finite or certificate.stability <= 0:
         return np.inf
     if criterion.residual is not None:
         return certificate.residual / criterion.residual

@@ -90,6 +90,15 @@ def cold_gap(problem: Problem) -> np.ndarray:
     return g
 
 
+def undeformed_gap(problem: Problem) -> np.ndarray:
+    """Return the gap of the undeformed body, with a displacement of 0 everywhere."""
+    h = problem.heights
+    rows, points = problem.grid.inside
+    g = np.zeros(problem.grid.shape, h.dtype)
+    g[:rows, :points] = h
+    return g
+
+
 @dataclass(frozen=True)
 class Decimation:
     """A grid and its decimation. coarse: the Grid, None on ranks that have no part in it; beside:
@@ -172,6 +181,11 @@ class Nested:
             self.coarser = Nested(self.step.coarse, dtype, finer + 1)
 
     @property
+    def is_coarsest(self) -> bool:
+        """Whether the grid has no coarser one, the same on all ranks."""
+        return self.step is None
+
+    @property
     def grids(self) -> list[Grid]:
         """The coarse grids that this rank has a part in, finest first."""
         return [self.coarser.grid, *self.coarser.grids] if self.coarser is not None else []
@@ -202,7 +216,7 @@ class Nested:
                 g, pairs = self.coarser.start(coarse, make_solver, search)
                 if search is not None:
                     coarse = replace(coarse, p0=search.begin(coarse))
-                solver = _roughly_solved(coarse, make_solver, g, self.reduction, search)
+                solver = roughly_solved(coarse, make_solver, g, self.reduction, search)
                 pairs = (pairs + solver.pairs) * coarse.grid.cell_points / problem.grid.cell_points
                 full = not coarse.grid.padded and solver.progress().contact == coarse.grid.N
             except interrupt.Stopped as found:
@@ -229,7 +243,7 @@ class Nested:
         return problem.grid.comm.bcast((likely, pairs))
 
 
-def _roughly_solved(
+def roughly_solved(
     problem: Problem,
     make_solver: MakeSolver,
     g: np.ndarray,

@@ -62,6 +62,8 @@ def first_precision(settings: Settings) -> np.dtype:
 def few_points(N: int, p_star: float, accuracy: float | None) -> bool:
     """Tell whether so few of N points will touch that single precision, which may err in a few of
     them, cannot give the area to an accuracy (None where a residual is asked for)."""
+    if p_star <= 0:  # with an attraction: how many touch nobody knows
+        return True
     expected = N * min(1.0, 2 * p_star)  # a_r is about 2 p*
     return accuracy is not None and CALIBRATION.few_points / expected > accuracy
 
@@ -127,4 +129,6 @@ def known_heights(scene: Scene, n: tuple[int, int]) -> tuple[float | None, float
 def counting(asked: StoppingCriterion | Settings, p_star: float) -> float:
     """Return the errors of the pressure at all open points, in the problem's unit, that count as
     much as what is asked for."""
-    return asked.residual * p_star if asked.residual else (asked.accuracy or 0.0) * p_star**0.5
+    if asked.residual:
+        return asked.residual * p_star
+    return (asked.accuracy or 0.0) * max(p_star, 0.0) ** 0.5

@@ -53,7 +53,15 @@ def loads_of(
     if surface.g_rms == 0 and has_none:
         raise SceneError(f"load.{name}: found a flat surface (g_rms = 0), allowed: load.pressure")
     pressures = asked.p0(E_star, surface.g_rms, float(np.prod(surface.sizes)))
-    require_range(E_star, surface, pressures)
+    require_range(E_star, surface, [abs(p_mean) for p_mean in pressures if p_mean != 0])
+    if working.model.attraction is not None and working.is_flat:
+        raise SceneError(
+            "material.adhesion: found a flat surface (g_rms = 0), allowed: a rough one"
+        )
+    if working.model.attraction is not None and not solver.attracts:
+        raise SceneError(
+            f'solver.name: found "{solver.name}" with material.adhesion, allowed: "bpx"'
+        )
     if working.model.hardness is not None:
         require_dents(solver, working.model.hardness, name, values, pressures)
     if settings.precision == "single" and surface.g_rms > 0:
@@ -72,7 +80,7 @@ def loads_of(
 def _require_single(pressures: Sequence[float], unit: float, points: int) -> None:
     """Raise SceneError for pressures that single precision cannot solve; unit: E* g_rms."""
     for p_mean in pressures:
-        if not single_solves(p_mean / unit, points):
+        if p_mean > 0 and not single_solves(p_mean / unit, points):
             raise SceneError(
                 'solver.precision: found "single", too little for a pressure of'
                 f' {p_mean:g}, allowed: "auto", "double"'

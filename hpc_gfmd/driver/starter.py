@@ -10,8 +10,9 @@ import numpy as np
 
 from ..certificate.criterion import StoppingCriterion
 from ..solvers import solver_class
+from .branches import goes_on
 from .drive import certificate_of
-from .nested import cold_gap
+from .nested import cold_gap, roughly_solved, undeformed_gap
 
 if TYPE_CHECKING:
     from ..operators.problem import Problem
@@ -28,6 +29,8 @@ WARM_DOWN = 1.26
 # up to 400 times, and start better than undeformed; flat tops at loads that the iterations never
 # solve have 80,000 times and more.
 WORSE_THAN_UNDEFORMED = 1e4
+# What is left of the residual of the contact without attraction, from which one with it starts
+WITHOUT_ATTRACTION = 0.02
 
 
 class Start(NamedTuple):
@@ -86,6 +89,12 @@ class Starter:
         """Give the solver's memory back: the next load starts afresh."""
         self.solver = None
 
+    @property
+    def gap(self) -> np.ndarray:
+        """The gap of the load before, local slab of the grid."""
+        assert self.solver is not None  # there is one
+        return self.solver.g
+
     def start(self, working: WorkingSurface, load: Load, gap: np.ndarray | None = None) -> Start:
         """Start the solver at a load.
 
@@ -112,19 +121,27 @@ class Starter:
         """
         if gap is not None:
             return self._start_at(working, load, gap)
-        if self._is_near(load):
+        if self.follows(working, load):
             return self._continue(working, load)
+        if working.model.attraction is not None and load.p0 <= 0:
+            return self._start_undeformed(working, load)
         if load.from_full_contact:
             return self._start_at(working, load, 0.0)
         return self._start_cold(working, load)
 
     # -- the ways to start
 
-    def _is_near(self, load: Load) -> bool:
+    def follows(self, working: WorkingSurface, load: Load) -> bool:
         """Return whether a load starts from the one before."""
         if self.solver is None or load.closes:
             return False
-        return 1 / WARM_DOWN < load.p0 / self.solver.p0 < WARM_UP
+        before = self.solver.p0
+        if working.model.attraction is not None:
+            if not goes_on(working.model.branch, load.p0, before):
+                return False
+            if working.model.retracts:  # however far: the state before is part of what is asked
+                return True
+        return 1 / WARM_DOWN < load.p0 / before < WARM_UP
 
     def _continue(self, working: WorkingSurface, load: Load) -> Start:
         """Start from the solution of the load before."""
@@ -154,7 +171,11 @@ class Starter:
             gap = cold_gap(problem)
             pairs = 0.0
         else:
-            gap, pairs = nested.start(problem, self._make, load.search, memory)
+            bare = replace(problem, attraction=None)
+            gap, pairs = nested.start(bare, self._make, load.search, memory)
+            if problem.attraction is not None and nested.is_coarsest:
+                gap, more = self._without_attraction(bare, gap)
+                pairs += more
         del nested  # in low memory the transforms of the coarser grids go with it
         solver, criterion = self._solver_for(working, load, problem, gap)
         pairs += _lay_down(solver, criterion, gap)
@@ -163,7 +184,20 @@ class Starter:
             pairs += _lay_down(solver, criterion, working.surface.gap)
         return Start(solver, criterion, pairs)
 
+    def _start_undeformed(self, working: WorkingSurface, load: Load) -> Start:
+        """Start from the undeformed body where it just touches."""
+        problem = self._problem_to_start(working, load)
+        gap = undeformed_gap(problem)
+        solver, criterion = self._solver_for(working, load, problem, gap)
+        return Start(solver, criterion, _lay_down(solver, criterion, gap))
+
     # -- their steps
+
+    def _without_attraction(self, problem: Problem, gap: np.ndarray) -> tuple[np.ndarray, float]:
+        """Return the gap of about the contact without attraction, on a grid that has no coarser
+        one, and the FFT pairs that it took. The gap that is given is lost."""
+        solver = roughly_solved(problem, self._make, gap, WITHOUT_ATTRACTION, None)
+        return solver.g, solver.pairs
 
     def _problem_to_start(self, working: WorkingSurface, load: Load) -> Problem:
         if working.solver_makes_room:
@@ -214,7 +248,7 @@ def _lay_down(solver: Solver, criterion: StoppingCriterion, gap: np.ndarray) -> 
     if gap is not solver.g:
         solver.g[...] = gap
     first = certificate_of(solver, replace(criterion, duality=False))
-    solver.refresh(first.uKu)
+    solver.begin_at(first)
     return first.pairs
 
 

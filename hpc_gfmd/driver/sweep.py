@@ -16,12 +16,14 @@ from ..certificate.error_estimates import full_contact_error
 from ..contact.contact import Contact
 from ..parallel import interrupt
 from ..util.errors import SceneError
+from .branches import SaddleGuard
 from .contact_model import ContactModel
 from .drive import drive
 from .full_contact import CLOSED, ClosingSearch, closed_contact, tension_of
 from .load import Load
 from .load_quantities import OpeningSearch
 from .low_memory import LowMemorySurface
+from .nested import undeformed_gap
 from .precision import first_precision, too_little
 from .scene_loads import loads_of
 from .searches import Searches
@@ -30,6 +32,7 @@ from .working_surface import WorkingSurface
 
 if TYPE_CHECKING:
     from ..bodies.base import Body
+    from ..laws.base import Law
     from ..operators.problem import Problem
     from ..scene import Load as SceneLoad
     from ..scene import Solver as Settings
@@ -48,6 +51,8 @@ def make_sweep(
     duality: bool = False,
     body: Body = HALF_SPACE,
     hardness: float | None = None,
+    attraction: Law | None = None,
+    branch: str = "approach",
 ) -> Sweep:
     """Compose the sweep of a surface.
 
@@ -59,7 +64,7 @@ def make_sweep(
         Makes the surface.Surface in a precision: ``make_surface(dtype)``.
     settings : scene.Solver
         The table [solver] of a scene.
-    E_star, body, hardness, lam_s
+    E_star, body, hardness, lam_s, attraction, branch
         See `ContactModel`.
     duality : bool
         Whether the certificates have to give the duality gap.
@@ -69,7 +74,7 @@ def make_sweep(
     SceneError
         For a solver, or a surface, that low memory cannot do with.
     """
-    model = ContactModel(float(E_star), body, hardness, lam_s)
+    model = ContactModel(float(E_star), body, hardness, attraction, branch, lam_s)
     starter = Starter(settings, duality)
     kind = WorkingSurface
     if settings.low_memory:
@@ -154,7 +159,7 @@ class Sweep:
         """
         if self.working.is_flat:
             return self._flat_contact(asked)
-        if self._failed:
+        if self._failed and not self.working.model.retracts:
             self.starter.forget()
         load = self.searches.begin(asked, self.working)
         pairs = self._solve_before(load)
@@ -164,14 +169,19 @@ class Sweep:
                 load.search.begin_at(unfinished.p_mean / self.working.pressure_unit)
         contact = None
         *others, final = self._precisions(load, unfinished)
+        gap = None if unfinished is None else unfinished.gap
+        gap_before = self._gap_before(load) if gap is None and final != self.dtype else None
         for dtype in (*others, final):
-            self._work_in(dtype)
-            contact, pairs = self._attempt(load, watch, unfinished, pairs, dtype != final)
+            if dtype != self.dtype:
+                self._work_in(dtype)
+                gap = gap_before if unfinished is None else gap
+            contact, pairs = self._attempt(load, watch, unfinished, gap, pairs, dtype != final)
             if contact is not None:
                 break
         assert contact is not None  # the final precision always gives one
-        self._failed = contact.status not in ("converged", "interrupted")
-        if contact.status == "converged":
+        self._failed = contact.status not in ("converged", "interrupted", "separated")
+        searched = self.working.model.attraction is None  # no other load is
+        if contact.status == "converged" and searched:
             self.searches.remember(contact, self.working)
         return contact
 
@@ -185,6 +195,13 @@ class Sweep:
         if was_in_double or self._is_too_little(load):
             return [DOUBLE]
         return [self.dtype, DOUBLE]
+
+    def _gap_before(self, load: Load) -> np.ndarray | None:
+        """Return a copy of the gap of the load before, from which a load on the retraction branch
+        starts in whatever precision; None where it starts by itself."""
+        if self.working.model.retracts and self.starter.follows(self.working, load):
+            return self.starter.gap.copy()
+        return None
 
     def _is_too_little(self, load: Load) -> bool:
         """Return whether single precision is known to be too little for a load."""
@@ -212,20 +229,26 @@ class Sweep:
         load: Load,
         watch: Watch | None,
         unfinished: Unfinished | None,
+        gap: np.ndarray | None,
         pairs: float,
         may_need_double: bool,
     ) -> Attempt:
         """Solve a load in the present precision.
 
-        pairs: FFT pairs that the load has taken before; may_need_double: whether single precision
+        gap: where to start, None: as the starter finds it; pairs: FFT pairs that the load has
+        taken before; may_need_double: whether single precision
         may turn out to be too little.
         """
         if load.search is not None:
             load.search.measure(lambda: self.working.heights)
+        model = self.working.model
+        attracts = model.attraction is not None
+        begins = gap is None and not self.starter.follows(self.working, load)
+        if attracts and load.p0 < 0 and begins:
+            return self._separated(load, 0, pairs)
         closed = self._full_contact(load, pairs)
         if closed.contact is not None:
             return closed
-        gap = None if unfinished is None else unfinished.gap
         start = self.starter.start(self.working, load, gap)
         solver = start.solver
         if unfinished is not None:
@@ -233,8 +256,11 @@ class Sweep:
         pairs = closed.pairs + start.pairs
         if may_need_double and self._is_too_little(load):  # as the coarser grids have found
             return Attempt(None, pairs + solver.pairs)
-        outcome = drive(solver, start.criterion, watch, load.search)
+        guard = SaddleGuard(solver, model.branch) if attracts else None
+        outcome = drive(solver, start.criterion, watch, load.search, guard)
         pairs += solver.pairs + outcome.pairs
+        if outcome.status == "separated":
+            return self._separated(load, solver.iterations, pairs)
         contact = self._contact(
             load,
             solver.p0,
@@ -288,6 +314,7 @@ class Sweep:
             iterations=iterations,
             pairs=float(pairs),
             hardness=model.hardness,
+            attraction=model.attraction,
         )
 
     # -- loads that need no iteration, and what some loads need before their own
@@ -302,13 +329,24 @@ class Sweep:
         )
         return self._contact(load, p_mean, g, p, "converged", certificate)
 
+    def _separated(self, load: Load, iterations: int, pairs: float) -> Attempt:
+        """Return what is left where the load pulls more than the attraction: undeformed bodies."""
+        self.starter.forget()
+        g = undeformed_gap(self.working.problem(load.p0))
+        certificate = Certificate(errors=(0.0, 0.0, 0.0), gap_mean=np.nan)
+        contact = self._contact(
+            load, load.p0, g, np.zeros_like(g), "separated", certificate, iterations, pairs
+        )
+        return Attempt(contact, pairs)
+
     def _full_contact(self, load: Load, pairs: float) -> Attempt:
         """Return the contact where u = -h is the solution, none where it is not.
 
         The load that closes the gap is known then, also where points yield.
         """
         working = self.working
-        if load.search is not None or not working.full_contact_is_known:
+        attracts = working.model.attraction is not None
+        if load.search is not None or attracts or not working.full_contact_is_known:
             return Attempt(None, pairs)
         if not load.closes and load.p0 < working.model.body.full_p_star:
             return Attempt(None, pairs)

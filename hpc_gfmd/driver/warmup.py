@@ -10,15 +10,18 @@ from ..bodies.halfspace import HALF_SPACE
 from ..certificate.error_estimates import Estimate
 from ..contact.contact import Contact
 from ..kernels.cache import on_first_compile
+from ..laws import law_named
+from ..laws.base import Law
 from ..operators.multilevel import Multilevel
 from ..parallel.comm import Comm, SerialComm
 from ..parallel.guard import collective_errors
-from ..scene import Scene
+from ..scene import Material, Scene
 from ..surface import build_surface
 from .load import Load
 from .precision import first_precision
 from .sweep import make_sweep
 
+TINY_ATTRACTION = 1e-3, 0.1  # work and range
 TINY = {
     "kind": "self-affine",
     "hurst": 0.8,
@@ -43,7 +46,8 @@ def compile_once(
     """
 
     def solve() -> None:
-        _tiny_contact(scene, observe)
+        # a single process compiles double precision where a load asks for it
+        _tiny_contact(scene, observe, every_precision=comm.size > 1)
 
     with collective_errors(comm, "compiling"):
         if comm.rank == 0:
@@ -54,18 +58,29 @@ def compile_once(
             solve()
 
 
-def _tiny_contact(scene: Scene, observe: Callable[[Contact], object]) -> None:
-    """Solve a tiny contact in every precision that the run of a scene may use."""
+def _tiny_attraction(material: Material) -> Law | None:
+    """Return a weak attraction by the law that a material means, for the tiny contact."""
+    adhesion = material.adhesion
+    return None if adhesion is None else law_named(adhesion.law, *TINY_ATTRACTION)
+
+
+def _tiny_contact(
+    scene: Scene, observe: Callable[[Contact], object], every_precision: bool
+) -> None:
+    """Solve a tiny contact in the precision that the run of a scene begins with, or in every one
+    that it may use."""
     settings, material = scene.solver, scene.material
     surface = TINY | {"boundary": scene.surface.boundary or "periodic"}
     tiny = Scene.from_dict({"surface": surface, "load": {"p_star": 0.05}}).surface
     first = "single" if first_precision(settings) == np.float32 else "double"
-    for precision in {first, "double"} if settings.precision == "auto" else {first}:
+    may_need_double = every_precision and settings.precision == "auto"
+    for precision in {first, "double"} if may_need_double else {first}:
         sweep = make_sweep(
             lambda dtype: build_surface(tiny, SerialComm(), dtype),
             settings.model_copy(update={"max_iterations": 3, "precision": precision}),
             body=body_of(material, tiny.free),
             hardness=material.hardness and 1.0,
+            attraction=_tiny_attraction(material),
         )
         contact = sweep.solve(Load("pressure", 0.05))
         # a contact that is less accurate than asked may not have called it

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..bodies.halfspace import HALF_SPACE
+from ..laws.base import scaled
 from ..operators.problem import Problem
 from .height_statistics import HeightStatistics
 from .nested import Nested
@@ -17,6 +18,7 @@ from .precision import CALIBRATION, counting, few_points
 
 if TYPE_CHECKING:
     from ..certificate.criterion import StoppingCriterion
+    from ..laws.base import Law
     from ..solvers.base import Solver
     from ..surface import Surface
     from .contact_model import ContactModel
@@ -89,6 +91,12 @@ class WorkingSurface:
         hardness = self.model.hardness
         return None if hardness is None else hardness / self.pressure_unit
 
+    @property
+    def attraction(self) -> Law | None:
+        """The law of attraction, in the program's units."""
+        law = self.model.attraction
+        return None if law is None else scaled(law, self.pressure_unit, self.surface.height_unit)
+
     # -- the heights
 
     @property
@@ -111,7 +119,14 @@ class WorkingSurface:
         return self._problem_of(self.surface, p0)
 
     def _problem_of(self, surface: Surface, p0: float) -> Problem:
-        return Problem(surface.grid, surface.gap, p0, body=self.model.body, hardness=self.hardness)
+        return Problem(
+            surface.grid,
+            surface.gap,
+            p0,
+            body=self.model.body,
+            hardness=self.hardness,
+            attraction=self.attraction,
+        )
 
     def problem_to_start(self, p0: float) -> Problem:
         """Return the problem at p0 with stored heights, from which a starting gap is made."""
@@ -143,6 +158,8 @@ class WorkingSurface:
         The certificate cannot tell them from pressure out of contact: those of single points where
         few of them touch, or few do not.
         """
+        if problem.p0 <= 0:  # only with an attraction: how many touch nobody knows
+            return True
         few_touch = few_points(problem.grid.N, problem.p0, criterion.accuracy)
         few_are_open = problem.p0 >= HALF_SPACE.full_p_star
         return few_touch or few_are_open or self.is_noisy(problem, criterion)

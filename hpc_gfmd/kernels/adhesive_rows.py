@@ -182,17 +182,45 @@ def softening(law, g, closed, x, i0, i1, inside):
 
     Returns
     -------
-    float
+    total : float
         Sum of x.
+    largest : float
+        Largest x.
     """
     zero = g.dtype.type(0)
     one = g.dtype.type(1)
     total = 0.0
+    largest = zero
     for i in range(i0, i1):
         inner = points_inside(i, inside)
         for j in range(inner):
             x[i, j] = (closed[i, j] - one) * curvature_at(law, max(g[i, j], zero))
             total += x[i, j]
+            largest = max(largest, x[i, j])
         for j in range(inner, np.uint64(g.shape[1])):
             x[i, j] = zero
-    return total
+    return total, largest
+
+
+@kernel
+def gain_along(law, g, e, length, i0, i1, inside):
+    """Return the sum of phi(g + length e) - phi(g) on rows i0 <= i < i1, with gaps >= 0.
+
+    Parameters
+    ----------
+    law : Law
+        In the precision of g.
+    g, e : (n_loc, n_y)
+        Gap and a direction.
+    length : float
+        In the precision of g.
+    inside : (rows, points)
+        This rank's part of the surface.
+    """
+    zero = g.dtype.type(0)
+    gained = 0.0
+    for i in range(i0, i1):
+        for j in range(points_inside(i, inside)):
+            g_new = max(g[i, j] + length * e[i, j], zero)
+            gained += energy_at(law, g_new) - energy_at(law, g[i, j])
+    return gained

@@ -11,6 +11,7 @@ import hashlib
 import pickle
 import shutil
 import tempfile
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache
@@ -28,6 +29,8 @@ from ..util.caches import cache_folder, keep, kept
 from ..util.errors import SceneError
 from ..util.plugins import sources_added
 
+LARGEST = "update_passes"  # the kernel that is kept wherever a contact has been solved
+TOLD_SECONDS = 1.0  # of compiling, from which on it is said how long it took
 NEWEST = 4  # states whose folders are kept
 ROOM = 64 * 2**20  # bytes that must be free
 SUFFIX = ".kernel"  # of the files
@@ -138,38 +141,56 @@ def stamp() -> str:
 def on_first_compile(say: Callable[[str], object] | None) -> Iterator[None]:
     """Call say(text), if it is not None, once in a block: before the first kernel is compiled."""
 
-    def first() -> None:
+    def announce() -> None:
         path = folder()
         if say is None:
             return
         if path is None:
             say(
-                "compiling (half a minute), at every start: there is no folder to keep it in,"
+                "compiling (10 to 30 s), at every start: there is no folder to keep it in,"
                 " HPC_GFMD_CACHE=FOLDER names one"
             )
-        elif any(path.rglob(f"*{SUFFIX}")):
+        elif any(path.rglob(f"*{LARGEST}*{SUFFIX}")):
             say("compiling what this scene needs in addition, once (some seconds)")
         else:
-            say("compiling, once (half a minute)")
+            say("compiling, once (10 to 30 s)")
 
-    with event.install_listener("numba:compile", _Once(first)):
-        yield
+    clock = _Clock(announce)
+    try:
+        with event.install_listener("numba:compile", clock):
+            yield
+    finally:
+        if say is not None and clock.seconds >= TOLD_SECONDS:
+            say(f"compiled in {clock.seconds:.0f} s")
 
 
-class _Once(event.Listener):  # type: ignore[misc]
-    """Calls a function when the first event begins."""
+class _Clock(event.Listener):  # type: ignore[misc]
+    """Adds up the time of compilations, and calls a function when the first one begins.
 
-    def __init__(self, call: Callable[[], object]) -> None:
-        self.call: Callable[[], object] | None = call
+    Attributes
+    ----------
+    seconds : float
+        Of all that has been compiled.
+    """
+
+    def __init__(self, announce: Callable[[], object]) -> None:
+        self.announce: Callable[[], object] | None = announce
+        self.seconds = 0.0
+        self.depth = 0  # a kernel's pieces are compiled while it is
 
     def on_start(self, _: object) -> None:
-        call = self.call
-        self.call = None
-        if call is not None:
-            call()
+        announce = self.announce
+        self.announce = None
+        if announce is not None:
+            announce()
+        if self.depth == 0:
+            self.begin = time.monotonic()
+        self.depth += 1
 
     def on_end(self, _: object) -> None:
-        pass
+        self.depth -= 1
+        if self.depth == 0:
+            self.seconds += time.monotonic() - self.begin
 
 
 def folder() -> Path | None:

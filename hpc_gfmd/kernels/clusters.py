@@ -1,46 +1,65 @@
 """Union-find on pieces of clusters that know how often the way from one piece to another crosses
-the borders of the periodic cell."""
+the borders of the periodic cell (Newman and Ziff 2001, after Machta et al. 1996).
+
+Letters. A node is a piece of a cluster. parent (nodes,): the node above it in its tree, the root is
+its own parent. shift (nodes, 2): borders crossed along x and along y from the parent to the node.
+"""
 
 from .jit import inline, kernel
 
 
 @inline
-def _top(node, parent, shift):
+def _root(node, parent, shift):
     """Return the root of a node, which becomes the parent of all on the way there."""
-    x = y = 0
-    top = node
-    while parent[top] != top:
-        x += shift[top, 0]
-        y += shift[top, 1]
-        top = parent[top]
-    while node != top:
-        step_x, step_y, above = shift[node, 0], shift[node, 1], parent[node]
-        shift[node, 0], shift[node, 1], parent[node] = x, y, top
+    x = 0
+    y = 0
+    root = node
+    while parent[root] != root:
+        x += shift[root, 0]
+        y += shift[root, 1]
+        root = parent[root]
+    while node != root:
+        step_x = shift[node, 0]
+        step_y = shift[node, 1]
+        above = parent[node]
+        parent[node] = root
+        shift[node, 0] = x
+        shift[node, 1] = y
         x -= step_x
         y -= step_y
         node = above
-    return top
+    return root
 
 
 @kernel
 def join(edges, parent, shift, wraps):
-    """Make one tree of all pieces that edges (m, 4) join: piece a, piece b, borders crossed from a
-    to b along x and along y.
+    """Make one tree of all pieces that edges join.
 
-    parent (n,): each piece its own at first, its root at the end; shift (n, 2): 0 at first, then
-    borders crossed from the root to the piece; wraps (2,): becomes true for an axis where two ways
-    to the same piece differ, that is where a closed one goes around the cell (Newman and Ziff 2001,
-    after Machta et al. 1996).
+    Parameters
+    ----------
+    edges : (edges, 4) int
+        Piece a, piece b, borders crossed from a to b along x and along y.
+    parent : (nodes,) int
+        Each piece its own at first; at the end the root of its tree.
+    shift : (nodes, 2) int
+        0 at first; at the end borders crossed from the root to the piece.
+    wraps : (2,) bool
+        Becomes true for an axis where two ways to the same piece differ: a closed way goes around
+        the cell.
     """
     for k in range(edges.shape[0]):
-        a, b = edges[k, 0], edges[k, 1]
-        top_a, top_b = _top(a, parent, shift), _top(b, parent, shift)
+        a = edges[k, 0]
+        b = edges[k, 1]
+        root_a = _root(a, parent, shift)
+        root_b = _root(b, parent, shift)
         x = shift[a, 0] + edges[k, 2] - shift[b, 0]
         y = shift[a, 1] + edges[k, 3] - shift[b, 1]
-        if top_a == top_b:
+        if root_a == root_b:
             wraps[0] |= x != 0
             wraps[1] |= y != 0
         else:
-            parent[top_b], shift[top_b, 0], shift[top_b, 1] = top_a, x, y
+            parent[root_b] = root_a
+            shift[root_b, 0] = x
+            shift[root_b, 1] = y
     for node in range(parent.shape[0]):
-        _top(node, parent, shift)
+        _root(node, parent, shift)

@@ -1,8 +1,13 @@
 """The lowest modes of a field: from its spectrum to products of cos and sin along both axes, and
-back.
+back (bodies/free.py).
 
-Parts (4, m_x, m_y) are of cos cos, cos sin, sin cos and sin sin, m_x and m_y counting from wave
-number 0; norm makes these products orthonormal.
+Letters. Wave numbers count from 0: k_x < m_x, k_y < m_y.
+
+=======  ===========================================================================================
+parts    (4, m_x, m_y) of cos cos, cos sin, sin cos and sin sin, in the unit of the field
+norm     (m_x, m_y), makes these products orthonormal over the cell
+shift    (m_x,) or (m_y,) complex, e^(i k middle): moves the origin to the middle of the surface
+=======  ===========================================================================================
 """
 
 from .jit import kernel
@@ -10,17 +15,25 @@ from .jit import kernel
 
 @kernel
 def split(waves, shift_x, shift_y, norm, parts):
-    """Make the parts of columns (n_x, m_y) that have been transformed, shifted along both axes to
-    the middle of the surface."""
-    n = waves.shape[0]
+    """Make the parts of columns that have been transformed.
+
+    Parameters
+    ----------
+    waves : (n_x, >= m_y) complex
+        Transformed along both axes.
+    shift_x, shift_y, norm
+        See the head of the file.
+    parts : (4, m_x, m_y)
+        Gets the parts.
+    """
+    n_x = waves.shape[0]
     for k in range(norm.shape[0]):
         for j in range(norm.shape[1]):
-            here = shift_y[j] * norm[k, j] / 2
-            up, down = (
-                waves[k, j] * shift_x[k] * here,
-                waves[(n - k) % n, j] * shift_x[k].conjugate() * here,
-            )
-            even, odd = up + down, 1j * (up - down)
+            factor = shift_y[j] * norm[k, j] / 2
+            positive = waves[k, j] * shift_x[k] * factor
+            negative = waves[(n_x - k) % n_x, j] * shift_x[k].conjugate() * factor
+            even = positive + negative
+            odd = 1j * (positive - negative)
             parts[0, k, j] = even.real
             parts[1, k, j] = -even.imag
             parts[2, k, j] = odd.real
@@ -29,37 +42,64 @@ def split(waves, shift_x, shift_y, norm, parts):
 
 @kernel
 def multiply(part, matrices, by_columns, x):
-    """Set part = matrices part, in place; returns <part, matrices part>. matrices (stack, m, m),
-    symmetric: of all of it (stack = 1), of each column (by_columns) or of each row; x: scratch (>=
-    m,)."""
-    stack, m = matrices.shape[:2]
-    total = 0.0
+    """Set part = matrices part, in place.
+
+    Parameters
+    ----------
+    part : (rows, columns)
+        Modes of one parity.
+    matrices : (stack, m, m)
+        Symmetric: one matrix for all modes (stack = 1), or one for each column or row of them.
+    by_columns : bool
+        Each column has its matrix.
+    x : (>= m,)
+        Scratch.
+
+    Returns
+    -------
+    float
+        <part, matrices part>, of the part before.
+    """
+    stack = matrices.shape[0]
+    m = matrices.shape[1]
     columns = part.shape[1]
+    product = 0.0
     for b in range(stack):
         for i in range(m):
             x[i] = part[i, b] if by_columns else part[b + i // columns, i % columns]
         for i in range(m):
-            y = x.dtype.type(0)
+            value = x.dtype.type(0)
             for j in range(m):
-                y += matrices[b, i, j] * x[j]
-            total += x[i] * y
+                value += matrices[b, i, j] * x[j]
+            product += x[i] * value
             if by_columns:
-                part[i, b] = y
+                part[i, b] = value
             else:
-                part[b + i // columns, i % columns] = y
-    return total
+                part[b + i // columns, i % columns] = value
+    return product
 
 
 @kernel
-def join(parts, shift_x, shift_y, norm, unit, up, down):
-    """Undo `split`, times unit: what stands at wave numbers k_x >= 0 and at -k_x < 0 from the last
-    one on."""
+def join(parts, shift_x, shift_y, norm, unit, positive, negative):
+    """Undo `split`, times unit.
+
+    Parameters
+    ----------
+    parts, shift_x, shift_y, norm
+        See the head of the file.
+    unit : float
+        Factor.
+    positive : (m_x, m_y) complex
+        Gets what stands at wave numbers k_x >= 0.
+    negative : (m_x - 1, m_y) complex
+        Gets what stands at -k_x < 0, the largest k_x first.
+    """
     m_x = norm.shape[0]
     for k in range(m_x):
         for j in range(norm.shape[1]):
-            back = unit / norm[k, j] / shift_y[j]
-            even = (parts[0, k, j] - 1j * parts[1, k, j]) * back
-            odd = (parts[2, k, j] - 1j * parts[3, k, j]) * back
-            up[k, j] = (even - 1j * odd) / shift_x[k]
+            factor = unit / norm[k, j] / shift_y[j]
+            even = (parts[0, k, j] - 1j * parts[1, k, j]) * factor
+            odd = (parts[2, k, j] - 1j * parts[3, k, j]) * factor
+            positive[k, j] = (even - 1j * odd) / shift_x[k]
             if k > 0:
-                down[m_x - 1 - k, j] = (even + 1j * odd) * shift_x[k]
+                negative[m_x - 1 - k, j] = (even + 1j * odd) * shift_x[k]

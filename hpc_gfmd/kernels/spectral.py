@@ -1,6 +1,16 @@
-"""Kernels on spectra: columns (W, n_x) of a block, transposed to be transformed.
+"""Kernels on spectra: the columns of a block, transposed to be transformed.
 
-|q| is computed on the fly, other stiffnesses stand in tables that are even in q_x: (W, n_x//2 + 1).
+Letters, in the program's units (lengths a, gaps g_rms a, pressures E* g_rms).
+
+========  ==========================================================================================
+w         column of a block, of W; k: block of this rank
+columns   (W, 2 n_x) real and imaginary parts in turn, of K d, u or p
+q_x, q_y  wave numbers, in 1/a
+K         stiffness, in 1/a: |q|/2, computed on the fly, or from a table, which is even in q_x:
+          (blocks, W, n_x//2 + 1)
+scale     1/N of the transforms
+weight    (blocks, W): how often a column of the half spectrum occurs in the full one, 0 for padding
+========  ==========================================================================================
 """
 
 import numpy as np
@@ -12,33 +22,66 @@ PIECE = 1024  # numbers that are summed up in their own precision
 
 
 @kernel
-def multiply_blocks(columns, k0, k1, numbers, factors, inverse, backward, found):
-    """Transform the blocks k0..k1 of columns, `multiply` them, and transform them back unless
-    backward is False. Sets found[k] = what `multiply` returns, and the real part of the first
-    number of the block, before.
+def multiply_blocks(columns, k0, k1, numbers, factors, inverse, backward, sums):
+    """Transform the blocks k0 <= k < k1 of columns, multiply them by K or 1/K, and transform back.
 
-    columns: see transforms.py; numbers: its scratch as real numbers; factors: (scale, ...) of
-    `multiply`.
+    Parameters
+    ----------
+    columns : tuple
+        Column transforms of one thread, see transforms.py.
+    k0, k1 : int
+        Blocks of this rank.
+    numbers : (W, 2 n_x)
+        The scratch of `columns` as real numbers.
+    factors : tuple
+        (scale, weight, q_x, q_y, table), see `multiply`.
+    inverse : bool
+        Multiply by 1/K.
+    backward : bool
+        Transform back.
+    sums : (blocks, 2) float64
+        [k] gets what `multiply` returns, and the real part of the first number before.
     """
     plans = columns[5]
+    scale, weight, q_x, q_y, table = factors
     for k in range(k0, k1):
         if plans[k, 0] > 0:
             load_columns(columns, k, True)
-            found[k, 1] = numbers[0, 0]
-            found[k, 0] = multiply(numbers[: plans[k, 0]], k, inverse, *factors)
+            sums[k, 1] = numbers[0, 0]
+            sums[k, 0] = multiply(
+                numbers[: plans[k, 0]], k, inverse, scale, weight, q_x, q_y, table
+            )
             if backward:
                 store_columns(columns, k)
 
 
 @kernel
 def multiply(columns, k, inverse, scale, weight, q_x, q_y, table):
-    """Multiply the columns of block k of this rank by scale K, or by scale/K, 0 where K is 0, in
-    place; returns sum(weight scale K |columns|^2), or with 1/K, of the values before.
+    """Multiply the columns of block k by scale K or by scale/K (0 where K is 0), in place.
 
-    columns: (W, 2 n_x), real and imaginary parts in turn; weight: (blocks, W), multiplicity of a
-    column in the half spectrum, 0 for padding; table: (blocks, W, n_x//2 + 1), K of q_x = 0 and the
-    positive ones, None where K = |q|/2, with q_x: (2 n_x,), every number twice, and q_y: (blocks,
-    W).
+    Parameters
+    ----------
+    columns : (W, 2 n_x)
+        Of block k.
+    k : int
+        Block of this rank.
+    inverse : bool
+        Multiply by 1/K.
+    scale : float
+        In the precision of the columns.
+    weight : (blocks, W)
+        See the head of the file.
+    q_x : (2 n_x,)
+        Every wave number twice.
+    q_y : (blocks, W)
+        Wave numbers of the columns.
+    table : (blocks, W, n_x//2 + 1) or None
+        K of q_x = 0 and the positive ones; None where K = |q|/2.
+
+    Returns
+    -------
+    float
+        Sum of weight scale K |columns|^2, or with 1/K, of the values before.
     """
     energy = 0.0
     for w in range(columns.shape[0]):
@@ -53,61 +96,78 @@ def multiply(columns, k, inverse, scale, weight, q_x, q_y, table):
 def _multiply_by_q(column, q_x, q_y, scale, inverse):
     """Multiply one column for K = |q|/2; the energy is summed up over PIECE numbers in their own
     precision."""
-    real, qy2 = column.dtype.type, q_y * q_y
-    zero, factor = real(0), scale * real(2 if inverse else 0.5)
+    real = column.dtype.type
+    qy2 = q_y * q_y
+    zero = real(0)
+    factor = scale * real(2 if inverse else 0.5)
     energy = 0.0
     for i in range(0, column.shape[0], PIECE):
-        piece, q = column[i : i + PIECE], q_x[i : i + PIECE]
-        e = zero
+        piece = column[i : i + PIECE]
+        q = q_x[i : i + PIECE]
+        part = zero
         if inverse:
             for j in range(piece.shape[0]):
                 q2 = q[j] * q[j] + qy2
-                k = factor / np.sqrt(q2) if q2 > zero else zero
-                c = piece[j]
-                e += k * c * c
-                piece[j] = k * c
+                scaled = factor / np.sqrt(q2) if q2 > zero else zero
+                value = piece[j]
+                part += scaled * value * value
+                piece[j] = scaled * value
         else:
             for j in range(piece.shape[0]):
-                k = factor * np.sqrt(q[j] * q[j] + qy2)
-                c = piece[j]
-                e += k * c * c
-                piece[j] = k * c
-        energy += e
+                scaled = factor * np.sqrt(q[j] * q[j] + qy2)
+                value = piece[j]
+                part += scaled * value * value
+                piece[j] = scaled * value
+        energy += part
     return energy
 
 
 @inline
 def _multiply_by_table(column, table, scale, inverse):
     """Multiply one column for a K that stands in a table; the energy likewise."""
-    n, half, zero = column.shape[0] // 2, table.shape[0], column.dtype.type(0)
+    n_x = column.shape[0] // 2
+    stored = table.shape[0]
+    zero = column.dtype.type(0)
     energy = 0.0
-    for i0 in range(0, n, PIECE):
-        e = zero
-        for i in range(i0, min(i0 + PIECE, n)):
-            t = table[i if i < half else n - i]
-            k = (scale / t if t > zero else zero) if inverse else scale * t
-            a, b = column[2 * i], column[2 * i + 1]
-            e += k * (a * a + b * b)
-            column[2 * i] = k * a
-            column[2 * i + 1] = k * b
-        energy += e
+    for i0 in range(0, n_x, PIECE):
+        part = zero
+        for i in range(i0, min(i0 + PIECE, n_x)):
+            K = table[i if i < stored else n_x - i]
+            scaled = (scale / K if K > zero else zero) if inverse else scale * K
+            re = column[2 * i]
+            im = column[2 * i + 1]
+            part += scaled * (re * re + im * im)
+            column[2 * i] = scaled * re
+            column[2 * i + 1] = scaled * im
+        energy += part
     return energy
 
 
 @kernel
 def spectrum_sums(columns, q_x, q_y, weight):
-    """Return sum(weight |columns|^2) and sum(weight q^2 |columns|^2), both without q = 0; columns:
-    (W, n_x) complex."""
-    W, n_x = columns.shape
-    s0 = 0.0
-    s2 = 0.0
-    for w in range(W):
+    """Add up the power of a spectrum and of its gradient, both without q = 0.
+
+    Parameters
+    ----------
+    columns : (W, n_x) complex
+        Columns of one block.
+    q_x, q_y, weight : (n_x,), (W,), (W,)
+        Of these columns.
+
+    Returns
+    -------
+    power, slopes : float
+        Sums of weight |columns|^2 and of weight q^2 |columns|^2, in double precision.
+    """
+    power = 0.0
+    slopes = 0.0
+    for w in range(columns.shape[0]):
         qy2 = q_y[w] * q_y[w]
-        for i in range(n_x):
+        for i in range(columns.shape[1]):
             q2 = q_x[i] * q_x[i] + qy2
             if q2 > 0.0:
                 c = columns[w, i]
-                e = weight[w] * (np.float64(c.real) * c.real + np.float64(c.imag) * c.imag)
-                s0 += e
-                s2 += q2 * e
-    return s0, s2
+                square = weight[w] * (np.float64(c.real) * c.real + np.float64(c.imag) * c.imag)
+                power += square
+                slopes += q2 * square
+    return power, slopes

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from ..util.errors import SceneError
 from ..util.plugins import class_in, names_in
 from .base import Law, is_concave
+
+if TYPE_CHECKING:
+    from ..scene import Material
 
 COMMON = ("base",)  # files that are no law
 
@@ -17,6 +22,17 @@ def law_names() -> list[str]:
 def law_class(name: str) -> type[Law]:
     """Return the class of the law of a name."""
     return class_in(__name__, name)
+
+
+def attraction_of(material: Material) -> Law | None:
+    """Return the law that a material (scene.Material) means, None without an attraction.
+
+    In the unit of its moduli and that of the surface's lengths. Raises SceneError.
+    """
+    adhesion = material.adhesion
+    if adhesion is None:
+        return None
+    return law_named(adhesion.law, adhesion.work, adhesion.range)
 
 
 def law_named(name: str, work: float, reach: float) -> Law:

@@ -57,16 +57,26 @@ def acquire(folder: Path) -> int:
     return descriptor
 
 
+def release(folder: Path, lock: int, keep: bool = True) -> None:
+    """Give back the lock that `acquire` returned.
+
+    The folder stays if it is to be kept and a run has begun in it.
+    """
+    if not keep or not (folder / HEAD).exists():
+        clear(folder)
+    os.close(lock)
+
+
 def is_held(folder: Path) -> bool:
-    """Tell whether a run holds the lock of `folder`."""
+    """Return whether a run holds the lock of a folder."""
     with suppress(OSError), open(folder / LOCK, "rb") as file:
         return _taken(file.fileno(), alone=False)
     return False
 
 
 def clear(folder: Path, keep_lock: bool = False) -> None:
-    """Remove what is ours, the head first: a folder without a head that nobody holds is nobody's
-    run."""
+    """Remove what runs write, the head first: without a head and without a lock the folder is
+    stale."""
     for file in sorted(folder.glob("*"), key=lambda file: not file.name.startswith(HEAD)):
         if _OURS.fullmatch(file.name):
             file.unlink(missing_ok=True)

@@ -6,11 +6,11 @@ has a final name. Beside them lies the gap of a load that was stopped in its mid
 """
 
 import os
-from contextlib import AbstractContextManager, suppress
+from contextlib import AbstractContextManager
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -19,37 +19,56 @@ from ..parallel.grid import Grid
 from ..parallel.guard import on_rank_0
 from ..parallel.h5 import Stored, write_file
 from ..parallel.mpi_io import io_way, mpi_io_obstacle
-from ..util.errors import GfmdError, SceneError, reason
+from ..util.errors import GfmdError, SceneError
+from .claim import EarlierRun, claim
 from .describe import SIGNS, describe, set_attributes
-from .folder import HEAD, STATE, acquire, clear, followed, partial_folder, step_files
+from .folder import HEAD, STATE, followed, partial_folder, release
 from .numbers import About
-from .read import (
-    CHECKPOINT,
-    FORMAT,
-    FORMAT_VERSION,
-    Result,
-    group_of,
-    read_checkpoint,
-    read_partial,
-    read_result,
-)
+from .read import CHECKPOINT, FORMAT, FORMAT_VERSION, Result, group_of, read_checkpoint
 
 
 class RunFile(AbstractContextManager):
-    """The result file of one run. All methods are collective.
+    """The result file of one run, used in a `with` statement. All methods are collective.
 
-    path: OUT.h5; n: (n_x, n_y); rows: (start, stop) of this rank, may be empty; head: root
-    attributes, among them `scene` (TOML text), `identity` (of the scene), `versions`; surface:
-    attributes; resume: go on with an interrupted run of the same identity, and leave what a later
-    one can go on with; force: begin anew, and replace even what is no result of this scene; about:
-    what the numbers of the steps are, as contact.all_numbers gives it; how: as of
-    parallel.h5.write_file.
+    Parameters
+    ----------
+    comm : Comm
+        All ranks that write.
+    path : path
+        The result file, OUT.h5.
+    n : (int, int)
+        Points of the surface.
+    rows : (int, int)
+        Start and stop of this rank's rows, which may be none.
+    head : dict
+        Root attributes, among them `scene` (TOML text), `identity` (of the scene), `versions`.
+    surface : dict
+        Attributes of the surface.
+    resume : bool
+        Whether to go on with an interrupted run of the same identity, and to leave what a later one
+        can go on with.
+    force : bool
+        Whether to begin anew, and to replace even what is no result of this scene.
+    about : dict
+        What the numbers of the steps are, see `contact.all_numbers`.
+    **how
+        As of `parallel.h5.write_file`.
 
-    finished: attributes of the steps that are there, by their indices; resumed: whether an
-    interrupted run goes on; notes: what was found, a line each; earlier: root attributes of the run
-    that is resumed which hold for this one, too.
-    Raises SceneError if the folder is missing or not writable, another run holds the file, or
-    finished steps or a result would be lost that are not to be replaced.
+    Attributes
+    ----------
+    finished : dict
+        Attributes of the finished loads by their indices.
+    resumed : bool
+        Whether an interrupted run goes on.
+    notes : list of str
+        What was found, a line each.
+    earlier : dict
+        Root attributes of the run that is resumed which hold for this one, too.
+
+    Raises
+    ------
+    SceneError
+        As `claim.claim`.
     """
 
     def __init__(
@@ -66,38 +85,46 @@ class RunFile(AbstractContextManager):
         about: About | None = None,
         **how: Any,
     ):
-        self.comm, self.path, self.partial = comm, followed(path), partial_folder(path)
-        self._points, self._how, self._about = ((int(n[0]), int(n[1])), rows), how, about or {}
-        self._lock: int | None = None
+        self.comm = comm
+        self.path = followed(path)
+        self.partial = partial_folder(path)
+        self._points = ((int(n[0]), int(n[1])), rows)
+        self._how = how
+        self._about = about or {}
         self._resume = resume
+        self._surface = dict(surface)
+        self._lock: int | None = None  # on rank 0
+
+        def claimed() -> EarlierRun:
+            self._lock, earlier_run = claim(self.path, head.get("identity"), resume, force)
+            return earlier_run
+
+        earlier_run = on_rank_0(comm, f"opening {self.path}", claimed)
+        self.resumed = earlier_run.is_resumed
+        self.notes = earlier_run.notes
+        self.finished = earlier_run.result.numbered
+        self._fields = earlier_run.result.datasets
+        kept = earlier_run.result.head
+        self.earlier = {name: kept[name] for name in ("start_time", "heights") if name in kept}
+        self._head = {
+            "format": FORMAT,
+            "format_version": FORMAT_VERSION,
+            "ranks": comm.size,
+            "signs": SIGNS,
+            "start_time": _now(),
+            **self.earlier,
+            **head,
+        }
+
+    def __enter__(self) -> Self:
+        """Begin: from now on the run can be resumed. Raises GfmdError on every rank."""
         try:
-            left, self.resumed, self.notes = on_rank_0(
-                comm,
-                f"opening {self.path}",
-                lambda: self._claim(head.get("identity"), resume, force),
-            )
-            self.finished = left.numbered
-            self._fields = left.datasets
-            self.earlier = {
-                name: left.head[name] for name in ("start_time", "heights") if name in left.head
-            }
-            self._head = (
-                {
-                    "format": FORMAT,
-                    "format_version": FORMAT_VERSION,
-                    "ranks": comm.size,
-                    "io": self._io_way(),
-                    "signs": SIGNS,
-                    "start_time": datetime.now(UTC).isoformat(timespec="seconds"),
-                }
-                | self.earlier
-                | head
-            )
-            self._surface = dict(surface)
+            self._head = {"io": self._io_way(), **self._head}
             self.update()
         except GfmdError:
             self.close()
             raise
+        return self
 
     def _io_way(self) -> str:
         """Return how fields are written; a note says why not by MPI-IO where that is there."""
@@ -185,8 +212,9 @@ class RunFile(AbstractContextManager):
 
     def take(self, result: Result) -> None:
         """Take all load steps of a result, numbered anew, which `finish` writes."""
-        result = replace(result, indices=[*range(len(result.steps))])
-        self.finished, self._fields = dict(enumerate(result.steps)), result.datasets
+        result = replace(result, indices=list(range(len(result.steps))))
+        self.finished = result.numbered
+        self._fields = result.datasets
 
     def finish(self, status: str) -> None:
         """Compose OUT.h5 from the finished steps, put it in place of any older one and remove the
@@ -195,7 +223,7 @@ class RunFile(AbstractContextManager):
         Raises GfmdError on every rank if that fails, or the fields of a step are damaged; the
         finished steps stay in the folder.
         """
-        self._head["end_time"] = datetime.now(UTC).isoformat(timespec="seconds")
+        self._head["end_time"] = _now()
         steps = {group_of(index): step for index, step in self.finished.items()}
         try:
             self._write(self.path, status, steps, self._fields)
@@ -209,69 +237,13 @@ class RunFile(AbstractContextManager):
         """Give the file back; what is there can be resumed, unless it is not to be kept or was
         never begun."""
         if self._lock is not None:
-            if not keep or not (self.partial / HEAD).exists():
-                clear(self.partial)
-            os.close(self._lock)
+            release(self.partial, self._lock, keep)
             self._lock = None
 
     def __exit__(self, kind: type | None, *_: object) -> None:
         refused = kind is not None and issubclass(kind, SceneError)
         begun = bool(self.finished) or self.resumed
         self.close(keep=self._resume and (begun or not refused))  # a wrong scene leaves nothing
-
-    def _claim(
-        self, identity: str | None, resume: bool, force: bool
-    ) -> tuple[Result, bool, list[str]]:
-        """Make and lock the folder, on rank 0; returns what an earlier run left, whether this one
-        goes on with it, and notes."""
-        if not self.path.parent.is_dir():
-            raise SceneError(f"output.path: the folder {self.path.parent} does not exist")
-        if self.path.is_dir():
-            raise SceneError(f"output.path: {self.path} is a folder, a file name is needed")
-        try:
-            self._lock = acquire(self.partial)
-        except OSError as error:
-            raise SceneError(
-                f"output.path: cannot write to {error.filename}: {reason(error)}"
-            ) from None
-        left, loads = None, len(step_files(self.partial)) if (self.partial / HEAD).exists() else 0
-        with suppress(SceneError):  # nothing, or nothing that can be read
-            left = read_partial(self.path)
-        same = left is not None and left.head.get("identity") == identity
-        if left is not None and same and resume and not force:
-            there = f"{len(left.steps)} finished loads are there"
-            return left, True, [*left.notes, f"going on with an interrupted run: {there}"]
-        whose = (
-            "that cannot be read" if left is None else f"of {'this' if same else 'another'} scene"
-        )
-        if loads and not force:
-            raise SceneError(
-                f"output.path: {self.partial} holds {loads} finished loads {whose}, allowed:"
-                " another path, or --force to remove them"
-            )
-        notes = [self._replaced(identity, force)] if self.path.exists() else []
-        if left is not None or loads:
-            notes.append(f"removed an interrupted run {whose} ({loads} finished loads)")
-        clear(self.partial, keep_lock=True)
-        return Result(None, {}, [], [], "running", {}, []), False, notes
-
-    def _replaced(self, identity: str | None, force: bool) -> str:
-        """Say what file will be replaced; raises SceneError if it may not be."""
-        try:
-            same = read_result(self.path).head.get("identity") == identity
-            what = (
-                "holds a result of this scene, which this run replaces"
-                if same
-                else "holds the result of another scene"
-            )
-        except SceneError as error:
-            same, what = False, f"exists and is no result that can be read ({error})"
-        if not (same or force):
-            raise SceneError(
-                f"output.path: {self.path} {what}, allowed: another path, or --force to"
-                " overwrite it"
-            )
-        return f"{self.path} {what}" + ("" if same else ": overwritten")
 
     def _write(
         self, path: Path, status: str, steps: dict[str, dict], fields: dict[str, Any]
@@ -285,3 +257,8 @@ class RunFile(AbstractContextManager):
             lambda file: describe(file, head, self._surface, steps, self._about),
             **self._how,
         )
+
+
+def _now() -> str:
+    """Return the time, as it stands in a file."""
+    return datetime.now(UTC).isoformat(timespec="seconds")

@@ -7,6 +7,7 @@ from ..util.quantities import prefixed
 
 DIGITS = 4  # of a number without an error estimate
 MAX_DIGITS = 6
+FINE = ("converged", "separated")  # statuses
 
 
 def summary(step: dict, surface: dict) -> str:
@@ -55,8 +56,8 @@ def surface_line(surface: dict) -> str:
 
 
 def converged(step: dict) -> bool:
-    """Tell whether the step reached the accuracy that the scene asks for."""
-    return step.get("status") == "converged"
+    """Return whether the step reached what the scene asks for, separated bodies included."""
+    return step.get("status") in FINE
 
 
 def with_error(value: float, relative: float | None) -> str:

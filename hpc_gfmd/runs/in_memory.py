@@ -203,7 +203,8 @@ def solve_loads(
             compile_once(comm, scene, lambda contact: step_attributes(scene, 0, contact, 0.0))
             solve_all()
         else:
-            with on_first_compile(say.say):
+            # said without `progress`, too: nothing else explains the wait
+            with on_first_compile(Reporter(comm, scene.solver, False, False, sys.stderr).say):
                 solve_all()
     except KeyboardInterrupt:
         # under MPI other ranks may not have been interrupted

@@ -18,8 +18,11 @@ from ..contact import (
 from ..contact.area import a_r_discretisation
 from ..contact.contact import Contact
 from ..contact.duality import OBSERVABLES as OF_DUALITY
+from ..driver.branches import RETRACTION
 from ..driver.load import Load
 from ..driver.sweep import Sweep, Unfinished, make_sweep
+from ..laws import attraction_of, law_names
+from ..parallel import interrupt
 from ..scene import File, Scene, each, has_unit
 from ..scene import Load as SceneLoad
 from ..scene.explain import require_known
@@ -31,7 +34,7 @@ from ..util.quantities import format_quantity
 from .progress import Reporter
 
 # the last one is the worst
-STATUS_ORDER = "converged", "max_iterations", "stagnated", "nonfinite", "interrupted"
+STATUS_ORDER = "converged", "separated", "max_iterations", "stagnated", "nonfinite", "interrupted"
 
 
 def check(scene: Scene) -> None:
@@ -45,6 +48,11 @@ def check(scene: Scene) -> None:
     ):
         for name in found:
             require_known(key, name, there)
+    adhesion = scene.material.adhesion
+    if adhesion is not None:
+        require_known("material.adhesion.law", adhesion.law, law_names())
+        if scene.solver.low_memory:
+            raise SceneError("solver.low_memory: found true with material.adhesion, allowed: false")
     known, accuracy = body_of(scene.material, scene.surface.free).error, scene.solver.accuracy
     if accuracy and accuracy <= known:
         raise SceneError(
@@ -71,6 +79,8 @@ def sweep_of(scene: Scene, make_surface: Callable[[np.dtype], Surface]) -> Sweep
         duality=not {"error_bounds", *OF_DUALITY}.isdisjoint(scene.output.observables or ()),
         body=body_of(scene.material, scene.surface.free),
         hardness=scene.material.hardness,
+        attraction=attraction_of(scene.material),
+        branch=scene.load.branch,
     )
     _require_like_units(scene, sweep.surface)
     return sweep
@@ -82,6 +92,10 @@ def _require_like_units(scene: Scene, surface: Surface) -> None:
     given = {
         "material.thickness": (scene.material.thickness, "2 um"),
         "load.gap_mean": (scene.load.gap_mean, "50 nm"),
+        "material.adhesion.range": (
+            scene.material.adhesion and scene.material.adhesion.range,
+            "2 nm",
+        ),
         "load.approach": (scene.load.approach, "10 nm"),
         "load.force": (scene.load.force, "5 mN"),
     }
@@ -156,7 +170,9 @@ def solved(
     (int, Contact, float)
         Index, solution and seconds spent. The next load overwrites the fields of the contact.
     """
-    for index in range(len(loads)) if indices is None else indices:
+    wanted = range(len(loads)) if indices is None else indices
+    _come_to(scene, sweep, loads, next(iter(wanted), 0), unfinished_of)
+    for index in wanted:
         load = loads[index]
         unfinished, seconds_before = unfinished_of(index) or (None, 0.0)
         begun = time.monotonic() - seconds_before
@@ -174,6 +190,20 @@ def solved(
             say.done()
         yield index, contact, time.monotonic() - begun
         del contact, unfinished  # their fields make room for the next load
+
+
+def _come_to(
+    scene: Scene,
+    sweep: Sweep,
+    loads: Sequence[Load],
+    index: int,
+    unfinished_of: Callable[[int], tuple[Unfinished, float] | None],
+) -> None:
+    """Bring a sweep to where a load begins, of a run that was stopped before it: on the retraction
+    branch that is the solution of the loads before. Collective."""
+    if scene.load.branch == RETRACTION and unfinished_of(index) is None:
+        for load in loads[:index]:
+            sweep.solve(load, lambda *_: interrupt.check(sweep.surface.grid.comm))
 
 
 def _shown_target(scene: Scene, sweep: Sweep, load: Load, index: int) -> tuple[str, float]:

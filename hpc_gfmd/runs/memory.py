@@ -43,6 +43,8 @@ class Needs:
         And a copy of the gap: what a coarse solution takes while it becomes that of the next grid.
     tangent : float
         What the stiffness takes.
+    stability : float
+        What the search for the stability takes, with an attraction.
     piece_gib, modes_gib : float
         Of a field that is written at a time; of the modes that free edges couple, on all grids.
     process_gib : float
@@ -57,6 +59,7 @@ class Needs:
     step: float = 0.5
     solver: float = 4.0
     tangent: float = 4.0
+    stability: float = 11.0
     piece_gib: float = 1 / 16
     modes_gib: float = 0.04
     process_gib: float = 0.21
@@ -129,6 +132,8 @@ def memory_of(
         passing.append(coarse + first * (NEEDS.solver * field + levels))
     if "stiffness" in (scene.output.observables or ()):
         passing.append(field * NEEDS.tangent + levels)
+    if scene.material.adhesion is not None:
+        passing.append(field * NEEDS.stability)
 
     def spectra(precision: DTypeLike, grids: Iterable[Grid]) -> float:
         return sum(share.layout_of(grid, precision).bytes for grid in grids) / GIB

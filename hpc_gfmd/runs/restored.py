@@ -8,6 +8,7 @@ import numpy as np
 from ..bodies import body_of
 from ..certificate.certificate import Certificate
 from ..contact.contact import Contact
+from ..laws import attraction_of
 from ..output.read import Result
 from ..parallel.comm import SerialComm
 from ..surface import Surface, grid_of
@@ -49,6 +50,7 @@ def restored_contact(result: Result) -> Contact:
         yielded=int(np.count_nonzero(fields["pressure"] >= yields)),
         gap_mean=float(fields["gap"].mean(dtype=float)) / surface.height_unit,
         energy=np.nan,
+        stability=step.get("stability") or np.nan,
     )
     E_star, pressure_unit = scene.material.E_star, scene.material.E_star * surface.slope
     beyond = [(0, cell - own) for cell, own in zip(grid.shape, fields["gap"].shape)]
@@ -66,6 +68,7 @@ def restored_contact(result: Result) -> Contact:
         getattr(scene.surface, "lam_s", None),
         body_of(scene.material, free),
         hardness=hardness,
+        attraction=attraction_of(scene.material),
     )
 
 

@@ -123,7 +123,7 @@ def run_scene(
         except Stopped:
             say.say(f"stopped; continue with: hpc-gfmd restart {file.path}")
             status = "interrupted"
-        codes = {"converged": 0, "interrupted": interrupt.exit_code}
+        codes = {"converged": 0, "separated": 0, "interrupted": interrupt.exit_code}
         return RunResult(file.path, [*file.finished.values()], status, codes.get(status, 3))
 
 

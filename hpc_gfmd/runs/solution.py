@@ -68,7 +68,8 @@ class Solution(Solved):
     gap_mean : float
         Mean gap.
     status : str
-        "converged", "stagnated", "max_iterations", "nonfinite" or "interrupted".
+        "converged", "stagnated", "max_iterations", "nonfinite", "interrupted", or "separated",
+        where the load pulls more than the attraction of the surfaces holds.
     iterations, fft_pairs : int, float
         On the fine grid; everything counted.
     precision : str
@@ -292,6 +293,18 @@ class Solutions(Solved, Sequence):
     def notes(self) -> tuple[str, ...]:
         """What a reader should know, such as loads that are missing, a line each."""
         return self.result.notes
+
+    @property
+    def pull_off(self) -> float | None:
+        """The last mean pressure that the surfaces hold on a way to separation, in the unit of
+        `p`: the load at which they come apart lies between it and the next one of the sweep.
+
+        None in a sweep in which no load separates what touched at the load before.
+        """
+        for before, after in zip(self, self[1:]):
+            if after.status == "separated" and before.status == "converged":
+                return float(before.value("p"))
+        return None
 
     def values(self, name: str) -> np.ndarray:
         """Return an observable or another number of all loads, (loads,), by its name in the result

@@ -7,6 +7,7 @@ from typing import Any, overload
 
 import numpy as np
 
+from ..output.summary import converged
 from ..parallel.comm import Comm
 from ..parallel.world import comm_of
 from ..surface.doubtful_numbers import DIFFERENT_UNITS
@@ -186,7 +187,7 @@ def _warn(comm: Comm, steps: Sequence[dict]) -> None:
         if note.endswith(DIFFERENT_UNITS):
             warnings.warn(note, stacklevel=3)
     for index, step in enumerate(steps):
-        if step["status"] != "converged" and comm.rank == 0:
+        if not converged(step) and comm.rank == 0:
             which = f"load {index + 1}: " if len(steps) > 1 else ""
             errors = ", ".join(
                 f"{step[name]:.1e}" for name in ("a_r_error", "gap_error", "pressure_error")

@@ -10,7 +10,7 @@ from annotated_types import Ge, Gt, Le, Lt
 SMALLEST = 1e-100  # bounds that keep squares and products of a few numbers finite
 LARGEST = 1e100
 MAX_INT = 2**63 - 1  # the largest integer of TOML and of HDF5
-EXAMPLES = {"length": "100 um", "pressure": "50 GPa", "force": "5 mN"}
+EXAMPLES = {"length": "100 um", "pressure": "50 GPa", "force": "5 mN", "work": "50 mJ/m2"}
 COUNTS = {2: "two", 3: "three", 4: "four"}
 
 
@@ -24,7 +24,8 @@ def allowed_values(annotation: Any, metadata: tuple = (), unit: str = "") -> str
     metadata : tuple
         Bounds beside those of the annotation.
     unit : str
-        What numbers measure: "length", "pressure" or "force" if they may have units, else "".
+        What numbers measure: "length", "pressure", "force" or "work" if they may have units, else
+        "".
 
     Returns
     -------

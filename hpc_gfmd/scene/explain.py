@@ -12,7 +12,7 @@ from ..util.quantities import DECIMAL_COMMA, NO_COMMA
 from .allowed import LARGEST, SMALLEST
 from .not_modelled import not_modelled
 from .surface import KINDS
-from .table import allowed_of
+from .table import allowed_of, table_fields
 
 _short = reprlib.Repr()
 _short.maxstring = _short.maxother = _short.maxlong = 60
@@ -100,6 +100,12 @@ def _line(item: Any, scene: Model, data: dict) -> tuple[tuple, str]:
         return key, f"{path}: {item['ctx']['error']}"  # a rule on the whole table has its own words
     field, *deeper = rest or [name]
     table, fields = (data[name], fields) if rest else (data, scene.model_fields)
+    inner_fields = table_fields(fields[field]) if field in fields else {}
+    if deeper and inner_fields:  # of a table within a table
+        of_table = f"{path}."
+        table, fields = table[field], inner_fields
+        field, *deeper = deeper
+        key, path = (*key, field), f"{path}.{printable(field)}"
     if item["type"] == "extra_forbidden":
         inner = table[field] if not rest and isinstance(table[field], dict) else ()
         why = not_modelled(field, *inner) or _nearest(field, of_table, fields, scene)

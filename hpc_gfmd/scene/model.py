@@ -13,9 +13,9 @@ import tomli_w
 from pydantic import ValidationError, model_validator
 
 from ..util.errors import SceneError, one_line
-from ..util.quantities import NO_COMMA, SI
+from ..util.quantities import NO_COMMA, format_quantity
 from .explain import explain
-from .settings import Load, Machine, Material, Output, Solver
+from .settings import PRESSURES, Load, Machine, Material, Output, Solver
 from .surface import AnySurface, File, SelfAffine, Surface, Wave
 from .table import Table, Text, about, alike, has_unit, key
 
@@ -68,8 +68,12 @@ class Scene(Table):
                 for key, field in type(table).model_fields.items()
                 if about(field).get("unit") == dimension
             }
-            for dimension in SI
+            for dimension in ("length", "pressure", "force")
         )
+        adhesion = self.material.adhesion
+        if adhesion is not None:
+            lengths["material.adhesion.range"] = adhesion.range
+            pressures["material.adhesion.work"] = adhesion.work
         if self.material.E1 is not None:
             del pressures["material.E_star"]  # computed
         # a file may know units: what is built of it is compared later
@@ -80,6 +84,37 @@ class Scene(Table):
         if self.load.force and not measured:
             sizes = {"surface.physical_sizes": self.surface.physical_sizes}
             alike("lengths and forces", sizes | forces)
+        if adhesion is not None:
+            both = {"range": adhesion.range, "work": adhesion.work}
+            alike("of work and range", {f"material.adhesion.{name}": x for name, x in both.items()})
+        return self
+
+    @model_validator(mode="after")
+    def _pulled(self) -> Self:
+        adhesion, hardness = self.material.adhesion, self.material.hardness
+        name, values = self.load.given
+        if adhesion is None:
+            if name in PRESSURES and min(values) <= 0:
+                raise ValueError(
+                    f"load.{name}: found {format_quantity(min(values))}, allowed: a number greater"
+                    " than 0; with material.adhesion also 0 and below"
+                )
+            if self.load.branch != "approach":
+                raise ValueError(
+                    f'load.branch: found "{self.load.branch}", allowed: "approach"; others with'
+                    " material.adhesion"
+                )
+            return self
+        if hardness is not None:
+            raise ValueError(
+                f"material.adhesion: found beside material.hardness = {format_quantity(hardness)},"
+                " allowed: one of them"
+            )
+        if name not in PRESSURES:
+            raise ValueError(
+                f"load.{name}: found with material.adhesion, where several loads may give the same"
+                f" value, allowed: {', '.join(PRESSURES)}"
+            )
         return self
 
     @model_validator(mode="after")
@@ -153,6 +188,7 @@ class Scene(Table):
                 for axis, n, k in zip("xy", surface.n, surface.periods)
                 if n < RESOLVED * k
             ]
+        attracts = self.material.adhesion is not None  # more touches then
         if not isinstance(surface, SelfAffine) or surface.radius:
             return found
         if surface.eps_f > 1 / 8:
@@ -169,7 +205,7 @@ class Scene(Table):
         )  # about
         _, values = self.load.given
         for load, area in zip(values, self.load.a_r or areas):
-            if area * n_x * n_y < TOUCHING:
+            if area * n_x * n_y < TOUCHING and not attracts:
                 found.append(
                     f"load: at {load:g} fewer than {TOUCHING} of the {n_x} x {n_y} points touch"
                 )

@@ -3,15 +3,20 @@ not led to the nearest key."""
 
 import re
 
-ONLY = "not modelled (elastic, frictionless, non-adhesive contact only)"
+ONLY = "not modelled (frictionless contact under a normal load only)"
 # beginnings of words, or of several in a row; \b: the whole word
 STEMS = (
-    r"adh|cohes|jkr\b|dmt\b|tabor|maugis|hamaker|lennard|van der waals|surface energ"
-    r"|surface tension|interfacial|capillar|menisc|gamma\b|friction|coulomb|cof\b|mu\b|stick\b"
+    r"surface tension|interfacial|capillar|menisc|friction|coulomb|cof\b|mu\b|stick\b"
     r"|slip|sliding|shear|tangential|velocity\b|speed\b|plasticity|elasto ?plastic|yield"
     r"|hardening|fracture|crack|fatigue|visco|creep|relaxation time|prony\b|loss\b|storage modul"
-    r"|hystere|dissipat|lubric|fluid|oil\b|wear\b|archard|pull off|stiction|humid"
+    r"|dissipat|lubric|fluid|oil\b|wear\b|archard|stiction|humid"
 )
+ADHESION = (
+    r"adh|cohes|jkr\b|dmt\b|tabor|maugis|hamaker|lennard|van der waals|surface energ"
+    r"|gamma\b|pull off"
+)
+KEY = "adhesion"  # which is one
+ATTRACTION = "unknown key; material.adhesion = {work, range, law} is the attraction of the surfaces"
 CONDUCTION = r"temperature|therm|heat\b|current\b|electr|voltage|conductivit|resistiv|resistance"
 INSTEAD = f'{ONLY}; output.observables = ["conductance"] is the conductance of the contact'
 
@@ -22,9 +27,11 @@ def not_modelled(*names: str) -> str:
     A word that ends in "less" stands for none.
     """
     for name in names:
+        if name == KEY:
+            continue
         words = re.findall("[a-z]+", re.sub("([a-z])([A-Z])", r"\1 \2", name[:200]).lower())
         text = " ".join(word for word in words if not word.endswith("less"))
-        for stems, said in ((STEMS, ONLY), (CONDUCTION, INSTEAD)):
+        for stems, said in ((STEMS, ONLY), (ADHESION, ATTRACTION), (CONDUCTION, INSTEAD)):
             if re.search(rf"\b(?:{stems})", text):
                 return said
     return ""

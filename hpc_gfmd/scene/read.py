@@ -10,10 +10,10 @@ from typing import Any
 from ..util.errors import SceneError, one_line
 from .explain import printable, shown
 from .model import Scene, parse_toml
-from .settings import Load
+from .settings import LOADS
 
 # by table, the keys of which one takes the place of another
-ALTERNATIVES = {"load": tuple(Load.model_fields), "solver": ("accuracy", "residual")}
+ALTERNATIVES = {"load": LOADS, "solver": ("accuracy", "residual")}
 
 
 def load_scene(path: str | PathLike, overrides: Iterable[str] = ()) -> Scene:

@@ -17,6 +17,7 @@ from .table import about, allowed_of
 UNITS = {
     "length": "in the unit of the surface, or with a unit",
     "pressure": "in the unit of the moduli, or with a unit",
+    "work": "in the unit of the moduli times that of the surface, or with a unit",
     "force": "in the unit of the moduli times that of the surface squared, or with a unit",
 }
 

@@ -5,12 +5,12 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
+from .adhesion import Adhesion
 from .table import (
     DISTINCT,
     LIST,
     MAX_INT,
     Coordinate,
-    Force,
     Fraction,
     Length,
     Loads,
@@ -19,6 +19,9 @@ from .table import (
     Positive,
     Pressure,
     Share,
+    Signed,
+    SignedForce,
+    SignedPressure,
     Table,
     Text,
     Whole,
@@ -34,6 +37,7 @@ Fields = Annotated[
     tuple[Literal["pressure", "gap", "displacement", "plastic", "heights"], ...], LIST, DISTINCT
 ]
 NAMES = "a list of names, each once"
+PUSH = "greater than 0, with material.adhesion also 0 and below"
 
 
 def _effective_modulus(given: dict) -> float:
@@ -95,6 +99,14 @@ class Material(Table):
         said="none, elastic",
     )
 
+    adhesion: Adhesion | None = key(
+        "attraction of the two surfaces across the gap",
+        None,
+        allowed="a table {work, range, law}",
+        example={"work": "50 mJ/m2", "range": "2 nm", "law": "exponential"},
+        said="none",
+    )
+
     @model_validator(mode="after")
     def _one_way(self) -> Self:
         # E_star is in the set only if it was given, not if it was computed
@@ -150,11 +162,11 @@ class Load(Table):
     """The loads of a sweep, in order: mean pressures, or what the mean pressure has to give, which
     is then found."""
 
-    p_star: Loads[Positive] | None = key(
-        "mean pressures p0/(E* g_rms), solved in this order", None, example=[0.01, 0.1]
+    p_star: Loads[Signed] | None = key(
+        f"mean pressures p0/(E* g_rms), solved in this order; {PUSH}", None, example=[0.01, 0.1]
     )
-    pressure: Loads[Pressure] | None = key(
-        "mean pressures instead of p_star; they push, so that they are positive",
+    pressure: Loads[SignedPressure] | None = key(
+        f"mean pressures instead of p_star; {PUSH}",
         None,
         unit="pressure",
         example=["2 MPa", "20 MPa"],
@@ -173,8 +185,8 @@ class Load(Table):
         None,
         example=[0.01, 0.1],
     )
-    force: Loads[Force] | None = key(
-        "forces on a surface with free edges", None, unit="force", example="5 mN"
+    force: Loads[SignedForce] | None = key(
+        f"forces on a surface with free edges; {PUSH}", None, unit="force", example="5 mN"
     )
     approach: Loads[Length] | None = key(
         "how far the bodies come together after they touch (free boundaries along both axes, or a"
@@ -183,32 +195,37 @@ class Load(Table):
         unit="length",
         example="10 nm",
     )
+    branch: Literal["approach", "retraction"] = key(
+        "with material.adhesion, from which side a load is reached: from less contact, as the"
+        " surfaces come together, or from more, as they are pulled apart",
+        "approach",
+    )
 
     @model_validator(mode="after")
     def _one(self) -> Self:
-        one_of(self, *type(self).model_fields)
+        one_of(self, *LOADS)
         return self
 
     @property
     def given(self) -> tuple[str, tuple[float, ...]]:
         """The key that is given, and its values."""
-        return next(
-            (name, values)
-            for name in type(self).model_fields
-            if (values := getattr(self, name)) is not None
-        )
+        return next((name, values) for name in LOADS if (values := getattr(self, name)) is not None)
 
     @property
     def found(self) -> bool:
         """Whether the pressures have to be found."""
-        return not (self.p_star or self.pressure or self.force)
+        return self.given[0] not in PRESSURES
 
     def p0(self, E_star: float, g_rms: float, area: float = 1.0) -> tuple[float, ...]:
         """Return the mean pressures, in the unit of E_star, on a surface of realised g_rms and an
         area; none where they have to be found."""
-        _, values = self.given
-        scale = E_star * g_rms if self.p_star else 1 / area if self.force else 1.0
+        name, values = self.given
+        scale = {"p_star": E_star * g_rms, "force": 1 / area}.get(name, 1.0)
         return () if self.found else tuple(float(value) * scale for value in values)
+
+
+PRESSURES = ("p_star", "pressure", "force")
+LOADS = tuple(name for name in Load.model_fields if name != "branch")  # one of them is given
 
 
 class Solver(Table):

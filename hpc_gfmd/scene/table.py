@@ -2,8 +2,9 @@
 rule "exactly one of"."""
 
 import os
+from collections.abc import Mapping
 from math import inf
-from typing import Annotated, Any, Literal, TypeVar
+from typing import Annotated, Any, Literal, TypeVar, get_args
 
 from pydantic import (
     AfterValidator,
@@ -76,6 +77,12 @@ def _distinct(values: tuple) -> tuple:
     return values
 
 
+def _not_tiny(value: float) -> float:
+    if 0 < abs(value) < SMALLEST:
+        raise ValueError(f"the least magnitude is {SMALLEST:g}")
+    return value
+
+
 def _bent(radii: Any) -> Any:
     if radii in (inf, (inf, inf)):
         raise ValueError("straight along both axes")
@@ -97,6 +104,11 @@ Radii = Annotated[Radius | tuple[Radius, Radius], LIST, AfterValidator(_bent)]
 Coordinate = Annotated[NotNegative, _in("length"), AS_GIVEN]
 Pressure = Annotated[Positive, _in("pressure"), AS_GIVEN]
 Force = Annotated[Positive, _in("force"), AS_GIVEN]
+Work = Annotated[Positive, _in("work"), AS_GIVEN]
+# of loads, which pull where the surfaces attract each other
+Signed = Annotated[float, Field(ge=-LARGEST, le=LARGEST), AfterValidator(_not_tiny)]
+SignedPressure = Annotated[Signed, _in("pressure"), AS_GIVEN]
+SignedForce = Annotated[Signed, _in("force"), AS_GIVEN]
 LengthUnit = Annotated[str, AfterValidator(_length_unit)]
 Whole = Annotated[int, Field(ge=1, le=MAX_INT)]
 Text = Annotated[str, AfterValidator(_printable)]
@@ -164,6 +176,12 @@ def allowed_of(field: Any) -> str:
     return extra["allowed"] or allowed_values(
         field.annotation, tuple(field.metadata), extra["unit"]
     )
+
+
+def table_fields(field: Any) -> Mapping[str, Any]:
+    """Return the keys of the table that a key takes, {name: field}; none of others."""
+    models = [field.annotation, *get_args(field.annotation)]
+    return next((model.model_fields for model in models if hasattr(model, "model_fields")), {})
 
 
 def one_of(table: BaseModel, *keys: str) -> None:

@@ -19,7 +19,9 @@ from ..operators.elastic import Elastic
 from .options import read_options
 
 if TYPE_CHECKING:
+    from ..certificate.certificate import Certificate
     from ..certificate.error_estimates import Estimate
+    from ..certificate.stability import Stability
     from ..operators.multilevel import Multilevel
     from ..operators.problem import Problem
 
@@ -86,6 +88,7 @@ class Solver:
     allowed: Mapping[str, tuple[float, float]] = {}
     dents = False  # whether it can do with a hardness
     attracts = False  # whether it can do with an attraction
+    stability: Stability | None = None  # of the state with an attraction, as found last
     patience = 60  # iterations without progress after which the solver counts as stagnated
 
     def __init__(
@@ -167,12 +170,24 @@ class Solver:
         and self.levels used by somebody else. uKu: <u, K u>, None if that has not changed."""
         raise NotImplementedError
 
-    def after_certificate(self, uKu: float) -> None:
-        """Go on after the certificate has computed self.p anew from self.g, and used self.levels.
+    @property
+    def is_separated(self) -> bool:
+        """Return whether the bodies have come apart, for good: nothing touches, and the load pulls
+        more than the attraction."""
+        return False
 
-        uKu: <u, K u>.
-        """
-        self.refresh(uKu)
+    def begin_at(self, certificate: Certificate) -> None:
+        """Begin where a certificate has computed self.p from self.g."""
+        self.refresh(certificate.uKu)
+
+    def after_certificate(self, certificate: Certificate) -> None:
+        """Go on after the certificate has computed self.p anew from self.g, and used
+        self.levels."""
+        self.begin_at(certificate)
+
+    def after_stability(self) -> None:
+        """Go on after the search for the stability has used self.levels."""
+        self.refresh()
 
     def make_room(self) -> None:
         """Give the memory of the transforms and of the last step, which is lost, to somebody else

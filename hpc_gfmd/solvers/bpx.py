@@ -15,6 +15,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ..certificate.certificate import Certificate
 from ..certificate.error_estimates import (
     Estimate,
     State,
@@ -60,7 +61,6 @@ class Bpx(Solver):
         self.compliance = 1.0 / body.scale(grid)  # of the shortest wave
         self.law = problem.law()
         self.attracted = 0.0  # sum of the attraction over all points
-        self.stability = 1.0  # as the certificate found it last
 
     @cached_property
     def gradient(self) -> float:
@@ -102,6 +102,14 @@ class Bpx(Solver):
         self.uKu = self.uKu if uKu is None else uKu
         self.d[...] = 0
         self._begin(self.levels.restrict(self.g, self.p, self.problem.limit))
+
+    def begin_at(self, certificate: Certificate) -> None:
+        self.attracted = certificate.attraction * self.N
+        super().begin_at(certificate)
+
+    def after_stability(self) -> None:
+        self.levels.restrict(self.g, self.p, self.problem.limit)
+        self.levels.sweep()  # z on the coarse levels follows from g and p
 
     def _begin(self, sums: UpdateSums) -> None:
         """Begin a new descent: no momentum, a Rayleigh quotient as first steps have."""
@@ -291,13 +299,18 @@ class Bpx(Solver):
         return self.p0 + self.attracted / self.N
 
     @property
+    def is_separated(self) -> bool:
+        return self.law is not None and self.contact == 0 and self.wall_load <= 0
+
+    @property
     def _p_cell_of_wall(self) -> float:
         """The mean of p over the whole grid."""
         return self.p_cell + self.attracted / self.grid.cell_points
 
     def progress(self) -> Progress:
         finite = bool(np.isfinite(self.pp + self.gap_mean))
-        residual = np.sqrt(self.rr / self.N) / self.wall_load
+        carried = max(self.wall_load, np.finfo(float).tiny)
+        residual = np.sqrt(self.rr / self.N) / carried
         found = self._estimate() if finite else Estimate()
         predicted = self._predicted(found) if finite else None
         return Progress(float(residual), self.contact, self.gap_mean, found, finite, predicted)
@@ -315,7 +328,8 @@ class Bpx(Solver):
             self.uKu,
             self.level_sums,
         )
-        return estimate(self.problem, self.levels, self.g, state, self.stability)
+        stability = 1.0 if self.stability is None else self.stability.lowest
+        return estimate(self.problem, self.levels, self.g, state, stability)
 
     def _predicted(self, found: Estimate) -> tuple[float, float] | None:
         """Predict the converged area and gap: the area goes with the load that the contact

@@ -18,7 +18,10 @@ faster modes back. Half of it leaves the slow modes slightly underdamped; whenev
 negative work on the motion, <p, d> > 0, the velocity is dropped.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -27,6 +30,9 @@ from ..operators.problem import Problem
 from ..parallel.threads import added, on_threads
 from ..util.aligned import zeros_aligned
 from .base import Progress, Solver
+
+if TYPE_CHECKING:
+    from ..certificate.certificate import Certificate
 
 DT = 0.95  # default time step, relative to the stability limit
 UNDERDAMPED = 0.5  # share of the Rayleigh quotient that is taken as mu
@@ -72,7 +78,7 @@ class Gfmd(Solver):
         passes = [(i0, i1, zero) for i0, i1 in fft.passes()]
         self._measure(on_threads(self.grid.threads, self._update, passes))
 
-    def after_certificate(self, uKu: float) -> None:
+    def after_certificate(self, certificate: Certificate) -> None:
         """Go on with the velocity that there is: the pressure has changed by rounding errors."""
 
     # -- one time step

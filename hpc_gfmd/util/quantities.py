@@ -11,11 +11,12 @@ from typing import Any
 from .errors import one_line
 from .lengths import length_factor
 
-SI = {"length": "m", "pressure": "Pa", "force": "N"}
+SI = {"length": "m", "pressure": "Pa", "force": "N", "work": "J/m^2"}
 USUAL = {  # to guess from what was meant
     "length": ("m", "mm", "um", "nm", "pm"),
     "pressure": ("Pa", "kPa", "MPa", "GPa", "bar", "N/mm^2"),
     "force": ("N", "uN", "nN", "mN", "kN"),
+    "work": ("J/m^2", "mJ/m^2", "N/m", "mN/m"),
 }
 DECIMAL_COMMA = re.compile(r"\s*[-+]?\d*,\d+(?!.*,).*")
 NO_COMMA = "decimals have a point, not a comma"
@@ -77,7 +78,8 @@ def _in_si(unit: str, dimension: str) -> float | None:
 
     try:
         if _UNIT.fullmatch(unit):
-            return float(_registry()(unit).to(SI[dimension]).magnitude)
+            power = re.sub(r"(?<=[^\W\d_])(-?[1-9])", r"^\1", unit)  # pint has "m^2" for "m2"
+            return float(_registry()(power).to(SI[dimension]).magnitude)
     except (ValueError, AttributeError, pint.PintError):
         pass
     return None

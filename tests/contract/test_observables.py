@@ -25,7 +25,9 @@ from hpc_gfmd.scene import Scene
 every_observable = pytest.mark.parametrize("name", all_observables())
 every_distribution = pytest.mark.parametrize("name", all_distributions())
 ATTRIBUTE_BYTES = 2**16 - 512  # that HDF5 takes
-# where all observables but gap_bound exist, and where all distributions do
+# where all observables but these exist, and where all distributions do
+OF_ATTRACTION = {"attraction", "separation_work", "stability", "stickiness"}
+MISSING = {"gap_bound"} | OF_ATTRACTION
 FREE, HARD = rough((1, 8, 4), boundary="free"), {"hardness": 0.5}
 PERIODIC = rough((1, 8, 4))
 DEGENERATE = {
@@ -67,9 +69,9 @@ def results(tmp_path_factory):
 
 @every_observable
 def test_a_finite_number(name, contact):
-    """Dents leave the error of the gap alone without a bound."""
+    """Dents leave the error of the gap alone without a bound; the surfaces do not attract."""
     value = all_observables()[name](contact)
-    assert (value is None) == (name == "gap_bound")
+    assert (value is None) == (name in MISSING)
     assert value is None or (isfinite(value) and value == float(value))
 
 
@@ -87,7 +89,7 @@ def test_small_and_finite(name):
 
 def test_written_and_shown(results):
     numbers, arrays = (result.steps[1] for result in results)
-    assert all(isfinite(numbers[name]) for name in all_observables().keys() - {"gap_bound"})
+    assert all(isfinite(numbers[name]) for name in all_observables().keys() - MISSING)
     assert set(all_distributions()) <= {
         key.rpartition("_")[0] for key, value in arrays.items() if isinstance(value, list)
     }
@@ -102,7 +104,9 @@ def test_alone(name):
     (_, step) = run(rough((1, 8, 2), boundary="free"), {"observables": [name]}, material=HARD).steps
     kept = {*default_observables(), *observables_named([name])}
     asked = {*duality.OBSERVABLES} - {"gap_bound"} if name in duality.OBSERVABLES else set()
-    assert set(step) & set(all_observables()) == kept - {*duality.OBSERVABLES} | asked
+    assert (
+        set(step) & set(all_observables()) == kept - {*duality.OBSERVABLES} - OF_ATTRACTION | asked
+    )
 
 
 def test_each_number_of_a_result_is_defined(results, cli):
@@ -126,7 +130,21 @@ def test_degenerate_contacts(name, case):
     made = sweep_of(DEGENERATE[case], duality=True)
     for p in (0.05, 0.06):
         value = all_observables()[name](made.solve(p))
-        assert value is None if name in WITHOUT[case].split() else isfinite(value)
+        missing = OF_ATTRACTION.union(WITHOUT[case].split())
+        assert value is None if name in missing else isfinite(value)
+
+
+@every_observable
+def test_with_an_attraction(name):
+    """A finite number, but where only the convex problem has one; None where nothing touches."""
+    wall = rough((1, 8, 4), g_rms=1.0)
+    adhesion = {"adhesion": {"work": 0.002, "range": 0.02}}
+    made = sweep_of(wall, duality=True, layer=adhesion, accuracy=1e-3)
+    value = all_observables()[name](made.solve(0.05))
+    missing = {"a_plastic", "approach", "stiffness", "gap_bound", "pressure_bound"}
+    assert value is None if name in missing else isfinite(value)
+    apart = all_observables()[name](made.solve(-0.05))
+    assert apart is None or isfinite(apart)
 
 
 @every_distribution

@@ -107,7 +107,7 @@ def test_interrupted(cli, folder, monkeypatch):
         assert cli("restart contact.h5").code == 143  # the limit is part of the stored scene
     assert "machine.wall_seconds" in cli.refused("restart contact.h5")
     assert (folder / "contact.h5.partial" / "checkpoint.h5").exists()
-    assert "0 finished loads are there" in cli.prints("run scene.toml")
+    assert "resuming an interrupted run: 0 loads" in cli.prints("run scene.toml")
     assert cli("restart contact.h5").code == 2  # complete
 
 

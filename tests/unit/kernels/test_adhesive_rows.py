@@ -81,10 +81,20 @@ def test_shift(random, gaps, inside):
 def test_softening(gaps, inside):
     closed = (gaps == 0).astype(float)
     D = np.empty(N)
-    total = adhesive_rows.softening(LAW, gaps, closed, D, 0, N[0], inside)
+    total, largest = adhesive_rows.softening(LAW, gaps, closed, D, 0, N[0], inside)
     wanted = -LAW.curvature(gaps) * (gaps > 0) * on_surface(inside)
     assert np.allclose(D, wanted)
     assert total == pytest.approx(wanted.sum(), abs=1e-12)
+    assert largest == pytest.approx(wanted.max(), abs=1e-12)
+
+
+@every_edge
+@pytest.mark.parametrize("length", [0.3, -0.7])
+def test_gain_along_a_direction(random, gaps, inside, length):
+    e = random.standard_normal(N)
+    found = adhesive_rows.gain_along(LAW, gaps, e, length, 0, N[0], inside)
+    gained = LAW.energy(np.maximum(gaps + length * e, 0)) - LAW.energy(gaps)
+    assert found == pytest.approx(np.sum(gained[on_surface(inside)]), abs=1e-12)
 
 
 @pytest.mark.parametrize("k", [1, 2, 3])

@@ -22,7 +22,7 @@ def test_an_interrupted_run_can_be_read_and_resumed(path):
     assert (result.status, result.steps, result.indices) == ("interrupted", [STEP], [0])
     with begin(path) as run:
         assert list(run.finished) == [0]
-        assert run.notes == ["going on with an interrupted run: 1 finished loads are there"]
+        assert run.notes == ["resuming an interrupted run: 1 load is finished"]
         run.write_step(1, STEP | {"p": 0.2}, {"gap": FIELD + 1})
         run.finish("converged")
     result = read_result(path)

@@ -1,0 +1,41 @@
+"""What a user has to know of a contact with an attraction, before its numbers."""
+
+from __future__ import annotations
+
+from math import ceil
+from typing import Any
+
+from ..laws.base import steepest
+
+ABOUT_TO_JUMP = 0.1  # a stability
+RESOLVED, FLIPPING = 0.5, 1.0  # softening over stiffness of one point: fine; flips alone
+
+
+def attraction_notes(contact: Any) -> list[str]:
+    """Return remarks on the stability and the resolution of a Contact; none without attraction."""
+    if contact.attraction is None or contact.is_separated:
+        return []
+    notes = []
+    stability = contact.certificate.stability
+    if stability < ABOUT_TO_JUMP:  # not of nan
+        notes.append(
+            f"stability {stability:.2g}: about to jump; errors are those of this equilibrium"
+        )
+    softness = resolution(contact)
+    if softness > RESOLVED:
+        finer = ceil(softness / RESOLVED)
+        notes.append(
+            f"range of the attraction not resolved ({softness:.2g}, at most {RESOLVED:g}): points"
+            f" {finer} times as close"
+            + "; single points jump, so that hysteresis is the grid's"
+            * (softness > FLIPPING)
+        )
+    return notes
+
+
+def resolution(contact: Any) -> float:
+    """Return how much the attraction softens a single point, at most, over its stiffness: above 1
+    it jumps alone."""
+    law, grid = contact.attraction, contact.grid
+    stiffness = float(contact.body.near(grid)[0]) * contact.E_star / grid.a
+    return steepest(law) / stiffness

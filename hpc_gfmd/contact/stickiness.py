@@ -1,0 +1,41 @@
+"""Whether a rough wall sticks: the criterion of Pastewka and Robbins, of this contact."""
+
+from .base import Contact, Observable
+from .perimeter import perimeter
+
+ON_REQUEST = True
+
+
+def stickiness(contact: Contact) -> float | None:
+    """Return the attraction in a ring around the contact over the repulsion in it; the wall sticks
+    above 1, and far below 1 adhesion can be neglected.
+
+    With the area, the perimeter and the load that this contact has. None without an attraction,
+    where nothing touches, and where there is no edge.
+    """
+    from math import pi
+
+    from ..theory.adhesion import stickiness as of_ring
+
+    law = contact.attraction
+    if law is None or contact.is_separated or contact.g_rms == 0:
+        return None
+    edge = perimeter(contact)
+    if edge == 0:
+        return None
+    area = contact.contact_points * contact.grid.spacings[0] * contact.grid.spacings[1]
+    reach = law.work / float(law.traction(0.0))
+    share = contact.contact_points / contact.N
+    return float(
+        of_ring(share, contact.wall_pressure, contact.g_rms, pi * area / edge, law.work, reach)
+    )
+
+
+OBSERVABLES = {
+    "stickiness": Observable(
+        stickiness,
+        "attraction beside the contact over the repulsion in it, by the criterion of Pastewka and"
+        " Robbins; the wall sticks above 1",
+        sources=("Pastewka, Robbins, PNAS 111 (2014) 3298, doi:10.1073/pnas.1320846111",),
+    )
+}

@@ -1,0 +1,168 @@
+"""With an attraction a load may have several equilibria: from which of them the next one starts,
+and how a solver leaves a saddle.
+
+The approach branch comes down from larger gaps: from the contact without attraction, or from a
+smaller load before. The retraction branch comes up from smaller gaps: from the larger load before.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..certificate.stability import stability_of
+from ..kernels.adhesive_rows import gain_along
+
+if TYPE_CHECKING:
+    from ..solvers.base import Solver
+
+APPROACH, RETRACTION = "approach", "retraction"
+ENOUGH = 1.5  # times the stability that the errors ask for is enough
+KICKS = 12  # saddles that a load may be led away from
+# lengths of a kick that are tried: its largest change of the gap, in ranges of the attraction
+KICK_LENGTHS = (0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0)
+
+
+def goes_on(branch: str, p0: float, p0_before: float) -> bool:
+    """Return whether a load follows the one before on a branch.
+
+    Parameters
+    ----------
+    branch : str
+        "approach" or "retraction".
+    p0, p0_before : float
+        Mean pressures of the load and of the one before.
+    """
+    if branch == RETRACTION:
+        return p0 <= p0_before
+    return 0 < p0_before <= p0
+
+
+class SaddleGuard:
+    """Finds the stability of a solver's state, and leads it away from saddles.
+
+    Parameters
+    ----------
+    solver : Solver
+        With an attraction.
+    branch : str
+        "approach" or "retraction": where the solver comes from.
+
+    Attributes
+    ----------
+    kicks : int
+        Saddles left so far.
+    at_saddle : bool
+        Whether the state that was looked at last is a saddle, or near one.
+    """
+
+    def __init__(self, solver: Solver, branch: str):
+        self.solver = solver
+        self.branch = branch
+        self.kicks = 0
+        self.at_saddle = False
+        self._mode: np.ndarray | None = None
+
+    def look(self, measure: float = np.inf) -> float:
+        """Find the stability of the present state, `solver.stability`; return the FFT pairs that it
+        took. Collective.
+
+        measure: the solver's own measure of the error over what is asked for. It is inversely
+        proportional to the stability: nobody needs to know that better than the error asks for.
+        """
+        solver = self.solver
+        before = 1.0 if solver.stability is None else max(solver.stability.lowest, 0.0)
+        found = stability_of(
+            solver.problem_now,
+            solver.g,
+            solver.p,
+            solver.levels,
+            ENOUGH * measure * before,
+            self._mode,
+        )
+        self._mode = found.mode
+        self.at_saddle = found.value < 0
+        solver.stability = found
+        solver.after_stability()
+        return found.pairs
+
+    def leave_saddle(self) -> bool:
+        """Lead the solver away from a saddle, along the direction in which the energy falls;
+        return whether it may try. Collective."""
+        if self.kicks >= KICKS or self._mode is None:
+            return False
+        solver, mode = self.solver, self._mode
+        length = self._length_of_kick(mode)
+        if length == 0:
+            return False
+        rows, points = solver.grid.inside
+        step = solver.problem.dtype.type(length)
+        g = solver.g
+
+        def kick(i0: int, i1: int) -> None:
+            g[i0:i1] += step * mode[i0:i1]
+            inner = max(min(i1, rows) - i0, 0)
+            on_surface = g[i0 : i0 + inner, :points]
+            np.maximum(on_surface, 0, out=on_surface)
+
+        solver.grid.by_rows(kick)
+        solver.stability = None
+        solver.start(g)
+        self.kicks += 1
+        return True
+
+    def _length_of_kick(self, mode: np.ndarray) -> float:
+        """Return the length along the mode, of which <e, K e> = 1, that lowers the energy most.
+
+        The side to which the branch goes comes first; 0 where the energy falls on neither.
+        Collective.
+        """
+        work, largest = self._work_along(mode)
+        law = self.solver.problem.attraction
+        assert law is not None  # nobody looks for saddles otherwise
+        unit = float(law.range) / largest
+        side = 1.0 if self.branch == RETRACTION else -1.0
+        for sign in (side, -side):
+            lengths = [sign * unit * share for share in KICK_LENGTHS]
+            changes = [
+                length * work + 0.5 * length**2 + self._gain_along(mode, length)
+                for length in lengths
+            ]
+            least = int(np.argmin(changes))
+            if changes[least] < 0:
+                return lengths[least]
+        return 0.0
+
+    def _work_along(self, mode: np.ndarray) -> tuple[float, float]:
+        """Return <w, e>, w being the pressure of the body, and the largest |e| on the surface.
+        Collective."""
+        solver = self.solver
+        grid, law = solver.grid, solver.problem.attraction
+        assert law is not None
+        rows, points = grid.inside
+        work, largest = [0.0], [0.0]
+
+        def add(i0: int, i1: int) -> None:
+            here = slice(i0, max(min(i1, rows), i0)), slice(0, points)
+            e = mode[here].astype(np.float64)
+            t = law.traction(solver.g[here].astype(np.float64))
+            of_wall = np.vdot(solver.p[i0:i1].astype(np.float64), mode[i0:i1])
+            work.append(float(of_wall - np.vdot(t, e)))
+            largest.append(float(np.abs(e).max(initial=0.0)))
+
+        grid.by_rows(add)
+        (total,) = grid.comm.sum([sum(work)])
+        (most,) = grid.comm.max([max(largest)])
+        return float(total), float(most)
+
+    def _gain_along(self, mode: np.ndarray, length: float) -> float:
+        """Return what a step along a mode adds to the energy of attraction. Collective."""
+        solver, law = self.solver, self.solver.problem.law()
+        step, inside = solver.problem.dtype.type(length), solver.grid.inside
+
+        def gain(i0: int, i1: int) -> float:
+            return float(gain_along(law, solver.g, mode, step, i0, i1, inside))
+
+        (total,) = solver.grid.comm.sum([sum(solver.grid.by_rows(gain))])
+        return float(total)

@@ -1,0 +1,125 @@
+"""The folder of a run before it begins: locked, and cleared of what is not to be gone on with."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from pathlib import Path
+from typing import NamedTuple
+
+from ..util.errors import GfmdError, SceneError, reason
+from .folder import HEAD, acquire, clear, partial_folder, release, step_files
+from .read import Result, read_partial, read_result
+
+
+class EarlierRun(NamedTuple):
+    """What an earlier run has left at the place of a result.
+
+    Attributes
+    ----------
+    result : Result
+        Its finished loads; without any where nothing is gone on with.
+    is_resumed : bool
+        Whether the new run goes on with it.
+    notes : list of str
+        What a user has to know, a line each.
+    """
+
+    result: Result
+    is_resumed: bool
+    notes: list[str]
+
+
+def claim(path: Path, identity: str | None, resume: bool, force: bool) -> tuple[int, EarlierRun]:
+    """Make and lock the folder of a run. On one rank.
+
+    Parameters
+    ----------
+    path : Path
+        The result file, OUT.h5.
+    identity : str or None
+        Of the scene; a run of the same identity can be gone on with.
+    resume : bool
+        Whether to go on with an interrupted run.
+    force : bool
+        Whether to begin anew, and to replace even what is no result of this scene.
+
+    Returns
+    -------
+    int
+        The open descriptor that holds the lock, for `folder.release`.
+    EarlierRun
+        What was there.
+
+    Raises
+    ------
+    SceneError
+        If the folder is missing or not writable, another run holds the file, or finished loads or
+        a result would be lost that are not to be replaced.
+    """
+    if not path.parent.is_dir():
+        raise SceneError(f"output.path: the folder {path.parent} does not exist")
+    if path.is_dir():
+        raise SceneError(f"output.path: {path} is a folder, a file name is needed")
+    folder = partial_folder(path)
+    try:
+        lock = acquire(folder)
+    except OSError as error:
+        raise SceneError(
+            f"output.path: cannot write to {error.filename}: {reason(error)}"
+        ) from None
+    try:
+        return lock, _earlier_run(path, folder, identity, resume, force)
+    except GfmdError:
+        release(folder, lock)
+        raise
+
+
+def _earlier_run(
+    path: Path, folder: Path, identity: str | None, resume: bool, force: bool
+) -> EarlierRun:
+    """Return what is there; clear the folder unless the run goes on. Raises SceneError."""
+    loads = len(step_files(folder)) if (folder / HEAD).exists() else 0
+    interrupted: Result | None = None
+    with suppress(SceneError):  # nothing, or nothing that can be read
+        interrupted = read_partial(path)
+    is_same = interrupted is not None and interrupted.head.get("identity") == identity
+    if interrupted is not None and is_same and resume and not force:
+        count = len(interrupted.steps)
+        there = "1 load is finished" if count == 1 else f"{count} loads are finished"
+        note = f"resuming an interrupted run: {there}"
+        return EarlierRun(interrupted, True, [*interrupted.notes, note])
+    whose = (
+        "that cannot be read"
+        if interrupted is None
+        else f"of {'this' if is_same else 'another'} scene"
+    )
+    if loads and not force:
+        raise SceneError(
+            f"output.path: {folder} holds {loads} finished loads {whose}, allowed: another path, or"
+            " --force to remove them"
+        )
+    notes = [_note_on_replaced(path, identity, force)] if path.exists() else []
+    if interrupted is not None or loads:
+        notes.append(f"removed an interrupted run {whose} ({loads} finished loads)")
+    clear(folder, keep_lock=True)
+    return EarlierRun(Result(None, {}, [], [], "running", {}, []), False, notes)
+
+
+def _note_on_replaced(path: Path, identity: str | None, force: bool) -> str:
+    """Return a note on the file that will be replaced. Raises SceneError if it may not be."""
+    try:
+        is_same = read_result(path).head.get("identity") == identity
+    except SceneError as error:
+        is_same = False
+        content = f"exists and is no result that can be read ({error})"
+    else:
+        content = (
+            "holds a result of this scene, which this run replaces"
+            if is_same
+            else "holds the result of another scene"
+        )
+    if not (is_same or force):
+        raise SceneError(
+            f"output.path: {path} {content}, allowed: another path, or --force to overwrite it"
+        )
+    return f"{path} {content}" if is_same else f"{path} {content}: overwritten"

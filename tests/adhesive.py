@@ -1,0 +1,32 @@
+"""Adhesive walls for tests: lengths in the shortest wave, rms slope 1, E* = 1."""
+
+import numpy as np
+
+import hpc_gfmd
+
+LOAD = 0.05  # p*
+
+
+def wall(points=8, waves=8, seed=1):
+    """A self-affine wall; points: to the shortest wave; waves: of these to the longest."""
+    return hpc_gfmd.make_surface(
+        "self-affine",
+        hurst=0.8,
+        L_over_lam_l=2,
+        lam_l_over_lam_s=waves,
+        lam_s_over_a=points,
+        seed=seed,
+        g_rms=1.0,
+        physical_sizes=(2.0 * waves, 2.0 * waves),
+    )
+
+
+def attraction(kappa, reach, law="exponential"):
+    """The table material.adhesion; kappa: work/(range^2 E* q_s/2)."""
+    return {"work": kappa * np.pi * reach**2, "range": reach, "law": law}
+
+
+def retracted(surface, adhesion, load=LOAD, **how):
+    """The contact at a load to which the bodies come from far more."""
+    loads = [8.0, 1.0, 0.3, load]
+    return hpc_gfmd.solve(surface, loads, adhesion=adhesion, branch="retraction", **how)[-1]

@@ -1,0 +1,42 @@
+"""The steps of the solver with an attraction: the energy never rises, whatever the attraction."""
+
+import adhesive
+import numpy as np
+import pytest
+
+from hpc_gfmd.laws import law_named, law_names
+from hpc_gfmd.operators.problem import Problem
+from hpc_gfmd.parallel.grid import Grid
+from hpc_gfmd.solvers.bpx import Bpx
+
+
+def energy(problem, g):
+    """The mean energy of a gap."""
+    q = [2 * np.pi * np.fft.fftfreq(k) for k in problem.grid.n]
+    K = np.hypot(q[0][:, None], q[1]) / 2
+    u = g - problem.heights
+    elastic = 0.5 * np.mean(u * np.fft.ifft2(K * np.fft.fft2(u)).real)
+    return elastic + problem.p0 * g.mean() + problem.attraction.energy(g).mean()
+
+
+@pytest.mark.parametrize("law", law_names())
+@pytest.mark.parametrize("kappa", [0.1, 1.0, 3.0, 30.0])
+@pytest.mark.parametrize("closed", [False, True])
+def test_the_energy_never_rises(law, kappa, closed):
+    wall = adhesive.wall(8, 4)
+    a = 1 / 8
+    table = adhesive.attraction(kappa, 0.05)
+    attraction = law_named(law, table["work"] / a, table["range"] / a)
+    h = (wall.heights.max() - wall.heights) / a
+    problem = Problem(Grid(h.shape, (8.0, 8.0)), h, 0.05, attraction=attraction)
+    solver = Bpx(problem)
+    solver.start(np.zeros_like(h) if closed else np.maximum(h - h.mean() + h.std(), 0))
+    energies = [energy(problem, solver.g)]
+    for _ in range(150):
+        solver.step()
+        energies.append(energy(problem, solver.g))
+        if solver.progress().residual < 1e-8:
+            break
+    assert np.diff(energies).max() <= 1e-12 * abs(energies[0])
+    assert energies[-1] < energies[0] or solver.progress().residual < 1e-8
+    assert solver.wall_load == pytest.approx(0.05 + attraction.traction(solver.g).mean())
