@@ -116,9 +116,10 @@ class Bpx(Solver):
         self.s = 1.0
         self.rayleigh = FIRST
         self._measure(sums, anew=True)
-        self._balance()
-        if self.levels.gap_mode.wanted((self.contact - self.yielded) / self.grid.cell_points):
-            self.elastic.pairs += self.levels.gap_mode.pairs
+        if self.problem.hardness is not None and self.law is None:
+            self._begin_rigid_if_better()
+            a, b = self._coefficients()
+            self._balance(0.5 * (a * self.rz + b * self.rd))
 
     # -- one iteration
 
@@ -152,6 +153,15 @@ class Bpx(Solver):
         pd, deeper, td, gained = self._search(a, b, 1.0)
         descent = a * self.rz + b * self.rd
         plain = not -pd > DESCENT * descent
+        while plain and self.problem.hardness is not None:
+            # a parabola through what was predicted at the start and what came out
+            a *= 0.5 * descent / (pd + descent)
+            b = 0.0
+            if not a * self.rz > self.gradient * self.compliance * self.rr:
+                break  # a plain step gains more
+            pd, deeper, td, gained = self._search(a, b, 1.0)
+            descent = a * self.rz
+            plain = not -pd > DESCENT * descent
         if plain:
             a, b = 0.0, 0.0
             pd, deeper, td, gained = self._search(self.gradient, 0.0, 0.0)
@@ -170,32 +180,77 @@ class Bpx(Solver):
         else:
             zKz = dKd + stiffer - 2 * a * b * self.zKd - b * b * self.dKd
             self.rayleigh = zKz / (a * a * self.rz)
-        self._measure(sums)
+        # with a hardness the elastic contact may have become another one
+        self._measure(sums, anew=plain and self.problem.hardness is not None)
         # K u = p - t - p_cell
         Kud = pd - td - self.p_cell * self.grid.cell_points * mean
         self.uKu += 2 * self.s * Kud + self.s**2 * dKd
         if self.problem.hardness is not None:  # pd has the work of dents
             self.uKu -= 2 * self.s * self.problem.hardness * deeper
-        self._balance()
+        if self.problem.hardness is not None and self.law is None:
+            self._balance(-self.s * (pd + 0.5 * self.s * dKd))
         self.iterations += 1
 
-    def _balance(self) -> None:
+    def _begin_rigid_if_better(self) -> None:
+        """Begin with a rigid body that dents the surface where that has less energy.
+
+        What soft bodies come from, a coarser grid or a clipped plane, has pressures far beyond the
+        hardness; a rigid body has none but the load. Needs stored heights.
+        """
+        h, hardness = self.problem.stored, self.problem.hardness
+        if h is None or hardness is None:
+            return
+        (rows, points), grid = self.grid.inside, self.grid
+        level = nth_smallest(grid, h, self._points_to_carry())
+
+        def sums(i0: int, i1: int) -> tuple[float, float, float]:
+            inner = max(min(i1, rows) - i0, 0)
+            dents, _ = depths_below(self.g[i0 : i0 + inner], (inner, points), 0.0)
+            _, rigid_dents = depths_below(h[i0 : i0 + inner], (inner, points), level)
+            u = self.g[i0:i1].sum(dtype=float) - h[i0 : i0 + inner].sum(dtype=float)
+            return u, dents, rigid_dents
+
+        u, dents, rigid_dents = grid.comm.sum(added(grid.by_rows(sums), 3)).tolist()
+        energy = 0.5 * self.uKu + self.p_cell * u + hardness * dents
+        rigid = -self.N * self.p0 * float(level) + hardness * rigid_dents
+        if not rigid < energy:
+            return
+
+        def lay(i0: int, i1: int) -> None:
+            self.g[i0:i1] = -level
+            inner = max(min(i1, rows) - i0, 0)
+            self.g[i0 : i0 + inner, :points] += h[i0 : i0 + inner]
+            self.p[i0:i1] = self.p_cell
+            self.d[i0:i1] = 0
+
+        grid.by_rows(lay)
+        self.uKu = 0.0
+        self._measure(self.levels.restrict(self.g, self.p, self.problem.limit), anew=True)
+
+    def _points_to_carry(self) -> int:
+        """Return how many points at the hardness carry the load, rounded up."""
+        hardness = self.problem.hardness or np.inf
+        return min(max(int(np.ceil(self.N * self.p0 / hardness)), 1), self.N)
+
+    def _balance(self, descent: float) -> None:
         """Move the body up or down to where its contact can carry the load.
 
         With a hardness the contact carries between H times the points with a dent and H times all
         points that touch. Where the load is beyond that, a rigid translation lowers the energy at
         no elastic cost. Its minimum is where the n-th smallest gap becomes 0, n being the load over
-        H, rounded up. The body is moved there where that gains more energy than the next step is
-        expected to. The pressure does not change; the last step is forgotten.
+        H, rounded up. The body is moved there where that gains more energy than the last step did.
+        The pressure does not change; the last step is forgotten.
+
+        Parameters
+        ----------
+        descent : float
+            Energy that the last step gained, at least; at the start what the first step may gain.
         """
-        hardness = self.problem.hardness
-        if hardness is None or self.law is not None:
-            return
+        hardness = self.problem.hardness or np.inf
         load = self.N * self.p0
         if hardness * self.yielded <= load <= hardness * self.contact:
             return
-        carrying = min(max(int(np.ceil(load / hardness)), 1), self.N)
-        shift = nth_smallest(self.grid, self.g, carrying)
+        shift = nth_smallest(self.grid, self.g, self._points_to_carry())
         rows, points = self.grid.inside
 
         def depths(i0: int, i1: int) -> tuple[float, float]:
@@ -203,15 +258,14 @@ class Bpx(Solver):
 
         before, after = self.grid.comm.sum(added(self.grid.by_rows(depths, rows), 2)).tolist()
         gain = load * float(shift) - hardness * (after - before)
-        a, b = self._coefficients()
-        if not gain > 0.5 * (a * self.rz + b * self.rd):
+        if not gain > descent:
             return
 
         def lower(i0: int, i1: int) -> None:
             self.g[i0:i1] -= shift
 
         self.grid.by_rows(lower)
-        self._measure(self.levels.restrict(self.g, self.p, self.problem.limit))
+        self._measure(self.levels.restrict(self.g, self.p, self.problem.limit), anew=True)
 
     def _coefficients(self) -> tuple[float, float]:
         """Return a and b of the step -(a z + b d): the minimum of the energy in the plane of z and
@@ -277,7 +331,7 @@ class Bpx(Solver):
 
     def _measure(self, sums: UpdateSums, anew: bool = False) -> None:
         """Sweep the levels and sum over ranks: all scalars of the next step and of the stopping
-        rule. anew: a descent begins."""
+        rule. anew: the deflation vector is found for this contact."""
         totals = self.grid.comm.sum([*sums, *self.levels.sweep(anew)]).tolist()
         rz1, xz1, self.mean, *self.level_sums = totals[len(sums) :]
         sums = UpdateSums(*totals[: len(sums)])
@@ -290,6 +344,9 @@ class Bpx(Solver):
         self.contact, self.gap_mean = sums.contact, sums.gap / self.N
         self.changing = max(sums.opening, sums.closing)
         self.yielded = sums.yielded
+        elastic_share = (self.contact - self.yielded) / self.grid.cell_points
+        if anew and self.levels.gap_mode.wanted(elastic_share):
+            self.elastic.pairs += self.levels.gap_mode.pairs
 
     # -- how far
 
@@ -349,4 +406,6 @@ class Bpx(Solver):
         wrong = misclassified_points(
             self.problem_now, self.g, self.p, estimate, spread, self.contact
         )
+        if self.problem.hardness is not None and self.contact == self.N and wrong > 0:
+            return np.inf  # a point that may be open is a gap that is not known
         return relative_error(max(wrong, self.changing), self.contact)

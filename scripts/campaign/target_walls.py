@@ -109,7 +109,11 @@ def target_area_texture(rng):
 @family
 def target_area_any(rng):
     """Of any family of single loads."""
-    names = [name for name in FAMILIES if name.partition("_")[0] not in ("target", "sweep", "hard")]
+    names = [
+        name
+        for name in FAMILIES
+        if name.partition("_")[0] not in ("target", "sweep", "hard", "plastic")
+    ]
     wall = FAMILIES[choice(rng, [name for name in names if name != "long_strip"])](rng)
     found = areas_of(rng, np.asarray(wall.heights, float))
     return replace(found, physical_sizes=wall.physical_sizes, free=wall.free)
