@@ -76,11 +76,17 @@ def as_text(result: Result, errors: bool = False) -> str:
     Parameters
     ----------
     result : Result
+        What a result file holds.
     errors : bool
         Whether errors of solver and grid have columns of their own.
+
+    Returns
+    -------
+    str
+        Several lines.
     """
     from ..output.summary import surface_line
-    from ..runs.table import asked_of, table
+    from ..runs.table import named_observables, table
 
     lines = [f"{result.path}: {result.status}"]
     if result.folder is not None:
@@ -88,7 +94,7 @@ def as_text(result: Result, errors: bool = False) -> str:
     if line := surface_line(result.surface):
         lines.append(line)
     if result.steps:
-        lines.append(table(result.numbered, result.surface, asked_of(result), errors))
+        lines.append(table(result.numbered, result.surface, named_observables(result), errors))
     else:
         lines.append("no finished load step yet")
     return "\n".join([*lines, *(f"note: {note}" for note in result.notes)])

@@ -48,8 +48,9 @@ def observable_names() -> set[str]:
 def observables_named(names: Iterable[str]) -> dict[str, Observable]:
     """Return {name: Observable} of those that these names stand for."""
     together = _merged("TOGETHER")
-    wanted = {one for name in names for one in together.get(name, (name,))}
-    return {name: f for name, f in all_observables().items() if name in wanted}
+    members = {member for name in names for member in together.get(name, (name,))}
+    observables = all_observables()
+    return {name: observables[name] for name in observables if name in members}
 
 
 def all_distributions() -> dict[str, Distribution]:
@@ -61,18 +62,31 @@ def all_numbers() -> dict[str, tuple[str, str]]:
     """Return {name: (meaning, unit)} of all that a result may have of a load, distributions
     included; for units see base.py."""
     counted = {
-        f"{name}_{what}": (f"{one.meaning}; {what}", unit)
-        for name, one in all_distributions().items()
-        for what, unit in one.units.items()
+        f"{name}_{array}": (f"{distribution.meaning}; {array}", unit)
+        for name, distribution in all_distributions().items()
+        for array, unit in distribution.units.items()
     }
-    observed = {name: (one.meaning, one.unit) for name, one in all_observables().items()}
+    observed = {
+        name: (observable.meaning, observable.unit)
+        for name, observable in all_observables().items()
+    }
     return OF_EVERY_LOAD | observed | counted
 
 
 def require_periodic(names: Iterable[str], free: tuple[bool, bool], key: str) -> None:
-    """Raise SceneError where a distribution by one of these names needs periodic boundaries; free:
-    whether the surface ends along x, along y; key: where the names stand."""
-    periodic = [name for name, one in all_distributions().items() if one.periodic and any(free)]
+    """Raise SceneError where a distribution needs periodic boundaries and the surface has others.
+
+    Parameters
+    ----------
+    names : iterable of str
+        Distributions that are asked for.
+    free : (bool, bool)
+        Whether the surface has free edges along x, along y.
+    key : str
+        Where the names stand, for the message.
+    """
+    distributions = all_distributions()
+    periodic = [name for name in distributions if distributions[name].periodic and any(free)]
     for name in names:
         if name in periodic:
             raise SceneError(

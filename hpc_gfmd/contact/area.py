@@ -78,7 +78,19 @@ def a_r_discretisation(contact: Contact) -> float:
 
 
 def kappa(area: Callable[[Contact], float | None], contact: Contact) -> float | None:
-    """Return an area over p_star."""
+    """Return an area over p_star.
+
+    Parameters
+    ----------
+    area : callable
+        Of a Contact: a relative contact area, or None.
+    contact : Contact
+
+    Returns
+    -------
+    float or None
+        None where the area has no value, on a flat surface and without a pressure.
+    """
     if contact.g_rms == 0 or contact.p_mean == 0:
         return None
     value = area(contact)

@@ -48,8 +48,19 @@ class Observable:
 
 @dataclass(frozen=True)
 class Distribution:
-    """Arrays of a contact; `of` returns None where there is nothing to count. units: of each array;
-    periodic: not for surfaces that end."""
+    """Arrays of a contact: a histogram, a spectrum.
+
+    Attributes
+    ----------
+    of : callable
+        Of a Contact: arrays by name; returns None where there is nothing to count.
+    meaning : str
+        What the arrays are, a phrase.
+    units : dict of str to str
+        Of each array, as `Observable.unit`.
+    periodic : bool
+        Whether it needs periodic boundaries.
+    """
 
     of: Callable[[Contact], Arrays | None]
     meaning: str

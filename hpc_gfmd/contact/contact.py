@@ -150,7 +150,7 @@ class Contact:
     def note(self) -> str | None:
         """What a reader should know before the numbers, one line; None if there is nothing."""
         of_load = load_notes(self.p_mean, self.E_star, self.g_rms, self.surface.unit)
-        said = [
+        notes = [
             self._doubt,
             *attraction_notes(self),
             self.remark,
@@ -158,7 +158,7 @@ class Contact:
             *self.surface.notes,
             self._yields,
         ]
-        return "; ".join(filter(None, said)) or None
+        return "; ".join(filter(None, notes)) or None
 
     @property
     def _yields(self) -> str | None:
@@ -171,7 +171,7 @@ class Contact:
         scale, unit = prefixed([pressure], "Pa")
         share = self.E_star / pressure
         return (
-            f"mean contact pressure {pressure / scale:.2g} {unit} = E*/{share:.2g}: metals yield"
+            f"mean contact pressure {pressure / scale:.3g} {unit} = E*/{share:.2g}: metals yield"
             f" from about E*/{YIELDS_AT}; material.hardness"
         )
 
@@ -204,8 +204,8 @@ class Contact:
     @property
     def gap_is_rounding(self) -> bool:
         """Whether the points that are open are so by less than rounding errors of the heights."""
-        least = ROUNDING * float(np.finfo(self.g.dtype).eps) * self.h_rms
-        return self.contact_points < self.N and self.gap_mean < least
+        rounding_errors = ROUNDING * float(np.finfo(self.g.dtype).eps) * self.h_rms
+        return self.contact_points < self.N and self.gap_mean < rounding_errors
 
     @cached_property
     def tangent(self) -> Tangent:
@@ -213,9 +213,9 @@ class Contact:
         rows, points = self.grid.inside
         touching = np.zeros(self.g.shape, dtype=bool)
         touching[:rows, :points] = self.touching(0, rows)
-        found = tangent(self.grid, self.body, touching, self.g.dtype, self.accuracy)
-        self.asked_pairs.append(found.pairs)
-        return found
+        solved = tangent(self.grid, self.body, touching, self.g.dtype, self.accuracy)
+        self.asked_pairs.append(solved.pairs)
+        return solved
 
     @cached_property
     def asked_pairs(self) -> list[float]:
@@ -230,40 +230,82 @@ class Contact:
     @property
     def periodic(self) -> tuple[bool, bool]:
         """Whether opposite edges of the surface touch, along x and along y."""
-        nominal, n = self.grid.nominal, self.grid.n
+        nominal = self.grid.nominal
+        n = self.grid.n
         return nominal[0] == n[0], nominal[1] == n[1]
 
     def touching(self, i0: int, i1: int) -> np.ndarray:
-        """Return which points touch in the rows i0 <= i < i1 of this rank's part of the surface:
-        bool, (i1 - i0, points of the surface)."""
+        """Return which points touch in some rows of this rank.
+
+        Parameters
+        ----------
+        i0, i1 : int
+            First row and the one behind the last, counted within this rank's part of the surface.
+
+        Returns
+        -------
+        ndarray of bool, shape (i1 - i0, n_y)
+        """
         points = self.grid.nominal[1]
         return (self.g[i0:i1, :points] <= 0) & (self.p[i0:i1, :points] > 0)
 
     def pressure_rows(self, i0: int, i1: int) -> np.ndarray:
-        """Return the pressure in rows of this rank's part of the surface, in the problem's unit: 0
-        out of contact, the hardness where a point yields."""
+        """Return the pressure in some rows of this rank.
+
+        Parameters
+        ----------
+        i0, i1 : int
+            As of `touching`.
+
+        Returns
+        -------
+        ndarray, shape (i1 - i0, n_y)
+            In units of E* g_rms: 0 out of contact, the hardness where a point yields.
+        """
         points = self.grid.nominal[1]
-        g, p = self.g[i0:i1, :points], self.p[i0:i1, :points]
+        g = self.g[i0:i1, :points]
+        p = self.p[i0:i1, :points]
         p = np.where((g <= 0) & (p > 0), p, 0)
         if self.hardness is not None:
-            most = p.dtype.type(self.hardness / self.pressure_unit)
-            p = np.where(g < 0, most, np.minimum(p, most))
+            p_yield = p.dtype.type(self.hardness / self.pressure_unit)
+            p = np.where(g < 0, p_yield, np.minimum(p, p_yield))
         return p
 
     def gap_rows(self, i0: int, i1: int) -> np.ndarray:
-        """Return the gap in rows of this rank's part of the surface, in the problem's unit: 0 where
-        there is a dent."""
+        """Return the gap in some rows of this rank.
+
+        Parameters
+        ----------
+        i0, i1 : int
+            As of `touching`.
+
+        Returns
+        -------
+        ndarray, shape (i1 - i0, n_y)
+            In units of g_rms a: 0 where there is a dent.
+        """
         g = self.g[i0:i1, : self.grid.nominal[1]]
         return g if self.hardness is None else np.maximum(g, 0)
 
     def clusters(
         self, of_contact: bool = True, corners: bool = False, open_axis: int | None = None
     ) -> Clusters:
-        """Find the parallel.clusters.Clusters of the points that touch, or of those that do not,
-        once. Collective.
+        """Return the connected clusters of the points that touch, or of those that do not.
 
-        corners: whether points belong together that share a corner only; open_axis: one along which
-        no cluster goes around the cell.
+        Found once. Collective.
+
+        Parameters
+        ----------
+        of_contact : bool
+            Whether of the points that touch.
+        corners : bool
+            Whether points that share only a corner belong together.
+        open_axis : int, optional
+            Axis along which no cluster goes around the cell, though it may be periodic.
+
+        Returns
+        -------
+        Clusters
         """
         key = of_contact, corners, open_axis
         if key not in self._clusters:
@@ -278,9 +320,22 @@ class Contact:
         corners: bool = False,
         open_axis: int | None = None,
     ) -> Clusters:
-        """Find the Clusters of the points of a mask; mask(i0, i1): as `touching`. Collective."""
+        """Return the connected clusters of the points of a mask. Collective.
+
+        Parameters
+        ----------
+        mask : callable
+            Of rows (i0, i1), as `touching`.
+        corners, open_axis
+            As of `clusters`.
+
+        Returns
+        -------
+        Clusters
+        """
         grid = self.grid
-        periodic = self.periodic[0] and open_axis != 0, self.periodic[1] and open_axis != 1
+        periodic_x, periodic_y = self.periodic
+        periodic = (periodic_x and open_axis != 0, periodic_y and open_axis != 1)
         return find_clusters(grid.comm, mask, grid.nominal_rows, grid.nominal, periodic, corners)
 
     @cached_property
@@ -294,7 +349,8 @@ class Contact:
 
         The edge of a surface that ends is none.
         """
-        grid, (rows, points) = self.grid, self.grid.inside
+        grid = self.grid
+        rows, points = grid.inside
         starts = np.minimum(grid.starts, grid.nominal[0])
         g, p = (next_row(grid.comm, field[:rows], starts) for field in (self.g, self.p))
         below = ((g <= 0) & (p > 0))[None, :points]
@@ -303,12 +359,12 @@ class Contact:
             below = below[:0]
 
         def edges(i0: int, i1: int) -> tuple[int, int]:
-            here = self.touching(i0, min(i1 + 1, rows))
-            here = np.concatenate([here, below]) if i1 == rows else here
-            along_y = np.count_nonzero(here[1:] != here[:-1])
-            here = here[: i1 - i0]
-            along_x = np.count_nonzero(here[:, 1:] != here[:, :-1])
-            along_x += around_y * np.count_nonzero(here[:, 0] != here[:, -1])
+            touching = self.touching(i0, min(i1 + 1, rows))  # with the row below
+            touching = np.concatenate([touching, below]) if i1 == rows else touching
+            along_y = np.count_nonzero(touching[1:] != touching[:-1])
+            touching = touching[: i1 - i0]
+            along_x = np.count_nonzero(touching[:, 1:] != touching[:, :-1])
+            along_x += around_y * np.count_nonzero(touching[:, 0] != touching[:, -1])
             return int(along_x), int(along_y)
 
         along_x, along_y = grid.comm.sum(added(grid.by_rows(edges, rows), 2))
@@ -368,9 +424,11 @@ def _on_the_whole_grid(
 
     def rows(i0: int, i1: int) -> np.ndarray:
         # with the second axis left out every rank has all rows
-        first = surface.rows[0] if left_out == 1 else 0
-        found = values(0, 1) if left_out == 0 else values(first + i0, first + i1)
-        return found if left_out is None else np.broadcast_to(found, (i1 - i0, surface.n[1]))
+        start = surface.rows[0] if left_out == 1 else 0
+        of_arrays = values(0, 1) if left_out == 0 else values(start + i0, start + i1)
+        if left_out is None:
+            return of_arrays
+        return np.broadcast_to(of_arrays, (i1 - i0, surface.n[1]))
 
     shape = surface.rows[1] - surface.rows[0], surface.n[1]
     return LazyField(rows, shape, dtype, surface.grid.by_rows)

@@ -18,26 +18,37 @@ SOURCES = (
 
 
 def critical_gap(axis: int, contact: Contact) -> float:
-    """Find the critical gap along an axis by bisection: positive numbers are in the order of their
-    bits, read as a whole number."""
+    """Return the critical gap along an axis, in the unit of heights. Collective.
+
+    Found by bisection over the bits of the gap: those of positive numbers, read as a whole number,
+    are in the order of the numbers.
+
+    Parameters
+    ----------
+    axis : int
+        0: along x, 1: along y.
+    contact : Contact
+    """
     rows, points = contact.grid.inside
-    g, comm = contact.g[:rows, :points], contact.grid.comm
+    g = contact.g[:rows, :points]
+    comm = contact.grid.comm
     whole = np.dtype(f"i{g.dtype.itemsize}")
 
     def bits(value: float) -> int:
         return int(g.dtype.type(value).view(whole))
 
-    def spans(least: float) -> bool:
-        wide = contact.clusters_of(lambda i0, i1: g[i0:i1] >= least, open_axis=axis)
+    def spans(level: float) -> bool:
+        wide = contact.clusters_of(lambda i0, i1: g[i0:i1] >= level, open_axis=axis)
         return wide.percolates[axis]
 
-    low, high = 0, bits(comm.max([g.max(initial=0)])[0])
+    low = 0
+    high = bits(comm.max([g.max(initial=0)])[0])
     while low < high:
-        least = whole.type((low + high + 1) // 2).view(g.dtype)
-        if spans(least):
-            low = bits(comm.min([g.min(where=g >= least, initial=np.inf)])[0])
+        level = whole.type((low + high + 1) // 2).view(g.dtype)
+        if spans(level):
+            low = bits(comm.min([g.min(where=g >= level, initial=np.inf)])[0])
         else:
-            high = bits(comm.max([g.max(where=g < least, initial=0)])[0])
+            high = bits(comm.max([g.max(where=g < level, initial=0)])[0])
     return float(whole.type(low).view(g.dtype)) * contact.surface.height_unit
 
 

@@ -14,8 +14,8 @@ from .base import Arrays, Contact, Distribution
 
 FINE = 7  # at most 2^FINE bins of pressure, more than half as many
 NARROW = 2.0**-10  # relative: a distribution narrower than that gets no finer bins
-# below h_rms, all smaller gaps being in the first bin; bins in a factor of two
-GAP_OCTAVES, GAP_BINS = 20, 4
+GAP_OCTAVES = 20  # factors of two below h_rms; all smaller gaps are in the first bin
+GAP_BINS = 4  # in a factor of two
 
 
 def pressure(contact: Contact) -> Arrays | None:
@@ -33,9 +33,15 @@ def pressure(contact: Contact) -> Arrays | None:
     if high < low:
         return None
     width = 2.0 ** (floor(log2(max(high - low, NARROW * high))) - FINE + 1)
-    first, last = floor(low / width), floor(high / width)
-    counts = _counts(contact, lambda *rows: (values(*rows) / width).astype(np.int64), first, last)
-    return _density(np.arange(first, last + 2) * width * contact.pressure_unit, counts)
+    lowest_bin = floor(low / width)
+    highest_bin = floor(high / width)
+
+    def bins(i0: int, i1: int) -> np.ndarray:
+        return (values(i0, i1) / width).astype(np.int64)
+
+    counts = _counts(contact, bins, lowest_bin, highest_bin)
+    edges = np.arange(lowest_bin, highest_bin + 2) * width * contact.pressure_unit
+    return _density(edges, counts)
 
 
 def gap(contact: Contact) -> Arrays | None:
@@ -47,7 +53,8 @@ def gap(contact: Contact) -> Arrays | None:
     surface = contact.surface
     if surface.h_rms == 0:
         return None
-    unit, lowest = surface.height_unit / surface.h_rms, -GAP_BINS * GAP_OCTAVES - 1
+    unit = surface.height_unit / surface.h_rms
+    lowest = -GAP_BINS * GAP_OCTAVES - 1
 
     def bins(i0: int, i1: int) -> np.ndarray:
         g = contact.gap_rows(i0, i1).astype(np.float64) * unit
@@ -70,29 +77,31 @@ def _range(contact: Contact, values: OfRows) -> tuple[float, float]:
     grid = contact.grid
 
     def ends(i0: int, i1: int) -> tuple[float, float]:
-        found = values(i0, i1).astype(np.float64)
-        return -found.min(initial=np.inf), found.max(initial=-np.inf)
+        of_rows = values(i0, i1).astype(np.float64)
+        return -of_rows.min(initial=np.inf), of_rows.max(initial=-np.inf)
 
-    found = [(-np.inf, -np.inf), *grid.by_rows(ends, grid.inside[0])]
-    low, high = grid.comm.max(np.max(found, axis=0))
+    of_blocks = [(-np.inf, -np.inf), *grid.by_rows(ends, grid.inside[0])]
+    low, high = grid.comm.max(np.max(of_blocks, axis=0))
     return -low, high
 
 
-def _counts(contact: Contact, bins: OfRows, first: int, last: int) -> np.ndarray:
-    """Count how often each number from first to last is among those of all ranks."""
-    grid, none = contact.grid, np.zeros(last - first + 1)
+def _counts(contact: Contact, bins: OfRows, lowest: int, highest: int) -> np.ndarray:
+    """Count the points of all ranks in each bin from the lowest to the highest number."""
+    grid = contact.grid
+    zeros = np.zeros(highest - lowest + 1)
 
     def counts(i0: int, i1: int) -> np.ndarray:
-        return np.bincount(bins(i0, i1) - first, minlength=len(none))
+        return np.bincount(bins(i0, i1) - lowest, minlength=len(zeros))
 
-    return grid.comm.sum(np.sum([none, *grid.by_rows(counts, grid.inside[0])], axis=0))
+    return grid.comm.sum(np.sum([zeros, *grid.by_rows(counts, grid.inside[0])], axis=0))
 
 
 def _density(edges: np.ndarray, counts: np.ndarray) -> Arrays:
     filled = np.nonzero(counts)[0]
-    some = slice(filled[0], filled[-1] + 1)
-    edges = edges[some.start : some.stop + 1]
-    return {"edges": edges, "density": counts[some] / counts.sum() / np.diff(edges)}
+    start = filled[0]
+    stop = filled[-1] + 1
+    edges = edges[start : stop + 1]
+    return {"edges": edges, "density": counts[start:stop] / counts.sum() / np.diff(edges)}
 
 
 DISTRIBUTIONS = {

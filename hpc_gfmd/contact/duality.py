@@ -23,7 +23,8 @@ def pressure_bound(contact: Contact) -> float | None:
     for, where the error reaches the pressure itself, and with an attraction: the distance to the
     equilibrium is that to the contact under the same attraction over a stability that is estimated.
     """
-    energy, certificate = _energy_norm(contact), contact.certificate
+    energy = _energy_norm(contact)
+    certificate = contact.certificate
     if energy is None or contact.attraction is not None:
         return None
     grid = contact.grid
@@ -37,21 +38,24 @@ def gap_bound(contact: Contact) -> float | None:
     and dents together have a bound then, the gaps alone have none."""
     from ..operators.problem import self_energy  # names of observables need no kernels
 
-    energy, certificate = _energy_norm(contact), contact.certificate
+    energy = _energy_norm(contact)
+    certificate = contact.certificate
     if energy is None or contact.hardness is not None or contact.attraction is not None:
         return None
-    p0, grid = contact.p_mean / contact.pressure_unit, contact.grid
+    p0 = contact.p_mean / contact.pressure_unit
+    grid = contact.grid
     norm = np.sqrt(max(certificate.uKu, 0.0)) + energy
     return _relative(energy * (norm / p0 + self_energy(grid)) / grid.N, certificate.gap_mean)
 
 
 def _energy_norm(contact: Contact) -> float | None:
     """Return |e|_K at most; None where it is not known."""
-    found = contact.certificate
-    if found.duality_gap is None or not np.isfinite(found.duality_gap):
+    certificate = contact.certificate
+    if certificate.duality_gap is None or not np.isfinite(certificate.duality_gap):
         return None
     p0 = contact.wall_pressure / contact.pressure_unit
-    return float(np.sqrt(2 * found.duality_gap * p0 * found.gap_mean * contact.N))
+    gap = certificate.duality_gap * p0 * certificate.gap_mean * contact.N
+    return float(np.sqrt(2 * gap))
 
 
 def _relative(wrong: float, value: float) -> float | None:

@@ -25,41 +25,56 @@ def _area(contact: Contact) -> float:
 
 
 def _of_patches(corners: bool) -> dict[str, Observable]:
-    """Make the observables: number of patches, largest and mean size; a mean needs a patch."""
-    end, how = ("_8", "a side or a corner") if corners else ("", "a side")
+    """Return the observables: number of patches, largest and mean size; a mean needs a patch."""
+    suffix = "_8" if corners else ""
+    shared = "a side or a corner" if corners else "a side"
 
     def number(contact: Contact) -> int:
         return int(contact.grid.comm.sum([len(contact.clusters(corners=corners).sizes)])[0])
 
     def largest(contact: Contact) -> float:
-        own = contact.clusters(corners=corners).sizes.max(initial=0)
-        return float(contact.grid.comm.max([own])[0]) * _area(contact)
+        of_rank = contact.clusters(corners=corners).sizes.max(initial=0)
+        return float(contact.grid.comm.max([of_rank])[0]) * _area(contact)
 
     def mean(contact: Contact) -> float | None:
         patches = number(contact)
         return contact.contact_points * _area(contact) / patches if patches else None
 
     return {
-        f"patches{end}": Observable(
-            number, f"number of contact patches: points that touch and share {how}"
+        f"patches{suffix}": Observable(
+            number, f"number of contact patches: points that touch and share {shared}"
         ),
-        f"patch_largest{end}": Observable(largest, "area of the largest patch", "length^2"),
-        f"patch_mean{end}": Observable(mean, "mean area of the patches", "length^2"),
+        f"patch_largest{suffix}": Observable(largest, "area of the largest patch", "length^2"),
+        f"patch_mean{suffix}": Observable(
+            mean, "mean area of the patches", "length^2", absent="nothing touches"
+        ),
     }
 
 
 def sizes(corners: bool, contact: Contact) -> Arrays | None:
-    """Return the distribution of patch sizes: edges of bins, two in a factor of two (1, 2, 3, 4, 6,
-    8, 12, ... points); density: share of the patches per area, integrates to 1. None without a
-    patch."""
-    comm, found = contact.grid.comm, contact.clusters(corners=corners).sizes
-    largest = comm.max([found.max(initial=0)])[0]
+    """Return the distribution of patch sizes. Collective.
+
+    Parameters
+    ----------
+    corners : bool
+        Whether points that share only a corner are one patch.
+    contact : Contact
+
+    Returns
+    -------
+    dict of str to ndarray, or None
+        "edges" of bins, two in a factor of two (1, 2, 3, 4, 6, 8, 12, ... points), and "density",
+        the share of the patches per area, which integrates to 1. None without a patch.
+    """
+    comm = contact.grid.comm
+    of_rank = contact.clusters(corners=corners).sizes
+    largest = comm.max([of_rank.max(initial=0)])[0]
     if largest == 0:
         return None
     octaves = int(np.log2(largest)) + 1
     edges = np.unique(np.ceil(2.0 ** (np.arange(BINS_PER_OCTAVE * octaves + 1) / BINS_PER_OCTAVE)))
     edges = edges[: np.searchsorted(edges, largest, "right") + 1]
-    counts = comm.sum(np.histogram(found, edges)[0])
+    counts = comm.sum(np.histogram(of_rank, edges)[0])
     return {
         "edges": edges * _area(contact),
         "density": counts / counts.sum() / (np.diff(edges) * _area(contact)),
@@ -74,16 +89,17 @@ def patch_table(contact: Contact) -> Arrays:
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
-    grid, periodic = contact.grid, contact.periodic
+    grid = contact.grid
+    periodic = contact.periodic
     rows = grid.inside[0]
     mask = contact.touching(0, rows)
-    labels, found = ndimage.label(mask)
+    labels, number = ndimage.label(mask)
     across = [
         np.stack([labels.take(-1, axis), labels.take(0, axis)]) for axis in (0, 1) if periodic[axis]
     ]
     pairs = np.concatenate([np.zeros((2, 0), int), *across], axis=1) - 1
     pairs = pairs[:, (pairs >= 0).all(axis=0)]
-    graph = coo_array((np.ones(pairs.shape[1]), tuple(pairs)), (found, found))
+    graph = coo_array((np.ones(pairs.shape[1]), tuple(pairs)), (number, number))
     patches, patch = connected_components(graph, directed=False)
     of = patch[labels[mask] - 1]
     count = np.bincount(of, minlength=patches)
@@ -96,13 +112,14 @@ def patch_table(contact: Contact) -> Arrays:
     table["load"] = mean(p) * table["area"]
     sides = np.zeros(patches)
     for axis, name in enumerate("xy"):
-        n, spacing = mask.shape[axis], grid.spacings[axis]
-        at, centre = np.nonzero(mask)[axis].astype(np.float64), np.zeros(patches)
+        n = mask.shape[axis]
+        position = np.nonzero(mask)[axis].astype(np.float64)
+        centre = np.zeros(patches)
         if periodic[axis]:
-            turns = np.exp(2j * np.pi / n * at)
+            turns = np.exp(2j * np.pi / n * position)
             centre = np.angle(mean(turns.real) + 1j * mean(turns.imag)) * n / (2 * np.pi)
-            at = (at - centre[of] + n / 2) % n - n / 2  # from there
-        table[name] = (centre + mean(at)) % n * spacing
+            position = (position - centre[of] + n / 2) % n - n / 2  # from the centre
+        table[name] = (centre + mean(position)) % n * grid.spacings[axis]
         for way in (-1, 1):
             beside = np.roll(mask, way, axis)
             if not periodic[axis]:  # where the surface ends there is no edge of the contact
@@ -123,14 +140,15 @@ TABLE_UNITS = {
     "perimeter": "length",
     "periodic": "",
 }
-SIDES, CORNERS = _of_patches(False), _of_patches(True)
+SIDES = _of_patches(False)
+CORNERS = _of_patches(True)
 OBSERVABLES = SIDES | CORNERS
 TOGETHER = {"patches": tuple(SIDES), "patches_8": tuple(CORNERS)}
 DISTRIBUTIONS = {
-    f"patches{end}": Distribution(
+    f"patches{suffix}": Distribution(
         partial(sizes, corners),
-        f"distribution of the areas of the patches{end}: share of them per area",
+        f"distribution of the areas of the patches{suffix}: share of them per area",
         {"edges": "length^2", "density": "1/length^2"},
     )
-    for end, corners in (("", False), ("_8", True))
+    for suffix, corners in (("", False), ("_8", True))
 }

@@ -24,17 +24,18 @@ SOURCES = ("Newman, Ziff, Phys. Rev. E 64 (2001) 016706, doi:10.1103/PhysRevE.64
 def _percolates(
     name: str, axis: int, corners: bool = False, open_axis: int | None = None
 ) -> Observable:
-    def found(contact: Contact) -> bool:
+    def percolates(contact: Contact) -> bool:
         return contact.clusters(name == "contact", corners, open_axis).percolates[axis]
 
-    along, other = "xy"[axis], "yx"[axis]
-    how = (
+    along = "xy"[axis]
+    across = "yx"[axis]
+    way = (
         f"goes around the cell along {along}, periodic along both axes"
         if open_axis is None
-        else f"reaches along {along} from edge to edge, periodic along {other} alone"
+        else f"reaches along {along} from edge to edge, periodic along {across} alone"
     )
-    meaning = f"whether the {name} {how}" + ", also by corners" * corners
-    return Observable(found, meaning, sources=SOURCES)
+    meaning = f"whether the {name} {way}" + ", also by corners" * corners
+    return Observable(percolates, meaning, sources=SOURCES)
 
 
 def _all(corners: bool) -> dict[str, Observable]:

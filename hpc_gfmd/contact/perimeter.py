@@ -18,8 +18,8 @@ def perimeter(contact: Contact) -> float:
     length. Contacts that vary along one axis only have such edges alone: there it is the lengths
     themselves.
     """
-    (along_x, along_y), grid = contact.edges, contact.grid
-    a_x, a_y = grid.spacings
+    along_x, along_y = contact.edges
+    a_x, a_y = contact.grid.spacings
     return average_direction(contact) * (along_x * a_x + along_y * a_y)
 
 

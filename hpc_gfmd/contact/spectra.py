@@ -32,10 +32,23 @@ FIELDS = {"heights": "length", "pressure": "pressure", "gap": "length"}
 
 
 def power(name: str, contact: Contact) -> Arrays | None:
-    """Return the radial power spectrum of a field: {"q", "power": C}; None on a grid of one point.
-    Half an FFT pair. Collective."""
-    grid, fft = contact.grid, _transforms(contact)
-    q_x, q_y = grid.q_x / grid.a, grid.q_y / grid.a
+    """Return the radial power spectrum of a field. Half an FFT pair. Collective.
+
+    Parameters
+    ----------
+    name : str
+        One of FIELDS.
+    contact : Contact
+
+    Returns
+    -------
+    dict of str to ndarray, or None
+        Wave numbers "q" and "power" C(q); None on a grid of one point.
+    """
+    grid = contact.grid
+    fft = _transforms(contact)
+    q_x = grid.q_x / grid.a
+    q_y = grid.q_y / grid.a
     longest = 2 * np.pi / max(_lengths(grid))
     weight = grid.multiplicity(np.arange(len(q_y)))
     scale = np.prod(_lengths(grid)) * (fft.scale * _unit(contact, name)) ** 2
@@ -55,9 +68,21 @@ def power(name: str, contact: Contact) -> Arrays | None:
 
 
 def autocorrelation(name: str, contact: Contact) -> Arrays:
-    """Return the radial autocorrelation of a field: {"r": distances, up to half of the cell,
-    "correlation": A}. One FFT pair. Collective."""
-    grid, fft = contact.grid, _transforms(contact)
+    """Return the radial autocorrelation of a field. One FFT pair. Collective.
+
+    Parameters
+    ----------
+    name : str
+        One of FIELDS.
+    contact : Contact
+
+    Returns
+    -------
+    dict of str to ndarray
+        Distances "r" up to half of the cell, and "correlation" A(r).
+    """
+    grid = contact.grid
+    fft = _transforms(contact)
 
     def square(block: np.ndarray, m: int) -> None:
         block *= fft.dtype.type(fft.scale)
@@ -139,12 +164,14 @@ def _means(grid: Grid, parts: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndar
 
 
 def _ring_sums(
-    distance: np.ndarray, first: float, weight: np.ndarray, values: np.ndarray
+    distance: np.ndarray, innermost: float, weight: np.ndarray, values: np.ndarray
 ) -> np.ndarray:
     """Return sums over the points in each ring of (weight, weight distance, weight value), (3,
     rings); ring 0 is distance 0."""
     with np.errstate(divide="ignore"):
-        ring = np.maximum(1 + np.floor(RINGS * np.log2(distance / first) + 0.5), 0).astype(np.int64)
+        ring = np.maximum(1 + np.floor(RINGS * np.log2(distance / innermost) + 0.5), 0).astype(
+            np.int64
+        )
     return np.stack([np.bincount(ring, w) for w in (weight, weight * distance, weight * values)])
 
 

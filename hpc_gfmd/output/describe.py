@@ -20,9 +20,22 @@ SIGNS = (
 
 
 def describe(file: Any, head: dict, surface: dict, steps: Mapping[str, dict], about: About) -> None:
-    """Add to a file that has all its fields: the attributes of the root, the surface and the steps,
-    by group; load, x, y and the numbers of all loads; steps/NNNN/x, y, p beside fields; VTKHDF,
-    views of the fields."""
+    """Add to a file that has all its fields what other programs need.
+
+    These are the attributes of the root, the surface and the steps; load, x, y and the numbers of
+    all loads; steps/NNNN/x, y, p beside fields; VTKHDF, views of the fields.
+
+    Parameters
+    ----------
+    file : h5py.File
+        Open for writing.
+    head, surface : dict
+        Attributes of the root and of the surface.
+    steps : mapping of str to dict
+        Attributes of the load steps, by their groups.
+    about : mapping
+        Meaning and unit of the numbers.
+    """
     set_attributes(file, {"/": head, "surface": surface, **steps})
     if "n" not in surface:
         return  # before the surface is made
@@ -45,16 +58,32 @@ def describe(file: Any, head: dict, surface: dict, steps: Mapping[str, dict], ab
 
 
 def coordinates(
-    group: Any, surface: Attributes, found: Mapping[str, np.ndarray], about: About
+    group: Any, surface: Attributes, of_loads: Mapping[str, np.ndarray], about: About
 ) -> list:
-    """Add the dimension scales load, x and y, which are returned, and the numbers of all loads
-    along the first of them."""
-    unknown = np.full(len(next(iter(found.values()), ())), np.nan)
-    scales = {"load": found.get("p", unknown), **axes(surface)}
+    """Add the dimension scales load, x and y, and the numbers of all loads along the first of them.
+
+    Parameters
+    ----------
+    group : h5py.Group
+        Where they go.
+    surface : mapping
+        Attributes of the surface.
+    of_loads : mapping of str to ndarray
+        Numbers over the load steps, by name.
+    about : mapping
+        Meaning and unit of the numbers.
+
+    Returns
+    -------
+    list of h5py.Dataset
+        The three scales.
+    """
+    unknown = np.full(len(next(iter(of_loads.values()), ())), np.nan)
+    scales = {"load": of_loads.get("p", unknown), **axes(surface)}
     for name, values in scales.items():
         group.create_dataset(name, data=values).make_scale(name)
         name_it(group[name], surface, about)
-    for name, values in found.items():
+    for name, values in of_loads.items():
         stored = {"U": object, "b": np.int8}.get(values.dtype.kind, values.dtype)
         group[name] = values.astype(stored)
         name_it(group[name], surface, about, [group["load"]])
@@ -64,7 +93,19 @@ def coordinates(
 
 
 def name_it(dataset: Any, surface: Attributes, about: About, scales: Sequence = ()) -> None:
-    """Add units, long_name and axes to a dataset."""
+    """Add units, long_name and axes to a dataset.
+
+    Parameters
+    ----------
+    dataset : h5py.Dataset
+        Its name says what it holds.
+    surface : mapping
+        Attributes of the surface, which know the units.
+    about : mapping
+        Meaning and unit of the numbers.
+    scales : sequence of h5py.Dataset
+        Dimension scales of its axes.
+    """
     dataset.attrs.update(said_of(dataset.name.rpartition("/")[2], surface, about))
     for axis, scale in zip(dataset.dims, scales):
         axis.attach_scale(scale)
@@ -81,7 +122,8 @@ def _views(file: Any, steps: Sequence, scales: Sequence, surface: Attributes, ab
     names = sorted(set.intersection(*(set(_fields(step)) for step in steps)))
     if not names:
         return
-    (n_x, n_y), (size_x, size_y) = surface["n"], surface["physical_sizes"]
+    n_x, n_y = surface["n"]
+    size_x, size_y = surface["physical_sizes"]
     vtk = file.create_group("VTKHDF")
     vtk.attrs.update(
         Type=np.bytes_("ImageData"),
@@ -103,10 +145,10 @@ def _views(file: Any, steps: Sequence, scales: Sequence, surface: Attributes, ab
     for name in names:
         sources = [step[name] for step in steps]
         layout = h5py.VirtualLayout(
-            (len(steps), n_x, n_y), np.result_type(*(one.dtype for one in sources))
+            (len(steps), n_x, n_y), np.result_type(*(source.dtype for source in sources))
         )
-        for k, one in enumerate(sources):
-            layout[k] = h5py.VirtualSource(".", one.name, one.shape, one.dtype)
+        for k, source in enumerate(sources):
+            layout[k] = h5py.VirtualSource(".", source.name, source.shape, source.dtype)
         name_it(points.create_virtual_dataset(name, layout), surface, about, scales)
         vtk[f"Steps/PointDataOffsets/{name}"] = np.arange(len(loads))
     for dataset in (vtk["Steps/Values"], *vtk["Steps/PointDataOffsets"].values()):
@@ -118,15 +160,23 @@ def _fields(group: Any) -> list[str]:
 
 
 def set_attributes(file: Any, groups: Mapping[str, dict]) -> None:
-    """Give groups of a file their attributes; a dict as JSON, None not at all."""
+    """Write attributes of groups; a dict as JSON, None not at all.
+
+    Parameters
+    ----------
+    file : h5py.File
+        Open for writing.
+    groups : mapping of str to dict
+        Attributes by the names of the groups.
+    """
     for name, attributes in groups.items():
-        found = {
+        stored = {
             key: json.dumps(value) if isinstance(value, dict) else value
             for key, value in attributes.items()
             if value is not None
         }
         texts = {
             key: value if np.asarray(value).dtype.kind == "U" else None
-            for key, value in found.items()
+            for key, value in stored.items()
         }
-        file.require_group(name).attrs.update(found | {RECORD: np.bytes_(json.dumps(texts))})
+        file.require_group(name).attrs.update(stored | {RECORD: np.bytes_(json.dumps(texts))})

@@ -22,11 +22,29 @@ HEIGHTS = "heights"  # the same for all loads
 
 
 def export(result: Result, kind: str, path: str | os.PathLike | None, about: About) -> Path:
-    """Write a result as one of FORMATS; path: where (None: beside its file). Returns the path; all
-    of it is there, or nothing.
+    """Write a result for another program; the whole file is there, or nothing.
 
-    Raises SceneError if it cannot go there or into this format, GfmdError if the numbers of the
-    result are damaged or writing fails.
+    Parameters
+    ----------
+    result : Result
+    kind : str
+        One of FORMATS.
+    path : path or None
+        Where to; None: beside the file of the result.
+    about : mapping
+        Meaning and unit of the numbers.
+
+    Returns
+    -------
+    Path
+        That was written.
+
+    Raises
+    ------
+    SceneError
+        If it cannot go there or into this format.
+    GfmdError
+        If the numbers of the result are damaged or writing fails.
     """
     write, extension = FORMATS[kind]
     path = Path(path or Path(result.path or "contact.h5").with_suffix(extension))
@@ -49,7 +67,17 @@ def export(result: Result, kind: str, path: str | os.PathLike | None, about: Abo
 
 
 def to_vtkhdf(result: Result, path: Path, about: About) -> None:
-    """Write a result file, whose extension ParaView knows."""
+    """Write a result file, whose extension ParaView knows.
+
+    Parameters
+    ----------
+    result : Result
+        A result with fields.
+    path : Path
+        The file to be written.
+    about : mapping
+        Meaning and unit of the numbers.
+    """
     n = result.surface["n"]
     if not common_fields(result) or min(n) < 2:
         raise SceneError(
@@ -68,10 +96,17 @@ def to_vtkhdf(result: Result, path: Path, about: About) -> None:
 
 def to_netcdf(result: Result, path: Path, about: About) -> None:
     """Write dimensions load, x, y; every number of the load steps and every field as a variable
-    with its unit and meaning."""
+    with its unit and meaning.
+
+    Parameters
+    ----------
+    result, path, about
+        As of `to_vtkhdf`; fields are not needed.
+    """
     import h5py
 
-    surface, fields = result.surface, common_fields(result)
+    surface = result.surface
+    fields = common_fields(result)
 
     def described(file: Any) -> None:
         file.attrs.update(result.facts)
@@ -88,7 +123,13 @@ def to_netcdf(result: Result, path: Path, about: About) -> None:
 
 def to_npz(result: Result, path: Path, about: About) -> None:
     """Write arrays over the load steps by their names, x, y, heights (x, y) and the other fields
-    (load, x, y)."""
+    (load, x, y).
+
+    Parameters
+    ----------
+    result, path, about
+        As of `to_netcdf`.
+    """
     with zipfile.ZipFile(path, "w") as archive:
         for name, values in (axes(result.surface) | numbers(result.steps)).items():
             with archive.open(f"{name}.npy", "w") as file:
@@ -102,24 +143,41 @@ def to_npz(result: Result, path: Path, about: About) -> None:
 
 
 def frame(result: Result, about: About) -> Any:
-    """Make a pandas table of the numbers of a result: a row for each load step, a column for each
-    number; units by column in its `attrs`."""
+    """Return a pandas table: a row for each load step, a column for each number.
+
+    Parameters
+    ----------
+    result : Result
+    about : mapping
+        Meaning and unit of the numbers.
+
+    Returns
+    -------
+    pandas.DataFrame
+        With the units by column in its `attrs`.
+    """
     from pandas import DataFrame, Index
 
-    found = DataFrame(numbers(result.steps), Index(result.indices, name="step"))
-    found.attrs["units"] = {name: unit_of(name, result.surface, about) for name in found}
-    return found
+    table = DataFrame(numbers(result.steps), Index(result.indices, name="step"))
+    table.attrs["units"] = {name: unit_of(name, result.surface, about) for name in table}
+    return table
 
 
 def to_csv(result: Result, path: Path, about: About) -> None:
     """Write one line per load step, no fields; headings such as "gap_mean [m]" where a unit is
-    known."""
-    found = frame(result, about)
+    known.
+
+    Parameters
+    ----------
+    result, path, about
+        As of `to_netcdf`.
+    """
+    table = frame(result, about)
     headings = [
         name if unit in ("", "1") else f"{name} [{unit}]"
-        for name, unit in found.attrs["units"].items()
+        for name, unit in table.attrs["units"].items()
     ]
-    found.to_csv(path, header=headings, na_rep="nan")
+    table.to_csv(path, header=headings, na_rep="nan")
 
 
 def to_gwy(result: Result, path: Path, about: About) -> None:
@@ -157,17 +215,26 @@ def to_gwy(result: Result, path: Path, about: About) -> None:
 
 
 def to_x3p(result: Result, path: Path, about: About) -> None:
-    """Write one field of one load, a length, by SurfaceTopography."""
-    found, surface = list(_channels(result)), result.surface
-    lengths = {name for _, name in found} <= {"gap", "displacement", "plastic", HEIGHTS}
-    if len(found) != 1 or not lengths or surface.get("unit") != "m":
+    """Write one field of one load, a length, by SurfaceTopography.
+
+    Parameters
+    ----------
+    result, path, about
+        As of `to_gwy`.
+    """
+    channels = list(_channels(result))
+    surface = result.surface
+    names = [name for _, name in channels]
+    lengths = {*names} <= {"gap", "displacement", "plastic", HEIGHTS}
+    if len(channels) != 1 or not lengths or surface.get("unit") != "m":
         raise SceneError(
-            f"x3p: found {', '.join(name for _, name in found) or 'no field'} of"
+            f"x3p: found {', '.join(names) or 'no field'} of"
             f" {len(result.steps)} loads in unit {surface.get('unit', '')!r}, allowed: one field"
             " that is a length, of one load, where lengths have units (x3p holds metres)"
         )
-    ((k, name),) = found
-    values, sizes = result.fields[k][name].read(), tuple(surface["physical_sizes"])
+    ((k, name),) = channels
+    values = result.fields[k][name].read()
+    sizes = tuple(surface["physical_sizes"])
     with open(path, "wb") as file:
         heights = np.asarray(values, dtype=float)
         surface_topography().Topography(heights, sizes, unit="m").to_x3p(file)

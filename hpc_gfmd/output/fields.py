@@ -13,7 +13,18 @@ FIELDS = ("pressure", "gap", "displacement", "plastic")
 @dataclass(frozen=True, eq=False)
 class LazyField:
     """A local slab that is computed a few rows at a time when it is sliced; np.asarray makes all of
-    it. by_rows: as Grid.by_rows."""
+    it.
+
+    Attributes
+    ----------
+    rows : callable
+        Of (i0, i1): the values of these rows.
+    shape : (int, int)
+        Of the slab.
+    dtype : numpy.dtype
+    by_rows : callable
+        Shares rows among threads, as Grid.by_rows.
+    """
 
     rows: Callable[[int, int], np.ndarray]
     shape: tuple[int, int]
@@ -36,8 +47,17 @@ class LazyField:
 
 @dataclass(frozen=True)
 class Slab:
-    """A field in memory that is read as a parallel.h5.Stored one; shape: (n_x, n_y) of all of it;
-    data: the rows of this rank; start: the global index of its first one."""
+    """A field in memory that is read like one of a file.
+
+    Attributes
+    ----------
+    data : array_like
+        The rows of this rank.
+    start : int
+        Global index of the first of them.
+    shape : (int, int)
+        (n_x, n_y) of the whole field.
+    """
 
     data: Any
     start: int
@@ -53,7 +73,12 @@ class Slab:
         yield self.start, self.read()
 
     def read(self, start: int | None = None, stop: int | None = None) -> np.ndarray:
-        """Return rows start <= i < stop, which must be among those of this rank (default: all of
-        them)."""
-        first, last = (None if i is None else i - self.start for i in (start, stop))
-        return np.ascontiguousarray(self.data[first:last])
+        """Return some rows of the field.
+
+        Parameters
+        ----------
+        start, stop : int, optional
+            Global indices, which must be among those of this rank; default: all of them.
+        """
+        i0, i1 = (None if i is None else i - self.start for i in (start, stop))
+        return np.ascontiguousarray(self.data[i0:i1])

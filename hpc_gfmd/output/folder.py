@@ -10,7 +10,9 @@ from pathlib import Path
 
 from ..util.errors import SceneError
 
-HEAD, STATE, LOCK = "head.h5", "checkpoint.h5", "lock"
+HEAD = "head.h5"
+STATE = "checkpoint.h5"
+LOCK = "lock"
 _OURS = re.compile(r"(head|step-\d+|checkpoint)\.h5(\.tmp)?")
 
 
@@ -75,14 +77,22 @@ def is_held(folder: Path) -> bool:
 
 
 def clear(folder: Path, keep_lock: bool = False) -> None:
-    """Remove what runs write, the head first: without a head and without a lock the folder is
-    stale."""
+    """Remove the files of a run, the head first: without head.h5 and without a lock a folder is
+    stale.
+
+    Parameters
+    ----------
+    folder : Path
+        Beside a result file.
+    keep_lock : bool
+        Whether the lock and the folder stay.
+    """
     for file in sorted(folder.glob("*"), key=lambda file: not file.name.startswith(HEAD)):
         if _OURS.fullmatch(file.name):
             file.unlink(missing_ok=True)
     if not keep_lock:
         (folder / LOCK).unlink(missing_ok=True)
-        with suppress(OSError):  # somebody else may keep something there
+        with suppress(OSError):  # there may be other files
             folder.rmdir()
 
 

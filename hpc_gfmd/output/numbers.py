@@ -42,18 +42,33 @@ def names_of(steps: Sequence[Attributes]) -> dict[str, None]:
 
 
 def numbers(steps: Sequence[Attributes]) -> dict[str, np.ndarray]:
-    """Collect the numbers and texts of `names_of`, over the steps; nan or "" where one does not say
-    it."""
-    found = {}
+    """Return the numbers and texts of `names_of` as arrays over the steps; nan or "" where a step
+    has none."""
+    arrays = {}
     for name in names_of(steps):
         values = [step.get(name) for step in steps]
         missing = "" if any(isinstance(value, str) for value in values) else np.nan
-        found[name] = np.array([missing if value is None else value for value in values])
-    return found
+        arrays[name] = np.array([missing if value is None else value for value in values])
+    return arrays
 
 
 def unit_of(name: str, surface: Attributes, about: About) -> str:
-    """Return the unit of a number; "1" of none, "" where nobody named it."""
+    """Return the unit of a number.
+
+    Parameters
+    ----------
+    name : str
+        Of the number.
+    surface : mapping
+        Attributes of the surface, which know the units.
+    about : mapping
+        Meaning and unit of the numbers.
+
+    Returns
+    -------
+    str
+        "1" without dimension, "" where the unit has no name.
+    """
     return in_units(about.get(name, ("", ""))[1], surface)
 
 
@@ -64,7 +79,17 @@ def axes(surface: Attributes) -> dict[str, np.ndarray]:
 
 
 def said_of(name: str, surface: Attributes, about: About) -> dict[str, str]:
-    """Return the attributes `units` and `long_name` of a number or a field; "length" and "pressure"
-    where nobody named the unit."""
+    """Return the attributes `units` and `long_name` of a number or a field.
+
+    Parameters
+    ----------
+    name, surface, about
+        As of `unit_of`.
+
+    Returns
+    -------
+    dict of str to str
+        With the dimension, as "length", where the unit has no name.
+    """
     meaning, unit = MEANINGS.get(name) or about.get(name, (name, ""))
     return {"units": in_units(unit, surface) or unit, "long_name": meaning}

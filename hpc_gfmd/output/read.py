@@ -19,20 +19,39 @@ from .fields import Slab
 from .folder import HEAD, is_held, partial_folder, step_files
 from .numbers import names_of
 
-FORMAT, CHECKPOINT, FORMAT_VERSION = "hpc-gfmd", "hpc-gfmd checkpoint", 3
+FORMAT = "hpc-gfmd"
+CHECKPOINT = "hpc-gfmd checkpoint"
+FORMAT_VERSION = 3
 # (table, key) that scenes in older files may have, and that changed no result
 WITHDRAWN = (("machine", "checkpoint_seconds"),)
 
 
 @dataclass(frozen=True)
 class Result:
-    """What a result file says.
+    """The content of a result file, or of a solution in memory.
 
-    path: of the file, None in memory; head, surface, steps: attributes of the root, the surface and
-    each load step; indices: numbers of the steps; status: of the whole run ("running" or
-    "interrupted" if it was never finished); fields: per step {name: Stored}, or Slab in memory;
-    folder: of the unfinished run, otherwise None; notes: what else a reader should know, one line
-    each; version: of what is said here, which a pickle keeps.
+    Attributes
+    ----------
+    path : Path or None
+        Of the file; None in memory.
+    surface : dict
+        Attributes of the surface.
+    steps : list of dict
+        Attributes of each load step.
+    indices : list of int
+        Numbers of the load steps.
+    status : str
+        Of the whole run; "running" or "interrupted" if it is not finished.
+    head : dict
+        Attributes of the root.
+    fields : list of dict
+        Fields of each load step by name: Stored in a file, Slab in memory.
+    folder : Path or None
+        Of a run that is not finished.
+    notes : tuple of str
+        What a reader should know, a line each.
+    version : int
+        Format version, which a pickle keeps.
     """
 
     path: Path | None
@@ -98,9 +117,9 @@ class Result:
         """The fields by their places in a file, heights once: Stored, or the slab in memory."""
         places = {"heights": "surface"}
         return {
-            f"{places.get(name, group)}/{name}": one.data if isinstance(one, Slab) else one
-            for group, fields in zip(self.groups, self.fields)
-            for name, one in fields.items()
+            f"{places.get(name, group)}/{name}": field.data if isinstance(field, Slab) else field
+            for group, fields in zip(self.groups, self.fields, strict=True)
+            for name, field in fields.items()
         }
 
     @property
@@ -108,42 +127,62 @@ class Result:
         """What the head says in one number or text."""
         return {name: self.head[name] for name in names_of([self.head])}
 
-    def some(self, steps: slice | list[int], **other: Any) -> "Result":
-        """Keep some load steps alone, by their places; other: what is said otherwise."""
-        at = range(len(self.steps))[steps] if isinstance(steps, slice) else steps
+    def some(self, steps: slice | list[int], **changes: Any) -> "Result":
+        """Return a result with some of the load steps.
+
+        Parameters
+        ----------
+        steps : slice or list of int
+            Their places in `steps`.
+        **changes
+            Attributes to replace.
+        """
+        places = range(len(self.steps))[steps] if isinstance(steps, slice) else steps
         names = "steps", "indices", "fields"
-        picked: dict[str, Any] = {name: [getattr(self, name)[k] for k in at] for name in names}
-        return replace(self, **picked, **other)
+        picked: dict[str, Any] = {name: [getattr(self, name)[k] for k in places] for name in names}
+        return replace(self, **picked, **changes)
 
     def only(
         self, indices: Sequence[int] | None = None, fields: Sequence[str] | None = None
     ) -> "Result":
-        """Keep the steps of these numbers and these fields alone (None: all). Raises SceneError for
-        those that are not there."""
-        some = self if indices is None else self.some(self.places(indices))
+        """Return a result with some of the load steps and fields.
+
+        Parameters
+        ----------
+        indices : sequence of int, optional
+            Numbers of the load steps; default: all.
+        fields : sequence of str, optional
+            Names of the fields; default: all.
+
+        Raises
+        ------
+        SceneError
+            For those that the result does not have.
+        """
+        chosen = self if indices is None else self.some(self.places(indices))
         if fields is None:
-            return some
-        there = sorted({name for each in self.fields for name in each})
+            return chosen
+        present = sorted({name for of_step in self.fields for name in of_step})
         for name in fields:
-            if name not in there:
-                raise SceneError(f"fields: found {name}, allowed: {', '.join(there) or 'none'}")
-        kept = [{name: each[name] for name in each if name in fields} for each in some.fields]
-        return replace(some, fields=kept)
+            if name not in present:
+                raise SceneError(f"fields: found {name}, allowed: {', '.join(present) or 'none'}")
+        kept = [
+            {name: of_step[name] for name in of_step if name in fields} for of_step in chosen.fields
+        ]
+        return replace(chosen, fields=kept)
 
     @property
     def missing_loads(self) -> str:
         """Which of the loads that its scene asks for are not there, as a text."""
         key, loads = self.scene.load.given
-        left = [
+        missing = [
             f"{k + 1} ({key} = {format_quantity(load)})"
             for k, load in enumerate(loads)
             if k not in self.indices
         ]
-        return (
-            f"loads {', '.join(left)} of {len(loads)} are not there"
-            if left
-            else "all loads are there"
-        )
+        if not missing:
+            return "all loads are finished"
+        return f"loads {', '.join(missing)} of {len(loads)} are missing"
 
 
 def group_of(index: int) -> str:
@@ -155,10 +194,12 @@ def read_result(path: str | os.PathLike) -> Result:
     """Read a result file, or, if there is none, what an interrupted run left beside it. Raises
     SceneError (one line) if there is nothing, or the file is no HDF5, damaged, foreign or of
     another version."""
-    path, folder = Path(path), partial_folder(path)
+    path = Path(path)
+    folder = partial_folder(path)
     if not path.exists() and folder.is_dir():
         return read_partial(path)
-    result, newer = _read(path), folder / HEAD
+    result = _read(path)
+    newer = folder / HEAD
     if newer.exists() and newer.stat().st_mtime_ns > path.stat().st_mtime_ns:
         note = (
             f"a newer run was interrupted, or is running: {len(step_files(folder))} finished load"
@@ -176,7 +217,8 @@ def read_partial(path: str | os.PathLike) -> Result:
     which is damaged says nothing about the others: it is left out, and named in `notes`. Raises
     SceneError as read_result.
     """
-    path, folder = Path(path), partial_folder(path)
+    path = Path(path)
+    folder = partial_folder(path)
     if not (folder / HEAD).exists():
         raise SceneError(f"{path}: no such file, and no interrupted run beside it")
     parts: list[Result] = []
@@ -194,7 +236,7 @@ def read_partial(path: str | os.PathLike) -> Result:
     if not parts:
         raise SceneError(notes[0].removeprefix("left out: "))
     steps, indices, fields = (
-        [one for part in parts for one in getattr(part, name)]
+        [item for part in parts for item in getattr(part, name)]
         for name in ("steps", "indices", "fields")
     )
     return replace(
@@ -234,8 +276,8 @@ def read_checkpoint(path: Path, identity: str) -> Result | None:
     checkpoint = _read(path, CHECKPOINT)
     if checkpoint.head.get("identity") != identity:
         raise SceneError(f"{path}: a checkpoint of another scene, allowed: of this one")
-    known = [{"p", "seconds", "iterations", "fft_pairs"} <= {*step} for step in checkpoint.steps]
-    if known != [True] or "gap" not in checkpoint.fields[0]:
+    complete = [{"p", "seconds", "iterations", "fft_pairs"} <= {*step} for step in checkpoint.steps]
+    if complete != [True] or "gap" not in checkpoint.fields[0]:
         raise SceneError(f"{path}: a checkpoint of another version of hpc_gfmd, allowed: of this")
     return checkpoint
 
@@ -258,10 +300,8 @@ def _read(path: Path, kind: str = FORMAT) -> Result:
                     f"{path}: not a {'result' if kind == FORMAT else 'checkpoint'} of hpc-gfmd"
                     f" (format = {kind!r})"
                 )
-            surface, group = (
-                _attributes(inside(file, "surface")),
-                inside(file, "steps") if "steps" in file else (),
-            )
+            surface = _attributes(inside(file, "surface"))
+            group = inside(file, "steps") if "steps" in file else ()
             steps = {
                 int(name): inside(group, name)
                 for name in sorted(filter(str.isdigit, group), key=int)
@@ -306,7 +346,7 @@ def _require_hdf5(path: Path) -> None:
 def _fields(path: Path, group: Any, n: list[int]) -> dict[str, Stored]:
     """Find the fields in a group of an open file, to be read slab by slab later. Raises ValueError
     if one does not fit the surface."""
-    found = {}
+    fields = {}
     for name in group:
         data = inside(group, name)
         if len(getattr(data, "shape", ())) == 2:
@@ -314,15 +354,15 @@ def _fields(path: Path, group: Any, n: list[int]) -> dict[str, Stored]:
                 raise ValueError(
                     f"{name} holds {data.shape} of {data.dtype}, the surface has {tuple(n)} points"
                 )
-            there = data.id.get_storage_size()
+            stored_bytes = data.id.get_storage_size()
             if data.chunks:  # packed
-                there = data.id.get_num_chunks() * prod(data.chunks) * data.dtype.itemsize
-            if there < data.nbytes:
+                stored_bytes = data.id.get_num_chunks() * prod(data.chunks) * data.dtype.itemsize
+            if stored_bytes < data.nbytes:
                 raise ValueError(f"{name} has no numbers at some points")
-            found[name] = Stored(
+            fields[name] = Stored(
                 path, data.name.lstrip("/"), data.shape, data.dtype, int(data.attrs[CHECKSUM])
             )
-    return found
+    return fields
 
 
 def _attributes(group: Any) -> dict:
@@ -342,8 +382,6 @@ def _attributes(group: Any) -> dict:
 def _printable(text: Any) -> Any:
     """Put a text, or each of a list of them, in one line: a terminal would obey control
     characters."""
-    return (
-        one_line(text, len(text) + 1)
-        if isinstance(text, str)
-        else [_printable(one) for one in text]
-    )
+    if isinstance(text, str):
+        return one_line(text, len(text) + 1)
+    return [_printable(item) for item in text]

@@ -11,7 +11,13 @@ FINE = ("converged", "separated")  # statuses
 
 
 def summary(step: dict, surface: dict) -> str:
-    """Say what matters most of a step, in one line with units."""
+    """Return what matters most of a load step, in one line with units.
+
+    Parameters
+    ----------
+    step, surface : dict
+        Attributes of the result file.
+    """
     parts = []
     if step.get("a_r") is not None:
         parts.append(f"a_r = {with_error(100 * step['a_r'], combined_error('a_r', step))} %")
@@ -61,8 +67,14 @@ def converged(step: dict) -> bool:
 
 
 def with_error(value: float, relative: float | None) -> str:
-    """Write a value and its relative error as "0.0160 +- 0.0002": digits as far as they mean
-    something."""
+    """Return a value and its error as "0.0160 +- 0.0002", with as many digits as mean something.
+
+    Parameters
+    ----------
+    value : float
+    relative : float or None
+        Relative error; None: not estimated.
+    """
     if not isfinite(value):
         return str(value)
     if not relative or not value:
@@ -73,12 +85,12 @@ def with_error(value: float, relative: float | None) -> str:
     place = floor(log10(abs(value)))  # of the leading digit
     scale = 0 if -4 <= place <= 5 else place
     smallest = place - MAX_DIGITS + 1
-    last = max(smallest, floor(log10(error)))
-    decimals = max(0, scale - min(last, place))
+    last_digit = max(smallest, floor(log10(error)))
+    decimals = max(0, scale - min(last_digit, place))
     shown = f"{value / 10.0**scale:.{decimals}f}"
     uncertain = (
         f"{error / 10.0**scale:.{decimals}f}"
-        if error >= 10.0**last
+        if error >= 10.0**last_digit
         else f"{error / 10.0**scale:.0e}"
     )
     return f"{shown} +- {uncertain}" if scale == 0 else f"({shown} +- {uncertain})e{scale:+03d}"
@@ -87,6 +99,15 @@ def with_error(value: float, relative: float | None) -> str:
 def combined_error(name: str, step: dict) -> float | None:
     """Return the estimated relative error of a number of a load step; None where there is none.
 
+    Parameters
+    ----------
+    name : str
+        Of the number, as in the result file.
+    step : dict
+        Attributes of the load step.
+
+    Notes
+    -----
     That of the contact area is the sum of the solver's and of what the size of a grid point adds;
     that of the mean gap is the solver's on its grid.
     """
@@ -98,14 +119,14 @@ def combined_error(name: str, step: dict) -> float | None:
     return error if is_number(error) else None
 
 
-def is_number(found: object) -> TypeGuard[float]:
-    """Tell whether something found in a file is a number."""
-    return isinstance(found, int | float)
+def is_number(value: object) -> TypeGuard[float]:
+    """Return whether a value of a file is a number."""
+    return isinstance(value, int | float)
 
 
-def _numbers(found: object) -> list[float]:
+def _numbers(value: object) -> list[float]:
     """Return a list of finite numbers as it is, anything else as none: files may hold what they
     like."""
-    if isinstance(found, list | tuple) and all(is_number(x) and isfinite(x) for x in found):
-        return list(found)
+    if isinstance(value, list | tuple) and all(is_number(x) and isfinite(x) for x in value):
+        return list(value)
     return []

@@ -12,10 +12,41 @@ from .window import window_of
 class FigureContext:
     """A result as it is drawn.
 
-    result: with the chosen steps alone; left_out: how many others there are; window: (x0, x1, y0,
-    y1) in the unit of its sizes, points: the same in grid points; hardness: of the solid, None
-    without one; units, theory, lengths: how it is scaled, and what is drawn beside it; dpi: of the
-    print; name: in a legend of several results."""
+    Parameters
+    ----------
+    result : Result
+    chosen : list of int
+        Places of the load steps that are drawn.
+    window : (x0, x1, y0, y1), optional
+        Part of the cell, as `window_of` takes it.
+    dpi : float, optional
+        Of the print.
+    dimensionless : bool
+        Whether units do not count.
+    name : str
+        In a legend of several results.
+
+    Attributes
+    ----------
+    result : Result
+        With the chosen load steps alone.
+    left_out : int
+        Number of the other load steps.
+    window : (x0, x1, y0, y1)
+        In the unit of the sizes.
+    points : (i0, i1, j0, j1) or None
+        The window in grid points; None: all of them.
+    hardness : float or None
+        Of the solid.
+    theory : Theory or None
+        Drawn beside the result.
+    units : Units
+        Scales of all kinds of quantities.
+    lengths : Scale
+        Of positions within the window.
+    dimensions : int
+        1 where the surface varies along one axis alone.
+    """
 
     def __init__(
         self,
@@ -26,7 +57,9 @@ class FigureContext:
         dimensionless: bool = False,
         name: str = "",
     ) -> None:
-        self.result, self.dpi, self.name = result.some(chosen), dpi, name
+        self.result = result.some(chosen)
+        self.dpi = dpi
+        self.name = name
         self.left_out = len(result.steps) - len(chosen)
         self.window, self.points = window_of(result.surface, window)
         scene = scene_of(result)
@@ -40,7 +73,8 @@ class FigureContext:
 
     def name_of(self, k: int) -> str:
         """Name the k-th of the chosen steps by its number and load."""
-        step, name = self.result.steps[k], f"step {self.result.indices[k]}"
+        step = self.result.steps[k]
+        name = f"step {self.result.indices[k]}"
         pressures = self.units.of("pressure", [step.get("p")])
         if self.units.rough and pressures.relative and good(step.get("p_star")):
             name += f": $p^* = {step['p_star']:.3g}$"

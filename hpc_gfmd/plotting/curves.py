@@ -115,17 +115,17 @@ def _mean_and_scatter(
         for context in contexts
     ]
     curves_of_results = [np.array(row, dtype=float) for row in rows if row]
-    first = curves_of_results[0]
+    x = curves_of_results[0][:, 0]
     alike = all(
-        curve.shape == first.shape and np.allclose(curve[:, 0], first[:, 0], rtol=SAME_LOAD)
+        len(curve) == len(x) and np.allclose(curve[:, 0], x, rtol=SAME_LOAD)
         for curve in curves_of_results
     )
     number = len(curves_of_results)
     if not alike:
-        x, y = np.concatenate(curves_of_results).T
-        ax.plot(x, y, ".", color=colour(0), label=f"{number} results")
+        ax.plot(
+            *np.concatenate(curves_of_results).T, ".", color=colour(0), label=f"{number} results"
+        )
         return
-    x = first[:, 0]
     values = np.array([curve[:, 1] for curve in curves_of_results])
     mean = values.mean(axis=0)
     deviation = values.std(axis=0, ddof=1)

@@ -22,22 +22,30 @@ NAMES = {  # symbol, title, how many of the smallest count a bin has at least, p
 
 
 def distributions(contexts: Sequence[FigureContext], names: list[str]) -> Page:
-    """Make a panel for each distribution of one result, stored or of its fields."""
+    """Return a page with a panel for each distribution of one result.
+
+    Parameters
+    ----------
+    contexts : sequence of FigureContext
+        The first one counts.
+    names : list of str
+        Of NAMES; distributions that are not stored are made of the fields.
+    """
     return Page([partial(_panel, context=contexts[0], name=name) for name in names])
 
 
 def _panel(ax: Any, context: FigureContext, name: str) -> None:
     symbol, title, fewest, power = NAMES[name]
-    found = [
+    densities = [
         (k, *_joined(edges, shares, fewest)) for k, edges, shares in _shares(context.result, name)
     ]
-    if not found:
+    if not densities:
         ax.set(title=f"{title}: none", xticks=[], yticks=[])
         return
-    highest = max(edges[-1] for _, edges, _ in found)
+    highest = max(edges[-1] for _, edges, _ in densities)
     scale = context.lengths if power == 2 else context.units.of(name, [highest])
     unit = scale.unit**power
-    for k, edges, values in found:
+    for k, edges, values in densities:
         ax.stairs(
             values * unit,
             edges / unit,
@@ -49,7 +57,7 @@ def _panel(ax: Any, context: FigureContext, name: str) -> None:
         )
     density = label(f"P({symbol})", (scale, -power))
     ax.set(xlabel=scale.label(symbol, power), ylabel=density, title=title)
-    drawn = np.concatenate([values for *_, values in found]) * unit
+    drawn = np.concatenate([values for *_, values in densities]) * unit
     ax.set_ylim(drawn.min() / 2, drawn.max() * 3)
     log_axis(ax, "y")
     if name == "pressure":
@@ -58,19 +66,19 @@ def _panel(ax: Any, context: FigureContext, name: str) -> None:
             ax.axvline(
                 context.hardness / unit, label="hardness", color="0.5", linewidth=0.8, linestyle=":"
             )
-        _theory(ax, context, found, unit)
+        _theory(ax, context, densities, unit)
     else:
-        lowest = min(edges[edges > 0][0] for _, edges, _ in found)
+        lowest = min(edges[edges > 0][0] for _, edges, _ in densities)
         below = highest / 10**DECADES if name == "gap" else 0.0
         ax.set_xlim(max(lowest, below) / unit / 1.5, highest / unit * 1.5)
         log_axis(ax, "x")
 
 
-def _theory(ax: Any, context: FigureContext, found: list[Any], unit: float) -> None:
+def _theory(ax: Any, context: FigureContext, densities: list[Any], unit: float) -> None:
     theory = context.theory
     if not (theory and theory.density):
         return
-    for k, edges, _ in found:
+    for k, edges, _ in densities:
         x = np.linspace(0, edges[-1], 301)[1:]
         y = theory.density(x, context.result.steps[k]["p"])
         ax.plot(x / unit, y * unit, **THEORY | {"color": colour(k)})
@@ -101,10 +109,12 @@ def _joined(edges: np.ndarray, shares: np.ndarray, fewest: int) -> tuple[np.ndar
     """Return (edges, density) of a histogram without empty ends, in bins that are joined until each
     has `fewest` times the smallest count of all."""
     filled = np.flatnonzero(shares)
-    last, chosen, total = filled[-1] + 1, [filled[0]], np.append(0.0, shares.cumsum())
-    least = fewest * shares[filled].min() * (1 - 1e-9)
-    for k in range(chosen[0] + 1, last + 1):
-        if total[k] - total[chosen[-1]] >= least:
+    stop = filled[-1] + 1
+    chosen = [filled[0]]
+    total = np.append(0.0, shares.cumsum())
+    smallest = fewest * shares[filled].min() * (1 - 1e-9)
+    for k in range(chosen[0] + 1, stop + 1):
+        if total[k] - total[chosen[-1]] >= smallest:
             chosen.append(k)
-    chosen = [*chosen[: max(1, len(chosen) - 1)], last]
+    chosen = [*chosen[: max(1, len(chosen) - 1)], stop]
     return edges[chosen], np.diff(total[chosen]) / np.diff(edges[chosen])

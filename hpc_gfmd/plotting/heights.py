@@ -18,8 +18,25 @@ def height_map(
     window: Any = None,
     dpi: float | None = None,
 ) -> Picture:
-    """Draw heights (n_x, n_y), peaks up, on a cell of these sizes; unit: "m" where both are in it;
-    window, dpi: see plot. Returns a matplotlib Figure."""
+    """Draw a height map.
+
+    Parameters
+    ----------
+    heights : ndarray, shape (n_x, n_y)
+        Peaks up.
+    sizes : (L_x, L_y)
+        Of the cell, in the unit of the heights.
+    unit : str
+        "m", or "" where the unit has no name.
+    title : str
+        Above the picture.
+    window, dpi
+        As of `plot`.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
     surface = {
         "n": list(heights.shape),
         "physical_sizes": list(sizes),

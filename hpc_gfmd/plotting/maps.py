@@ -28,8 +28,15 @@ SPIKY = 1.25
 
 
 def maps(contexts: Sequence[FigureContext], names: list[str]) -> Page:
-    """Make a row for each load of one result, a column for each of `names`: "contact" or a
-    field."""
+    """Return a page with a row for each load of one result and a column for each field.
+
+    Parameters
+    ----------
+    contexts : sequence of FigureContext
+        The first one counts.
+    names : list of str
+        Of FIELDS.
+    """
     context = contexts[0]
     x0, x1, y0, y1 = context.window
     aspect = (y1 - y0) / (x1 - x0)
@@ -39,7 +46,7 @@ def maps(contexts: Sequence[FigureContext], names: list[str]) -> Page:
     pixels = max(16, int(width * (context.dpi or DPI)))
 
     @cache
-    def found(k: int) -> Survey:
+    def surveyed(k: int) -> Survey:
         fields = context.result.fields[k]
         alone = {*names} <= {"heights", "displacement", "plastic"}
         needed = {*names} if alone else {*names, "pressure", "gap"}
@@ -47,7 +54,7 @@ def maps(contexts: Sequence[FigureContext], names: list[str]) -> Page:
         return survey(chosen, pixels, context.points, context.hardness)
 
     def panel(k: int, name: str, ax: Any) -> None:
-        _field(ax, context, found(k), name)
+        _field(ax, context, surveyed(k), name)
         if name != names[0]:
             ax.set_title(name if k == 0 else "", loc="right")
         elif name != "heights":
@@ -80,23 +87,25 @@ def _mark_yielded(ax: Any, share: np.ndarray, extent: list[float]) -> None:
         ax.plot([], [], "s", color=YIELDED, label="yields (pressure = hardness)")
 
 
-def _field(ax: Any, context: FigureContext, found: Survey, name: str) -> None:
+def _field(ax: Any, context: FigureContext, pixels: Survey, name: str) -> None:
     symbol, colours = FIELDS[name]
-    values, largest = found.means[name], found.largest[name]
-    scale = context.units.of(name, [largest, float(values.min())]) if symbol else Scale()
-    values, largest = values / scale.unit, largest / scale.unit
+    in_units = [pixels.largest[name], float(pixels.means[name].min())]
+    scale = context.units.of(name, in_units) if symbol else Scale()
+    values = pixels.means[name] / scale.unit
+    largest = pixels.largest[name] / scale.unit
     clipped = False
     norm: Any = Normalize(values.min(), values.max())
     if name == "contact":
-        values, norm = np.ma.masked_equal(values, 0), Normalize(0, 1)
+        values = np.ma.masked_equal(values, 0)
+        norm = Normalize(0, 1)
     elif name == "pressure":
         ax.set_facecolor(GROUND)
-        values = np.ma.masked_where(found.means["contact"] == 0, values)
+        values = np.ma.masked_where(pixels.means["contact"] == 0, values)
         top = np.percentile(values.compressed(), 99.5) if values.count() else 1.0
         clipped = largest > SPIKY * top > 0
         norm = Normalize(0, top if clipped else largest)
     elif name == "gap":  # square root: most of what matters happens at small gaps
-        values = np.ma.masked_where(found.means["contact"] >= 0.5, values)
+        values = np.ma.masked_where(pixels.means["contact"] >= 0.5, values)
         norm = PowerNorm(0.5, vmin=0, vmax=largest)
     if norm.vmin == norm.vmax:
         norm.vmax += 1
@@ -104,8 +113,8 @@ def _field(ax: Any, context: FigureContext, found: Survey, name: str) -> None:
     image = ax.imshow(
         values.T, colours, norm, origin="lower", extent=extent, interpolation="nearest"
     )
-    if name in ("contact", "pressure") and "yielded" in found.means:
-        _mark_yielded(ax, found.means["yielded"], extent)
+    if name in ("contact", "pressure") and "yielded" in pixels.means:
+        _mark_yielded(ax, pixels.means["yielded"], extent)
     ax.tick_params(color="0.5")
     for axis in (ax.xaxis, ax.yaxis):
         axis.set_major_formatter("{x:g}")

@@ -11,9 +11,21 @@ Panel = Callable[[Any], None]  # draws on the axes
 
 @dataclass(frozen=True)
 class Page:
-    """panels: row by row, in so many columns (default: three, of four panels two); width, height:
-    of the picture, without what stands above and below it, and of one row, in inches; images:
-    whether axes keep their aspect and share their ticks."""
+    """A picture as panels.
+
+    Attributes
+    ----------
+    panels : sequence of callable
+        Draw on axes; row by row.
+    columns : int
+        At most; four panels that are no images have two.
+    height : float
+        Of one row, in inches.
+    width : float
+        Of the picture, in inches; a single panel that is no image has COLUMN_WIDTH.
+    images : bool
+        Whether axes keep their aspect and share their ticks.
+    """
 
     panels: Sequence[Panel]
     columns: int = 3
@@ -23,7 +35,8 @@ class Page:
 
     def draw(self, fig: Any) -> None:
         """Draw all panels."""
-        panels, images = self.panels, self.images
+        panels = self.panels
+        images = self.images
         columns = 2 if len(panels) == 4 and not images else min(self.columns, len(panels))
         rows = -(-len(panels) // columns)
         width = self.width if images or columns > 1 else COLUMN_WIDTH

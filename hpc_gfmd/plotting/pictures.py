@@ -172,44 +172,75 @@ def _refuse(what: Any, results: Mapping[str, Result], step: Any) -> NoReturn:
     raise SceneError(f"what: found {what!r}{of}, allowed: {allowed}")
 
 
-def _results(given: Any) -> dict[str, Result]:
-    """Return {name: Result} of what plot is given."""
-    if isinstance(given, Mapping):
-        return {str(name): _result(one) for name, one in given.items()}
-    if not isinstance(given, list | tuple):
-        return {"": _result(given)}
-    return {f"{k}: {_name(one)}": one for k, one in enumerate(map(_result, given), 1)}
+def _results(argument: Any) -> dict[str, Result]:
+    """Return {name: Result} of what plot takes."""
+    if isinstance(argument, Mapping):
+        return {str(name): _result(solution) for name, solution in argument.items()}
+    if not isinstance(argument, list | tuple):
+        return {"": _result(argument)}
+    results = map(_result, argument)
+    return {f"{k}: {_name(result)}": result for k, result in enumerate(results, 1)}
 
 
-def _result(given: Any) -> Result:
-    found = getattr(given, "result", given)  # of a Solution
-    return found if isinstance(found, Result) else read_result(found)
+def _result(solution_or_path: Any) -> Result:
+    result = getattr(solution_or_path, "result", solution_or_path)  # of a Solution
+    return result if isinstance(result, Result) else read_result(result)
 
 
 def figures(result: Any, what: Any = None, **how: Any) -> dict[str, Picture]:
-    """Draw {name: picture} of the maps, distributions, spectra and curves that there are, or of
-    `what` (names); how: see plot."""
+    """Draw several pictures of a result.
+
+    Parameters
+    ----------
+    result : Solutions, Solution or path
+    what : str or list of str, optional
+        Names of pictures; default: maps, distributions, spectra and curves, as far as the result
+        has them.
+    **how
+        As of `plot`.
+
+    Returns
+    -------
+    dict of str to Picture
+    """
     result = _result(result)
     if not result.steps:
         raise SceneError(f"{result.path}: no finished load step yet, nothing to draw")
-    there = (
+    possible = (
         ["maps"]
         if how.get("window")
         else [name for name in PAGES if chosen_steps(result, name, how.get("step"))]
     )
-    if len(result.steps) == 1 and len(there) > 1:
-        there = [name for name in there if name != "curves"]
-    wanted = [what] if isinstance(what, str) else what or there
+    if len(result.steps) == 1 and len(possible) > 1:
+        possible = [name for name in possible if name != "curves"]
+    wanted = [what] if isinstance(what, str) else what or possible
     return {name: plot(result, name, **how) for name in wanted}
 
 
 def plot_result(file: Any, where: Any = None, what: Any = None, **how: Any) -> list[Path]:
-    """Draw and save; returns the paths.
+    """Draw pictures of a result and save them.
 
-    file: a path or a Result; where: a folder, made if only itself is missing, or a file .png, .pdf
-    or .svg (of several pictures each has its name added); by default they lie beside the result as
-    RESULT_NAME.png, of one in memory as contact_NAME.png. what, how: see figures and plot. Raises
-    SceneError and GfmdError as plot, and where the pictures cannot be written.
+    Parameters
+    ----------
+    file : path or Result
+    where : path, optional
+        A folder, made if only itself is missing, or a file .png, .pdf or .svg (of several pictures
+        each has its name added). Default: beside the result as RESULT_NAME.png, of one in memory
+        contact_NAME.png.
+    what : str or list of str, optional
+        As of `figures`.
+    **how
+        As of `plot`.
+
+    Returns
+    -------
+    list of Path
+        Of the pictures.
+
+    Raises
+    ------
+    SceneError, GfmdError
+        As `plot`, and where the pictures cannot be written.
     """
     result = _result(file)
     where = Path(where or (result.path or Path("contact")).with_suffix(".png"))
@@ -219,7 +250,8 @@ def plot_result(file: Any, where: Any = None, what: Any = None, **how: Any) -> l
         folder.mkdir(exist_ok=True)
     except OSError as error:
         raise SceneError(f"-o: pictures cannot go to {folder} ({reason(error)})") from None
-    drawn, paths = figures(result, what, **how), []
+    drawn = figures(result, what, **how)
+    paths = []
     for name, fig in drawn.items():
         path = folder / f"{name}.png"
         if as_file:
@@ -233,8 +265,21 @@ def plot_result(file: Any, where: Any = None, what: Any = None, **how: Any) -> l
 
 
 def chosen_steps(result: Result, what: Any, step: Any) -> list[int]:
-    """List the places in result.steps of the load steps that a picture shows, of all or of the
-    numbers `step`. Raises SceneError for numbers that there are not."""
+    """Return the places in result.steps of the load steps that a picture shows.
+
+    Parameters
+    ----------
+    result : Result
+    what : str
+        Name of the picture.
+    step : int, sequence of int or None
+        Numbers of load steps; None: a choice out of all.
+
+    Raises
+    ------
+    SceneError
+        For numbers that the result does not have.
+    """
     kind = kind_of(what)
     able = _steps(result, kind.panels)
     if step is not None:

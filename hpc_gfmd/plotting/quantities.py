@@ -33,7 +33,20 @@ class Quantity:
     errors: tuple[str, ...] = ()
 
     def scales(self, contexts: Iterable[FigureContext], key: str) -> list[tuple[Scale, int]]:
-        """Return the scales of the factors of its unit, which suit the values of all results."""
+        """Return the scales of the factors of its unit, which suit the values of all results.
+
+        Parameters
+        ----------
+        contexts : iterable of FigureContext
+            One for each result.
+        key : str
+            Name of the number in the result file.
+
+        Returns
+        -------
+        list of (Scale, int)
+            With their powers.
+        """
         contexts = list(contexts)
         values = [step.get(key) for context in contexts for step in context.result.steps]
         positive = [float(value) for value in values if value is not None and good(value)]
@@ -96,7 +109,14 @@ def quantity_of(key: str) -> Quantity:
 
 
 def relative_error(quantity: Quantity, step: Mapping[str, Any]) -> float:
-    """Return the relative error of a number of a load, of the solver and of the grid; 0 of none."""
+    """Return the relative error of a number of a load, of the solver and of the grid; 0 of none.
+
+    Parameters
+    ----------
+    quantity : Quantity
+    step : mapping
+        Attributes of the load step.
+    """
     return hypot(*(step.get(error) or 0.0 for error in quantity.errors))
 
 

@@ -17,24 +17,32 @@ ROUNDING = 1e-12  # relative, of a power
 
 
 def spectra(contexts: Sequence[FigureContext], names: list[str]) -> Page:
-    """Make a panel for each of the PANELS that one result has."""
+    """Return a page of spectra and autocorrelations of one result.
+
+    Parameters
+    ----------
+    contexts : sequence of FigureContext
+        The first one counts.
+    names : list of str
+        Of PANELS.
+    """
     draw = {"spectrum": _spectrum, "autocorrelation": _autocorrelation}
-    found = [name.split("_") for name in names]
-    return Page([partial(draw[kind], context=contexts[0], name=name) for name, kind in found])
+    kinds = [name.split("_") for name in names]
+    return Page([partial(draw[kind], context=contexts[0], name=name) for name, kind in kinds])
 
 
 def _lines(context: FigureContext, name: str, x: str, y: str) -> Iterator[Any]:
     """Yield (x, y, how it is drawn) of every load; the heights are the same under all."""
     for k, step in enumerate(context.result.steps):
         if f"{name}_{x}" in step:
-            same = name == "heights"
+            of_heights = name == "heights"
             how = {
-                "color": "black" if same else colour(k),
-                "linestyle": "-" if same else line(k),
-                "label": "heights" if same else context.name_of(k),
+                "color": "black" if of_heights else colour(k),
+                "linestyle": "-" if of_heights else line(k),
+                "label": "heights" if of_heights else context.name_of(k),
             }
             yield *(np.array(step[f"{name}_{of}"], dtype=float) for of in (x, y)), how
-            if same:
+            if of_heights:
                 return
 
 
@@ -45,11 +53,11 @@ def _spectrum(ax: Any, context: FigureContext, name: str) -> None:
     size = np.sqrt(max(power.max() for _, power, _ in lines) / context.units.size**dims)
     scale = context.units.of(name, [float(size)])
     for q, power, how in lines:
-        some = power > ROUNDING * power.max()
-        y = power[some] / (scale.unit**2 * length.unit**dims)
-        if some.sum() == 1:
+        shown = power > ROUNDING * power.max()
+        y = power[shown] / (scale.unit**2 * length.unit**dims)
+        if shown.sum() == 1:
             how |= {"linestyle": "", "marker": "."}
-        ax.loglog(q[some] * length.unit, y, **how)
+        ax.loglog(q[shown] * length.unit, y, **how)
     ax.set(
         xlabel=label("q", (length, -1)),
         ylabel=label(f"C_{SYMBOLS[name]}(q)", (scale, 2), (length, dims)),
@@ -62,8 +70,9 @@ def _spectrum(ax: Any, context: FigureContext, name: str) -> None:
 def _autocorrelation(ax: Any, context: FigureContext, name: str) -> None:
     length = context.lengths
     ax.axhline(0, color="0.8", linewidth=0.7, zorder=0)
-    for r, found, how in _lines(context, name, "autocorrelation_r", "autocorrelation_correlation"):
-        if found[0] > 0:  # not of a gap that is closed
-            ax.plot(r / length.unit, found / found[0], **how)
+    keys = "autocorrelation_r", "autocorrelation_correlation"
+    for r, correlation, how in _lines(context, name, *keys):
+        if correlation[0] > 0:  # not of a gap that is closed
+            ax.plot(r / length.unit, correlation / correlation[0], **how)
     symbol = SYMBOLS[name]
     ax.set(xlabel=length.label("r"), ylabel=f"$A_{symbol}(r)/A_{symbol}(0)$", title=name)

@@ -38,7 +38,8 @@ def _part(name: str, low: float, high: float) -> LinearSegmentedColormap:
 
 
 # A single touching point must show on its ground, whatever its pressure.
-CONTACT_MAP, PRESSURE_MAP = _part("Greys", 0.5, 1.0), _part("magma_r", 0.22, 1.0)
+CONTACT_MAP = _part("Greys", 0.5, 1.0)
+PRESSURE_MAP = _part("magma_r", 0.22, 1.0)
 GROUND = "0.93"  # where nothing touches
 YIELDED = "#56B4E9"  # where the pressure is the hardness
 
@@ -89,10 +90,10 @@ class LogTicks(LogLocator):
     def tick_values(self, vmin: float, vmax: float) -> Any:
         decades = np.asarray(super().tick_values(vmin, vmax))
         for digits in ([1], [1, 3], [1, 2, 5], [1, 2, 3, 5, 7]):
-            found = np.kron(decades, digits)
-            if np.count_nonzero((found >= vmin) & (found <= vmax)) >= (2 if vmin < 1e-3 else 3):
+            ticks = np.kron(decades, digits)
+            if np.count_nonzero((ticks >= vmin) & (ticks <= vmax)) >= (2 if vmin < 1e-3 else 3):
                 break
-        return found
+        return ticks
 
 
 class LogLabels(Formatter):
@@ -107,7 +108,13 @@ class LogLabels(Formatter):
 
 
 def log_axis(ax: Any, which: str) -> None:
-    """Make the "x" or "y" axis logarithmic, with labels that do not overlap."""
+    """Make an axis logarithmic, with labels that do not overlap.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+    which : {"x", "y"}
+    """
     ax.set(**{f"{which}scale": "log"})
     axis = getattr(ax, f"{which}axis")
     axis.set_major_locator(LogTicks())
@@ -116,7 +123,16 @@ def log_axis(ax: Any, which: str) -> None:
 
 
 def legend(fig: Any, loc: str, columns: int = 1) -> None:
-    """Draw one legend of all panels, each label once; columns: at most."""
+    """Draw one legend of all panels, each label once.
+
+    Parameters
+    ----------
+    fig : matplotlib.figure.Figure
+    loc : str
+        Where, as of matplotlib.
+    columns : int
+        Largest number of columns.
+    """
     handles: dict[str, Any] = {}
     for ax in fig.axes:
         for handle, label in zip(*ax.get_legend_handles_labels()):
@@ -134,7 +150,15 @@ def styled() -> Iterator[None]:
 
 @contextmanager
 def figure(path: Path, width: float, height: float) -> Iterator[Figure]:
-    """Yield a figure of this width and height in inches, which is saved under path at the end."""
+    """Yield a figure, which is saved at the end.
+
+    Parameters
+    ----------
+    path : Path
+        Where to.
+    width, height : float
+        In inches.
+    """
     with styled():
         fig = Picture(figsize=(width, height), layout="constrained")
         yield fig
@@ -142,6 +166,15 @@ def figure(path: Path, width: float, height: float) -> Iterator[Figure]:
 
 
 def save(fig: Any, path: Path, dpi: float | None = None) -> None:
-    """Save under path in one move, in the format that its suffix names; dpi: default that of RC."""
+    """Save a figure; the whole file is there, or the old one.
+
+    Parameters
+    ----------
+    fig : matplotlib.figure.Figure
+    path : Path
+        Its suffix names the format.
+    dpi : float, optional
+        Default: that of RC.
+    """
     with atomic_write(path) as tmp:
         fig.savefig(tmp, format=path.suffix[1:].lower(), dpi=dpi)

@@ -10,7 +10,8 @@ import numpy as np
 SLAB_BYTES = 2**25
 YIELD_ROUNDING = 1e-5  # relative, of a pressure that is the hardness, in single precision
 BINS = 48  # of pressure
-GAP_DECADES, PER_DECADE = 6, 10  # of the gap, below the largest one; its bins
+GAP_DECADES = 6  # of the gap, below the largest one
+PER_DECADE = 10  # bins of the gap
 
 
 @dataclass(frozen=True)
@@ -63,16 +64,30 @@ def survey(
             in_contact = name in ("pressure", "yielded")
             counted = slab["contact"] if in_contact else np.ones(values.shape)
             values = values * counted
-            total, points = (_pixel_sums(one, f_x, f_y) for one in (values, counted))
+            total = _pixel_sums(values, f_x, f_y)
+            points = _pixel_sums(counted, f_x, f_y)
             parts.setdefault(name, []).append(total / np.maximum(points, 1))
             largest[name] = max(largest.get(name, -np.inf), float(values.max()))
     return Survey({name: np.concatenate(blocks) for name, blocks in parts.items()}, largest)
 
 
 def histogram(fields: dict, name: str) -> tuple[np.ndarray, np.ndarray]:
-    """Count (edges, shares of all points) of "pressure" over the points that touch, in even bins
-    from 0, or of "gap" over the others, in logarithmic bins with all that is smaller in the first
-    one."""
+    """Return a histogram of one field.
+
+    Parameters
+    ----------
+    fields : dict of str to field
+        Of a load step.
+    name : {"pressure", "gap"}
+        The pressure of the points that touch, in even bins from 0; or the gap of the others, in
+        logarithmic bins with all that is smaller in the first one.
+
+    Returns
+    -------
+    edges : ndarray, shape (k + 1,)
+    shares : ndarray, shape (k,)
+        Of all points.
+    """
     n_x, n_y = fields[name].shape
 
     def values() -> Iterator[np.ndarray]:
@@ -80,13 +95,13 @@ def histogram(fields: dict, name: str) -> tuple[np.ndarray, np.ndarray]:
             touching = slab["contact"]
             yield slab[name][touching if name == "pressure" else ~touching]
 
-    top = max(found.max(initial=0.0) for found in values()) or 1.0
+    top = max(block.max(initial=0.0) for block in values()) or 1.0
     edges = np.linspace(0, top, BINS + 1)
     if name == "gap":
         edges = np.append(
             0.0, np.geomspace(top / 10**GAP_DECADES, top, GAP_DECADES * PER_DECADE + 1)
         )
-    return edges, sum(np.histogram(found, edges)[0] for found in values()) / (n_x * n_y)
+    return edges, sum(np.histogram(block, edges)[0] for block in values()) / (n_x * n_y)
 
 
 def _slabs(fields: dict, i0: int, i1: int, multiple: int, columns: slice) -> Iterator[Any]:

@@ -19,9 +19,22 @@ from .units import Scale, good
 
 @dataclass(frozen=True)
 class Theory:
-    """curves: {number of a load: what it is under the mean pressures p}; density(x, p): of the
-    local pressure x > 0, integrates to the area, None where it does not say; all in the units of
-    the result. height: what heights are measured in; sources: papers, with DOI."""
+    """A theory of a surface, in the units of the result.
+
+    Attributes
+    ----------
+    name : str
+        In legends.
+    curves : dict of str to callable
+        Numbers of a load by name: functions of the mean pressures.
+    density : callable or None
+        Of (x, p): density of the local pressure x > 0 at the mean pressure p, which integrates to
+        the contact area.
+    height : Scale or None
+        What heights are measured in.
+    sources : tuple of str
+        Papers, with DOI.
+    """
 
     name: str
     curves: dict[str, Callable]
@@ -38,17 +51,31 @@ def scene_of(result: Result) -> Scene | None:
         return None
 
 
-def theory_of(scene: Scene | None, found: Any) -> Theory | None:
-    """Find the theory of a surface, of which a result says `found`; None for measured ones, layers,
-    and where a theory is only of periodic or of free ones."""
+def theory_of(scene: Scene | None, attributes: Any) -> Theory | None:
+    """Return the theory of a surface.
+
+    Parameters
+    ----------
+    scene : Scene or None
+    attributes : mapping
+        Of the surface, in a result.
+
+    Returns
+    -------
+    Theory or None
+        None for measured surfaces, layers, and where there is no theory with these boundaries.
+    """
     if scene is None or scene.material.thickness is not None:
         return None
-    surface, hardness, E_star = scene.surface, scene.material.hardness, float(scene.material.E_star)
-    periodic, slope = not any(surface.free), found.get("g_rms")
+    surface = scene.surface
+    hardness = scene.material.hardness
+    E_star = float(scene.material.E_star)
+    periodic = not any(surface.free)
+    slope = attributes.get("g_rms")
     if surface.kind == "self-affine" and periodic and good(slope):
         if hardness is not None:
             return _yielding(E_star, float(hardness), slope)
-        return _persson(surface, E_star * slope, found)
+        return _persson(surface, E_star * slope, attributes)
     if surface.kind == "sphere" and hardness is None and len({*surface.radii}) == 1:
         return _hertz(surface, E_star)
     if surface.kind == "sphere" and hardness is None and inf in surface.radii:
@@ -63,8 +90,9 @@ def _areas(area: Callable, unit: float) -> dict[str, Callable]:
     return {"a_r": area, "kappa": lambda p: unit * area(p) / p}
 
 
-def _persson(surface: Any, unit: float, found: Any) -> Theory:
-    name, eps_f = "Persson", found.get("eps_f")
+def _persson(surface: Any, unit: float, attributes: Any) -> Theory:
+    name = "Persson"
+    eps_f = attributes.get("eps_f")
     curves = _areas(lambda p: persson.contact_area(p / unit), unit)
     if good(eps_f) and eps_f < 1:
         q = np.unique([1.0, surface.lam_l_over_lam_r, 1 / eps_f])  # in units of the longest wave's
@@ -73,9 +101,10 @@ def _persson(surface: Any, unit: float, found: Any) -> Theory:
 
         def gap(p: Any) -> np.ndarray:
             unscaled = persson.mean_gap_spectrum(q, spectrum, p, unit / profile.g_rms)
-            return found["h_rms"] * unscaled / profile.h_rms
+            return attributes["h_rms"] * unscaled / profile.h_rms
 
-        name, curves["gap_mean"] = f"Persson ($\\gamma = {persson.GAMMA:g}$)", gap
+        name = f"Persson ($\\gamma = {persson.GAMMA:g}$)"
+        curves["gap_mean"] = gap
 
     def density(x: Any, p: Any) -> np.ndarray:
         return persson.pressure_distribution(x / unit, p / unit) / unit
@@ -101,7 +130,8 @@ def _yielding(E_star: float, hardness: float, slope: float) -> Theory:
 
 
 def _hertz(surface: Any, E_star: float) -> Theory:
-    radius, (L_x, L_y) = float(surface.radii[0]), map(float, surface.physical_sizes)
+    radius = float(surface.radii[0])
+    L_x, L_y = map(float, surface.physical_sizes)
 
     def contact(p: Any) -> Hertz:
         return Hertz(radius, p * L_x * L_y, E_star)

@@ -11,17 +11,24 @@ from ..util.quantities import prefixed
 
 
 def good(value: Any) -> bool:
-    """Tell whether this is a finite positive number."""
+    """Return whether a value is a finite positive number."""
     return finite(value) and value > 0
 
 
 def finite(value: Any) -> bool:
-    """Tell whether this is a finite number."""
+    """Return whether a value is a finite number."""
     return isinstance(value, int | float) and isfinite(value)
 
 
 def tex_number(x: float, form: str = ".3g") -> str:
-    """Write a number in TeX, with a power of ten for an exponent."""
+    """Return a number in TeX, with a power of ten for an exponent.
+
+    Parameters
+    ----------
+    x : float
+    form : str
+        Format of the number.
+    """
     mantissa, _, exponent = f"{x:{form}}".partition("e")
     factor = "" if mantissa == "1" else rf"{mantissa} \cdot "
     return f"{factor}10^{{{int(exponent)}}}" if exponent else mantissa
@@ -29,26 +36,59 @@ def tex_number(x: float, form: str = ".3g") -> str:
 
 @dataclass(frozen=True)
 class Scale:
-    """Numbers over `unit`; name: of an absolute unit ("MPa"), or the formula of a relative one
-    ("E^* g"), or "" for neither."""
+    """How numbers are divided and labelled.
+
+    Attributes
+    ----------
+    unit : float
+        Numbers are divided by it.
+    name : str
+        Of an absolute unit, "MPa", or the formula of a relative one, "E^* g"; "" of neither.
+    relative : bool
+        Whether the name is a formula.
+    """
 
     unit: float = 1.0
     name: str = ""
     relative: bool = False
 
     def label(self, symbol: str, power: int = 1) -> str:
-        """Label an axis: "$p$ (MPa)" or "$p/E^*$"; power: of the unit."""
+        """Return the label of an axis: "$p$ (MPa)" or "$p/E^*$".
+
+        Parameters
+        ----------
+        symbol : str
+            In TeX.
+        power : int
+            Of the unit.
+        """
         return label(symbol, (self, power))
 
     def value(self, symbol: str, number: float) -> str:
-        """Write an equation: "$p = 20$ MPa"."""
+        """Return an equation: "$p = 20$ MPa".
+
+        Parameters
+        ----------
+        symbol : str
+            In TeX.
+        number : float
+            In the unit of the result.
+        """
         name = "" if self.relative else self.name
         left = label(symbol, (self, 1)).split("$")[1]
         return f"${left} = {tex_number(number / self.unit)}$ {name}".rstrip()
 
 
 def label(symbol: str, *scales: tuple[Scale, int]) -> str:
-    """Label an axis whose unit is a product of powers: "$P(p)$ (MPa$^{-1}$)", "$q L_x$"."""
+    """Return the label of an axis whose unit is a product: "$P(p)$ (MPa$^{-1}$)", "$q L_x$".
+
+    Parameters
+    ----------
+    symbol : str
+        In TeX.
+    *scales : (Scale, int)
+        Factors of the unit and their powers.
+    """
     above: list[str] = []
     below: list[str] = []
     units: list[str] = []
@@ -65,8 +105,23 @@ def label(symbol: str, *scales: tuple[Scale, int]) -> str:
 
 
 class Units:
-    """Of a Result: absolute where it has units and `dimensionless` does not say otherwise; size:
-    L_x; rough: whether p* means something."""
+    """Scales of a result: absolute where it has units.
+
+    Parameters
+    ----------
+    result : Result
+    theory : Theory, optional
+        Its `height` is the unit of heights without units.
+    dimensionless : bool
+        Whether units do not count.
+
+    Attributes
+    ----------
+    size : float
+        L_x.
+    rough : bool
+        Whether p* means something.
+    """
 
     def __init__(self, result: Result, theory: Any = None, dimensionless: bool = False) -> None:
         surface = result.surface
@@ -91,8 +146,15 @@ class Units:
         }
 
     def of(self, name: str, values: Iterable[Any]) -> Scale:
-        """Scale numbers of a kind: "length" (positions) or "pressure", any other name being that of
-        heights."""
+        """Return the scale of numbers of one kind.
+
+        Parameters
+        ----------
+        name : str
+            "length" (of positions), "pressure" or "force"; any other name means heights.
+        values : iterable
+            Numbers, which choose the prefix of the unit.
+        """
         unit, relative = self._scales.get(name, self._scales["height"])
         if unit:
             factor, name = prefixed(values, unit)

@@ -9,13 +9,29 @@ from ..util.quantities import parse
 
 
 def window_of(surface: Any, window: Any) -> tuple:
-    """Return ((x0, x1, y0, y1) in the unit of the sizes, at the edges of grid points; the same as
-    points, or None for all of them).
+    """Return the part of the cell that maps show.
 
-    surface: attributes of a result; window: four numbers, or texts such as "2um". Raises
-    SceneError.
+    Parameters
+    ----------
+    surface : mapping
+        Attributes of the surface.
+    window : sequence of four numbers or texts, or None
+        x0, x1, y0, y1 in the unit of the sizes, or as "2um"; None: all.
+
+    Returns
+    -------
+    (x0, x1, y0, y1)
+        In the unit of the sizes, at the edges of grid points.
+    (i0, i1, j0, j1) or None
+        The same in grid points.
+
+    Raises
+    ------
+    SceneError
+        For what is no part of the cell.
     """
-    sizes, n = np.array(surface.get("physical_sizes", (1.0, 1.0))), np.array(surface["n"])
+    sizes = np.array(surface.get("physical_sizes", (1.0, 1.0)))
+    n = np.array(surface["n"])
     if window is None:
         return (0.0, sizes[0], 0.0, sizes[1]), None
     try:
@@ -24,15 +40,15 @@ def window_of(surface: Any, window: Any) -> tuple:
     except (TypeError, ValueError):
         inside = np.False_
     if not inside:
-        found = " ".join(map(str, window)) if isinstance(window, list | tuple) else str(window)
+        text = " ".join(map(str, window)) if isinstance(window, list | tuple) else str(window)
         L_x, L_y = (f"{size:g} {surface.get('unit', '')}".rstrip() for size in sizes)
         raise SceneError(
-            f"window: found {one_line(found)}, allowed: x0 x1 y0 y1 with 0 <= x0 < x1 <= {L_x} and"
+            f"window: found {one_line(text)}, allowed: x0 x1 y0 y1 with 0 <= x0 < x1 <= {L_x} and"
             f' 0 <= y0 < y1 <= {L_y}, plain or as "2um"'
         )
-    first = np.minimum((low / sizes * n + 1e-9).astype(int), n - 1)
-    last = np.clip(np.ceil(high / sizes * n - 1e-9).astype(int), first + 1, n)
-    points = np.transpose([first, last])
+    start = np.minimum((low / sizes * n + 1e-9).astype(int), n - 1)
+    stop = np.clip(np.ceil(high / sizes * n - 1e-9).astype(int), start + 1, n)
+    points = np.transpose([start, stop])
     return tuple((points * (sizes / n)[:, None]).ravel()), tuple(points.ravel().tolist())
 
 

@@ -48,9 +48,32 @@ _surfaces: WeakKeyDictionary[PreparedSurface, dict[np.dtype, Surface]] = WeakKey
 def scene_of(
     comm: Comm, heights: Heights, keywords: dict[str, Any], more: dict[str, Any]
 ) -> tuple[Scene, np.ndarray | PreparedSurface]:
-    """Return the scene that the arguments of `solve` mean, and its heights, checked. Collective.
+    """Return the scene that the arguments of `solve` mean, and its heights, checked.
 
-    Raises SceneError on all ranks.
+    Collective.
+
+    Parameters
+    ----------
+    comm : Comm
+        All ranks.
+    heights
+        As of `solve`.
+    keywords : dict
+        The named arguments of `solve` that are keys of a scene; None where one is not given.
+    more : dict
+        Its other arguments.
+
+    Returns
+    -------
+    Scene
+        What is asked for.
+    ndarray or PreparedSurface
+        The heights.
+
+    Raises
+    ------
+    SceneError
+        On all ranks.
     """
     with collective_errors(comm, "reading the arguments"):
         wall = prepare_surface(heights) if is_topography(heights) else heights
@@ -120,9 +143,25 @@ class Surfaces:
 def surfaces_of(
     comm: Comm, scene: Scene, wall: np.ndarray | PreparedSurface, note_quality: bool
 ) -> Surfaces:
-    """Return what makes the surface of a scene from its heights. Collective.
+    """Return what makes the surface of a scene from its heights.
 
-    note_quality: whether to look for signs that an array is not periodic, as nobody has said.
+    Collective.
+
+    Parameters
+    ----------
+    comm : Comm
+        All ranks.
+    scene : Scene
+        What is solved.
+    wall : ndarray or PreparedSurface
+        Its heights.
+    note_quality : bool
+        Whether to look for signs that an array is not periodic, where its boundary is not given.
+
+    Returns
+    -------
+    Surfaces
+        For `sweep_of`.
     """
     begun = time.monotonic()
     array = _array_of(wall)
@@ -175,24 +214,46 @@ class SolvedLoads:
 def solve_loads(
     comm: Comm, scene: Scene, surfaces: Surfaces, progress: bool, keep_interrupted: bool
 ) -> SolvedLoads:
-    """Solve all loads of a scene. Collective.
+    """Solve all loads of a scene.
 
-    keep_interrupted: whether Ctrl-C after the first load, on one process, ends this early; it is
-    raised otherwise.
+    Collective.
+
+    Parameters
+    ----------
+    comm : Comm
+        All ranks.
+    scene : Scene
+        What is solved.
+    surfaces : Surfaces
+        Makes its surface.
+    progress : bool
+        Whether to show how far it is.
+    keep_interrupted : bool
+        Whether Ctrl-C after the first load, on one process, ends this early; it is raised
+        otherwise.
+
+    Returns
+    -------
+    SolvedLoads
+        The loads that are finished.
     """
     say = Reporter(comm, scene.solver, not progress, progress, sys.stderr)
     loads = SolvedLoads()
 
     def solve_all() -> None:
         sweep = sweep_of(scene, surfaces)
-        asked = sweep.loads(scene.load)
+        loads_of_scene = sweep.loads(scene.load)
         table = GrowingTable(
             surface_attributes(scene, sweep.surface), scene.output.observables or ()
         )
-        for index, contact, seconds in solved(scene, sweep, asked, say):
+        for index, contact, seconds in solved(scene, sweep, loads_of_scene, say):
             attributes = step_attributes(scene, index, contact, seconds)
             loads.surface = contact.surface
-            kept = _kept(contact, copy=index + 1 < len(asked)) if scene.output.fields else None
+            kept = (
+                _kept(contact, copy=index + 1 < len(loads_of_scene))
+                if scene.output.fields
+                else None
+            )
             loads.contacts.append(kept)
             loads.steps.append(attributes)  # now the load is finished
             if progress:  # rows take longer than a small contact's iteration
@@ -236,7 +297,26 @@ def _forget_transforms(contacts: Iterable[Contact | None]) -> None:
 def collect(
     comm: Comm, scene: Scene, surfaces: Surfaces, loads: SolvedLoads, start_time: str
 ) -> Solutions:
-    """Return the solutions of the loads that are finished."""
+    """Return the solutions of the loads that are finished.
+
+    Parameters
+    ----------
+    comm : Comm
+        All ranks.
+    scene : Scene
+        What was solved.
+    surfaces : Surfaces
+        Made its surface.
+    loads : SolvedLoads
+        What came of it.
+    start_time : str
+        When `solve` was called.
+
+    Returns
+    -------
+    Solutions
+        Of one or more loads.
+    """
     assert loads.surface is not None  # of the first load
     identity = scene.identity()
     if not surfaces.is_made:  # the scene does not say all about the heights
@@ -268,28 +348,29 @@ def collect(
 def _fields(names: Iterable[str], contact: Contact) -> dict[str, Slab]:
     """Return {name: Slab} of a contact, computed as they are read."""
     surface = contact.surface
-    start, n = surface.rows[0], (surface.n[0], surface.n[1])
+    start = surface.rows[0]
+    n = (surface.n[0], surface.n[1])
     return {
         name: Slab(contact.field(name) if name in FIELDS else heights_of(surface), start, n)
         for name in names
     }
 
 
-def _quality_notes(comm: Comm, found: Topography) -> tuple[str, ...]:
-    """Find notes on an array of which nobody said that it is periodic. Collective."""
-    rows = found.rows
-    found = replace(found, rows=lambda i, j: checked(rows(i, j), i, "surface"))
-    return tuple(quality_of(found, comm).notes((True, True)))
+def _quality_notes(comm: Comm, topography: Topography) -> tuple[str, ...]:
+    """Return notes on an array whose boundary is not given. Collective."""
+    rows = topography.rows
+    checked_topography = replace(topography, rows=lambda i, j: checked(rows(i, j), i, "surface"))
+    return tuple(quality_of(checked_topography, comm).notes((True, True)))
 
 
 def _require_the_same(comm: Comm, scene: Scene, shape: tuple[int, ...]) -> None:
     """Raise SceneError on all ranks where they were not called with the same arguments."""
-    own = scene.to_toml(), shape
+    arguments = scene.to_toml(), shape
     error = SceneError(
         "hpc_gfmd.solve: found other arguments on some ranks, allowed: the same, with the whole map"
         " on each"
     )
-    raise_on_all(comm, None if comm.bcast(own) == own else error)
+    raise_on_all(comm, None if comm.bcast(arguments) == arguments else error)
 
 
 def _complete(heights: Any) -> np.ndarray:

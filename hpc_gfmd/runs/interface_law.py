@@ -323,8 +323,8 @@ class _Heights:
         self.surfaces = [
             prepare_surface(surface) if is_topography(surface) else surface for surface in surfaces
         ]
-        asked = {"accuracy": ACCURACY_SHARE * error} if "residual" not in keys else {}
-        self.keys = asked | {"observables": list(quantities), "fields": ()} | dict(keys)
+        accuracy = {"accuracy": ACCURACY_SHARE * error} if "residual" not in keys else {}
+        self.keys = accuracy | {"observables": list(quantities), "fields": ()} | dict(keys)
         self.progress = progress
         self.surface: dict[str, Any] = {}
 
@@ -383,8 +383,8 @@ class _Scenes:
         tables["load"] = {"pressure": list(pressures)}
         tables["output"] = {"observables": list(self.quantities)}
         if "residual" not in tables["solver"]:
-            asked = tables["solver"].get("accuracy", self.accuracy)
-            tables["solver"]["accuracy"] = min(asked, self.accuracy)
+            of_scene = tables["solver"].get("accuracy", self.accuracy)
+            tables["solver"]["accuracy"] = min(of_scene, self.accuracy)
         at_pressures = Scene.from_dict(tables)
         check(at_pressures)
         n, _ = surface_size(scene.surface)
@@ -421,16 +421,16 @@ class _Scenes:
 
 def _realised(scene: str | PathLike | Scene, realisations: int) -> list[Scene]:
     """Return a scene with as many seeds as there are realisations."""
-    first = scene if isinstance(scene, Scene) else load_scene(scene)
+    original = scene if isinstance(scene, Scene) else load_scene(scene)
     if realisations == 1:
-        return [first]
-    if not hasattr(first.surface, "seed"):
+        return [original]
+    if not hasattr(original.surface, "seed"):
         raise SceneError(
             f"realisations: found {realisations} of a surface without a seed, allowed: 1, or a"
             " self-affine surface"
         )
     if realisations < 1:
         raise SceneError(f"realisations: found {realisations}, allowed: a whole number from 1")
-    seeds = range(first.surface.seed, first.surface.seed + realisations)
-    surfaces = [first.surface.model_copy(update={"seed": seed}) for seed in seeds]
-    return [first.model_copy(update={"surface": surface}) for surface in surfaces]
+    seeds = range(original.surface.seed, original.surface.seed + realisations)
+    surfaces = [original.surface.model_copy(update={"seed": seed}) for seed in seeds]
+    return [original.model_copy(update={"surface": surface}) for surface in surfaces]

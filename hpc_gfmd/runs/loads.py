@@ -41,23 +41,24 @@ def check(scene: Scene) -> None:
     """Raise SceneError for names and combinations that the tables of a scene.Scene alone cannot
     know."""
     require_periodic(scene.output.distributions, scene.surface.free, "output.distributions")
-    for key, found, there in (
+    for key, names, allowed in (
         ("solver.name", [scene.solver.name], ["auto", *solver_names()]),
         ("output.observables", scene.output.observables or (), observable_names()),
         ("output.distributions", scene.output.distributions, all_distributions()),
     ):
-        for name in found:
-            require_known(key, name, there)
+        for name in names:
+            require_known(key, name, allowed)
     adhesion = scene.material.adhesion
     if adhesion is not None:
         require_known("material.adhesion.law", adhesion.law, law_names())
         if scene.solver.low_memory:
             raise SceneError("solver.low_memory: found true with material.adhesion, allowed: false")
-    known, accuracy = body_of(scene.material, scene.surface.free).error, scene.solver.accuracy
-    if accuracy and accuracy <= known:
+    error_of_body = body_of(scene.material, scene.surface.free).error
+    accuracy = scene.solver.accuracy
+    if accuracy and accuracy <= error_of_body:
         raise SceneError(
-            f"solver.accuracy: found {accuracy:g}, allowed with a free boundary: above {known:g},"
-            " or a residual"
+            f"solver.accuracy: found {accuracy:g}, allowed with a free boundary: above"
+            f" {error_of_body:g}, or a residual"
         )
     if "plastic" in scene.output.fields and scene.material.hardness is None:
         raise SceneError('output.fields: found "plastic", allowed with material.hardness')
@@ -69,8 +70,27 @@ def check(scene: Scene) -> None:
 
 
 def sweep_of(scene: Scene, make_surface: Callable[[np.dtype], Surface]) -> Sweep:
-    """Make the driver.sweep.Sweep of a scene; make_surface(dtype) -> surface.Surface. Collective.
-    Raises SceneError."""
+    """Make the sweep of a scene.
+
+    Collective.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is solved.
+    make_surface : callable
+        Makes its surface in a precision, ``make_surface(dtype)``.
+
+    Returns
+    -------
+    Sweep
+        Which solves the loads of the scene.
+
+    Raises
+    ------
+    SceneError
+        For what the surface cannot have.
+    """
     sweep = make_sweep(
         make_surface,
         scene.solver,
@@ -89,7 +109,7 @@ def sweep_of(scene: Scene, make_surface: Callable[[np.dtype], Surface]) -> Sweep
 def _require_like_units(scene: Scene, surface: Surface) -> None:
     """Raise SceneError where a length beside a height map, or a force on it, has a unit and the map
     none, or the other way round."""
-    given = {
+    lengths_and_forces = {
         "material.thickness": (scene.material.thickness, "2 um"),
         "load.gap_mean": (scene.load.gap_mean, "50 nm"),
         "material.adhesion.range": (
@@ -99,22 +119,38 @@ def _require_like_units(scene: Scene, surface: Surface) -> None:
         "load.approach": (scene.load.approach, "10 nm"),
         "load.force": (scene.load.force, "5 mN"),
     }
-    for key, (value, example) in given.items() if isinstance(scene.surface, File) else ():
+    if not isinstance(scene.surface, File):
+        return
+    for key, (value, example) in lengths_and_forces.items():
         for number in each(value):
             if number and has_unit(number) != bool(surface.unit):
-                found, allowed = (
-                    ("plain", f'"{example}"')
-                    if surface.unit
-                    else ("with a unit", "a plain number, as in the height map")
-                )
+                if surface.unit:
+                    kind = "plain"
+                    allowed = f'"{example}"'
+                else:
+                    kind = "with a unit"
+                    allowed = "a plain number, as in the height map"
                 raise SceneError(
-                    f"{key}: found {format_quantity(number)}, {found}, allowed with this height"
+                    f"{key}: found {format_quantity(number)}, {kind}, allowed with this height"
                     f" map: {allowed}"
                 )
 
 
 def surface_attributes(scene: Scene, surface: Surface) -> dict[str, Any]:
-    """Give what is said of a surface.Surface, by the names of the result file."""
+    """Return the attributes of a surface, by the names of the result file.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is solved.
+    surface : Surface
+        Its surface, in any precision.
+
+    Returns
+    -------
+    dict
+        Numbers and texts by their names.
+    """
     spec = scene.surface
     attributes = {
         "n": list(surface.n),
@@ -220,13 +256,34 @@ def _target(load: SceneLoad, index: int) -> dict[str, float]:
 
 
 def step_attributes(scene: Scene, index: int, contact: Contact, seconds: float) -> dict[str, Any]:
-    """Give what is said of a solved load, the index-th of a scene.Scene, by the names of the result
-    file; None for what has no value. seconds: spent on it. Collective."""
-    asked = observables_named([*default_observables(), *(scene.output.observables or ())])
-    numbers = {name: f(contact) for name, f in asked.items()}
+    """Return the attributes of a solved load, by the names of the result file.
+
+    Collective.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is solved.
+    index : int
+        Of the load.
+    contact : Contact
+        Its solution.
+    seconds : float
+        Spent on it.
+
+    Returns
+    -------
+    dict
+        Numbers, lists and texts by their names; None for what has no value.
+    """
+    observables = observables_named([*default_observables(), *(scene.output.observables or ())])
+    numbers = {name: observable(contact) for name, observable in observables.items()}
     for name, distribution in all_distributions().items():
-        found = distribution(contact) if name in scene.output.distributions else None
-        numbers |= {f"{name}_{what}": values.tolist() for what, values in (found or {}).items()}
+        if name in scene.output.distributions:
+            arrays = distribution(contact)
+            numbers |= {
+                f"{name}_{part}": values.tolist() for part, values in (arrays or {}).items()
+            }
     area, gap, pressure = contact.certificate.errors
     attributes = {
         "p": contact.p_mean,

@@ -27,6 +27,28 @@ OF_EDGES = {"boundary", "mirror", "window"}  # keys that say how the surface end
 
 
 @dataclass(frozen=True, eq=False)
+class Source:
+    """The table [surface] of a scene, and what it says: a surface that differs is not from it.
+
+    Attributes
+    ----------
+    table : dict
+        Keys of the table.
+    heights : ndarray
+    sizes : (L_x, L_y)
+    unit : str
+    free : (bool, bool)
+        As of the PreparedSurface that was made.
+    """
+
+    table: dict[str, Any]
+    heights: np.ndarray
+    sizes: tuple[float, ...]
+    unit: str
+    free: tuple[bool, bool]
+
+
+@dataclass(frozen=True, eq=False)
 class PreparedSurface:
     """A rough surface with its sizes and units, which `hpc_gfmd.solve` takes.
 
@@ -44,6 +66,8 @@ class PreparedSurface:
         What to know of them before the numbers, a line each.
     free : (bool, bool)
         Whether the surface ends along x, along y; otherwise it is periodic.
+    source : Source or None
+        Where the surface is from, for `table`.
     """
 
     heights: np.ndarray
@@ -52,8 +76,22 @@ class PreparedSurface:
     prepared: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     free: tuple[bool, bool] = (False, False)
-    # the scene's [surface]; None of a copy with other heights
-    table: dict | None = field(default=None, init=False, repr=False)
+    source: "Source | None" = field(default=None, repr=False)
+
+    @property
+    def table(self) -> dict[str, Any] | None:
+        """The scene's [surface] that these heights are from; None of other ones, such as those of
+        a copy with changed heights or sizes."""
+        source = self.source
+        if source is None or source.heights is not self.heights:
+            return None
+        is_same = (source.sizes, source.unit, source.free) == (self.sizes, self.unit, self.free)
+        return source.table if is_same else None
+
+    def from_table(self, table: dict[str, Any]) -> "PreparedSurface":
+        """Return the surface with the scene's [surface] that it is from."""
+        source = Source(table, self.heights, self.sizes, self.unit, self.free)
+        return replace(self, source=source)
 
     @cached_property
     def h_rms(self) -> float:
@@ -67,13 +105,18 @@ class PreparedSurface:
         return height_map(self.heights, self.sizes, self.unit, **how)
 
     def __repr__(self) -> str:
-        known = {"n": self.heights.shape, "physical_sizes": self.sizes, "h_rms": self.h_rms}
+        attributes = {
+            "n": self.heights.shape,
+            "physical_sizes": self.sizes,
+            "h_rms": self.h_rms,
+            "unit": self.unit,
+        }
         edges = {(False, False): "periodic", (True, True): "free edges"}.get(
             self.free, f"free edges along {'xy'[self.free[1]]}"
         )
-        said = [surface_line(known | {"unit": self.unit}), edges, *self.prepared]
+        parts = [surface_line(attributes), edges, *self.prepared]
         notes = f"; note: {'; '.join(self.notes)}" if self.notes else ""
-        return f"<surface: {', '.join(said)}{notes}>"
+        return f"<surface: {', '.join(parts)}{notes}>"
 
 
 def read_surface(path: str | PathLike | Sequence[str | PathLike], **keys: Any) -> PreparedSurface:
@@ -103,9 +146,9 @@ def read_surface(path: str | PathLike | Sequence[str | PathLike], **keys: Any) -
         For what cannot be read, or has no sizes, no unit, no heights at some points, or edges that
         do not fit together.
     """
-    path = [str(one) for one in path] if isinstance(path, list | tuple) else str(path)
+    path = [str(file) for file in path] if isinstance(path, list | tuple) else str(path)
     scene, table = _scene({"kind": "file", "path": path} | keys, "hpc_gfmd.read_surface")
-    return _known(_prepared(open_topography(scene.surface), scene.surface), table)
+    return _prepared(open_topography(scene.surface), scene.surface).from_table(table)
 
 
 def prepare_surface(heights: Any, **keys: Any) -> PreparedSurface:
@@ -130,26 +173,31 @@ def prepare_surface(heights: Any, **keys: Any) -> PreparedSurface:
     SceneError
         As `read_surface`.
     """
-    said, doubt = Metadata(), None
+    metadata = Metadata()
+    doubt = None
     if is_topography(heights):
         doubt = unreliable(heights)
-        heights, said = of_topography(heights)
-        if not said.periodic and not keys.keys() & OF_EDGES:
+        heights, metadata = of_topography(heights)
+        if not metadata.periodic and not keys.keys() & OF_EDGES:
             keys["boundary"] = "free"
     elif not keys.keys() & {"physical_sizes", "unit"}:
         keys["physical_sizes"] = 1.0, 1.0
     scene, _ = _scene({"kind": "file", "path": "the array"} | keys, "hpc_gfmd.prepare_surface")
-    found = topography_of(checked_array(heights), said, scene.surface)
-    made = _prepared(found, scene.surface)
-    return replace(made, notes=(*made.notes, doubt[1])) if doubt else made
+    topography = topography_of(checked_array(heights), metadata, scene.surface)
+    surface = _prepared(topography, scene.surface)
+    return replace(surface, notes=(*surface.notes, doubt[1])) if doubt else surface
 
 
-def _prepared(found: Topography, spec: Any) -> PreparedSurface:
-    found = prepare(found, spec, SerialComm())
-    heights = found.rows(0, found.n[0])
-    heights = heights if heights.flags.owndata else heights.copy()  # the caller may change his own
+def _prepared(topography: Topography, spec: Any) -> PreparedSurface:
+    """Return the surface that a scene's [surface] makes of a height map."""
+    topography = prepare(topography, spec, SerialComm())
+    heights = topography.rows(0, topography.n[0])
+    if not heights.flags.owndata:  # those of the caller, who may change them
+        heights = heights.copy()
     heights.flags.writeable = False
-    return PreparedSurface(heights, found.sizes, found.unit, found.done, found.notes, spec.free)
+    return PreparedSurface(
+        heights, topography.sizes, topography.unit, topography.done, topography.notes, spec.free
+    )
 
 
 def make_surface(kind: str, **keys: Any) -> PreparedSurface:
@@ -176,26 +224,22 @@ def make_surface(kind: str, **keys: Any) -> PreparedSurface:
         For keys or values that this kind does not have.
     """
     scene, table = _scene({"kind": kind} | keys, "hpc_gfmd.make_surface")
-    made = build_surface(scene.surface, SerialComm(), np.float64)
-    heights = np.asarray(heights_of(made))
+    surface = build_surface(scene.surface, SerialComm(), np.float64)
+    heights = np.asarray(heights_of(surface))
     heights.flags.writeable = False
-    return _known(
-        PreparedSurface(heights, made.sizes, scene.length_unit, free=scene.surface.free), table
-    )
+    prepared = PreparedSurface(heights, surface.sizes, scene.length_unit, free=scene.surface.free)
+    return prepared.from_table(table)
 
 
 def _scene(table: dict[str, Any], caller: str) -> tuple[Scene, dict[str, Any]]:
+    """Return a scene with these keys as its [surface], and that table. Raises SceneError."""
     table = {key: plain(value) for key, value in table.items()}
     return Scene.from_dict({"surface": table, "load": {"pressure": 1.0}}, caller), table
 
 
-def _known(surface: PreparedSurface, table: dict[str, Any]) -> PreparedSurface:
-    object.__setattr__(surface, "table", table)
-    return surface
-
-
 def plain(value: Any) -> Any:
-    """Make what a scene is made of from NumPy's numbers and arrays, lists and tuples."""
+    """Return a value as a scene takes it: NumPy's numbers and arrays, lists and tuples become
+    Python's numbers and lists."""
     if isinstance(value, list | tuple):
         return [plain(item) for item in value]
     return value.tolist() if hasattr(value, "tolist") else value

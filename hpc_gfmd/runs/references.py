@@ -15,12 +15,13 @@ def references_of(result: Result) -> list[str]:
     """Return what to cite, a line each: the program, its paper (also of the corrections to the TFC
     limit), the elastic body, the algorithm, the observables, the theory that is drawn beside
     them."""
-    scene, known = result.scene, {name for step in result.steps for name in step}
+    scene = result.scene
+    names = {name for step in result.steps for name in step}
     version = json.loads(result.head.get("versions", "{}")).get("hpc_gfmd", "")
     theory = theory_of(scene_of(result), result.surface)
-    found = [f"hpc-gfmd {version}".strip(), PAPER]
-    found += body_of(scene.material, scene.surface.free).sources
-    found += solver_class(scene.solver.name).sources
+    papers = [f"hpc-gfmd {version}".strip(), PAPER]
+    papers += body_of(scene.material, scene.surface.free).sources
+    papers += solver_class(scene.solver.name).sources
     for name, observable in all_observables().items():
-        found += observable.sources if name in known else ()
-    return list(dict.fromkeys(found + list(theory.sources if theory else ())))
+        papers += observable.sources if name in names else ()
+    return list(dict.fromkeys(papers + list(theory.sources if theory else ())))

@@ -20,7 +20,9 @@ ROUNDING = 1e-6  # relative, of stored pressures
 def restored_contact(result: Result) -> Contact:
     """Make the Contact of a Result with one load, on one process. Raises SceneError without its
     pressure and gap."""
-    step, stored, said = result.steps[0], result.fields[0], result.surface
+    step = result.steps[0]
+    stored = result.fields[0]
+    attributes = result.surface
     missing = [name for name in ("pressure", "gap") if name not in stored]
     if missing:
         raise SceneError(
@@ -31,16 +33,20 @@ def restored_contact(result: Result) -> Contact:
         name: stored[name].read() for name in ("pressure", "gap", "heights") if name in stored
     }
     scene = result.scene
-    n, free = [*said["n"]], scene.surface.free
+    n = [*attributes["n"]]
+    free = scene.surface.free
     axis = None if any(free) or 1 in n else _constant_axis(fields["pressure"], fields["gap"])
     if axis is not None:  # solved along the other one alone
         n[axis] = 1
         fields = {
             name: values[:1] if axis == 0 else values[:, :1] for name, values in fields.items()
         }
-    grid = grid_of(tuple(n), said["physical_sizes"], SerialComm(), free=free)
+    grid = grid_of(tuple(n), attributes["physical_sizes"], SerialComm(), free=free)
     heights = fields.get("heights")
-    surface = Surface(grid, None, tuple(said["n"]), said["h_rms"], said["g_rms"], (0, said["n"][0]))
+    n_x, n_y = attributes["n"]
+    surface = Surface(
+        grid, None, (n_x, n_y), attributes["h_rms"], attributes["g_rms"], rows=(0, n_x)
+    )
     if heights is not None:
         surface = replace(surface, h=heights / -surface.height_unit)
     hardness = scene.material.hardness
@@ -52,21 +58,19 @@ def restored_contact(result: Result) -> Contact:
         energy=np.nan,
         stability=step.get("stability") or np.nan,
     )
-    E_star, pressure_unit = scene.material.E_star, scene.material.E_star * surface.slope
-    beyond = [(0, cell - own) for cell, own in zip(grid.shape, fields["gap"].shape)]
-    g = np.pad(fields["gap"] / surface.height_unit, beyond)
-    p = np.pad(fields["pressure"] / pressure_unit, beyond)
+    E_star = scene.material.E_star
+    beyond = [(0, cell - points) for cell, points in zip(grid.shape, fields["gap"].shape)]
     return Contact(
         surface,
         E_star,
         step["p"],
-        g,
-        p,
-        step["status"],
-        certificate,
-        scene.solver.tolerance,
-        getattr(scene.surface, "lam_s", None),
-        body_of(scene.material, free),
+        g=np.pad(fields["gap"] / surface.height_unit, beyond),
+        p=np.pad(fields["pressure"] / (E_star * surface.slope), beyond),
+        status=step["status"],
+        certificate=certificate,
+        accuracy=scene.solver.tolerance,
+        lam_s=getattr(scene.surface, "lam_s", None),
+        body=body_of(scene.material, free),
         hardness=hardness,
         attraction=attraction_of(scene.material),
     )

@@ -4,7 +4,7 @@ run was interrupted."""
 import json
 import time
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -13,6 +13,7 @@ import numpy as np
 
 from ..contact import all_numbers
 from ..contact.contact import Contact, heights_of
+from ..driver.load import Load
 from ..driver.precision import first_precision
 from ..driver.sweep import Unfinished
 from ..driver.warmup import compile_once
@@ -27,20 +28,31 @@ from ..parallel.interrupt import Interrupt, Stopped
 from ..parallel.thread_count import oversubscription, threads_of
 from ..parallel.world import comm_of, world
 from ..scene import Scene, load_scene, with_overrides
-from ..surface import build_surface, grid_of, surface_size
+from ..surface import Surface, build_surface, grid_of, surface_size
 from ..surface.number_range import field_dtype
 from ..util.errors import GfmdError, SceneError
 from ..util.versions import versions
+from .capacity import require_memory
 from .loads import check, solved, step_attributes, surface_attributes, sweep_of, worst
-from .memory import require_memory
 from .progress import Reporter
 from .table import GrowingTable
 
 
 @dataclass(frozen=True)
 class RunResult:
-    """path: the result file; steps: attributes of every load step; status: the worst of them;
-    exit_code: of the command line."""
+    """What a run has come to.
+
+    Attributes
+    ----------
+    path : Path
+        The result file.
+    steps : list of dict
+        Attributes of all loads that are finished, by the names of the result file.
+    status : str
+        The worst of theirs; "interrupted" where some are missing.
+    exit_code : int
+        Of the command line.
+    """
 
     path: Path
     steps: list[dict]
@@ -94,17 +106,23 @@ def run_scene(
     n, sizes = on_rank_0(comm, "reading the surface", lambda: surface_size(scene.surface))
     threads = threads_of(comm, scene.machine.threads, n[0] * n[1])
     say = Reporter(comm, scene.solver, quiet)
-    require_memory(comm, scene, n, sizes, threads)
-    rows = grid_of(n, sizes, comm, free=scene.surface.free).nominal_rows
+    grid = grid_of(n, sizes, comm, free=scene.surface.free, threads=threads)
+    require_memory(comm, scene, grid, threads)
     head = {"scene": scene.to_toml(), "identity": scene.identity(), "versions": versions()}
     output = scene.output
+    how_to_continue = f"continue with: hpc-gfmd restart {output.path}"
+
+    def announce() -> None:
+        say.done()  # the bar, on whose line the text would stand
+        say.say(f"stopping after this iteration; finished loads are kept, {how_to_continue}")
+
     with (
-        Interrupt(comm, scene.machine.wall_seconds) as interrupt,
+        Interrupt(comm, scene.machine.wall_seconds, announce) as interrupt,
         RunFile(
             comm,
             output.path,
             n,
-            rows,
+            grid.nominal_rows,
             head,
             {},
             force=force,
@@ -116,12 +134,12 @@ def run_scene(
         for line in [*file.notes, *scene.warnings(), oversubscription(comm, threads)]:
             if line:
                 say.say(f"note: {line}")
+        run = _Run(comm, scene, file, say, interrupt, threads)
         try:
-            run = _Run(comm, scene, file, say, interrupt)
-            run.start(threads, begun)
+            run.start(begun)
             status = run.all_loads()
         except Stopped:
-            say.say(f"stopped; continue with: hpc-gfmd restart {file.path}")
+            say.say(f"stopped: {run.standing()}; {how_to_continue}")
             status = "interrupted"
         codes = {"converged": 0, "separated": 0, "interrupted": interrupt.exit_code}
         return RunResult(file.path, [*file.finished.values()], status, codes.get(status, 3))
@@ -136,22 +154,30 @@ class _Run:
     file: RunFile
     say: Reporter
     interrupt: Interrupt
+    threads: int
+    loads: list[Load] = field(default_factory=list)
+    unfinished: str = ""  # load in the middle of which the run was stopped, for a person
 
-    def start(self, threads: int, begun: float) -> None:
+    def standing(self) -> str:
+        """Return how far the run has got, for a person."""
+        if not self.loads:
+            return "no load had begun"
+        count = len(self.file.finished)
+        are = "is" if count == 1 else "are"
+        return f"{count} of {len(self.loads)} loads {are} finished{self.unfinished}"
+
+    def start(self, begun: float) -> None:
         """Make the surface and the sweep; begun: time at which the run began."""
-        comm, scene, file, say = self.comm, self.scene, self.file, self.say
-        spec, low = scene.surface, scene.solver.low_memory
-        compile_once(comm, scene, lambda contact: step_attributes(scene, 0, contact, 0.0), say.say)
-        self.sweep = sweep_of(scene, lambda dtype: build_surface(spec, comm, dtype, threads, low))
+        scene = self.scene
+        file = self.file
+        say = self.say
+        compile_once(
+            self.comm, scene, lambda contact: step_attributes(scene, 0, contact, 0.0), say.say
+        )
+        self.sweep = sweep_of(scene, self._make_surface)
         surface = self.sweep.surface
         self.loads = self.sweep.loads(scene.load)
-        self.threads = threads
-        known = file.earlier.get("heights")
-        if (known is not None or file.finished) and (known or None) != surface.checksum:
-            raise SceneError(
-                f"{file.partial}: of other heights than surface.path has now (content, shape or"
-                " size), allowed: the same; run with --force for the new ones"
-            )
+        self._require_the_same_heights(surface)
         self._require_storable(*(load.value for load in self.loads if load.is_pressure))
         attributes = surface_attributes(scene, surface)
         self.table = GrowingTable(attributes, scene.output.observables or ())
@@ -164,6 +190,20 @@ class _Run:
         for line in surface.notes:
             say.say(f"note: {line}")
         say.say(self._headline(attributes, time.monotonic() - begun))
+
+    def _make_surface(self, dtype: np.dtype) -> Surface:
+        low_memory = self.scene.solver.low_memory
+        return build_surface(self.scene.surface, self.comm, dtype, self.threads, low_memory)
+
+    def _require_the_same_heights(self, surface: Surface) -> None:
+        """Raise SceneError where the run that is resumed had other heights."""
+        earlier = self.file.earlier.get("heights")
+        is_resumed = earlier is not None or bool(self.file.finished)
+        if is_resumed and (earlier or None) != surface.checksum:
+            raise SceneError(
+                f"{self.file.partial}: of other heights than surface.path has now (content, shape"
+                " or size), allowed: the same; run with --force for the new ones"
+            )
 
     def all_loads(self) -> str:
         """Solve what is not finished, and complete the file; return the status. Raises Stopped."""
@@ -194,6 +234,9 @@ class _Run:
         ):
             if contact.status == "interrupted":
                 self._keep_gap(index, contact, seconds)
+                count = contact.iterations
+                plural = "s" * (count != 1)
+                self.unfinished = f", load {index + 1} after {count} iteration{plural}"
                 raise Stopped(self.interrupt.agreed)
             self._write(index, contact, seconds)
             del contact  # its fields make room for the next load
@@ -242,8 +285,10 @@ class _Run:
     def _require_storable(self, *pressures: float) -> None:
         """Raise SceneError where a field that is asked for in single precision does not fit into
         it at one of these mean pressures."""
-        output, surface = self.scene.output, self.sweep.surface
-        for name in output.fields if output.dtype == "single" else ():
+        if self.scene.output.dtype != "single":
+            return
+        surface = self.sweep.surface
+        for name in self.scene.output.fields:
             for p_mean in pressures:
                 if field_dtype(name, np.float32, p_mean, surface) != np.float32:
                     raise SceneError(
@@ -253,7 +298,10 @@ class _Run:
                     )
 
     def _headline(self, attributes: dict[str, Any], seconds: float) -> str:
-        scene, surface, ranks = self.scene, self.sweep.surface, self.comm.size
+        """Return the line that says what is solved, by how many ranks."""
+        scene = self.scene
+        surface = self.sweep.surface
+        ranks = self.comm.size
         settings = scene.solver
         precision = first_precision(settings).name
         if settings.precision == "auto" and precision == "float32":
@@ -274,10 +322,30 @@ def restart(
     quiet: bool = False,
     comm: Comm | None = None,
 ) -> RunResult:
-    """Continue the interrupted run that writes `path`, on any number of ranks. Raises SceneError if
-    there is none.
+    """Continue an interrupted run, on any number of ranks. Collective.
 
-    overrides: "machine.key=value" texts; nothing else of the scene can be changed.
+    Parameters
+    ----------
+    path
+        The result file that the run writes.
+    overrides
+        Texts "machine.key=value"; nothing else of the scene can be changed.
+    quiet
+        Print nothing.
+    comm
+        All ranks; default: all processes that the MPI launcher started.
+
+    Returns
+    -------
+    RunResult
+        As of `run_scene`.
+
+    Raises
+    ------
+    SceneError
+        If there is no such run.
+    GfmdError
+        For what failed while running.
     """
     comm = comm or world()
     scene = on_rank_0(comm, "reading the interrupted run", lambda: _left_scene(Path(path)))
@@ -290,16 +358,20 @@ def _left_scene(path: Path) -> Scene:
     if not ((folder / HEAD).exists() or is_held(folder)):
         clear(folder)  # what a run that died after it had finished the file left
     if not folder.is_dir():
-        there = "is complete already" if path.is_file() else "has no interrupted run beside it"
         if path.suffix == ".partial":
-            there = f"is the folder of a run: hpc-gfmd restart {path.with_suffix('')}"
-        raise SceneError(f"{path}: {there}, allowed: the result file of an interrupted run")
+            reason = f"is the folder of a run: hpc-gfmd restart {path.with_suffix('')}"
+        elif path.is_file():
+            reason = "is complete already"
+        else:
+            reason = "has no interrupted run beside it"
+        raise SceneError(f"{path}: {reason}, allowed: the result file of an interrupted run")
     return read_partial(path).scene
 
 
 def _read_scene(
     scene: str | PathLike | Scene, overrides: Iterable[str], out: str | PathLike | None
 ) -> Scene:
+    """Return the scene of a run, read and changed as its arguments say. Raises SceneError."""
     if not isinstance(scene, str | PathLike | Scene):
         raise SceneError(
             f"hpc_gfmd.run: found a {type(scene).__name__}, allowed: the path of a scene file, or a"

@@ -42,8 +42,14 @@ def _field(name: str, about: str) -> Any:
     return property(lambda solution: solution._field(name), doc=about)
 
 
-class Distribution(dict):
-    """{name: array} of a distribution; units: {name: "Pa"}, "" where nobody named the unit."""
+class StoredDistribution(dict):
+    """The arrays of a distribution by name.
+
+    Attributes
+    ----------
+    units : dict of str to str
+        Of each array, as "Pa"; "" where the unit has no name.
+    """
 
     units: dict[str, str]
 
@@ -65,19 +71,45 @@ class Solution(Solved):
         the contact count too much (None for profiles and for points that are not square).
     a_r_error, a_r_discretisation : float
         Estimated relative errors of a_r: the solver's on this grid; by the size of a grid point.
+    contact_area : float
+        a_r times the nominal area.
+    contact_pressure_mean, contact_pressure_max : float
+        Mean pressure where the surfaces touch (None where they do not); largest of a grid point.
     gap_mean : float
-        Mean gap.
+        Mean gap over the nominal area.
+    gap_error, pressure_error : float
+        Estimated relative errors of the solver, of the mean gap and of the pressure field (L2).
     status : str
         "converged", "stagnated", "max_iterations", "nonfinite", "interrupted", or "separated",
         where the load pulls more than the attraction of the surfaces holds.
     iterations, fft_pairs : int, float
         On the fine grid; everything counted.
+    residual : float
+        rms pressure where the gap is open, over the mean pressure.
     precision : str
         "float32" or "float64": in which it was solved.
     result : output.read.Result
         All that is known, by the names of the result file: result.surface, result.steps[0],
         result.fields[0].
     """
+
+    p: float
+    p_star: float
+    a_r: float
+    a_r_corrected: float | None
+    a_r_error: float
+    a_r_discretisation: float
+    contact_area: float
+    contact_pressure_mean: float | None
+    contact_pressure_max: float
+    gap_mean: float
+    gap_error: float
+    pressure_error: float
+    status: str
+    iterations: int
+    fft_pairs: float
+    precision: str
+    residual: float
 
     def __init__(
         self,
@@ -94,8 +126,8 @@ class Solution(Solved):
     @property
     def kappa(self) -> float:
         """a_r/p_star; nan on a flat surface."""
-        found = self.value("kappa")
-        return float("nan") if found is None else found
+        kappa = self.value("kappa")
+        return float("nan") if kappa is None else kappa
 
     @property
     def errors(self) -> tuple[float, float, float]:
@@ -147,18 +179,20 @@ class Solution(Solved):
         where what is left of the contact does not tell it.
         """
         require_known("observable", name, observable_names())
-        found = observables_named([name])
-        for one, observable in found.items():
-            if one not in self._step:
-                if self._contact is None and one in LOST:
+        members = observables_named([name])
+        for member, observable in members.items():
+            if member not in self._step:
+                if self._contact is None and member in LOST:
                     raise SceneError(
-                        f"{one}: not in {self.result.path}, allowed: a run that has it in"
+                        f"{member}: not in {self.result.path}, allowed: a run that has it in"
                         " output.observables"
                     )
-                self._step[one] = observable(self._whole_contact)
-        return self._step[name] if name in self._step else {one: self._step[one] for one in found}
+                self._step[member] = observable(self._whole_contact)
+        if name in self._step:
+            return self._step[name]
+        return {member: self._step[member] for member in members}
 
-    def distribution(self, name: str) -> Distribution | None:
+    def distribution(self, name: str) -> StoredDistribution | None:
         """Return arrays by their name in the scene's output.distributions, computed now if they
         were not asked for before.
 
@@ -175,8 +209,8 @@ class Solution(Solved):
                     f"{name}: {self.result.path} has no heights, allowed: a result with fields ="
                     ' ["heights", ...]'
                 )
-            found = all_distributions()[name](contact) or {}
-            self._step.update({f"{name}_{what}": values.tolist() for what, values in found.items()})
+            arrays = all_distributions()[name](contact) or {}
+            self._step.update({f"{name}_{part}": array.tolist() for part, array in arrays.items()})
         return self._stored_distribution(name) or None
 
     @property
@@ -185,12 +219,12 @@ class Solution(Solved):
         return {name: self._step[name] for name in all_observables() if name in self._step}
 
     @property
-    def distributions(self) -> dict[str, Distribution]:
+    def distributions(self) -> dict[str, StoredDistribution]:
         """The distributions that are known so far, by name; `distribution` finds others."""
         return {
-            name: found
+            name: distribution
             for name in all_distributions()
-            if (found := self._stored_distribution(name))
+            if (distribution := self._stored_distribution(name))
         }
 
     def patch_table(self) -> "DataFrame":
@@ -202,10 +236,10 @@ class Solution(Solved):
         from ..contact.patches import TABLE_UNITS, patch_table
 
         self._require_whole("patch_table")
-        found = DataFrame(patch_table(self._whole_contact))
+        table = DataFrame(patch_table(self._whole_contact))
         surface = self.result.surface
-        found.attrs["units"] = {name: in_units(unit, surface) for name, unit in TABLE_UNITS.items()}
-        return found
+        table.attrs["units"] = {name: in_units(unit, surface) for name, unit in TABLE_UNITS.items()}
+        return table
 
     def __repr__(self) -> str:
         return f"<Solution: {summary(self._step, self.result.surface)}>"
@@ -236,25 +270,46 @@ class Solution(Solved):
 
         return self._contact or restored_contact(self.result)
 
-    def _stored_distribution(self, name: str) -> Distribution:
-        keys = {what: f"{name}_{what}" for what in all_distributions()[name].units}
-        there = {what: key for what, key in keys.items() if key in self._step}
-        found = Distribution({what: np.array(self._step[key]) for what, key in there.items()})
-        found.units = {
-            what: unit_of(key, self.result.surface, all_numbers()) for what, key in there.items()
+    def _stored_distribution(self, name: str) -> StoredDistribution:
+        keys = {part: f"{name}_{part}" for part in all_distributions()[name].units}
+        stored = {part: key for part, key in keys.items() if key in self._step}
+        arrays = StoredDistribution(
+            {part: np.array(self._step[key]) for part, key in stored.items()}
+        )
+        arrays.units = {
+            part: unit_of(key, self.result.surface, all_numbers()) for part, key in stored.items()
         }
-        return found
+        return arrays
 
 
 class Solutions(Solved, Sequence):
-    """The solutions of a sweep of loads, in the order of the loads. Every number of the result is
-    an array over them under its name: `solutions.a_r`.
+    """The solutions of a sweep of loads, in the order of the loads.
 
+    Every number of the result is an array over the loads under its name, as `solutions.a_r`.
+
+    Attributes
+    ----------
+    p, p_star, a_r, a_r_error, a_r_discretisation, contact_area, contact_pressure_mean,
+    contact_pressure_max, gap_mean, gap_error, pressure_error, fft_pairs : ndarray, shape (loads,)
+        As of a Solution; nan where there is none.
     result : output.read.Result
         All that is known, by the names of the result file.
     """
 
     _picture = "curves"
+
+    p: np.ndarray
+    p_star: np.ndarray
+    a_r: np.ndarray
+    a_r_error: np.ndarray
+    a_r_discretisation: np.ndarray
+    contact_area: np.ndarray
+    contact_pressure_mean: np.ndarray
+    contact_pressure_max: np.ndarray
+    gap_mean: np.ndarray
+    gap_error: np.ndarray
+    pressure_error: np.ndarray
+    fft_pairs: np.ndarray
 
     def __init__(
         self,
@@ -277,9 +332,9 @@ class Solutions(Solved, Sequence):
     def __getitem__(self, index: int | slice) -> "Solution | Solutions":
         if not isinstance(index, slice):
             return self._all[index]
-        some = Solutions(self.result.some(index), self.rows, self.comm)
-        some._all = self._all[index]
-        return some
+        chosen = Solutions(self.result.some(index), self.rows, self.comm)
+        chosen._all = self._all[index]
+        return chosen
 
     def __len__(self) -> int:
         return len(self._all)
@@ -309,8 +364,8 @@ class Solutions(Solved, Sequence):
     def values(self, name: str) -> np.ndarray:
         """Return an observable or another number of all loads, (loads,), by its name in the result
         file: values("p_star"); nan for none."""
-        found = [one.value(name) for one in self]
-        return np.array([np.nan if value is None else value for value in found])
+        of_loads = [solution.value(name) for solution in self]
+        return np.array([np.nan if value is None else value for value in of_loads])
 
     _get = values
 

@@ -28,23 +28,34 @@ if TYPE_CHECKING:
 
 
 class Solved:
-    """What one solved load and several have in common; rows: of the fields, on this rank."""
+    """What one solved load and several have in common.
+
+    Parameters
+    ----------
+    result : Result
+        What is there, by the names of the result file.
+    rows : (int, int), optional
+        Start and stop of this rank's rows of the fields; default: all.
+    comm : Comm, optional
+        The ranks that share the fields; default: this process alone.
+    """
 
     _picture: str | None = None
     _get: Callable[[str], Any]  # a number by its name
 
     def __init__(self, result: Result, rows: tuple[int, int] | None = None, comm: Any = None):
-        self.result, self.comm = result, comm or SerialComm()
+        self.result = result
+        self.comm = comm or SerialComm()
         self.rows = rows or (0, int(result.surface["n"][0]))
 
     def __reduce__(self) -> tuple:
         if any(self.result.fields):
             self._require_whole("pickle")
-        kept = [
-            {name: Slab(one.read(), 0, one.shape) for name, one in fields.items()}
+        in_memory = [
+            {name: Slab(stored.read(), 0, stored.shape) for name, stored in fields.items()}
             for fields in self.result.fields
         ]
-        return type(self), (replace(self.result, fields=kept),)
+        return type(self), (replace(self.result, fields=in_memory),)
 
     @property
     def g_rms(self) -> float:
@@ -78,22 +89,43 @@ class Solved:
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_") or name not in self._known():
-            asked = not name.startswith("_") and name in all_observables()
-            why = f"was not asked for: observable({name!r}) of a Solution finds it"
-            raise AttributeError(f"{name}: {why if asked else 'no such number or method'}")
+            reason = "no such number or method"
+            if not name.startswith("_") and name in all_observables():
+                reason = f"was not asked for: observable({name!r}) of a Solution finds it"
+            raise AttributeError(f"{name}: {reason}")
         return self._get(name)
 
     def __dir__(self) -> list[str]:
         return sorted({*super().__dir__(), *self._known()})
 
     def save(self, path: str | PathLike, force: bool = False) -> Path:
-        """Write a result file, as `hpc-gfmd run` does; returns its path.
+        """Write a result file, as `hpc-gfmd run` does, and warn of what it replaces.
 
-        path: of the file, which ends in .h5; force: overwrite a file that is not a result of the
-        same surface, loads and settings, or an interrupted run. Collective. Warns of what it
-        replaces. Raises SceneError where it may not be written, GfmdError where writing fails.
+        Collective.
+
+        Parameters
+        ----------
+        path : path
+            Of the file; ends in .h5.
+        force : bool
+            Whether to overwrite a file that is not a result of the same surface, loads and
+            settings, or an interrupted run.
+
+        Returns
+        -------
+        Path
+            Of the file.
+
+        Raises
+        ------
+        SceneError
+            Where it may not be written.
+        GfmdError
+            Where writing fails.
         """
-        path, result, comm = Path(path), self.result, self.comm
+        path = Path(path)
+        result = self.result
+        comm = self.comm
         if path.suffix.lower() not in (".h5", ".hdf5"):
             raise SceneError(
                 f"path: found {str(path)!r}, allowed: a path that ends in .h5 or .hdf5"
@@ -122,18 +154,33 @@ class Solved:
         return references_of(self.result)
 
     def export(self, path: str | PathLike, fields: Sequence[str] | None = None) -> Path:
-        """Write a file for another program, as `hpc-gfmd export` does; returns its path.
+        """Write a file for another program, as `hpc-gfmd export` does.
 
-        path: ends in .vtkhdf (ParaView), .nc, .npz, .csv, .gwy (Gwyddion, all fields) or .x3p (one
-        length of one load); fields: these alone. Raises SceneError where the format cannot hold
-        them.
+        Parameters
+        ----------
+        path : path
+            Ends in .vtkhdf (ParaView), .nc, .npz, .csv, .gwy (Gwyddion, all fields) or .x3p (one
+            length of one load).
+        fields : list of str, optional
+            These alone; default: all.
+
+        Returns
+        -------
+        Path
+            Of the file.
+
+        Raises
+        ------
+        SceneError
+            Where the format cannot hold them.
         """
         self._require_whole("export")
         kinds = {extension: kind for kind, (_, extension) in FORMATS.items()}
         if Path(path).suffix not in kinds:
             raise SceneError(f"path: found {str(path)!r}, allowed: one in {', '.join(kinds)}")
-        some = self.result.only(fields=fields)
-        return export(some, kinds[Path(path).suffix], path, all_numbers())
+        return export(
+            self.result.only(fields=fields), kinds[Path(path).suffix], path, all_numbers()
+        )
 
     def leak_rate(
         self,
@@ -186,12 +233,13 @@ class Solved:
         from xarray import Dataset
 
         self._require_whole("to_xarray")
-        result, found = self.result, numbers(self.result.steps)
+        result = self.result
+        columns = numbers(result.steps)
 
         def variable(name: str, dims: tuple[str, ...], values: Any) -> tuple:
             return dims, values, said_of(name, result.surface, all_numbers())
 
-        content = {name: variable(name, ("load",), values) for name, values in found.items()}
+        content = {name: variable(name, ("load",), values) for name, values in columns.items()}
         for name in common_fields(result):
             values = [fields[name].read() for fields in result.fields]
             content[name] = (
@@ -199,7 +247,7 @@ class Solved:
                 if name == "heights"
                 else variable(name, ("load", "x", "y"), np.stack(values))
             )
-        scales = {"load": found["p"], **axes(result.surface)}
+        scales = {"load": columns["p"], **axes(result.surface)}
         places = {name: variable(name, (name,), values) for name, values in scales.items()}
         return Dataset(content, places, result.facts)
 
@@ -217,9 +265,10 @@ class Solved:
         self._require_whole("plot")
         return plot(self.result, what or self._picture, **how)
 
-    def _require_whole(self, what: str) -> None:
+    def _require_whole(self, action: str) -> None:
+        """Raise SceneError where the fields are spread over ranks."""
         if self.comm.size > 1:
             raise SceneError(
-                f"{what}: found fields that are spread over {self.comm.size} ranks, allowed: save,"
-                " and load the file"
+                f"{action}: found fields that are spread over {self.comm.size} ranks, allowed:"
+                " save, and load the file"
             )

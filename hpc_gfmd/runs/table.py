@@ -47,7 +47,7 @@ PER_CENT = ("a_r", *ERRORS)
 
 
 def table(
-    steps: Mapping[int, dict], surface: dict, asked: Iterable[str] = (), errors: bool = False
+    steps: Mapping[int, dict], surface: dict, observables: Iterable[str] = (), errors: bool = False
 ) -> str:
     """Return the table of load steps.
 
@@ -57,7 +57,7 @@ def table(
         Attributes of the result file, by number of the step.
     surface : dict
         Attributes of the surface, which know the units.
-    asked : iterable of str
+    observables : iterable of str
         Observables that the scene names: each has a column, and where it has no value a line below
         the table says why.
     errors : bool
@@ -69,9 +69,9 @@ def table(
         Estimated errors stand behind +-. A step that did not converge has a ! before its number and
         a line of its own below the table, as has a step with a `note`.
     """
-    asked = tuple(asked)
-    rows = cells(steps, surface, asked, errors)
-    return "\n".join([*_lines(rows), *remarks(steps, asked)])
+    observables = tuple(observables)
+    rows = cells(steps, surface, observables, errors)
+    return "\n".join([*_lines(rows), *remarks(steps, observables)])
 
 
 class GrowingTable:
@@ -81,13 +81,13 @@ class GrowingTable:
     ----------
     surface : dict
         Attributes of the surface.
-    asked : iterable of str
+    observables : iterable of str
         Observables that the scene names.
     """
 
-    def __init__(self, surface: dict, asked: Iterable[str] = ()):
+    def __init__(self, surface: dict, observables: Iterable[str] = ()):
         self._surface = surface
-        self._asked = tuple(asked)
+        self._asked = tuple(observables)
         self._steps: dict[int, dict] = {}
         self._heading: list[list[str]] = []
 
@@ -129,15 +129,15 @@ def html_table(result: Result, across: bool = True) -> str:
 
     steps = result.numbered
     surface = result.surface
-    asked = asked_of(result)
-    rows = DataFrame(cells(steps, surface, asked))
+    observables = named_observables(result)
+    rows = DataFrame(cells(steps, surface, observables))
     shown = (rows if across else rows.T[1:]).to_html(header=False, index=False, border=0)
     notes = (f"note: {note}" for note in result.notes)
-    below = [surface_line(surface), *remarks(steps, asked), *notes]
+    below = [surface_line(surface), *remarks(steps, observables), *notes]
     return f"{shown}\n<small>{'<br>'.join(map(escape, below))}</small>"
 
 
-def asked_of(result: Result) -> tuple[str, ...]:
+def named_observables(result: Result) -> tuple[str, ...]:
     """Return the observables that the scene of a result names; none of a foreign result."""
     try:
         return tuple(result.scene.output.observables or ())
@@ -146,10 +146,16 @@ def asked_of(result: Result) -> tuple[str, ...]:
 
 
 def cells(
-    steps: Mapping[int, dict], surface: dict, asked: Sequence[str] = (), errors: bool = False
+    steps: Mapping[int, dict], surface: dict, observables: Sequence[str] = (), errors: bool = False
 ) -> list[list[str]]:
-    """Return the table as rows of texts: headings, units, and one row per step."""
-    named = {name: name for name in observables_named(asked)}
+    """Return the table as rows of texts: headings, units, and one row per step.
+
+    Parameters
+    ----------
+    steps, surface, observables, errors
+        As of `table`.
+    """
+    named = {name: name for name in observables_named(observables)}
     headings = TARGETS | RESULTS | named | (ERRORS if errors else {}) | EFFORT
     headings |= {name: RESULTS[name] for name in named if name in RESULTS}
     marked = (f"{'' if converged(step) else '! '}{k}" for k, step in steps.items())
@@ -200,8 +206,14 @@ def _cell(key: str, value: Any, scale: float, step: dict) -> str:
     return with_error(value, error) if isinstance(value, float) or error else str(value)
 
 
-def remarks(steps: Mapping[int, dict], asked: Sequence[str] = ()) -> list[str]:
-    """Return what stands below the table, a line each."""
+def remarks(steps: Mapping[int, dict], observables: Sequence[str] = ()) -> list[str]:
+    """Return what stands below the table, a line each.
+
+    Parameters
+    ----------
+    steps, observables
+        As of `table`.
+    """
     lines = [LEGEND] if any("a_r_discretisation" in step for step in steps.values()) else []
     numbers_of_note: dict[str, list[str]] = {}
     for index, step in steps.items():
@@ -210,7 +222,7 @@ def remarks(steps: Mapping[int, dict], asked: Sequence[str] = ()) -> list[str]:
             lines.append(f"! step {index}: NOT CONVERGED ({status}), less accurate than asked")
         if step.get("note"):
             numbers_of_note.setdefault(step["note"], []).append(f"{index}")
-    for name, observable in observables_named(asked).items():
+    for name, observable in observables_named(observables).items():
         without = [f"{index}" for index, step in steps.items() if not _has_value(step.get(name))]
         if without and observable.absent:
             reason = f"{name} has no value: {observable.absent}"

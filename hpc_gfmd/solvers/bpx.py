@@ -43,7 +43,22 @@ SHIFT = 0.62
 
 
 class Bpx(Solver):
-    """The default solver. options: none. g: memory for the gap, taken over."""
+    """The default solver, see above.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is solved.
+    options : dict, optional
+        None are allowed.
+    g : ndarray, optional
+        Memory for the gap, local slab of the grid, which is taken over.
+
+    Raises
+    ------
+    SceneError
+        For options.
+    """
 
     name = "bpx"
     sources = (
@@ -55,10 +70,9 @@ class Bpx(Solver):
         self, problem: Problem, options: dict[str, float] | None = None, g: np.ndarray | None = None
     ):
         super().__init__(problem, options, g)
-        grid, body, dtype = self.grid, problem.body, problem.dtype
-        self.levels = Multilevel(grid, body, dtype, self.elastic.fft.R)
-        self.d = grid.empty(stored_dtype(dtype))
-        self.compliance = 1.0 / body.scale(grid)  # of the shortest wave
+        self.levels = Multilevel(self.grid, problem.body, problem.dtype, self.elastic.fft.R)
+        self.d = self.grid.empty(stored_dtype(problem.dtype))
+        self.compliance = 1.0 / problem.body.scale(self.grid)  # of the shortest wave
         self.law = problem.law()
         self.attracted = 0.0  # sum of the attraction over all points
 
@@ -68,10 +82,12 @@ class Bpx(Solver):
         return 1.0 / (self.compliance * self.problem.body.bounds(self.grid)[1])
 
     def make_room(self) -> None:
+        """Give the memory of the transforms and of the last step away, until `take_room`."""
         del self.d
         self.elastic.make_room()
 
     def take_room(self) -> None:
+        """Take memory for the transforms again, and go on without a last step."""
         self.elastic.plan()
         self.d = self.grid.empty(stored_dtype(self.problem.dtype))
         self.d[...] = 0
@@ -80,6 +96,7 @@ class Bpx(Solver):
     # -- starting
 
     def start(self, g: np.ndarray) -> None:
+        """Begin at the gap g >= 0 (local slab, taken over); its pressure takes an FFT pair."""
         self._lay(g)
         self.elastic.pressure_rows(
             self.problem.displacement_rows(self.g, self.problem.level(self.g))
@@ -99,15 +116,19 @@ class Bpx(Solver):
         self._begin(sums)
 
     def refresh(self, uKu: float | None = None) -> None:
+        """Begin a new descent after p has been computed anew from g, or shifted; uKu: <u, K u>,
+        None if that has not changed."""
         self.uKu = self.uKu if uKu is None else uKu
         self.d[...] = 0
         self._begin(self.levels.restrict(self.g, self.p, self.problem.limit))
 
     def begin_at(self, certificate: Certificate) -> None:
+        """Begin a new descent where a certificate has computed p from g."""
         self.attracted = certificate.attraction * self.N
         super().begin_at(certificate)
 
     def after_stability(self) -> None:
+        """Go on after the search for the stability has used the levels."""
         self.levels.restrict(self.g, self.p, self.problem.limit)
         self.levels.sweep()  # z on the coarse levels follows from g and p
 
@@ -116,9 +137,10 @@ class Bpx(Solver):
         self.s = 1.0
         self.rayleigh = FIRST
         self._measure(sums, anew=True)
-        self._balance()
-        if self.levels.gap_mode.wanted((self.contact - self.yielded) / self.grid.cell_points):
-            self.elastic.pairs += self.levels.gap_mode.pairs
+        if self.problem.hardness is not None and self.law is None:
+            self._begin_rigid_if_better()
+            a, b = self._coefficients()
+            self._balance(0.5 * (a * self.rz + b * self.rd))
 
     # -- one iteration
 
@@ -146,12 +168,22 @@ class Bpx(Solver):
             self.refresh()
 
     def step(self) -> None:
+        """Make one iteration: one FFT pair."""
         if self.contact == 0:
             self._descend_to_contact()
         a, b = self._coefficients()
         pd, deeper, td, gained = self._search(a, b, 1.0)
         descent = a * self.rz + b * self.rd
         plain = not -pd > DESCENT * descent
+        while plain and self.problem.hardness is not None:
+            # a parabola through what was predicted at the start and what came out
+            a *= 0.5 * descent / (pd + descent)
+            b = 0.0
+            if not a * self.rz > self.gradient * self.compliance * self.rr:
+                break  # a plain step gains more
+            pd, deeper, td, gained = self._search(a, b, 1.0)
+            descent = a * self.rz
+            plain = not -pd > DESCENT * descent
         if plain:
             a, b = 0.0, 0.0
             pd, deeper, td, gained = self._search(self.gradient, 0.0, 0.0)
@@ -170,32 +202,77 @@ class Bpx(Solver):
         else:
             zKz = dKd + stiffer - 2 * a * b * self.zKd - b * b * self.dKd
             self.rayleigh = zKz / (a * a * self.rz)
-        self._measure(sums)
+        # with a hardness the elastic contact may have become another one
+        self._measure(sums, anew=plain and self.problem.hardness is not None)
         # K u = p - t - p_cell
         Kud = pd - td - self.p_cell * self.grid.cell_points * mean
         self.uKu += 2 * self.s * Kud + self.s**2 * dKd
         if self.problem.hardness is not None:  # pd has the work of dents
             self.uKu -= 2 * self.s * self.problem.hardness * deeper
-        self._balance()
+        if self.problem.hardness is not None and self.law is None:
+            self._balance(-self.s * (pd + 0.5 * self.s * dKd))
         self.iterations += 1
 
-    def _balance(self) -> None:
+    def _begin_rigid_if_better(self) -> None:
+        """Begin with a rigid body that dents the surface where that has less energy.
+
+        What soft bodies come from, a coarser grid or a clipped plane, has pressures far beyond the
+        hardness; a rigid body has none but the load. Needs stored heights.
+        """
+        h, hardness = self.problem.stored, self.problem.hardness
+        if h is None or hardness is None:
+            return
+        (rows, points), grid = self.grid.inside, self.grid
+        level = nth_smallest(grid, h, self._points_to_carry())
+
+        def sums(i0: int, i1: int) -> tuple[float, float, float]:
+            inner = max(min(i1, rows) - i0, 0)
+            dents, _ = depths_below(self.g[i0 : i0 + inner], (inner, points), 0.0)
+            _, rigid_dents = depths_below(h[i0 : i0 + inner], (inner, points), level)
+            u = self.g[i0:i1].sum(dtype=float) - h[i0 : i0 + inner].sum(dtype=float)
+            return u, dents, rigid_dents
+
+        u, dents, rigid_dents = grid.comm.sum(added(grid.by_rows(sums), 3)).tolist()
+        energy = 0.5 * self.uKu + self.p_cell * u + hardness * dents
+        rigid = -self.N * self.p0 * float(level) + hardness * rigid_dents
+        if not rigid < energy:
+            return
+
+        def lay(i0: int, i1: int) -> None:
+            self.g[i0:i1] = -level
+            inner = max(min(i1, rows) - i0, 0)
+            self.g[i0 : i0 + inner, :points] += h[i0 : i0 + inner]
+            self.p[i0:i1] = self.p_cell
+            self.d[i0:i1] = 0
+
+        grid.by_rows(lay)
+        self.uKu = 0.0
+        self._measure(self.levels.restrict(self.g, self.p, self.problem.limit), anew=True)
+
+    def _points_to_carry(self) -> int:
+        """Return how many points at the hardness carry the load, rounded up."""
+        hardness = self.problem.hardness or np.inf
+        return min(max(int(np.ceil(self.N * self.p0 / hardness)), 1), self.N)
+
+    def _balance(self, descent: float) -> None:
         """Move the body up or down to where its contact can carry the load.
 
         With a hardness the contact carries between H times the points with a dent and H times all
         points that touch. Where the load is beyond that, a rigid translation lowers the energy at
         no elastic cost. Its minimum is where the n-th smallest gap becomes 0, n being the load over
-        H, rounded up. The body is moved there where that gains more energy than the next step is
-        expected to. The pressure does not change; the last step is forgotten.
+        H, rounded up. The body is moved there where that gains more energy than the last step did.
+        The pressure does not change; the last step is forgotten.
+
+        Parameters
+        ----------
+        descent : float
+            Energy that the last step gained, at least; at the start what the first step may gain.
         """
-        hardness = self.problem.hardness
-        if hardness is None or self.law is not None:
-            return
+        hardness = self.problem.hardness or np.inf
         load = self.N * self.p0
         if hardness * self.yielded <= load <= hardness * self.contact:
             return
-        carrying = min(max(int(np.ceil(load / hardness)), 1), self.N)
-        shift = nth_smallest(self.grid, self.g, carrying)
+        shift = nth_smallest(self.grid, self.g, self._points_to_carry())
         rows, points = self.grid.inside
 
         def depths(i0: int, i1: int) -> tuple[float, float]:
@@ -203,15 +280,14 @@ class Bpx(Solver):
 
         before, after = self.grid.comm.sum(added(self.grid.by_rows(depths, rows), 2)).tolist()
         gain = load * float(shift) - hardness * (after - before)
-        a, b = self._coefficients()
-        if not gain > 0.5 * (a * self.rz + b * self.rd):
+        if not gain > descent:
             return
 
         def lower(i0: int, i1: int) -> None:
             self.g[i0:i1] -= shift
 
         self.grid.by_rows(lower)
-        self._measure(self.levels.restrict(self.g, self.p, self.problem.limit))
+        self._measure(self.levels.restrict(self.g, self.p, self.problem.limit), anew=True)
 
     def _coefficients(self) -> tuple[float, float]:
         """Return a and b of the step -(a z + b d): the minimum of the energy in the plane of z and
@@ -231,20 +307,22 @@ class Bpx(Solver):
     def _search(self, a: float, b: float, coupling: float) -> list[float]:
         """Make the first pass: the next step into d, and its row spectra; returns <p, d>, by how
         much dents become deeper, and what `work_of_step` does (kernels/adhesive_rows.py)."""
-        levels, fft, ends = self.levels, self.elastic.fft, self.levels.ends
+        levels = self.levels
+        fft = self.elastic.fft
+        ends = levels.ends
         step = tuple(self.problem.dtype.type(x) for x in (a, b * self.s, coupling, self.compliance))
-        tables, last = levels.transfers[0].tables, (self.problem.limit, self.grid.inside)
-        args = self.g, self.p, self.d, levels.z, tables, step, *last
-        found = np.zeros((len(ends), 2))
+        fields = self.g, self.p, self.d, levels.z, levels.transfers[0].tables
+        limits = self.problem.limit, self.grid.inside
+        sums_of_shares = np.zeros((len(ends), 2))
         work = np.zeros((len(ends) if self.law is not None else 0, 2))
 
-        def some(k0: int, k1: int, thread: int) -> None:
-            own = fft.rows[thread], levels.scratch[thread][0], found
-            search_passes(ends, k0, k1, *own, *args, self.law, work)
+        def passes(k0: int, k1: int, thread: int) -> None:
+            scratch = fft.rows[thread], levels.scratch[thread][0], sums_of_shares
+            search_passes(ends, k0, k1, *scratch, *fields, step, *limits, self.law, work)
 
         parts = shares(len(ends), fft.threads)
-        on_threads(fft.threads, some, parts, range(fft.threads))
-        sums = np.sum(found, axis=0)
+        on_threads(fft.threads, passes, parts, range(fft.threads))
+        sums = np.sum(sums_of_shares, axis=0)
         if self.law is None:
             return [*self.grid.comm.sum(sums).tolist(), 0.0, 0.0]
         return self.grid.comm.sum([*sums, *np.sum(work, axis=0)]).tolist()
@@ -256,14 +334,15 @@ class Bpx(Solver):
         ranks: <d, y - K d>, see kernels/adhesive_rows.py.
         """
         self.elastic.pairs += 1
-        rows, limit = self.elastic.fft.rows, self.problem.limit
+        rows = self.elastic.fft.rows
+        limit = self.problem.limit
         if self.law is None:
             return self.levels.update(self.g, self.p, self.d, s, rows, limit), 0.0
-        each = np.zeros((len(self.levels.ends), 2))
+        attracted = np.zeros((len(self.levels.ends), 2))
         sums = self.levels.update(
-            self.g, self.p, self.d, s, rows, limit, law=self.law, attracted=each
+            self.g, self.p, self.d, s, rows, limit, law=self.law, attracted=attracted
         )
-        self.attracted, stiffer = self.grid.comm.sum(np.sum(each, axis=0)).tolist()
+        self.attracted, stiffer = self.grid.comm.sum(np.sum(attracted, axis=0)).tolist()
         return sums, stiffer
 
     def _add_attraction(self) -> None:
@@ -277,25 +356,30 @@ class Bpx(Solver):
 
     def _measure(self, sums: UpdateSums, anew: bool = False) -> None:
         """Sweep the levels and sum over ranks: all scalars of the next step and of the stopping
-        rule. anew: a descent begins."""
+        rule. anew: the deflation vector is found for this contact."""
         totals = self.grid.comm.sum([*sums, *self.levels.sweep(anew)]).tolist()
         rz1, xz1, self.mean, *self.level_sums = totals[len(sums) :]
         sums = UpdateSums(*totals[: len(sums)])
-        s, compliance = self.s, self.compliance
-        self.rz = compliance * (sums.rr + rz1)  # <p, z> on F
+        s = self.s
+        self.rz = self.compliance * (sums.rr + rz1)  # <p, z> on F
         self.rd = s * sums.rd  # <p, d>
-        self.zKd = s * compliance * (sums.rKd + xz1)
+        self.zKd = s * self.compliance * (sums.rKd + xz1)
         self.dKd = s * s * sums.dKd
-        self.rr, self.pp = sums.rr, sums.pp
-        self.contact, self.gap_mean = sums.contact, sums.gap / self.N
+        self.rr = sums.rr
+        self.pp = sums.pp
+        self.contact = sums.contact
+        self.gap_mean = sums.gap / self.N
         self.changing = max(sums.opening, sums.closing)
         self.yielded = sums.yielded
+        elastic_share = (self.contact - self.yielded) / self.grid.cell_points
+        if anew and self.levels.gap_mode.wanted(elastic_share):
+            self.elastic.pairs += self.levels.gap_mode.pairs
 
     # -- how far
 
     @property
     def wall_load(self) -> float:
-        """Return the mean pressure that the wall bears."""
+        """The mean pressure that the wall bears."""
         return self.p0 + self.attracted / self.N
 
     @property
@@ -308,12 +392,13 @@ class Bpx(Solver):
         return self.p_cell + self.attracted / self.grid.cell_points
 
     def progress(self) -> Progress:
+        """Return how far the solver is, with estimates of its errors."""
         finite = bool(np.isfinite(self.pp + self.gap_mean))
         carried = max(self.wall_load, np.finfo(float).tiny)
         residual = np.sqrt(self.rr / self.N) / carried
-        found = self._estimate() if finite else Estimate()
-        predicted = self._predicted(found) if finite else None
-        return Progress(float(residual), self.contact, self.gap_mean, found, finite, predicted)
+        errors = self._estimate() if finite else Estimate()
+        predicted = self._predicted(errors) if finite else None
+        return Progress(float(residual), self.contact, self.gap_mean, errors, finite, predicted)
 
     def _estimate(self) -> Estimate:
         """Estimate what the certificate will say, but for rounding errors that p has gathered."""
@@ -331,22 +416,27 @@ class Bpx(Solver):
         stability = 1.0 if self.stability is None else self.stability.lowest
         return estimate(self.problem, self.levels, self.g, state, stability)
 
-    def _predicted(self, found: Estimate) -> tuple[float, float] | None:
+    def _predicted(self, errors: Estimate) -> tuple[float, float] | None:
         """Predict the converged area and gap: the area goes with the load that the contact
         carries."""
-        carried, n = self._p_cell_of_wall, self.contact
+        carried = self._p_cell_of_wall
+        n = self.contact
         load = carried - self.mean
         if n == 0 or load <= 0:
             return None
         if n == self.N:
             return n, self.gap_mean
-        gap = self.gap_mean + SHIFT * found.shift / self.N
+        gap = self.gap_mean + SHIFT * errors.shift / self.N
         return min(n * carried / load, self.N), gap
 
     def expected_area(self, estimate: Estimate) -> float:
+        """Return the relative error of the area that the certificate is expected to find: a look at
+        all points."""
         open_pp, open_p4 = self.grid.comm.sum(moments_of_open(self.problem, self.g, self.p))
         spread = spread_of(open_pp, open_p4, self.contact, self.N)
         wrong = misclassified_points(
             self.problem_now, self.g, self.p, estimate, spread, self.contact
         )
+        if self.problem.hardness is not None and self.contact == self.N and wrong > 0:
+            return np.inf  # a point that may be open is a gap that is not known
         return relative_error(max(wrong, self.changing), self.contact)

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from ..util.errors import SceneError, one_line
+from ..util.file_names import require_name
 from . import arrays_in_files, instruments, pictures, text
 from .contents import Contents, contents_of, format_of
 from .heights import require_map
@@ -36,6 +37,7 @@ def open_map(spec: Any) -> Map:
         For anything unreadable, for what holds no heights, and for keys that do not apply.
     """
     path = Path(spec.path)
+    require_name("surface.path", path)
     if not path.is_file():
         raise SceneError(
             f"surface.path: found {path}, which is no file, allowed: the path of a height map"
@@ -78,8 +80,8 @@ def opener_of(contents: Contents) -> tuple[str, Opener]:
     if kind in ("", "text") and instruments.knows(contents):
         return "other", instruments.read
     if kind in ("", "zip", "picture"):
-        claimed = contents.claimed if contents.claimed != "text" else ""
-        kind = claimed or ("text" if kind == "" and not contents.head() else "other")
+        is_text = contents.claimed != "text" or contents.is_mostly_text()
+        kind = contents.claimed if contents.claimed and is_text else "other"
     if kind == "hdf5" and contents.claimed == "netcdf":
         kind = "netcdf4"
     return OPENERS[kind]

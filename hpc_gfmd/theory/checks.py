@@ -9,8 +9,24 @@ from ..util.errors import SceneError
 def within(
     name: str, value: ArrayLike, low: float, high: float, open_low: bool = False
 ) -> np.ndarray:
-    """Return `value` as a float array, all of it finite and in [low, high] (or (low, high]). Raises
-    SceneError."""
+    """Return numbers as a float array, all of them finite and within an interval.
+
+    Parameters
+    ----------
+    name : str
+        Of the quantity, for the message.
+    value : array_like
+        The numbers.
+    low, high : float
+        The interval, ends included.
+    open_low : bool
+        Whether `low` itself is left out.
+
+    Raises
+    ------
+    SceneError
+        For other numbers.
+    """
     try:
         x = np.asarray(value, dtype=float)
     except (TypeError, ValueError):

@@ -94,7 +94,9 @@ class Westergaard:
         A, L, E_star = (
             within(name, x, 0, np.inf, True) for name, x in (("A", A), ("L", L), ("E_star", E_star))
         )
-        self.L, self.p0, self.p_full = L, p0, np.pi * E_star * A / L
+        self.L = L
+        self.p0 = p0
+        self.p_full = np.pi * E_star * A / L
         x = self._ratio = np.minimum(p0 / self.p_full, 1.0)
         log = np.log(np.where(x > 0, x, 1.0))  # x ln x = 0 at x = 0
         self.a_r = 2 / np.pi * np.arcsin(np.sqrt(x))

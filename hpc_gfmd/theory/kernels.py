@@ -17,24 +17,48 @@ _SECOND_TERM = {False: 6.0, True: 3.0}  # corrected, as printed
 
 
 def energy_fraction(x: np.ndarray, gamma: float) -> np.ndarray:
-    """Compute W(erf x), the share of the full-contact energy that is stored (eq. gamma of the
-    paper)."""
+    """Return W(erf x), the share of the full-contact energy that is stored (eq. gamma).
+
+    Parameters
+    ----------
+    x : ndarray
+        sqrt(2) p0/(E* g).
+    gamma : float
+        Coefficient of the linear term.
+    """
     a = erf(x)
     return a * (gamma + (1 - gamma) * a * a)
 
 
 def gap_kernel(x: np.ndarray, gamma: float, printed: bool) -> np.ndarray:
-    """Compute F(x) = gamma E1(x^2) + c (1-gamma) int_1^inf erf(tx)^2 exp(-t^2 x^2) dt/t, x > 0.
+    """Return F(x) = gamma E1(x^2) + c (1-gamma) int_1^inf erf(tx)^2 exp(-t^2 x^2) dt/t.
 
-    c = 6; the published equation has 3, because E1(x^2) = 2 int_1^inf exp(-t^2 x^2) dt/t was used
-    in its first term only (printed=True). Relative error below 1e-12.
+    Parameters
+    ----------
+    x : ndarray
+        sqrt(2) p0/(E* g), > 0.
+    gamma : float
+        As of `energy_fraction`.
+    printed : bool
+        Whether c = 3, as in the published equation, where E1(x^2) = 2 int_1^inf exp(-t^2 x^2) dt/t
+        was used in the first term only; otherwise c = 6.
+
+    Returns
+    -------
+    ndarray
+        In the shape of x; relative error below 1e-12.
     """
     return gamma * exp1_of_square(x) + _SECOND_TERM[printed] * (1 - gamma) * erf2_integral(x)
 
 
 def compliance_kernel(x: np.ndarray, gamma: float, printed: bool) -> np.ndarray:
-    """Compute -x dF/dx = exp(-x^2) (2 gamma + c (1-gamma) erf(x)^2), of which -p d(gap)/dp is
-    made."""
+    """Return -x dF/dx = exp(-x^2) (2 gamma + c (1-gamma) erf(x)^2), which gives -p d(gap)/dp.
+
+    Parameters
+    ----------
+    x, gamma, printed
+        As of `gap_kernel`.
+    """
     x = np.minimum(x, X_ZERO)
     return np.exp(-x * x) * (2 * gamma + _SECOND_TERM[printed] * (1 - gamma) * erf(x) ** 2)
 
@@ -64,7 +88,8 @@ def _scaled() -> Chebyshev:
     over E1.
     """
     s, w = np.polynomial.legendre.leggauss(24)
-    s2, w = ((s + 1) / 2) ** 2, w / 2
+    s2 = ((s + 1) / 2) ** 2
+    w = w / 2
 
     def scaled(x: np.ndarray) -> np.ndarray:
         x2 = x * x

@@ -18,8 +18,17 @@ Function = Callable[[np.ndarray], np.ndarray]
 
 @dataclass(frozen=True)
 class Fit:
-    """x: parameters, shape (k,); covariance: of them, shape (k, k), by the errors of the data as
-    they are given (1 if none are); chi2: weighted sum of squares."""
+    """The best fit.
+
+    Attributes
+    ----------
+    x : ndarray, shape (k,)
+        Parameters.
+    covariance : ndarray, shape (k, k)
+        Of the parameters, by the errors of the data (1 if there are none).
+    chi2 : float
+        Weighted sum of squares.
+    """
 
     x: np.ndarray
     covariance: np.ndarray

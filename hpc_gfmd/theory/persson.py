@@ -77,9 +77,9 @@ def pressure_distribution(
         In units of 1/E_star; 0 for p <= 0. Integrates to a_r (the rest, 1 - a_r, sits at p = 0),
         with mean p0.
     """
-    p, p0 = np.asarray(p, dtype=float), _pressure(p0, "p0")
     width = _positive("E_star", E_star) * _positive("g_rms", g_rms) / 2
-    p, p0 = p / width, p0 / width
+    p = np.asarray(p, dtype=float) / width
+    p0 = _pressure(p0, "p0") / width
     # the difference of the two Gaussians, written so that neither overflows nor cancels
     offset = np.minimum(np.abs(p - p0), 40)
     mirror = np.minimum(np.maximum(p, 0), 1e150) * np.minimum(p0, 1e150)
@@ -88,8 +88,13 @@ def pressure_distribution(
 
 
 def g_rms_lam_s_over_h_rms(hurst: float, eps_f: float) -> float:
-    """Compute g_rms lam_s/h_rms of a self-affine spectrum with sharp cutoffs; hurst, eps_f: as of
-    `mean_gap`."""
+    """Return g_rms lam_s/h_rms of a self-affine spectrum with sharp cutoffs.
+
+    Parameters
+    ----------
+    hurst, eps_f : float
+        As of `mean_gap`.
+    """
     return 2 * np.pi * float(eps_f) / SlopeProfile.self_affine(hurst, eps_f).h_rms
 
 
@@ -158,7 +163,8 @@ def stiffness(
         As `mean_gap`.
     """
     profile = SlopeProfile.self_affine(hurst, eps_f)
-    gamma, p_star = _gamma(gamma), _pressure(p_star)
+    gamma = _gamma(gamma)
+    p_star = _pressure(p_star)
     slope = profile.integrate(
         p_star, lambda x: kernels.compliance_kernel(x, gamma, printed), power=1
     )
@@ -247,15 +253,15 @@ def curve(
     dict of arrays in the shape of p_star
         p_star, a_r, kappa, gap_over_h_rms, gap_over_g_rms_lam_s, stiffness, stiffness_lam_s.
     """
-    of, lam_s = (hurst, eps_f, gamma, printed), "g_rms_lam_s"
+    arguments = (hurst, eps_f, gamma, printed)
     return {
         "p_star": np.asarray(p_star, dtype=float),
         "a_r": contact_area(p_star),
         "kappa": kappa(p_star),
-        "gap_over_h_rms": mean_gap(p_star, *of),
-        "gap_over_g_rms_lam_s": mean_gap(p_star, *of, lam_s),
-        "stiffness": stiffness(p_star, *of),
-        "stiffness_lam_s": stiffness(p_star, *of, lam_s),
+        "gap_over_h_rms": mean_gap(p_star, *arguments),
+        "gap_over_g_rms_lam_s": mean_gap(p_star, *arguments, "g_rms_lam_s"),
+        "stiffness": stiffness(p_star, *arguments),
+        "stiffness_lam_s": stiffness(p_star, *arguments, "g_rms_lam_s"),
     }
 
 

@@ -51,9 +51,19 @@ class SlopeProfile:
 
     @classmethod
     def self_affine(cls, hurst: float, eps_f: float) -> Self:
-        """Make that of C(q) ~ q^(-2-2H) for q_l <= q <= q_s, in units q_l = 1, g_rms = 1.
+        """Return the profile of C(q) ~ q^(-2-2H) for q_l <= q <= q_s, in units q_l = 1, g_rms = 1.
 
-        hurst in [0, 1], eps_f = q_l/q_s in [1e-100, 1]; SceneError otherwise.
+        Parameters
+        ----------
+        hurst : float
+            H, from 0 to 1.
+        eps_f : float
+            q_l/q_s, from 1e-100 to 1.
+
+        Raises
+        ------
+        SceneError
+            For other numbers.
         """
         hurst = float(within("hurst", hurst, 0, 1))
         decades = -np.log(float(within("eps_f", eps_f, 1e-100, 1)))  # ln(q_s/q_l)
@@ -72,11 +82,22 @@ class SlopeProfile:
 
     @classmethod
     def from_spectrum(cls, q: ArrayLike, C: Any, area: float = 1.0) -> Self:
-        """Make that of any isotropic C(q), normalised by h_rms^2 = area/(2 pi)^2 int C d^2q.
+        """Return the profile of an isotropic spectrum.
 
-        q: increasing wave vectors, at least two. C: their spectrum (power laws in between), or a
-        function, which is then cut into about _SAMPLES pieces (error of order 1/_SAMPLES^4). Raises
-        SceneError for what is not a spectrum.
+        Parameters
+        ----------
+        q : array_like, shape (m,)
+            Increasing wave numbers, at least two.
+        C : array_like, shape (m,), or callable
+            The spectrum, with power laws between its points; or a function of q, which is cut into
+            about _SAMPLES pieces (error of order 1/_SAMPLES^4).
+        area : float
+            Normalises C by h_rms^2 = area/(2 pi)^2 int C d^2q.
+
+        Raises
+        ------
+        SceneError
+            For what is not a spectrum.
         """
         q = within("q", q, 0, np.inf, open_low=True)
         if q.ndim != 1 or q.size < 2 or np.any(np.diff(q) <= 0):
@@ -100,12 +121,13 @@ class SlopeProfile:
         def moment(power: int) -> np.ndarray:
             """Integrate area/(2 pi) q^power C dy over every piece."""
             if function:
-                found = _piece_integral(function, power, q, width)
+                integrals = _piece_integral(function, power, q, width)
             else:
-                found = C[:-1] * q[:-1] ** power * width * exprel((steepness + power) * width)
-            return found * area / (2 * np.pi)
+                integrals = C[:-1] * q[:-1] ** power * width * exprel((steepness + power) * width)
+            return integrals * area / (2 * np.pi)
 
-        beta, slopes = steepness + 4, moment(4)
+        beta = steepness + 4
+        slopes = moment(4)
         g2 = np.concatenate([[0], np.cumsum(slopes)])
         rate = slopes / (width * exprel(beta * width))
         return cls(
@@ -119,16 +141,28 @@ class SlopeProfile:
         )
 
     def integrate(self, p_star: ArrayLike, kernel: Function, power: int) -> np.ndarray:
-        """Integrate (g/g_rms)^power (q_0/q) kernel(x) d ln g, with x = sqrt(2) p_star g_rms/g, for
-        every p_star.
+        """Integrate (g/g_rms)^power (q_0/q) kernel(x) d ln g, with x = sqrt(2) p_star g_rms/g.
 
-        kernel: vanishes beyond x = 28 where power = 1, is bounded where power = 2.
+        Parameters
+        ----------
+        p_star : array_like
+            Loads, one integral each.
+        kernel : callable
+            Of an array x; vanishes beyond x = 28 where power = 1, is bounded where power = 2.
+        power : int
+            1 or 2.
+
+        Returns
+        -------
+        ndarray
+            In the shape of p_star.
         """
         loads = np.clip(np.asarray(p_star, dtype=float), 1e-300, 1e200)
         log_g, y, weight = self._nodes
-        weight, x = weight * np.exp(power * log_g - y), np.sqrt(2) * np.exp(-log_g)
-        found = [kernel(load * x) @ weight for load in loads.ravel()]  # one by one: memory
-        return np.array(found).reshape(loads.shape)
+        weight = weight * np.exp(power * log_g - y)
+        x = np.sqrt(2) * np.exp(-log_g)
+        integrals = [kernel(load * x) @ weight for load in loads.ravel()]  # one by one: memory
+        return np.array(integrals).reshape(loads.shape)
 
     def _log_g_at(self, y: float) -> float:
         i = min(int(np.searchsorted(self.y, y, side="right")), self.beta.size) - 1
@@ -145,7 +179,8 @@ class SlopeProfile:
         with np.errstate(divide="ignore"):
             corners = 0.5 * np.log(self.g2)
         inside = corners[(corners > low) & (corners < 0)]
-        panels, fine = np.arange(-_STEP, low, -_STEP), -_STEP * 0.5 ** np.arange(_FINEST)
+        panels = np.arange(-_STEP, low, -_STEP)
+        fine = -_STEP * 0.5 ** np.arange(_FINEST)
         edges = np.unique(np.concatenate([panels, fine, [low, 0], inside]))
         s, w = np.polynomial.legendre.leggauss(16)
         middle, half = ((edges[1:] + sign * edges[:-1])[:, None] / 2 for sign in (1, -1))

@@ -227,8 +227,8 @@ def extrapolate(
     """
     value = float(within("value", value, -np.inf, np.inf))
     terms = correction(observable, hurst, p_star, eps_t, eps_f, eps_c, table)
-    known = [within("sigma", x, 0, np.inf) for x in (sigma, terms.sigma) if x is not None]
-    return value - terms.total, float(np.hypot.reduce(known)) if known else None, terms
+    sigmas = [within("sigma", x, 0, np.inf) for x in (sigma, terms.sigma) if x is not None]
+    return value - terms.total, float(np.hypot.reduce(sigmas)) if sigmas else None, terms
 
 
 def _part(table: Table, observable: str, p_star: float) -> Table:

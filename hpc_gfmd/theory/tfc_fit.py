@@ -24,7 +24,7 @@ _STARTS = (0.3, 0.67, 1.5)
 
 @dataclass(frozen=True)
 class TfcFit:
-    """limit + sum_i C[i] eps_i^alpha[i], fitted.
+    """A fit of limit + sum_i C[i] eps_i^alpha[i].
 
     Attributes
     ----------
@@ -56,8 +56,18 @@ class TfcFit:
     def correction(
         self, eps_t: float = 0.0, eps_f: float = 0.0, eps_c: float = 0.0
     ) -> tuple[float, float]:
-        """Compute (sum of the terms, its uncertainty) at these ratios; a term that was not fitted
-        is zero."""
+        """Return the sum of the terms at these ratios, and its uncertainty.
+
+        Parameters
+        ----------
+        eps_t, eps_f, eps_c : float
+            Thermodynamic, fractal and continuum ratio, from 0 to 1. A term that was not fitted is
+            zero.
+
+        Returns
+        -------
+        total, sigma : float
+        """
         eps = ratios(eps_t, eps_f, eps_c)
         row = self.row(0.0)
         return sum(term(row, i, eps[i]) for i in TERMS), sigma_of_terms(row, eps)
@@ -79,31 +89,68 @@ class TfcFit:
 
 
 def ratios(eps_t: float, eps_f: float, eps_c: float) -> dict[str, float]:
-    """Return {term: its ratio}. Raises SceneError for what is not from 0 to 1."""
-    given = zip(TERMS, (eps_t, eps_f, eps_c))
-    return {i: float(within(f"eps_{i}", value, 0, 1)) for i, value in given}
+    """Return the ratios by the letters of their terms.
+
+    Parameters
+    ----------
+    eps_t, eps_f, eps_c : float
+        Thermodynamic, fractal and continuum ratio.
+
+    Raises
+    ------
+    SceneError
+        For what is not from 0 to 1.
+    """
+    by_term = zip(TERMS, (eps_t, eps_f, eps_c), strict=True)
+    return {i: float(within(f"eps_{i}", value, 0, 1)) for i, value in by_term}
 
 
 def term(row: Mapping[str, Any], i: str, eps: Any) -> Any:
-    """Compute C_i eps^alpha_i by a row of a coefficient table; eps: number or array."""
+    """Return C_i eps^alpha_i.
+
+    Parameters
+    ----------
+    row : mapping
+        A row of a coefficient table.
+    i : str
+        Letter of the term, of TERMS.
+    eps : float or ndarray
+        Its ratio.
+    """
     return row[f"C_{i}"] * eps ** row[f"alpha_{i}"]
 
 
 def slopes(row: Mapping[str, Any], eps: Mapping[str, Any]) -> dict[str, Any]:
-    """Differentiate eq. tfc by each of its numbers."""
-    found: dict[str, Any] = {"limit": 1.0}
+    """Return the derivatives of eq. tfc with respect to its numbers, by their names.
+
+    Parameters
+    ----------
+    row : mapping
+        A row of a coefficient table.
+    eps : mapping
+        Ratios by the letters of their terms.
+    """
+    derivatives: dict[str, Any] = {"limit": 1.0}
     for i, ratio in eps.items():
-        found[f"C_{i}"] = ratio ** row[f"alpha_{i}"]
-        found[f"alpha_{i}"] = term(row, i, ratio) * np.log(np.where(ratio > 0, ratio, 1.0))
-    return found
+        derivatives[f"C_{i}"] = ratio ** row[f"alpha_{i}"]
+        derivatives[f"alpha_{i}"] = term(row, i, ratio) * np.log(np.where(ratio > 0, ratio, 1.0))
+    return derivatives
 
 
 def sigma_of_terms(row: Mapping[str, Any], eps: Mapping[str, float]) -> float:
-    """Compute the uncertainty of the sum of the terms, from the "covariance" of the row (order
-    "names") if given, else from its "sigma"."""
+    """Return the uncertainty of the sum of the terms.
+
+    Parameters
+    ----------
+    row : mapping
+        A row of a coefficient table; its "covariance" (in the order of "names") counts if it is
+        there, otherwise its "sigma".
+    eps : mapping
+        Ratios by the letters of their terms.
+    """
     names = row.get("names", COEFFICIENTS)
-    known = slopes(row, eps) | {"limit": 0.0}
-    gradient = np.array([known.get(name, 0.0) for name in names])
+    derivatives = slopes(row, eps) | {"limit": 0.0}
+    gradient = np.array([derivatives.get(name, 0.0) for name in names])
     covariance = row.get(
         "covariance", np.diag([row["sigma"].get(name, 0.0) ** 2 for name in names])
     )
@@ -148,9 +195,10 @@ def fit_tfc(
         For terms that there are not.
     """
     terms = tuple(terms)
-    for name, given in (("terms", terms), ("alpha", tuple(alpha or ()))):
-        if set(given) - set(TERMS):
-            raise SceneError(f"{name}: found {''.join(map(str, given))!r}, allowed: letters of tfc")
+    for name, letters in (("terms", terms), ("alpha", tuple(alpha or ()))):
+        if set(letters) - set(TERMS):
+            text = "".join(map(str, letters))
+            raise SceneError(f"{name}: found {text!r}, allowed: letters of tfc")
     value = np.atleast_1d(within("value", value, -np.inf, np.inf))
     eps = {
         i: np.broadcast_to(within(f"eps_{i}", e, 0, 1, open_low=True), value.shape)
@@ -173,12 +221,13 @@ def fit_tfc(
         return fixed | dict(zip(names, x, strict=True))
 
     def model(x: np.ndarray) -> np.ndarray:
-        known = law(x)
-        return known["limit"] + sum(term(known, i, eps[i]) for i in eps)
+        row = law(x)
+        return row["limit"] + sum(term(row, i, eps[i]) for i in eps)
 
     def jacobian(x: np.ndarray) -> np.ndarray:
-        known = slopes(law(x), eps)
-        return np.stack([np.broadcast_to(known[name], value.shape) for name in names], axis=1)
+        derivatives = slopes(law(x), eps)
+        columns = [np.broadcast_to(derivatives[name], value.shape) for name in names]
+        return np.stack(columns, axis=1)
 
     starts = []
     for guess in product(_STARTS, repeat=len(free)):
@@ -188,24 +237,26 @@ def fit_tfc(
         x[: linear.shape[1]] = np.linalg.lstsq(linear, value - model(x), rcond=None)[0]
         starts.append(x)
     bounds = np.array([_ALPHA_RANGE if name in free else (-np.inf, np.inf) for name in names]).T
-    found = least_squares(model, jacobian, starts, value, sigma, bounds)
+    best = least_squares(model, jacobian, starts, value, sigma, bounds)
     dof = value.size - len(names)
-    covariance = found.covariance
+    covariance = best.covariance
     if sigma is None:
-        covariance = covariance * (found.chi2 / dof if dof else np.nan)
-    known = law(found.x.tolist())
-    C, exponents = ({i: known[f"{kind}_{i}"] for i in eps} for kind in ("C", "alpha"))
-    return TfcFit(known["limit"], C, exponents, names, covariance, found.chi2, dof)
+        covariance = covariance * (best.chi2 / dof if dof else np.nan)
+    row = law(best.x.tolist())
+    C = {i: row[f"C_{i}"] for i in eps}
+    exponents = {i: row[f"alpha_{i}"] for i in eps}
+    return TfcFit(row["limit"], C, exponents, names, covariance, best.chi2, dof)
 
 
 def _enough(value: np.ndarray, eps: dict, free: list, names: tuple) -> None:
     """Raise SceneError where there are fewer runs than parameters, or fewer values of a ratio than
     its term needs."""
     for i, values in eps.items():
-        needed, found = 3 if f"alpha_{i}" in free else 2, np.unique(values).size
-        if found < needed:
+        needed = 3 if f"alpha_{i}" in free else 2
+        number = np.unique(values).size
+        if number < needed:
             raise SceneError(
-                f"eps_{i}: found {found} different values, allowed: at least {needed} to fit "
+                f"eps_{i}: found {number} different values, allowed: at least {needed} to fit "
                 f"{'C and alpha' if needed == 3 else 'C'}, or leave the term {i} out"
             )
     if value.size < len(names):

@@ -37,7 +37,8 @@ def pressure_distribution(
     """
     p = np.asarray(p, dtype=float)
     width, images = _images(p0, hardness, g_rms, E_star)
-    x, shifts = p[..., None] / width, 2 * images * hardness / width
+    x = p[..., None] / width
+    shifts = 2 * images * hardness / width
     density = np.exp(-((x - p0 / width - shifts) ** 2) / 2)
     density -= np.exp(-((x + p0 / width - shifts) ** 2) / 2)
     inside = (p > 0) & (p < hardness)
@@ -47,8 +48,17 @@ def pressure_distribution(
 def areas(
     p0: float, hardness: float, g_rms: float = 1.0, E_star: float = 1.0
 ) -> tuple[float, float]:
-    """Compute (a_r, a_plastic): the shares of the area that touch and that yield; p0, hardness,
-    g_rms, E_star: as of `pressure_distribution`."""
+    """Return the shares of the area that touch and that yield.
+
+    Parameters
+    ----------
+    p0, hardness, g_rms, E_star : float
+        As of `pressure_distribution`.
+
+    Returns
+    -------
+    a_r, a_plastic : float
+    """
     width, images = _images(p0, hardness, g_rms, E_star)
     ends = 2 * hardness * images[images >= 0]
 
@@ -68,5 +78,5 @@ def _images(p0: float, hardness: float, g_rms: float, E_star: float) -> tuple[fl
     if not p0 < hardness:
         raise SceneError(f"p0: found {p0:g}, allowed: below the hardness, {hardness:g}")
     width = E_star * g_rms / 2
-    most = int(np.ceil(FAR * width / hardness)) + 1
-    return width, np.arange(-most, most + 1)
+    farthest = int(np.ceil(FAR * width / hardness)) + 1
+    return width, np.arange(-farthest, farthest + 1)

@@ -20,11 +20,13 @@ def cache_folder():
     )
 
 
-def truths(z, sizes, loads, free=(False, False), hardness=None):
+def truths(z, sizes, loads, free=(False, False), hardness=None, hardness_star=None):
     """Find (Contact, [Truth], the hardness in units of p*) of the loads p*, each Truth from the
     cache if it is there. hardness: over the largest pressure of the loads without one, but MORE
-    than they are."""
+    than they are; hardness_star: or in units of p*."""
     contact = Contact(z, sizes, free)
+    if hardness_star is not None:
+        return contact, _truths(contact, sizes, loads, hardness_star), hardness_star
     found = _truths(contact, sizes, loads)
     if hardness is None:
         return contact, found, None

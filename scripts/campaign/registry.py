@@ -19,7 +19,7 @@ class Wall:
     """heights (peaks up); physical_sizes; loads: p* in the order of solving; E_star; surface: table
     [surface] of a scene that has these heights, where one does; units: whether the campaign may
     choose others; free: whether the wall ends along x, along y; hardness: over the largest pressure
-    of the loads without one."""
+    of the loads without one; hardness_star: or over E* g_rms."""
 
     heights: np.ndarray
     physical_sizes: tuple[float, float]
@@ -29,6 +29,7 @@ class Wall:
     units: bool = True
     free: tuple[bool, bool] = (False, False)
     hardness: float | None = None
+    hardness_star: float | None = None
 
 
 def family(function):

@@ -35,7 +35,7 @@ def rows_of(name, seed, index, ways, seconds=SECONDS):
         wall = make(name, seed, index)
         with _time_limit(seconds):
             of = wall.heights, wall.physical_sizes, wall.loads, wall.free, wall.hardness
-            contact, exact, hardness = truths(*of)
+            contact, exact, hardness = truths(*of, wall.hardness_star)
     except Exception as error:  # a campaign goes on
         return [head | {"status": "no wall", "error": f"{type(error).__name__}: {error}"}]
     head["n"] = list(wall.heights.shape)

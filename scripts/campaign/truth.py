@@ -21,6 +21,8 @@ from scipy import fft, special
 SIGN = 1e-13  # relative: a violation smaller than that is rounding
 TIE = 1e-9  # of the rms pressure or of the gap: closer than this to changing sides is a tie
 ROUGH, INNER = 1e-4, 1e-13  # relative residual of the linear problems, first and in the end
+BOUND = 1e-12  # relative: a pressure as near to the hardness yields
+PATIENCE = 4  # rounds without fewer points on the wrong side
 EPS = 2e-14  # relative rounding errors of a transform, and more
 DOUBTFUL = 1e-10  # a truth that violates its own conditions by more than this is none
 FEW = 30  # points on the wrong side of which one at a time may change
@@ -150,45 +152,99 @@ class Contact:
         )
 
     def _yielding(self, p_star, hardness):
-        """Find the Truth where the pressure is at most a hardness: accelerated proximal gradients
-        (FISTA with restarts), then one linear problem on what is free; again where that moves
-        points to another side."""
-        K, h, D, N = self.K, self.h, self.D, self.N
-        p0, step, inertia = p_star * (N / h.size), 1 / K.max(), 1.0
-        g, count, steps = np.where(D, np.maximum(h - h[D].mean(), 0), 0.0), 1, 200
-        old = g
+        """Find the Truth where a hardness limits the pressure, by an active set of three states.
+
+        Guess which points are elastic and which yield. That gives a linear problem; points that
+        violate the bounds of their state change it. Where this goes round in circles, projected
+        gradients of the dual problem lie between, which always converge.
+        """
+        h, D, N = self.h, self.D, self.N
+        p = self._dual_gradients(D * p_star, p_star, hardness, 30)
+        yielded = D & (p >= hardness * (1 - BOUND))
+        elastic = (p > 0) & ~yielded
+        fewest, waits, steps, inner = np.inf, 0, 20, ROUGH
         for rounds in range(1, ROUNDS):  # noqa: B007
-            for _ in range(steps):
-                following = (1 + np.sqrt(1 + 4 * inertia**2)) / 2
-                y = g + (inertia - 1) / following * (g - old)
-                v = y - step * (p0 + self.times(K, y - h))
-                new = np.where(D, np.maximum(v, np.minimum(v + step * hardness, 0)), v)
-                restart = np.sum((y - new) * (new - g)) > 0
-                old, g, inertia = g, new, 1.0 if restart else following
-            Y = D & (g < 0)
-            C = D & (g == 0)
-            p, exact = self._open(C, g, p_star, INNER, Y * hardness)
+            p, g = self._with_yielded(elastic, yielded, p, p_star, hardness, inner)
             tiny_p, tiny_g = SIGN * hardness, SIGN * h.max()
-            wrong = np.where(C, (p < -tiny_p) | (p > hardness + tiny_p), D & (exact < -tiny_g))
-            wrong = np.where(Y, exact > tiny_g, wrong)
+            to_open = elastic & (p < -tiny_p)
+            to_yielded = elastic & (p > hardness + tiny_p)
+            to_elastic = D & ~elastic & np.where(yielded, g > tiny_g, g < -tiny_g)
+            wrong = to_open | to_yielded | to_elastic
             count = int(wrong.sum())
-            if count == 0 or steps > 100_000:
+            if count == 0 and inner == INNER:
                 break
-            steps *= 2
-        p = np.where(Y, hardness, np.where(C, np.clip(p, 0, hardness), 0))
-        g = exact
-        fresh = p0 + self.times(K, g - h)
-        p_rms, gap_mean = np.sqrt(np.sum(p * p) / N), np.maximum(g[D], 0).mean()
-        kkt = max(
-            np.sqrt(np.sum((fresh - p) ** 2) / N) / p_rms,
-            abs(p.sum() / (N * p_star) - 1),
-            float(count > 0),
-        )
-        ties_in = int(np.sum(C & (p < TIE * p_rms)))
-        ties_out = int(np.sum(D & ~C & ~Y & (g < TIE * max(gap_mean, 1e-6 * h.max()))))
-        touching = int(C.sum() + Y.sum())
+            if count <= FEW or waits:
+                inner = INNER
+            if count < fewest:
+                fewest, waits = count, 0
+            else:
+                waits += 1
+            if waits >= PATIENCE and count <= FEW and waits < MURTY:
+                wrong.ravel()[np.flatnonzero(wrong)[:-1]] = False  # the last one alone: no circles
+            elif waits >= PATIENCE:
+                p = np.where(yielded, hardness, np.where(elastic, np.clip(p, 0, hardness), 0))
+                p = self._dual_gradients(p, p_star, hardness, steps)
+                yielded = D & (p >= hardness * (1 - BOUND))
+                elastic = (p > 0) & ~yielded
+                fewest, waits, steps = np.inf, 0, min(2 * steps, 1500)
+                continue
+            yielded = (yielded & ~wrong) | (to_yielded & wrong)
+            elastic = (elastic & ~wrong) | (to_elastic & wrong)
+        p = np.where(yielded, hardness, np.where(elastic, np.clip(p, 0, hardness), 0))
+        exact = np.where(elastic, 0, np.where(yielded, np.minimum(g, 0), np.maximum(g, 0)))
+        exact = np.where(D, exact, g)
+        fresh = p_star * (N / h.size) + self.times(self.K, exact - h)
+        p_rms, gap_mean = np.sqrt(np.sum(p * p) / N), np.maximum(exact[D], 0).mean()
+        violated = np.sqrt(np.sum((fresh - p) ** 2) / N) / p_rms
+        if elastic.any():
+            # the same in gaps, which rounding errors of K h do not spoil where the body is soft
+            penetration = np.sqrt(np.mean(g[elastic] ** 2)) * self.K.max()
+            violated = min(violated, penetration / np.sqrt(np.mean(p[elastic] ** 2)))
+        kkt = max(violated, abs(p.sum() / (N * p_star) - 1), float(count > 0))
+        ties_in = int(np.sum(elastic & (p < TIE * p_rms)))
+        is_open = D & ~elastic & ~yielded
+        ties_out = int(np.sum(is_open & (exact < TIE * max(gap_mean, 1e-6 * h.max()))))
+        touching = int(elastic.sum() + yielded.sum())
         field = p[D].reshape(self.shape)
         return Truth(field, touching, float(gap_mean), ties_in, ties_out, float(kkt), rounds)
+
+    def _with_yielded(self, elastic, yielded, p, p_star, hardness, inner):
+        """Find pressure and gap where these points are elastic, those yield, and the others are
+        open, from the linear problem on the smaller side."""
+        carried = yielded * hardness
+        if elastic.any() and elastic.sum() <= 0.5 * self.h.size:
+            return self._closed(elastic, p, p_star, inner, carried)
+        return self._open(elastic, p, p_star, inner, carried)
+
+    def _dual_gradients(self, p, p_star, hardness, steps):
+        """Take accelerated projected gradient steps (FISTA with restarts) for the pressure between
+        0 and the hardness, of the mean p*."""
+        step, inertia = 1 / self.S.max(), 1.0
+        p = self._projected_on_bounds(p, p_star, hardness)
+        y = p
+        for _ in range(steps):
+            new = self._projected_on_bounds(
+                y - step * (self.times(self.S, y) + self.h), p_star, hardness
+            )
+            following = (1 + np.sqrt(1 + 4 * inertia**2)) / 2
+            if np.sum((y - new) * (new - p)) > 0:
+                following = 1.0
+                y = new
+            else:
+                y = new + (inertia - 1) / following * (new - p)
+            p, inertia = new, following
+        return p
+
+    def _projected_on_bounds(self, p, p_star, hardness):
+        """Shift p and cut it off at 0 and the hardness such that its mean is p*."""
+        low, high = -p.max(), hardness - p[self.D].min()
+        for _ in range(80):
+            middle = 0.5 * (low + high)
+            if np.clip(p[self.D] + middle, 0, hardness).mean() < p_star:
+                low = middle
+            else:
+                high = middle
+        return np.where(self.D, np.clip(p + 0.5 * (low + high), 0, hardness), 0)
 
     def on_cell(self, field):
         """Put zeros around a field of the wall."""
@@ -196,10 +252,11 @@ class Contact:
         out[self.D] = field.ravel()
         return out
 
-    def _closed(self, C, p, p_star, inner):
+    def _closed(self, C, p, p_star, inner, carried=0.0):
         """Find pressure on C and gap from the linear problem g = 0 on C with mean p = p_star: S p +
-        u0 + h = 0 there."""
+        u0 + h = 0 there. carried: pressure of points that are not in C."""
         N, n_c = self.N, int(C.sum())
+        load = N * p_star - np.sum(carried)
 
         def apply(x):
             y = np.where(C, self.times(self.S, x), 0)
@@ -210,14 +267,14 @@ class Contact:
             return np.where(C, y - y.sum() / n_c, 0)
 
         p = np.where(C, p, 0)
-        p = np.where(C, p + (N * p_star - p.sum()) / n_c, 0)
+        p = np.where(C, p + (load - p.sum()) / n_c, carried)
         if n_c > 1:
             u = self.times(self.S, p)
             b = np.where(C, -(u + self.h), 0)
             b = np.where(C, b - b.sum() / n_c, 0)
             rounding = EPS * np.hypot(np.linalg.norm(self.h[C]), np.linalg.norm(u[C]))
             p = p + _conjugate_gradients(apply, precondition, b, 4 * n_c, inner, rounding)
-            p = np.where(C, p + (N * p_star - p.sum()) / n_c, 0)
+            p = np.where(C, p + (N * p_star - p.sum()) / n_c, carried)
         g = self.times(self.S, p) + self.h
         g -= g[C].mean()
         return p, g

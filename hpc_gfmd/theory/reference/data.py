@@ -48,11 +48,11 @@ class Reference:
     @cached_property
     def ratios(self) -> dict[str, np.ndarray]:
         """Logarithms of the values over Persson's theory."""
-        found = {}
+        logarithms = {}
         for name, loads in self.p_star.items():
             theory = [[_persson(name, loads, H, f) for f in self.eps_f] for H in self.hurst]
-            found[name] = np.log(self.value[name] / np.array(theory))
-        return found
+            logarithms[name] = np.log(self.value[name] / np.array(theory))
+        return logarithms
 
     def at(
         self, quantity: str, p_star: ArrayLike, hurst: float, eps_f: float
@@ -90,7 +90,8 @@ class Reference:
             _weights(float(_within("hurst", hurst, self.hurst)), self.hurst),
             _weights(float(np.log(_within("eps_f", eps_f, self.eps_f))), np.log(self.eps_f)),
         )
-        x, at = np.log(loads), np.log(wanted)
+        x = np.log(loads)
+        at = np.log(wanted)
         ratio = np.einsum("hf,hfp->p", weights, self.ratios[quantity])
         spline = make_interp_spline(x, ratio, k=min(3, len(x) - 1))
         value = np.exp(spline(at)) * _persson(quantity, wanted, hurst, eps_f)
@@ -100,16 +101,17 @@ class Reference:
         return (value, sigma) if wanted.ndim else (float(value), float(sigma))
 
 
-def _within(name: str, wanted: ArrayLike, known: np.ndarray) -> np.ndarray:
-    low, high = float(known.min()), float(known.max())
+def _within(name: str, wanted: ArrayLike, nodes: np.ndarray) -> np.ndarray:
+    low = float(nodes.min())
+    high = float(nodes.max())
     return np.clip(within(name, wanted, low * (1 - ROUNDING), high * (1 + ROUNDING)), low, high)
 
 
-def _weights(x: float, known: np.ndarray) -> np.ndarray:
-    """Find how much of each known point the spline (at most of degree 3) through them has at x."""
-    if len(known) == 1:
+def _weights(x: float, nodes: np.ndarray) -> np.ndarray:
+    """Return the weights at x of the values at the nodes, by a spline (at most of degree 3)."""
+    if len(nodes) == 1:
         return np.ones(1)
-    return np.asarray(make_interp_spline(known, np.eye(len(known)), k=min(3, len(known) - 1))(x))
+    return np.asarray(make_interp_spline(nodes, np.eye(len(nodes)), k=min(3, len(nodes) - 1))(x))
 
 
 def _persson(quantity: str, p_star: np.ndarray, hurst: float, eps_f: float) -> np.ndarray:
@@ -138,7 +140,8 @@ def load(path: str | Path | None = None) -> Reference:
         data = json.loads(path.read_text(encoding="utf-8"))
         if data["format"] != FORMAT:
             raise ValueError(f"format {data['format']!r}")
-        hurst, eps_f = np.array(data["hurst"], float), np.array(data["eps_f"], float)
+        hurst = np.array(data["hurst"], float)
+        eps_f = np.array(data["eps_f"], float)
         p_star, value, sigma = (
             {name: np.array(data[kind][name], float) for name in QUANTITIES}
             for kind in ("p_star", "value", "sigma")

@@ -32,7 +32,7 @@ def killing(function, n):
 
 
 @pytest.mark.parametrize(
-    ("module", "name", "n"), [(selfaffine, "rms_of_columns", 64), (nested, "_roughly_solved", 32)]
+    ("module", "name", "n"), [(selfaffine, "rms_of_columns", 64), (nested, "roughly_solved", 32)]
 )
 def test_stops_before_the_first_iteration(module, name, n, monkeypatch):
     """No iteration on the finest grid, the exit code of a signal, and a restart that ends as if

@@ -98,7 +98,7 @@ def test_what_was_finished_before_ctrl_c_is_kept(monkeypatch, sweep, fields):
     kept = pickle.loads(pickle.dumps(caught.value)).solutions
     assert [one.a_r for one in kept] == [one.a_r for one in sweep[:2]]
     assert kept.status == "interrupted"
-    assert kept.notes == ("interrupted: loads 3 (pressure = 200 MPa) of 3 are not there",)
+    assert kept.notes == ("interrupted: loads 3 (pressure = 200 MPa) of 3 are missing",)
     if fields:
         assert all(np.array_equal(one.gap, whole.gap) for one, whole in zip(kept, sweep))
         again = hpc_gfmd.load(kept.save("some.h5"))
@@ -244,7 +244,7 @@ def test_an_interrupted_run(sweep, saved, tmp_path):
     assert folder.is_dir()
     with pytest.warns(
         UserWarning,
-        match=r"loads 1 \(pressure = 10 MPa\), 3 \(pressure = 200 MPa\) of 3 are not there",
+        match=r"loads 1 \(pressure = 10 MPa\), 3 \(pressure = 200 MPa\) of 3 are missing",
     ):
         left = hpc_gfmd.load("stopped.h5")
     assert (left.status, left[0].p, left.result.indices) == ("interrupted", 3e7, [1])
@@ -280,8 +280,8 @@ def test_a_save_that_ctrl_c_ends_leaves_nothing(saved, tmp_path, monkeypatch):
 
 
 def test_it_says_what_it_is(sweep):
-    assert repr(sweep[1]).startswith(f"<Solution: a_r = {100 * sweep[1].a_r:.2f}"[:24])
-    assert "(grid), p = 30 MPa, mean gap = " in repr(sweep[1])
+    assert repr(sweep[1]).startswith(f"<Solution: a_r = {100 * sweep[1].a_r:.0f} +- ")
+    assert "%, p = 30 MPa, mean gap = " in repr(sweep[1])
     assert "\n" not in repr(sweep[1])
     assert all(f"p = {load}" in repr(sweep) for load in LOADS)
     assert all(word in sweep._repr_html_() for word in ("<table", "a_r", "[MPa]", "24 x 20 points"))
