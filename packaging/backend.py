@@ -20,6 +20,8 @@ ARCHIVED = (
     "CONTRIBUTING.md",
     "LICENSE",
     "README.md",
+    "SECURITY.md",
+    "codemeta.json",
     "pyproject.toml",
     "setup.cfg",
     "docs",

@@ -25,13 +25,32 @@ launch() {
     return $code
 }
 
+# run SCENE.toml [-o OUT.h5] [--set ...]: `hpc-gfmd run` on all ranks; returns its exit code, which is 143 for a run that was
+# stopped. Not all launchers tell (MPICH's mpirun returns 0), but the folder OUT.h5.partial does, which is gone from a finished run.
+run() {
+    local out code=0
+    out=$(python "$root/scripts/output-path" "$@")
+    launch python -m hpc_gfmd run "$@" || code=$?
+    case $code in
+        0 | 3)
+            if [ -d "$out.partial" ]; then
+                echo "the launcher returned $code, but $out.partial is there: interrupted" >&2
+                code=143
+            elif [ ! -e "$out" ]; then
+                echo "the launcher returned $code, but $out is not there" >&2
+                code=1
+            fi ;;
+    esac
+    return $code
+}
+
 # solve SCENE OUT.h5 [--set ...]: whatever is missing of a result: nothing, the rest of an interrupted run, or all of it.
 solve() {
     local scene=$1 out=$2
     shift 2
-    if [ -e "$out" ]; then
+    if [ -e "$out" ] && [ ! -d "$out.partial" ]; then
         echo "$out is complete"
     else
-        launch python -m hpc_gfmd run "$scene" -o "$out" "$@"
+        run "$scene" -o "$out" "$@"
     fi
 }

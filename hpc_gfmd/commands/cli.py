@@ -14,6 +14,7 @@ from functools import partial
 from typing import Any, NoReturn
 
 from ..util.errors import GfmdError, SceneError, one_line, reason
+from ..util.file_names import require_decoded
 from ..util.streams import discard, occupy_standard_descriptors
 from ..util.versions import versions
 
@@ -174,6 +175,8 @@ def _run(arguments: Sequence[str], script: Callable[[], ArgumentParser] | None) 
 
 def _parsed(arguments: Sequence[str], script: Callable[[], ArgumentParser] | None) -> int:
     """Parse the arguments and call `main` of their command."""
+    for argument in arguments:
+        require_decoded(argument)
     if script is None and arguments and not arguments[0].startswith("-"):
         _require_command(arguments[0])
     args: Namespace = (script or build_parser)().parse_args(arguments)

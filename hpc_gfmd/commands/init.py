@@ -65,10 +65,30 @@ def main(args: Namespace) -> int:
 def compose(
     what: str, path: Path, overrides: Sequence[str] = ()
 ) -> tuple[str, list[str], list[str]]:
-    """Compose a scene that will lie at `path`.
+    """Compose a scene.
 
-    Returns its TOML text, the keys of [surface] that have to be filled in, and what a height map
-    shows, a line each. Raises SceneError.
+    Parameters
+    ----------
+    what : str
+        Kind of surface, or the path of a height map.
+    path : Path
+        Where the scene will be; a relative path of the map counts from its folder.
+    overrides : sequence of str
+        Settings "table.key=value".
+
+    Returns
+    -------
+    text : str
+        The scene in TOML.
+    missing : list of str
+        Keys of [surface] that the user has to fill in.
+    remarks : list of str
+        What the height map shows, a line each.
+
+    Raises
+    ------
+    SceneError
+        If the scene would be wrong or the map cannot be read.
     """
     from ..scene import Scene
     from ..scene.read import ALTERNATIVES, apply_override

@@ -103,8 +103,14 @@ def as_text(result: Result, errors: bool = False) -> str:
     Parameters
     ----------
     result : Result
+        What a result file holds.
     errors : bool
         Whether errors of solver and grid have columns of their own.
+
+    Returns
+    -------
+    str
+        Several lines.
     """
     from ..output.summary import surface_line
     from ..runs.table import named_observables, table

@@ -96,6 +96,29 @@ def precisions(
     return out
 
 
+def least_precision(scene: Scene, N: int) -> np.dtype:
+    """Return the precision that a scene needs at least, as far as its keys alone show.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is to be solved.
+    N : int
+        Points of the surface.
+
+    Returns
+    -------
+    dtype
+        float64 if it is asked for, or if too few points will touch; else the first precision.
+    """
+    settings = scene.solver
+    if settings.precision == "auto":
+        for p_star in known_p_stars(scene, getattr(scene.surface, "g_rms", None)):
+            if p_star is not None and few_points(N, p_star, settings.accuracy):
+                return np.dtype(np.float64)
+    return first_precision(settings)
+
+
 def known_p_stars(scene: Scene, g_rms: float | None) -> list[float | None]:
     """Return p* of each load, as far as it is known beforehand."""
     name, values = scene.load.given

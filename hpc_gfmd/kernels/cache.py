@@ -100,12 +100,16 @@ class KernelFiles:
         None where there is none, or none that is undamaged."""
         path, purpose = self._file(key)
         content = kept(path, purpose)
-        return None if content is None else pickle.loads(content)
+        if content is None:
+            return None
+        _log(f"data loaded from {path}")
+        return pickle.loads(content)
 
     def save(self, key: Any, data: Any) -> None:
         """Keep code under a key, if there is room for it."""
         path, purpose = self._file(key)
         keep(path, dumps(data), purpose)
+        _log(f"data saved to {path}")
 
     def flush(self) -> None:
         """Remove all files of this kernel."""
@@ -117,6 +121,12 @@ class KernelFiles:
         purpose = f"{stamp()} {self.stem.name} {self.source} {key!r}"
         digest = hashlib.sha256(repr(key).encode()).hexdigest()[:16]
         return self.stem.with_name(f"{self.stem.name}.{digest}{SUFFIX}"), purpose
+
+
+def _log(text: str) -> None:
+    """Print what numba prints of its own cache, where NUMBA_DEBUG_CACHE asks for it."""
+    if numba.config.DEBUG_CACHE:
+        print(f"[cache] {text}")
 
 
 @cache

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ..util.errors import GfmdError, SceneError, reason
+from ..util.file_names import require_name
 from .folder import HEAD, acquire, clear, partial_folder, release, step_files
 from .read import Result, read_partial, read_result
 
@@ -56,6 +57,7 @@ def claim(path: Path, identity: str | None, resume: bool, force: bool) -> tuple[
         If the folder is missing or not writable, another run holds the file, or finished loads or
         a result would be lost that are not to be replaced.
     """
+    require_name("output.path", path)
     if not path.parent.is_dir():
         raise SceneError(f"output.path: the folder {path.parent} does not exist")
     if path.is_dir():

@@ -1,5 +1,5 @@
-"""What a rank has and sends: worked out by the code that runs, for any rank of any number of ranks,
-without memory and messages."""
+"""What a rank has and sends, for any rank of any number of ranks: computed by the code that runs,
+without allocating memory or sending messages."""
 
 import math
 from collections.abc import Sequence
@@ -19,14 +19,23 @@ from ..parallel.comm import DryRunComm, stages
 from ..parallel.grid import Grid
 from ..parallel.layout import Layout
 
-# numbers that a step of bpx sums over all ranks, the last with those of a sweep
+# numbers in each sum over all ranks of a step of bpx; the last includes those of a sweep
 REDUCTIONS = 2, 2, len(UpdateSums._fields) + 8
 
 
 @dataclass(frozen=True)
 class Share:
-    """What one rank has of a grid; dtype: of the fields. With nested=False there are no coarser
-    grids to be solved on."""
+    """What one rank has of a grid.
+
+    Attributes
+    ----------
+    grid : Grid
+        The grid as this rank sees it.
+    dtype : dtype
+        Type of the fields.
+    nested : bool
+        Whether coarser grids are solved on first.
+    """
 
     grid: Grid
     dtype: np.dtype
@@ -34,7 +43,7 @@ class Share:
 
     @property
     def points(self) -> int:
-        """Points of its slab."""
+        """Points of the slab of this rank."""
         return math.prod(self.grid.shape)
 
     @cached_property
@@ -44,20 +53,33 @@ class Share:
 
     @staticmethod
     def layout_of(grid: Grid, dtype: DTypeLike) -> Layout:
-        """Work out the layout of any grid."""
+        """Return the layout of the transforms of a grid.
+
+        Parameters
+        ----------
+        grid : Grid
+            Any grid.
+        dtype : dtype
+            Type of the real field.
+
+        Returns
+        -------
+        Layout
+            Rows and columns of the transforms.
+        """
         return Layout(
             grid.n, grid.starts, grid.comm.rank, 2 * np.dtype(dtype).itemsize, grid.comm.node_ranks
         )
 
     @cached_property
     def grids(self) -> list[Grid]:
-        """The coarser grids of a nested iteration that this rank has a part in, finest first."""
-        found: list[Grid] = []
+        """Coarser grids of a nested iteration that this rank has a part in, finest first."""
+        coarser: list[Grid] = []
         grid = self.grid
         while self.nested and (step := Decimation.of(grid)) is not None and step.coarse is not None:
             grid = step.coarse
-            found.append(grid)
-        return found
+            coarser.append(grid)
+        return coarser
 
     @cached_property
     def hierarchy(self) -> tuple[list[Step], list[Level]]:
@@ -65,9 +87,9 @@ class Share:
         of its levels."""
         return steps_of(self.grid, self.dtype)
 
-    def _points_alone(self, first: int) -> int:
-        """Count the points of the levels from this one on, which rank 0 has alone."""
-        levels = self.hierarchy[1][first:] if self.grid.comm.rank == 0 else ()
+    def _points_alone(self, start: int) -> int:
+        """Count the points of the levels from `start` on, which rank 0 has alone."""
+        levels = self.hierarchy[1][start:] if self.grid.comm.rank == 0 else ()
         return sum(math.prod(level.n) for level in levels)
 
     @property
@@ -79,7 +101,7 @@ class Share:
 
     @property
     def level_bytes(self) -> int:
-        """What the preconditioner holds, windows counted, too."""
+        """Bytes of the levels of the preconditioner, halo rows included."""
         steps, _ = self.hierarchy
         numbers = sum(math.prod(step.window_shape) for step in steps)
         numbers += sum(math.prod(step.owned_shape) for step in steps[:-1] if not step.in_place)
@@ -87,7 +109,7 @@ class Share:
 
     @property
     def nested_points(self) -> int:
-        """Points of all coarser grids that it has a part in."""
+        """Points of all coarser grids that this rank has a part in."""
         return sum(math.prod(grid.shape) for grid in self.grids)
 
     @property
@@ -97,13 +119,14 @@ class Share:
 
     @cached_property
     def level_traffic(self) -> tuple[int, int]:
-        """(bytes, messages) that it sends in a sweep over the levels."""
+        """(bytes, messages) that this rank sends in a sweep over the levels."""
         return traffic_of(self.hierarchy[0], self.dtype.itemsize)
 
     @property
     def reduction_traffic(self) -> tuple[int, int]:
-        """(bytes, messages) that it sends in the reductions of an iteration."""
-        depth, numbers = stages(self.grid.comm.size), list(REDUCTIONS)
+        """(bytes, messages) that this rank sends in the reductions of an iteration."""
+        depth = stages(self.grid.comm.size)
+        numbers = list(REDUCTIONS)
         if self.grid.padded:
             (m_x, m_y), (n_x, n_y) = self.grid.nominal, self.grid.n
             numbers.append(Free((m_x != n_x, m_y != n_y)).exchanged(self.grid))
@@ -111,13 +134,13 @@ class Share:
 
     @property
     def traffic(self) -> tuple[int, int]:
-        """(bytes, messages) that it sends in an iteration of bpx: one FFT pair."""
+        """(bytes, messages) that this rank sends in an iteration of bpx, which is one FFT pair."""
         nbytes, messages = zip(self.layout.traffic(), self.level_traffic, self.reduction_traffic)
         return sum(nbytes), sum(messages)
 
     @property
     def padding(self) -> float:
-        """Columns that all ranks hold over those of the half spectrum."""
+        """Columns that all ranks hold, over those of the half spectrum."""
         return float(self.layout.columns_held.sum() / self.layout.n_c)
 
 
@@ -130,17 +153,60 @@ def share_of(
     nested: bool = True,
     per_node: int = 1,
 ) -> Share:
-    """Work out the Share of one rank of a grid of n points; nominal: those of the surface;
-    per_node: ranks on each node, dealt out in their order, which need no messages to transpose
-    among themselves."""
+    """Return what one rank has of a grid.
+
+    Parameters
+    ----------
+    n : (int, int)
+        Points of the grid.
+    dtype : dtype
+        Type of the fields.
+    ranks, rank : int
+        Number of ranks, and the rank.
+    nominal : (int, int), optional
+        Points of the surface; by default all.
+    nested : bool
+        Whether coarser grids are solved on first.
+    per_node : int
+        Ranks on each node, assigned in their order; they transpose without messages among
+        themselves.
+
+    Returns
+    -------
+    Share
+        Of this rank.
+    """
     comm: Any = DryRunComm(rank, ranks, np.arange(ranks) // per_node)
     return Share(Grid(n, (1.0, 1.0), comm, nominal=nominal), np.dtype(dtype), nested)
 
 
 def busiest(
-    n: Sequence[int], dtype: DTypeLike, ranks: int, per_node: int = 1, **how: Any
+    n: Sequence[int], dtype: DTypeLike, ranks: int, per_node: int = 1, **options: Any
 ) -> list[Share]:
-    """List the Shares of ranks among which is the one with most of everything: rank 0 has a part in
-    all levels, and all remainders; ranks of the last node, which may be fewer, send more."""
+    """List what a few ranks have, among them those with the most of anything.
+
+    Rank 0 has a part in all levels, and all remainders; ranks of the last node, which may be fewer
+    than on others, send more.
+
+    Parameters
+    ----------
+    n : (int, int)
+        Points of the grid.
+    dtype : dtype
+        Type of the fields.
+    ranks : int
+        Number of ranks.
+    per_node : int
+        Ranks on each node.
+    **options
+        nominal and nested, as of `share_of`.
+
+    Returns
+    -------
+    list of Share
+        In the order of the ranks.
+    """
     chosen = {0, min(1, ranks - 1), ranks // 2, (ranks - 1) // per_node * per_node, ranks - 1}
-    return [share_of(n, dtype, ranks, rank, per_node=per_node, **how) for rank in sorted(chosen)]
+    return [
+        share_of(n, dtype, ranks, rank, per_node=per_node, **options) for rank in sorted(chosen)
+    ]

@@ -1,4 +1,4 @@
-"""From the keywords of a Python call to a scene: each goes to the table that has a key of its name,
+"""The scene of the keywords of a Python call: each goes to the table that has a key of its name,
 and the scene checks it."""
 
 from typing import Any
@@ -13,9 +13,9 @@ from ..util.errors import SceneError
 from .prepared import PreparedSurface, plain
 
 CALLER = "hpc_gfmd.solve"
-# without a result file these do nothing
+# keys that do nothing without a result file
 OF_RUNS = "path", "dtype", "compression", "wall_seconds", "memory_gib"
-HOMES = {  # key: its table
+HOMES = {  # the table of each key
     key: table
     for table, model in ArrayScene.model_fields.items()
     if isinstance(model.annotation, type) and issubclass(model.annotation, Table)
@@ -25,29 +25,48 @@ HOMES = {  # key: its table
 
 
 def scene_of_keywords(
-    given: dict[str, Any], more: dict[str, Any], surface: PreparedSurface | None
+    named: dict[str, Any], further: dict[str, Any], surface: PreparedSurface | None
 ) -> Scene:
-    """Make the scene of what was given (None: not given) and more, on a surface, or on an array
-    (None). Raises SceneError."""
-    for key in more:
+    """Make the scene of the arguments of `hpc_gfmd.solve`.
+
+    Parameters
+    ----------
+    named : dict
+        Arguments in its signature; None stands for those that were not given.
+    further : dict
+        Further keywords, in any case given.
+    surface : PreparedSurface or None
+        What is pressed, or None for an array of heights.
+
+    Returns
+    -------
+    Scene
+        A scene, or an ArrayScene for heights in memory.
+
+    Raises
+    ------
+    SceneError
+        For an unknown keyword or a wrong value.
+    """
+    for key in further:
         if key in OF_RUNS:
             raise SceneError(f"{CALLER}: found {key}, allowed: in a scene, whose run writes a file")
         if key not in HOMES and (why := not_modelled(key)):
             raise SceneError(f"{CALLER}: {key}: {why}, allowed: what hpc-gfmd help scene lists")
-    if given.get("nu1") is not None and "nu1" in more:
+    if named.get("nu1") is not None and "nu1" in further:
         raise SceneError(f"{CALLER}: found nu and nu1, allowed: one of them")
     tables: dict[str, dict[str, Any]] = {"load": {}}
-    for key, value in (given | more).items():
+    for key, value in (named | further).items():
         if value is not None or key not in HOMES:
             table = HOMES.get(key) or HOMES[nearest(key, HOMES)]
             tables.setdefault(table, {})[key] = plain(value)
     if surface is None:
         return ArrayScene.from_dict(tables, CALLER)
-    said = tables.pop("surface", {})
-    if said:
-        key = next(iter(said))
+    settings = tables.pop("surface", {})
+    if settings:
+        key = next(iter(settings))
         raise SceneError(
-            f"{key}: found {said[key]} beside a surface that knows its"
+            f"{key}: found {settings[key]} beside a surface that knows its"
             f" {'sizes' if key == 'physical_sizes' else key}, allowed: read_surface,"
             f" prepare_surface or make_surface(..., {key}=...)"
         )
@@ -60,7 +79,7 @@ def scene_of_keywords(
     )
 
 
-def several_loads(given: dict[str, Any]) -> bool:
-    """Tell whether the load that was given is a list of loads."""
-    values = (given.get(key) for key in Load.model_fields)
+def several_loads(arguments: dict[str, Any]) -> bool:
+    """Return whether the load among the arguments of `hpc_gfmd.solve` is a list of loads."""
+    values = (arguments.get(key) for key in Load.model_fields)
     return any(np.ndim(value) > 0 for value in values if value is not None)

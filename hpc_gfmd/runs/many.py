@@ -22,10 +22,12 @@ from ..util.machine import cores
 from .solution import Solutions
 from .solve import Loads, solve
 
-OURS = "threads", "comm", "progress"  # arguments of solve that are not the caller's
+RESERVED = "threads", "comm", "progress"  # arguments of solve that are chosen here
 BLAS = "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"
-# What a process runs: nothing of the caller's program, which needs no `if __name__ == "__main__"`.
+# The program of a process. It imports nothing of the caller's, which therefore needs no
+# `if __name__ == "__main__"`.
 PROGRAM = "import sys; sys.path[:] = {}; from hpc_gfmd.runs.many import serve; serve({})"
+Outcome = tuple[Any, list[tuple[type[Warning], str]]]  # Solutions or exception, and warnings
 
 
 def solve_many(
@@ -36,7 +38,7 @@ def solve_many(
     fields: Sequence[str] = (),
     **how: Any,
 ) -> Iterator[Solutions | Exception]:
-    """Press many surfaces, several at a time: each in one of several processes of one thread.
+    """Solve many surfaces, several at a time, each in a process of one thread.
 
     Parameters
     ----------
@@ -72,115 +74,122 @@ def solve_many(
     Examples
     --------
     >>> walls = (hpc_gfmd.make_surface("self-affine", seed=seed, **rough) for seed in range(200))
-    >>> areas = [found.values("a_r") for found in hpc_gfmd.solve_many(walls, p_star=[0.01, 0.1])]
+    >>> areas = [solutions.a_r for solutions in hpc_gfmd.solve_many(walls, p_star=[0.01, 0.1])]
     """
     count = len(cores()) if processes == "auto" else processes
     if not isinstance(count, int | np.integer) or count < 1:
         raise SceneError(
             f'processes: found {processes!r}, allowed: a whole number from 1, or "auto"'
         )
-    for name in OURS:
+    for name in RESERVED:
         if name in how:
             raise SceneError(f"{name}: found in solve_many, allowed: in solve")
     if loads is not None and how.get("pressure") is not None:
         raise SceneError("pressure: found beside loads, allowed: one of them")
-    given = {"pressure": loads, "fields": fields} | how
-    for key in given.keys() & Load.model_fields.keys():
-        if given[key] is not None and np.ndim(given[key]) == 0:
-            given[key] = [given[key]]
-    return _each(surfaces, given | {"threads": 1}, int(count))
+    arguments = {"pressure": loads, "fields": fields} | how
+    for key in arguments.keys() & Load.model_fields.keys():
+        if arguments[key] is not None and np.ndim(arguments[key]) == 0:
+            arguments[key] = [arguments[key]]
+    return _solutions(surfaces, arguments | {"threads": 1}, int(count))
 
 
-def _each(
-    surfaces: Iterable[Any], how: dict[str, Any], count: int
+def _solutions(
+    surfaces: Iterable[Any], arguments: dict[str, Any], count: int
 ) -> Iterator[Solutions | Exception]:
-    free: SimpleQueue[_Worker] = SimpleQueue()
+    """Yield the solutions in the order of the surfaces, solved by `count` processes."""
     workers = [_Worker() for _ in range(count)]
+    idle: SimpleQueue[_Worker] = SimpleQueue()
     for worker in workers:
-        free.put(worker)
+        idle.put(worker)
 
-    def ask(surface: Any) -> tuple[Any, list]:
-        worker = free.get()
+    def solve_one(surface: Any) -> Outcome:
+        worker = idle.get()
         try:
-            return worker.ask((surface, how))
+            return worker.solve(surface, arguments)
         finally:
-            free.put(worker)
+            idle.put(worker)
 
-    def result(number: int) -> Solutions | Exception:
-        found, warned = waiting.popleft().result()
-        for kind, text in warned:
-            warnings.warn(f"surface {number}: {text}", kind, stacklevel=3)
-        return found
+    pool = ThreadPoolExecutor(count)
+    pending = deque[Future]()
+    submitted = 0
 
-    pool, waiting = ThreadPoolExecutor(count), deque[Future]()
+    def next_solution() -> Solutions | Exception:
+        number = submitted - len(pending)
+        solutions, warned = pending.popleft().result()
+        for category, text in warned:
+            warnings.warn(f"surface {number}: {text}", category, stacklevel=3)
+        return solutions
+
     try:
-        asked = 0
-        for asked, surface in enumerate(surfaces, 1):
-            waiting.append(pool.submit(ask, surface))
-            if asked == 1:  # it compiles what the others will find
-                wait(waiting)
-            if len(waiting) > 2 * count:
-                yield result(asked - len(waiting))
-        while waiting:
-            yield result(asked - len(waiting))
+        for surface in surfaces:
+            pending.append(pool.submit(solve_one, surface))
+            submitted += 1
+            if submitted == 1:  # it compiles the kernels, which the others then find
+                wait(pending)
+            if len(pending) > 2 * count:
+                yield next_solution()
+        while pending:
+            yield next_solution()
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
         for worker in workers:
-            worker.end()
+            worker.kill()
         pool.shutdown()
-        for worker in workers:  # one that was begun meanwhile
-            worker.end()
+        for worker in workers:  # a thread may have started one again meanwhile
+            worker.kill()
 
 
 class _Worker:
-    """A process that solves what it is asked to; begun anew where it has died."""
+    """A process that solves one surface after another; if it dies, the next one starts it again."""
 
     def __init__(self) -> None:
-        self.begin()
+        self.start()
 
-    def begin(self) -> None:
-        self.connection, there = Pipe()
+    def start(self) -> None:
+        """Start the process."""
+        self.connection, connection_of_process = Pipe()
+        descriptor = connection_of_process.fileno()
         self.process = subprocess.Popen(
-            [sys.executable, "-c", PROGRAM.format(sys.path, there.fileno())],
+            [sys.executable, "-c", PROGRAM.format(sys.path, descriptor)],
             stdin=subprocess.DEVNULL,
-            pass_fds=[there.fileno()],
-            start_new_session=True,  # Ctrl-C is for this process alone
+            pass_fds=[descriptor],
+            start_new_session=True,  # Ctrl-C reaches the calling process alone
             env=os.environ | {LAUNCHER: "none"} | dict.fromkeys(BLAS, "1"),
         )
-        there.close()
+        connection_of_process.close()
 
-    def ask(self, task: tuple) -> tuple[Any, list]:
-        """Have a task done; return the Solutions, or what was raised, and the warnings: (kind,
-        text) of each."""
+    def solve(self, surface: Any, arguments: dict[str, Any]) -> Outcome:
+        """Return Solutions, or the exception that was raised, and the warnings."""
         if self.process.poll() is not None:
-            self.begin()
+            self.start()
         try:
-            self.connection.send(task)
+            self.connection.send((surface, arguments))
             return self.connection.recv()
         except (EOFError, OSError):
             code = self.process.wait()
-            return GfmdError(f"the process that solved it has ended ({code})"), []
-        except Exception as error:  # what cannot be sent
+            return GfmdError(f"the process that solved it ended with exit code {code}"), []
+        except Exception as error:  # the surface cannot be pickled
             return error, []
 
-    def end(self) -> None:
+    def kill(self) -> None:
+        """End the process."""
         self.process.kill()
         self.process.wait()
 
 
 def serve(descriptor: int) -> None:
-    """Solve what is asked for, until the other end is closed."""
+    """Solve the surfaces that a connection delivers until it is closed."""
     connection = Connection(descriptor)
     while True:
         try:
-            surface, how = connection.recv()
+            surface, arguments = connection.recv()
         except EOFError:
             return
+        outcome: Any
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
-            found: Any
             try:
-                found = solve(surface, **how)
+                outcome = solve(surface, **arguments)
             except Exception as error:
-                found = error
-        connection.send((found, [(one.category, str(one.message)) for one in caught]))
+                outcome = error
+        connection.send((outcome, [(warning.category, str(warning.message)) for warning in caught]))

@@ -10,7 +10,7 @@ from ..driver.precision import first_precision, precisions
 from ..surface import cell_of
 from ..util.machine import GIB
 from .decomposition import busiest
-from .memory import NEEDS, memory_of
+from .memory import memory_of
 from .timing import Cluster, expected_pairs, expected_seconds
 
 if TYPE_CHECKING:
@@ -26,114 +26,176 @@ def plan_of(
     threads: int,
     cores: int,
 ) -> dict[str, Any]:
-    """Work out what a scene takes, by name."""
+    """Estimate what a scene takes.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is to be solved.
+    n : (int, int)
+        Points along each axis of the surface.
+    sizes : (float, float)
+        Lengths of the surface.
+    ranks, per_node, threads : int
+        Number of ranks, of ranks on each node, and of threads of each rank.
+    cores : int
+        Cores of this machine, for the time.
+
+    Returns
+    -------
+    dict
+        Numbers by the names that `hpc-gfmd plan --json` prints; memory in GiB, times in seconds.
+    """
     cell = cell_of(n, scene.surface.free, sizes)
-    first, known = first_precision(scene.solver), precisions(scene, n)
-    decided = np.dtype(np.float64) if np.float64 in known else first
-    shares = busiest(
-        cell, decided, ranks, per_node, nominal=n, nested=scene.solver.nested is not False
-    )
-    nbytes, messages = np.max([share.traffic for share in shares], axis=0).tolist()
-    memory = memory_of(scene, n, sizes, ranks, threads, per_node=per_node)
-    pairs, busy = expected_pairs(scene), min(ranks, cores)
-    alone = expected_seconds(pairs, precisions(scene, n, first), cell)
-    fields = len(scene.output.fields) * n[0] * n[1] / GIB
-    written = {"single": 4, "double": 8, None: decided.itemsize}[scene.output.dtype]
-    plan = {
+    first = first_precision(scene.solver)
+    dtypes = precisions(scene, n)  # None: unknown before the run
+    dtype = np.dtype(np.float64) if np.float64 in dtypes else first
+    plan: dict[str, Any] = {
         "n": list(n),
         "points": n[0] * n[1],
         "cell": list(cell),
-        "loads": len(known),
-        "precision": [dtype.name if dtype else "unknown" for dtype in known],
+        "loads": len(dtypes),
+        "precision": [dtype.name if dtype else "unknown" for dtype in dtypes],
         "ranks": ranks,
         "ranks_per_node": per_node,
         "threads": threads,
+        "notes": scene.warnings(),
+    }
+    plan |= _decomposition(scene, n, cell, dtype, ranks, per_node)
+    plan |= _memory(scene, cell, dtype.itemsize, ranks, per_node, threads)
+    plan |= _files(scene, n, cell, dtype.itemsize)
+    pairs = expected_pairs(scene)
+    seconds = expected_seconds(pairs, precisions(scene, n, first), cell)  # on one core
+    busy_cores = min(ranks, cores)
+    traffic = plan["message_bytes_per_pair"], plan["messages_per_pair"]
+    plan["seconds"] = seconds / busy_cores
+    plan["seconds_on_nodes"] = Cluster().seconds(seconds, pairs * len(dtypes), traffic, ranks)
+    if any(dtype is None for dtype in dtypes):
+        in_double = _memory(scene, cell, 8, ranks, per_node, threads)
+        plan["gib_per_rank_in_double"] = in_double["gib_per_rank"]
+        plan["gib_in_double"] = in_double["gib"]
+        seconds = expected_seconds(pairs, precisions(scene, n, np.float64), cell)
+        plan["seconds_in_double"] = seconds / busy_cores
+    return plan
+
+
+def _decomposition(
+    scene: Scene,
+    n: tuple[int, int],
+    cell: tuple[int, int],
+    dtype: np.dtype,
+    ranks: int,
+    per_node: int,
+) -> dict[str, Any]:
+    """Return what the ranks have and send, the most of any rank."""
+    nested = scene.solver.nested is not False
+    shares = busiest(cell, dtype, ranks, per_node, nominal=n, nested=nested)
+    nbytes, messages = np.max([share.traffic for share in shares], axis=0).tolist()
+    return {
         "idle_ranks": max(0, ranks - cell[0]),
         "idle_ranks_of_columns": max(0, ranks - (cell[1] // 2 + 1)),
         "points_per_rank": max(share.points for share in shares),
         "coarse_points_per_rank": max(share.coarse_points for share in shares),
         "columns_per_rank": max(int(share.layout.columns_held.max()) for share in shares),
         "padding": shares[0].padding,
-        "bytes_per_rank": round(memory.total * GIB),
         "message_bytes_per_pair": nbytes,
         "messages_per_pair": messages,
-        "gib_per_rank": memory.total,
-        "gib_per_node": memory.on_all(ranks) if per_node == ranks else per_node * memory.total,
-        "gib": memory.on_all(ranks),
-        "fields_gib": memory.fields + memory.heights,
-        "transforms_gib": memory.transforms,
-        "certificate_gib": memory.certificate,
-        "process_gib": memory.process,
-        "file_gib": len(known) * fields * written,
-        "checkpoint_gib": (NEEDS.fields + NEEDS.step) * cell[0] * cell[1] * decided.itemsize / GIB,
-        "notes": scene.warnings(),
-        "seconds": alone / busy,
-        "seconds_on_nodes": Cluster().seconds(alone, pairs * len(known), (nbytes, messages), ranks),
     }
-    if any(dtype is None for dtype in known):
-        double = np.float64
-        other = memory_of(scene, n, sizes, ranks, threads, per_node=per_node, unknown=double)
-        plan["gib_per_rank_in_double"], plan["gib_in_double"] = other.total, other.on_all(ranks)
-        seconds = expected_seconds(pairs, precisions(scene, n, double), cell)
-        plan["seconds_in_double"] = seconds / busy
-    return plan
+
+
+def _memory(
+    scene: Scene, cell: tuple[int, int], itemsize: int, ranks: int, per_node: int, threads: int
+) -> dict[str, Any]:
+    """Return the memory of a rank, of a node and of all ranks."""
+    gib_per_rank = memory_of(scene, cell, itemsize, ranks, threads)
+    return {
+        "bytes_per_rank": round(gib_per_rank * GIB),
+        "gib_per_rank": gib_per_rank,
+        "gib_per_node": per_node * gib_per_rank,
+        "gib": ranks * gib_per_rank,
+    }
+
+
+def _files(
+    scene: Scene, n: tuple[int, int], cell: tuple[int, int], itemsize: int
+) -> dict[str, float]:
+    """Return the size of the result, and of the gap that an interrupted load leaves."""
+    stored = {"single": 4, "double": 8, None: itemsize}[scene.output.dtype]
+    _, loads = scene.load.given
+    numbers = len(loads) * len(scene.output.fields) * n[0] * n[1]
+    return {
+        "file_gib": numbers * stored / GIB,
+        "checkpoint_gib": cell[0] * cell[1] * itemsize / GIB,
+    }
 
 
 def text_of(plan: dict[str, Any]) -> str:
     """Write the plan as it is printed."""
-    (n_x, n_y), ranks, per_node = plan["n"], plan["ranks"], plan["ranks_per_node"]
-    on = f", solved on {plan['cell'][0]} x {plan['cell'][1]}" if plan["cell"] != plan["n"] else ""
+    n_x, n_y = plan["n"]
+    cell_x, cell_y = plan["cell"]
+    ranks = counted(plan["ranks"], "rank")
+    grid = f", solved on {cell_x} x {cell_y}" if plan["cell"] != plan["n"] else ""
     lines = [
-        f"{n_x} x {n_y} = {plan['points']:.4g} points{on}, {counted(plan['loads'], 'load')},"
-        f" {counted(ranks, 'rank')}",
+        f"{n_x} x {n_y} = {plan['points']:.4g} points{grid}, {counted(plan['loads'], 'load')},"
+        f" {ranks}",
         f"memory: {plan['gib_per_rank']:.2f} GiB per rank, {plan['gib_per_node']:.2f} GiB per node"
-        f" of {counted(per_node, 'rank')}, {plan['gib']:.2f} GiB in all;"
+        f" of {counted(plan['ranks_per_node'], 'rank')}, {plan['gib']:.2f} GiB in all;"
         f" {plan['gib_available']:.2f} GiB available on this machine",
-        f"        of a rank's fields {plan['fields_gib']:.2f}, transforms"
-        f" {plan['transforms_gib']:.2f}, certificate {plan['certificate_gib']:.2f}, process"
-        f" {plan['process_gib']:.2f}",
     ]
     if "gib_in_double" in plan:
         lines.append(
             f"        {plan['gib_per_rank_in_double']:.2f} GiB per rank,"
-            f" {plan['gib_in_double']:.2f} GiB in all if a load needs double precision: few"
-            " points that touch, or rounding errors that count"
+            f" {plan['gib_in_double']:.2f} GiB in all if a load needs double precision: if few"
+            " points touch, or rounding errors matter"
         )
     lines.append(
-        f"files:  result {plan['file_gib']:.3g} GiB, while it is written twice that; a checkpoint"
-        f" {plan['checkpoint_gib']:.3g} GiB"
+        f"files:  result {plan['file_gib']:.3g} GiB, twice that while it is written; an interrupted"
+        f" load {plan['checkpoint_gib']:.3g} GiB"
     )
-    if ranks > 1:
+    if plan["ranks"] > 1:
         lines.append(
             f"ranks:  up to {plan['points_per_rank']:.4g} points each and"
             f" {plan['coarse_points_per_rank']:.4g} of coarser grids;"
             f" {plan['message_bytes_per_pair'] / 2**20:.3g} MiB in {plan['messages_per_pair']}"
-            f" messages per FFT pair, {per_node} ranks of a node share memory (--ranks-per-node)"
+            f" messages per FFT pair; the {plan['ranks_per_node']} ranks of a node share memory"
+            " (--ranks-per-node)"
         )
-    in_double = (
-        f" ({duration(plan['seconds_in_double'])} in double precision)"
-        if "seconds_in_double" in plan
-        else ""
-    )
+    in_double = ""
+    if "seconds_in_double" in plan:
+        in_double = f" ({duration(plan['seconds_in_double'])} in double precision)"
     lines.append(
-        f"time:   about {duration(plan['seconds'])}{in_double} of solving with"
-        f" {counted(ranks, 'rank')} on this machine; on nodes of {Cluster.cores} cores, by a model,"
-        f" {duration(plan['seconds_on_nodes'])}"
+        f"time:   about {duration(plan['seconds'])}{in_double} for the solves with {ranks} on this"
+        f" machine; by a model, {duration(plan['seconds_on_nodes'])} on nodes of {Cluster.cores}"
+        " cores"
     )
     if plan["idle_ranks"] or plan["idle_ranks_of_columns"]:
         lines.append(
             f"idle:   {plan['idle_ranks']} ranks have no rows, {plan['idle_ranks_of_columns']}"
             " no columns of the spectrum"
         )
-    return "\n".join(lines + [f"note:   {line}" for line in plan["notes"]])
+    lines += [f"note:   {note}" for note in plan["notes"]]
+    return "\n".join(lines)
 
 
-def counted(number: int, what: str) -> str:
-    """Write a number of things: 1 rank, 2 ranks."""
-    return f"{number} {what}{'s' * (number != 1)}"
+def counted(number: int, noun: str) -> str:
+    """Write a number of things.
+
+    Parameters
+    ----------
+    number : int
+        How many.
+    noun : str
+        One of them.
+
+    Returns
+    -------
+    str
+        "1 rank", "2 ranks".
+    """
+    return f"{number} {noun}{'s' * (number != 1)}"
 
 
 def duration(seconds: float) -> str:
-    """Write two digits, and no power of ten where a person reads it: 0.35 s, 110 s, 12000 s."""
+    """Write seconds with two digits and no power of ten: 0.35 s, 110 s, 12000 s."""
     digits = 1 - int(np.floor(np.log10(max(seconds, 1e-3))))
     return f"{round(seconds, digits):.{max(digits, 0)}f} s"

@@ -31,8 +31,8 @@ from ..surface import Surface, build_surface, grid_of, surface_size
 from ..surface.number_range import field_dtype
 from ..util.errors import GfmdError, SceneError
 from ..util.versions import versions
+from .capacity import require_memory
 from .loads import check, solved, step_attributes, surface_attributes, sweep_of, worst
-from .memory import require_memory
 from .progress import Reporter
 from .table import GrowingTable
 
@@ -105,8 +105,8 @@ def run_scene(
     n, sizes = on_rank_0(comm, "reading the surface", lambda: surface_size(scene.surface))
     threads = threads_of(comm, scene.machine.threads, n[0] * n[1])
     say = Reporter(comm, scene.solver, quiet)
-    require_memory(comm, scene, n, sizes, threads)
-    rows = grid_of(n, sizes, comm, free=scene.surface.free).nominal_rows
+    grid = grid_of(n, sizes, comm, free=scene.surface.free, threads=threads)
+    require_memory(comm, scene, grid, threads)
     head = {"scene": scene.to_toml(), "identity": scene.identity(), "versions": versions()}
     output = scene.output
     with (
@@ -115,7 +115,7 @@ def run_scene(
             comm,
             output.path,
             n,
-            rows,
+            grid.nominal_rows,
             head,
             {},
             force=force,

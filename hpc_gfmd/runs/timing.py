@@ -1,5 +1,5 @@
-"""How long a scene will take, from a measurement of a few seconds that is kept in the user's
-cache."""
+"""How long a scene will take, from the speed of this machine: a measurement of a few seconds that
+is kept in the user's cache."""
 
 import platform
 import time
@@ -22,64 +22,117 @@ SAMPLE: dict[str, Any] = {
     "lam_s_over_a": 2,
     "seed": 1,
 }
-BASELINE_PAIRS = {"gfmd": 150.0}
+BASELINE_PAIRS = {"gfmd": 150.0}  # of solvers without a preconditioner
 
 
 @dataclass(frozen=True)
 class Pairs:
-    """FFT pairs of the default solver to an accuracy of 1e-3, everything counted; further ones per
-    decade; searching: times as many where the mean pressures have to be found."""
+    """FFT pairs that the default solver needs, in pairs of the finest grid, everything counted.
 
-    each: float = 9.0
+    Attributes
+    ----------
+    per_load : float
+        For one load to an accuracy of 1e-3.
+    per_decade : float
+        For each further decade of accuracy.
+    searching : float
+        Factor where the mean pressure has to be found.
+    """
+
+    per_load: float = 9.0
     per_decade: float = 2.8
     searching: float = 1.5
 
 
+PAIRS = Pairs()
+
+
 def expected_pairs(scene: Scene) -> float:
     """Estimate the FFT pairs of each load of a scene."""
-    settings, known = scene.solver, Pairs()
-    decades = -np.log10(settings.tolerance) - 3
-    each = BASELINE_PAIRS.get(settings.name, known.each)
-    each *= max(0.6, 1 + decades * known.per_decade / known.each)
-    return each * (known.searching if scene.load.found else 1)
+    decades = -np.log10(scene.solver.tolerance) - 3
+    pairs = BASELINE_PAIRS.get(scene.solver.name, PAIRS.per_load)
+    pairs *= max(0.6, 1 + decades * PAIRS.per_decade / PAIRS.per_load)
+    return pairs * (PAIRS.searching if scene.load.found else 1)
 
 
 def expected_seconds(
     pairs: float, precisions: Iterable[np.dtype | None], cell: tuple[int, int]
 ) -> float:
-    """Estimate the seconds of solving loads on one core of this machine. pairs: FFT pairs of each
-    load; precisions: of all loads; cell: points that are solved."""
+    """Estimate the time of solving loads on one core of this machine.
+
+    Parameters
+    ----------
+    pairs : float
+        FFT pairs of each load.
+    precisions : iterable of dtype
+        Precision of each load.
+    cell : (int, int)
+        Points along each axis of the grid.
+
+    Returns
+    -------
+    float
+        Seconds.
+    """
     points = float(np.prod(cell))
     work = points * np.log2(max(points, 2))
-    once = cache(seconds_per_work)  # what cannot be kept would be measured for each load
-    return float(pairs * work * sum(map(once, precisions)))
+    # where the user's cache cannot be written, one measurement serves all loads
+    speed = cache(seconds_per_work)
+    return float(pairs * work * sum(map(speed, precisions)))
 
 
 @dataclass(frozen=True)
 class Cluster:
-    """Assumed nodes, and what a solve takes on them: a model without waiting, rather fast.
+    """A model of the time of a solve on nodes of a cluster, optimistic as it knows no waiting.
 
-    cores: of a node; together: how many times as fast as one core its memory lets them be (16 cores
-    here: 8); bandwidth: bytes per second of its link, latency: seconds of a message, the work for
-    it included (InfiniBand of 100 Gbit/s as makers tell, and 16 ranks here)."""
+    Attributes
+    ----------
+    cores : int
+        Cores of a node.
+    speedup : float
+        Of all cores of a node over one, as the bandwidth of its memory allows (16 cores of our
+        machine: 8).
+    bandwidth : float
+        Bytes per second of the link of a node: InfiniBand of 100 Gbit/s, as specified.
+    latency : float
+        Seconds per message, with the work for it, as measured on 16 ranks.
+    """
 
     cores: int = 64
-    together: float = 10.0
+    speedup: float = 10.0
     bandwidth: float = 12.5e9
     latency: float = 40e-6
 
     def seconds(self, alone: float, pairs: float, traffic: tuple[int, int], ranks: int) -> float:
-        """Model the seconds of a solve on `ranks` of its cores that takes so many seconds on one
-        core here; traffic: (bytes, messages) that a rank sends in an FFT pair."""
+        """Estimate the time of a solve.
+
+        Parameters
+        ----------
+        alone : float
+            Seconds that it takes on one core of this machine.
+        pairs : float
+            FFT pairs of all loads.
+        traffic : (int, int)
+            Bytes and messages that a rank sends in an FFT pair.
+        ranks : int
+            Number of ranks, one on each core.
+
+        Returns
+        -------
+        float
+            Seconds.
+        """
         nodes = -(-ranks // self.cores)
         nbytes, messages = traffic
         sent = nbytes * (ranks / nodes) / self.bandwidth * (nodes > 1) + messages * self.latency
-        return alone / min(ranks, nodes * self.together) + pairs * sent
+        return alone / min(ranks, nodes * self.speedup) + pairs * sent
 
 
 def seconds_per_work(dtype: DTypeLike) -> float:
-    """Return the seconds per FFT pair (with everything that goes along with it) and N log2 N;
-    measured once, then read."""
+    """Return the seconds per FFT pair, with the rest of its iteration, divided by N log2 N.
+
+    It is measured once for each precision and then read from the user's cache.
+    """
     folder = cache_folder()
     path = folder and folder / f"speed-{np.dtype(dtype).name}-{platform.node()}"
     if path and (content := kept(path)):
@@ -91,11 +144,13 @@ def seconds_per_work(dtype: DTypeLike) -> float:
 
 
 def _measure(dtype: DTypeLike) -> float:
+    """Measure `seconds_per_work` on a small rough surface."""
     from .prepared import make_surface
     from .solve import solve
 
     precision = "single" if np.dtype(dtype) == np.float32 else "double"
-    wall, best = make_surface(**SAMPLE), np.inf
+    wall = make_surface(**SAMPLE)
+    best = np.inf
     for p_star in (0.05, 0.4, 0.01):
         begun = time.perf_counter()
         pairs = solve(wall, p_star=p_star, precision=precision, fields=(), threads=1).fft_pairs

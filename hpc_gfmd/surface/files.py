@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from ..util.errors import SceneError, one_line
+from ..util.file_names import require_name
 from . import arrays_in_files, instruments, pictures, text
 from .contents import Contents, contents_of, format_of
 from .heights import require_map
@@ -36,6 +37,7 @@ def open_map(spec: Any) -> Map:
         For anything unreadable, for what holds no heights, and for keys that do not apply.
     """
     path = Path(spec.path)
+    require_name("surface.path", path)
     if not path.is_file():
         raise SceneError(
             f"surface.path: found {path}, which is no file, allowed: the path of a height map"

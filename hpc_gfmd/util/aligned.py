@@ -1,5 +1,4 @@
-"""Memory for fields that begins on a cache line: vectors loaded from it never straddle two
-lines."""
+"""Arrays that begin on a cache line, so that no vector load straddles two lines."""
 
 import math
 from collections.abc import Sequence
@@ -11,7 +10,20 @@ LINE = 64  # bytes
 
 
 def empty_aligned(shape: Sequence[int], dtype: DTypeLike) -> np.ndarray:
-    """Make an uninitialised C-contiguous array whose first element is aligned to LINE bytes."""
+    """Make an uninitialised array whose first element is aligned to LINE bytes.
+
+    Parameters
+    ----------
+    shape : sequence of int
+        Shape of the array.
+    dtype : dtype
+        Type of its elements.
+
+    Returns
+    -------
+    array
+        C-contiguous.
+    """
     nbytes = math.prod(shape) * np.dtype(dtype).itemsize
     raw = np.empty(nbytes + LINE, np.uint8)
     start = -raw.ctypes.data % LINE
@@ -19,7 +31,20 @@ def empty_aligned(shape: Sequence[int], dtype: DTypeLike) -> np.ndarray:
 
 
 def zeros_aligned(shape: Sequence[int], dtype: DTypeLike) -> np.ndarray:
-    """Make the same, zeroed."""
-    a = empty_aligned(shape, dtype)
-    a[...] = 0
-    return a
+    """Make an array of zeros whose first element is aligned to LINE bytes.
+
+    Parameters
+    ----------
+    shape : sequence of int
+        Shape of the array.
+    dtype : dtype
+        Type of its elements.
+
+    Returns
+    -------
+    array
+        C-contiguous.
+    """
+    zeros = empty_aligned(shape, dtype)
+    zeros[...] = 0
+    return zeros

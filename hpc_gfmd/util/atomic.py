@@ -1,4 +1,4 @@
-"""Files that are there complete or not at all."""
+"""Files that are complete or do not exist."""
 
 import os
 from collections.abc import Iterator
@@ -9,22 +9,34 @@ from uuid import uuid4
 
 @contextmanager
 def atomic_write(path: Path) -> Iterator[Path]:
-    """`with atomic_write(path) as tmp`: what is written to tmp becomes `path` in one move at last.
+    """Write to a temporary file that replaces `path` in one move when the block ends.
 
-    Of a failure nothing is left, nor, where the file system has files without a name, of a process
-    that is killed.
+    After a failure nothing is left. Where the file system supports files without a name, nothing is
+    left of a killed process either.
+
+    Parameters
+    ----------
+    path : Path
+        The file to be written.
+
+    Yields
+    ------
+    Path
+        Where to write.
     """
     named = path.with_name(f".{path.name}.{uuid4().hex[:8]}.tmp")
-    tmp, nameless = named, None
+    written = named
+    nameless_descriptor = None
     with suppress(OSError, AttributeError):
-        nameless = os.open(path.parent, os.O_TMPFILE | os.O_RDWR, 0o666)
-        tmp = Path(f"/proc/self/fd/{nameless}")
+        nameless_descriptor = os.open(path.parent, os.O_TMPFILE | os.O_RDWR, 0o666)
+        written = Path(f"/proc/self/fd/{nameless_descriptor}")
     try:
-        yield tmp
-        if nameless is not None:
-            os.link(tmp, named, src_dir_fd=nameless)  # with a folder the link is followed
+        yield written
+        if nameless_descriptor is not None:
+            # src_dir_fd makes the link in /proc be followed
+            os.link(written, named, src_dir_fd=nameless_descriptor)
         os.replace(named, path)
     finally:
         named.unlink(missing_ok=True)
-        if nameless is not None:
-            os.close(nameless)
+        if nameless_descriptor is not None:
+            os.close(nameless_descriptor)

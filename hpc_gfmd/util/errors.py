@@ -1,5 +1,5 @@
-"""The few exceptions and warnings users meet. The command line turns each into one line on stderr
-and an exit code."""
+"""The exceptions and warnings that users meet. The command line turns each into one line on
+standard error and an exit code."""
 
 import re
 
@@ -22,18 +22,30 @@ class NotConverged(UserWarning):
 
 
 def one_line(text: str, longest: int = 200) -> str:
-    """Return a foreign text without line ends or other control characters, of bounded length."""
-    text = "".join(c if c.isprintable() else " " for c in text[: 100 * longest])
-    text = " ".join(text.split())
-    return text if len(text) <= longest else f"{text[: longest - 60]} ... {text[-50:]}"
+    """Remove line ends and other control characters from a text and shorten it.
+
+    Parameters
+    ----------
+    text : str
+        A text from outside, such as the message of a library.
+    longest : int
+        Characters beyond which the middle is left out.
+
+    Returns
+    -------
+    str
+        One line.
+    """
+    printable = "".join(c if c.isprintable() else " " for c in text[: 100 * longest])
+    line = " ".join(printable.split())
+    return line if len(line) <= longest else f"{line[: longest - 60]} ... {line[-50:]}"
 
 
 def reason(error: BaseException) -> str:
-    """Say what went wrong in one line; of HDF5's long messages only the reason the system gave."""
+    """Describe an error in one line; of HDF5's long messages keep the system's reason."""
     text = getattr(error, "strerror", None) or str(error) or type(error).__name__
-    found = re.search(r"error message = '([^']+)'", text)
-    if found:
-        text = found.group(1)
+    if by_system := re.search(r"error message = '([^']+)'", text):
+        text = by_system.group(1)
     elif isinstance(error, MemoryError):
         text = f"out of memory ({text})"
     return one_line(text, 400)

@@ -5,10 +5,13 @@ from typing import Any
 
 
 def surface_topography() -> Any:
-    """Import SurfaceTopography. It would start MPI where no launcher did; here every rank reads for
-    itself, so it gets none."""
+    """Import SurfaceTopography without MPI.
+
+    With mpi4py it would start MPI in a process that no launcher started. Here every rank reads on
+    its own.
+    """
     if "NuMPI" not in sys.modules:
-        known = {
+        mpi_modules = {
             name: sys.modules.pop(name)
             for name in list(sys.modules)
             if name.partition(".")[0] == "mpi4py"
@@ -18,7 +21,7 @@ def surface_topography() -> Any:
             import NuMPI  # noqa: F401
         finally:
             del sys.modules["mpi4py"]
-            sys.modules.update(known)
+            sys.modules.update(mpi_modules)
     import SurfaceTopography
 
     return SurfaceTopography

@@ -1,4 +1,4 @@
-"""What this machine has: cores and memory, as far as its system tells."""
+"""Cores and memory of this machine, as its operating system reports them."""
 
 import os
 from pathlib import Path
@@ -14,47 +14,62 @@ def cores() -> list[int]:
 
 
 def available_gib() -> float:
-    """Return the memory of this machine that new processes can get together, of their control group
-    if that is less; infinite where nobody tells."""
+    """Return the GiB that new processes can get together, from this machine or their control group.
+
+    Infinity where the system does not report it.
+    """
     gib = [float("inf")]
-    if found := _table(Path("/proc/meminfo")).get("MemAvailable:"):
-        gib.append(found * 1024 / GIB)
+    if available_kib := _table(Path("/proc/meminfo")).get("MemAvailable:"):
+        gib.append(available_kib * 1024 / GIB)
     elif hasattr(os, "sysconf"):
         gib.append(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / GIB)
     for folder in control_groups():
-        cached = _table(folder / "memory.stat").get("inactive_file", 0)  # given back when needed
-        for limit, used in (
+        cached = _table(folder / "memory.stat").get("inactive_file", 0)  # freed when needed
+        for limit_name, usage_name in (
             ("memory.max", "memory.current"),
             ("memory.limit_in_bytes", "memory.usage_in_bytes"),
         ):
             try:
-                most, taken = (int((folder / name).read_text()) for name in (limit, used))
-                gib.append((most - taken + cached) / GIB)
+                limit = int((folder / limit_name).read_text())
+                usage = int((folder / usage_name).read_text())
+                gib.append((limit - usage + cached) / GIB)
             except (OSError, ValueError):  # another version of control groups, or "max"
                 pass
     return min(gib)
 
 
 def control_groups(
-    root: Path = Path("/sys/fs/cgroup"), own: Path = Path("/proc/self/cgroup")
+    root: Path = Path("/sys/fs/cgroup"), membership: Path = Path("/proc/self/cgroup")
 ) -> list[Path]:
-    """List the folders of the control groups that may limit the memory of this process: its own and
-    all around it."""
+    """List the control groups that may limit the memory of this process.
+
+    Parameters
+    ----------
+    root : Path
+        Where the control groups are mounted.
+    membership : Path
+        File with the groups of this process.
+
+    Returns
+    -------
+    list of Path
+        Their folders: the group of this process and all groups that contain it, versions 1 and 2.
+    """
     try:
-        lines = [line.split(":", 2) for line in own.read_text().splitlines()]
+        lines = [line.split(":", 2) for line in membership.read_text().splitlines()]
     except OSError:
         lines = []
-    found = [root]  # inside a container, where the path may be that outside
-    for _, kinds, path in lines:
-        if kinds == "" or "memory" in kinds.split(","):
-            top = root / "memory" if kinds else root
-            here = top / path.lstrip("/")
-            found += [here, *(group for group in here.parents if group.is_relative_to(top))]
-    return list(dict.fromkeys(found))
+    folders = [root]  # a container may report a path that only the host has
+    for _, controllers, path in lines:
+        if controllers == "" or "memory" in controllers.split(","):
+            top = root / "memory" if controllers else root
+            group = top / path.lstrip("/")
+            folders += [group, *(outer for outer in group.parents if outer.is_relative_to(top))]
+    return list(dict.fromkeys(folders))
 
 
 def limit_gib() -> float:
-    """Return the memory that this process alone may still take (ulimit -v)."""
+    """Return the GiB that `ulimit -v` still allows this process; infinity without a limit."""
     try:
         import resource
 
@@ -67,7 +82,7 @@ def limit_gib() -> float:
 
 
 def _table(path: Path) -> dict[str, int]:
-    """Return {first word: number that follows} of the lines of a file; empty without it."""
+    """Read lines "word number ..." of a file as a dictionary; empty if the file is missing."""
     try:
         lines = [line.split() for line in path.read_text().splitlines()]
     except OSError:

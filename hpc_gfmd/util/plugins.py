@@ -1,6 +1,5 @@
-"""What lies in a folder of drop-in files: a body, a solver or an observable is added as a file, or
-as such a file of another package by an entry point, such as
-"hpc_gfmd.bodies": {"graded": "gfmd_extra.graded"}."""
+"""Drop-in files: a body, a solver, an observable or a law is a file in its folder, or a file of
+another package with an entry point such as "hpc_gfmd.bodies": {"graded": "extra.graded"}."""
 
 from __future__ import annotations
 
@@ -18,16 +17,46 @@ from .errors import GfmdError
 
 @cache
 def names_in(package: str, apart: Sequence[str]) -> Sequence[str]:
-    """List what other packages add to a folder, then its drop-in files, without importing them;
-    apart: its other files."""
+    """List the drop-in files of a folder without importing them.
+
+    Parameters
+    ----------
+    package : str
+        Full name of the folder.
+    apart : sequence of str
+        Files of the folder that are not drop-in files.
+
+    Returns
+    -------
+    sequence of str
+        Names: of files of other packages, then of those in the folder, each in alphabetical order.
+    """
     path = importlib.import_module(package).__path__
-    own = {module.name for module in pkgutil.iter_modules(path)}
-    return (*sorted(_added(package).keys() - own), *sorted(own - {*apart}))
+    files = {module.name for module in pkgutil.iter_modules(path)}
+    return (*sorted(_added(package).keys() - files), *sorted(files - {*apart}))
 
 
 @cache
 def module_in(package: str, name: str) -> Any:
-    """Import the file of this name. Raises GfmdError for one of another package that fails."""
+    """Import a drop-in file.
+
+    Parameters
+    ----------
+    package : str
+        Full name of the folder.
+    name : str
+        Name of the file, as `names_in` lists it.
+
+    Returns
+    -------
+    module
+        The imported file.
+
+    Raises
+    ------
+    GfmdError
+        If a file of another package cannot be imported.
+    """
     point = _added(package).get(name)
     if point is None:
         return importlib.import_module(f"{package}.{name}")
@@ -39,21 +68,40 @@ def module_in(package: str, name: str) -> Any:
 
 @cache
 def class_in(package: str, name: str) -> Any:
-    """Find the class of a drop-in file whose `name` is the file's. Raises GfmdError without one."""
-    for found in vars(module_in(package, name)).values():
-        if isinstance(found, type) and vars(found).get("name") == name:
-            return found
+    """Find the class of a drop-in file whose attribute `name` is the name of the file.
+
+    Parameters
+    ----------
+    package : str
+        Full name of the folder.
+    name : str
+        Name of the file, as `names_in` lists it.
+
+    Returns
+    -------
+    type
+        The class.
+
+    Raises
+    ------
+    GfmdError
+        If the file has no such class, or cannot be imported.
+    """
+    for value in vars(module_in(package, name)).values():
+        if isinstance(value, type) and vars(value).get("name") == name:
+            return value
     raise GfmdError(f'{package}: {name} has no class with name = "{name}"')
 
 
 def sources_added(package: str) -> list[Path]:
     """List the files that other packages add to a folder, without importing them."""
     names = sorted(point.value.partition(":")[0] for point in _added(package).values())
-    found = [find_spec(name) for name in names]
-    return [Path(spec.origin) for spec in found if spec is not None and spec.origin]
+    specs = [find_spec(name) for name in names]
+    return [Path(spec.origin) for spec in specs if spec is not None and spec.origin]
 
 
 @cache
 def _added(package: str) -> dict[str, EntryPoint]:
+    """Return the entry points of other packages for a folder, by name."""
     group = package.replace("contact", "observables")
     return {point.name: point for point in entry_points(group=group)}

@@ -1,5 +1,5 @@
 """Numbers with units: "100 um" is 1e-4 (m), "50 GPa" is 5e10 (Pa). Inside the program they are
-numbers in SI units. Lengths are those of util/lengths.py, pressures and forces those of pint."""
+numbers in SI units. Lengths are read by util/lengths.py, pressures and forces by pint."""
 
 import difflib
 import re
@@ -12,7 +12,7 @@ from .errors import one_line
 from .lengths import length_factor
 
 SI = {"length": "m", "pressure": "Pa", "force": "N", "work": "J/m^2"}
-USUAL = {  # to guess from what was meant
+USUAL = {  # suggested for misspelt units
     "length": ("m", "mm", "um", "nm", "pm"),
     "pressure": ("Pa", "kPa", "MPa", "GPa", "bar", "N/mm^2"),
     "force": ("N", "uN", "nN", "mN", "kN"),
@@ -20,34 +20,68 @@ USUAL = {  # to guess from what was meant
 }
 DECIMAL_COMMA = re.compile(r"\s*[-+]?\d*,\d+(?!.*,).*")
 NO_COMMA = "decimals have a point, not a comma"
-# No more than this goes to pint, which would also evaluate formulas.
+# Only text of this form is passed to pint, which would also evaluate formulas.
 _FACTOR = r"[A-Za-zµμÅ]+(?:(?:\^|\*\*)?-?[1-9])?"
 _UNIT = re.compile(rf"{_FACTOR}(?: ?[/*] ?{_FACTOR}){{0,3}}")
 _QUANTITY = re.compile(rf"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*({_UNIT.pattern})\s*")
 
 
 class Quantity(float):
-    """A number in SI units that was given with a unit; `text` is what was given."""
+    """A number in SI units that was given with a unit.
+
+    Attributes
+    ----------
+    text : str
+        The number and its unit as they were given.
+    """
 
     text: str
 
 
 def parse(text: str, dimension: str) -> Quantity:
-    """Read the Quantity that "100 um" or "50 GPa" stands for; dimension: a key of SI. Raises
-    ValueError."""
-    found = _QUANTITY.fullmatch(text[:100])
-    if not found:
-        raise ValueError(
-            NO_COMMA if DECIMAL_COMMA.fullmatch(text) else "it is no number with a unit"
-        )
-    quantity = Quantity(float(found[1]) * factor(found[2], dimension))
+    """Convert a text such as "100 um" or "50 GPa".
+
+    Parameters
+    ----------
+    text : str
+        A number and a unit.
+    dimension : str
+        "length", "pressure", "force" or "work".
+
+    Returns
+    -------
+    Quantity
+        The number in the SI unit of the dimension.
+
+    Raises
+    ------
+    ValueError
+        If the text is not a number with a unit of this dimension.
+    """
+    parts = _QUANTITY.fullmatch(text[:100])
+    if not parts:
+        is_comma = DECIMAL_COMMA.fullmatch(text)
+        raise ValueError(NO_COMMA if is_comma else "it is not a number with a unit")
+    quantity = Quantity(float(parts[1]) * factor(parts[2], dimension))
     quantity.text = text
     return quantity
 
 
 def format_quantity(value: float, like: float | None = None) -> str:
-    """Write a number as messages say it: as it was given, or in the unit of `like`, which was
-    given."""
+    """Write a number for a message.
+
+    Parameters
+    ----------
+    value : float
+        The number in SI units, or a plain one.
+    like : float, optional
+        A number that was given, whose unit is used; by default `value` itself.
+
+    Returns
+    -------
+    str
+        The number, with a unit if it was given with one.
+    """
     if like is None:
         return value.text if isinstance(value, Quantity) else f"{value:g}"
     unit = _QUANTITY.fullmatch(like.text) if isinstance(like, Quantity) else None
@@ -56,22 +90,40 @@ def format_quantity(value: float, like: float | None = None) -> str:
 
 @cache
 def factor(unit: str, dimension: str = "length") -> float:
-    """Return one `unit` in the SI unit of a dimension. Raises ValueError for what is no unit of
-    it."""
+    """Return the size of a unit in SI units.
+
+    Parameters
+    ----------
+    unit : str
+        Name of a unit, such as "um" or "N/mm^2".
+    dimension : str
+        "length", "pressure", "force" or "work".
+
+    Returns
+    -------
+    float
+        One `unit` in the SI unit of the dimension.
+
+    Raises
+    ------
+    ValueError
+        If it is not a unit of this dimension.
+    """
     unit = str(unit).strip()
-    if found := _in_si(unit, dimension):
-        return found
-    others = [other for other in SI if _in_si(unit, other)]
+    if size := _in_si(unit, dimension):
+        return size
+    name = repr(one_line(unit, 80))
+    for wrong_dimension in SI:
+        if _in_si(unit, wrong_dimension):
+            raise ValueError(f"{name} is a unit of {wrong_dimension}, not of {dimension}")
     usual = {name.lower(): name for name in USUAL[dimension]}
-    like = [] if others else difflib.get_close_matches(unit.lower(), usual, n=1)
-    raise ValueError(
-        f"{one_line(unit, 80)!r} is "
-        + (f"a unit of {others[0]}, not of {dimension}" if others else f"no unit of {dimension}")
-        + (f' (did you mean "{usual[like[0]]}"?)' if like else "")
-    )
+    similar = difflib.get_close_matches(unit.lower(), usual, n=1)
+    hint = f' (did you mean "{usual[similar[0]]}"?)' if similar else ""
+    raise ValueError(f"{name} is no unit of {dimension}{hint}")
 
 
 def _in_si(unit: str, dimension: str) -> float | None:
+    """Return the size of a unit in SI units, or None if it is not a unit of the dimension."""
     if dimension == "length":
         return length_factor(unit)
     import pint
@@ -93,10 +145,24 @@ def _registry() -> Any:
 
 
 def in_units(unit: str, surface: Mapping[str, Any]) -> str:
-    """Write a product of "length", "pressure" and "force" in the units that attributes of a surface
-    name: "m^2"; "1" of "", and "" where one of them has no name."""
-    said = [surface.get(key) for key in ("unit", "pressure_unit")]
-    length, pressure = (name if isinstance(name, str) else "" for name in said)
+    """Write the unit of a number in the units of its surface.
+
+    Parameters
+    ----------
+    unit : str
+        A product of "length", "pressure" and "force", such as "length^2".
+    surface : mapping
+        Attributes of a surface, with the names "unit" of lengths and "pressure_unit".
+
+    Returns
+    -------
+    str
+        Such as "m^2"; "1" for a plain number, "" if one of the units has no name.
+    """
+    length, pressure = (
+        name if isinstance(name, str) else ""
+        for name in (surface.get("unit"), surface.get("pressure_unit"))
+    )
     names = {"length": length, "pressure": pressure, "force": "N" if length and pressure else ""}
     words = "|".join(names)
     if not all(names[word] for word in re.findall(words, unit)):
@@ -108,8 +174,21 @@ PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "u", -3: "m", 0: "", 3: "k", 6: "M"
 
 
 def prefixed(values: Iterable[Any], unit: str) -> tuple[float, str]:
-    """Return (what one prefixed unit is in `unit`, its name) for numbers to be read together: (1e6,
-    "MPa"). (1.0, "") without a unit."""
+    """Choose the prefixed unit in which a group of numbers is easy to read.
+
+    Parameters
+    ----------
+    values : iterable
+        Numbers in `unit`; all else is ignored.
+    unit : str
+        Name of an SI unit, or "".
+
+    Returns
+    -------
+    float, str
+        The size of the prefixed unit in `unit`, and its name: (1e6, "MPa"); (1.0, "") without a
+        unit.
+    """
     largest = max(
         (abs(value) for value in values if isinstance(value, int | float) and isfinite(value)),
         default=0.0,

@@ -1,4 +1,4 @@
-"""Versions of everything that a result may depend on, and the processor."""
+"""Versions of the packages that a result may depend on, and the model of the processor."""
 
 import platform
 from contextlib import suppress
@@ -11,12 +11,12 @@ PACKAGES = ("hpc_gfmd", "numpy", "numba", "scipy", "h5py", "mpi4py", "mpi4py-fft
 
 @cache
 def versions() -> dict[str, str]:
-    """Return {name: version}, of what is installed, without importing it."""
-    found = {"python": platform.python_version()}
+    """Return the versions of Python and of installed packages by name, without importing them."""
+    installed = {"python": platform.python_version()}
     for name in PACKAGES:
         with suppress(metadata.PackageNotFoundError):
-            found[name] = metadata.version(name)
-    return found
+            installed[name] = metadata.version(name)
+    return installed
 
 
 @cache

@@ -9,9 +9,10 @@ from mpi.nodes import CountingComm, sent_in_a_step
 
 from hpc_gfmd.operators import hierarchy
 from hpc_gfmd.parallel.comm import stages
-from hpc_gfmd.runs import memory
+from hpc_gfmd.parallel.grid import Grid
+from hpc_gfmd.runs import capacity
+from hpc_gfmd.runs.capacity import require_memory
 from hpc_gfmd.runs.decomposition import Share
-from hpc_gfmd.runs.memory import require_memory
 from hpc_gfmd.scene import Scene
 from hpc_gfmd.util.errors import SceneError
 
@@ -51,9 +52,9 @@ def test_memory_of_a_machine(comm, monkeypatch):
     """One machine that is too small is an error on all ranks, with its need: that of all ranks on
     it."""
     scene = Scene.from_dict({"surface": rough((1, 16, 2)), "load": {"p_star": [0.1]}})
-    monkeypatch.setattr(memory, "available_gib", lambda: 0.1)
+    monkeypatch.setattr(capacity, "available_gib", lambda: 0.1)
     with pytest.raises(
         SceneError,
         match=rf"GiB on {comm.size} of {comm.size} ranks, {os.uname().nodename} has 0.10 GiB",
     ):
-        require_memory(comm, scene, (32, 32), (1.0, 1.0), 1)
+        require_memory(comm, scene, Grid((32, 32), comm=comm), 1)

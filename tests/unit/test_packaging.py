@@ -1,6 +1,8 @@
 """What is published agrees with itself: one version, links that lead somewhere, an archive with all
 that the tests need."""
 
+import configparser
+import json
 import os
 import re
 import subprocess
@@ -16,6 +18,7 @@ ROOT = Path(__file__).parents[2]
 LINK = re.compile(r"!?\[[^\]]*\]\((?!https?:|#)([^)#]+)")
 VERSIONED = {
     "CITATION.cff": r"^version: (.+)$",
+    "codemeta.json": r'^  "version": "(.+)",$',
     "CHANGELOG.md": r"^## \[(\d[^\]]*)\]",
     "packaging/conda/recipe.yaml": r'^  version: "(.+)"$',
     "packaging/spack/spack_repo/hpc_gfmd/packages/py_hpc_gfmd/package.py": (
@@ -32,6 +35,35 @@ def text(path):
 @pytest.mark.parametrize("path", VERSIONED)
 def test_one_version(path):
     assert re.search(VERSIONED[path], text(path), re.MULTILINE)[1] == hpc_gfmd.__version__
+
+
+def test_one_description():
+    """What codemeta.json says is what setup.cfg and CITATION.cff say."""
+    codemeta = json.loads(text("codemeta.json"))
+    config = configparser.ConfigParser()
+    config.read(ROOT / "setup.cfg", encoding="utf-8")
+    metadata, options = config["metadata"], config["options"]
+    citation = text("CITATION.cff")
+    assert codemeta["name"] == metadata["name"]
+    assert codemeta["description"] == metadata["description"]
+    assert codemeta["license"].endswith(metadata["license"])
+    assert codemeta["author"][0]["name"] == metadata["author"]
+    assert f'date-released: "{codemeta["datePublished"]}"' in citation
+    assert codemeta["referencePublication"]["name"] in citation
+    required = re.findall(r"^[\w-]+", options["install_requires"], re.MULTILINE)
+    assert {package["name"] for package in codemeta["softwareRequirements"]} <= set(required)
+
+
+@pytest.mark.skipif(
+    not (ROOT / ".pre-commit-config.yaml").exists(), reason="not in the source archive"
+)
+def test_what_is_checked_before_a_commit():
+    """Is what scripts/test checks before the tests."""
+    hooks = text(".pre-commit-config.yaml")
+    script = text("scripts/test")
+    for check in ("ruff check", "ruff format --check", "mypy"):
+        assert f'"$python" -m {check}' in script
+        assert f"python -m {check}" in hooks
 
 
 @pytest.mark.parametrize("path", ["README.md", "CHANGELOG.md", "CONTRIBUTING.md"])

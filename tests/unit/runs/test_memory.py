@@ -1,6 +1,7 @@
 """The memory that a run may have: of the machine, of the control groups around it, of the
 process."""
 
+import re
 import resource
 import tracemalloc
 
@@ -10,11 +11,13 @@ from refusal import refused
 from scene_tables import rows, scene_of
 
 from hpc_gfmd.parallel.comm import SerialComm
-from hpc_gfmd.runs import memory
+from hpc_gfmd.parallel.grid import Grid
+from hpc_gfmd.runs import capacity, memory
 from hpc_gfmd.runs.plan import duration, plan_of
 from hpc_gfmd.runs.simulation import run_scene
 from hpc_gfmd.surface import build_surface
 from hpc_gfmd.util import machine
+from hpc_gfmd.util.errors import SceneError
 
 GIB = machine.GIB
 SCENE = scene_of("""
@@ -35,7 +38,7 @@ def group(folder, limit, used, cached=0, version=2):
 
 def assert_too_little(words):
     with refused(words):
-        memory.require_memory(SerialComm(), SCENE, SCENE.surface.n, (1.0, 1.0), 1)
+        capacity.require_memory(SerialComm(), SCENE, Grid(SCENE.surface.n), 1)
 
 
 @pytest.mark.parametrize(
@@ -70,28 +73,31 @@ def test_the_limit_of_the_process(monkeypatch):
     assert_too_little("ulimit -v")
 
 
-@pytest.mark.parametrize("ranks", [1, 2, 3, 8])
-def test_heights_of_a_surface_that_ends_are_on_some_ranks_only(ranks):
-    """Rows beyond it have none: rank 0 may hold all heights, and a machine with all ranks no more
-    than these."""
-    surface = '{kind = "wave", amplitude = 0.1, n = [2048, 2048], boundary = "free"}'
-    scene = scene_of(f"surface = {surface} ; {LOW}")
-    shares = [
-        memory.memory_of(scene, (2048, 2048), (1.0, 1.0), ranks, rank=rank) for rank in range(ranks)
-    ]
-    assert (
-        sum(share.heights for share in shares)
-        == pytest.approx(2048**2 * 4 / GIB)
-        == shares[0].all_heights
-    )
-    assert shares[0].heights == pytest.approx(shares[0].all_heights * min(1, 1.5 / ranks), rel=1e-2)
-    assert sum(share.total for share in shares) == pytest.approx(shares[0].on_all(ranks), rel=0.02)
+def test_ranks_share_the_points():
+    cell = 4096, 4096
+    few, many = (memory.memory_of(SCENE, cell, 8, ranks) - memory.PROCESS_GIB for ranks in (2, 16))
+    assert few == pytest.approx(8 * many, rel=0.1)
+
+
+def test_a_scene_of_few_points_is_checked_in_double(monkeypatch):
+    scene = scene_of("load = {p_star = [1e-4]}")
+    grid = Grid((1024, 1024))
+    asked = []
+    monkeypatch.setattr(capacity, "available_gib", lambda: 0.0)
+    for p_star in (0.1, 1e-4):
+        scene = scene_of(f"load = {{p_star = [{p_star}]}}")
+        with pytest.raises(SceneError) as error:
+            capacity.require_memory(SerialComm(), scene, grid, 1)
+        asked.append(float(re.search(r"need ([\d.]+) GiB", str(error.value))[1]))
+    wanted = [memory.memory_of(scene, grid.n, itemsize, 1) for itemsize in (4, 8)]
+    assert asked == pytest.approx(wanted, abs=0.01)
+    assert asked[0] < asked[1]
 
 
 def test_low_memory_of_a_surface_without_a_spectrum_is_refused():
     """By the run, in one line; the plan knows nothing of it."""
     scene = scene_of(f'surface = {{kind = "wave", amplitude = 0.01, n = [32, 32]}} ; {LOW}')
-    assert memory.memory_of(scene, (32, 32), (1.0, 1.0), 1).total > 0
+    assert memory.memory_of(scene, (32, 32), 4, 1) > 0
     with refused('solver.low_memory: found true, allowed: with surface.kind = "self-affine"'):
         run_scene(scene, comm=SerialComm(), quiet=True)
 
@@ -106,8 +112,8 @@ def test_a_map_is_resampled_in_what_the_plan_has_for_it():
         build_surface(scene.surface, SerialComm(), np.float64)
         most = tracemalloc.get_traced_memory()[1] / GIB
         tracemalloc.stop()
-    plan = memory.memory_of(scene, (256, 256), (1.0, 1.0), 1)
-    assert most < 2 * (plan.total - plan.process) < 2048**2 * 8 / GIB
+    forecast = memory.memory_of(scene, (256, 256), 4, 1) - memory.PROCESS_GIB
+    assert most < 2 * forecast < 2048**2 * 8 / GIB
 
 
 SURFACES = {

@@ -52,7 +52,7 @@ pressure = 1e40 ; boundary = "free" | load: found p* = 7.95782e+38, allowed: 2.6
 pressure = 1e20 ; boundary = "free" ; precision = "single" | solver.precision: found "single"
 E_star = 1e-320 | material.E_star: found 1e-320
 E_star = true | material.E_star: found true
-E_star = "1" | material.E_star: found '1', it is no number with a unit, allowed
+E_star = "1" | material.E_star: found '1', not a number with a unit, allowed
 pressure = "20 Mpa" | 'Mpa' is no unit of pressure (did you mean "MPa"?), allowed
 pressure = "20 um" | found '20 um', 'um' is a unit of length, not of pressure, allowed
 pressure = "0,8 MPa" | found '0,8 MPa', decimals have a point, not a comma, allowed

@@ -1,0 +1,76 @@
+"""The functions of the job scripts that do not need a Slurm: a launcher's exit code is not trusted,
+the result is looked for."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+pytestmark = pytest.mark.skipif(shutil.which("bash") is None, reason="needs bash")
+# what stands for mpirun: leaves what a run does, and returns a code
+LAUNCHERS = {
+    "finished": "touch out.h5; exit 0",
+    "less accurate": "touch out.h5; exit 3",
+    "interrupted": "mkdir out.h5.partial; exit 0",
+    "interrupted, with a result of before": "touch out.h5; mkdir out.h5.partial; exit 0",
+    "lost": "exit 0",
+    "refused": "exit 2",
+    "stopped": "mkdir out.h5.partial; exit 143",
+}
+CODES = dict(zip(LAUNCHERS, (0, 3, 143, 143, 1, 2, 143), strict=True))
+
+
+@pytest.mark.parametrize("function", ["run scene.toml -o out.h5", "solve scene.toml out.h5"])
+@pytest.mark.parametrize("kind", LAUNCHERS)
+def test_the_result_counts_not_what_the_launcher_returns(kind, function, tmp_path):
+    mpirun = tmp_path / "mpirun"
+    mpirun.write_text(f"#!/bin/bash\necho started >>log\n{LAUNCHERS[kind]}\n")
+    mpirun.chmod(0o755)
+    (tmp_path / "python").symlink_to(sys.executable)
+    env = os.environ | {
+        "PATH": f"{tmp_path}{os.pathsep}{os.environ['PATH']}",
+        "LAUNCHER": "mpirun",
+        "SLURM_NTASKS": "2",
+        "root": str(ROOT),
+    }
+    script = f"source {ROOT}/slurm/launch.sh; {function}"
+
+    def code():
+        done = subprocess.run(["bash", "-c", script], cwd=tmp_path, env=env, capture_output=True)
+        return done.returncode
+
+    assert code() == CODES[kind]
+    if function.startswith("solve") and kind in ("finished", "less accurate"):
+        assert code() == 0
+        assert (tmp_path / "log").read_text() == "started\n"
+
+
+@pytest.mark.parametrize(
+    ("words", "path"),
+    [
+        ("scene.toml", "of scene.h5"),
+        ("plain.toml", "contact.h5"),
+        ("scene.toml -o a.h5", "a.h5"),
+        ("--output=a.h5 scene.toml", "a.h5"),
+        ("scene.toml --set output.path=b.h5 --set solver.accuracy=1e-2", "b.h5"),
+        ('scene.toml --set=output.path="b.h5"', "b.h5"),
+        ("-q plain.toml --set output.fields=[]", "contact.h5"),
+        ("none.toml", ""),
+        ("", ""),
+    ],
+)
+def test_where_a_run_writes(words, path, tmp_path):
+    (tmp_path / "scene.toml").write_text("output.path = 'of scene.h5'\n")
+    (tmp_path / "plain.toml").write_text("[load]\npressure = 1\n")
+    done = subprocess.run(
+        [sys.executable, ROOT / "scripts" / "output-path", *words.split()],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout == f"{path}\n"
