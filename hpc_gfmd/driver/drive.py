@@ -98,6 +98,11 @@ def drive(
         Finds the mean pressure meanwhile, where it is not given.
     guard : SaddleGuard, optional
         Finds the stability, and leads away from saddles, where there is an attraction.
+
+    Returns
+    -------
+    Outcome
+        How the load has ended.
     """
     limits = Limits(solver, criterion)
     pairs = 0.0
@@ -153,6 +158,13 @@ class Limits:
 
     The solver's own measure of the error is compared with a threshold. Where the certificate
     refuses, the threshold is lowered by as much as the certificate misses.
+
+    Parameters
+    ----------
+    solver : Solver
+        What iterates.
+    criterion : StoppingCriterion
+        What the solution has to reach.
     """
 
     def __init__(self, solver: Solver, criterion: StoppingCriterion):
@@ -181,7 +193,15 @@ class Limits:
         return progress.finite and self.measure < self.threshold
 
     def note_refusal(self, certificate: Certificate, left: float) -> None:
-        """Note a certificate that misses what is asked for by the factor `left`."""
+        """Note a certificate that refuses.
+
+        Parameters
+        ----------
+        certificate : Certificate
+            Of the solver's gap.
+        left : float
+            By what factor it misses what is asked for.
+        """
         by_residual = self.criterion.residual is not None
         error = certificate.residual if by_residual else certificate.errors[2]
         nearer = error < CALIBRATION.improvement * self.least_refused
@@ -252,7 +272,20 @@ def _conclude(
 
 
 def certificate_of(solver: Solver, criterion: StoppingCriterion) -> Certificate:
-    """Return the certificate of the solver's gap; solver.p becomes its pressure. Collective."""
+    """Certify the solver's gap; solver.p becomes its pressure. Collective.
+
+    Parameters
+    ----------
+    solver : Solver
+        At a gap.
+    criterion : StoppingCriterion
+        What the certificate has to give, and in which precision.
+
+    Returns
+    -------
+    Certificate
+        The same on all ranks.
+    """
     if criterion.in_turn:
         solver.make_room()
     certificate = certify(
@@ -274,8 +307,21 @@ def certificate_of(solver: Solver, criterion: StoppingCriterion) -> Certificate:
 
 
 def measure_of(progress: Progress, criterion: StoppingCriterion) -> float:
-    """Return the solver's own measure of the error over what is asked for: below 1 it believes that
-    it is there. Infinite after a step in which the solver has not estimated its errors."""
+    """Return the solver's own measure of the error over what is asked for.
+
+    Parameters
+    ----------
+    progress : Progress
+        Of the solver.
+    criterion : StoppingCriterion
+        What is asked for.
+
+    Returns
+    -------
+    float
+        Below 1 the solver believes that it is there; infinite after a step in which it has not
+        estimated its errors.
+    """
     if criterion.residual is not None:
         return progress.residual / criterion.residual
     estimate = progress.estimate
@@ -286,7 +332,20 @@ def measure_of(progress: Progress, criterion: StoppingCriterion) -> float:
 
 
 def error_left(certificate: Certificate, criterion: StoppingCriterion) -> float:
-    """Return the certified error over what is asked for: below 1 that is reached."""
+    """Return the certified error over what is asked for.
+
+    Parameters
+    ----------
+    certificate : Certificate
+        Of the solver's gap.
+    criterion : StoppingCriterion
+        What is asked for.
+
+    Returns
+    -------
+    float
+        Below 1 that is reached.
+    """
     if not certificate.finite or certificate.stability <= 0:
         return np.inf
     if criterion.residual is not None:
@@ -300,9 +359,9 @@ def _largest_over_tolerance(
     attainable: tuple[float, float],
 ) -> float:
     """Return the largest error over the tolerance, of those that iterations make smaller."""
-    least = (0.0, *attainable)
+    at_best = (0.0, *attainable)
     errors_left = [
-        error for error, best in zip(errors, least, strict=True) if best < criterion.tolerance
+        error for error, best in zip(errors, at_best, strict=True) if best < criterion.tolerance
     ]
     return max(errors_left, default=0.0) / criterion.tolerance
 

@@ -51,12 +51,14 @@ class LowMemorySurface(WorkingSurface):
             )
 
     def problem_to_start(self, p0: float) -> Problem:
+        """Return the problem at p0, with heights that are made anew where there are none."""
         if self.surface.h is None:
             self.surface = self.make_surface(self.dtype)
         problem = self.problem(p0)
         return replace(problem, h_rms=problem.root_mean_square)  # while there are heights
 
     def problem_to_iterate(self, problem: Problem) -> Problem:
+        """Return the same problem with heights that are known by their spectrum alone."""
         if self.surface.add_spectrum is not None:
             spectrum = HeightSpectrum(self.surface.add_spectrum, self.dtype)
             problem = replace(problem, h=spectrum)
@@ -65,6 +67,20 @@ class LowMemorySurface(WorkingSurface):
         return problem
 
     def memory_for_gap(self, problem: Problem, solver: Solver | None) -> np.ndarray | None:
+        """Return the memory of the heights, which are given away.
+
+        Parameters
+        ----------
+        problem : Problem
+            As of `problem_to_start`.
+        solver : Solver or None
+            None here.
+
+        Returns
+        -------
+        ndarray or None
+            Local slab of the grid; None where the surface ends, whose heights are kept.
+        """
         return None if self.surface.grid.padded else problem.heights
 
     def nested(self) -> Nested | None:
@@ -72,7 +88,20 @@ class LowMemorySurface(WorkingSurface):
         return Nested(self.surface.grid, self.dtype)
 
     def rounding_counts(self, problem: Problem, criterion: StoppingCriterion) -> bool:
-        """Return False where double precision would take tables, too."""
+        """Return whether rounding errors may count, False where double precision takes tables.
+
+        Parameters
+        ----------
+        problem : Problem
+            At its mean pressure.
+        criterion : StoppingCriterion
+            What the solution has to reach.
+
+        Returns
+        -------
+        bool
+            The same on all ranks.
+        """
         return not self.model.body.table_share and self.is_noisy(problem, criterion)
 
 

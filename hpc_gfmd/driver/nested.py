@@ -77,15 +77,18 @@ def cold_gap(problem: Problem) -> np.ndarray:
 
     Beyond the surface the displacement is that of the plane.
     """
-    h, comm, N = problem.heights, problem.grid.comm, problem.grid.N
-    s1, s2 = comm.sum(
+    h = problem.heights
+    N = problem.grid.N
+    total, squares = problem.grid.comm.sum(
         [h.sum(dtype=np.float64), np.einsum("ij,ij->", h, h, dtype=np.dtype(np.float64))]
     )
-    mean = s1 / N
-    level = h.dtype.type(max(mean - np.sqrt(max(s2 / N - mean * mean, 0.0)), 0.0))
+    mean = total / N
+    rms = np.sqrt(max(squares / N - mean * mean, 0.0))
+    level = h.dtype.type(max(mean - rms, 0.0))
     rows, points = problem.grid.inside
     g = np.empty(problem.grid.shape, h.dtype)
-    g[rows:], g[:rows, points:] = -level, -level
+    g[rows:] = -level
+    g[:rows, points:] = -level
     np.maximum(h - level, 0, out=g[:rows, :points])
     return g
 
@@ -101,9 +104,23 @@ def undeformed_gap(problem: Problem) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Decimation:
-    """A grid and its decimation. coarse: the Grid, None on ranks that have no part in it; beside:
-    first coarse row among the fine rows of every rank, and the number of rows; starts: the same of
-    those that a rank owns."""
+    """A grid and its decimation.
+
+    Attributes
+    ----------
+    fine : Grid
+        The grid.
+    coarse : Grid or None
+        Its decimation; None on ranks that have no part in it.
+    n : (int, int)
+        Points of the decimation.
+    nominal : (int, int)
+        Of these, those of the surface.
+    beside : ndarray of int
+        First coarse row among the fine rows of every rank, and the number of rows.
+    starts : ndarray of int
+        First coarse row that every rank owns, and the number of rows.
+    """
 
     fine: Grid
     coarse: Grid | None
@@ -126,11 +143,11 @@ class Decimation:
         starts = agglomerated(beside, n[0] * n[1], CALIBRATION.rank_points)
         ranks = np.flatnonzero(np.diff(starts)).tolist()
         comm = grid.comm.subcomm(ranks)
-        own = np.append(starts[ranks], n[0])
+        starts_of_part = np.append(starts[ranks], n[0])
         threads = threads_for(n[0] * n[1] // len(ranks), grid.threads)
-        coarse = (
-            Grid.kept(n, grid.sizes, comm, threads, own, (n_x, n_y)) if comm is not None else None
-        )
+        coarse = None
+        if comm is not None:
+            coarse = Grid.kept(n, grid.sizes, comm, threads, starts_of_part, (n_x, n_y))
         return cls(grid, coarse, n, (n_x, n_y), beside, starts)
 
     @property
@@ -148,7 +165,8 @@ class Decimation:
             h = rows_of(self.fine.comm, h, beside, starts[:-1], starts[1:])
         if self.coarse is None:
             return None
-        scale, heights = h.dtype.type(self.coarse.a / self.fine.a), np.empty(h.shape, h.dtype)
+        scale = h.dtype.type(self.coarse.a / self.fine.a)
+        heights = np.empty(h.shape, h.dtype)
 
         def divide(i0: int, i1: int) -> None:
             np.divide(h[i0:i1], scale, out=heights[i0:i1])
@@ -159,21 +177,30 @@ class Decimation:
     def around(self, a: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the rows of a coarse field beside this rank's fine rows: HALO before, these, and
         HALO after them. a: this rank's own rows of it, perhaps none. Collective."""
-        comm, first, last = self.fine.comm, self.beside[:-1], self.beside[1:]
+        comm = self.fine.comm
         if np.array_equal(self.beside, self.starts):
             before, after = neighbours(comm, a, self.starts, HALO)
             return before, a, after
-        rows = rows_of(comm, a, self.starts, first - HALO, last + HALO)
+        rows = rows_of(comm, a, self.starts, self.beside[:-1] - HALO, self.beside[1:] + HALO)
         return rows[:HALO], rows[HALO:-HALO], rows[-HALO:]
 
 
 class Nested:
-    """The decimated grids of a grid, planned once; `start` solves on them. Collective, as is all of
-    it."""
+    """The decimated grids of a grid, planned once. Collective, as are its methods.
+
+    Parameters
+    ----------
+    grid : Grid
+        The grid whose contacts are started.
+    dtype : dtype
+        The working precision.
+    finer : int
+        Number of grids that are finer.
+    """
 
     def __init__(self, grid: Grid, dtype: DTypeLike, finer: int = 0):
-        """Plan the grids below `grid`; finer: number of grids that are finer."""
-        self.grid, self.step = grid, Decimation.of(grid)
+        self.grid = grid
+        self.step = Decimation.of(grid)
         self.coarser: Nested | None = None
         self.reduction = CALIBRATION.reduction ** (finer + 1)
         if self.step is not None and self.step.coarse is not None:
@@ -197,20 +224,41 @@ class Nested:
         search: LoadSearch | None,
         into: np.ndarray | None = None,
     ) -> tuple[np.ndarray, float]:
-        """Return a starting gap (local slab) for a problem on the grid, and the FFT pairs that it
-        took, in pairs of that grid.
+        """Solve a problem on the coarser grids, and interpolate the solution.
 
-        into: memory for the gap; may be that of problem.h, which is then lost. search: for the mean
-        pressure, on every grid; None where that is given. Raises Stopped on all ranks when the run
-        is to stop.
+        Parameters
+        ----------
+        problem : Problem
+            On the grid, with stored heights.
+        make_solver : callable
+            Makes the solver of a problem: ``make_solver(problem)``.
+        search : LoadSearch or None
+            Finds the mean pressure on every grid; None where it is given.
+        into : ndarray, optional
+            Memory for the gap; may be that of problem.h, which is then lost.
+
+        Returns
+        -------
+        gap : ndarray
+            To start from, local slab of the grid.
+        pairs : float
+            FFT pairs that it took, in pairs of this grid.
+
+        Raises
+        ------
+        Stopped
+            On all ranks, when the run is to stop.
         """
         if self.step is None:
             g = cold_gap(problem)
             if into is not None:
                 into[...] = g
             return (g if into is None else into), 0.0
-        coarse, solver = self.step.problem(problem), None
-        full, pairs, stopped = False, 0.0, 0
+        coarse = self.step.problem(problem)
+        solver = None
+        full = False
+        pairs = 0.0
+        signal = 0
         if coarse is not None and self.coarser is not None:
             try:
                 g, pairs = self.coarser.start(coarse, make_solver, search)
@@ -219,22 +267,24 @@ class Nested:
                 solver = roughly_solved(coarse, make_solver, g, self.reduction, search)
                 pairs = (pairs + solver.pairs) * coarse.grid.cell_points / problem.grid.cell_points
                 full = not coarse.grid.padded and solver.progress().contact == coarse.grid.N
-            except interrupt.Stopped as found:
-                stopped = found.number
+            except interrupt.Stopped as stopped:
+                signal = stopped.number
         # rank 0 has a part in all grids
-        full, pairs, stopped = problem.grid.comm.bcast((full, pairs, stopped))
-        if stopped:
-            interrupt.stop(stopped)
+        full, pairs, signal = problem.grid.comm.bcast((full, pairs, signal))
+        if signal:
+            interrupt.stop(signal)
         if search is not None:
             search.agree(problem.grid.comm)
         return _prolong(problem, self.step, coarse, solver, full, into), pairs
 
     def may_be_full(self, problem: Problem) -> tuple[bool, float]:
-        """Tell whether full contact is likely, and the FFT pairs this took: from the pressure of
-        the closed contact on the next grid."""
+        """Return whether full contact is likely, by the pressure of the closed contact on the next
+        grid, and the FFT pairs this took."""
         if self.step is None:
             return True, 0.0
-        coarse, likely, pairs = self.step.problem(problem), False, 0.0
+        coarse = self.step.problem(problem)
+        likely = False
+        pairs = 0.0
         if coarse is not None:
             _, _, certificate = closed_contact(coarse, coarse.dtype)
             pairs = certificate.pairs * (coarse.grid.N / problem.grid.N)
@@ -250,8 +300,31 @@ def roughly_solved(
     reduction: float,
     search: LoadSearch | None,
 ) -> Solver:
-    """Return a solver that has come from the gap g to a residual that is so much smaller, and to a
-    load that is near enough."""
+    """Iterate a solver until its residual is small enough for a coarse grid. Collective.
+
+    Parameters
+    ----------
+    problem : Problem
+        On the coarse grid.
+    make_solver : callable
+        Makes the solver of a problem.
+    g : ndarray
+        Gap to start from, local slab.
+    reduction : float
+        Residual to come to, over that of the start.
+    search : LoadSearch or None
+        Finds the mean pressure meanwhile.
+
+    Returns
+    -------
+    Solver
+        With the solution.
+
+    Raises
+    ------
+    Stopped
+        On all ranks, when the run is to stop.
+    """
     solver = make_solver(problem)
     solver.start(g)
     progress = solver.progress()
@@ -277,15 +350,19 @@ def _prolong(
     """Return the gap on the grid of `problem` from a solver on the coarse one, whose gap is lost;
     coarse and solver: the coarse problem, None where this rank has no part in it. into: memory for
     the gap, or None."""
-    fine, real = problem.grid, problem.dtype.type
+    fine = problem.grid
+    real = problem.dtype.type
     out = fine.empty(problem.dtype) if into is None else into
     if full:
         out[...] = 0
         return out
     u = p = np.empty((0, step.n[1]), problem.dtype)
     if solver is not None and coarse is not None:
-        u, p = solver.g, solver.p
-        grid, h, scale = coarse.grid, coarse.heights, real(coarse.grid.a / fine.a)
+        u = solver.g
+        p = solver.p
+        grid = coarse.grid
+        h = coarse.heights
+        scale = real(grid.a / fine.a)
         inner, points = grid.inside
 
         def displacement(i0: int, i1: int) -> None:
@@ -293,7 +370,8 @@ def _prolong(
             u[i0:i1] *= scale
 
         grid.by_rows(displacement)
-    heights, pieces = problem.heights, fine.pieces()
+    heights = problem.heights
+    pieces = fine.pieces()
     # beyond the surface there are no heights: what stands for them does not count
     owned = np.minimum(fine.starts, fine.nominal[0])
     before, after = neighbours(fine.comm, heights, fine.starts, SWEEPS, owned)
@@ -302,16 +380,18 @@ def _prolong(
     befores = [before, *(rows[:SWEEPS] for rows in borders)]
     afters = [*(rows[SWEEPS:] for rows in borders), after]
     coarse_rows = int(step.beside[fine.comm.rank]), step.n[0]
-    halved, compliance = tuple(k == 2 for k in step.steps), 1 / problem.body.scale(fine)
-    most = np.inf if problem.hardness is None else compliance * problem.hardness
+    is_halved = tuple(k == 2 for k in step.steps)
+    compliance = 1 / problem.body.scale(fine)
+    deepest = np.inf if problem.hardness is None else compliance * problem.hardness
     near = problem.body.near(fine).astype(problem.dtype)
-    how = halved, real(compliance), near, real(most)
+    how = is_halved, real(compliance), near, real(deepest)
     fields = step.around(u), step.around(p)
 
     def prolong(i0: int, i1: int, before: np.ndarray, after: np.ndarray) -> None:
-        h, rows = (before, heights[i0:i1], after), (fine.rows[0] + i0, fine.n[0])
+        h = (before, heights[i0:i1], after)
+        rows = (fine.rows[0] + i0, fine.n[0])
         prolong_gap(*fields, h, out[i0:i1], rows, coarse_rows, *how, fine.nominal)
 
-    each = [(*rows, *around) for rows, *around in zip(pieces, befores, afters)]
-    on_threads(fine.threads, prolong, each)
+    arguments = [(*rows, *around) for rows, *around in zip(pieces, befores, afters)]
+    on_threads(fine.threads, prolong, arguments)
     return out

@@ -40,6 +40,11 @@ def loads_of(
     solver : type of Solver
         What solves the loads.
 
+    Returns
+    -------
+    list of Load
+        For `Sweep.solve`.
+
     Raises
     ------
     SceneError
@@ -132,8 +137,26 @@ def require_dents(
     values: Sequence[float],
     pressures: Sequence[float],
 ) -> None:
-    """Raise SceneError where a solver cannot do with a hardness, or no pressure below it gives what
-    the key of a scene's [load] asks for."""
+    """Require that a solver can do with a hardness, and that a pressure below it gives the loads.
+
+    Parameters
+    ----------
+    solver : type of Solver
+        What solves the loads.
+    hardness : float
+        In the unit of E_star.
+    name : str
+        Key of the scene's [load].
+    values : sequence of float
+        What it asks for.
+    pressures : sequence of float
+        Mean pressures, where these are known, in the unit of E_star.
+
+    Raises
+    ------
+    SceneError
+        Where one of them does not hold.
+    """
     if not solver.dents:
         raise SceneError(
             f'solver.name: found "{solver.name}" with material.hardness, allowed: "bpx"'

@@ -66,34 +66,123 @@ class LoadSearch:
         vars(self).update(comm.bcast(vars(self)))
 
     def near(self, solver: Solver, progress: Progress) -> bool:
-        """Return whether p0 is as near as a coarse grid knows it; if not, p0 may be changed.
-        Collective."""
+        """Return whether p0 is as near as a coarse grid knows it; if not, it may be changed.
+
+        Collective.
+
+        Parameters
+        ----------
+        solver : Solver
+            At the present mean pressure.
+        progress : Progress
+            Of the solver.
+
+        Returns
+        -------
+        bool
+            The same on all ranks of the grid.
+        """
         return True
 
     def adjust(self, solver: Solver, progress: Progress) -> bool:
-        """Change p0 of the solver where it predicts that the target is missed; return whether.
-        Collective."""
+        """Change p0 of the solver where it predicts that the target is missed.
+
+        Collective.
+
+        Parameters
+        ----------
+        solver : Solver
+            At the present mean pressure.
+        progress : Progress
+            Of the solver.
+
+        Returns
+        -------
+        bool
+            Whether p0 has changed.
+        """
         return False
 
     def may_be_met(self, solver: Solver, progress: Progress, accuracy: float) -> bool:
-        """Return whether the certificate may find the target met to this accuracy. Collective."""
+        """Return whether the certificate may find the target met.
+
+        Collective.
+
+        Parameters
+        ----------
+        solver : Solver
+            At the present mean pressure.
+        progress : Progress
+            Of the solver.
+        accuracy : float
+            That is asked for.
+
+        Returns
+        -------
+        bool
+            The same on all ranks.
+        """
         return area_may_be_met(solver, progress, accuracy)
 
     def learn(self, solver: Solver, certificate: Certificate) -> float:
-        """Learn from a certificate; return how far the target is missed over the tolerance, below 1
-        where it is met. Collective."""
+        """Learn from a certificate.
+
+        Collective.
+
+        Parameters
+        ----------
+        solver : Solver
+            At the present mean pressure.
+        certificate : Certificate
+            Of its gap.
+
+        Returns
+        -------
+        float
+            How far the target is missed over the tolerance; below 1 where it is met.
+        """
         return 0.0
 
     def correct(self, solver: Solver, certificate: Certificate, solved: bool) -> bool:
-        """Change p0 of the solver after a certificate that missed the target; return whether.
+        """Change p0 of the solver after a certificate that missed the target.
 
-        Collective. solved: whether the solution at the present p0 is as accurate as asked.
+        Collective.
+
+        Parameters
+        ----------
+        solver : Solver
+            At the present mean pressure.
+        certificate : Certificate
+            Of its gap.
+        solved : bool
+            Whether the solution at the present p0 is as accurate as asked.
+
+        Returns
+        -------
+        bool
+            Whether p0 has changed.
         """
         return False
 
 
 def area_may_be_met(solver: Solver, progress: Progress, accuracy: float) -> bool:
-    """Return whether the certificate may find the contact area as accurate as this: a look at all
-    points. Collective."""
+    """Return whether the certificate may find the contact area accurate: a look at all points.
+
+    Collective.
+
+    Parameters
+    ----------
+    solver : Solver
+        At a gap.
+    progress : Progress
+        Of the solver.
+    accuracy : float
+        That is asked for.
+
+    Returns
+    -------
+    bool
+        The same on all ranks.
+    """
     estimate = progress.estimate
     return estimate is None or solver.expected_area(estimate) < accuracy

@@ -35,9 +35,21 @@ class Searches:
         self._history: list[dict[str, float]] = []  # what the last two loads gave
 
     def begin(self, load: Load, working: WorkingSurface) -> Load:
-        """Return a load with its mean pressure, or with the search for it; solves nothing.
+        """Give a load its mean pressure, or the search for it; solve nothing.
 
         Collective where a search needs the statistics of the heights.
+
+        Parameters
+        ----------
+        load : Load
+            As the scene asks for it.
+        working : WorkingSurface
+            The surface.
+
+        Returns
+        -------
+        Load
+            A copy that is ready to be solved.
         """
         if load.is_pressure:
             return replace(load, given_p0=load.value / working.pressure_unit)
@@ -57,7 +69,15 @@ class Searches:
         return search_for(load, surface, known, self._history, working.hardness)
 
     def remember(self, contact: Contact, working: WorkingSurface) -> None:
-        """Remember what a solved load gave, for the searches after it."""
+        """Remember what a solved load gave, for the searches after it.
+
+        Parameters
+        ----------
+        contact : Contact
+            The solution.
+        working : WorkingSurface
+            The surface.
+        """
         a = working.surface.grid.a
         solved = {
             "p0": contact.p_mean / working.pressure_unit,
@@ -69,8 +89,20 @@ class Searches:
 
 
 def opening_load(gap_mean: float, working: WorkingSurface) -> float:
-    """Return by how much the load is below that of full contact where a single point is open, and
-    the mean gap is `gap_mean` (in the surface's unit); in the program's unit."""
+    """Return by how much a load is below that of full contact where a single point is open.
+
+    Parameters
+    ----------
+    gap_mean : float
+        The mean gap then, in the surface's unit of length.
+    working : WorkingSurface
+        The surface.
+
+    Returns
+    -------
+    float
+        Mean pressure, in the program's unit.
+    """
     grid = working.surface.grid
     gap_of_point = gap_mean / working.surface.height_unit * grid.N
     return gap_of_point * float(working.model.body.near(grid)[0])

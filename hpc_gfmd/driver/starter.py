@@ -132,7 +132,20 @@ class Starter:
     # -- the ways to start
 
     def follows(self, working: WorkingSurface, load: Load) -> bool:
-        """Return whether a load starts from the one before."""
+        """Return whether a load starts from the one before.
+
+        Parameters
+        ----------
+        working : WorkingSurface
+            The surface.
+        load : Load
+            With its mean pressure.
+
+        Returns
+        -------
+        bool
+            The same on all ranks.
+        """
         if self.solver is None or load.closes:
             return False
         before = self.solver.p0

@@ -11,27 +11,25 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..bodies.halfspace import HALF_SPACE
-from ..certificate.certificate import Certificate
-from ..certificate.error_estimates import full_contact_error
-from ..contact.contact import Contact
 from ..parallel import interrupt
 from ..util.errors import SceneError
 from .branches import SaddleGuard
 from .contact_model import ContactModel
 from .drive import drive
-from .full_contact import CLOSED, ClosingSearch, closed_contact, tension_of
+from .full_contact import CLOSED, ClosingSearch, tension_of
 from .load import Load
 from .load_quantities import OpeningSearch
 from .low_memory import LowMemorySurface
-from .nested import undeformed_gap
 from .precision import first_precision, too_little
 from .scene_loads import loads_of
 from .searches import Searches
 from .starter import Starter
+from .without_iterations import Attempt, contact_of, flat_contact, full_contact, separated_contact
 from .working_surface import WorkingSurface
 
 if TYPE_CHECKING:
     from ..bodies.base import Body
+    from ..contact.contact import Contact
     from ..laws.base import Law
     from ..operators.problem import Problem
     from ..scene import Load as SceneLoad
@@ -73,6 +71,11 @@ def make_sweep(
     ------
     SceneError
         For a solver, or a surface, that low memory cannot do with.
+
+    Returns
+    -------
+    Sweep
+        Which has made the surface in the first precision.
     """
     model = ContactModel(float(E_star), body, hardness, attraction, branch, lam_s)
     starter = Starter(settings, duality)
@@ -158,7 +161,7 @@ class Sweep:
             On all ranks, when the run is to stop before the first iteration.
         """
         if self.working.is_flat:
-            return self._flat_contact(asked)
+            return flat_contact(self.working, asked, self.starter.criterion)
         if self._failed and not self.working.model.retracts:
             self.starter.forget()
         load = self.searches.begin(asked, self.working)
@@ -235,9 +238,8 @@ class Sweep:
     ) -> Attempt:
         """Solve a load in the present precision.
 
-        gap: where to start, None: as the starter finds it; pairs: FFT pairs that the load has
-        taken before; may_need_double: whether single precision
-        may turn out to be too little.
+        gap: where to start, None: as the starter finds it; pairs: FFT pairs that the load has taken
+        before; may_need_double: whether single precision may turn out to be too little.
         """
         if load.search is not None:
             load.search.measure(lambda: self.working.heights)
@@ -246,7 +248,7 @@ class Sweep:
         begins = gap is None and not self.starter.follows(self.working, load)
         if attracts and load.p0 < 0 and begins:
             return self._separated(load, 0, pairs)
-        closed = self._full_contact(load, pairs)
+        closed = full_contact(self.working, load, self.starter.criterion, pairs)
         if closed.contact is not None:
             return closed
         start = self.starter.start(self.working, load, gap)
@@ -261,8 +263,10 @@ class Sweep:
         pairs += solver.pairs + outcome.pairs
         if outcome.status == "separated":
             return self._separated(load, solver.iterations, pairs)
-        contact = self._contact(
+        contact = contact_of(
+            self.working,
             load,
+            start.criterion,
             solver.p0,
             solver.g,
             solver.p,
@@ -277,97 +281,14 @@ class Sweep:
             return Attempt(None, pairs)
         return Attempt(contact, pairs)
 
-    def _contact(
-        self,
-        load: Load,
-        p0: float,
-        g: np.ndarray,
-        p: np.ndarray,
-        status: str,
-        certificate: Certificate,
-        iterations: int = 0,
-        pairs: float = 0.0,
-    ) -> Contact:
-        """Return what a load has come to; a pressure that was given is as it was given, without
-        rounding errors of the unit."""
-        model = self.working.model
-        return Contact(
-            self.surface,
-            model.E_star,
-            load.value if load.is_pressure else p0 * self.working.pressure_unit,
-            g,
-            p,
-            status,
-            certificate,
-            accuracy=self.settings.tolerance,
-            lam_s=model.lam_s,
-            body=model.body,
-            remark=load.note,
-            iterations=iterations,
-            pairs=float(pairs),
-            hardness=model.hardness,
-            attraction=model.attraction,
-        )
-
-    # -- loads that need no iteration, and what some loads need before their own
-
-    def _flat_contact(self, load: Load) -> Contact:
-        """Return the contact of a flat surface, which is closed at any load."""
-        p_mean = load.value
-        g = np.zeros_like(self.surface.gap)
-        p = np.full_like(g, p_mean / self.working.model.E_star)
-        certificate = Certificate(
-            contact=self.surface.grid.N, errors=(0.0, 0.0, 0.0), duality_gap=0.0
-        )
-        return self._contact(load, p_mean, g, p, "converged", certificate)
-
     def _separated(self, load: Load, iterations: int, pairs: float) -> Attempt:
-        """Return what is left where the load pulls more than the attraction: undeformed bodies."""
+        """Return what is left where the load pulls more than the attraction."""
         self.starter.forget()
-        g = undeformed_gap(self.working.problem(load.p0))
-        certificate = Certificate(errors=(0.0, 0.0, 0.0), gap_mean=np.nan)
-        contact = self._contact(
-            load, load.p0, g, np.zeros_like(g), "separated", certificate, iterations, pairs
-        )
+        criterion = self.starter.criterion
+        contact = separated_contact(self.working, load, criterion, iterations, pairs)
         return Attempt(contact, pairs)
 
-    def _full_contact(self, load: Load, pairs: float) -> Attempt:
-        """Return the contact where u = -h is the solution, none where it is not.
-
-        The load that closes the gap is known then, also where points yield.
-        """
-        working = self.working
-        attracts = working.model.attraction is not None
-        if load.search is not None or attracts or not working.full_contact_is_known:
-            return Attempt(None, pairs)
-        if not load.closes and load.p0 < working.model.body.full_p_star:
-            return Attempt(None, pairs)
-        problem = working.problem(load.p0)
-        nested = working.nested()
-        if not load.closes and nested is not None:
-            likely, of_coarse = nested.may_be_full(problem)
-            pairs += of_coarse
-            if not likely:
-                return Attempt(None, pairs)
-        duality = self.starter.criterion.duality
-        g, p, certificate = closed_contact(problem, dual=duality)
-        pairs += certificate.pairs
-        tension, rounding = tension_of(problem.grid, p)
-        doubtful = abs(tension) <= CLOSED * problem.rounding
-        if doubtful and problem.dtype != DOUBLE and not load.closes:
-            return Attempt(None, pairs)
-        nearly = doubtful and tension >= 0
-        if nearly or load.closes:
-            problem = working.problem(load.p0 + tension + rounding)
-            g, p, certificate = closed_contact(problem, dual=duality)
-            pairs += certificate.pairs
-        if load.closes:
-            load.given_p0 = problem.p0
-        if certificate.contact - certificate.yielded < problem.grid.N:
-            return Attempt(None, pairs)
-        exact = replace(certificate, errors=(0.0, 0.0, full_contact_error(problem)))
-        contact = self._contact(load, problem.p0, g, p, "converged", exact, pairs=pairs)
-        return Attempt(contact, pairs)
+    # -- what some loads need before their own
 
     def _solve_before(self, load: Load) -> float:
         """Solve the contacts that the search for a load begins with; return the FFT pairs that they
@@ -422,14 +343,6 @@ class Unfinished(NamedTuple):
     gap: np.ndarray
     p_mean: float
     iterations: int
-    pairs: float
-
-
-class Attempt(NamedTuple):
-    """What came of a load in one precision: its contact, None where another way has to be taken,
-    and all FFT pairs that the load has taken."""
-
-    contact: Contact | None
     pairs: float
 
 

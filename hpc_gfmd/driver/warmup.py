@@ -38,11 +38,20 @@ def compile_once(
     observe: Callable[[Contact], object],
     say: Callable[[str], object] | None = None,
 ) -> None:
-    """Solve and evaluate a tiny contact with the solver, precision, boundary and material of a
-    scene, first on rank 0, then on the others.
+    """Solve a tiny contact as a scene would, first on rank 0, then on the others.
 
-    observe: what is called of every solved Contact. say: function of a text, called on rank 0
-    before something is compiled that has not been kept. Collective.
+    Collective.
+
+    Parameters
+    ----------
+    comm : Comm
+        All ranks.
+    scene : Scene
+        Whose solver, precision, boundary and material are used.
+    observe : callable
+        Called with the solved Contact, so that its kernels are compiled, too.
+    say : callable, optional
+        Called with a text, on rank 0, before something is compiled that has not been kept.
     """
 
     def solve() -> None:
@@ -69,12 +78,13 @@ def _tiny_contact(
 ) -> None:
     """Solve a tiny contact in the precision that the run of a scene begins with, or in every one
     that it may use."""
-    settings, material = scene.solver, scene.material
+    settings = scene.solver
+    material = scene.material
     surface = TINY | {"boundary": scene.surface.boundary or "periodic"}
     tiny = Scene.from_dict({"surface": surface, "load": {"p_star": 0.05}}).surface
-    first = "single" if first_precision(settings) == np.float32 else "double"
+    usual = "single" if first_precision(settings) == np.float32 else "double"
     may_need_double = every_precision and settings.precision == "auto"
-    for precision in {first, "double"} if may_need_double else {first}:
+    for precision in {usual, "double"} if may_need_double else {usual}:
         sweep = make_sweep(
             lambda dtype: build_surface(tiny, SerialComm(), dtype),
             settings.model_copy(update={"max_iterations": 3, "precision": precision}),
@@ -88,6 +98,6 @@ def _tiny_contact(
         if solver is not None:
             solver.expected_area(Estimate(squares=1.0))
         observe(contact)
-        grid, dtype = sweep.surface.grid, sweep.dtype
+        grid = sweep.surface.grid
         # for the levels that only larger grids distribute
-        Multilevel(grid, HALF_SPACE, dtype, grid.n[0], coarsest_points=0).sweep()
+        Multilevel(grid, HALF_SPACE, sweep.dtype, grid.n[0], coarsest_points=0).sweep()

@@ -137,8 +137,20 @@ class WorkingSurface:
         return problem
 
     def memory_for_gap(self, problem: Problem, solver: Solver | None) -> np.ndarray | None:
-        """Return memory for the starting gap of a problem, local slab of the grid; None where new
-        memory has to be taken."""
+        """Return memory for the starting gap of a problem.
+
+        Parameters
+        ----------
+        problem : Problem
+            As of `problem_to_start`.
+        solver : Solver or None
+            The solver that there is.
+
+        Returns
+        -------
+        ndarray or None
+            Local slab of the grid; None where new memory has to be taken.
+        """
         return None if solver is None else solver.g
 
     def nested(self) -> Nested | None:
@@ -157,6 +169,18 @@ class WorkingSurface:
 
         The certificate cannot tell them from pressure out of contact: those of single points where
         few of them touch, or few do not.
+
+        Parameters
+        ----------
+        problem : Problem
+            At its mean pressure.
+        criterion : StoppingCriterion
+            What the solution has to reach.
+
+        Returns
+        -------
+        bool
+            The same on all ranks.
         """
         if problem.p0 <= 0:  # only with an attraction: how many touch nobody knows
             return True
@@ -165,6 +189,19 @@ class WorkingSurface:
         return few_touch or few_are_open or self.is_noisy(problem, criterion)
 
     def is_noisy(self, problem: Problem, criterion: StoppingCriterion) -> bool:
-        """Return whether rounding errors of the transforms may count."""
+        """Return whether rounding errors of the transforms may count.
+
+        Parameters
+        ----------
+        problem : Problem
+            At its mean pressure.
+        criterion : StoppingCriterion
+            What the solution has to reach.
+
+        Returns
+        -------
+        bool
+            The same on all ranks.
+        """
         noise = problem.noise(self.surface.h_rms / self.surface.height_unit)
         return noise > CALIBRATION.noise * counting(criterion, problem.p0)

@@ -62,8 +62,24 @@ class Progress:
 
 
 class Solver:
-    """What all solvers share. To add one, put a file into solvers/ with a subclass whose `name` is
-    the file's; it implements `start`, `refresh`, `step` and `progress`.
+    """What all solvers share.
+
+    To add one, put a file into solvers/ with a subclass whose `name` is the file's; it implements
+    `start`, `refresh`, `step` and `progress`. Its methods are collective.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is solved.
+    options : dict, optional
+        Numbers by their names, see `allowed`.
+    g : ndarray, optional
+        Memory for the gap, local slab of the grid, which is taken over.
+
+    Raises
+    ------
+    SceneError
+        For options that are not allowed.
 
     Attributes
     ----------
@@ -94,8 +110,6 @@ class Solver:
     def __init__(
         self, problem: Problem, options: dict[str, float] | None = None, g: np.ndarray | None = None
     ):
-        """Take memory for the state, g for the gap if it is given. Raises SceneError for options
-        that are not allowed."""
         self.options = read_options(self.name, options or {}, self.allowed)
         self.problem = problem
         self.grid = problem.grid
@@ -130,7 +144,7 @@ class Solver:
 
     @property
     def wall_load(self) -> float:
-        """Return the mean pressure that the wall bears: p0, and what an attraction adds."""
+        """The mean pressure that the wall bears: p0, and what an attraction adds."""
         return self.p0
 
     @property
@@ -145,7 +159,8 @@ class Solver:
     def continue_at(self, p0: float) -> None:
         """Begin from the present state at another mean pressure, without an FFT: p changes by a
         constant."""
-        before, self.p0 = self.p_cell, float(p0)
+        before = self.p_cell
+        self.p0 = float(p0)
         change = self.problem.dtype.type(self.p_cell - before)
 
         def shift(i0: int, i1: int) -> None:
@@ -172,8 +187,8 @@ class Solver:
 
     @property
     def is_separated(self) -> bool:
-        """Return whether the bodies have come apart, for good: nothing touches, and the load pulls
-        more than the attraction."""
+        """Whether the bodies have come apart, for good: nothing touches, and the load pulls more
+        than the attraction."""
         return False
 
     def begin_at(self, certificate: Certificate) -> None:
@@ -203,7 +218,7 @@ class Solver:
         raise NotImplementedError
 
     def progress(self) -> Progress:
-        """Tell how far the solver is."""
+        """Return how far the solver is."""
         raise NotImplementedError
 
     def estimate_errors(self) -> Estimate:

@@ -43,7 +43,22 @@ SHIFT = 0.62
 
 
 class Bpx(Solver):
-    """The default solver. options: none. g: memory for the gap, taken over."""
+    """The default solver, see above.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is solved.
+    options : dict, optional
+        None are allowed.
+    g : ndarray, optional
+        Memory for the gap, local slab of the grid, which is taken over.
+
+    Raises
+    ------
+    SceneError
+        For options.
+    """
 
     name = "bpx"
     sources = (
@@ -55,10 +70,9 @@ class Bpx(Solver):
         self, problem: Problem, options: dict[str, float] | None = None, g: np.ndarray | None = None
     ):
         super().__init__(problem, options, g)
-        grid, body, dtype = self.grid, problem.body, problem.dtype
-        self.levels = Multilevel(grid, body, dtype, self.elastic.fft.R)
-        self.d = grid.empty(stored_dtype(dtype))
-        self.compliance = 1.0 / body.scale(grid)  # of the shortest wave
+        self.levels = Multilevel(self.grid, problem.body, problem.dtype, self.elastic.fft.R)
+        self.d = self.grid.empty(stored_dtype(problem.dtype))
+        self.compliance = 1.0 / problem.body.scale(self.grid)  # of the shortest wave
         self.law = problem.law()
         self.attracted = 0.0  # sum of the attraction over all points
 
@@ -68,10 +82,12 @@ class Bpx(Solver):
         return 1.0 / (self.compliance * self.problem.body.bounds(self.grid)[1])
 
     def make_room(self) -> None:
+        """Give the memory of the transforms and of the last step away, until `take_room`."""
         del self.d
         self.elastic.make_room()
 
     def take_room(self) -> None:
+        """Take memory for the transforms again, and go on without a last step."""
         self.elastic.plan()
         self.d = self.grid.empty(stored_dtype(self.problem.dtype))
         self.d[...] = 0
@@ -80,6 +96,7 @@ class Bpx(Solver):
     # -- starting
 
     def start(self, g: np.ndarray) -> None:
+        """Begin at the gap g >= 0 (local slab, taken over); its pressure takes an FFT pair."""
         self._lay(g)
         self.elastic.pressure_rows(
             self.problem.displacement_rows(self.g, self.problem.level(self.g))
@@ -99,15 +116,19 @@ class Bpx(Solver):
         self._begin(sums)
 
     def refresh(self, uKu: float | None = None) -> None:
+        """Begin a new descent after p has been computed anew from g, or shifted; uKu: <u, K u>,
+        None if that has not changed."""
         self.uKu = self.uKu if uKu is None else uKu
         self.d[...] = 0
         self._begin(self.levels.restrict(self.g, self.p, self.problem.limit))
 
     def begin_at(self, certificate: Certificate) -> None:
+        """Begin a new descent where a certificate has computed p from g."""
         self.attracted = certificate.attraction * self.N
         super().begin_at(certificate)
 
     def after_stability(self) -> None:
+        """Go on after the search for the stability has used the levels."""
         self.levels.restrict(self.g, self.p, self.problem.limit)
         self.levels.sweep()  # z on the coarse levels follows from g and p
 
@@ -147,6 +168,7 @@ class Bpx(Solver):
             self.refresh()
 
     def step(self) -> None:
+        """Make one iteration: one FFT pair."""
         if self.contact == 0:
             self._descend_to_contact()
         a, b = self._coefficients()
@@ -285,20 +307,22 @@ class Bpx(Solver):
     def _search(self, a: float, b: float, coupling: float) -> list[float]:
         """Make the first pass: the next step into d, and its row spectra; returns <p, d>, by how
         much dents become deeper, and what `work_of_step` does (kernels/adhesive_rows.py)."""
-        levels, fft, ends = self.levels, self.elastic.fft, self.levels.ends
+        levels = self.levels
+        fft = self.elastic.fft
+        ends = levels.ends
         step = tuple(self.problem.dtype.type(x) for x in (a, b * self.s, coupling, self.compliance))
-        tables, last = levels.transfers[0].tables, (self.problem.limit, self.grid.inside)
-        args = self.g, self.p, self.d, levels.z, tables, step, *last
-        found = np.zeros((len(ends), 2))
+        fields = self.g, self.p, self.d, levels.z, levels.transfers[0].tables
+        limits = self.problem.limit, self.grid.inside
+        sums_of_shares = np.zeros((len(ends), 2))
         work = np.zeros((len(ends) if self.law is not None else 0, 2))
 
-        def some(k0: int, k1: int, thread: int) -> None:
-            own = fft.rows[thread], levels.scratch[thread][0], found
-            search_passes(ends, k0, k1, *own, *args, self.law, work)
+        def passes(k0: int, k1: int, thread: int) -> None:
+            scratch = fft.rows[thread], levels.scratch[thread][0], sums_of_shares
+            search_passes(ends, k0, k1, *scratch, *fields, step, *limits, self.law, work)
 
         parts = shares(len(ends), fft.threads)
-        on_threads(fft.threads, some, parts, range(fft.threads))
-        sums = np.sum(found, axis=0)
+        on_threads(fft.threads, passes, parts, range(fft.threads))
+        sums = np.sum(sums_of_shares, axis=0)
         if self.law is None:
             return [*self.grid.comm.sum(sums).tolist(), 0.0, 0.0]
         return self.grid.comm.sum([*sums, *np.sum(work, axis=0)]).tolist()
@@ -310,14 +334,15 @@ class Bpx(Solver):
         ranks: <d, y - K d>, see kernels/adhesive_rows.py.
         """
         self.elastic.pairs += 1
-        rows, limit = self.elastic.fft.rows, self.problem.limit
+        rows = self.elastic.fft.rows
+        limit = self.problem.limit
         if self.law is None:
             return self.levels.update(self.g, self.p, self.d, s, rows, limit), 0.0
-        each = np.zeros((len(self.levels.ends), 2))
+        attracted = np.zeros((len(self.levels.ends), 2))
         sums = self.levels.update(
-            self.g, self.p, self.d, s, rows, limit, law=self.law, attracted=each
+            self.g, self.p, self.d, s, rows, limit, law=self.law, attracted=attracted
         )
-        self.attracted, stiffer = self.grid.comm.sum(np.sum(each, axis=0)).tolist()
+        self.attracted, stiffer = self.grid.comm.sum(np.sum(attracted, axis=0)).tolist()
         return sums, stiffer
 
     def _add_attraction(self) -> None:
@@ -335,13 +360,15 @@ class Bpx(Solver):
         totals = self.grid.comm.sum([*sums, *self.levels.sweep(anew)]).tolist()
         rz1, xz1, self.mean, *self.level_sums = totals[len(sums) :]
         sums = UpdateSums(*totals[: len(sums)])
-        s, compliance = self.s, self.compliance
-        self.rz = compliance * (sums.rr + rz1)  # <p, z> on F
+        s = self.s
+        self.rz = self.compliance * (sums.rr + rz1)  # <p, z> on F
         self.rd = s * sums.rd  # <p, d>
-        self.zKd = s * compliance * (sums.rKd + xz1)
+        self.zKd = s * self.compliance * (sums.rKd + xz1)
         self.dKd = s * s * sums.dKd
-        self.rr, self.pp = sums.rr, sums.pp
-        self.contact, self.gap_mean = sums.contact, sums.gap / self.N
+        self.rr = sums.rr
+        self.pp = sums.pp
+        self.contact = sums.contact
+        self.gap_mean = sums.gap / self.N
         self.changing = max(sums.opening, sums.closing)
         self.yielded = sums.yielded
         elastic_share = (self.contact - self.yielded) / self.grid.cell_points
@@ -352,7 +379,7 @@ class Bpx(Solver):
 
     @property
     def wall_load(self) -> float:
-        """Return the mean pressure that the wall bears."""
+        """The mean pressure that the wall bears."""
         return self.p0 + self.attracted / self.N
 
     @property
@@ -365,12 +392,13 @@ class Bpx(Solver):
         return self.p_cell + self.attracted / self.grid.cell_points
 
     def progress(self) -> Progress:
+        """Return how far the solver is, with estimates of its errors."""
         finite = bool(np.isfinite(self.pp + self.gap_mean))
         carried = max(self.wall_load, np.finfo(float).tiny)
         residual = np.sqrt(self.rr / self.N) / carried
-        found = self._estimate() if finite else Estimate()
-        predicted = self._predicted(found) if finite else None
-        return Progress(float(residual), self.contact, self.gap_mean, found, finite, predicted)
+        errors = self._estimate() if finite else Estimate()
+        predicted = self._predicted(errors) if finite else None
+        return Progress(float(residual), self.contact, self.gap_mean, errors, finite, predicted)
 
     def _estimate(self) -> Estimate:
         """Estimate what the certificate will say, but for rounding errors that p has gathered."""
@@ -388,19 +416,22 @@ class Bpx(Solver):
         stability = 1.0 if self.stability is None else self.stability.lowest
         return estimate(self.problem, self.levels, self.g, state, stability)
 
-    def _predicted(self, found: Estimate) -> tuple[float, float] | None:
+    def _predicted(self, errors: Estimate) -> tuple[float, float] | None:
         """Predict the converged area and gap: the area goes with the load that the contact
         carries."""
-        carried, n = self._p_cell_of_wall, self.contact
+        carried = self._p_cell_of_wall
+        n = self.contact
         load = carried - self.mean
         if n == 0 or load <= 0:
             return None
         if n == self.N:
             return n, self.gap_mean
-        gap = self.gap_mean + SHIFT * found.shift / self.N
+        gap = self.gap_mean + SHIFT * errors.shift / self.N
         return min(n * carried / load, self.N), gap
 
     def expected_area(self, estimate: Estimate) -> float:
+        """Return the relative error of the area that the certificate is expected to find: a look at
+        all points."""
         open_pp, open_p4 = self.grid.comm.sum(moments_of_open(self.problem, self.g, self.p))
         spread = spread_of(open_pp, open_p4, self.contact, self.N)
         wrong = misclassified_points(

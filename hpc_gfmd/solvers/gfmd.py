@@ -41,9 +41,23 @@ PATIENCE = 20  # stagnation is judged over that many time scales sqrt(lambda/mu)
 
 
 class Gfmd(Solver):
-    """options: dt, time step relative to the stability limit, 0.01 to 1 (default 0.95); damping,
-    constant, in units of the critical damping of the longest wave, 0 to 1e6 (default: measured, see
-    above). Raises SceneError for others."""
+    """The paper's dynamics, see above.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is solved.
+    options : dict, optional
+        dt: time step relative to the stability limit, 0.01 to 1 (default 0.95); damping: constant,
+        in units of the critical damping of the longest wave, 0 to 1e6 (default: measured).
+    g : ndarray, optional
+        Memory for the gap, local slab of the grid, which is taken over.
+
+    Raises
+    ------
+    SceneError
+        For options that are not allowed.
+    """
 
     name = "gfmd"
     allowed = {"dt": (0.01, 1.0), "damping": (0.0, 1e6)}
@@ -61,6 +75,7 @@ class Gfmd(Solver):
     # -- starting
 
     def start(self, g: np.ndarray) -> None:
+        """Begin at the gap g >= 0 (local slab, taken over); its pressure takes an FFT pair."""
         self._lay(g)
         self.elastic.pressure_rows(
             self.problem.displacement_rows(self.g, self.problem.level(self.g))
@@ -70,6 +85,8 @@ class Gfmd(Solver):
         self._measure(self.elastic.use_rows(self._update))
 
     def refresh(self, uKu: float | None = None) -> None:
+        """Go on at rest, after p has been computed anew from g, or shifted; uKu: <u, K u>, None if
+        that has not changed."""
         if uKu is not None:
             self.uKu = uKu
         self.d[...] = 0
@@ -84,6 +101,7 @@ class Gfmd(Solver):
     # -- one time step
 
     def step(self) -> None:
+        """Make one time step: one FFT pair."""
         a, b = (self.problem.dtype.type(c) for c in self._coefficients())
         self.elastic.pressure_rows(
             lambda i0, i1, x: verlet_step(self.g, self.p, self.d, x, i0, i1, a, b, self.grid.inside)
@@ -121,6 +139,7 @@ class Gfmd(Solver):
     # -- how far
 
     def progress(self) -> Progress:
+        """Return how far the solver is."""
         residual = float(np.sqrt(self.rr / self.N)) / self.p0
         finite = bool(np.isfinite(self.pp + self.gap))
         errors = None

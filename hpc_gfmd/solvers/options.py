@@ -9,17 +9,33 @@ from ..util.errors import SceneError
 def read_options(
     solver: str, options: Mapping[str, float], allowed: Mapping[str, tuple[float, float]]
 ) -> dict[str, float]:
-    """Return the given options as floats. allowed: {name: (smallest, largest value)}; where these
-    are of type int, whole numbers.
+    """Return the options of a solver as floats.
 
-    Raises SceneError for an unknown name or a value that is not allowed.
+    Parameters
+    ----------
+    solver : str
+        Its name.
+    options : dict
+        Numbers by their names, as in a scene.
+    allowed : dict
+        The smallest and largest value by name; where these are of type int, whole numbers.
+
+    Returns
+    -------
+    dict
+        The options that are given.
+
+    Raises
+    ------
+    SceneError
+        For an unknown name or a value that is not allowed.
     """
     for name, value in options.items():
         if name not in allowed:
-            known = ", ".join(allowed) or "none"
-            found = ", ".join(filter(None, [repr(name), not_modelled(name)]))
+            names = ", ".join(allowed) or "none"
+            shown = ", ".join(filter(None, [repr(name), not_modelled(name)]))
             raise SceneError(
-                f"solver.options: found {found}, allowed for the solver {solver!r}: {known}"
+                f"solver.options: found {shown}, allowed for the solver {solver!r}: {names}"
             )
         low, high = allowed[name]
         kind = "a whole number" if isinstance(low, int) else "a number"

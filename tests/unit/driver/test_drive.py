@@ -2,6 +2,7 @@
 progress and the certificates are scripted."""
 
 from dataclasses import dataclass, field
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -28,6 +29,8 @@ class Scripted:
     iterations: int = 0
     N: int = 100
     p0: float = 0.1
+    is_separated: bool = False
+    problem = SimpleNamespace(attraction=None)
     certified_at: list = field(default_factory=list)
 
     def progress(self):
@@ -38,10 +41,10 @@ class Scripted:
     def step(self):
         self.iterations += 1
 
-    def expected_area(self, squares):
+    def expected_area(self, estimate):
         return 0.0
 
-    def after_certificate(self, uKu):
+    def after_certificate(self, certificate):
         self.certified_at.append(self.iterations)
 
 
@@ -169,3 +172,10 @@ def test_a_search_is_led_by_certificates(certified):
     assert outcome.status == "converged"
     assert solver.p0 == pytest.approx(0.1 * 2**times)
     assert outcome.pairs == PAIRS * (times + 1)
+
+
+def test_bodies_that_come_apart_are_not_iterated(certified):
+    solver = Scripted(halving)
+    solver.is_separated = True
+    assert drive(solver, CRITERION).status == "separated"
+    assert solver.iterations == 0
