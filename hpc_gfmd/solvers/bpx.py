@@ -201,7 +201,9 @@ class Bpx(Solver):
             self.rayleigh = 1.0
         else:
             zKz = dKd + stiffer - 2 * a * b * self.zKd - b * b * self.dKd
-            self.rayleigh = zKz / (a * a * self.rz)
+            with np.errstate(over="ignore"):  # of the last bits of a closed contact
+                self.rayleigh = zKz / (a * a * self.rz)
+            self.rayleigh = self.rayleigh if np.isfinite(self.rayleigh) else 1.0
         # with a hardness the elastic contact may have become another one
         self._measure(sums, anew=plain and self.problem.hardness is not None)
         # K u = p - t - p_cell

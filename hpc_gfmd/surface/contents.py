@@ -80,6 +80,11 @@ class Contents:
         with self.open() as stream:
             return stream.read(HEAD_BYTES)
 
+    def is_mostly_text(self) -> bool:
+        """Whether hardly any of the first bytes are control characters."""
+        head = self.head()
+        return len(_CONTROL.findall(head)) <= 0.01 * len(head)
+
     @property
     def claimed(self) -> str:
         """The format that the suffix names, or ""."""

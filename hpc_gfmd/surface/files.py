@@ -80,8 +80,8 @@ def opener_of(contents: Contents) -> tuple[str, Opener]:
     if kind in ("", "text") and instruments.knows(contents):
         return "other", instruments.read
     if kind in ("", "zip", "picture"):
-        claimed = contents.claimed if contents.claimed != "text" else ""
-        kind = claimed or ("text" if kind == "" and not contents.head() else "other")
+        is_text = contents.claimed != "text" or contents.is_mostly_text()
+        kind = contents.claimed if contents.claimed and is_text else "other"
     if kind == "hdf5" and contents.claimed == "netcdf":
         kind = "netcdf4"
     return OPENERS[kind]

@@ -177,6 +177,8 @@ def of_instrument(header: list[str], lines: int, columns: int) -> tuple[Metadata
             return None
         raise ValueError(f"its header does not fit: {error}; surface.skip_lines skips it") from None
     sizes = channel.physical_sizes
+    if channel.dim != 2 or (sizes is not None and len(sizes) != 2):
+        return None
     if sizes is None and channel.unit is None and channel.height_scale_factor is None:
         return None
     return (

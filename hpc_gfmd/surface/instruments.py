@@ -92,8 +92,7 @@ def recognised(contents: Contents, spec: Any) -> Map | None:
 def topography_of_channel(contents: Contents, dataset: str) -> Any:
     """Return the Topography of SurfaceTopography for the channel that would be read; raises what
     its readers raise."""
-    reader = _reader_of(contents)
-    channel = _channel_of(reader, dataset)
+    channel = _channel_of(_detected(contents), dataset)
     sized = channel.physical_sizes is not None
     return channel.topography(**({} if sized else {"physical_sizes": (1.0, 1.0)}))
 
@@ -124,6 +123,8 @@ def _reader_of(contents: Contents) -> Any:
     try:
         reader = _detected(contents)
     except io.CannotDetectFileFormat:
+        reader = None
+    if reader is not None and reader.format() in OWN_FORMATS:  # more lenient than those here
         reader = None
     if reader is not None and (_maps_of(reader) or reader.format() in named or not named):
         return reader

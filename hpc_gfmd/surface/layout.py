@@ -87,7 +87,7 @@ def layout_of(lines: list[str], spec: Any) -> Layout:
         _candidate(lines, mark, decimal, missing, spec.skip_lines)
         for decimal in decimals
         for mark in MARKS
-        if mark != decimal
+        if mark != decimal or any('"' in line for line in lines)  # quoted numbers hold marks
     ]
     _, layout = max(candidates, key=lambda candidate: candidate[0])
     if not layout.columns:

@@ -123,14 +123,8 @@ def without_coordinates(table: np.ndarray, labels: Labels, told: str | None) -> 
         return Matrix(table[:, 1:], of_lines=table[:, 0])
     if min(table.shape) > 1 and is_plane(table):
         return Matrix(table)
-    line, column = table[0, 1:], table[1:, 0]
-    if changes_evenly(line) and changes_evenly(column):
-        if labels.whole_line and labels.whole_column:
-            return _with_both(table[1:, 1:], column, line)
-        inside = table[1:, 1:]
-        if changes_evenly(inside[0]) or changes_evenly(inside[:, 0]):
-            raise ValueError(f"its first line and column rise evenly: {HINT}")
-        return _with_both(inside, column, line)
+    if changes_evenly(table[0, 1:]) and changes_evenly(table[1:, 0]):
+        return _with_numbers_in_the_corner(table, labels)
     heights = table
     of_columns = of_lines = None
     if _is_label(table, labels.whole_line, "line"):
@@ -138,6 +132,21 @@ def without_coordinates(table: np.ndarray, labels: Labels, told: str | None) -> 
     elif _is_label(table.T, labels.whole_column, "column"):
         heights, of_lines = table[:, 1:], table[:, 0]
     return Matrix(heights, of_lines, of_columns)
+
+
+def _with_numbers_in_the_corner(table: np.ndarray, labels: Labels) -> Matrix:
+    """Take off first line and column, which change evenly, of a matrix with a number in its corner.
+    Raises ValueError where they may be heights, too."""
+    line, column, inside = table[0, 1:], table[1:, 0], table[1:, 1:]
+    if labels.whole_line and labels.whole_column:
+        return _with_both(inside, column, line)
+    continues = changes_evenly(table[0]) and changes_evenly(table[:, 0])
+    few = min(line.size, column.size) < FEWEST
+    if few and continues:  # as in any small map of whole numbers
+        return Matrix(table)
+    if few or continues or changes_evenly(inside[0]) or changes_evenly(inside[:, 0]):
+        raise ValueError(f"its first line and column rise evenly: {HINT}")
+    return _with_both(inside, column, line)
 
 
 def _is_label(table: np.ndarray, is_whole_line: bool, what: str) -> bool:

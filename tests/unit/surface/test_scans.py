@@ -187,8 +187,18 @@ def test_what_may_be_coordinates_or_heights_has_to_be_told():
     plane = np.arange(96).reshape(12, 8)
     Path("z.txt").write_text(text(plane))
     assert is_map(heights("z.txt", **KEYS), plane)
-    Path("z.txt").write_text(text([[1, 2, 3, 4], [5, 6, 3, 1], [2, 4, 1, 3], [4, 3, 2, 1]]))
-    assert heights("z.txt", **SMALL).shape == (4, 4)
+    for rows in (
+        [[1, 2, 3, 4], [5, 6, 3, 1], [2, 4, 1, 3], [4, 3, 2, 1]],
+        [[1, 2, 3, 4], [2, 1, 4, 3], [3, 4, 1, 2], [4, 3, 2, 1]],
+    ):
+        Path("z.txt").write_text(text(rows))
+        assert is_map(heights("z.txt", **SMALL), rows)
+    Path("z.txt").write_text(
+        text([[0, 0, 1, 2], [0, 101, 105, 103], [1, 104, 107, 106], [2, 9, 5, 8]])
+    )
+    with refused("its first line and column rise evenly"):
+        heights("z.txt", **SMALL)
+    assert heights("z.txt", coordinates="both", **SMALL).shape == (3, 3)
 
 
 def points(names, order=lambda table: table):
