@@ -131,6 +131,10 @@ class Ensemble:
             "curves", or the name of one number.
         **how
             As of `hpc_gfmd.plot`.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
         """
         from ..plotting import plot
 
