@@ -3,6 +3,8 @@
 import os
 import signal
 import time
+from collections.abc import Callable
+from contextlib import suppress
 from typing import Any, NoReturn, Self
 
 from ..util.errors import SceneError
@@ -62,10 +64,19 @@ class Interrupt:
         All ranks of the run.
     deadline : float, optional
         Seconds from now after which the run is to stop.
+    announce : function, optional
+        Called without arguments as soon as this rank gets a signal, before all have agreed to stop:
+        mpirun leaves its ranks a second, which an iteration may take.
     """
 
-    def __init__(self, comm: Comm, deadline: float | None = None):
+    def __init__(
+        self,
+        comm: Comm,
+        deadline: float | None = None,
+        announce: Callable[[], object] | None = None,
+    ):
         self.comm = comm
+        self.announce = announce
         self.begun = time.monotonic()
         self.deadline = deadline
         self.signal = 0
@@ -93,6 +104,9 @@ class Interrupt:
         if self.signal:
             os._exit(128 + self.signal)
         self.signal = number
+        if self.announce is not None:
+            with suppress(RuntimeError):  # in the middle of printing something else
+                self.announce()
 
     @property
     def exit_code(self) -> int:

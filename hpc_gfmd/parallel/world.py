@@ -9,8 +9,8 @@ from types import TracebackType
 from typing import Any
 
 from ..util.errors import GfmdError, SceneError, one_line
+from .ancestors import enclosing_mpi_program
 from .comm import Comm, MpiComm, SerialComm
-from .enclosing import enclosing_mpi_program
 from .launcher import LAUNCHER, launched, launcher_rank, srun_size
 from .mpi_library import REBUILD, load_mpi
 

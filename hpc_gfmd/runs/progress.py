@@ -6,6 +6,7 @@ import sys
 import time
 from typing import Any
 
+from ..parallel.ancestors import launcher_is_watched
 from ..parallel.comm import Comm
 from ..scene import Solver
 from ..solvers.base import Progress
@@ -47,6 +48,7 @@ class Reporter:
         self.out = out or sys.stdout
         if bar is None:
             is_watched = _is_terminal(sys.stderr) or "ipykernel" in sys.modules
+            is_watched = is_watched or (comm.size > 1 and launcher_is_watched())
             style = os.environ.get("HPC_GFMD_PROGRESS") or ("bar" if is_watched else "log")
             bar = style == "bar"
         self.draws_bar = bar and not self.silent and sys.stderr is not None

@@ -4,7 +4,7 @@ run was interrupted."""
 import json
 import time
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -13,6 +13,7 @@ import numpy as np
 
 from ..contact import all_numbers
 from ..contact.contact import Contact, heights_of
+from ..driver.load import Load
 from ..driver.precision import first_precision
 from ..driver.sweep import Unfinished
 from ..driver.warmup import compile_once
@@ -109,8 +110,14 @@ def run_scene(
     require_memory(comm, scene, grid, threads)
     head = {"scene": scene.to_toml(), "identity": scene.identity(), "versions": versions()}
     output = scene.output
+    how_to_continue = f"continue with: hpc-gfmd restart {output.path}"
+
+    def announce() -> None:
+        say.done()  # the bar, on whose line the text would stand
+        say.say(f"stopping after this iteration; finished loads are kept, {how_to_continue}")
+
     with (
-        Interrupt(comm, scene.machine.wall_seconds) as interrupt,
+        Interrupt(comm, scene.machine.wall_seconds, announce) as interrupt,
         RunFile(
             comm,
             output.path,
@@ -127,12 +134,12 @@ def run_scene(
         for line in [*file.notes, *scene.warnings(), oversubscription(comm, threads)]:
             if line:
                 say.say(f"note: {line}")
+        run = _Run(comm, scene, file, say, interrupt, threads)
         try:
-            run = _Run(comm, scene, file, say, interrupt, threads)
             run.start(begun)
             status = run.all_loads()
         except Stopped:
-            say.say(f"stopped; continue with: hpc-gfmd restart {file.path}")
+            say.say(f"stopped: {run.standing()}; {how_to_continue}")
             status = "interrupted"
         codes = {"converged": 0, "separated": 0, "interrupted": interrupt.exit_code}
         return RunResult(file.path, [*file.finished.values()], status, codes.get(status, 3))
@@ -148,6 +155,16 @@ class _Run:
     say: Reporter
     interrupt: Interrupt
     threads: int
+    loads: list[Load] = field(default_factory=list)
+    unfinished: str = ""  # load in the middle of which the run was stopped, for a person
+
+    def standing(self) -> str:
+        """Return how far the run has got, for a person."""
+        if not self.loads:
+            return "no load had begun"
+        count = len(self.file.finished)
+        are = "is" if count == 1 else "are"
+        return f"{count} of {len(self.loads)} loads {are} finished{self.unfinished}"
 
     def start(self, begun: float) -> None:
         """Make the surface and the sweep; begun: time at which the run began."""
@@ -217,6 +234,9 @@ class _Run:
         ):
             if contact.status == "interrupted":
                 self._keep_gap(index, contact, seconds)
+                count = contact.iterations
+                plural = "s" * (count != 1)
+                self.unfinished = f", load {index + 1} after {count} iteration{plural}"
                 raise Stopped(self.interrupt.agreed)
             self._write(index, contact, seconds)
             del contact  # its fields make room for the next load

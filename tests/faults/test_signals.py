@@ -46,7 +46,9 @@ def test_signal(undisturbed, name, ranks, target):
         assert job.code == 1
     else:
         assert job.code == CODES[name], (job.code, job.err)
-        assert f"stopped; continue with: hpc-gfmd restart {path.name}" in job.out
+        (line,) = (line for line in job.out.splitlines() if line.startswith("stopped"))
+        assert "2 of 5 loads" in line
+        assert f"hpc-gfmd restart {path.name}" in line
     goes_on(path, undisturbed(ranks), ranks, kept=2)
 
 

@@ -9,7 +9,7 @@ import pytest
 from mpi_harness import environment, python
 from refusal import refused
 
-from hpc_gfmd.parallel import enclosing, launcher, thread_count, world
+from hpc_gfmd.parallel import ancestors, launcher, thread_count, world
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.parallel.launcher import launched, launcher_rank
 from hpc_gfmd.parallel.mpi_library import load_mpi
@@ -107,7 +107,7 @@ OTHER = [b"HOME=/root"]
 
 
 @pytest.mark.parametrize(
-    ("ancestors", "program"),
+    ("chain", "program"),
     [
         ([("python", RANK_1, "libmpi.so.40")], "python optimise.py"),
         (
@@ -120,14 +120,14 @@ OTHER = [b"HOME=/root"]
         ([], None),
     ],
 )
-def test_a_rank_of_another_program_around_this_process(ancestors, program, tmp_path, monkeypatch):
+def test_a_rank_of_another_program_around_this_process(chain, program, tmp_path, monkeypatch):
     for name in launcher.LAUNCHER_RANK:
         monkeypatch.delenv(name, raising=False)
-    processes(tmp_path, *ancestors)
+    processes(tmp_path, *chain)
     monkeypatch.setattr(os, "getppid", lambda: 100)
-    assert enclosing.enclosing_mpi_program(tmp_path) is None
+    assert ancestors.enclosing_mpi_program(tmp_path) is None
     monkeypatch.setenv("PMI_RANK", "1")
-    assert enclosing.enclosing_mpi_program(tmp_path) == program
+    assert ancestors.enclosing_mpi_program(tmp_path) == program
 
 
 @pytest.mark.parametrize(
@@ -184,3 +184,30 @@ def test_a_run_inside_another_mpi_program(folder):
     assert "inside.py" in message
     assert "HPC_GFMD_LAUNCHER=none" in message
     assert {"0.h5", "1.h5"} <= {path.name for path in folder.iterdir()}
+
+
+@pytest.mark.parametrize(
+    ("chain", "is_watched"),
+    [
+        (["bash", "mpirun"], True),
+        (["hydra_pmi_proxy", "mpiexec.hydra"], True),
+        (["python", "bash"], False),  # started by hand, without a launcher
+        ([], False),
+    ],
+)
+def test_whether_somebody_watches_mpirun(chain, is_watched, tmp_path, monkeypatch):
+    """By its standard error; that of a rank is a pipe."""
+    pty = pytest.importorskip("pty")
+    processes(tmp_path, *((name, [], "libc.so.6") for name in chain))
+    monkeypatch.setattr(os, "getppid", lambda: 100)
+    assert not ancestors.launcher_is_watched(tmp_path)
+    ends = pty.openpty()
+    try:
+        for k in range(len(chain)):
+            place = tmp_path / str(100 + k) / "fd"
+            place.mkdir()
+            (place / "2").symlink_to(os.ttyname(ends[1]))
+        assert ancestors.launcher_is_watched(tmp_path) == is_watched
+    finally:
+        for end in ends:
+            os.close(end)
