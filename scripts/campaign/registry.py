@@ -19,7 +19,8 @@ class Wall:
     """heights (peaks up); physical_sizes; loads: p* in the order of solving; E_star; surface: table
     [surface] of a scene that has these heights, where one does; units: whether the campaign may
     choose others; free: whether the wall ends along x, along y; hardness: over the largest pressure
-    of the loads without one; hardness_star: or over E* g_rms."""
+    of the loads without one; hardness_star: or over E* g_rms; attraction: a
+    sticky_walls.Attraction."""
 
     heights: np.ndarray
     physical_sizes: tuple[float, float]
@@ -30,6 +31,7 @@ class Wall:
     free: tuple[bool, bool] = (False, False)
     hardness: float | None = None
     hardness_star: float | None = None
+    attraction: object = None
 
 
 def family(function):
