@@ -16,15 +16,8 @@ from functools import cached_property
 import numpy as np
 
 from ..certificate.certificate import Certificate
-from ..certificate.error_estimates import (
-    Estimate,
-    State,
-    estimate,
-    misclassified_points,
-    moments_of_open,
-    relative_error,
-    spread_of,
-)
+from ..certificate.error_estimates import Estimate, State, estimate, relative_error
+from ..certificate.misclassified import misclassified_points, moments_of_open, spread_of
 from ..kernels.adhesive_rows import add_attraction, shift_gap
 from ..kernels.bfloat16 import stored_dtype
 from ..kernels.bpx import UpdateSums, search_passes
