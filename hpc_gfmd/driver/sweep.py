@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from ..scene import Load as SceneLoad
     from ..scene import Solver as Settings
     from ..surface import Surface
-    from .drive import Watch
+    from .drive import Outcome, Watch
     from .working_surface import MakeSurface
 
 DOUBLE = np.dtype(np.float64)
@@ -270,7 +270,7 @@ class Sweep:
             solver.p0,
             solver.g,
             solver.p,
-            outcome.status,
+            self._status_of(outcome, load),
             outcome.certificate,
             iterations=solver.iterations,
             pairs=pairs,
@@ -280,6 +280,14 @@ class Sweep:
         ):
             return Attempt(None, pairs)
         return Attempt(contact, pairs)
+
+    def _status_of(self, outcome: Outcome, load: Load) -> str:
+        """Return the status of a load: what a search found in single precision is no target met
+        where that takes double precision."""
+        doubtful = load.search is not None and load.search.needs_double
+        if outcome.status == "converged" and doubtful and self.dtype != DOUBLE:
+            return "stagnated"
+        return outcome.status
 
     def _separated(self, load: Load, iterations: int, pairs: float) -> Attempt:
         """Return what is left where the load pulls more than the attraction."""
