@@ -9,8 +9,22 @@ WAY_OUT = "a UTF-8 locale, such as LC_ALL=C.UTF-8, or the environment variable P
 
 
 def require_name(key: str, path: str | os.PathLike) -> None:
-    """Raise SceneError, which names the key, for the name of a file that this process can neither
-    find nor make: the locale's encoding lacks its characters."""
+    """Raise SceneError for a file name with characters that the locale's encoding lacks.
+
+    This process can neither find nor create such a file.
+
+    Parameters
+    ----------
+    key : str
+        The key or the option that names the file.
+    path : path
+        The file.
+
+    Raises
+    ------
+    SceneError
+        With the key.
+    """
     try:
         os.fsencode(path)
     except UnicodeEncodeError:
