@@ -21,7 +21,7 @@ class Wall:
     choose others; free: whether the wall ends along x, along y; hardness: over the largest pressure
     of the loads without one; hardness_star: or over E* g_rms; targets: what is asked for in place
     of `loads`, a quantity (a_r, or gap_over_h_rms) and its values, for each of which a load of its
-    own is searched for.
+    own is searched for; attraction: a sticky_walls.Attraction.
     """
 
     heights: np.ndarray
@@ -33,6 +33,7 @@ class Wall:
     free: tuple[bool, bool] = (False, False)
     hardness: float | None = None
     hardness_star: float | None = None
+    attraction: object = None
     targets: tuple[str, tuple[float, ...]] | None = None
 
 

@@ -15,6 +15,7 @@ import hpc_gfmd
 
 from .families import make
 from .kept import truths
+from .sticky_walls import judged_rows
 
 KIND = {"a_r": 0, "gap_over_h_rms": 1}  # which of the three errors a target is of
 MEET = 1e-12  # relative: loads that are the same
@@ -36,6 +37,9 @@ def rows_of(name, seed, index, ways, seconds=SECONDS):
     head = {"family": name, "seed": seed, "index": index}
     try:
         wall = make(name, seed, index)
+        if wall.attraction is not None:
+            head["n"] = list(wall.heights.shape)
+            return _sticky_rows(wall, head, ways, seconds)
         with _time_limit(seconds):
             of = wall.heights, wall.physical_sizes, wall.loads, wall.free, wall.hardness
             contact, exact, hardness = truths(*of, wall.hardness_star)
@@ -66,6 +70,25 @@ def rows_of(name, seed, index, ways, seconds=SECONDS):
             failed = {"status": FAILURES.get(kind, "raised"), "error": f"{kind}: {error}"}
             rows.append(way | {"load": load, "p_star": p_star} | failed)
         rows[-1]["seconds"] = round(time.perf_counter() - begun, 4)
+    return rows
+
+
+def _sticky_rows(wall, head, ways, seconds):
+    """Solve a wall with an attraction, see sticky_walls.py."""
+    rows = []
+    for solver, precision, accuracy, low_memory in ways:
+        if solver != "bpx" or low_memory:
+            continue
+        way = {"solver": solver, "precision": precision, "accuracy": accuracy}
+        way = head | way | {"low_memory": low_memory}
+        try:
+            with _time_limit(seconds):
+                for load, judged in judged_rows(wall, precision, accuracy):
+                    rows.append(way | {"load": load, "p_star": wall.loads[load]} | judged)
+        except Exception as error:  # a campaign goes on
+            kind = type(error).__name__
+            failed = {"status": FAILURES.get(kind, "raised"), "error": f"{kind}: {error}"}
+            rows.append(way | {"load": 0, "p_star": wall.loads[0]} | failed)
     return rows
 
 
