@@ -34,7 +34,7 @@ def prepared(comm):
         spec = File(kind="file", path="z.npy", physical_sizes=SIZES, boundary=boundary, **keys)
         found = prepare(open_topography(spec), spec, comm)
         mine = found.rows(*nominal_part(grid_of(found.n, SIZES, comm, spec.free)).rows)
-        return np.concatenate(comm.allgather(mine)), found, found.done
+        return np.concatenate(comm.allgather(mine)), found, found.prepared
 
     return call
 
