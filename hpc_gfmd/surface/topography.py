@@ -9,17 +9,16 @@ from typing import Any, Self
 
 import numpy as np
 
-from ..scene import each, has_unit
+from ..scene import each
 from ..util.errors import SceneError, one_line
-from ..util.lengths import length_factor
-from ..util.quantities import Quantity, prefixed
+from ..util.quantities import Quantity
 from .analytic import Rows
 from .files import open_map
 from .heights import checked
+from .map_units import MapUnits, lengths_text
 from .metadata import Metadata
 
 ALIKE = 1e-6  # relative difference of lengths that are the same
-UNITS = 'a unit of length, such as surface.unit = "nm"'
 SQUARE = 0.01  # relative difference of spacings of square points, at most
 OBLONG = 0.05  # of points that are not square, at least
 SIZES = 1e-9, 1.0  # m: no instrument measures less, or more
@@ -171,7 +170,7 @@ def topography_of(data: Any, metadata: Metadata, spec: Any) -> Topography:
     """
     path = Path(spec.path)
     metadata = _turned(metadata, spec)
-    units = _Units(metadata, spec, path)
+    units = MapUnits(metadata, spec, path)
     if not all(0 < size < inf for size in units.sizes):
         raise SceneError(
             f"surface.physical_sizes: found {list(units.sizes)} in {path}, allowed: two positive"
@@ -266,93 +265,6 @@ def _rows_of(data: Any, metadata: Metadata, start: int, stop: int, n_x: int) -> 
     return z
 
 
-class _Units:
-    """Sizes and units of a map, by what its file and the scene say.
-
-    Attributes
-    ----------
-    sizes : (L_x, L_y)
-        In m where units are named.
-    height, length : float
-        What one unit of the heights, and of plain sizes, is in m where units are named.
-    sizes_unit : str, optional
-        Of plain sizes.
-    are_named : bool
-    lacks : dict
-        {key of [surface]: why it has to be given}
-    notes : list of str
-    """
-
-    def __init__(self, metadata: Metadata, spec: Any, path: object) -> None:
-        self.lacks: dict[str, str] = {}
-        self.notes: list[str] = []
-        unit = self._height_unit(metadata, spec, path)
-        scene_sizes = spec.physical_sizes
-        file_unit = metadata.sizes_unit or unit
-        in_file = metadata.sizes if file_unit is None or length_factor(file_unit) else None
-        self.sizes_unit = file_unit if scene_sizes is None and in_file is not None else unit
-        where = f"neither in the scene nor in {path}"
-        if scene_sizes is None and in_file is None:
-            if metadata.sizes_unit and length_factor(metadata.sizes_unit) is None:
-                where = f"and in {path} in {metadata.sizes_unit!r}, which is no unit of length"
-            self.lacks["physical_sizes"] = (
-                f"surface.physical_sizes: not given, {where}, allowed: two positive numbers"
-                ' [L_x, L_y], plain in surface.unit or as "12.8 um"'
-            )
-        is_needed = scene_sizes is None or has_unit(scene_sizes)
-        if unit is None and "unit" not in self.lacks and is_needed:
-            self.lacks["unit"] = (
-                "surface.unit: not given for the heights, neither in the scene nor in"
-                f" {path}, allowed: {UNITS}"
-            )
-        self.are_named = unit is not None
-        self.height = _factor(unit, path)
-        self.length = _factor(self.sizes_unit, path)
-        self.sizes = tuple(
-            float(size if isinstance(size, Quantity) else size * self.length)
-            for size in scene_sizes or in_file or (1.0, 1.0)
-        )
-        self._compare(metadata, in_file, scene_sizes)
-        if scene_sizes is None and in_file is not None and not metadata.sizes_unit and spec.unit:
-            self.notes.append(f"x and y in {path} are taken in {spec.unit}, as the heights are")
-
-    def _height_unit(self, metadata: Metadata, spec: Any, path: object) -> str | None:
-        """Return the unit of the heights. Raises SceneError where scene and file contradict each
-        other."""
-        if metadata.unit is None:
-            return spec.unit
-        in_file = length_factor(metadata.unit)
-        if in_file is None and spec.unit is None:
-            self.lacks["unit"] = (
-                f"surface.unit: in {path} {metadata.unit!r} is no unit of length, allowed: {UNITS}"
-            )
-            return None
-        if in_file is None:
-            self.notes.append(
-                f"heights are taken in {spec.unit}, as surface.unit says; {path} says"
-                f" {metadata.unit!r}"
-            )
-            return spec.unit
-        if spec.unit is not None and length_factor(spec.unit) != in_file:
-            raise SceneError(
-                f"surface.unit: found {spec.unit!r}, but {path} has its heights in"
-                f" {metadata.unit!r}, allowed: no surface.unit, or the file's own"
-            )
-        return spec.unit or metadata.unit
-
-    def _compare(self, metadata: Metadata, in_file: Any, scene_sizes: Any) -> None:
-        """Note where the scene has other sizes than the file."""
-        file_unit = metadata.sizes_unit or metadata.unit
-        if scene_sizes is None or in_file is None or (file_unit is None) == self.are_named:
-            return
-        sizes = [size * _factor(file_unit, "") for size in in_file]
-        if not np.allclose(sizes, self.sizes, 1e-3, 0):
-            self.notes.append(
-                f"surface.physical_sizes are {_lengths(self.sizes, self.are_named)}, the file says"
-                f" {_lengths(sizes, self.are_named)}"
-            )
-
-
 def _notes_on_reading(metadata: Metadata, spec: Any, n: tuple[int, ...]) -> list[str]:
     """Return what to know of how a file was read, a line each."""
     notes = [f"{spec.path}: {remark}" for remark in metadata.remarks]
@@ -368,7 +280,7 @@ def _notes_on_reading(metadata: Metadata, spec: Any, n: tuple[int, ...]) -> list
     return notes
 
 
-def _notes_on_sizes(n: tuple[int, ...], units: _Units, spec: Any) -> list[str]:
+def _notes_on_sizes(n: tuple[int, ...], units: MapUnits, spec: Any) -> list[str]:
     """Return what is doubtful about sizes, a line each."""
     notes = []
     spacings = [size / k for size, k in zip(units.sizes, n)]
@@ -376,30 +288,14 @@ def _notes_on_sizes(n: tuple[int, ...], units: _Units, spec: Any) -> list[str]:
     is_oblong = abs(np.log(spacings[0] / spacings[1])) > OBLONG
     if min(n) > 1 and is_oblong and abs(np.log(exchanged[0] / exchanged[1])) < SQUARE:
         notes.append(
-            f"points are {_lengths(spacings, units.are_named)}; they would be square with exchanged"
-            ' sizes: are x and y meant the other way round? (surface.first_axis = "y" takes the'
+            f"points are {lengths_text(spacings, units.are_named)}; they would be square with"
+            ' exchanged sizes: are x and y meant the other way round? (surface.first_axis = "y" takes the'
             " first index of the map, or the line of a text, for y)"
         )
     shortest, longest = SIZES
     if units.are_named and not shortest <= min(units.sizes) <= max(units.sizes) <= longest:
         notes.append(
-            f"the map is {_lengths(units.sizes, True)}, which no instrument measures: is the unit"
-            " right?"
+            f"the map is {lengths_text(units.sizes, True)}, which no instrument measures: is the"
+            " unit right?"
         )
     return notes
-
-
-def _lengths(sizes: Any, are_named: bool) -> str:
-    """Write lengths as "10 um x 8 um"."""
-    scale, name = prefixed(sizes, "m" if are_named else "")
-    return " x ".join(f"{size / scale:.6g} {name}".strip() for size in sizes)
-
-
-def _factor(unit: str | None, path: object) -> float:
-    """Return one unit of length in m, 1 for none. Raises SceneError."""
-    if unit is None:
-        return 1.0
-    metres = length_factor(unit)
-    if metres is None:
-        raise SceneError(f"surface.unit: in {path} {unit!r} is no unit of length, allowed: {UNITS}")
-    return metres
