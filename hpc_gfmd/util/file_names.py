@@ -9,8 +9,21 @@ WAY_OUT = "a UTF-8 locale, such as LC_ALL=C.UTF-8, or the environment variable P
 
 
 def require_name(key: str, path: str | os.PathLike) -> None:
-    """Raise SceneError, which names the key, for the name of a file that this process can neither
-    find nor make: the locale's encoding lacks its characters."""
+    """Refuse the name of a file that this process can neither find nor make, because the locale's
+    encoding lacks its characters.
+
+    Parameters
+    ----------
+    key : str
+        What the message names.
+    path : str or PathLike
+        The file.
+
+    Raises
+    ------
+    SceneError
+        With the way out.
+    """
     try:
         os.fsencode(path)
     except UnicodeEncodeError:
