@@ -10,11 +10,27 @@ from numpy.typing import DTypeLike
 
 @dataclass(frozen=True)
 class StoppingCriterion:
-    """Either accuracy (relative, of area, mean gap and pressure) or residual; max_iterations per
-    load; certificate_dtype: precision of the certificate; duality: whether it has to give the
-    duality gap; in_turn: whether its transforms take the memory of those of the solver, and of its
-    last step; closes: whether the load is to be the least that closes the gap: a point that is
-    about to open is no error of the area then, nor of the gap."""
+    """Either an accuracy or a residual, and how it is certified.
+
+    Attributes
+    ----------
+    accuracy : float or None
+        Relative, of area, mean gap and pressure.
+    residual : float or None
+        rms of the pressure out of contact over the mean pressure.
+    max_iterations : int
+        Of one load.
+    certificate_dtype : dtype
+        Precision of the certificate.
+    duality : bool
+        Whether the certificate has to give the duality gap.
+    in_turn : bool
+        Whether the transforms of the certificate take the memory of those of the solver, and of its
+        last step.
+    closes : bool
+        Whether the load is to be the least that closes the gap. A point that is about to open is
+        then no error of the area, nor of the gap.
+    """
 
     accuracy: float | None = None
     residual: float | None = None

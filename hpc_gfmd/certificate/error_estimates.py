@@ -39,10 +39,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..kernels.certify import BINS, PER_OCTAVE, count_uncertain, open_moments
 from ..operators.multilevel import EQUIVALENCE
 from ..operators.problem import ROUNDING, self_energy
-from ..parallel.threads import added
 from .plastic_limits import further_movement
 
 if TYPE_CHECKING:
@@ -97,11 +95,26 @@ CALIBRATION = Calibration()
 
 
 class State(NamedTuple):
-    """Sums over all points, and all ranks, of a state at the mean pressure p0.
+    """Sums over all points of a state, on all ranks.
 
-    open_p, open_pp: of p and p^2 out of contact, less the hardness where a point yields; closed_pp:
-    of p^2 in contact; contact: points; yielded: of these; gap: of gaps; uKu: <u, K u>;
-    level_sums: what Multilevel.sweep returns of p out of contact.
+    Attributes
+    ----------
+    p0 : float
+        Mean pressure that the wall bears.
+    open_p, open_pp : float
+        Sums of p and p^2 out of contact; where a point yields, of the pressure beyond the hardness.
+    closed_pp : float
+        Sum of p^2 in contact.
+    contact : float
+        Number of points in contact, yielded ones included.
+    yielded : float
+        Number of points that yield.
+    gap : float
+        Sum of the gaps.
+    uKu : float
+        <u, K u>.
+    level_sums : sequence of float
+        What Multilevel.sweep returns of the pressure out of contact.
     """
 
     p0: float
@@ -114,13 +127,32 @@ class State(NamedTuple):
     uKu: float
     level_sums: Sequence[float]
 
+    @property
+    def elastic(self) -> float:
+        """Number of points that carry what is missing: those in elastic contact, at least the one
+        that balances the load where all others yield."""
+        if self.contact == self.yielded > 0:
+            return 1.0
+        return self.contact - self.yielded
+
 
 class Estimate(NamedTuple):
-    """Relative errors of the mean gap and of the pressure field; attainable: of both, where most of
-    it is what no iteration makes smaller, that part, else 0; squares: of the pressure's error,
-    summed over points; shift: of the sum of gaps, by the load that is missing or misplaced; fall:
-    height by which the body may move further than the contact's stiffness says, because all that is
-    elastic yields or opens."""
+    """Errors that are expected of a state.
+
+    Attributes
+    ----------
+    gap, pressure : float
+        Relative, of the mean gap and of the pressure field.
+    attainable : tuple of float
+        The part of both that no iteration makes smaller, where that is most of it, else 0.
+    squares : float
+        Squares of the error of the pressure, summed over points.
+    shift : float
+        Error of the sum of gaps by the load that is missing or misplaced.
+    fall : float
+        Height by which the body may move further than its elastic contact says, because all that
+        is elastic yields or opens (plastic_limits.py).
+    """
 
     gap: float = np.inf
     pressure: float = np.inf
@@ -130,154 +162,166 @@ class Estimate(NamedTuple):
     fall: float = 0.0
 
 
+class Norms(NamedTuple):
+    """Norms of what is left of the pressure, in the problem's units.
+
+    Attributes
+    ----------
+    missing : float
+        |p^ - p|_S.
+    response : float
+        |v|_S of the test pressure v that is -1 on open points and makes up for it in contact.
+    shift : float
+        <v, S (p - p^)>.
+    """
+
+    missing: float
+    response: float
+    shift: float
+
+
 def estimate(
     problem: Problem, levels: Multilevel, g: np.ndarray, state: State, stability: float = 1.0
 ) -> Estimate:
-    """Return the Estimate of a state, for solver and certificate alike.
+    """Return the errors of a state, for solver and certificate alike. Collective.
 
     p^ is the pressure in contact, more by as much at each point as makes up for what is left out of
     contact. Rounding errors of the working precision are those of the heights, which are
     independent from point to point, and those of the pressure, as a load that is wrong by as much.
 
-    With an attraction p0 is what the wall bears, and all this is about the contact under the same
-    attraction, frozen. The equilibrium is 1/stability as far away (stability.py).
-    """
-    p0, N, body = state.p0, problem.grid.N, problem.body
-    contact, gap, closed_pp = state.contact - state.yielded, state.gap, state.closed_pp
-    if contact == 0 and state.yielded > 0:
-        contact = 1.0  # the point that is to balance the load
-    if not (contact > 0 and closed_pp > 0 and isfinite(state.open_pp + gap + state.uKu)):
-        return Estimate()
-    if not (stability > 0 and p0 > 0):
-        return Estimate()
-    compliance, share = 1.0 / body.scale(problem.grid), contact / N
-    residual, test, product = levels.test_products(
-        state.open_p, state.open_pp, contact, *state.level_sums
-    )
-    opened = (N - state.contact) / max(N - contact, 1)  # not yielded, of what is free
-    e = sqrt(EQUIVALENCE * compliance * residual) / stability
-    response = sqrt(compliance * test) / share
-    squares = (CALIBRATION.pressure * e) ** 2 * body.typical(problem.grid)
-
-    eps = ROUNDING * float(np.finfo(problem.dtype).eps)
-    relative = sqrt(squares / closed_pp)
-    floor = hypot(problem.rounding / sqrt(closed_pp / contact), eps, body.error) / stability
-    pressure, floor = hypot(relative, floor), floor if relative < floor else 0.0
-    if state.contact == N:  # nothing is open
-        return Estimate(0.0, pressure, (0.0, floor), squares, 0.0)
-    shift = compliance * product / share / stability
-    norm = sqrt(max(state.uKu, 0.0))
-    first = inf  # where the load is not the same at every point this says nothing of the gap
-    if problem.attraction is None:
-        first = e * ((norm + e) / p0 + self_energy(problem.grid))
-    second = CALIBRATION.unknown * response * e + CALIBRATION.shift * abs(shift)
-    if state.yielded:
-        first += (second - first) * (1 - p0 / (problem.hardness or inf))
-    further = further_movement(problem, N * p0, g, gap, state.contact, e, response)
-    wrong = min(first, second) + further
-    wide = sqrt(N - contact)
-    last = CALIBRATION.corner * sqrt(N) * wide * max(1, wide / 2)  # m points: sqrt(m)/2
-    loaded = CALIBRATION.loaded * (response**2 + compliance * N)
-    least = body.error * p0 * min(loaded, last)
-    least += eps * (p0 * response**2 + gap) + problem.rounding * (N - contact)
-    least /= stability
-    attainable = relative_error(least, gap) if wrong < least else 0.0, floor
-    return Estimate(
-        relative_error(wrong + least, gap),
-        pressure,
-        attainable,
-        squares,
-        opened * shift,
-        further / (N - state.contact),
-    )
-
-
-def relative_error(wrong: float, value: float) -> float:
-    """Return the error of a number relative to the true one, from which it is `wrong` away at
-    most."""
-    return float(wrong / (value - wrong)) if wrong < value else (0.0 if wrong == 0 else np.inf)
-
-
-def misclassified_points(
-    problem: Problem, g: np.ndarray, p: np.ndarray, errors: Estimate, spread: float, contact: float
-) -> float:
-    """Count how many points may be in the wrong set, in contact or out of it. Collective.
-
-    Those whose change takes little beside the rms error of the pressure, no more than it takes to
-    use the squares of that error up, the easiest first. Points in contact and out of it are counted
-    apart: they change the area in opposite ways. With a hardness no fewer points touch than carry
-    the load.
+    With an attraction all this is about the contact under the same attraction, frozen. The
+    equilibrium is 1/stability as far away (stability.py).
 
     Parameters
     ----------
     problem : Problem
-        At the load of the state.
-    g, p : array, local slabs
-        Gap and pressure of the state.
-    errors : Estimate
-        Of the state.
-    spread : float
-        Number of points that the error of the pressure is spread over.
-    contact : float
-        Number of points in contact.
+        The contact; its load does not count.
+    levels : Multilevel
+        Of the grid.
+    g : array, local slab
+        Gap of the state.
+    state : State
+        Sums over all ranks.
+    stability : float
+        Of the equilibrium.
+
+    Returns
+    -------
+    Estimate
+        All infinite where nothing is known.
+    """
+    N = problem.grid.N
+    known = isfinite(state.open_pp + state.gap + state.uKu) and stability > 0 and state.p0 > 0
+    if not (known and state.elastic > 0 and state.closed_pp > 0):
+        return Estimate()
+    norms = _norms(problem, levels, state, stability)
+    # where points yield the bound itself counts
+    share = CALIBRATION.pressure if problem.hardness is None else 1.0
+    squares = (share * norms.missing) ** 2 * problem.body.typical(problem.grid)
+    relative = sqrt(squares / state.closed_pp)
+    rounding = _rounding_of_pressure(problem, state) / stability
+    pressure = hypot(relative, rounding)
+    attainable_pressure = rounding if relative < rounding else 0.0
+    if state.contact == N:
+        return Estimate(0.0, pressure, (0.0, attainable_pressure), squares, 0.0)
+
+    further = further_movement(
+        problem, N * state.p0, g, state.gap, state.contact, norms.missing, norms.response
+    )
+    wrong = _error_of_gaps(problem, state, norms) + further
+    rounding_of_gaps = _rounding_of_gaps(problem, state, norms) / stability
+    attainable_gap = 0.0
+    if wrong < rounding_of_gaps:
+        attainable_gap = relative_error(rounding_of_gaps, state.gap)
+    n_open = N - state.contact
+    return Estimate(
+        gap=relative_error(wrong + rounding_of_gaps, state.gap),
+        pressure=pressure,
+        attainable=(attainable_gap, attainable_pressure),
+        squares=squares,
+        shift=n_open / max(N - state.elastic, 1) * norms.shift,  # free points that do not yield
+        fall=further / n_open,
+    )
+
+
+def _norms(problem: Problem, levels: Multilevel, state: State, stability: float) -> Norms:
+    """Return the norms of what is left of the pressure, by sums over levels."""
+    compliance = 1.0 / problem.body.scale(problem.grid)
+    share = state.elastic / problem.grid.N
+    residual, test, product = levels.test_products(
+        state.open_p, state.open_pp, state.elastic, *state.level_sums
+    )
+    return Norms(
+        missing=sqrt(EQUIVALENCE * compliance * residual) / stability,
+        response=sqrt(compliance * test) / share,
+        shift=compliance * product / share / stability,
+    )
+
+
+def _error_of_gaps(problem: Problem, state: State, norms: Norms) -> float:
+    """Return the error of the sum of gaps while the elastic contact stays elastic."""
+    by_load = inf  # where an attraction differs from point to point this test says nothing
+    if problem.attraction is None:
+        norm = sqrt(max(state.uKu, 0.0))
+        edges = self_energy(problem.grid)
+        by_load = norms.missing * ((norm + norms.missing) / state.p0 + edges)
+    share = CALIBRATION.unknown if problem.hardness is None else 1.0
+    by_contact = share * norms.response * norms.missing + CALIBRATION.shift * abs(norms.shift)
+    if state.yielded:
+        by_load += (by_contact - by_load) * (1 - state.p0 / (problem.hardness or inf))
+    return min(by_load, by_contact)
+
+
+def _rounding_of_pressure(problem: Problem, state: State) -> float:
+    """Return the relative error of the pressure field that no iteration makes smaller."""
+    # with a hardness most of the contact may yield
+    points = state.elastic if problem.hardness is None else state.contact
+    of_heights = problem.rounding / sqrt(state.closed_pp / points)
+    return hypot(of_heights, _epsilon(problem), problem.body.error)
+
+
+def _rounding_of_gaps(problem: Problem, state: State, norms: Norms) -> float:
+    """Return the error of the sum of gaps that no iteration makes smaller."""
+    N = problem.grid.N
+    free = N - state.elastic
+    width = sqrt(free)
+    # the last m points open by sqrt(m)/2
+    last_points = CALIBRATION.corner * sqrt(N) * width * max(1, width / 2)
+    compliance = 1.0 / problem.body.scale(problem.grid)
+    as_load = CALIBRATION.loaded * (norms.response**2 + compliance * N)
+    of_body = problem.body.error * state.p0 * min(as_load, last_points)
+    of_sums = _epsilon(problem) * (state.p0 * norms.response**2 + state.gap)
+    return of_body + (of_sums + problem.rounding * free)
+
+
+def _epsilon(problem: Problem) -> float:
+    """Return the relative rounding error of the working precision."""
+    return ROUNDING * float(np.finfo(problem.dtype).eps)
+
+
+def relative_error(wrong: float, value: float) -> float:
+    """Return the error of a number relative to the true one.
+
+    Parameters
+    ----------
+    wrong : float
+        How far it may be from the true one.
+    value : float
+        The number.
 
     Returns
     -------
     float
-        Number of points, whole.
+        Infinite where the true one may be 0.
     """
-    squares = errors.squares
-    mean_square, tie = squares / spread, CALIBRATION.rounding * problem.rounding
-    double = problem.dtype == np.float64
-    sure = 0.0 if double else tie
-    largest = max(min(mean_square * CALIBRATION.farthest**2, squares), sure**2)
-    if largest <= 0:
-        return 0.0
-    grid = problem.grid
-    limits = 1.0 / problem.body.scale(grid), tie if double else 0.0, sure, largest, errors.fall
-
-    def count(i0: int, i1: int) -> np.ndarray:
-        counts, inside = np.zeros((2, BINS)), (i1 - i0, grid.inside[1])
-        count_uncertain(g[i0:i1], p[i0:i1], inside, *limits, counts)
-        return counts
-
-    counts = np.sum([np.zeros((2, BINS)), *grid.by_rows(count, grid.inside[0])], axis=0)
-    takes = largest * 2.0 ** (-(np.arange(BINS) + 1) / PER_OCTAVE)
-    takes[-1] = 0.0
-    wrong, reach = 0.0, CALIBRATION.reach
-    leaving = inf
-    if problem.hardness is not None:
-        leaving = np.floor(contact - grid.N * problem.p0 / problem.hardness)
-    counts = np.reshape(grid.comm.sum(counts.ravel()), (2, BINS))
-    for points, most_points in zip(counts, (leaving, inf), strict=True):
-        near, far = (points[takes < mean_square * x**2].sum() for x in (reach / 2, reach))
-        most = max(near, far - near)
-        likely = max(most + np.sqrt(most), min(points.sum(), CALIBRATION.few))
-        spent, easiest = np.cumsum((points * takes)[::-1]), np.cumsum(points[::-1])
-        affordable = np.floor(np.interp(squares, spent, easiest))
-        wrong = max(wrong, min(likely, affordable, most_points))
-    return float(wrong)
-
-
-def moments_of_open(problem: Problem, g: np.ndarray, p: np.ndarray) -> np.ndarray:
-    """Return the sums of p^2 and p^4 off contact, less the hardness where a point yields, on this
-    rank."""
-    (rows, points), limit = problem.grid.inside, problem.limit
-
-    def moments(i0: int, i1: int) -> tuple[float, float]:
-        return open_moments(g[i0:i1], p[i0:i1], limit, (i1 - i0, points))
-
-    return added(problem.grid.by_rows(moments, rows), 2)
-
-
-def spread_of(squares: float, fourth: float, contact: float, N: int) -> float:
-    """Return the number of points that the error of the pressure is spread over, as what is left
-    out of contact is (sums of p^2 and p^4); no more than are in contact, or out of it."""
-    return max(min(squares**2 / fourth if fourth > 0 else 1.0, contact, N - contact), 1.0)
+    if wrong < value:
+        return float(wrong / (value - wrong))
+    return 0.0 if wrong == 0 else np.inf
 
 
 def full_contact_error(problem: Problem) -> float:
     """Return the relative error of the pressure field where all points touch: of S and of storing
     heights and pressures in the working precision."""
-    eps = ROUNDING * float(np.finfo(problem.dtype).eps)
-    return float(np.linalg.norm([problem.rounding / problem.p0, eps, problem.body.error]))
+    return float(
+        np.linalg.norm([problem.rounding / problem.p0, _epsilon(problem), problem.body.error])
+    )

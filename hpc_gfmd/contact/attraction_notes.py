@@ -17,7 +17,9 @@ def attraction_notes(contact: Any) -> list[str]:
         return []
     notes = []
     stability = contact.certificate.stability
-    if stability < ABOUT_TO_JUMP:  # not of nan
+    if stability < 0:
+        notes.append(f"stability {stability:.2g}: a saddle, from which the energy falls further")
+    elif stability < ABOUT_TO_JUMP:  # not of nan
         notes.append(
             f"stability {stability:.2g}: about to jump; errors are those of this equilibrium"
         )

@@ -40,6 +40,8 @@ class Calibration:
         Of the measure at which a state was found to be a saddle: when it is looked at again.
     waits, saddles : int
         Every so many times that it is one still it is left by force; times that this may happen.
+    avalanche : float
+        Share of the contact by which it changes: that is progress with an attraction.
     patience_with_attraction : float
         Times its patience that a solver has with an attraction: on its way from a saddle the errors
         rise for a while.
@@ -51,6 +53,7 @@ class Calibration:
     after_saddle: float = 0.3
     waits: int = 3
     saddles: int = 12
+    avalanche: float = 0.01
     patience_with_attraction: float = 2.5
 
 
@@ -179,6 +182,7 @@ class Limits:
         self.least_refused = np.inf  # the smallest error that the certificate refused
         self.threshold = 1.0
         self.best = np.inf
+        self.contact = 0.0
         self.best_at = self.solver.iterations
 
     def note(self, progress: Progress) -> None:
@@ -186,6 +190,15 @@ class Limits:
         self.measure = measure_of(progress, self.criterion)
         if self.measure < CALIBRATION.improvement * self.best:
             self.best = self.measure
+            self.best_at = self.solver.iterations
+        if self.solver.problem.attraction is not None:
+            self._note_contact(progress.contact)
+
+    def _note_contact(self, contact: float) -> None:
+        """Note progress where the contact still changes: with an attraction it may close or open as
+        an avalanche, while errors rise."""
+        if abs(contact - self.contact) > max(CALIBRATION.avalanche * self.contact, 1):
+            self.contact = contact
             self.best_at = self.solver.iterations
 
     def ask_for_certificate(self, progress: Progress) -> bool:

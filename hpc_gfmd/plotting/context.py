@@ -38,6 +38,8 @@ class FigureContext:
         The window in grid points; None: all of them.
     hardness : float or None
         Of the solid.
+    attracts : bool
+        Whether the surfaces attract each other.
     theory : Theory or None
         Drawn beside the result.
     units : Units
@@ -65,6 +67,7 @@ class FigureContext:
         scene = scene_of(result)
         self.theory = theory_of(scene, result.surface)
         self.hardness = scene.material.hardness if scene else None
+        self.attracts = scene is not None and scene.material.adhesion is not None
         self.units = Units(result, self.theory, dimensionless)
         # 1 where all varies along one axis alone
         self.dimensions = 1 if 0 in getattr(scene and scene.surface, "periods", ()) else 2

@@ -68,8 +68,12 @@ def _panel(ax: Any, contexts: list[FigureContext], key: str) -> None:
         _points(ax, contexts[0], "kappa_corrected", corrected, loads, unit, how)
     ax.set_xlabel(loads.label)
     ax.set_ylabel(quantity.label(scales))
-    log_axis(ax, "x")
-    _limits(ax)  # before theories, which may leave the panel
+    pushed = all(loads.of(step) > 0 for context in contexts for step in context.result.steps)
+    if pushed:
+        log_axis(ax, "x")
+    _limits(ax, pushed)  # before theories, which may leave the panel
+    for k, context in enumerate(contexts if len(contexts) <= MOST_NAMED else ()):
+        _pull_off(ax, context, loads, colour(k))
     with_theory = contexts if len(contexts) <= MOST_NAMED else contexts[:1]
     for k, context in enumerate(with_theory):
         _theory(ax, context, key, loads, unit, None if len(contexts) == 1 else colour(k))
@@ -97,7 +101,9 @@ def _points(
         y = np.array([step[key] / unit for step in steps], dtype=float)
         relative = np.array([relative_error(quantity, step) for step in steps])
         bars = np.abs(y) * np.nan_to_num(relative, posinf=0) if quantity.errors else None
-        look = {"linestyle": "", "capsize": 1.5, "elinewidth": 0.8} | how | changes
+        # on a branch loads follow from each other
+        line = {"linestyle": "-" if is_converged and context.attracts else "", "linewidth": 0.8}
+        look = line | {"capsize": 1.5, "elinewidth": 0.8} | how | changes
         ax.errorbar(x, y, bars, **look)
 
 
@@ -148,16 +154,33 @@ def _theory(
     if not (context.theory and key in context.theory.curves):
         return
     loads_of_steps = [loads.of(step) for step in context.result.steps]
+    if min(loads_of_steps) <= 0:
+        return
     x = np.geomspace(min(loads_of_steps) / BEYOND, max(loads_of_steps) * BEYOND, 80)
     values = context.theory.curves[key](loads.pressure_of(x)) / unit
     line = THEORY | ({} if line_colour is None else {"color": line_colour})
     ax.plot(x, values, zorder=1, label=context.theory.name, **line)
 
 
-def _limits(ax: Any) -> None:
-    """Frame what has been drawn."""
+def _pull_off(ax: Any, context: FigureContext, loads: LoadAxis, line_colour: Any) -> None:
+    """Mark the last load that the surfaces of a result hold on a way to separation."""
+    steps = context.result.steps
+    for before, after in zip(steps, steps[1:]):
+        if after.get("status") == "separated" and before.get("status") == "converged":
+            ax.axvline(
+                loads.of(before), color=line_colour, linestyle=":", linewidth=0.8, label="pull-off"
+            )
+            return
+
+
+def _limits(ax: Any, pushed: bool) -> None:
+    """Frame what has been drawn; pushed: whether all loads are above 0."""
     left, low, right, high = ax.dataLim.extents
-    ax.set_xlim(left / BEYOND, right * BEYOND)
+    if pushed:
+        ax.set_xlim(left / BEYOND, right * BEYOND)
+    else:
+        beyond = 0.05 * (right - left) or 1.0
+        ax.set_xlim(left - beyond, right + beyond)
     if low > 0 and high > 10 * low:
         log_axis(ax, "y")
         ax.set_ylim(low / 2, high * 2)

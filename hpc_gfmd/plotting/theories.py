@@ -67,6 +67,8 @@ def theory_of(scene: Scene | None, attributes: Any) -> Theory | None:
     """
     if scene is None or scene.material.thickness is not None:
         return None
+    if scene.material.adhesion is not None:  # these theories have none
+        return None
     surface = scene.surface
     hardness = scene.material.hardness
     E_star = float(scene.material.E_star)

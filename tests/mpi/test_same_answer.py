@@ -8,7 +8,8 @@ import pytest
 from contacts import EXACT, random_heights, rough, sweep_of, sweep_over
 from mpi.same import assert_same, compare, every_size, sweeps
 
-from hpc_gfmd.certificate.error_estimates import Estimate, misclassified_points
+from hpc_gfmd.certificate.error_estimates import Estimate
+from hpc_gfmd.certificate.misclassified import misclassified_points
 from hpc_gfmd.driver.load import Load
 from hpc_gfmd.operators.problem import Problem
 from hpc_gfmd.parallel.comm import SerialComm
