@@ -58,7 +58,8 @@ def cut(path, data, keep):
 
 def garbled(path, data):
     """256 random bytes in its middle."""
-    middle, noise = len(data) // 2, np.random.default_rng(0).bytes(256)
+    middle = len(data) // 2
+    noise = np.random.default_rng(0).bytes(256)
     path.write_bytes(data[:middle] + noise + data[middle + 256 :])
 
 
