@@ -5,6 +5,7 @@ from .output.law_files import write_law as write_law
 from .parallel.guard import on_rank_0 as on_rank_0
 from .parallel.world import world as world
 from .plotting import plot as plot
+from .runs.ensemble import Ensemble as Ensemble
 from .runs.interface_law import interface_law as interface_law
 from .runs.many import solve_many as solve_many
 from .runs.prepared import PreparedSurface as PreparedSurface

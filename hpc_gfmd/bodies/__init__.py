@@ -22,10 +22,24 @@ def body_classes() -> dict[str, type[Body]]:
 
 
 def body_of(material: Material, free: tuple[bool, bool] = (False, False)) -> Body:
-    """Return the elastic body that a material (scene.Material) means; free: whether the surface
-    ends along x, along y.
+    """Return the elastic body that a scene means.
 
-    Raises SceneError if there is none.
+    Parameters
+    ----------
+    material : scene.Material
+        Its keys say which.
+    free : (bool, bool)
+        Whether the surface ends along x, along y.
+
+    Returns
+    -------
+    Body
+        The first of the bodies that recognises itself.
+
+    Raises
+    ------
+    SceneError
+        If no body has these keys and boundaries.
     """
     for cls in body_classes().values():
         if body := cls.of(material, free):

@@ -43,10 +43,20 @@ def once_per_grid(method: Callable[[Any, Grid], T]) -> Callable[[Any, Grid], T]:
 
 
 class Multipliers:
-    """What multiplies the columns of a spectrum by K and S, in place and with 1/N folded in.
+    """Multiplies the columns of a spectrum by K or S, in place and with 1/N folded in.
 
-    fft: whose columns; q: q_x (n_x,) and q_y (own blocks, W) of K = |q|/2; table: K where it is
-    another one.
+    Parameters
+    ----------
+    grid : Grid
+        Of the fields.
+    fft : SlabFFT
+        Whose columns they are.
+    q : (q_x, q_y)
+        Wave numbers (n_x,) and (blocks of this rank, W), in 1/a, of K = |q|/2.
+    table : array (blocks, W, n_x//2 + 1), optional
+        K where it is another one.
+    uniform : float
+        K(0), which load control leaves out.
 
     Attributes
     ----------
@@ -68,19 +78,44 @@ class Multipliers:
         table: np.ndarray | None = None,
         uniform: float = 0.0,
     ):
-        self.dtype, self.ranks, self.uniform = fft.dtype, grid.comm.size, uniform
+        self.dtype = fft.dtype
+        self.ranks = grid.comm.size
+        self.uniform = uniform
         weight = np.ascontiguousarray(grid.column_tables(fft)[1][grid.comm.rank :: self.ranks])
         # kernels see real and imaginary parts as numbers of their own
         waves = (np.ascontiguousarray(a, fft.dtype) for a in (np.repeat(q[0], 2), q[1]))
         self.factors = fft.dtype.type(fft.scale), weight, *waves, table
 
     def couple(self, fft: SlabFFT, inverse: bool) -> None:
-        """Prepare modes of different columns that belong together, once before the columns of a
-        field are multiplied: here there are none. Collective."""
+        """Prepare modes of different columns that belong together: here there are none.
+
+        To be called once before the columns of a field are multiplied. Collective.
+
+        Parameters
+        ----------
+        fft : SlabFFT
+            Holds the row spectra of the field.
+        inverse : bool
+            Whether it is to be multiplied by S.
+        """
 
     def multiply(self, block: np.ndarray, m: int, inverse: bool) -> float:
-        """Multiply block by K/N, or by S/N, 0 where K is 0; block: (W, n_x) complex, the columns of
-        block m. Returns their share of <u, K u>, or of <p, S p>."""
+        """Multiply the columns of a block by K/N, or by S/N (0 where K is 0), in place.
+
+        Parameters
+        ----------
+        block : array (W, n_x), complex
+            Columns of the spectrum.
+        m : int
+            The block's number.
+        inverse : bool
+            Multiply by S.
+
+        Returns
+        -------
+        float
+            Their share of <u, K u>, or of <p, S p>.
+        """
         return float(multiply(block.view(self.dtype), m // self.ranks, inverse, *self.factors))
 
 
@@ -156,13 +191,39 @@ class Body:
         raise NotImplementedError
 
     def waves(self, grid: Grid, q_x: np.ndarray, q_y: np.ndarray) -> Waves:
-        """Return the wave numbers along both axes, in units of 1/a, as `stiffness` is to take them
-        on a grid."""
+        """Return the wave numbers along both axes as `stiffness` is to take them on a grid.
+
+        Parameters
+        ----------
+        grid : Grid
+            The grid.
+        q_x, q_y : array
+            Its wave numbers, in 1/a.
+
+        Returns
+        -------
+        tuple of array
+            In the shapes of q_x and q_y.
+        """
         return q_x, q_y
 
     def multipliers(self, grid: Grid, fft: SlabFFT) -> Multipliers:
         """Return the Multipliers for the transforms of a grid, made once for each plan of them.
-        Collective."""
+
+        Collective.
+
+        Parameters
+        ----------
+        grid : Grid
+            The grid.
+        fft : SlabFFT
+            Its transforms in one precision.
+
+        Returns
+        -------
+        Multipliers
+            Of this body.
+        """
         if self not in fft.multipliers:
             q_y = grid.column_tables(fft)[0][grid.comm.rank :: grid.comm.size]
             q = self.waves(grid, grid.q_x, q_y)
@@ -170,9 +231,26 @@ class Body:
         return fft.multipliers[self]
 
     def make_multipliers(self, grid: Grid, fft: SlabFFT, q: Waves) -> Multipliers:
-        """Make the Multipliers from a table of K for this rank's columns, shape (own blocks, W,
-        n_x//2 + 1) in the precision of fft: it is even in q_x. They do not hold fft. Collective."""
-        q_x, q_y = q[0][: grid.n[0] // 2 + 1], q[1]
+        """Make the Multipliers from a table of K for this rank's columns, which is even in q_x.
+
+        Collective.
+
+        Parameters
+        ----------
+        grid : Grid
+            The grid.
+        fft : SlabFFT
+            Its transforms in one precision; the Multipliers do not hold it.
+        q : (q_x, q_y)
+            Wave numbers (n_x,) and (blocks of this rank, W), in 1/a.
+
+        Returns
+        -------
+        Multipliers
+            Of this body.
+        """
+        q_x = q[0][: grid.n[0] // 2 + 1]
+        q_y = q[1]
         table = np.empty((*q_y.shape, len(q_x)), fft.dtype)
         for block, q_block in zip(table, np.asarray(q_y, np.float64)):
             block[...] = self.stiffness(np.hypot(q_x, q_block[:, None]), grid.a)
@@ -227,13 +305,12 @@ class Body:
             for waves in (q, q / 2)
         )
         K[1:] = np.minimum(K, 2 * of_longer)[1:]
-        fallen, wanted = 1 - K[1:] / K[:-1], 1 - q[1:] / q[:-1]
+        fall_of_K = 1 - K[1:] / K[:-1]
+        fall_of_q = 1 - q[1:] / q[:-1]
         with np.errstate(divide="ignore", invalid="ignore"):
+            flatness = np.maximum(fall_of_q / fall_of_K, 1) ** FLAT
             weights = np.minimum(
-                K
-                / K[0]
-                * np.append(1, np.where(wanted > 0, np.maximum(wanted / fallen, 1) ** FLAT, 1)),
-                NOTHING,
+                K / K[0] * np.append(1, np.where(fall_of_q > 0, flatness, 1)), NOTHING
             )
         weights[-1] = q[-1] / q[0]
         return weights
@@ -248,12 +325,12 @@ class Body:
         q = np.array([level.q for level in levels(grid)])
         shorter = np.append(np.geomspace(q[-1] / q[0], 1.0, SAMPLES) * q[0], q)
         K = self.stiffness(SQRT2 * shorter, grid.a)
-        least = np.array([1 / K[shorter >= x].min() for x in q])
-        S = np.maximum(least, 1 / STEEP / self.stiffness(SQRT2 / STEEP * q, grid.a))
+        largest = np.array([1 / K[shorter >= x].min() for x in q])
+        S = np.maximum(largest, 1 / STEEP / self.stiffness(SQRT2 / STEEP * q, grid.a))
         share = 1 - q[1:] / q[:-1]
         with np.errstate(divide="ignore", invalid="ignore"):
             added = np.where(share > 0, (S[1:] - S[:-1]) / share, S[1:])
-        return np.append(S[0], added) / least[0]
+        return np.append(S[0], added) / largest[0]
 
     @once_per_grid
     def near(self, grid: Grid) -> np.ndarray:
@@ -264,10 +341,12 @@ class Body:
             2 * np.pi * np.fft.fftfreq(k) * grid.a / s for k, s in zip((n_x, n_y), grid.spacings)
         )
         K = np.fft.ifft2(self.stiffness(np.hypot(q_x[:, None], q_y), grid.a)).real
-        x, y = n_x > 2, n_y > 2
-        return np.array(
-            [K[0, 0], K[1 % n_x, 0] * x, K[0, 1 % n_y] * y, K[1 % n_x, 1 % n_y] * (x and y)]
-        )
+        has_x = n_x > 2
+        has_y = n_y > 2
+        along_x = K[1 % n_x, 0] * has_x
+        along_y = K[0, 1 % n_y] * has_y
+        diagonal = K[1 % n_x, 1 % n_y] * (has_x and has_y)
+        return np.array([K[0, 0], along_x, along_y, diagonal])
 
     @once_per_grid
     def point_compliance(self, grid: Grid) -> float:

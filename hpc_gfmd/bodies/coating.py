@@ -11,16 +11,25 @@ from .base import Body
 
 @dataclass(frozen=True)
 class Coating(Body):
-    """thickness: in the unit of the surface's lengths; nu, base_nu: Poisson's ratios of the coating
-    and of what it lies on; ratio: shear modulus of the coating over that of the base.
+    """A coating on a half-space (Chen 1971; O'Sullivan and King 1988).
 
     With x = |q| t, e = exp(-2x), b = 3 - 4 nu,
 
         K = |q|/2 [1 - (l + k + 4 k x^2) e + l k e^2]/[1 + 4 k x e - l k e^2],
         k = (ratio - 1)/(ratio + b),    l = (ratio b_base - b)/(1 + ratio b_base)
 
-    (Chen 1971; O'Sullivan and King 1988). Long waves see the half-space alone: K -> |q|/2 times its
-    modulus over that of the coating.
+    Long waves see the half-space alone: K -> |q|/2 times its modulus over that of the coating.
+
+    Attributes
+    ----------
+    thickness : float
+        t, in the unit of the surface's lengths.
+    nu : float
+        Poisson's ratio of the coating.
+    ratio : float
+        Shear modulus of the coating over that of the base.
+    base_nu : float
+        Poisson's ratio of the base.
     """
 
     thickness: float
@@ -33,12 +42,14 @@ class Coating(Body):
 
     @classmethod
     def of(cls, material: Material, free: Sequence[bool]) -> Body | None:
-        t, nu, base_E, base_nu = (
-            getattr(material, name) for name in ("thickness", "nu1", "base_E", "base_nu")
-        )
-        if t is None or base_E is None or any(free):
+        t = material.thickness
+        nu = material.nu1
+        base_E = material.base_E
+        base_nu = material.base_nu
+        if t is None or nu is None or base_E is None or base_nu is None or any(free):
             return None
-        return cls(t, nu, material.E_star * (1 - nu) * (1 + base_nu) / base_E, base_nu)
+        ratio = material.E_star * (1 - nu) * (1 + base_nu) / base_E
+        return cls(t, nu, ratio, base_nu)
 
     @classmethod
     def examples(cls) -> list[Body]:
@@ -46,7 +57,10 @@ class Coating(Body):
 
     def stiffness(self, q: np.ndarray, a: float) -> np.ndarray:
         x = np.asarray(q, np.float64) * (self.thickness / a)
-        b, base = 3 - 4 * self.nu, self.ratio * (3 - 4 * self.base_nu)
-        k, s, e = (self.ratio - 1) / (self.ratio + b), (base - b) / (1 + base), np.exp(-2 * x)
+        e = np.exp(-2 * x)
+        b = 3 - 4 * self.nu
+        ratio_b_base = self.ratio * (3 - 4 * self.base_nu)
+        k = (self.ratio - 1) / (self.ratio + b)
+        s = (ratio_b_base - b) / (1 + ratio_b_base)  # l above
         upper = 1 - (s + k + 4 * k * x * x) * e + s * k * e * e
         return q / 2 * upper / (1 + 4 * k * x * e - s * k * e * e)

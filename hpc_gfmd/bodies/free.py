@@ -35,8 +35,19 @@ Matrices = dict[bool, dict[tuple[int, int], np.ndarray]]
 
 
 class Shape(NamedTuple):
-    """What `images` takes for a grid, in the unit of the root of the cell's area; points: along its
-    axes, as far as modes can tell."""
+    """What `images` takes for a grid; lengths in the unit of the root of the cell's area.
+
+    Attributes
+    ----------
+    cell, inside : (float, float)
+        Sizes of the cell, and of the surface in it.
+    free : (bool, bool)
+        Whether the surface ends along each axis.
+    modes : (int, int)
+        The highest along each axis.
+    points : (int, int)
+        Points along each axis, as far as modes can tell.
+    """
 
     cell: tuple[float, float]
     inside: tuple[float, float]
@@ -47,7 +58,13 @@ class Shape(NamedTuple):
 
 @dataclass(frozen=True)
 class Free(HalfSpace):
-    """free: whether the surface ends along x, along y; at least one is true."""
+    """A half-space under a surface that ends along at least one axis.
+
+    Attributes
+    ----------
+    free : (bool, bool)
+        Whether the surface ends along x, along y.
+    """
 
     free: tuple[bool, bool]
 
@@ -114,8 +131,22 @@ class Free(HalfSpace):
 
 
 def rounded(q: np.ndarray, spacing: float, ends: bool) -> np.ndarray:
-    """Return |q| along an axis; where it ends the kink at pi/spacing is averaged over a normal
-    distribution."""
+    """Return |q| along an axis, without the kink at pi/spacing where the axis ends.
+
+    Parameters
+    ----------
+    q : array
+        Wave numbers, in the inverse of any unit of length.
+    spacing : float
+        Of the points, in this unit.
+    ends : bool
+        Whether the surface ends along the axis: |q| is averaged over a normal distribution then.
+
+    Returns
+    -------
+    array
+        In the shape of q.
+    """
     from scipy.special import erfc
 
     if not ends:
@@ -131,34 +162,63 @@ def _half_space(shape: Shape, dtype: np.dtype) -> tuple[Images, Matrices]:
     of S."""
     waves = [2 * np.pi / size * np.arange(k + 1) for size, k in zip(shape.cell, shape.modes)]
     q_x, q_y = map(rounded, waves, np.divide(shape.cell, shape.points), shape.free)
-    q, found = np.hypot(q_x[:, None], q_y), images(*shape[:-1])
+    q = np.hypot(q_x[:, None], q_y)
     S = np.divide(2, q, out=np.zeros_like(q), where=q > 0)
-    return found, matrices_of(found, S, dtype)
+    of_shape = images(*shape[:-1])
+    return of_shape, matrices_of(of_shape, S, dtype)
 
 
-def matrices_of(found: Images, S: np.ndarray, dtype: np.dtype) -> Matrices:
-    """Return what couples the modes, in a precision, where S is that of the cell alone."""
+def matrices_of(of_shape: Images, S: np.ndarray, dtype: np.dtype) -> Matrices:
+    """Return what couples the modes.
+
+    Parameters
+    ----------
+    of_shape : Images
+        What is added to S of the cell.
+    S : array (m_x, m_y)
+        That of the cell alone.
+    dtype : dtype
+        Precision of the matrices.
+
+    Returns
+    -------
+    dict
+        By whether S is meant, of dicts by the parities along x and y: (stack, m, m).
+    """
     return {
         inverse: {parity: matrix.astype(dtype) for parity, matrix in matrices.items()}
-        for inverse, matrices in ((False, found.inverse(S)), (True, found.T))
+        for inverse, matrices in ((False, of_shape.inverse(S)), (True, of_shape.T))
     }
 
 
 class Coupled(Multipliers):
-    """Multipliers that couple the lowest modes of the cell. found, matrices: as of
-    `_half_space`."""
+    """Multipliers that couple the lowest modes of the cell.
+
+    Parameters
+    ----------
+    grid, fft, q
+        As of Multipliers.
+    of_shape : Images
+        Of the grid's shape.
+    matrices : dict
+        As `matrices_of` returns them.
+    """
 
     alone = False
 
-    def __init__(self, grid: Grid, fft: SlabFFT, q: Waves, found: Images, matrices: Matrices):
+    def __init__(self, grid: Grid, fft: SlabFFT, q: Waves, of_shape: Images, matrices: Matrices):
         length = np.sqrt(np.prod(grid.sizes)) / grid.a
-        super().__init__(grid, fft, q, uniform=1 / (found.constant * length))
-        self.comm, self.found, self.matrices = grid.comm, found, matrices
-        self.modes, self.edges = found.modes, fft.edges
+        super().__init__(grid, fft, q, uniform=1 / (of_shape.constant * length))
+        self.comm = grid.comm
+        self.by_columns = not of_shape.free[1]
+        self.matrices = matrices
+        self.modes = of_shape.modes
+        self.edges = fft.edges
         self.unit = {False: fft.scale / length, True: fft.scale * length}
         middle = [(m - 1) / 2 * 2 * np.pi / n for m, n in zip(grid.nominal, grid.n)]
-        k_x, k_y = (np.arange(k + 1) for k in found.modes)
-        self.shift_x, self.shift_y = np.exp(1j * middle[0] * k_x), np.exp(1j * middle[1] * k_y)
+        k_x, k_y = (np.arange(k + 1) for k in of_shape.modes)
+        self.shift_x = np.exp(1j * middle[0] * k_x)
+        self.shift_y = np.exp(1j * middle[1] * k_y)
         # of this rank's rows alone
         self.shift_rows = np.exp(1j * (middle[0] - 2 * np.pi / grid.n[0] * grid.rows[0]) * k_x)
         self.norm = np.outer(*(np.where(k > 0, 2.0, np.sqrt(2)) for k in (k_x, k_y))) / 2
@@ -169,19 +229,28 @@ class Coupled(Multipliers):
         self.energy = 0.0
 
     def couple(self, fft: SlabFFT, inverse: bool) -> None:
-        """Prepare `multiply` of what the row spectra hold.
-        Collective."""
+        """Multiply the lowest modes of what the row spectra hold, for `multiply` to add.
+
+        Collective.
+
+        Parameters
+        ----------
+        fft : SlabFFT
+            Holds the row spectra of the field.
+        inverse : bool
+            Multiply by S.
+        """
         from scipy.fft import fft as transform
 
         waves = transform(fft.first_columns(self.norm.shape[1]), fft.n[0], axis=0)
         split(waves, self.shift_rows, self.shift_y, self.norm, self.parts)
         parts = self.parts = self.comm.sum(self.parts.ravel()).reshape(self.parts.shape)
-        energy, by_columns = 0.0, not self.found.free[1]
+        energy = 0.0
         for part, (a, b) in zip(parts, PARITIES):
             energy += multiply(
                 part[int(a < 0) :, int(b < 0) :],
                 self.matrices[inverse][a, b],
-                by_columns,
+                self.by_columns,
                 self.scratch,
             )
         self.energy = energy * self.unit[inverse]

@@ -20,13 +20,15 @@ import numpy as np
 
 # modes along an axis, times the free part of the cell over its length; where the other axis is
 # periodic
-NEEDED, ALONE = 20 / 3, 11
+NEEDED = 20 / 3
+ALONE = 11
 NODES = 6.0  # points of the surface at which c is met, over the modes
 LEAST = 1e-12  # product of two singular values, over the largest, that counts
 SOFTEST = 0.65  # the least of S + T over S, about: of the modes that the constant is chosen by
 # The largest, which says to which singular value over the largest, at least MEAN, other modes stand
 # for the mean: with more digits a solve takes more iterations.
-STIFFEST, MEAN = 2.4, 1e-8
+STIFFEST = 2.4
+MEAN = 1e-8
 # of the charge that is added and subtracted in the sum over images (Ewald), over the root of the
 # cell's area
 WIDTH = 0.08
@@ -35,9 +37,20 @@ PARITIES = [(a, b) for a in (1, -1) for b in (1, -1)]
 
 @dataclass(frozen=True)
 class Images:
-    """T by parities along x and y, (stack, m, m), of the modes in the order of `stacked`. constant:
-    of the kernel, what T leaves to the mean: S of a uniform pressure on the whole cell, over its
-    area."""
+    """The operator T of one shape of the cell.
+
+    Attributes
+    ----------
+    T : dict of array (stack, m, m)
+        By the parities along x and y, of the modes in the order of `stacked`.
+    free : (bool, bool)
+        Whether the surface ends along each axis.
+    modes : (int, int)
+        The highest along each axis.
+    constant : float
+        Of the kernel, what T leaves to the mean: S of a uniform pressure on the whole cell, over
+        its area.
+    """
 
     T: dict[tuple[int, int], np.ndarray]
     free: tuple[bool, bool]
@@ -56,11 +69,12 @@ class Images:
         0."""
         out = {}
         for (a, b), T in self.T.items():
-            here = S[int(a < 0) :, int(b < 0) :].copy()
+            S_of_parity = S[int(a < 0) :, int(b < 0) :].copy()
             if a > 0 and b > 0:
-                here[0, 0] = 1.0
-            here, one = self.stacked(here)[..., None], np.eye(T.shape[1])
-            K = np.linalg.inv(T + here * one) - one / here
+                S_of_parity[0, 0] = 1.0
+            diagonal = self.stacked(S_of_parity)[..., None]
+            identity = np.eye(T.shape[1])
+            K = np.linalg.inv(T + diagonal * identity) - identity / diagonal
             out[a, b] = (K + K.transpose(0, 2, 1)) / 2
         return out
 
@@ -72,11 +86,26 @@ def images(
     free: tuple[bool, bool],
     modes: tuple[int, int],
 ) -> Images:
-    """Find the Images. cell: sizes; inside: those of the surface in it; free: where it ends; modes:
-    the highest along each axis."""
-    k_x, k_y = (np.arange(most + 1) for most in modes)
+    """Find the operator T of one shape of the cell.
+
+    Parameters
+    ----------
+    cell, inside : (float, float)
+        Sizes of the cell, and of the surface in it, in any unit.
+    free : (bool, bool)
+        Whether the surface ends along each axis.
+    modes : (int, int)
+        The highest along each axis.
+
+    Returns
+    -------
+    Images
+        Found once for each shape.
+    """
+    k_x, k_y = (np.arange(highest + 1) for highest in modes)
     q = 2 * np.pi * np.hypot(k_x[:, None] / cell[0], k_y / cell[1])
-    T, axes = {}, [_Nodes(*axis) for axis in zip(cell, inside, modes)]
+    T = {}
+    axes = [_Nodes(*axis) for axis in zip(cell, inside, modes)]
     if all(free):
         X, Y = axes
         c = kernel(X.offsets, Y.offsets, *cell)
@@ -103,14 +132,13 @@ class _Nodes:
 
     def __init__(self, cell: float, inside: float, modes: int):
         half = int(np.ceil(NODES * (modes + 1) / 2))
-        self._i, step = np.arange(half), inside / (2 * half - 1)
+        step = inside / (2 * half - 1)
+        self._i = np.arange(half)
         self.offsets = np.arange(2 * half) * step
         k = np.arange(modes + 1)
         phase = 2 * np.pi / cell * np.outer((self._i + 0.5) * step, k)
-        even, odd = (
-            np.cos(phase) * np.where(k > 0, np.sqrt(2), 1) / np.sqrt(cell),
-            np.sin(phase[:, 1:]) * np.sqrt(2 / cell),
-        )
+        even = np.cos(phase) * np.where(k > 0, np.sqrt(2), 1) / np.sqrt(cell)
+        odd = np.sin(phase[:, 1:]) * np.sqrt(2 / cell)
         self.even: np.ndarray = np.linalg.qr(even)[1]
         self.fits = {1: self._fit(even, np.maximum(k, 1)), -1: self._fit(odd, k[1:])}
 
@@ -123,7 +151,8 @@ class _Nodes:
     def pairs(self, parity: int) -> list[tuple[float, np.ndarray]]:
         """Return the part of an even function of the distance that keeps a parity: weights, and
         which of the offsets they are of."""
-        i, j = self._i[:, None], self._i
+        i = self._i[:, None]
+        j = self._i
         return [(0.5, abs(i - j)), (0.5 * parity, i + j + 1)]
 
 
@@ -134,7 +163,8 @@ def _in_modes(D: np.ndarray, *axes: tuple[_Nodes, int]) -> np.ndarray:
     Of small singular values only products with large ones count: of the others nothing is left but
     rounding errors.
     """
-    fits, size = [nodes.fits[parity] for nodes, parity in axes], np.ones(())
+    fits = [nodes.fits[parity] for nodes, parity in axes]
+    size = np.ones(())
     for (nodes, parity), (U, s, _) in zip(axes, fits):
         D = sum(share * D[i] for share, i in nodes.pairs(parity))
         D = np.tensordot(np.tensordot(D, U, (0, 0)), U, (0, 0))
@@ -151,32 +181,54 @@ def _without_mean(T: np.ndarray, q: np.ndarray, basis: np.ndarray) -> tuple[np.n
     """Return what is T on the surface but for a constant, which is the second thing returned, with
     0 for the mean (the first mode, q = 0).
 
-    On the surface the mean is `one` of the other modes. With t of the mean and A of the others in
-    T, modes scaled so that S is 1, T is A + one t' + t one' + x one one', x free by the constant.
-    In the plane of `one` and t two eigenvalues over those of 1 + A are then not 1: x is such that
-    the smaller is SOFTEST. `one` has as many singular values as leave the larger below STIFFEST.
+    On the surface the mean is a combination m of the other modes. With t of the mean and A of the
+    others in T, modes scaled so that S is 1, T is A + m t' + t m' + x m m', x free by the constant.
+    In the plane of m and t two eigenvalues over those of 1 + A are then not 1: x is such that the
+    smaller is SOFTEST. m has as many singular values as leave the larger below STIFFEST.
     """
     root = np.sqrt(2 / q[1:])  # of S
     U, s, V = np.linalg.svd(basis[:, 1:] * root, full_matrices=False)
-    seen = s > MEAN * s[0]
-    V, one = V[seen].T, basis[:, 0] @ U[:, seen] / s[seen]
-    A, t = V.T @ (T[1:, 1:] / np.outer(root, root)) @ V, V.T @ (T[0, 1:] / root)
-    u, v = np.linalg.solve(np.linalg.cholesky(np.eye(len(one)) + A), np.transpose([one, t])).T
+    resolved = s > MEAN * s[0]
+    V = V[resolved].T
+    m = basis[:, 0] @ U[:, resolved] / s[resolved]
+    A = V.T @ (T[1:, 1:] / np.outer(root, root)) @ V
+    t = V.T @ (T[0, 1:] / root)
+    u, v = np.linalg.solve(np.linalg.cholesky(np.eye(len(m)) + A), np.transpose([m, t])).T
     # of ever more singular values
-    uu, uv, vv = np.cumsum(u * u), np.cumsum(u * v), np.cumsum(v * v)
-    many = max(int(np.searchsorted(uu * vv - uv**2, (1 - SOFTEST) * (STIFFEST - 1))), 1)
-    uu, uv, vv = uu[many - 1], uv[many - 1], vv[many - 1]
-    V, A, one, t = V[:, :many], A[:many, :many], one[:many], t[:many]
+    uu = np.cumsum(u * u)
+    uv = np.cumsum(u * v)
+    vv = np.cumsum(v * v)
+    stiff = (1 - SOFTEST) * (STIFFEST - 1)
+    count = max(int(np.searchsorted(uu * vv - uv**2, stiff)), 1)
+    uu = uu[count - 1]
+    uv = uv[count - 1]
+    vv = vv[count - 1]
+    V = V[:, :count]
+    A = A[:count, :count]
+    m = m[:count]
+    t = t[:count]
     x = ((uu * vv - uv**2) / (1 - SOFTEST) - (1 - SOFTEST) - 2 * uv) / uu
     V = V * root[:, None]
     out = np.zeros_like(T)
-    out[1:, 1:] = V @ (A + np.outer(one, t) + np.outer(t, one) + x * np.outer(one, one)) @ V.T
+    out[1:, 1:] = V @ (A + np.outer(m, t) + np.outer(t, m) + x * np.outer(m, m)) @ V.T
     return out, float(T[0, 0] - x)
 
 
 def kernel(x: np.ndarray, y: np.ndarray, X: float, Y: float) -> np.ndarray:
-    """Return c at the offsets x, y in a cell X, Y of which both axes are free: Ewald's sum, without
-    the origin itself."""
+    """Return c where both axes are free: Ewald's sum over the images, without the origin itself.
+
+    Parameters
+    ----------
+    x, y : array
+        Offsets along both axes.
+    X, Y : float
+        Sizes of the cell, in the unit of the offsets.
+
+    Returns
+    -------
+    array (x, y)
+        In the inverse of this unit, E* = 1.
+    """
     from scipy.special import erf, erfc
 
     sigma = WIDTH * np.sqrt(X * Y)
@@ -204,8 +256,22 @@ def kernel(x: np.ndarray, y: np.ndarray, X: float, Y: float) -> np.ndarray:
 
 
 def kernel_of_wave(x: np.ndarray, X: float, q: float) -> np.ndarray:
-    """Return c of a wave q along the periodic axis at the offsets x along the other one, of length
-    X."""
+    """Return c of a wave along the periodic axis, where the other one is free.
+
+    Parameters
+    ----------
+    x : array
+        Offsets along the axis that is free.
+    X : float
+        Size of the cell along it, in the unit of the offsets.
+    q : float
+        Wave number along the other one, in the inverse of this unit.
+
+    Returns
+    -------
+    array
+        In the shape of x.
+    """
     from scipy.special import k0
 
     if q > 0:

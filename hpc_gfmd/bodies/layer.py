@@ -14,8 +14,7 @@ TINY = 1e-8  # wave numbers times thickness below which a wave is as good as a u
 
 @dataclass(frozen=True)
 class Layer(Body):
-    """S = (2/|q|) f(|q| t), t: thickness, in the unit of the surface's lengths; nu: Poisson's
-    ratio, below 1/2 where bonded; base: "bonded" or "frictionless". With x = |q| t
+    """A layer on a rigid base: S = (2/|q|) f(|q| t). With x = |q| t
 
         bonded:        f = [b sinh 2x - 2x]/[b cosh 2x + 2 x^2 + 5 - 12 nu + 8 nu^2], b = 3 - 4 nu
         frictionless:  f = [cosh 2x - 1]/[sinh 2x + 2x]
@@ -23,6 +22,15 @@ class Layer(Body):
     f -> 1 for short waves; for long ones K becomes the oedometric modulus (bonded) or E*
     (frictionless) over t. A uniform pressure compresses the layer as a whole: that is part of the
     approach, not of the gap.
+
+    Attributes
+    ----------
+    thickness : float
+        t, in the unit of the surface's lengths.
+    nu : float
+        Poisson's ratio, below 1/2 where bonded.
+    base : str
+        "bonded" or "frictionless".
     """
 
     thickness: float
@@ -33,7 +41,8 @@ class Layer(Body):
 
     @classmethod
     def of(cls, material: Material, free: Sequence[bool]) -> Body | None:
-        t, nu = material.thickness, material.nu1
+        t = material.thickness
+        nu = material.nu1
         if t is None or nu is None or not material.rigid_base or any(free):
             return None
         return cls(t, nu, material.base)

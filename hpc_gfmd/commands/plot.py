@@ -4,7 +4,7 @@ from argparse import ArgumentParser, Namespace
 from typing import Any
 
 from ..util.errors import SceneError
-from .common import add_file, add_result_file
+from .common import add_file
 
 HELP = "pictures of a result"
 DESCRIPTION = """
@@ -16,7 +16,14 @@ Fields of any size are read piece by piece."""
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Add the arguments of the command."""
-    add_result_file(parser)
+    add_file(
+        parser,
+        "file",
+        metavar="OUT.h5",
+        nargs="+",
+        help="result file; of several the curves are drawn together, of more than six their mean"
+        " and standard deviation",
+    )
     add_file(
         parser,
         "-o",
@@ -63,9 +70,11 @@ def main(args: Namespace) -> int:
     from ..output.read import read_result
     from ..plotting import plot_result
 
-    result = read_result(args.file)
     if args.dpi is not None and not 20 <= args.dpi <= 2400:
         raise SceneError(f"--dpi: found {args.dpi}, allowed: 20 to 2400")
+    if len(args.file) > 1:
+        return _plot_together(args)
+    result = read_result(args.file[0])
     paths = plot_result(
         result,
         args.output,
@@ -76,6 +85,25 @@ def main(args: Namespace) -> int:
         dimensionless=args.dimensionless,
     )
     print(*paths, *_remarks(result, args), *result.remarks, sep="\n")
+    return 0
+
+
+def _plot_together(args: Namespace) -> int:
+    """Draw the curves of several results in one picture each."""
+    from pathlib import Path
+
+    from ..plotting import plot, save_picture
+
+    if args.step or args.window:
+        raise SceneError("plot: found several files with --step or --window, allowed: one file")
+    names = args.what or ["curves"]
+    where = Path(args.output or "curves.png")
+    pictures = {
+        name: plot(args.file, name, dpi=args.dpi, dimensionless=args.dimensionless)
+        for name in names
+    }
+    for name, picture in pictures.items():
+        print(save_picture(picture, where, name, len(pictures) > 1, args.dpi))
     return 0
 
 

@@ -6,7 +6,8 @@ import sys
 from argparse import ArgumentParser, Namespace
 from typing import TYPE_CHECKING
 
-from .common import add_json, add_result_file, as_json
+from ..util.errors import SceneError
+from .common import add_file, add_json, as_json
 
 if TYPE_CHECKING:
     from ..output.read import Result
@@ -20,7 +21,14 @@ that caused by the grid spacing together."""
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Add the arguments of the command."""
-    add_result_file(parser)
+    add_file(
+        parser,
+        "file",
+        metavar="OUT.h5",
+        nargs="+",
+        help="result file; of several with the"
+        " same loads the means and standard deviations are shown",
+    )
     add_json(parser, "a table")
     parser.add_argument(
         "--errors",
@@ -44,7 +52,9 @@ def main(args: Namespace) -> int:
     """Print a result; raises SceneError if the file is missing, damaged, foreign or too new."""
     from ..output.read import read_result
 
-    result = read_result(args.file)
+    if len(args.file) > 1:
+        return _show_ensemble(args)
+    result = read_result(args.file[0])
     data = as_dict(result)
     text = as_text(result, args.errors)
     if args.tfc is not None:
@@ -62,6 +72,23 @@ def main(args: Namespace) -> int:
     print(as_json(data, 1) if args.json else text)
     for note in result.notes if args.json else ():
         print(f"note: {note}", file=sys.stderr)
+    return 0
+
+
+def _show_ensemble(args: Namespace) -> int:
+    """Print means and standard deviations of several results."""
+    from ..runs.ensemble import Ensemble
+
+    if args.tfc is not None or args.references or args.errors:
+        raise SceneError("show: found several files, allowed with --json alone")
+    ensemble = Ensemble(args.file)
+    if args.json:
+        table = ensemble.to_dataframe()
+        columns = {name: table[name].tolist() for name in table}
+        report = {"results": len(ensemble), "units": table.attrs["units"], "loads": columns}
+        print(as_json(report, 1))
+    else:
+        print(ensemble.table())
     return 0
 
 

@@ -42,7 +42,7 @@ import numpy as np
 
 from .adhesive_rows import add_change, work_of_step
 from .bfloat16 import decode, encode
-from .jit import inline, kernel, points_inside
+from .jit import inline, kernel, part, points_inside
 from .multilevel import combine_rows, interpolate_row, restrict_row
 from .transforms import load_rows, store_rows
 from .yielding import at_contact, landing, limit, yields
@@ -201,7 +201,7 @@ def update_passes(
                 coarse[c, bottom, j] = shared[1, c, j]
 
 
-@kernel
+@part
 def projected_step(g, p, d, d_rows, i0, i1, z_1, transfer, step, H, inside, scratch):
     """Make the step d = max(g - alpha z - beta d, 0) - g on F, 0 on A, for rows i0 <= i < i1.
 
@@ -289,7 +289,7 @@ def projected_step(g, p, d, d_rows, i0, i1, z_1, transfer, step, H, inside, scra
     return rd, deeper
 
 
-@kernel
+@part
 def update_state(g, p, d, Kd, s, i0, i1, coarse, shared, transfer, H, inside, gathered):
     """Set g += s d and p += s K d on rows i0 <= i < i1, and restrict r, t and K d on F to level 1.
 

@@ -13,12 +13,33 @@ from .cache import compiled_on_first_use
 FASTMATH = {"reassoc", "contract", "nsz", "arcp"}
 
 
-def kernel(function: Callable[..., Any], makes_arrays: bool = False, piece: bool = False) -> Any:
-    """Compile on first use, keep in the cache, release the GIL.
+def kernel(
+    function: Callable[..., Any],
+    makes_arrays: bool = False,
+    piece: bool = False,
+    part: bool = False,
+) -> Any:
+    """Compile a function on first use, keep it in the cache, release the GIL while it runs.
 
-    makes_arrays: or returns some. Only then references to arrays are counted, to every row that a
-    loop takes, which is slow. piece: of another kernel. As a function of its own, kept code would
-    have another copy of it than code that has just been compiled, and other last bits.
+    Parameters
+    ----------
+    function : function
+        Of arrays and numbers.
+    makes_arrays : bool
+        Set if it allocates or returns arrays; enables reference counting, also of every row that a
+        loop takes, which is slow.
+    piece : bool
+        Of other kernels, small: its machine code is copied into theirs. As a function of its own,
+        kept code would have another copy of it than code that has just been compiled, and other
+        last bits.
+    part : bool
+        Of one other kernel, large: its source is copied into that one before anything is compiled,
+        which takes half as long as compiling both.
+
+    Returns
+    -------
+    function
+        Called as the one that was given.
     """
     return compiled_on_first_use(
         function,
@@ -27,19 +48,32 @@ def kernel(function: Callable[..., Any], makes_arrays: bool = False, piece: bool
         fastmath=FASTMATH,
         _nrt=makes_arrays,
         forceinline=piece,
+        inline="always" if part else "never",
     )
 
 
 inline = partial(kernel, piece=True)
+part = partial(kernel, part=True)
 making_arrays = partial(kernel, makes_arrays=True)
 
 
 @inline
 def points_inside(i: int, inside: tuple[int, int]) -> np.uint64:
-    """Return how many points of row i belong to the surface, where `inside` is the shape of a
-    slab's part of it.
+    """Return how many points of row i belong to the surface.
 
     Without a sign: a loop that begins at a number that might be negative, counted from the end,
     does not use vectors.
+
+    Parameters
+    ----------
+    i : int
+        Local row.
+    inside : (int, int)
+        Rows and points of this rank's part of the surface.
+
+    Returns
+    -------
+    np.uint64
+        From the first point on.
     """
     return np.uint64(inside[1] if i < inside[0] else 0)

@@ -31,7 +31,7 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
-from .jit import inline, kernel
+from .jit import inline, kernel, part
 from .lines import WIDTH, move_line
 
 TILE = 8  # complex numbers of single precision in a cache line
@@ -93,7 +93,7 @@ def load_rows(spectra, i0, i1):
     transform(function, plan, source, target)
 
 
-@kernel
+@part
 def load_columns(columns, k, forward):
     """Fill the scratch with the columns of block k and transform them; forward=False: with 0."""
     moved, address, near, far, function, plans = columns
@@ -107,7 +107,7 @@ def load_columns(columns, k, forward):
         transform(function, plans[k, 2], address, address)
 
 
-@kernel
+@part
 def store_columns(columns, k):
     """Transform the scratch back and put it where the columns of block k stand."""
     moved, address, near, far, function, plans = columns

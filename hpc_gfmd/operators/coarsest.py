@@ -113,8 +113,18 @@ class CoarsestLevels:
         )
 
     def apply(self, r: np.ndarray, t: np.ndarray) -> np.ndarray:
-        """Return z of r and t, which are fields (rows, n) of the first level; z is overwritten by
-        the next sweep."""
+        """Return z on the first level.
+
+        Parameters
+        ----------
+        r, t : array (rows, n)
+            Fields of the first level.
+
+        Returns
+        -------
+        array (rows, n)
+            A view, overwritten by the next sweep.
+        """
         self.fields[0, 1:-1] = r
         self.fields[1, 1:-1] = t
         self.sweep()

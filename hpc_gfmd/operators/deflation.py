@@ -48,17 +48,34 @@ CALIBRATION = Calibration()
 
 
 class GapMode:
-    """Of a grid and body, for all contacts; levels: those that one rank has alone. Level `at` of
-    these is where w is found, None where the grid is small; pairs: FFT pairs of the grid that it
-    takes."""
+    """Finds the deflation vector of contacts on one grid.
+
+    Parameters
+    ----------
+    grid : Grid
+        The finest level.
+    body : Body
+        Its stiffness.
+    levels : list of Level
+        Those that one rank has alone.
+    weights : array
+        Of these, in the precision of the fields.
+
+    Attributes
+    ----------
+    level : int or None
+        Which of the levels w is found on; None where the grid is small.
+    pairs : float
+        FFT pairs of the grid that this takes.
+    """
 
     def __init__(self, grid: Grid, body: Body, levels: Sequence[Level], weights: np.ndarray):
         points = [level.n[0] * level.n[1] for level in levels]
         self.level = next(
             (
                 k
-                for k, few in enumerate(points)
-                if CALIBRATION.fewest <= few <= grid.cell_points / CALIBRATION.coarser
+                for k, count in enumerate(points)
+                if CALIBRATION.fewest <= count <= grid.cell_points / CALIBRATION.coarser
             ),
             None,
         )
@@ -85,17 +102,21 @@ class GapMode:
     def find(self, t: np.ndarray) -> np.ndarray:
         """Return w sqrt((1 - mu)/<1, w>) where t is the share of contact."""
         real = t.dtype.type
-        w, r, d, rz = np.zeros_like(t), np.ones_like(t), np.zeros_like(t), np.inf
-        known = float(self.levels.apply(r, t).sum())
+        w = np.zeros_like(t)
+        r = np.ones_like(t)
+        d = np.zeros_like(t)
+        rz_before = np.inf
+        M_sum = float(self.levels.apply(r, t).sum())  # <1, M 1>
         for _ in range(CALIBRATION.steps):
             z = self.levels.apply(r, t / real(DAMPING))
-            before, rz = rz, float((r * z).sum())
-            if rz < CALIBRATION.solved * known:
+            rz = float((r * z).sum())
+            if rz < CALIBRATION.solved * M_sum:
                 break
-            d = z + real(rz / before) * d
-            x = fft.irfft2(self.K * fft.rfft2(d), d.shape) + t * d
-            step = real(rz / float((d * x).sum()))
+            d = z + real(rz / rz_before) * d
+            Kd = fft.irfft2(self.K * fft.rfft2(d), d.shape) + t * d
+            step = real(rz / float((d * Kd).sum()))
             w += step * d
-            r -= step * x
-        total = float(w.sum())
-        return w * real(np.sqrt(max(1 - known / total, 0.0) / total))
+            r -= step * Kd
+            rz_before = rz
+        w_sum = float(w.sum())
+        return w * real(np.sqrt(max(1 - M_sum / w_sum, 0.0) / w_sum))

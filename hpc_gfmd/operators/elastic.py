@@ -16,15 +16,30 @@ RowFunction = Callable[[int, int, np.ndarray], Any]  # makes or uses rows i0..i1
 
 class Elastic:
     """Applies K, or its inverse S, to fields that the caller makes and uses a few rows at a time.
-    body: see bodies/.
 
-    `pairs` counts the FFT pairs done so far on this grid (a transform in one direction is half a
-    pair). `mean` is this rank's share of the mean of the last field that was multiplied.
+    Parameters
+    ----------
+    grid : Grid
+        Of the fields.
+    body : Body
+        Whose K it is.
+    dtype : dtype
+        Precision of the transforms.
+
+    Attributes
+    ----------
+    pairs : float
+        FFT pairs done so far on this grid; a transform in one direction is half a pair.
+    mean : float
+        This rank's share of the mean of the field that was multiplied last.
     """
 
     def __init__(self, grid: Grid, body: Body, dtype: DTypeLike):
-        self.grid, self.body, self.dtype = grid, body, np.dtype(dtype)
-        self.pairs, self.mean = 0.0, 0.0
+        self.grid = grid
+        self.body = body
+        self.dtype: np.dtype = np.dtype(dtype)
+        self.pairs = 0.0
+        self.mean = 0.0
         self.plan()
 
     def plan(self) -> None:

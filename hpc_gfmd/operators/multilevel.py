@@ -113,10 +113,10 @@ class Multilevel:
             )
             if self.fields[-1].shape == self.coarsest.fields.shape:  # a single rank's window
                 self.fields[-1] = self.coarsest.fields
-        first = self.transfers[0]
-        self.ends = np.array(first.passes(longest), np.int64).reshape(-1, 2)
+        to_level_1 = self.transfers[0]
+        self.ends = np.array(to_level_1.passes(longest), np.int64).reshape(-1, 2)
         gathered = (6, grid.n[1] + LINE // self.dtype.itemsize)
-        shared = (2, 3, first.m[1])
+        shared = (2, 3, to_level_1.m[1])
         self.scratch = [
             (zeros_aligned(gathered, self.dtype), np.zeros(shared, self.dtype))
             for _ in range(grid.threads)

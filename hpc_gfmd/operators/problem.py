@@ -40,8 +40,16 @@ SAMPLE = 64  # rows, at least, that say what the mean is
 
 @dataclass(frozen=True)
 class HeightSpectrum:
-    """Heights that are not stored but known mode by mode. add(fft) gives a function (block, m) that
-    adds the transform of minus the heights to a block of columns; dtype: of the gap."""
+    """Heights that are not stored but known mode by mode.
+
+    Attributes
+    ----------
+    add : function
+        add(fft) returns a function of (block, m) that adds the transform of minus the heights to
+        a block of columns.
+    dtype : dtype
+        Precision of the gap.
+    """
 
     add: Callable[[SlabFFT], Columns]
     dtype: np.dtype
@@ -98,7 +106,8 @@ class Problem:
         """sqrt(mean h^2). Collective where it is first asked for."""
         if self.h_rms is not None or self.stored is None:
             return self.h_rms or 0.0
-        h, grid = self.stored, self.grid
+        h = self.stored
+        grid = self.grid
         # rows: sums that long would lose digits
         squares = grid.by_rows(
             lambda i0, i1: np.einsum("ij,ij->i", h[i0:i1], h[i0:i1]).sum(dtype=float), len(h)

@@ -35,9 +35,20 @@ MAX_STEPS = 1000
 
 @dataclass(frozen=True)
 class Tangent:
-    """compliance: -d(mean gap)/dp0 in the problem's units, 0 in full contact, inf where nothing
-    touches, nan where it was not found to the accuracy asked for; error: estimated, relative;
-    pairs: FFT pairs it took; approach: d(approach)/dp0, nan where there is none."""
+    """Response of a contact to a small change of the load.
+
+    Attributes
+    ----------
+    compliance : float
+        -d(mean gap)/dp0 in the problem's units; 0 in full contact, inf where nothing touches, nan
+        where it was not found to the accuracy asked for.
+    error : float
+        Estimated, relative.
+    pairs : float
+        FFT pairs it took.
+    approach : float
+        d(approach)/dp0, nan where there is none.
+    """
 
     compliance: float
     error: float
@@ -48,10 +59,27 @@ class Tangent:
 def tangent(
     grid: Grid, body: Body, contact: np.ndarray, dtype: DTypeLike, accuracy: float
 ) -> Tangent:
-    """Find the Tangent of the contact of a body: a local slab that is true where points touch.
-    Collective.
+    """Find the response of a contact to a small change of the load. Collective.
 
     Needs four fields and the levels of the preconditioner besides the transforms.
+
+    Parameters
+    ----------
+    grid : Grid
+        Of the contact.
+    body : Body
+        That is pressed.
+    contact : array of bool, local slab
+        True where points touch.
+    dtype : dtype
+        Precision of the fields.
+    accuracy : float
+        Wanted relative error of the compliance.
+
+    Returns
+    -------
+    Tangent
+        The same on all ranks.
     """
     closed = int(grid.comm.sum([np.count_nonzero(contact)])[0])
     if closed in (0, grid.cell_points):
@@ -60,16 +88,20 @@ def tangent(
     rounding = float(np.finfo(dtype).eps)
     order = 2 if grid.padded else 1
     accuracy = max(accuracy**order, FINEST * rounding / MARGIN)
-    total, on_surface, gains = 0.0, 0.0, [np.inf] * DELAY
+    total = 0.0
+    on_surface = 0.0
+    gains = [np.inf] * DELAY
     for gain, inner in islice(_steps(elastic, contact), MAX_STEPS):
         gains = [*gains[1:], gain]
-        total, on_surface = total + gain, on_surface + inner
+        total += gain
+        on_surface += inner
         if np.isnan(total) or sum(gains) <= MARGIN * accuracy * total:
             break
     else:
         total = np.nan
     error = max(sum(gains) / total, FINEST * rounding) ** (1 / order)
-    uniform, cell = elastic.multipliers.uniform, grid.cell_points
+    uniform = elastic.multipliers.uniform
+    cell = grid.cell_points
     approach = float(1 / uniform + total / cell) * grid.N / cell if uniform else np.nan
     if grid.padded:
         total = on_surface + 0 * total  # nan stays
@@ -79,16 +111,21 @@ def tangent(
 def _steps(elastic: Elastic, contact: np.ndarray) -> Iterator[tuple[float, float]]:
     """Make steps of conjugate gradients; gives by how much each makes b K_FF^-1 b, and the sum of v
     over the surface, rise. Collective."""
-    grid, dtype = elastic.grid, elastic.dtype
+    grid = elastic.grid
+    dtype = elastic.dtype
     levels = Multilevel(grid, elastic.body, dtype, elastic.fft.R)
-    (rows, n_y), (inner_rows, points) = grid.shape, grid.inside
+    rows, n_y = grid.shape
+    inner_rows, points = grid.inside
     # with the halo rows that the transfer expects
     residual_and_contact = np.zeros((2, rows + 2, n_y), dtype)
     residual, closed = residual_and_contact[:, 1:-1]
     closed[...] = contact
     residual[...] = 1 - closed
-    z, d = np.zeros((rows + 2, n_y), dtype), np.zeros((rows, n_y), dtype)
-    rz, beta, alpha = np.inf, 0.0, 0.0
+    z = np.zeros((rows + 2, n_y), dtype)
+    d = np.zeros((rows, n_y), dtype)
+    rz = np.inf
+    beta = 0.0
+    alpha = 0.0
 
     def fill(i0: int, i1: int, x: np.ndarray) -> float:
         d[i0:i1] *= beta
@@ -103,9 +140,9 @@ def _steps(elastic: Elastic, contact: np.ndarray) -> Iterator[tuple[float, float
     while True:
         levels.restrict_from(0, residual_and_contact)
         levels.sweep()
-        before, (rz, *_) = rz, levels.smooth(0, residual_and_contact, z)
-        rz = float(grid.comm.sum([rz])[0])
-        beta = rz / before if rz > 0 else 0.0
+        rz_before = rz
+        rz = float(grid.comm.sum([levels.smooth(0, residual_and_contact, z)[0]])[0])
+        beta = rz / rz_before if rz > 0 else 0.0
         inner = sum(elastic.pressure_rows(fill))
         dKd, inner = grid.comm.sum([elastic.pressure_columns(), inner]).tolist()
         alpha = rz / dKd if dKd > 0 or np.isnan(dKd) else 0.0  # 0: solved to the last bit

@@ -9,7 +9,7 @@ from typing import NamedTuple
 from ..util.errors import GfmdError, SceneError, reason
 from ..util.file_names import require_name
 from .folder import HEAD, acquire, clear, partial_folder, release, step_files
-from .read import Result, read_partial, read_result
+from .read import Result, read_file, read_parts
 
 
 class EarlierRun(NamedTuple):
@@ -70,20 +70,31 @@ def claim(path: Path, identity: str | None, resume: bool, force: bool) -> tuple[
             f"output.path: cannot write to {error.filename}: {reason(error)}"
         ) from None
     try:
-        return lock, _earlier_run(path, folder, identity, resume, force)
+        files = step_files(folder)
+        return lock, _earlier_run(path, folder, files, identity, resume, force)
     except GfmdError:
         release(folder, lock)
         raise
 
 
 def _earlier_run(
-    path: Path, folder: Path, identity: str | None, resume: bool, force: bool
+    path: Path,
+    folder: Path,
+    files: dict[int, Path],
+    identity: str | None,
+    resume: bool,
+    force: bool,
 ) -> EarlierRun:
-    """Return what is there; clear the folder unless the run goes on. Raises SceneError."""
-    loads = len(step_files(folder)) if (folder / HEAD).exists() else 0
+    """Return what is there; clear the folder unless the run goes on. Raises SceneError.
+
+    files: of the finished loads, by their numbers.
+    """
+    has_begun = (folder / HEAD).exists()
+    loads = len(files) if has_begun else 0
     interrupted: Result | None = None
-    with suppress(SceneError):  # nothing, or nothing that can be read
-        interrupted = read_partial(path)
+    if has_begun:
+        with suppress(SceneError):  # nothing can be read
+            interrupted = read_parts(folder / HEAD, files)
     is_same = interrupted is not None and interrupted.head.get("identity") == identity
     if interrupted is not None and is_same and resume and not force:
         count = len(interrupted.steps)
@@ -110,7 +121,7 @@ def _earlier_run(
 def _note_on_replaced(path: Path, identity: str | None, force: bool) -> str:
     """Return a note on the file that will be replaced. Raises SceneError if it may not be."""
     try:
-        is_same = read_result(path).head.get("identity") == identity
+        is_same = read_file(path).head.get("identity") == identity
     except SceneError as error:
         is_same = False
         content = f"exists and is no result that can be read ({error})"

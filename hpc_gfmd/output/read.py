@@ -3,7 +3,7 @@ MPI."""
 
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import prod
 from pathlib import Path
@@ -198,7 +198,7 @@ def read_result(path: str | os.PathLike) -> Result:
     folder = partial_folder(path)
     if not path.exists() and folder.is_dir():
         return read_partial(path)
-    result = _read(path)
+    result = read_file(path)
     newer = folder / HEAD
     if newer.exists() and newer.stat().st_mtime_ns > path.stat().st_mtime_ns:
         note = (
@@ -210,22 +210,46 @@ def read_result(path: str | os.PathLike) -> Result:
 
 
 def read_partial(path: str | os.PathLike) -> Result:
-    """Read the finished steps of a run that has not written `path` yet, status "interrupted" (or
-    "running").
+    """Read the finished loads of a run that has not written `path` yet.
 
-    Every file in the folder is a result file of its own, with one load step or none, so that one
-    which is damaged says nothing about the others: it is left out, and named in `notes`. Raises
-    SceneError as read_result.
+    Its status is "interrupted", or "running". Raises SceneError as `read_result`.
     """
     path = Path(path)
     folder = partial_folder(path)
     if not (folder / HEAD).exists():
         raise SceneError(f"{path}: no such file, and no interrupted run beside it")
+    parts = read_parts(folder / HEAD, step_files(folder))
+    status = "running" if is_held(folder) else "interrupted"
+    return replace(parts, path=path, folder=folder, status=status)
+
+
+def read_parts(head: Path, steps: Mapping[int, Path]) -> Result:
+    """Read the files of a run that goes on, each of which is a result file of its own.
+
+    One that is damaged says nothing about the others: it is left out, and named in `notes`.
+
+    Parameters
+    ----------
+    head : Path
+        The file without a load.
+    steps : dict
+        The files with one load each, by its number.
+
+    Returns
+    -------
+    Result
+        With all loads that can be read.
+
+    Raises
+    ------
+    SceneError
+        Where nothing can be read.
+    """
     parts: list[Result] = []
     notes = []
-    for index, file in [(None, folder / HEAD), *step_files(folder).items()]:
+    for index, file in [(None, head), *steps.items()]:
         try:
-            part = _read(file)
+            part = read_file(file)
             if index is not None and part.indices != [index]:
                 raise SceneError(f"{file}: holds no load step {index}")
             if parts and part.head.get("identity") != parts[0].head.get("identity"):
@@ -235,19 +259,12 @@ def read_partial(path: str | os.PathLike) -> Result:
             notes.append(f"left out: {error}")
     if not parts:
         raise SceneError(notes[0].removeprefix("left out: "))
-    steps, indices, fields = (
-        [item for part in parts for item in getattr(part, name)]
-        for name in ("steps", "indices", "fields")
-    )
     return replace(
         parts[0],
-        path=path,
-        steps=steps,
-        indices=indices,
-        fields=fields,
-        folder=folder,
+        steps=[step for part in parts for step in part.steps],
+        indices=[index for part in parts for index in part.indices],
+        fields=[fields for part in parts for fields in part.fields],
         notes=tuple(notes),
-        status="running" if is_held(folder) else "interrupted",
     )
 
 
@@ -273,7 +290,7 @@ def read_checkpoint(path: Path, identity: str) -> Result | None:
     """
     if not path.exists():
         return None
-    checkpoint = _read(path, CHECKPOINT)
+    checkpoint = read_file(path, CHECKPOINT)
     if checkpoint.head.get("identity") != identity:
         raise SceneError(f"{path}: a checkpoint of another scene, allowed: of this one")
     complete = [{"p", "seconds", "iterations", "fft_pairs"} <= {*step} for step in checkpoint.steps]
@@ -282,9 +299,26 @@ def read_checkpoint(path: Path, identity: str) -> Result | None:
     return checkpoint
 
 
-def _read(path: Path, kind: str = FORMAT) -> Result:
-    """Read all that one file says, its load steps in the order of their numbers; whatever goes
-    wrong is one SceneError."""
+def read_file(path: Path, kind: str = FORMAT) -> Result:
+    """Read all that one file says, its load steps in the order of their numbers.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    kind : str
+        Its format: FORMAT or CHECKPOINT.
+
+    Returns
+    -------
+    Result
+        Fields are read later, slab by slab.
+
+    Raises
+    ------
+    SceneError
+        For whatever goes wrong.
+    """
     _require_hdf5(path)
     try:
         with reading(path) as file:

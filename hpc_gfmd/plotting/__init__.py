@@ -1,6 +1,6 @@
 """Pictures of results and surfaces. Nothing here needs MPI, and no field is ever read whole."""
 
 from .heights import height_map
-from .pictures import chosen_steps, figures, plot, plot_result
+from .pictures import chosen_steps, figures, plot, plot_result, save_picture
 
-__all__ = ["chosen_steps", "figures", "height_map", "plot", "plot_result"]
+__all__ = ["chosen_steps", "figures", "height_map", "plot", "plot_result", "save_picture"]

@@ -244,24 +244,54 @@ def plot_result(file: Any, where: Any = None, what: Any = None, **how: Any) -> l
     """
     result = _result(file)
     where = Path(where or (result.path or Path("contact")).with_suffix(".png"))
+    drawn = figures(result, what, **how)
+    several = len(drawn) > 1
+    return [save_picture(fig, where, name, several, how.get("dpi")) for name, fig in drawn.items()]
+
+
+def save_picture(
+    fig: Picture, where: Path, name: str, several: bool = False, dpi: float | None = None
+) -> Path:
+    """Save a picture in a folder, or as a file.
+
+    Parameters
+    ----------
+    fig : Picture
+    where : Path
+        A folder, made if only itself is missing, or a file .png, .pdf or .svg.
+    name : str
+        Of the picture: that of its file in a folder.
+    several : bool
+        Whether the name is added to that of a file.
+    dpi : float, optional
+        Default: that of RC.
+
+    Returns
+    -------
+    Path
+        Of the picture.
+
+    Raises
+    ------
+    SceneError
+        Where the folder cannot be made.
+    GfmdError
+        Where the picture cannot be written.
+    """
     as_file = where.suffix.lower() in SUFFIXES and not where.is_dir()
     folder = where.parent if as_file else where
     try:
         folder.mkdir(exist_ok=True)
     except OSError as error:
         raise SceneError(f"-o: pictures cannot go to {folder} ({reason(error)})") from None
-    drawn = figures(result, what, **how)
-    paths = []
-    for name, fig in drawn.items():
-        path = folder / f"{name}.png"
-        if as_file:
-            path = where.with_stem(f"{where.stem}_{name}") if len(drawn) > 1 else where
-        try:
-            save(fig, path, how.get("dpi"))
-        except OSError as error:
-            raise GfmdError(f"writing {path}: {reason(error)}") from error
-        paths.append(path)
-    return paths
+    path = folder / f"{name}.png"
+    if as_file:
+        path = where.with_stem(f"{where.stem}_{name}") if several else where
+    try:
+        save(fig, path, dpi)
+    except OSError as error:
+        raise GfmdError(f"writing {path}: {reason(error)}") from error
+    return path
 
 
 def chosen_steps(result: Result, what: Any, step: Any) -> list[int]:

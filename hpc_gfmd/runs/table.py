@@ -71,7 +71,7 @@ def table(
     """
     observables = tuple(observables)
     rows = cells(steps, surface, observables, errors)
-    return "\n".join([*_lines(rows), *remarks(steps, observables)])
+    return "\n".join([*aligned(rows), *remarks(steps, observables)])
 
 
 class GrowingTable:
@@ -96,7 +96,7 @@ class GrowingTable:
         from those that were written before, as in other units."""
         self._steps |= steps
         rows = cells(self._steps, self._surface, self._asked)
-        lines = _lines(rows, NARROWEST)
+        lines = aligned(rows, NARROWEST)
         heading = rows[:2]
         shown = lines[-len(steps) :]
         if heading != self._heading:
@@ -109,8 +109,16 @@ class GrowingTable:
         return remarks(self._steps, self._asked)
 
 
-def _lines(rows: list[list[str]], narrowest: int = 0) -> list[str]:
-    """Write rows of cells, each column as wide as its widest cell, and at least so wide."""
+def aligned(rows: list[list[str]], narrowest: int = 0) -> list[str]:
+    """Return rows of cells as lines, each column as wide as its widest cell.
+
+    Parameters
+    ----------
+    rows : list of list of str
+        Cells, equally many in each row.
+    narrowest : int
+        Least width of a column.
+    """
     widths = [max(narrowest, *map(len, column)) for column in zip(*rows)]
     lines = ("  ".join(map(str.rjust, row, widths)) for row in rows)
     return [line.rstrip() for line in lines]
@@ -163,7 +171,7 @@ def cells(
     for key, heading in headings.items():
         values = [_shown_value(step.get(key)) for step in steps.values()]
         if key in named or any(value is not None for value in values):
-            scale, unit = _scale(key, list(filter(is_number, values)), surface)
+            scale, unit = column_scale(key, list(filter(is_number, values)), surface)
             texts = (
                 _cell(key, value, scale, step)
                 for value, step in zip(values, steps.values(), strict=True)
@@ -178,9 +186,25 @@ def _shown_value(value: Any) -> float | str | None:
     return value if isinstance(value, int | float | str) else None
 
 
-def _scale(key: str, values: list[float], surface: dict) -> tuple[float, str]:
-    """Return (scale, unit) of a column: with the prefix that suits its largest value where the
-    surface knows the unit, a_r and errors in per cent."""
+def column_scale(key: str, values: list[float], surface: dict) -> tuple[float, str]:
+    """Return how a column is scaled.
+
+    Parameters
+    ----------
+    key : str
+        Name of the number in the result file.
+    values : list of float
+        In the unit of the result; the largest one chooses the prefix.
+    surface : dict
+        Attributes of the surface, which know the units.
+
+    Returns
+    -------
+    scale : float
+        Values are divided by it.
+    unit : str
+        In brackets; a_r and errors are in per cent.
+    """
     if key in PER_CENT:
         return 0.01, "[%]"
     unit = all_numbers()[key][1]

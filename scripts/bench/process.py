@@ -1,5 +1,6 @@
 """A solve in one process, as in a notebook: the first one, those that follow on the same surface,
-on threads, and the share of the time that is outside of the solver's passes.
+on threads, the share of the time that is outside of the solver's passes, and the time in which
+fewer threads work than there are, by part (idle.py), as shares of the time of one thread.
 
 Other codes beside it: `python scripts/bench peers --n 64 128 256 512 1024 2048 4096 --error 1e-3`.
 """
@@ -7,10 +8,13 @@ Other codes beside it: `python scripts/bench peers --n 64 128 256 512 1024 2048 
 from itertools import product
 
 from .contacts import Case
+from .idle import IdleWatch
 from .kernels import watch_passes
 from .peak import peak_mib
 from .report import Report
 from .timing import measured, serve, summary
+
+PARTS = "python", "hand_overs", "coarse_levels", "set_up"
 
 
 def run(args):
@@ -24,7 +28,11 @@ def run(args):
             found = summary(rows)
             cores_seconds = found["seconds_min"] * threads
             alone = alone or cores_seconds
-            report.add(**of, threads=threads, efficiency=alone / cores_seconds, **found)
+            quickest = min(rows, key=lambda row: row["seconds"])
+            short = {f"short_{part}": quickest[part] / alone for part in PARTS}
+            short["short_in_all"] = sum(short.values())
+            found = {key: value for key, value in found.items() if key not in PARTS}
+            report.add(**of, threads=threads, efficiency=alone / cores_seconds, **short, **found)
     report.finish()
 
 
@@ -34,16 +42,23 @@ def worker(comm, n, p_star, boundary="periodic", **settings):
     case.surface  # noqa: B018 (made here, outside of the times)
     cold = case.press(**settings)[0]["seconds"]
     watch = watch_passes()
+    idle = IdleWatch()
 
     def measure():
         watch.take()
+        idle.take()
         row, _ = case.press(**settings)
+        short = idle.take()
         del row["p_star"]  # as given
-        return row | {
-            "cold_seconds": cold,
-            "outside_passes": 1 - sum(watch.take().values()) / row["seconds"],
-            "peak_mib": peak_mib(),
-        }
+        return (
+            row
+            | {part: short[part] for part in PARTS}
+            | {
+                "cold_seconds": cold,
+                "outside_passes": 1 - sum(watch.take().values()) / row["seconds"],
+                "peak_mib": peak_mib(),
+            }
+        )
 
     return measure
 

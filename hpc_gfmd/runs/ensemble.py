@@ -1,0 +1,183 @@
+"""Several results with the same loads, as of many realisations or scans: means and scatter."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from os import PathLike
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..contact import all_numbers
+from ..output.numbers import unit_of
+from ..output.summary import with_error
+from ..util.errors import SceneError
+from .solution import Solution, Solutions, load
+from .table import EFFORT, RESULTS, TARGETS, aligned, column_scale, named_observables
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+    from ..plotting.style import Figure
+
+SAME_LOAD = 1e-6  # relative
+LOADS = (*TARGETS, "p", "p_star")  # one of these is the same in all results
+NO_MEAN = {*TARGETS, *EFFORT, "iterations", "seed"}
+
+
+class Ensemble:
+    """Several results with the same loads: means over them, and their scatter.
+
+    Parameters
+    ----------
+    results : iterable of Solutions or path
+        Such as `solve_many` gives, or result files; at least two.
+
+    Attributes
+    ----------
+    results : list of Solutions
+    load : str
+        What is the same in all results: "p", "p_star", "target_a_r", ...
+    loads : ndarray, shape (loads,)
+        Its values.
+
+    Raises
+    ------
+    SceneError
+        For less than two results, for an exception among them (of `solve_many`), and where the
+        loads differ.
+
+    Examples
+    --------
+    >>> ensemble = hpc_gfmd.Ensemble(hpc_gfmd.solve_many(walls, p_star=[0.01, 0.1]))
+    >>> ensemble.mean("a_r"), ensemble.std("a_r")
+    """
+
+    def __init__(self, results: Iterable[Solutions | str | PathLike]) -> None:
+        self.results = [_solutions(result, k) for k, result in enumerate(results, 1)]
+        if len(self.results) < 2:
+            raise SceneError(f"ensemble: found {len(self.results)} results, allowed: two or more")
+        if len({len(result) for result in self.results}) > 1:
+            numbers = ", ".join(str(len(result)) for result in self.results)
+            raise SceneError(f"ensemble: found {numbers} loads, allowed: as many in each result")
+        units = {(result.unit, result.pressure_unit) for result in self.results}
+        if len(units) > 1:
+            raise SceneError("ensemble: found different units, allowed: the same in each result")
+        alike = [name for name in LOADS if self._is_alike(name)]
+        if not alike:
+            raise SceneError(
+                "ensemble: found different loads, allowed: the same pressures, p_star or targets"
+            )
+        self.load = alike[0]
+        self.loads = self.results[0].values(self.load)
+
+    def __len__(self) -> int:
+        return len(self.results)
+
+    def _is_alike(self, name: str) -> bool:
+        if any(name not in step for result in self.results for step in result.result.steps):
+            return False
+        values = np.array([result.values(name) for result in self.results], dtype=float)
+        return bool(np.allclose(values, values[0], rtol=SAME_LOAD, atol=0))
+
+    def values(self, name: str) -> np.ndarray:
+        """Return a number of all loads of all results, shape (results, loads); nan for none."""
+        return np.array([result.values(name) for result in self.results], dtype=float)
+
+    def mean(self, name: str) -> np.ndarray:
+        """Return the mean of a number over the results, shape (loads,)."""
+        return self.values(name).mean(axis=0)
+
+    def std(self, name: str) -> np.ndarray:
+        """Return the standard deviation of a number over the results, shape (loads,)."""
+        return self.values(name).std(axis=0, ddof=1)
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the numbers that all results have of all loads."""
+        steps = [step for result in self.results for step in result.result.steps]
+        return [
+            name
+            for name, value in steps[0].items()
+            if name not in NO_MEAN
+            and isinstance(value, int | float)
+            and all(isinstance(step.get(name), int | float) for step in steps)
+        ]
+
+    def to_dataframe(self) -> DataFrame:
+        """Return a pandas table: a row for each load, columns of means ("a_r") and of standard
+        deviations ("a_r_std"); units by column in its `attrs`."""
+        from pandas import DataFrame
+
+        surface = self.results[0].result.surface
+        columns = {}
+        units: dict[str, str] = {}
+        for name in [self.load, *(name for name in self.names if name != self.load)]:
+            unit = unit_of(name, surface, all_numbers())
+            columns[name] = self.mean(name)
+            columns[f"{name}_std"] = self.std(name)
+            units |= {name: unit, f"{name}_std": unit}
+        table = DataFrame(columns)
+        table.attrs["units"] = units
+        return table
+
+    def plot(self, what: str = "curves", **how: Any) -> Figure:
+        """Draw numbers against the load: mean and a band of the standard deviation of more than six
+        results, otherwise all of them.
+
+        Parameters
+        ----------
+        what : str
+            "curves", or the name of one number.
+        **how
+            As of `hpc_gfmd.plot`.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+        """
+        from ..plotting import plot
+
+        return plot(self.results, what, **how)
+
+    def table(self) -> str:
+        """Return means +- standard deviations as a table, a line for each load."""
+        lines = aligned(self._cells())
+        return "\n".join([*lines, f"+-: standard deviation over {len(self)} results"])
+
+    def _cells(self) -> list[list[str]]:
+        surface = self.results[0].result.surface
+        asked = named_observables(self.results[0].result)
+        names = [name for name in (*RESULTS, *asked) if name in self.names and name != self.load]
+        headings = TARGETS | RESULTS
+        columns = []
+        for name in dict.fromkeys([self.load, *names]):
+            mean = self.mean(name)
+            deviation = self.std(name)
+            scale, unit = column_scale(name, mean.tolist(), surface)
+            texts = [
+                f"{value / scale:.4g}"
+                if name == self.load
+                else with_error(float(value / scale), float(sigma / abs(value)) if value else None)
+                for value, sigma in zip(mean, deviation, strict=True)
+            ]
+            columns.append([headings.get(name, name), unit, *texts])
+        return [list(row) for row in zip(*columns, strict=True)]
+
+    def __repr__(self) -> str:
+        return f"<ensemble of {len(self)} results>\n{self.table()}"
+
+    def _repr_html_(self) -> str:
+        from pandas import DataFrame
+
+        html = DataFrame(self._cells()).to_html(header=False, index=False, border=0)
+        return f"{html}\n<small>mean and standard deviation of {len(self)} results</small>"
+
+
+def _solutions(result: Any, number: int) -> Solutions:
+    """Return the Solutions of one member of an ensemble."""
+    if isinstance(result, Exception):
+        raise SceneError(f"ensemble: result {number} is an error ({result}), allowed: solutions")
+    if isinstance(result, Solution):
+        return Solutions(result.result, result.rows, result.comm)
+    return result if isinstance(result, Solutions) else load(result)

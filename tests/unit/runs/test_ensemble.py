@@ -1,0 +1,77 @@
+"""Means and scatter of several results, in memory, as files and by the commands."""
+
+import numpy as np
+import pytest
+
+import hpc_gfmd
+from hpc_gfmd.util.errors import SceneError
+
+LOADS = [0.05, 0.2]
+
+
+def solved(seed, loads=LOADS, **arguments):
+    wall = hpc_gfmd.make_surface(
+        "self-affine", hurst=0.8, L_over_lam_l=1, lam_l_over_lam_s=8, lam_s_over_a=2, seed=seed
+    )
+    return hpc_gfmd.solve(wall, p_star=loads, fields=(), **arguments)
+
+
+@pytest.fixture(scope="module")
+def results():
+    return [solved(seed, observables=["patches"]) for seed in range(3)]
+
+
+def test_mean_and_scatter_are_those_of_the_results(results):
+    ensemble = hpc_gfmd.Ensemble(results)
+    areas = np.array([result.a_r for result in results])
+    np.testing.assert_allclose(ensemble.mean("a_r"), areas.mean(axis=0))
+    np.testing.assert_allclose(ensemble.std("a_r"), areas.std(axis=0, ddof=1))
+    table = ensemble.to_dataframe()
+    np.testing.assert_allclose(table["gap_mean_std"], ensemble.std("gap_mean"))
+    np.testing.assert_allclose(ensemble.loads, LOADS)
+    assert ensemble.load in ("p", "p_star")
+
+
+def test_it_is_shown_and_drawn(results):
+    ensemble = hpc_gfmd.Ensemble(results)
+    text = ensemble.table()
+    assert len(text.splitlines()) == 2 + len(LOADS) + 1
+    assert "patches" in text.splitlines()[0]
+    assert "+-" in text.splitlines()[2]
+    assert "<table" in ensemble._repr_html_()
+    assert len(ensemble.plot("a_r").axes) == 1
+
+
+def test_solve_many_makes_one():
+    walls = [
+        hpc_gfmd.make_surface(
+            "self-affine", hurst=0.8, L_over_lam_l=1, lam_l_over_lam_s=8, lam_s_over_a=2, seed=seed
+        )
+        for seed in range(2)
+    ]
+    ensemble = hpc_gfmd.Ensemble(hpc_gfmd.solve_many(walls, p_star=LOADS, processes=1))
+    np.testing.assert_allclose(ensemble.results[1].a_r, solved(1).a_r)
+
+
+def test_files_are_shown_and_drawn_together(results, cli, tmp_path):
+    paths = [result.save(tmp_path / f"{k}.h5") for k, result in enumerate(results)]
+    assert "standard deviation over 3 results" in cli.prints("show", *paths)
+    data = cli.data("show", *paths)
+    ensemble = hpc_gfmd.Ensemble(results)
+    np.testing.assert_allclose(data["loads"]["a_r_std"], ensemble.std("a_r"))
+    picture = tmp_path / "together.png"
+    assert str(picture) in cli.prints("plot", *paths, "--what", "a_r", "-o", picture)
+    assert picture.stat().st_size > 1000
+    assert "--json" in cli.refused("show", *paths, "--errors")
+    assert "one file" in cli.refused("plot", *paths, "--step", "0")
+
+
+def test_what_does_not_belong_together_is_refused(results):
+    with pytest.raises(SceneError, match="two or more"):
+        hpc_gfmd.Ensemble(results[:1])
+    with pytest.raises(SceneError, match="2, 3 loads"):
+        hpc_gfmd.Ensemble([results[0], solved(5, [0.05, 0.1, 0.2])])
+    with pytest.raises(SceneError, match="different loads"):
+        hpc_gfmd.Ensemble([results[0], solved(5, [0.05, 0.3])])
+    with pytest.raises(SceneError, match="result 2 is an error"):
+        hpc_gfmd.Ensemble([results[0], SceneError("a wall")])
