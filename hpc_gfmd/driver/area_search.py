@@ -42,6 +42,8 @@ class AreaSearch(SecantSearch):
     map_points : int
         Points of the map that a point of the grid stands for: more than one where the map varies
         along one axis only.
+    extrapolated : bool
+        Whether the present load is where a plateau was expected to end.
     jumps : bool
         Whether the area jumps over the target.
     undecided : float
@@ -51,6 +53,7 @@ class AreaSearch(SecantSearch):
     usual = 1.0
 
     map_points: int = 1
+    extrapolated: bool = False
     jumps: bool = False
     undecided: float = 0.0
 
@@ -154,9 +157,10 @@ class AreaSearch(SecantSearch):
         self.jumps = self._changes_at_once(solver)
         if self.jumps:
             below, above = self.bracket.bounds
-            self.note = (
-                f"a_r jumps from {below.value:.4g} to {above.value:.4g}: the nearer is taken"
-            )
+            ends = f"from {below.value:.4g} to {above.value:.4g}"
+            self.note = f"a_r jumps {ends}: the nearer is taken"
+            if solver.problem.dtype != np.float64:
+                self.note = f"single precision cannot tell whether a_r jumps {ends}"
             return self._confirm(solver, certificate)
         point = POINT / self.heights.points
         if left < 1 and self.aim - self.target > max(self.tolerance * self.target, point):
@@ -166,21 +170,30 @@ class AreaSearch(SecantSearch):
     def correct(self, solver: Solver, certificate: Certificate, solved: bool) -> bool:
         """Go to the nearer side of a jump, or between the bounds."""
         if self.jumps:
-            nearer = self._nearer
-            return self.x != nearer.x and self._go(nearer.x, solver)
+            plateau = self._nearer.plateau
+            return self.x != plateau and self._go(plateau, solver)
         y, error = self.certified(solver, certificate)
         surely_missed = self.miss(y) > error
         if self.corrections == CALIBRATION.most or not surely_missed or self.undecided > 1:
             return False
         if self.bracket.is_closed:
-            return self._go(self.bracket.between(self._rounding(solver) / solver.p0), solver)
-        x = self._end_of_plateau()
-        if x is None:
+            return self._go(self._between(solver), solver)
+        end = self._end_of_plateau()
+        if end is None:
             return super().correct(solver, certificate, solved)
-        return self._go(x, solver)
+        return self._go(end + BEYOND * (end - self.x), solver)
+
+    def _between(self, solver: Solver) -> float:
+        """Return the next x between two bounds: the end of a plateau, where it was not just tried,
+        or what the bracket says."""
+        end = self._end_of_plateau()
+        self.extrapolated = not self.extrapolated and end is not None
+        if end is None or not self.extrapolated or self.bracket.excludes(end):
+            return self.bracket.between(self._rounding(solver) / solver.p0)
+        return end
 
     def _end_of_plateau(self) -> float | None:
-        """Return x beyond the end of a plateau, None where the last two loads are not on one.
+        """Return x where a plateau ends, None where the last two loads are not on one.
 
         While the same points touch, pressures and gaps are linear in the load.
         """
@@ -192,9 +205,7 @@ class AreaSearch(SecantSearch):
         p0 = self.p0_of(newest.x)
         slope = (newest.distance - before.distance) / (p0 - self.p0_of(before.x))
         end = self.x_of(p0 - newest.distance / slope) if slope > 0 else inf
-        if not isfinite(end):
-            return None
-        return end + BEYOND * (end - newest.x)
+        return end if isfinite(end) else None
 
     def _rounding(self, solver: Solver) -> float:
         """Return the difference of pressures that may be rounding errors."""
@@ -244,7 +255,7 @@ class AreaSearch(SecantSearch):
         nearer = self._nearer
         y, _ = self.certified(solver, certificate)
         point = POINT / self.heights.points
-        if self.x != nearer.x:
+        if self.x not in (nearer.x, nearer.plateau):
             return inf
         if abs(y - self.aim) <= abs(nearer.value - self.aim) + point:
             return 0.0

@@ -6,7 +6,7 @@ Source: Chandrupatla, Adv. Eng. Softw. 28 (1997) 145, doi:10.1016/S0965-9978(96)
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import isfinite, sqrt
+from math import isfinite, nan, sqrt
 from typing import NamedTuple
 
 
@@ -22,11 +22,15 @@ class Bound(NamedTuple):
     distance : float
         A continuous function of the load with its zero at the target: below 0 where the load is too
         small. It may be infinite.
+    plateau : float
+        x of the first load on this side that gave the same value: further from the target, so that
+        it takes less accuracy to know the value.
     """
 
     x: float
     value: float
     distance: float
+    plateau: float = nan
 
 
 @dataclass
@@ -68,6 +72,8 @@ class Bracket:
         """Add a load that is too small (is_low) or too large, or the same load, solved more
         accurately; a bound on the other side that contradicts it was wrong, and is dropped."""
         before = self.low if is_low else self.high
+        same = before is not None and before.value == bound.value
+        bound = bound._replace(plateau=before.plateau if before and same else bound.x)
         if before is None or before.x != bound.x:
             self.replaced = before
         self.newest_is_low = is_low

@@ -28,24 +28,61 @@ CLOSED = 8.0  # rounding errors that the pressures of a closed contact may have
 def closed_contact(
     problem: Problem, dtype: DTypeLike = np.float64, dual: bool = False
 ) -> tuple[np.ndarray, np.ndarray, Certificate]:
-    """Give the gap 0, its pressure and the Certificate, in which points in tension do not count as
-    contact. Collective."""
-    g, p = np.zeros_like(problem.heights), np.empty_like(problem.heights)
+    """Return full contact, whether or not it is the solution.
+
+    Collective.
+
+    Parameters
+    ----------
+    problem : Problem
+        With stored heights, on a surface that does not end.
+    dtype : dtype
+        Precision of the certificate.
+    dual : bool
+        Whether it has to give the duality gap.
+
+    Returns
+    -------
+    g, p : ndarray
+        The gap, 0 everywhere, and its pressure, local slabs.
+    certificate : Certificate
+        Points in tension do not count as contact.
+    """
+    g = np.zeros_like(problem.heights)
+    p = np.empty_like(problem.heights)
     return g, p, certify(problem, g, p, dtype=dtype, dual=dual)
 
 
 def tension_of(grid: Grid, p: np.ndarray, unit: np.ndarray | None = None) -> tuple[float, float]:
-    """Return the largest tension of a closed contact (below 0: there is none), over `unit` where
-    that is given, and the rounding error of its pressure p. Collective."""
+    """Return the largest tension of a closed contact.
+
+    Collective.
+
+    Parameters
+    ----------
+    grid : Grid
+        Of the contact.
+    p : ndarray
+        Its pressure, local slab.
+    unit : ndarray, optional
+        By which the pressure is divided, local slab.
+
+    Returns
+    -------
+    tension : float
+        Below 0 where all points are pressed.
+    rounding : float
+        Rounding error of the pressure.
+    """
     rows, points = grid.inside
 
     def extremes(i0: int, i1: int) -> tuple[float, float]:
-        here = p[i0:i1, :points]
-        own = here if unit is None else here / unit[i0:i1, :points]
-        return -float(own.min()), float(np.abs(here).max())
+        pressure = p[i0:i1, :points]
+        scaled = pressure if unit is None else pressure / unit[i0:i1, :points]
+        return -float(scaled.min()), float(np.abs(pressure).max())
 
-    found = [(-np.inf, 0.0), *grid.by_rows(extremes, rows)]
-    tension, largest = grid.comm.max(np.max(found, axis=0)).tolist()
+    extremes_of_pieces = [(-np.inf, 0.0), *grid.by_rows(extremes, rows)]
+    tension, largest = grid.comm.max(np.max(extremes_of_pieces, axis=0)).tolist()
     return tension, CLOSED * float(np.finfo(p.dtype).eps) * largest
 
 
@@ -79,7 +116,20 @@ class ClosingSearch(LoadSearch):
         self._p0 = p0
 
     def adjust(self, solver: Solver, progress: Progress) -> bool:
-        """Change the load where points are in tension."""
+        """Change the load where points are in tension.
+
+        Parameters
+        ----------
+        solver : Solver
+            At the present mean pressure.
+        progress : Progress
+            Of the solver.
+
+        Returns
+        -------
+        bool
+            Whether the load has changed.
+        """
         lowest, rounding = self._lowest(solver)
         if lowest > 0:
             return False
@@ -87,17 +137,60 @@ class ClosingSearch(LoadSearch):
         return self._press(solver, rounding - lowest + more)
 
     def may_be_met(self, solver: Solver, progress: Progress, accuracy: float) -> bool:
-        """Tell that it may: a point that is about to open is no error."""
+        """Return True: a point that is about to open is no error of the area.
+
+        Parameters
+        ----------
+        solver : Solver
+            At the present mean pressure.
+        progress : Progress
+            Of the solver.
+        accuracy : float
+            That is asked for.
+
+        Returns
+        -------
+        bool
+            True.
+        """
         return True
 
     def learn(self, solver: Solver, certificate: Certificate) -> float:
-        """Miss the target until all is closed, and the load the least."""
+        """Return 0 once every point is closed at the smallest such load, else infinity.
+
+        Parameters
+        ----------
+        solver : Solver
+            At the present mean pressure.
+        certificate : Certificate
+            Of its gap.
+
+        Returns
+        -------
+        float
+            How far the target is missed.
+        """
         lowest, rounding = self._lowest(solver)
-        least = lowest <= max(2 * rounding, self.tolerance * solver.p0)
-        return 0.0 if certificate.contact == solver.N and least else np.inf
+        is_smallest = lowest <= max(2 * rounding, self.tolerance * solver.p0)
+        return 0.0 if certificate.contact == solver.N and is_smallest else np.inf
 
     def correct(self, solver: Solver, certificate: Certificate, solved: bool) -> bool:
-        """Go to the least load, once it is known."""
+        """Go to the smallest load that closes the gap, once it is known.
+
+        Parameters
+        ----------
+        solver : Solver
+            At the present mean pressure.
+        certificate : Certificate
+            Of its gap.
+        solved : bool
+            Whether the solution at the present load is as accurate as asked.
+
+        Returns
+        -------
+        bool
+            Whether the load has changed.
+        """
         lowest, rounding = self._lowest(solver)
         if not solved or 0 < lowest < 2 * rounding:
             return False
@@ -112,13 +205,15 @@ class ClosingSearch(LoadSearch):
 
     def _press(self, solver: Solver, by: float) -> bool:
         """Go to a load that is so much larger, and to its solution. Collective."""
-        (rows, points), by = solver.grid.inside, float(by)
+        rows, points = solver.grid.inside
+        by = float(by)
 
         def press(i0: int, i1: int) -> None:
             if self.unit is None:
                 solver.p[i0:i1] += by
                 return
-            inner, more = max(rows - i0, 0), by * self.unit[i0:i1]
+            inner = max(rows - i0, 0)
+            more = by * self.unit[i0:i1]
             solver.p[i0:i1][:inner, :points] += more[:inner, :points]
             solver.g[i0:i1][:inner, points:] += more[:inner, points:]
             solver.g[i0:i1][inner:] += more[inner:]

@@ -23,7 +23,7 @@ LENGTHS = 100.0  # rounding errors of the largest height that a gap or an approa
 
 
 def loads_of(
-    asked: SceneLoad, working: WorkingSurface, settings: Settings, solver: type[Solver]
+    table: SceneLoad, working: WorkingSurface, settings: Settings, solver: type[Solver]
 ) -> list[Load]:
     """Return the loads that a scene asks for, in their order.
 
@@ -31,7 +31,7 @@ def loads_of(
 
     Parameters
     ----------
-    asked : scene.Load
+    table : scene.Load
         The table [load].
     working : WorkingSurface
         The surface in the first precision.
@@ -51,13 +51,13 @@ def loads_of(
         For what a flat surface does not have, what the precision cannot hold, and what no pressure
         gives.
     """
-    name, values = asked.given
+    name, values = table.given
     surface = working.surface
     E_star = working.model.E_star
     has_none = name in FLAT_HAS_NONE or (name == "approach" and working.is_flat)
     if surface.g_rms == 0 and has_none:
         raise SceneError(f"load.{name}: found a flat surface (g_rms = 0), allowed: load.pressure")
-    pressures = asked.p0(E_star, surface.g_rms, float(np.prod(surface.sizes)))
+    pressures = table.p0(E_star, surface.g_rms, float(np.prod(surface.sizes)))
     require_range(E_star, surface, [abs(p_mean) for p_mean in pressures if p_mean != 0])
     if working.model.attraction is not None and working.is_flat:
         raise SceneError(

@@ -260,9 +260,9 @@ def _lay_down(solver: Solver, criterion: StoppingCriterion, gap: np.ndarray) -> 
         return 0.0
     if gap is not solver.g:
         solver.g[...] = gap
-    first = certificate_of(solver, replace(criterion, duality=False))
-    solver.begin_at(first)
-    return first.pairs
+    certificate = certificate_of(solver, replace(criterion, duality=False))
+    solver.begin_at(certificate)
+    return certificate.pairs
 
 
 def _is_worse_than_undeformed(solver: Solver) -> bool:

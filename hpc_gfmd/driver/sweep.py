@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from ..scene import Load as SceneLoad
     from ..scene import Solver as Settings
     from ..surface import Surface
-    from .drive import Watch
+    from .drive import Outcome, Watch
     from .working_surface import MakeSurface
 
 DOUBLE = np.dtype(np.float64)
@@ -127,15 +127,15 @@ class Sweep:
         """The present precision; once a load is in double precision, all others are."""
         return self.working.dtype
 
-    def loads(self, asked: SceneLoad) -> list[Load]:
+    def loads(self, table: SceneLoad) -> list[Load]:
         """Return the loads that the table [load] of a scene asks for.
 
         Collective. Raises SceneError for what this surface does not have, see `loads_of`.
         """
-        return loads_of(asked, self.working, self.settings, self.starter.solver_class)
+        return loads_of(table, self.working, self.settings, self.starter.solver_class)
 
     def solve(
-        self, asked: Load, watch: Watch | None = None, unfinished: Unfinished | None = None
+        self, load: Load, watch: Watch | None = None, unfinished: Unfinished | None = None
     ) -> Contact:
         """Solve one load.
 
@@ -143,8 +143,8 @@ class Sweep:
 
         Parameters
         ----------
-        asked : Load
-            As of `loads`.
+        load : Load
+            As of `loads`; it stays as it is.
         watch : callable, optional
             Called after every iteration, ``watch(iterations, progress)``; a true value stops.
         unfinished : Unfinished, optional
@@ -161,20 +161,20 @@ class Sweep:
             On all ranks, when the run is to stop before the first iteration.
         """
         if self.working.is_flat:
-            return flat_contact(self.working, asked, self.starter.criterion)
+            return flat_contact(self.working, load, self.starter.criterion)
         if self._failed and not self.working.model.retracts:
             self.starter.forget()
-        load = self.searches.begin(asked, self.working)
+        load = self.searches.begin(load, self.working)
         pairs = self._solve_before(load)
         if unfinished is not None:
             pairs += unfinished.pairs
             if load.search is not None:
                 load.search.begin_at(unfinished.p_mean / self.working.pressure_unit)
         contact = None
-        *others, final = self._precisions(load, unfinished)
+        *tried_before, final = self._precisions(load, unfinished)
         gap = None if unfinished is None else unfinished.gap
         gap_before = self._gap_before(load) if gap is None and final != self.dtype else None
-        for dtype in (*others, final):
+        for dtype in (*tried_before, final):
             if dtype != self.dtype:
                 self._work_in(dtype)
                 gap = gap_before if unfinished is None else gap
@@ -270,7 +270,7 @@ class Sweep:
             solver.p0,
             solver.g,
             solver.p,
-            outcome.status,
+            self._status_of(outcome, load),
             outcome.certificate,
             iterations=solver.iterations,
             pairs=pairs,
@@ -280,6 +280,14 @@ class Sweep:
         ):
             return Attempt(None, pairs)
         return Attempt(contact, pairs)
+
+    def _status_of(self, outcome: Outcome, load: Load) -> str:
+        """Return the status of a load: what a search found in single precision is no target met
+        where that takes double precision."""
+        doubtful = load.search is not None and load.search.needs_double
+        if outcome.status == "converged" and doubtful and self.dtype != DOUBLE:
+            return "stagnated"
+        return outcome.status
 
     def _separated(self, load: Load, iterations: int, pairs: float) -> Attempt:
         """Return what is left where the load pulls more than the attraction."""

@@ -98,8 +98,8 @@ def _earlier_run(
     is_same = interrupted is not None and interrupted.head.get("identity") == identity
     if interrupted is not None and is_same and resume and not force:
         count = len(interrupted.steps)
-        there = "1 load is finished" if count == 1 else f"{count} loads are finished"
-        note = f"resuming an interrupted run: {there}"
+        finished = "1 load is finished" if count == 1 else f"{count} loads are finished"
+        note = f"resuming an interrupted run: {finished}"
         return EarlierRun(interrupted, True, [*interrupted.notes, note])
     whose = (
         "that cannot be read"

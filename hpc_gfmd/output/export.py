@@ -9,12 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from ..parallel.comm import SerialComm
-from ..parallel.h5 import lay_out, write_file
+from ..parallel.h5 import lay_out
 from ..util.atomic import atomic_write
 from ..util.errors import GfmdError, SceneError, reason
 from ..util.libraries import surface_topography
-from .describe import coordinates, describe, name_it
+from .describe import coordinates, name_it
 from .numbers import About, axes, numbers, said_of, unit_of
 from .read import Result
 
@@ -56,18 +55,18 @@ def export(result: Result, kind: str, path: str | os.PathLike | None, about: Abo
     if not result.steps:
         raise SceneError(f"{result.path}: no finished load step yet, nothing to export")
     try:
-        if kind == "vtkhdf":  # which makes its own way to a file that is there or not
-            write(result, path, about)
-        else:
-            with atomic_write(path) as tmp:
-                write(result, tmp, about)
+        with atomic_write(path) as tmp:
+            write(result, tmp, about)
     except (OSError, ValueError) as error:
         raise GfmdError(f"writing {path}: {reason(error)}") from error
     return path
 
 
 def to_vtkhdf(result: Result, path: Path, about: About) -> None:
-    """Write a result file, whose extension ParaView knows.
+    """Write the fields as ImageData for ParaView.
+
+    Arrays are (load, y, x), the order of VTK, so that all versions from 9.3 put every number at its
+    place. In result files they are (x, y), which versions below 9.7 exchange.
 
     Parameters
     ----------
@@ -78,20 +77,45 @@ def to_vtkhdf(result: Result, path: Path, about: About) -> None:
     about : mapping
         Meaning and unit of the numbers.
     """
-    n = result.surface["n"]
-    if not common_fields(result) or min(n) < 2:
+    import h5py
+
+    surface = result.surface
+    n_x, n_y = surface["n"]
+    fields = common_fields(result)
+    if not fields or min(n_x, n_y) < 2:
         raise SceneError(
             f"{result.path}: ParaView shows fields on two axes, allowed: a result with"
             " output.fields"
         )
-    write_file(
-        SerialComm(),
-        path,
-        n,
-        (0, n[0]),
-        result.datasets,
-        lambda file: describe(file, result.head, result.surface, result.groups, about),
-    )
+    size_x, size_y = surface["physical_sizes"]
+    # HDF5 cannot create a file by the name of a descriptor, which atomic_write gives
+    with open(path, "w+b") as stream, h5py.File(stream, "w") as file:
+        image = file.create_group("VTKHDF")
+        image.attrs.update(
+            Type=np.bytes_("ImageData"),
+            Version=[2, 0],
+            WholeExtent=[0, n_x - 1, 0, n_y - 1, 0, 0],
+            Origin=[0.0, 0.0, 0.0],
+            Spacing=[size_x / n_x, size_y / n_y, 1.0],
+            Direction=np.eye(3).ravel(),
+        )
+        loads = np.array([step["p"] for step in result.steps])
+        for name, (_, dtype) in fields.items():
+            stored_loads = len(loads) if name != HEIGHTS else 1
+            leading = (stored_loads,) if len(loads) > 1 else ()  # one load: no axis for it
+            values = image.create_dataset(f"PointData/{name}", (*leading, n_y, n_x), dtype)
+            values.attrs.update(said_of(name, surface, about))
+            for place, rows in _pieces(result, name):
+                load = place[0] if len(place) == 2 else 0
+                values[(*(load for _ in leading), slice(None), place[-1])] = rows.T
+            if len(loads) > 1:
+                is_constant = name == HEIGHTS
+                offsets = np.zeros(len(loads), int) if is_constant else np.arange(len(loads))
+                image[f"Steps/PointDataOffsets/{name}"] = offsets
+        if len(loads) > 1:
+            is_rising = np.all(np.diff(loads) > 0)  # as times in ParaView have to
+            image["Steps/Values"] = loads if is_rising else np.arange(float(len(loads)))
+            image["Steps"].attrs["NSteps"] = len(loads)
 
 
 def to_netcdf(result: Result, path: Path, about: About) -> None:

@@ -370,6 +370,8 @@ def _require_hdf5(path: Path) -> None:
         unfit = "is no file"
     elif not os.access(path, os.R_OK):
         unfit = "no permission to read it"
+    elif path.stat().st_size == 0:
+        unfit = "found an empty file, allowed: a result file"
     elif not h5py.is_hdf5(path):
         unfit = "not an HDF5 file"
     else:

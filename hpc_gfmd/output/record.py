@@ -207,7 +207,8 @@ class RunFile(AbstractContextManager):
 
         Raises SceneError as `read_checkpoint`.
         """
-        path, identity = self.partial / STATE, self._head["identity"]
+        path = self.partial / STATE
+        identity = self._head["identity"]
         return on_rank_0(self.comm, f"reading {path}", lambda: read_checkpoint(path, identity))
 
     def take(self, result: Result) -> None:

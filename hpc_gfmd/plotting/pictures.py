@@ -11,6 +11,7 @@ import numpy as np
 
 from ..output.read import Result, read_result
 from ..output.summary import surface_line
+from ..scene.explain import nearest
 from ..util.errors import GfmdError, SceneError, reason
 from .context import FigureContext
 from .curves import curves
@@ -169,7 +170,9 @@ def _refuse(what: Any, results: Mapping[str, Result], step: Any) -> NoReturn:
     if "maps" not in possible:
         allowed += " (maps need output.fields, spectra output.distributions, distributions either)"
     of = "" if step is None else f" of step {step}"
-    raise SceneError(f"what: found {what!r}{of}, allowed: {allowed}")
+    is_misspelt = isinstance(what, str) and what not in PICTURES
+    hint = f'nearest: "{nearest(what, PICTURES)}", ' if is_misspelt else ""
+    raise SceneError(f"what: found {what!r}{of}, {hint}allowed: {allowed}")
 
 
 def _results(argument: Any) -> dict[str, Result]:

@@ -172,7 +172,7 @@ def surfaces_of(
     ready = None
     if isinstance(wall, PreparedSurface):
         topography = Topography(
-            array.shape, wall.sizes, rows_of, wall.unit, done=wall.prepared, notes=wall.notes
+            array.shape, wall.sizes, rows_of, wall.unit, prepared=wall.prepared, notes=wall.notes
         )
         if comm.size == 1 and not array.flags.writeable:
             ready = _surfaces.setdefault(wall, {})

@@ -196,7 +196,7 @@ def _prepared(topography: Topography, spec: Any) -> PreparedSurface:
         heights = heights.copy()
     heights.flags.writeable = False
     return PreparedSurface(
-        heights, topography.sizes, topography.unit, topography.done, topography.notes, spec.free
+        heights, topography.sizes, topography.unit, topography.prepared, topography.notes, spec.free
     )
 
 

@@ -1,4 +1,4 @@
-"""Turns validation errors into one line: the key, what was found, what is allowed."""
+"""Validation errors as one line: the key, what was found, what is allowed."""
 
 import difflib
 import reprlib
@@ -20,7 +20,7 @@ _short.maxlist = 4
 _short.maxlevel = 2
 
 
-MEANT = {  # other words for keys of a scene
+MEANT = {  # usual words for keys that have another name
     "tol": "accuracy",
     "tolerance": "accuracy",
     "rtol": "accuracy",
@@ -34,25 +34,52 @@ MEANT = {  # other words for keys of a scene
 }
 
 
-def nearest(name: str, known: Iterable[str]) -> str:
-    """Return the entry of `known` that `name` means or is most like."""
-    known = list(known)
-    if MEANT.get(name) in known:
+def nearest(name: str, names: Iterable[str]) -> str:
+    """Return the name that was probably meant.
+
+    Parameters
+    ----------
+    name : str
+        A misspelt name, or a synonym in MEANT.
+    names : iterable of str
+        Valid names, at least one.
+
+    Returns
+    -------
+    str
+        One of `names`.
+    """
+    names = sorted(names)
+    if MEANT.get(name) in names:
         return MEANT[name]
-    return difflib.get_close_matches(name[:80], sorted(known), n=1, cutoff=0)[0]
+    return difflib.get_close_matches(name[:80], names, n=1, cutoff=0)[0]
 
 
-def require_known(key: str, name: str, known: Iterable[str]) -> None:
-    """Raise SceneError for a name that is none of `known`."""
-    allowed = sorted(known)
+def require_known(key: str, name: str, names: Iterable[str]) -> None:
+    """Raise SceneError unless a name is valid.
+
+    Parameters
+    ----------
+    key : str
+        The key whose value the name is.
+    name : str
+        The name that was found.
+    names : iterable of str
+        Valid names.
+
+    Raises
+    ------
+    SceneError
+        With the nearest valid name.
+    """
+    allowed = sorted(names)
     if name not in allowed:
-        why = not_modelled(str(name)) or f'nearest: "{nearest(str(name), allowed)}"'
-        raise SceneError(f"{key}: found {shown(name)}, {why}, allowed: {', '.join(allowed)}")
+        hint = not_modelled(str(name)) or f'nearest: "{nearest(str(name), allowed)}"'
+        raise SceneError(f"{key}: found {shown(name)}, {hint}, allowed: {', '.join(allowed)}")
 
 
 def shown(value: object) -> str:
-    """Write a value in a few printable characters of one line, as TOML would have it where that is
-    short."""
+    """Write a value for a message: one line, shortened, as TOML writes it where that is short."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, dict):
@@ -64,7 +91,7 @@ def shown(value: object) -> str:
 
 
 def printable(key: str) -> str:
-    """Return a key or a path as it may stand in a message."""
+    """Return a key or a path, quoted and shortened unless it is printable and short."""
     return key if key and key.isprintable() and len(key) <= 200 else _short.repr(key)
 
 
@@ -72,20 +99,37 @@ Model = type[BaseModel]
 
 
 def explain(error: ValidationError, scene: Model, data: dict) -> str:
-    """Put the first eight errors in one line. data: what was validated."""
-    # several errors of one key (alternatives of a type, entries of a list) are one; a misspelt key
-    # first: it explains the "missing" that comes with it
+    """Write the first eight validation errors in one line.
+
+    Parameters
+    ----------
+    error : ValidationError
+        From pydantic.
+    scene : type
+        Scene or ArrayScene.
+    data : dict
+        The tables that were validated.
+
+    Returns
+    -------
+    str
+        Key, what was found and what is allowed, of each error.
+    """
+    # Several errors of one key (alternatives of its type, entries of a list) count as one. A
+    # misspelt key comes first: it explains the "not given" that follows from it.
     lines: dict[tuple, str] = {}
     errors = error.errors(include_url=False)
     for item in sorted(errors, key=lambda e: e["type"] != "extra_forbidden"):
         if item["type"] != "default_factory_not_called":  # only follows from another error
             key, line = _line(item, scene, data)
             lines.setdefault(key, line)
-    found = [*lines.values()]
-    return "; ".join(found[:8]) + f" (and {len(found) - 8} more)" * (len(found) > 8)
+    messages = [*lines.values()]
+    more = f" (and {len(messages) - 8} more)" if len(messages) > 8 else ""
+    return "; ".join(messages[:8]) + more
 
 
 def _line(item: Any, scene: Model, data: dict) -> tuple[tuple, str]:
+    """Return the key of one error of pydantic, as a tuple of names, and its message."""
     if not item["loc"]:  # a rule on the whole scene
         return (), str(item["ctx"]["error"])
     name, *rest = item["loc"]
@@ -93,13 +137,16 @@ def _line(item: Any, scene: Model, data: dict) -> tuple[tuple, str]:
     if name == "surface" and rest and rest[0] in KINDS:
         fields = KINDS[rest.pop(0)].model_fields
     key = (name, *rest[:1])
-    path, of_table = ".".join(map(printable, key)), f"{name}." * bool(rest)
+    path = ".".join(map(printable, key))
+    of_table = f"{name}." if rest else ""
     if item["type"].startswith("union_tag"):
         return key, _kind(data[name].get("kind"))
     if not rest and item["type"] == "value_error" and fields:
         return key, f"{path}: {item['ctx']['error']}"  # a rule on the whole table has its own words
     field, *deeper = rest or [name]
-    table, fields = (data[name], fields) if rest else (data, scene.model_fields)
+    table = data[name] if rest else data
+    if not rest:
+        fields = scene.model_fields
     inner_fields = table_fields(fields[field]) if field in fields else {}
     if deeper and inner_fields:  # of a table within a table
         of_table = f"{path}."
@@ -110,22 +157,22 @@ def _line(item: Any, scene: Model, data: dict) -> tuple[tuple, str]:
         inner = table[field] if not rest and isinstance(table[field], dict) else ()
         why = not_modelled(field, *inner) or _nearest(field, of_table, fields, scene)
         return key, f"{path}: {why}, allowed: {', '.join(fields)}"
-    found, value = "not given", table.get(field)
+    value = table.get(field)
+    found_text = "not given"
     if field in table:
         for place in deeper[:1]:  # of a list or a table; otherwise one of several types
             if isinstance(value, list) and place in range(len(value)):
                 path, value = f"{path}[{place}]", value[place]
             elif isinstance(value, dict) and place in value:
                 path, value = f"{path}.{printable(place)}", value[place]
-        found = f"found {shown(value)}"
-    what = allowed_of(fields[field]) + _limits(item)
+        found_text = f"found {shown(value)}"
+    allowed = allowed_of(fields[field]) + _limits(item)
     why = _why(item) if rest else ""
-    return key, f"{path}: {found}, {why}allowed: {what}"
+    return key, f"{path}: {found_text}, {why}allowed: {allowed}"
 
 
 def _why(item: Any) -> str:
-    """Say what is wrong with a value, where that is more than what is allowed says; ""
-    otherwise."""
+    """Return what is wrong with a value if the allowed values do not show it, else ""."""
     value = item["input"]
     if item["type"] == "value_error":
         return f"{item['ctx']['error']}, "
@@ -135,7 +182,7 @@ def _why(item: Any) -> str:
 
 
 def _limits(item: Any) -> str:
-    """Name the limits of all numbers, where one that makes sense is beyond them; "" otherwise."""
+    """Return the limits of all numbers if a positive number is beyond them, else ""."""
     beyond = {"greater_than_equal": "ge", "less_than_equal": "le"}.get(item["type"])
     return (
         f", from {SMALLEST:g} to {LARGEST:g}"
@@ -145,26 +192,32 @@ def _limits(item: Any) -> str:
 
 
 def _fields(scene: Model, table: str) -> Mapping[str, Any]:
-    """Return the keys of a table, none where it has kinds or is none."""
+    """Return the keys of a table; none if it has kinds, or if there is no such table."""
     field = scene.model_fields.get(table)
     return getattr(field and field.annotation, "model_fields", {})
 
 
-def _nearest(name: str, of_table: str, here: Iterable[str], scene: Model) -> str:
-    """Name the key that is most like an unknown one of the same table ("" or "TABLE."), and where
-    the same name is a key of another one, that, too."""
-    known = {key: f"{table}.{key}" for table in scene.model_fields for key in _fields(scene, table)}
-    known |= {key: f"surface.{key}" for kind in KINDS.values() for key in kind.model_fields}
-    known |= {table: table for table in scene.model_fields}
-    guess, other = of_table + nearest(name, here), known.get(name)
-    if other and other != of_table + name:  # that is a key of another kind of surface
-        # without a table it is a key that lost its own
-        guess = f"{guess} ({other} is a key, too)" if of_table else other
+def _nearest(name: str, of_table: str, siblings: Iterable[str], scene: Model) -> str:
+    """Suggest a key for an unknown one of a table ("TABLE.", or "" for none).
+
+    It is the nearest of the keys of that table; a key of this name in another table is named, too.
+    """
+    places = {
+        key: f"{table}.{key}" for table in scene.model_fields for key in _fields(scene, table)
+    }
+    places |= {key: f"surface.{key}" for kind in KINDS.values() for key in kind.model_fields}
+    places |= {table: table for table in scene.model_fields}
+    guess = of_table + nearest(name, siblings)
+    elsewhere = places.get(name)
+    if elsewhere and elsewhere != of_table + name:  # else: a key of another kind of surface
+        # without a table the key is probably that one
+        guess = f"{guess} ({elsewhere} is a key, too)" if of_table else elsewhere
     return f"unknown key, nearest: {guess}"
 
 
-def _kind(found: object) -> str:
+def _kind(value: object) -> str:
+    """Return the message for a wrong kind of surface."""
     allowed = ", ".join(f'"{kind}"' for kind in KINDS)
-    guess = f'nearest: "{nearest(found, KINDS)}", ' if isinstance(found, str) else ""
-    said = "not given" if found is None else f"found {shown(found)}"
-    return f"surface.kind: {said}, {guess}allowed: {allowed}"
+    hint = f'nearest: "{nearest(value, KINDS)}", ' if isinstance(value, str) else ""
+    found_text = "not given" if value is None else f"found {shown(value)}"
+    return f"surface.kind: {found_text}, {hint}allowed: {allowed}"

@@ -133,22 +133,38 @@ class Scene(Table):
 
     @property
     def length_unit(self) -> str:
-        """ "m" where lengths were given with units, else ""; of a height map its surface knows."""
+        """ "m" if lengths were given with units, else ""; a height map has a unit of its own."""
         return "m" if has_unit(self.surface.physical_sizes) else ""
 
     @property
     def pressure_unit(self) -> str:
-        """ "Pa" where pressures were given with units, else ""."""
+        """ "Pa" if pressures were given with units, else ""."""
         return "Pa" if has_unit(self.material.E1 or self.material.E_star) else ""
 
     @classmethod
     def from_dict(
         cls, data: dict[str, Any], origin: str = "scene", folder: str | PathLike | None = None
     ) -> "Scene":
-        """Validate tables as read from TOML; a relative surface path counts from `folder` where one
-        is given.
+        """Validate tables as read from TOML.
 
-        Raises SceneError, beginning with `origin`.
+        Parameters
+        ----------
+        data : dict
+            The tables.
+        origin : str
+            Where they come from, with which messages begin.
+        folder : path, optional
+            The folder that relative paths of height maps count from.
+
+        Returns
+        -------
+        Scene
+            Of the class that is called.
+
+        Raises
+        ------
+        SceneError
+            One line: key, what was found, what is allowed.
         """
         try:
             return cls.model_validate(data, context=folder and os.path.abspath(folder))
@@ -157,7 +173,25 @@ class Scene(Table):
 
     @classmethod
     def from_toml(cls, text: str, origin: str = "scene") -> "Scene":
-        """Parse and validate TOML text. Raises SceneError."""
+        """Parse and validate TOML text.
+
+        Parameters
+        ----------
+        text : str
+            A scene.
+        origin : str
+            Where it comes from, with which messages begin.
+
+        Returns
+        -------
+        Scene
+            Of the class that is called.
+
+        Raises
+        ------
+        SceneError
+            One line: key, what was found, what is allowed.
+        """
         return cls.from_dict(parse_toml(text, origin), origin)
 
     def to_toml(self) -> str:
@@ -165,11 +199,11 @@ class Scene(Table):
         return tomli_w.dumps(self.model_dump(exclude_none=True))
 
     def identity(self) -> str:
-        """Compute the SHA-256 (hex) of all that changes the answer or what is kept of it.
+        """Return a SHA-256 (hex) of everything that changes the result.
 
-        [machine], the title, the path of the result and its (lossless) compression do not count,
-        nor does the order of fields, observables and distributions. A height map counts by its
-        path, not by its content.
+        [machine], the title, the path of the result and its lossless compression are left out, as
+        is the order of fields, observables and distributions. A height map enters by its path, not
+        by its content.
         """
         data = self.model_dump(
             mode="json", exclude={"machine": True, "title": True, "output": {"path", "compression"}}
@@ -179,10 +213,11 @@ class Scene(Table):
         return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
 
     def warnings(self) -> list[str]:
-        """List what is legal but may not mean what the user thinks, one line each."""
-        surface, found = self.surface, []
+        """List settings that are valid but perhaps not what the user wants, one line each."""
+        surface = self.surface
+        notes = []
         if isinstance(surface, Wave):
-            found += [
+            notes += [
                 f"surface: {n} points along {axis} for {k} periods, fewer than {RESOLVED} points a"
                 " period"
                 for axis, n, k in zip("xy", surface.n, surface.periods)
@@ -190,31 +225,34 @@ class Scene(Table):
             ]
         attracts = self.material.adhesion is not None  # more touches then
         if not isinstance(surface, SelfAffine) or surface.radius:
-            return found
+            return notes
         if surface.eps_f > 1 / 8:
             ratio = surface.lam_l_over_lam_s
-            found.append(f"surface: lam_l_over_lam_s = {ratio:g} is hardly self-affine")
+            notes.append(f"surface: lam_l_over_lam_s = {ratio:g} is hardly self-affine")
         if surface.aspect < surface.eps_t:
-            found.append("surface: L_y is shorter than lam_l, the roughness is not isotropic")
+            notes.append("surface: L_y is shorter than lam_l, the roughness is not isotropic")
         n_x, n_y = surface.n
-        scale = 1.0 if self.load.p_star else surface.g_rms and surface.g_rms * self.material.E_star
-        areas = (
-            [2 * p / scale for p in self.load.p0(scale, 1.0, math.prod(surface.physical_sizes))]
-            if scale
-            else []
-        )  # about
         _, values = self.load.given
-        for load, area in zip(values, self.load.a_r or areas):
+        for load, area in zip(values, self._contact_areas(surface)):
             if area * n_x * n_y < TOUCHING and not attracts:
-                found.append(
+                notes.append(
                     f"load: at {load:g} fewer than {TOUCHING} of the {n_x} x {n_y} points touch"
                 )
-        return found
+        return notes
+
+    def _contact_areas(self, surface: SelfAffine) -> list[float]:
+        """Estimate the relative contact area of each load, about 2 p*; none if p* is unknown."""
+        if self.load.a_r:
+            return list(self.load.a_r)
+        unit = 1.0 if self.load.p_star else (surface.g_rms or 0.0) * self.material.E_star
+        if not unit:
+            return []
+        area = math.prod(surface.physical_sizes)
+        return [2 * p / unit for p in self.load.p0(unit, 1.0, area)]
 
 
 class ArrayScene(Scene):
-    """The same of heights that are an array in memory: of the surface only its sizes are asked
-    for."""
+    """A scene whose heights are an array in memory: its surface has sizes only."""
 
     surface: Surface = key(  # type: ignore[assignment]
         "the sizes of the heights", Surface(), allowed="a table [surface]"
@@ -231,8 +269,25 @@ class ArrayScene(Scene):
 
 
 def parse_toml(text: str, origin: str) -> dict[str, Any]:
-    """Return TOML text as a dictionary. Raises SceneError with the line number where the parser
-    knows it."""
+    """Parse TOML text.
+
+    Parameters
+    ----------
+    text : str
+        TOML.
+    origin : str
+        Where it comes from, with which messages begin.
+
+    Returns
+    -------
+    dict
+        Its tables.
+
+    Raises
+    ------
+    SceneError
+        With the number of the line, if the parser reports it.
+    """
     try:
         return tomllib.loads(text)
     except RecursionError:

@@ -1,5 +1,5 @@
-"""What contact mechanics knows and this program does not: whoever asks for it by name is told so,
-not led to the nearest key."""
+"""Physics that this program leaves out: a key of such a name is answered with that, not with the
+nearest key."""
 
 import re
 
@@ -22,16 +22,16 @@ INSTEAD = f'{ONLY}; output.observables = ["conductance"] is the conductance of t
 
 
 def not_modelled(*names: str) -> str:
-    """Return what is said of keys or names where one stands for physics that is left out, else "".
+    """Return the message for keys or names that stand for physics that is left out, or "".
 
-    A word that ends in "less" stands for none.
+    Words that end in "less" stand for none.
     """
     for name in names:
         if name == KEY:
             continue
         words = re.findall("[a-z]+", re.sub("([a-z])([A-Z])", r"\1 \2", name[:200]).lower())
         text = " ".join(word for word in words if not word.endswith("less"))
-        for stems, said in ((STEMS, ONLY), (ADHESION, ATTRACTION), (CONDUCTION, INSTEAD)):
+        for stems, message in ((STEMS, ONLY), (ADHESION, ATTRACTION), (CONDUCTION, INSTEAD)):
             if re.search(rf"\b(?:{stems})", text):
-                return said
+                return message
     return ""

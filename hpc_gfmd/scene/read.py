@@ -1,4 +1,4 @@
-"""A scene file read to a Scene, with the overrides of a command line."""
+"""Reading of scene files, with the overrides of a command line."""
 
 import os
 import tomllib
@@ -12,17 +12,32 @@ from .explain import printable, shown
 from .model import Scene, parse_toml
 from .settings import LOADS
 
-# by table, the keys of which one takes the place of another
+# keys of which a table has one: an override of one removes the others
 ALTERNATIVES = {"load": LOADS, "solver": ("accuracy", "residual")}
 
 
 def load_scene(path: str | PathLike, overrides: Iterable[str] = ()) -> Scene:
-    """Read a scene file and apply overrides "table.key=value", each value in TOML or else a plain
-    string.
+    """Read a scene file.
 
-    An override may replace a whole table: "load={pressure = [0.1]}". A relative surface path, in
-    the file or in an override, counts from the folder of the scene file and becomes absolute.
-    Raises SceneError.
+    A relative path of a height map, in the file or in an override, counts from the folder of the
+    scene file and becomes absolute.
+
+    Parameters
+    ----------
+    path : path
+        A scene in TOML.
+    overrides : iterable of str
+        "table.key=value" or "table={key = value}", each value in TOML, else a plain text.
+
+    Returns
+    -------
+    Scene
+        The scene with the overrides.
+
+    Raises
+    ------
+    SceneError
+        One line: key, what was found, what is allowed.
     """
     origin = printable(str(path))
     data = parse_toml(_read(path, origin), origin)
@@ -32,8 +47,27 @@ def load_scene(path: str | PathLike, overrides: Iterable[str] = ()) -> Scene:
 
 
 def with_overrides(scene: Scene, overrides: Iterable[str], table: str) -> Scene:
-    """Return the scene with overrides "table.key=value" of that one table. Raises SceneError for
-    others."""
+    """Change keys of one table of a scene.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene, which stays as it is.
+    overrides : iterable of str
+        "table.key=value".
+    table : str
+        The table that may be changed.
+
+    Returns
+    -------
+    Scene
+        The changed scene.
+
+    Raises
+    ------
+    SceneError
+        For keys of other tables and wrong values.
+    """
     data = scene.model_dump(exclude_none=True)
     for override in overrides:
         if not override.strip().startswith(f"{table}."):
@@ -43,6 +77,7 @@ def with_overrides(scene: Scene, overrides: Iterable[str], table: str) -> Scene:
 
 
 def _read(path: str | PathLike, origin: str) -> str:
+    """Return the text of a scene file; raises SceneError if it cannot be read or is empty."""
     if not os.path.isfile(path):
         raise SceneError(f"{origin}: no such file, allowed: a scene file in TOML")
     try:
@@ -58,27 +93,42 @@ def _read(path: str | PathLike, origin: str) -> str:
 
 
 def apply_override(data: dict[str, Any], override: str) -> None:
-    """Change the tables by "table.key=value". Raises SceneError for another text."""
+    """Change one key of the tables of a scene.
+
+    Parameters
+    ----------
+    data : dict
+        Tables as read from TOML; they are changed.
+    override : str
+        "table.key=value".
+
+    Raises
+    ------
+    SceneError
+        For a text of another form.
+    """
     key, equals, value = override.partition("=")
-    *above, last = path = [part.strip() for part in key.split(".")]
+    path = [part.strip() for part in key.split(".")]
+    *tables, name = path
     if not equals or not all(path):
         raise SceneError(f"--set: found {shown(override)}, allowed: table.key=value")
     table = data
-    for depth, part in enumerate(above, 1):
+    for depth, part in enumerate(tables, 1):
         table = table.setdefault(part, {})
         if not isinstance(table, dict):
-            before = ".".join(path[:depth])
+            outer = ".".join(path[:depth])
             raise SceneError(
-                f"--set: found {shown(key)}, but {printable(before)} is no table, "
+                f"--set: found {shown(key)}, but {printable(outer)} is no table, "
                 "allowed: table.key=value"
             )
-    alternatives = ALTERNATIVES.get(".".join(above), ())
-    for name in alternatives if last in alternatives else ():
-        table.pop(name, None)
-    table[last] = _value(value.strip())
+    alternatives = ALTERNATIVES.get(".".join(tables), ())
+    for alternative in alternatives if name in alternatives else ():
+        table.pop(alternative, None)
+    table[name] = _value(value.strip())
 
 
 def _value(text: str) -> Any:
+    """Read a value in TOML; any other text stays a text."""
     try:
         parsed = tomllib.loads(f"value = {text}")
     except (ValueError, RecursionError):

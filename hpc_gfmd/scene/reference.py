@@ -1,5 +1,5 @@
-"""All keys of a scene with what their models say of them: as text, and as a page of the
-documentation."""
+"""All keys of a scene with their meaning, as text and as a page of the documentation, from the
+models that check them."""
 
 import json
 import textwrap
@@ -24,8 +24,23 @@ UNITS = {
 
 @dataclass(frozen=True)
 class Key:
-    """A key of a table: what help and templates say of it. default: None where there is none;
-    example: a value as it may stand."""
+    """What help and templates show of a key of a table.
+
+    Attributes
+    ----------
+    name : str
+        The key.
+    meaning : str
+        What it is.
+    allowed : str
+        Its values.
+    unit : str
+        "length", "pressure", ..., the name of a unit, or "".
+    default : str or None
+        Its default in TOML or in words; None if the key must be given.
+    example : object
+        A value.
+    """
 
     name: str
     meaning: str
@@ -37,12 +52,9 @@ class Key:
     @property
     def facts(self) -> str:
         """Default, unit and allowed values."""
-        first = "must be given" if self.default is None else f"default {self.default}"
-        return "; ".join(
-            part
-            for part in (first, UNITS.get(self.unit, self.unit and f"in {self.unit}"), self.allowed)
-            if part
-        )
+        default = "must be given" if self.default is None else f"default {self.default}"
+        unit = UNITS.get(self.unit, self.unit and f"in {self.unit}")
+        return "; ".join(part for part in (default, unit, self.allowed) if part)
 
 
 KIND = Key("kind", "which surface", ", ".join(map(json.dumps, KINDS)), example="self-affine")
@@ -50,8 +62,23 @@ KIND = Key("kind", "which surface", ", ".join(map(json.dumps, KINDS)), example="
 
 @dataclass(frozen=True)
 class Section:
-    """A table, or a kind of surface; kind: "" for all kinds and for other tables; heading: how a
-    scene writes it."""
+    """A table of a scene, or a kind of surface.
+
+    Attributes
+    ----------
+    table : str
+        Name of the table.
+    heading : str
+        How a scene writes it.
+    title : str
+        What it is, in a few words.
+    about : str
+        What it is, in sentences.
+    keys : tuple of Key
+        Its keys.
+    kind : str
+        Kind of surface; "" for what all kinds have, and for other tables.
+    """
 
     table: str
     heading: str
@@ -62,32 +89,37 @@ class Section:
 
 
 def sections(names: Mapping[str, Any] | None = None) -> list[Section]:
-    """List all tables and kinds of surface; names: those that a key takes, which the scene does not
-    know: {"output.observables": [...]}."""
+    """List all tables and kinds of surface.
+
+    names: values that the models do not list, by key: {"output.observables": [...]}.
+    """
+    names = names or {}
     fields = dict(Scene.model_fields)
     title = _key("title", fields.pop("title"))
-    found = [Section("", "title", "the scene", "A key before the first table.", (title,))]
+    listed = [Section("", "title", "the scene", "A key before the first table.", (title,))]
     for table, field in fields.items():
         models: dict[str, Any] = {"": field.annotation}
         if table == "surface":
             models = {"": Surface, **KINDS}
         for kind, model in models.items():
             keys = [
-                _key(name, model.model_fields[name], (names or {}).get(f"{table}.{name}"))
-                for name in model.__annotations__  # its own, not those that every kind has
+                _key(name, model.model_fields[name], names.get(f"{table}.{name}"))
+                for name in model.__annotations__  # of the kind itself, not those of all kinds
                 if name != "kind"
             ]
-            keys = [KIND] * (model is Surface) + keys
-            heading = f"[{table}]" + f' of kind = "{kind}"' * bool(kind)
-            what, meaning = field.description or "", " ".join(model.__doc__.split())
-            found.append(Section(table, heading, what, meaning, tuple(keys), kind))
-    return found
+            if model is Surface:
+                keys.insert(0, KIND)
+            heading = f'[{table}] of kind = "{kind}"' if kind else f"[{table}]"
+            about_model = " ".join(model.__doc__.split())
+            title_of_table = field.description or ""
+            listed.append(Section(table, heading, title_of_table, about_model, tuple(keys), kind))
+    return listed
 
 
 def toml(value: Any) -> str:
-    """Write a value as a line of a scene has it."""
+    """Write a value in TOML, on one line."""
     if isinstance(value, dict):
-        return f"{{{', '.join(f'{toml(key)} = {toml(one)}' for key, one in value.items())}}}"
+        return f"{{{', '.join(f'{toml(key)} = {toml(item)}' for key, item in value.items())}}}"
     if isinstance(value, list | tuple):
         return f"[{', '.join(map(toml, value))}]"
     # as JSON has it, but for infinity; dates, which no key takes, become texts
@@ -99,14 +131,33 @@ def toml(value: Any) -> str:
 
 
 def text(key: str | None = None, names: Mapping[str, Any] | None = None) -> str:
-    """Write the keys for a terminal: all, or those of a table, or those of one name ("accuracy",
-    "solver.accuracy"). Raises SceneError."""
-    lines, indent = [], " " * 22
+    """Write keys for a terminal.
+
+    Parameters
+    ----------
+    key : str, optional
+        A table, or a key with or without its table: "solver", "accuracy", "solver.accuracy"; by
+        default all keys.
+    names : mapping, optional
+        As of `sections`.
+
+    Returns
+    -------
+    str
+        Several lines.
+
+    Raises
+    ------
+    SceneError
+        For an unknown key, with the nearest one.
+    """
+    lines = []
+    indent = " " * 22
     for section in _chosen(key, sections(names)):
         lines += ["", *textwrap.wrap(f"{section.heading}: {section.about}", 100)]
         for entry in section.keys:
-            for first, words in ((f"  {entry.name:<18}  ", entry.meaning), (indent, entry.facts)):
-                lines += textwrap.wrap(words, 100, initial_indent=first, subsequent_indent=indent)
+            for start, words in ((f"  {entry.name:<18}  ", entry.meaning), (indent, entry.facts)):
+                lines += textwrap.wrap(words, 100, initial_indent=start, subsequent_indent=indent)
     return "\n".join(lines[1:])
 
 
@@ -132,36 +183,43 @@ def markdown(names: Mapping[str, Any] | None = None) -> str:
 
 
 def _listed(allowed: str) -> str:
-    """Refer to the page that has the names of a long list."""
-    what = allowed.partition(":")[0]
-    return allowed if len(allowed) <= 120 else f"{what}, of [these](observables.md)"
+    """Shorten a long list of names to a link to the page that has them."""
+    noun = allowed.partition(":")[0]
+    return allowed if len(allowed) <= 120 else f"{noun}, of [these](observables.md)"
 
 
-def _key(name: str, field: Any, known: Any = ()) -> Key:
-    extra, value = about(field), "none" if field.default is None else toml(field.default)
-    default = extra["said"] or (None if field.is_required() else value)
-    what = allowed_of(field) + (f": {', '.join(sorted(known))}" if known else "")
-    return Key(name, field.description, what, extra["unit"], default, extra["example"])
+def _key(name: str, field: Any, names: Any = ()) -> Key:
+    """Describe a field; names: values that its type does not list."""
+    extra = about(field)
+    default = extra["said"]
+    if not default and not field.is_required():
+        default = "none" if field.default is None else toml(field.default)
+    allowed = allowed_of(field) + (f": {', '.join(sorted(names))}" if names else "")
+    return Key(name, field.description, allowed, extra["unit"], default or None, extra["example"])
 
 
-def _chosen(key: str | None, found: list[Section]) -> list[Section]:
+def _chosen(key: str | None, listed: list[Section]) -> list[Section]:
+    """Return the sections, or parts of them, that a table or a key names; raises SceneError."""
     if key is None:
-        return found
-    if whole := [section for section in found if key and section.table == key]:
-        return whole
+        return listed
+    if tables := [section for section in listed if key and section.table == key]:
+        return tables
     table, _, name = key.rpartition(".")
-    fits = [
+    parts = [
         replace(section, keys=keys)
-        for section in found
+        for section in listed
         if table in ("", section.table)
-        and (keys := tuple(one for one in section.keys if one.name == name))
+        and (keys := tuple(entry for entry in section.keys if entry.name == name))
     ]
-    if not fits:
-        known = {section.table for section in found} - {""}
-        for section in found:
-            names = [one.name for one in section.keys]
-            known |= {*names, *(f"{section.table}.{name}" for name in names)}
-        near = f"which is no key of a scene, nearest: {nearest(key, known)}"
-        why = not_modelled(key) or near
-        raise SceneError(f"help scene: found {printable(key)}, {why}")
-    return fits
+    if not parts:
+        raise SceneError(f"help scene: found {printable(key)}, {_hint(key, listed)}")
+    return parts
+
+
+def _hint(key: str, listed: list[Section]) -> str:
+    """Return what an unknown key may mean."""
+    names = {section.table for section in listed} - {""}
+    for section in listed:
+        for entry in section.keys:
+            names |= {entry.name, f"{section.table}.{entry.name}"}
+    return not_modelled(key) or f"which is no key of a scene, nearest: {nearest(key, names)}"

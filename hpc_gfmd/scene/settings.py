@@ -40,10 +40,12 @@ NAMES = "a list of names, each once"
 PUSH = "greater than 0, with material.adhesion also 0 and below"
 
 
-def _effective_modulus(given: dict) -> float:
-    """Return E* of the solids, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 (eq. effMod); the second one
-    is rigid if it is not given; 1 without solids."""
-    E1, nu1, E2, nu2 = (given.get(key) for key in SOLIDS)
+def _effective_modulus(solids: dict) -> float:
+    """Return E* of two solids, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 (eq. effMod).
+
+    The second one is rigid if it is not given; without the first one E* is 1.
+    """
+    E1, nu1, E2, nu2 = (solids.get(key) for key in SOLIDS)
     if E1 is None or nu1 is None:
         return 1.0
     return 1 / ((1 - nu1**2) / E1 + (1 - (nu2 or 0.0) ** 2) / (E2 or inf))
@@ -110,16 +112,19 @@ class Material(Table):
     @model_validator(mode="after")
     def _one_way(self) -> Self:
         # E_star is in the set only if it was given, not if it was computed
-        given = "E_star" in self.model_fields_set
-        found = ["E_star"] * given + [key for key in SOLIDS if getattr(self, key) is not None]
-        said, layer = ", ".join(found), "thickness with " * (self.thickness is not None)
-        if said == "nu1" and not layer:
+        keys = [key for key in SOLIDS if getattr(self, key) is not None]
+        if "E_star" in self.model_fields_set:
+            keys.insert(0, "E_star")
+        combination = ", ".join(keys)
+        layer = "" if self.thickness is None else "thickness with "
+        if combination == "nu1" and not layer:
             raise ValueError("found nu1 (nu) alone, allowed: with E1, or with thickness (a layer)")
         ways = ["E1, nu1 (a rigid counterface)"]
         ways += ["nu1 (E_star = 1)", "E_star, nu1"] if layer else ["E_star", "E1, nu1, E2, nu2"]
-        if (said or layer) and said not in [way.partition(" (")[0] for way in ways]:
+        allowed = [way.partition(" (")[0] for way in ways]
+        if (combination or layer) and combination not in allowed:
             raise ValueError(
-                f"found {layer}{said or 'nothing else'}, allowed: {layer}{'; '.join(ways)}"
+                f"found {layer}{combination or 'nothing else'}, allowed: {layer}{'; '.join(ways)}"
             )
         return self
 
@@ -134,10 +139,10 @@ class Material(Table):
             raise ValueError(
                 f'found base = "{self.base}" without thickness, allowed: both, or none'
             )
-        given = [key for key in ("base_E", "base_nu") if getattr(self, key) is not None]
-        if len(given) != 2 * (self.base == "elastic"):
+        keys = [key for key in ("base_E", "base_nu") if getattr(self, key) is not None]
+        if len(keys) != (2 if self.base == "elastic" else 0):
             raise ValueError(
-                f'found base = "{self.base}" with {" and ".join(given) or "no base_E"}, allowed:'
+                f'found base = "{self.base}" with {" and ".join(keys) or "no base_E"}, allowed:'
                 ' base = "elastic" with base_E and base_nu, or none of them'
             )
         if self.thickness is not None and self.base == "bonded" and self.nu1 == 0.5:
@@ -196,8 +201,7 @@ class Load(Table):
         example="10 nm",
     )
     branch: Literal["approach", "retraction"] = key(
-        "with material.adhesion, from which side a load is reached: from less contact, as the"
-        " surfaces come together, or from more, as they are pulled apart",
+        "with material.adhesion: reach a load from less contact, as on approach, or from more",
         "approach",
     )
 
@@ -208,17 +212,31 @@ class Load(Table):
 
     @property
     def given(self) -> tuple[str, tuple[float, ...]]:
-        """The key that is given, and its values."""
+        """The quantity that is prescribed, and its values, one for each load."""
         return next((name, values) for name in LOADS if (values := getattr(self, name)) is not None)
 
     @property
     def found(self) -> bool:
-        """Whether the pressures have to be found."""
+        """Whether the mean pressures have to be searched for."""
         return self.given[0] not in PRESSURES
 
     def p0(self, E_star: float, g_rms: float, area: float = 1.0) -> tuple[float, ...]:
-        """Return the mean pressures, in the unit of E_star, on a surface of realised g_rms and an
-        area; none where they have to be found."""
+        """Return the mean pressures of all loads.
+
+        Parameters
+        ----------
+        E_star : float
+            Effective modulus.
+        g_rms : float
+            Realised rms slope of the surface.
+        area : float
+            Nominal area of the surface.
+
+        Returns
+        -------
+        tuple of float
+            In the unit of E_star; empty if they have to be searched for.
+        """
         name, values = self.given
         scale = {"p_star": E_star * g_rms, "force": 1 / area}.get(name, 1.0)
         return () if self.found else tuple(float(value) * scale for value in values)
@@ -266,7 +284,7 @@ class Solver(Table):
 
     @property
     def tolerance(self) -> float:
-        """The accuracy that is wanted, or else the residual."""
+        """The accuracy that is asked for, or else the residual."""
         return self.accuracy or self.residual or 0.0
 
 

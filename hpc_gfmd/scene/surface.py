@@ -239,13 +239,13 @@ class File(Surface):
         allowed="a list of texts",
     )
     coordinates: Literal["none", "line", "column", "both"] | None = key(
-        "of a text: whether its first line, its first column or both are coordinates, not heights",
+        "of a text: which of first line and column are coordinates",
         None,
         example="both",
-        said="what the numbers show, else it must be given",
+        said="what the numbers show",
     )
     first_axis: Literal["x", "y"] | None = key(
-        "what the first index of an array, or the number of the line of a text, runs along",
+        "what the first index of an array, or the line number of a text, runs along",
         None,
         example="y",
         said="what the file says, else x",

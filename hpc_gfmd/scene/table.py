@@ -185,27 +185,57 @@ def table_fields(field: Any) -> Mapping[str, Any]:
 
 
 def one_of(table: BaseModel, *keys: str) -> None:
-    """Raise ValueError unless exactly one of `keys` is set."""
-    found = [key for key in keys if getattr(table, key) is not None]
-    if len(found) != 1:
-        said = f"found {' and '.join(found)}" if found else "not given"
-        raise ValueError(f"{said}, allowed: one of {', '.join(keys)}")
+    """Raise ValueError unless exactly one of some keys is set.
+
+    Parameters
+    ----------
+    table : Table
+        The table.
+    *keys : str
+        Its keys, None where they are not set.
+
+    Raises
+    ------
+    ValueError
+        With the keys that are set.
+    """
+    present = [key for key in keys if getattr(table, key) is not None]
+    if len(present) != 1:
+        found_text = f"found {' and '.join(present)}" if present else "not given"
+        raise ValueError(f"{found_text}, allowed: one of {', '.join(keys)}")
 
 
 def has_unit(value: Any) -> bool:
-    """Tell whether a number, or one of a tuple, was given with a unit."""
+    """Return whether a number, or one of a tuple, was given with a unit."""
     return any(isinstance(item, Quantity) for item in each(value))
 
 
-def alike(what: str, given: dict[str, Any]) -> None:
-    """Raise ValueError if some of the quantities have units and others are plain; 0 and inf are
-    the same in any unit, None is not given."""
+def alike(noun: str, quantities: dict[str, Any]) -> None:
+    """Raise ValueError if some quantities have units and others are plain.
+
+    Parameters
+    ----------
+    noun : str
+        What they are, such as "lengths".
+    quantities : dict
+        Numbers, or tuples of them, by key. 0 and inf are the same in any unit; None is not given.
+
+    Raises
+    ------
+    ValueError
+        With all keys of both groups.
+    """
     numbers = [
-        (key, item) for key, value in given.items() for item in each(value) if item and item != inf
+        (key, number)
+        for key, value in quantities.items()
+        for number in each(value)
+        if number and number != inf
     ]
-    plain = {key: item for key, item in numbers if not isinstance(item, Quantity)}
-    named = {key: item.text for key, item in numbers if isinstance(item, Quantity)}
-    if plain and named:
-        found = ", ".join(f"{key}: found {number:g}" for key, number in plain.items())
-        others = ", ".join(f"{key} = {text!r}" for key, text in named.items())
-        raise ValueError(f"{found} beside {others}, allowed: all {what} with units, or none")
+    plain = {key: number for key, number in numbers if not isinstance(number, Quantity)}
+    texts = {key: number.text for key, number in numbers if isinstance(number, Quantity)}
+    if plain and texts:
+        without_unit = ", ".join(f"{key}: found {number:g}" for key, number in plain.items())
+        with_unit = ", ".join(f"{key} = {text!r}" for key, text in texts.items())
+        raise ValueError(
+            f"{without_unit} beside {with_unit}, allowed: all {noun} with units, or none"
+        )

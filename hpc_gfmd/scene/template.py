@@ -8,7 +8,7 @@ from .reference import Key, sections, toml
 from .surface import KINDS
 
 COLUMN = 40  # where comments begin
-CHOSEN = {  # what is set, beside what must be given, unless somebody says otherwise
+CHOSEN = {  # keys that are set in every template, besides those that must be given
     "load": {"p_star": [0.01, 0.1]},
     "solver": {"accuracy": 1e-3},
     "output": {"path": "contact.h5", "fields": ["pressure", "gap"]},
@@ -17,11 +17,22 @@ CHOSEN = {  # what is set, beside what must be given, unless somebody says other
 
 @dataclass
 class Suggestion:
-    """What a height map says of the keys of [surface].
+    """Values for the keys of [surface] that a height map suggests.
 
-    values: those to be set; said: what the file itself says, shown as comments; why: reasons for
-    both, in place of the meaning; missing: what only a person knows; about: the map, a line each;
-    unit: "m" where lengths have units, else "".
+    Attributes
+    ----------
+    values : dict
+        Keys to be set.
+    said : dict
+        What the file itself says, shown as comments.
+    why : dict
+        Reasons for both, shown in place of the meaning of a key.
+    missing : list of str
+        Keys that only the user knows.
+    about : list of str
+        Remarks on the map, a line each.
+    unit : str
+        "m" if lengths have units, else "".
     """
 
     values: dict = field(default_factory=dict)
@@ -32,40 +43,61 @@ class Suggestion:
     unit: str = ""
 
 
-def template(kind: str, tables: Mapping[str, Any], found: Suggestion, head: str) -> str:
-    """Write TOML of a scene with this kind of surface; tables: what is set, beside what must be
-    given; found: of a height map; head: the first line."""
-    surface = {"kind": kind} | tables.get("surface", {}) | found.values
+def template(kind: str, tables: Mapping[str, Any], suggestion: Suggestion, head: str) -> str:
+    """Write a scene with a comment on every key.
+
+    Parameters
+    ----------
+    kind : str
+        Kind of surface.
+    tables : mapping
+        Keys to be set, by table, besides those that must be given.
+    suggestion : Suggestion
+        Of a height map; an empty one for other kinds.
+    head : str
+        The first line, a comment.
+
+    Returns
+    -------
+    str
+        TOML.
+    """
+    surface = {"kind": kind} | tables.get("surface", {}) | suggestion.values
     values = {"": tables, **tables, "surface": surface}
-    own = {key.name for section in sections() if section.kind == kind for key in section.keys}
-    lines, last = [f"# {line}" for line in (head, *found.about)], None
+    keys_of_kind = {
+        key.name for section in sections() if section.kind == kind for key in section.keys
+    }
+    lines = [f"# {line}" for line in (head, *suggestion.about)]
+    previous_table = None
     for section in sections():
         if section.kind not in ("", kind):
             continue
-        if section.table and section.table != last:
-            lines += ["", _beside(f"[{section.table}]", section.title)]
-        last = section.table
-        common = section.table == "surface" and not section.kind
+        table = section.table
+        if table and table != previous_table:
+            lines += ["", _beside(f"[{table}]", section.title)]
+        previous_table = table
+        is_common = table == "surface" and not section.kind
         lines += [
-            _line(key, values.get(last, {}), found if last == "surface" else Suggestion())
+            _line(key, values.get(table, {}), suggestion if table == "surface" else Suggestion())
             for key in section.keys
-            if not (common and key.name in own)  # the kind says it otherwise
+            if not (is_common and key.name in keys_of_kind)  # described with the kind
         ]
     return "\n".join(lines) + "\n"
 
 
-def _line(key: Key, values: Mapping[str, Any], found: Suggestion) -> str:
+def _line(key: Key, values: Mapping[str, Any], suggestion: Suggestion) -> str:
+    """Write one key: set, or as a comment with its default and an example."""
     value = values.get(key.name, key.example if key.default is None else None)
     if key.name == "kind":
-        others = ", ".join(toml(other) for other in KINDS if other != value)
-        return _beside(f"kind = {toml(value)}", f"or {others}")
-    why = found.why.get(key.name)
+        other_kinds = ", ".join(toml(kind) for kind in KINDS if kind != value)
+        return _beside(f"kind = {toml(value)}", f"or {other_kinds}")
+    reason = suggestion.why.get(key.name)
     if value is not None:
-        return _beside(f"{key.name} = {toml(value)}", why or key.meaning)
-    plain = why or key.default in ("none", toml(key.example))
-    default = "" if plain else f" (default: {key.default})"
-    example = toml(found.said.get(key.name, key.example))
-    return _beside(f"# {key.name} = {example}", (why or key.meaning) + default)
+        return _beside(f"{key.name} = {toml(value)}", reason or key.meaning)
+    shows_default = not reason and key.default not in ("none", toml(key.example))
+    default = f" (default: {key.default})" if shows_default else ""
+    example = toml(suggestion.said.get(key.name, key.example))
+    return _beside(f"# {key.name} = {example}", (reason or key.meaning) + default)
 
 
 def _beside(setting: str, comment: str) -> str:

@@ -16,5 +16,15 @@ def wave_rows(spec: Any) -> Rows:
 
 
 def flat_rows(start: int, stop: int) -> np.ndarray:
-    """Return rows of z = 0."""
+    """Return rows of z = 0.
+
+    Parameters
+    ----------
+    start, stop : int
+        The rows start <= i < stop.
+
+    Returns
+    -------
+    ndarray, shape (stop - start, 1)
+    """
     return np.zeros((stop - start, 1))

@@ -8,36 +8,58 @@ import numpy as np
 from ..util.errors import SceneError, one_line
 from ..util.quantities import factor, prefixed
 from .heights import A_MAP, require_map
-from .metadata import Map, Metadata
+from .metadata import Map, Metadata, is_y_first
 
 
-def is_topography(found: Any) -> bool:
-    """Tell whether an object is a Topography of SurfaceTopography, which is not imported
-    for that."""
-    return callable(getattr(found, "heights", None)) and hasattr(found, "physical_sizes")
+def is_topography(value: Any) -> bool:
+    """Whether an object is a Topography of SurfaceTopography, which is not imported for that."""
+    return callable(getattr(value, "heights", None)) and hasattr(value, "physical_sizes")
 
 
-def of_topography(found: Any) -> Map:
-    """Return the heights of a Topography, masked where there are none, and what it says of them."""
-    named = found
+def of_topography(topography: Any) -> Map:
+    """Return the heights of a Topography of SurfaceTopography.
+
+    Parameters
+    ----------
+    topography : SurfaceTopography.Topography
+
+    Returns
+    -------
+    heights : masked ndarray, shape (n_x, n_y)
+        float64, masked where there are none.
+    metadata : Metadata
+    """
+    named = topography
     while isinstance(named.unit, dict):  # mirror_stitch of 1.27 forgets its parent's
         named = named.parent_topography
     unit = named.unit
     sizes_unit, unit = unit if isinstance(unit, tuple | list) else (unit, unit)
-    sizes = None if found.physical_sizes is None else tuple(map(float, found.physical_sizes))
+    sizes = None
+    if topography.physical_sizes is not None:
+        sizes = tuple(map(float, topography.physical_sizes))
     # Most formats know nothing of periodicity, and are said to be not periodic.
-    said = Metadata(sizes, sizes_unit, unit, bool(found.is_periodic) or None)
-    return np.ma.asarray(found.heights(), dtype=np.float64), said
+    metadata = Metadata(sizes, sizes_unit, unit, bool(topography.is_periodic) or None)
+    return np.ma.asarray(topography.heights(), dtype=np.float64), metadata
 
 
-def unreliable(found: Any) -> tuple[float, str] | None:
-    """Return the wave length in m below which a Topography shows the tip or the resolution of the
-    instrument rather than the surface, and what to say of it; None where it does not know."""
-    named = isinstance(found.unit, str)
-    cutoff = found.short_reliability_cutoff() if named else None
+def unreliable(topography: Any) -> tuple[float, str] | None:
+    """Return below which wave length a Topography shows the tip or the resolution of the instrument
+    rather than the surface.
+
+    Parameters
+    ----------
+    topography : SurfaceTopography.Topography
+
+    Returns
+    -------
+    (float, str) or None
+        The wave length in m, and a note on it; None where it is not known.
+    """
+    has_unit = isinstance(topography.unit, str)
+    cutoff = topography.short_reliability_cutoff() if has_unit else None
     if cutoff is None:
         return None
-    length = cutoff * factor(found.unit)
+    length = cutoff * factor(topography.unit)
     scale, name = prefixed([length], "m")
     return length, (
         f"waves shorter than {length / scale:.3g} {name} show the instrument, not the surface"
@@ -46,15 +68,31 @@ def unreliable(found: Any) -> tuple[float, str] | None:
 
 
 def checked_array(heights: Any) -> np.ndarray:
-    """Return the heights as an array. Raises SceneError for what is no height map."""
+    """Return heights as an array.
+
+    Parameters
+    ----------
+    heights : array_like, shape (n_x, n_y)
+
+    Returns
+    -------
+    ndarray
+
+    Raises
+    ------
+    SceneError
+        For what is no height map, and for arrays of xarray whose first axis is y.
+    """
     if isinstance(heights, str | PathLike):
         path = repr(str(heights))
         raise SceneError(
             f"heights: found {path}, allowed: an array, or hpc_gfmd.read_surface({path})"
         )
-    if [str(name).lower() for name in getattr(heights, "dims", ())] == ["y", "x"]:
+    names = [str(name) for name in getattr(heights, "dims", ())]
+    if len(names) == 2 and is_y_first([(name, {}) for name in names]):
         raise SceneError(
-            'heights: found axes y, x, allowed: x, y, as of heights.transpose("x", "y")'
+            f"heights: found axes {names[0]}, {names[1]}, allowed: x, y, as of"
+            f' heights.transpose("{names[1]}", "{names[0]}")'
         )
     try:
         heights = np.asanyarray(heights)

@@ -58,20 +58,52 @@ class FileArray:
 
 
 def read_npy(contents: Contents, spec: Any) -> Map:
-    """Open an array that numpy.save wrote; it is never unpickled."""
+    """Open an array that numpy.save wrote; it is never unpickled.
+
+    Parameters
+    ----------
+    contents : Contents
+    spec : scene.File
+
+    Returns
+    -------
+    heights : ndarray
+    metadata : Metadata
+
+    Raises
+    ------
+    SceneError, ValueError, OSError
+        For what cannot be read, or holds no map, or several.
+    """
     if contents.unpacked is None:
         return np.lib.format.open_memmap(contents.path, mode="r"), Metadata()
     return np.lib.format.read_array(contents.open(), allow_pickle=False), Metadata()
 
 
 def read_npz(contents: Contents, spec: Any) -> Map:
-    """Open one array of those that numpy.savez wrote, with sizes and units beside it."""
+    """Open one array of those that numpy.savez wrote, with sizes and units beside it.
+
+    Parameters
+    ----------
+    contents : Contents
+    spec : scene.File
+
+    Returns
+    -------
+    heights : FileArray, two axes
+    metadata : Metadata
+
+    Raises
+    ------
+    SceneError, ValueError, OSError
+        For what cannot be read, or holds no map, or several.
+    """
     with np.load(contents.source, allow_pickle=False) as file:
         arrays = [name for name in file.files if f"{name}.npy" in file.zip.namelist()]
         heads = {name: _head_in_archive(file.zip, name) for name in arrays}
-        name, others = one_of({name: shape for name, (shape, _) in heads.items()}, spec)
+        name, other_names = one_of({name: shape for name, (shape, _) in heads.items()}, spec)
         sizes = {key: prod(shape) * dtype.itemsize for key, (shape, dtype) in heads.items()}
-        said = by_attributes(
+        metadata = by_attributes(
             {key: file[key] for key in ATTRIBUTES if sizes.get(key, SMALL) < SMALL}
         )
         if file.zip.getinfo(f"{name}.npy").file_size < sizes[name]:
@@ -85,21 +117,37 @@ def read_npz(contents: Contents, spec: Any) -> Map:
     shape, dtype = heads[name]
     has_mask = name != MASK and MASK in heads and is_mask(*heads[MASK], shape)
     array = FileArray(shape, dtype, name, np.asarray, find, has_mask)
-    return array, replace(said, channel=name, other_channels=others)
+    return array, replace(metadata, channel=name, other_channels=other_names)
 
 
 def read_hdf5(contents: Contents, spec: Any) -> Map:
-    """Open one data set of an HDF5 or NetCDF 4 file."""
+    """Open one data set of an HDF5 or NetCDF 4 file.
+
+    Parameters
+    ----------
+    contents : Contents
+    spec : scene.File
+
+    Returns
+    -------
+    heights : FileArray, two axes
+    metadata : Metadata
+
+    Raises
+    ------
+    SceneError, ValueError, OSError
+        For what cannot be read, or holds no map, or several.
+    """
     import h5py
 
     with h5py.File(contents.source, "r", locking=False) as file:
         data = inside(file, spec.dataset) if spec.dataset in file else None
-        others: tuple[str, ...] = ()
+        other_names: tuple[str, ...] = ()
         if not isinstance(data, h5py.Dataset):  # nothing, or a group
             names: list[str] = []
             file.visit(names.append)
             shapes = {name: getattr(file[name], "shape", None) or () for name in names}
-            name, others = one_of(shapes, spec)
+            name, other_names = one_of(shapes, spec)
             data = inside(file, name)
         axes = [
             (axis[0].name.rpartition("/")[2], dict(axis[0].attrs), axis[0])
@@ -108,14 +156,18 @@ def read_hdf5(contents: Contents, spec: Any) -> Map:
         ]
         attributes = dict(data.attrs)
         with_axes = len(axes) == 2
-        said = by_axes(attributes, axes) if with_axes else by_attributes(attributes, file.attrs)
+        metadata = by_axes(attributes, axes) if with_axes else by_attributes(attributes, file.attrs)
         if "MATLAB_class" in attributes:  # which writes columns before rows
-            said = replace(said, transposed=True, direction="along the first index in MATLAB")
+            metadata = replace(
+                metadata, transposed=True, direction="along the first index in MATLAB"
+            )
         # Chunks that the next rows need as well are kept: unpacking a large one takes long.
         row_bytes = prod(data.shape[1:]) * data.dtype.itemsize
         band = data.chunks[0] * row_bytes if data.chunks else 0
         folder = data.parent.name
-        shape, dtype, name = data.shape, data.dtype, data.name
+        shape = data.shape
+        dtype = data.dtype
+        name = data.name
         is_other = name.rpartition("/")[2] != MASK
         mask = data.parent.get(MASK) if is_other else None
         has_mask = mask is not None and is_mask(
@@ -126,16 +178,32 @@ def read_hdf5(contents: Contents, spec: Any) -> Map:
     beside = opened[folder]
     find = cache(lambda key: inside(beside, key) if beside.get(key) else None)
     array = FileArray(shape, dtype, name, unpacker(attributes), find, has_mask)
-    return array, replace(said, channel=name.strip("/"), other_channels=others)
+    return array, replace(metadata, channel=name.strip("/"), other_channels=other_names)
 
 
 def read_netcdf(contents: Contents, spec: Any) -> Map:
-    """Open one variable of a NetCDF 3 file."""
+    """Open one variable of a NetCDF 3 file.
+
+    Parameters
+    ----------
+    contents : Contents
+    spec : scene.File
+
+    Returns
+    -------
+    heights : FileArray, two axes
+    metadata : Metadata
+
+    Raises
+    ------
+    SceneError, ValueError, OSError
+        For what cannot be read, or holds no map, or several.
+    """
     from scipy.io import netcdf_file
 
     file = netcdf_file(contents.source, "r", mmap=contents.unpacked is None)
     shapes = {name: variable.shape for name, variable in file.variables.items()}
-    name, others = one_of(shapes, spec)
+    name, other_names = one_of(shapes, spec)
     variable = file.variables[name]
     shape = variable.data.shape
     axes = []
@@ -153,7 +221,7 @@ def read_netcdf(contents: Contents, spec: Any) -> Map:
         lambda key: file.variables.get(key),
         has_mask,
     )
-    return array, replace(by_axes(vars(variable), axes), channel=name, other_channels=others)
+    return array, replace(by_axes(vars(variable), axes), channel=name, other_channels=other_names)
 
 
 def one_of(shapes: Mapping[str, tuple[int, ...]], spec: Any) -> tuple[str, tuple[str, ...]]:
@@ -168,7 +236,7 @@ def one_of(shapes: Mapping[str, tuple[int, ...]], spec: Any) -> tuple[str, tuple
     Returns
     -------
     name : str
-    others : tuple of str
+    other_names : tuple of str
         Of other arrays that may have been meant; none where there is no choice.
 
     Raises
@@ -195,6 +263,17 @@ def is_mask(
     shape: tuple[int, ...] | None, dtype: np.dtype, shape_of_heights: tuple[int, ...]
 ) -> bool:
     """Whether an array MASK marks points without a height.
+
+    Parameters
+    ----------
+    shape : tuple of int
+    dtype : dtype
+    shape_of_heights : (int, int)
+
+    Returns
+    -------
+    bool
+        False for NumPy's mark that nothing is masked.
 
     Raises
     ------

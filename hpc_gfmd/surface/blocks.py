@@ -16,8 +16,8 @@ class Block:
 
     Attributes
     ----------
-    first : int
-        Number of the first line, from 1.
+    first_line : int
+        Its number, from 1.
     header : list of str
         Lines before them.
     numbers : array of float
@@ -25,7 +25,7 @@ class Block:
     lines : int
     """
 
-    first: int
+    first_line: int
     header: list[str]
     numbers: array = field(default_factory=lambda: array("d"))
     lines: int = 0
@@ -59,7 +59,7 @@ def read_blocks(lines: Iterable[str], layout: Layout) -> list[Block]:
     header: list[str] = []
     separated = True
     for number, line in enumerate(lines, 1):
-        if number <= layout.first or is_comment(line):
+        if number <= layout.header_lines or is_comment(line):
             header.append(line)
             separated = True
             continue
@@ -80,7 +80,7 @@ def read_blocks(lines: Iterable[str], layout: Layout) -> list[Block]:
 
 def joined(blocks: list[Block]) -> Block:
     """Put blocks together, as if nothing separated them."""
-    whole = Block(blocks[0].first, blocks[0].header)
+    whole = Block(blocks[0].first_line, blocks[0].header)
     for block in blocks:
         whole.numbers.extend(block.numbers)
         whole.lines += block.lines
@@ -94,7 +94,7 @@ def _row(line: str, number: int, layout: Layout) -> list[float]:
     if len(tokens) != layout.columns:
         raise ValueError(
             f"line {number}: found {len(tokens)} columns, allowed: {layout.columns}, as in line"
-            f" {layout.first + 1}{complete}"
+            f" {layout.header_lines + 1}{complete}"
         )
     if layout.decimal == "." and "_" not in line:
         try:

@@ -29,17 +29,33 @@ from .topography import Topography, open_topography
 
 @dataclass(frozen=True)
 class Surface:
-    """h: initial gap, local part of the nominal area of `grid`, >= 0 with minimum 0, in units of
-    g_rms a; h_rms, g_rms: realised, in the scene's units. Where the surface ends the grid goes on
-    beyond it, see cell.py.
+    """A rough surface on the grid on which it is solved, in the program's units.
 
-    A surface that varies along one axis only lives on a grid with one point along the other; `n` is
-    the size asked for, and every rank then holds all of `grid`. A flat surface has g_rms = 0, and
-    its units are those of 1. rows: (start, stop) of the size asked for that this rank owns.
-    add_spectrum: see selfaffine.py, or None where heights are not known by their spectrum.
-    checksum: of the heights as they were read, None where the scene says all about them. unit: "m"
-    where sizes and heights are in it, "" where nobody named their unit. prepared: what was done to
-    a height map, a line each. quality_notes: see quality.py.
+    Attributes
+    ----------
+    grid : Grid
+        Where the surface ends the grid goes on beyond it, see cell.py. A surface that varies along
+        one axis only lives on a grid with one point along the other, all of it on every rank.
+    h : ndarray
+        Initial gap, local part of the nominal area of `grid`, >= 0 with minimum 0, in units of
+        g_rms a.
+    n : (int, int)
+        Points along x and y that were asked for.
+    h_rms, g_rms : float
+        Realised rms height and slope, in the scene's units. A flat surface has g_rms = 0, and its
+        units are those of 1.
+    rows : (int, int)
+        (start, stop) of the rows asked for that this rank owns.
+    add_spectrum : function, optional
+        See selfaffine.py; None where heights are not known by their spectrum.
+    checksum : str, optional
+        Of the heights as they were read, None where the scene says all about them.
+    unit : str
+        "m" where sizes and heights are in it, "" where their unit is not named.
+    prepared : tuple of str
+        What was done to a height map, a line each.
+    quality_notes : tuple of str
+        See quality.py.
     """
 
     grid: Grid
@@ -91,32 +107,49 @@ def surface_size(spec: Any) -> tuple[tuple[int, int], tuple[float, ...]]:
     SceneError."""
     if spec.n is not None:
         return tuple(spec.n), spec.physical_sizes
-    found = open_topography(spec)
-    if found.lacks:
-        prepare(found, spec, SerialComm())
-    return prepared_size(found, spec)
+    topography = open_topography(spec)
+    if topography.lacks:
+        prepare(topography, spec, SerialComm())
+    return prepared_size(topography, spec)
 
 
 def build_surface(
     spec: Any, comm: Any, dtype: DTypeLike, threads: int = 1, low_memory: bool = False
 ) -> Surface:
-    """Make or read the surface of a scene on all ranks; spec: scene.surface. Raises SceneError on
-    all ranks.
+    """Make or read the surface of a scene. Collective.
 
-    low_memory: without transforms in double precision, which later ones of the certificate would
-    need anyway.
+    Parameters
+    ----------
+    spec : scene.surface
+    comm : Comm
+    dtype : dtype
+        Of the gap.
+    threads : int
+    low_memory : bool
+        Make no transforms in double precision, which later ones of the certificate would need
+        anyway.
+
+    Returns
+    -------
+    Surface
+
+    Raises
+    ------
+    SceneError
+        On all ranks.
     """
     dtype = np.dtype(dtype)
     if spec.kind == "file":
         with collective_errors(comm, "reading the surface"):
-            found = open_topography(spec)
-            said = found.n, found.sizes, found.unit
-        other = SceneError(
-            f"surface.path: found other points, sizes or units of {found.path} on some ranks,"
+            topography = open_topography(spec)
+            size = topography.n, topography.sizes, topography.unit
+        differs = SceneError(
+            f"surface.path: found other points, sizes or units of {topography.path} on some ranks,"
             " allowed: the same file on all"
         )
-        raise_on_all(comm, None if comm.bcast(said) == said else other)
-        return surface_of(prepare(found, spec, comm), comm, dtype, threads, spec.free, known=False)
+        raise_on_all(comm, None if comm.bcast(size) == size else differs)
+        topography = prepare(topography, spec, comm)
+        return surface_of(topography, comm, dtype, threads, spec.free, known=False)
     rows = wave_rows(spec) if spec.kind == "wave" else flat_rows
     if spec.kind == "self-affine":
         kept = np.dtype(np.float64) if spec.radius else dtype
@@ -128,49 +161,78 @@ def build_surface(
         if grid.padded:  # what is solved on has transforms of its own
             nominal.forget_fft(kept if low_memory else np.float64)
         g_rms = spec.g_rms if spec.g_rms is not None else spec.h_rms / (h_over_g * grid.a)
-        known = None if grid.padded else add_spectrum
-        made = Surface(grid, h, spec.n, h_over_g * g_rms * grid.a, g_rms, grid.nominal_rows, known)
+        made = Surface(
+            grid,
+            h,
+            spec.n,
+            h_rms=h_over_g * g_rms * grid.a,
+            g_rms=g_rms,
+            rows=grid.nominal_rows,
+            add_spectrum=None if grid.padded else add_spectrum,
+        )
         if not spec.radius:
             return made
-        first, unit = made.rows[0], made.height_unit
-        rows = lambda start, stop: -unit * h[start - first : stop - first]  # noqa: E731
-    found = Topography(spec.n, spec.physical_sizes, rows).on_form(spec.radii)
-    return surface_of(found, comm, dtype, threads, spec.free)
+        begin = made.rows[0]
+        unit = made.height_unit
+        rows = lambda start, stop: -unit * h[start - begin : stop - begin]  # noqa: E731
+    topography = Topography(spec.n, spec.physical_sizes, rows).on_form(spec.radii)
+    return surface_of(topography, comm, dtype, threads, spec.free)
 
 
 def surface_of(
-    found: Topography,
+    topography: Topography,
     comm: Any,
     dtype: DTypeLike,
     threads: int,
     free: tuple[bool, bool],
     known: bool = True,
 ) -> Surface:
-    """Make the surface with the heights of a Topography; free: whether it ends along x, along y.
+    """Make the surface with the heights of a Topography. Collective.
 
     The gradient of a surface that ends is that between neighbouring points, otherwise that of the
-    Fourier series. known: whether the scene says all about the heights, so that they need no
-    checksum. Raises SceneError on all ranks.
+    Fourier series.
+
+    Parameters
+    ----------
+    topography : Topography
+    comm : Comm
+    dtype : dtype
+        Of the gap.
+    threads : int
+    free : (bool, bool)
+        Whether the surface ends along x, along y.
+    known : bool
+        The scene says all about the heights, so that they need no checksum.
+
+    Returns
+    -------
+    Surface
+
+    Raises
+    ------
+    SceneError
+        On all ranks.
     """
-    n, sizes = found.n, found.sizes
+    n = topography.n
+    sizes = topography.sizes
     cell = grid_of(n, sizes, comm, free, threads)
     grid = nominal_part(cell)
     start, stop = grid.rows
     with collective_errors(comm, "reading the surface"):
         z = grid.empty(np.float64)
         for i, j in slabs(start, stop):
-            z[i - start : j - start] = checked(found.rows(i, j), i, "surface")
+            z[i - start : j - start] = checked(topography.rows(i, j), i, "surface")
     check(comm)
     made = partial(
         Surface,
         n=n,
         rows=(start, stop),
-        checksum=None if known else checksum(grid, z, n, sizes, found.unit),
-        unit=found.unit,
-        prepared=found.done,
-        quality_notes=found.notes,
+        checksum=None if known else checksum(grid, z, n, sizes, topography.unit),
+        unit=topography.unit,
+        prepared=topography.prepared,
+        quality_notes=topography.notes,
     )
-    del found  # the heights, where it holds them
+    del topography  # the heights, where it holds them
     top = _largest(grid, z)
     _by_rows(grid, lambda z: np.subtract(top, z, out=z), z)  # the gap, exact where it is small
     if not cell.padded:

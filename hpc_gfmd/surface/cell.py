@@ -13,17 +13,30 @@ from ..parallel.grid import Grid
 @dataclass(frozen=True)
 class FreeSpace:
     """How far the cell goes on beyond a surface that ends: the largest of these. Measured by what
-    more of it changes, see tests/physics/test_free.py."""
+    more of it changes, see tests/physics/test_free.py.
 
-    share: float = 1 / 2  # of the axis
-    # of the geometric mean of the axis and twice the longest side, which keeps the modes few that
-    # are coupled (bodies/free.py)
+    Attributes
+    ----------
+    share : float
+        Of the axis.
+    of_longest : float
+        Of the geometric mean of the axis and twice the longest side, which keeps the modes few that
+        are coupled (bodies/free.py).
+    points : int
+    spacings : float
+        Of any axis that ends, to resolve these modes.
+    periodic_spacings : int
+        Of any other axis.
+    slender : int
+        Square of the longest side over product of a side and what is beside it, at most: else S
+        would not be positive.
+    """
+
+    share: float = 1 / 2
     of_longest: float = 0.42
     points: int = 64
-    spacings: float = 2 * NEEDED  # of any axis that ends, to resolve these modes
-    periodic_spacings: int = 4  # of any other axis
-    # square of the longest side over product of a side and what is beside it, at most: else S
-    # would not be positive
+    spacings: float = 2 * NEEDED
+    periodic_spacings: int = 4
     slender: int = 256
 
 
@@ -31,11 +44,25 @@ FREE_SPACE = FreeSpace()
 
 
 def cell_of(n: tuple, free: tuple[bool, bool], sizes: tuple[float, ...]) -> tuple:
-    """Return the points along each axis that a surface of n points and these sizes is solved on:
-    more along the axes where it ends."""
+    """Return on how many points along each axis a surface is solved: more along the axes where it
+    ends.
+
+    Parameters
+    ----------
+    n : (int, int)
+        Points of the surface.
+    free : (bool, bool)
+        Whether it ends along x, along y.
+    sizes : (float, float)
+
+    Returns
+    -------
+    (int, int)
+    """
     from scipy.fft import next_fast_len
 
-    space, axes = FREE_SPACE, list(zip(n, sizes, free))
+    space = FREE_SPACE
+    axes = list(zip(n, sizes, free))
     longest = max((size for _, size, ends in axes if ends), default=0.0)
     length = max((size for k, size, _ in axes if k > 1), default=0.0)
     beside = [
@@ -47,9 +74,9 @@ def cell_of(n: tuple, free: tuple[bool, bool], sizes: tuple[float, ...]) -> tupl
     for k, size, ends in axes:
         longer = k
         if ends:
-            least = max([*beside, min(length**2 / (space.slender * size), length / 2)]) * k / size
+            needed = max([*beside, min(length**2 / (space.slender * size), length / 2)]) * k / size
             mean = (k * (longest * k / size) ** 2) ** (1 / 3)
-            beyond = max(k * space.share, space.of_longest * mean, space.points, least)
+            beyond = max(k * space.share, space.of_longest * mean, space.points, needed)
             step = 16 if k + beyond > 128 else 4  # the levels halve it
             longer = step * int(next_fast_len(-(-(k + math.ceil(beyond)) // step), real=True))
         cell.append(longer)
@@ -59,7 +86,22 @@ def cell_of(n: tuple, free: tuple[bool, bool], sizes: tuple[float, ...]) -> tupl
 def grid_of(
     n: tuple, sizes: tuple[float, ...], comm: Any, free: tuple[bool, bool], threads: int = 1
 ) -> Grid:
-    """Make the grid on which a surface of n points is solved."""
+    """Make the grid on which a surface is solved.
+
+    Parameters
+    ----------
+    n : (int, int)
+        Points of the surface.
+    sizes : (float, float)
+    comm : Comm
+    free : (bool, bool)
+        Whether it ends along x, along y.
+    threads : int
+
+    Returns
+    -------
+    Grid
+    """
     cell = cell_of(n, free, sizes)
     whole = tuple(size * m / k for size, m, k in zip(sizes, cell, n))
     return Grid.kept(cell, whole, comm, threads, nominal=n)

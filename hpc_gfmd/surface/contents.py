@@ -134,9 +134,9 @@ def format_of(contents: Contents) -> str:
     head = contents.head()
     if any(head[start:].startswith(_HDF5) for start in _USER_BLOCKS):
         return "hdf5"
-    for signature, known in SIGNATURES.items():
-        if head.startswith(signature) and (known != "picture" or _CONTROL.search(head)):
-            return known
+    for signature, kind in SIGNATURES.items():
+        if head.startswith(signature) and (kind != "picture" or _CONTROL.search(head)):
+            return kind
     if head.startswith(b"PK\x03\x04"):
         return _format_of_archive(contents)
     if is_utf16(head):

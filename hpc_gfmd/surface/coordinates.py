@@ -49,7 +49,8 @@ def grid_axis(coordinates: np.ndarray) -> GridAxis:
     if n > SPARSE * values.size:
         raise ValueError(NO_GRID)
     if n == values.size and np.ptp(gaps) <= UNEVEN * gaps.mean():
-        origin, step = float(values[0]), float(gaps.mean())
+        origin = float(values[0])
+        step = float(gaps.mean())
     else:
         line = np.rint((values - values[0]) * (n - 1) / (values[-1] - values[0]))
         step, origin = np.polyfit(line, values, 1).tolist()
@@ -80,7 +81,8 @@ def points_on_grid(
     ValueError
         Where they are on none, or a point is there twice.
     """
-    along_x, along_y = grid_axis(x), grid_axis(y)
+    along_x = grid_axis(x)
+    along_y = grid_axis(y)
     if along_x.n * along_y.n > SPARSE * z.size:
         raise ValueError(NO_GRID)
     heights = np.full((along_x.n, along_y.n), np.nan)
@@ -93,7 +95,8 @@ def points_on_grid(
 
 def is_grid(table: np.ndarray) -> bool:
     """Whether the first two columns of a table are the coordinates of all points of a grid."""
-    x, y = table[:, 0], table[:, 1]
+    x = table[:, 0]
+    y = table[:, 1]
     if np.unique(x).size * np.unique(y).size != len(table):
         return False
     try:
@@ -104,7 +107,18 @@ def is_grid(table: np.ndarray) -> bool:
 
 
 def changes_evenly(values: np.ndarray, fewest: int = 3) -> bool:
-    """Whether numbers rise or fall evenly, as coordinates do."""
+    """Whether numbers rise or fall evenly, as coordinates do.
+
+    Parameters
+    ----------
+    values : ndarray
+    fewest : int
+        Of fewer it cannot be told.
+
+    Returns
+    -------
+    bool
+    """
     if values.size < fewest or not np.isfinite(values).all():
         return False
     steps = np.diff(values)

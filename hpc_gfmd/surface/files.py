@@ -42,6 +42,8 @@ def open_map(spec: Any) -> Map:
         raise SceneError(
             f"surface.path: found {path}, which is no file, allowed: the path of a height map"
         )
+    if path.stat().st_size == 0:
+        raise SceneError(f"surface.path: found an empty file, {path}, allowed: a height map")
     kind = "a height map"
     try:
         contents = contents_of(path)

@@ -46,13 +46,13 @@ def filled(topography: Topography, how: str, comm: Any) -> Topography:
 
     def rows(start: int, stop: int) -> np.ndarray:
         z = np.array(topography.rows(start, stop))
-        first, last = np.searchsorted(points, [start * topography.n[1], stop * topography.n[1]])
-        z[np.isnan(z)] = heights[first:last]
+        begin, end = np.searchsorted(points, [start * topography.n[1], stop * topography.n[1]])
+        z[np.isnan(z)] = heights[begin:end]
         return z
 
     share = 100 * len(points) / np.prod(topography.n)
-    done = f"{len(points)} points ({share:.2g} %) filled"
-    return topography.after(done, rows=rows, filled=len(points))
+    line = f"{len(points)} points ({share:.2g} %) filled"
+    return topography.after(line, rows=rows, filled=len(points))
 
 
 def _holes(topography: Topography, comm: Any) -> list[tuple[np.ndarray, np.ndarray]]:

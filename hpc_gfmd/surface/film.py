@@ -73,12 +73,14 @@ def _levels(matrix: Any, x: np.ndarray, y: np.ndarray) -> list[Level]:
 
     levels = []
     while len(x) > DIRECT:
-        x, y = x // 2, y // 2
+        x = x // 2
+        y = y // 2
         places = x * (int(y.max()) + 1) + y
-        _, first, parents = np.unique(places, return_index=True, return_inverse=True)
+        _, members, parents = np.unique(places, return_index=True, return_inverse=True)
         levels.append(Level(matrix, parents))
-        x, y = x[first], y[first]
-        shape = (len(parents), len(first))
+        x = x[members]
+        y = y[members]
+        shape = (len(parents), len(members))
         ones = np.ones(len(parents))
         aggregates = csr_array((ones, (np.arange(len(parents)), parents)), shape=shape)
         matrix = (aggregates.T @ matrix @ aggregates).tocsr()

@@ -31,13 +31,13 @@ class Columns:
         Columns of x, y and z, from 0.
     units : (str, str, str), optional
         None where they are not all named.
-    others : tuple of str
+    unused : tuple of str
         Names of the columns that are none of them.
     """
 
     places: tuple[int, ...]
     units: tuple[str, ...] | None
-    others: tuple[str, ...]
+    unused: tuple[str, ...]
 
 
 def columns_named(header: list[str], mark: str | None, columns: int) -> Columns | None:
@@ -77,11 +77,11 @@ def columns_named(header: list[str], mark: str | None, columns: int) -> Columns 
         ]
         if all(len(place) == 1 for place in places):
             chosen = tuple(place[0] for place in places)
-            others = tuple(
+            unused = tuple(
                 named[k][0] or f"column {k + 1}" for k in range(columns) if k not in chosen
             )
             units = tuple(named[k][1] for k in chosen)
-            return Columns(chosen, units if all(units) else units_of(titles), others)
+            return Columns(chosen, units if all(units) else units_of(titles), unused)
     return None
 
 
@@ -114,18 +114,30 @@ def missing_numbers(header: list[str]) -> tuple[float, ...]:
 def of_esri(header: list[str], lines: int, columns: int) -> Metadata | None:
     """Read the header of an ESRI grid, whose cell size has no unit: a line runs along x.
 
+    Parameters
+    ----------
+    header : list of str
+        Lines before the numbers.
+    lines, columns : int
+        How many lines of how many numbers follow.
+
+    Returns
+    -------
+    Metadata or None
+        None for another header.
+
     Raises
     ------
     ValueError
         Where there are not as many numbers as it says.
     """
-    said = {match[1].lower(): int(match[2]) for match in map(_ESRI.fullmatch, header) if match}
-    if len(said) < 2:
+    counts = {match[1].lower(): int(match[2]) for match in map(_ESRI.fullmatch, header) if match}
+    if len(counts) < 2:
         return None
-    if (said["nrows"], said["ncols"]) != (lines, columns):
+    if (counts["nrows"], counts["ncols"]) != (lines, columns):
         raise ValueError(
-            f"found {lines} lines of {columns} numbers, allowed: {said['nrows']} of"
-            f" {said['ncols']}, as its header says"
+            f"found {lines} lines of {columns} numbers, allowed: {counts['nrows']} of"
+            f" {counts['ncols']}, as its header says"
         )
     return Metadata(transposed=True, direction="along a line of the text, as its header says")
 

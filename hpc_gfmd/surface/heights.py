@@ -13,10 +13,23 @@ from ..util.errors import SceneError, one_line
 A_MAP = "a real array with two axes, not empty"
 
 
-def require_map(found: Any, where: str, of: str = "") -> None:
-    """Raise SceneError, which begins with `where` and names the file, `of`, if an array cannot be a
-    height map."""
-    shape, dtype = tuple(found.shape), found.dtype
+def require_map(array: Any, where: str, of: str = "") -> None:
+    """Require that an array can be a height map.
+
+    Parameters
+    ----------
+    array : ndarray, or what is sliced as one
+    where : str
+        What the message begins with.
+    of : str
+        Names the file.
+
+    Raises
+    ------
+    SceneError
+    """
+    shape = tuple(array.shape)
+    dtype = array.dtype
     if len(shape) != 2 or 0 in shape or dtype.kind not in "fiu":
         raise SceneError(
             f"{where}: found shape {shape} of {one_line(str(dtype), 80)}{of}, allowed: {A_MAP}"
@@ -26,11 +39,30 @@ def require_map(found: Any, where: str, of: str = "") -> None:
 def checked(
     z: np.ndarray, start: int, where: str, of: str = "", missing: bool = False
 ) -> np.ndarray:
-    """Return the heights z (float64, rows from `start`) if all are finite, and so are squares of
-    them; missing: some may be nan.
+    """Return heights if they, and their squares, are finite. What instruments write for points that
+    they could not measure is often nan or the largest number.
 
-    Raises SceneError for others, which begins with `where` and names the file, `of`: what
-    instruments write for points that they could not measure is often nan or the largest number.
+    Parameters
+    ----------
+    z : ndarray
+        float64.
+    start : int
+        Number of its first row.
+    where : str
+        What the message begins with.
+    of : str
+        Names the file.
+    missing : bool
+        Some may be nan.
+
+    Returns
+    -------
+    ndarray
+        z itself.
+
+    Raises
+    ------
+    SceneError
     """
     wrong = ~(np.abs(z) <= LARGEST)
     if missing:
@@ -50,12 +82,24 @@ def checked(
 def checksum(
     grid: Any, z: np.ndarray, n: tuple[int, ...], sizes: tuple[float, ...], unit: str = ""
 ) -> str:
-    """Compute BLAKE2 of the heights of all ranks, row by row, with the shape, the physical sizes
-    and their unit: the same for any number of ranks. z: this rank's slab of the grid, float64.
-    Collective.
+    """Compute BLAKE2 of heights, row by row, the same for any number of ranks. Collective.
 
     Synthetic surfaces have none: the scene says all about them, and a billion points are made
     faster than they are summed.
+
+    Parameters
+    ----------
+    grid : Grid
+    z : ndarray
+        This rank's slab, float64.
+    n : (int, int)
+    sizes : (float, float)
+    unit : str
+        Of the sizes.
+
+    Returns
+    -------
+    str
     """
 
     def of_rows(i0: int, i1: int) -> bytes:

@@ -66,13 +66,41 @@ def read(contents: Contents, spec: Any) -> Map:
 
 
 def read_x3p(contents: Contents, spec: Any) -> Map:
-    """Read an X3P file as `read` does, also one whose files lie in a folder, or whose revision is
-    written with a dash that the norm does not have."""
+    """Read an X3P file, also one whose files lie in a folder, or whose revision is written with a
+    dash that the norm does not have.
+
+    Parameters
+    ----------
+    contents : Contents
+    spec : scene.File
+
+    Returns
+    -------
+    heights : ndarray, shape (n_x, n_y)
+        Masked where they are missing.
+    metadata : Metadata
+
+    Raises
+    ------
+    SceneError, ValueError
+        With what is wrong with the file.
+    """
     return _read_channel(_open(_normalised_x3p(contents), "x3p"), spec)
 
 
 def of_zygo(contents: Contents, spec: Any) -> Map | None:
-    """Read an HDF5 file of Zygo (DATX) as `read` does; None for others."""
+    """Read an HDF5 file of Zygo (DATX).
+
+    Parameters
+    ----------
+    contents : Contents
+    spec : scene.File
+
+    Returns
+    -------
+    Map or None
+        As `read`; None for other files.
+    """
     import h5py
 
     with h5py.File(contents.source, "r", locking=False) as file:
@@ -82,7 +110,18 @@ def of_zygo(contents: Contents, spec: Any) -> Map | None:
 
 
 def recognised(contents: Contents, spec: Any) -> Map | None:
-    """Read a file as `read` does if it says something of its sizes or units; None for others."""
+    """Read a file if it says something of its sizes or units.
+
+    Parameters
+    ----------
+    contents : Contents
+    spec : scene.File
+
+    Returns
+    -------
+    Map or None
+        As `read`; None for other files.
+    """
     with suppress(Exception):
         heights, metadata = _read_channel(_detected(contents), spec)
         return (heights, metadata) if metadata.sizes or metadata.unit else None
@@ -90,8 +129,18 @@ def recognised(contents: Contents, spec: Any) -> Map | None:
 
 
 def topography_of_channel(contents: Contents, dataset: str) -> Any:
-    """Return the Topography of SurfaceTopography for the channel that would be read; raises what
-    its readers raise."""
+    """Return the Topography of the channel that would be read; raises what readers raise.
+
+    Parameters
+    ----------
+    contents : Contents
+    dataset : str
+        Name of the channel.
+
+    Returns
+    -------
+    SurfaceTopography.Topography
+    """
     channel = _channel_of(_detected(contents), dataset)
     sized = channel.physical_sizes is not None
     return channel.topography(**({} if sized else {"physical_sizes": (1.0, 1.0)}))
@@ -138,10 +187,10 @@ def _reader_of(contents: Contents) -> Any:
         return reader
     if reasons:
         raise ValueError("; ".join(reasons))
-    known = ", ".join(io.lookup_reader_by_format)
+    formats = ", ".join(io.lookup_reader_by_format)
     raise SceneError(
         f"surface.path: the format of {contents.path} is not known, or it is damaged; known are"
-        f" npy, npz, text, hdf5, netcdf, tiff, png and, of instruments, {known}"
+        f" npy, npz, text, hdf5, netcdf, tiff, png and, of instruments, {formats}"
     )
 
 
@@ -196,13 +245,13 @@ def _read_channel(reader: Any, spec: Any) -> Map:
     sized = channel.physical_sizes is not None
     topography = channel.topography(**({} if sized else {"physical_sizes": (1.0, 1.0)}))
     heights, metadata = of_topography(topography)
-    others = tuple(str(other.name) for other in _maps_of(reader) if other is not channel)
-    others = tuple(name for name in others if name != channel.name)
+    names = [str(a_map.name) for a_map in _maps_of(reader)]
+    other_names = tuple(name for name in names if name != str(channel.name))
     metadata = replace(
         metadata,
         sizes=metadata.sizes if sized else None,
-        channel=str(channel.name) if others else "",
-        other_channels=others,
+        channel=str(channel.name) if other_names else "",
+        other_channels=other_names,
         direction=f"as in the {reader.format()} file",
         reader=reader.format(),
     )
@@ -246,7 +295,7 @@ def _of_gwyddion(contents: Contents, spec: Any) -> Map:
         unit=_unit_of(field, "si_unit_z") or None,
         direction="to the right in Gwyddion, y down",
         channel=name,
-        other_channels=tuple(other for other in fields if other != name),
+        other_channels=tuple(title for title in fields if title != name),
         reader="gwy",
     )
 

@@ -34,7 +34,7 @@ class Layout:
         "." or ",".
     columns : int
         Numbers in a line.
-    first : int
+    header_lines : int
         Lines before the numbers.
     missing : frozenset of str
         Texts that stand for missing points, in lower case.
@@ -45,7 +45,7 @@ class Layout:
     mark: str | None
     decimal: str
     columns: int
-    first: int
+    header_lines: int
     missing: frozenset[str]
     ended: bool = False
 
@@ -99,7 +99,20 @@ def layout_of(lines: list[str], spec: Any) -> Layout:
 
 
 def tokens_of(line: str, mark: str | None, missing: frozenset[str] = MISSING) -> list[str]:
-    """Cut a line into tokens, without a comment after them."""
+    """Cut a line into tokens, without a comment after them.
+
+    Parameters
+    ----------
+    line : str
+    mark : str or None
+        Between numbers; None: white space.
+    missing : frozenset of str
+        Texts that stand for missing points, which may hold white space.
+
+    Returns
+    -------
+    list of str
+    """
     if "#" in line:
         line = _COMMENT.sub("", line)
     if '"' in line and mark:
@@ -115,7 +128,20 @@ def tokens_of(line: str, mark: str | None, missing: frozenset[str] = MISSING) ->
 
 
 def number_of(token: str, decimal: str, missing: frozenset[str]) -> float:
-    """Read a number, nan for a missing one.
+    """Read a number.
+
+    Parameters
+    ----------
+    token : str
+    decimal : str
+        "." or ",".
+    missing : frozenset of str
+        Texts that stand for missing points, in lower case.
+
+    Returns
+    -------
+    float
+        nan for a missing one.
 
     Raises
     ------
@@ -133,7 +159,22 @@ def number_of(token: str, decimal: str, missing: frozenset[str]) -> float:
 
 
 def count_numbers(tokens: list[str], decimal: str, missing: frozenset[str]) -> tuple[int, int]:
-    """Count the tokens that are numbers, and those that are numbers or stand for missing ones."""
+    """Count the tokens of a line that can be read.
+
+    Parameters
+    ----------
+    tokens : list of str
+    decimal : str
+    missing : frozenset of str
+        As for `number_of`.
+
+    Returns
+    -------
+    numbers : int
+        Tokens that are numbers.
+    readable : int
+        Tokens that are numbers or stand for missing ones.
+    """
     numbers = 0
     readable = 0
     for token in tokens:
@@ -185,7 +226,7 @@ def _require_header(lines: list[str], layout: Layout) -> None:
     """Raise ValueError where lines right before the numbers hold numbers, too: they may be a line
     of the map with a token that is not known, or one that is damaged."""
     hint = "surface.skip_lines tells how long the header is"
-    for k in range(layout.first - 1, -1, -1):
+    for k in range(layout.header_lines - 1, -1, -1):
         if not lines[k].strip() or is_comment(lines[k]):
             return
         tokens = layout.tokens(lines[k])
@@ -199,7 +240,7 @@ def _require_header(lines: list[str], layout: Layout) -> None:
         if not unknown and len(tokens) > 2:
             raise ValueError(
                 f"line {k + 1}: found {len(tokens)} numbers, allowed: {layout.columns}, as in line"
-                f" {layout.first + 1}; {hint}"
+                f" {layout.header_lines + 1}; {hint}"
             )
 
 

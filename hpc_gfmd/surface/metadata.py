@@ -127,17 +127,17 @@ def by_axes(heights: Mapping[str, Any], axes: list) -> Metadata:
     _, attributes, coordinates = zip(*(axes[::-1] if transposed else axes))
     lengths = list(map(_length, attributes, coordinates))
     units = list(map(unit_in, attributes))
-    known = all(length is not None for length in lengths)
-    if known and units[0] != units[1]:
+    has_sizes = all(length is not None for length in lengths)
+    if has_sizes and units[0] != units[1]:
         raise ValueError(f"its axes are in different units, {units[0]} and {units[1]}")
     has_lengths = all("length" in axis for axis in attributes)
     unit = unit_in(heights) or (units[0] if has_lengths else None)
     remarks: tuple[str, ...] = ()
-    if known and not has_lengths and units[0] is None and (unit or _are_indices(coordinates)):
-        known = False
+    if has_sizes and not has_lengths and units[0] is None and (unit or _are_indices(coordinates)):
+        has_sizes = False
         remarks = ("the coordinates of the points have no unit: they are not used",)
     return Metadata(
-        sizes=tuple(abs(length) for length in lengths if length is not None) if known else None,
+        sizes=tuple(abs(length) for length in lengths if length is not None) if has_sizes else None,
         sizes_unit=units[0],
         unit=unit,
         periodic=all(np.all(axis.get("periodic", False)) for axis in attributes) or None,
@@ -161,7 +161,17 @@ def is_x_or_y(axes: list) -> bool:
 
 
 def missing_numbers(spec: Any, path: object) -> tuple[float, ...]:
-    """Return the numbers that the scene calls missing; spec: scene.File.
+    """Return the numbers that the scene calls missing.
+
+    Parameters
+    ----------
+    spec : scene.File
+    path : object
+        Of the file, for the message.
+
+    Returns
+    -------
+    tuple of float
 
     Raises
     ------

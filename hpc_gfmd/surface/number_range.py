@@ -25,21 +25,43 @@ LARGEST_P_STAR = 1e100
 
 
 def fits(dtype: DTypeLike, smallest: float, largest: float) -> bool:
-    """Tell whether normal numbers of this precision reach from `smallest` to `largest`,
-    magnitudes."""
+    """Whether normal numbers of a precision reach from one magnitude to another.
+
+    Parameters
+    ----------
+    dtype : dtype
+    smallest, largest : float
+
+    Returns
+    -------
+    bool
+    """
     info = np.finfo(dtype)
     return float(info.tiny) < smallest and largest < float(info.max)
 
 
 def field_dtype(name: str, dtype: DTypeLike, p_mean: float, surface: Surface) -> np.dtype:
-    """Choose the precision for a field in the scene's units, solved in `dtype` at mean pressure
-    p_mean, without looking at it; surface: surface.Surface.
+    """Choose the precision for a field in the scene's units, without looking at it.
 
     No point carries more than all N p_mean, and heights that have rms slope 1 per point rise by
     less than N; a displacement is less than N times that. What is smaller than the rounding errors
     of single precision does not matter.
+
+    Parameters
+    ----------
+    name : str
+        Of the field.
+    dtype : dtype
+        In which it was solved.
+    p_mean : float
+    surface : Surface
+
+    Returns
+    -------
+    dtype
     """
-    of_pressure, N = name == "pressure", surface.grid.N
+    of_pressure = name == "pressure"
+    N = surface.grid.N
     typical = p_mean if of_pressure else surface.height_unit
     smallest = float(np.finfo(np.float32).eps) * typical
     held = fits(dtype, smallest, typical * N if of_pressure else typical * N**2)
@@ -47,16 +69,37 @@ def field_dtype(name: str, dtype: DTypeLike, p_mean: float, surface: Surface) ->
 
 
 def single_solves(p_star: float, N: int) -> bool:
-    """Tell whether single precision holds the pressures of a contact of N points at p* and, the
-    larger ones, their squares."""
+    """Whether single precision holds the pressures of a contact, and squares of the larger ones.
+
+    Parameters
+    ----------
+    p_star : float
+    N : int
+        Points.
+
+    Returns
+    -------
+    bool
+    """
     return fits(np.float32, float(np.finfo(np.float32).eps) * p_star, (N * max(p_star, 1.0)) ** 2)
 
 
 def require_range(E_star: float, surface: Surface, pressures: Iterable[float]) -> None:
-    """Raise SceneError where a number of the contacts is beyond double precision; surface:
-    surface.Surface."""
+    """Require that double precision holds the numbers of the contacts.
+
+    Parameters
+    ----------
+    E_star : float
+    surface : Surface
+    pressures : iterable of float
+        Mean pressures, in the unit of E_star.
+
+    Raises
+    ------
+    SceneError
+    """
     unit = E_star * surface.g_rms if surface.g_rms > 0 else 1.0
-    for what, value in [
+    for quantity, value in [
         ("E_star*g_rms", unit),
         ("g_rms*a (height per point)", surface.height_unit),
         ("E_star*g_rms^2*a (energy)", unit * surface.height_unit),
@@ -65,12 +108,13 @@ def require_range(E_star: float, surface: Surface, pressures: Iterable[float]) -
         smallest, largest = FACTORS
         if not smallest <= value <= largest:
             raise SceneError(
-                f"surface, material, load: found {what} = {value:g}, allowed: {smallest:g} to"
+                f"surface, material, load: found {quantity} = {value:g}, allowed: {smallest:g} to"
                 f" {largest:g}, in other units"
             )
     # of a single point that carries all what rounding errors of the heights make of the pressure
     rounding = float(np.finfo(np.float64).eps) * surface.h_rms / surface.height_unit
-    smallest, largest = rounding / surface.grid.N**0.5, LARGEST_P_STAR
+    smallest = rounding / surface.grid.N**0.5
+    largest = LARGEST_P_STAR
     # full contact is not uniform there; coarse levels, which all points may add to, are in single
     # precision
     if surface.grid.padded:

@@ -23,23 +23,49 @@ _ALLOWED = (
 
 
 def read_png(contents: Contents, spec: Any) -> Map:
-    """Read a PNG: (heights (n_x, n_y), Metadata), x to the right, y down; spec: scene.File. Raises
-    ValueError for colours, and where surface.height_range is not given."""
+    """Read a PNG, x to the right, y down.
+
+    Parameters
+    ----------
+    contents : Contents
+    spec : scene.File
+
+    Returns
+    -------
+    heights : ndarray, shape (n_x, n_y)
+        nan where the file has none.
+    metadata : Metadata
+
+    Raises
+    ------
+    ValueError
+        For colours, several pictures, and whole numbers without surface.height_range.
+    """
     z = _grey(contents)
     return _heights(z, np.isin(z, missing_numbers(spec, contents.path)), spec, ())
 
 
 def read_tiff(contents: Contents, spec: Any) -> Map:
-    """Read a TIFF: (heights (n_x, n_y), nan where the file has none; Metadata), x to the right, y
-    down; spec: scene.File. What an instrument wrote as a TIFF is read as such.
+    """Read a TIFF, x to the right, y down. What an instrument wrote as a TIFF is read as such.
+
+    Parameters
+    ----------
+    contents : Contents
+    spec : scene.File
+
+    Returns
+    -------
+    heights : ndarray, shape (n_x, n_y)
+        nan where the file has none.
+    metadata : Metadata
 
     Raises
     ------
     ValueError
-        For colours, several pictures, and whole numbers without a range.
+        For colours, several pictures, and whole numbers without surface.height_range.
     """
-    if (found := instruments.recognised(contents, spec)) is not None:
-        return found
+    if (scan := instruments.recognised(contents, spec)) is not None:
+        return scan
     import tifffile
 
     page: Any
@@ -59,7 +85,8 @@ def read_tiff(contents: Contents, spec: Any) -> Map:
             z = page.asarray()
             valid = masks[0].asarray() if masks else None
         except ValueError:  # packed: Pillow reads fewer types of numbers, but unpacks more
-            z, valid = _grey(contents), None
+            z = _grey(contents)
+            valid = None
     if valid is not None and valid.shape != z.shape:
         raise ValueError(f"its mask has {valid.shape} points, its heights {z.shape}")
     without = np.isin(z, _in_type(np.array(missing), z.dtype))

@@ -113,8 +113,8 @@ def prepare(topography: Topography, spec: Any, comm: Any) -> Topography:
         topography = resampled(topography, size, spec.free, comm)
     if spec.radius:
         radii = tuple(topography.length("radius", R) for R in spec.radii)
-        given = ", ".join(dict.fromkeys(map(format_quantity, spec.radii)))
-        topography = topography.on_form(radii).after(f"on a form of radius {given}")
+        texts = ", ".join(dict.fromkeys(map(format_quantity, spec.radii)))
+        topography = topography.on_form(radii).after(f"on a form of radius {texts}")
     return topography
 
 
@@ -122,20 +122,20 @@ def _cropped(topography: Topography, spec: Any) -> Topography:
     ends = []
     for axis in (0, 1):
         step = topography.sizes[axis] / topography.n[axis]
-        first, last = (
+        begin, end = (
             round(topography.length("crop", spec.crop[k]) / step) for k in (axis, axis + 2)
         )
-        if not 0 <= first < last <= topography.n[axis]:
+        if not 0 <= begin < end <= topography.n[axis]:
             L_x, L_y = (
                 f"{size / topography.plain:.6g} {topography.plain_unit}".strip()
                 for size in topography.sizes
             )
             raise SceneError(
-                f"surface.crop: found points {first} to {last} of {topography.n[axis]} along"
+                f"surface.crop: found points {begin} to {end} of {topography.n[axis]} along"
                 f" {'xy'[axis]}, allowed: [x0, y0, x1, y1] with 0 <= x0 < x1 <= {L_x} and 0 <= y0 <"
                 f' y1 <= {L_y}, plain in this unit or as "5 um"'
             )
-        ends.append((first, last))
+        ends.append((begin, end))
     (x0, x1), (y0, y1) = ends
     n = x1 - x0, y1 - y0
     sizes = tuple(size * k / m for size, k, m in zip(topography.sizes, n, topography.n))
@@ -148,9 +148,9 @@ def _cropped(topography: Topography, spec: Any) -> Topography:
     )
 
 
-def _detrended(topography: Topography, what: str, comm: Any) -> Topography:
+def _detrended(topography: Topography, trend: str, comm: Any) -> Topography:
     """Subtract the polynomial that fits the measured points best."""
-    powers = POWERS[what]
+    powers = POWERS[trend]
     x, y = (2 * np.arange(n) / max(n - 1, 1) - 1 for n in topography.n)
 
     def terms(start: int, stop: int) -> list[np.ndarray]:
@@ -171,8 +171,8 @@ def _detrended(topography: Topography, what: str, comm: Any) -> Topography:
             factor * term for factor, term in zip(factors, terms(start, stop))
         )
 
-    periodic = topography.periodic if what == "mean" else None
-    return topography.after(f"{what} removed", rows=rows, periodic=periodic)
+    periodic = topography.periodic if trend == "mean" else None
+    return topography.after(f"{trend} removed", rows=rows, periodic=periodic)
 
 
 def _mirrored(topography: Topography) -> Topography:

@@ -129,8 +129,18 @@ class MapQuality:
 
 
 def quality_of(topography: Topography, comm: Any) -> MapQuality:
-    """Look at a Topography without holes, of which rank 0 reads DOUBT.rows rows at most.
-    Collective."""
+    """Look at a map, of which rank 0 reads DOUBT.rows rows at most. Collective.
+
+    Parameters
+    ----------
+    topography : Topography
+        Without holes.
+    comm : Comm
+
+    Returns
+    -------
+    MapQuality
+    """
     return on_rank_0(comm, "reading the surface", lambda: _looked_at(topography))
 
 
@@ -202,8 +212,19 @@ def window_note(before: MapQuality, after: MapQuality, kept: float, name: str) -
 
 
 def outliers(topography: Topography, typical: float) -> int:
-    """Count points of a Topography that stand out of the median of their neighbours; typical: how
-    much neighbours differ."""
+    """Count points that stand out of the median of their neighbours.
+
+    Parameters
+    ----------
+    topography : Topography
+        Without holes.
+    typical : float
+        How much neighbours differ.
+
+    Returns
+    -------
+    int
+    """
     from scipy.ndimage import median_filter
 
     if min(topography.n) < 3:
@@ -254,8 +275,11 @@ def _looked_at(topography: Topography) -> MapQuality:
         """Return how much points differ along an axis; z: row i."""
         lag = min(DOUBT.lag, max(topography.n[axis] // 8, 1))
         if axis == 0:
-            below, further = row(i + 1), row(i + 2)
-            step, second, far = below - z, further - z, row(i + lag) - z
+            below = row(i + 1)
+            further = row(i + 2)
+            step = below - z
+            second = further - z
+            far = row(i + lag) - z
             bend = further - 2 * below + z if len(further) else further
         else:
             step, second, far = (z[:, k:] - z[:, :-k] for k in (1, 2, lag))
@@ -300,13 +324,13 @@ def _looked_at(topography: Topography) -> MapQuality:
     )
     edge = np.nan_to_num([_typical(rows[2] - rows[1]) for rows in ends])
     edge_bend = np.nan_to_num([_typical(np.diff(rows, n=2, axis=0)) for rows in ends])
-    least = DOUBT.rounding * np.sqrt(square)
+    rounding = DOUBT.rounding * np.sqrt(square)
     mean_squares = [_mean([d.square for d in axis]) for axis in of_axes]
     spacings = [size / k for size, k in zip(topography.sizes, topography.n)]
     with np.errstate(divide="ignore", invalid="ignore"):
         return MapQuality(
-            jumps=np.where((edge > least) & (step > 0), edge / step, 0.0),
-            kinks=np.where((edge_bend > least) & (bend > least), edge_bend / bend, 0.0),
+            jumps=np.where((edge > rounding) & (step > 0), edge / step, 0.0),
+            kinks=np.where((edge_bend > rounding) & (bend > rounding), edge_bend / bend, 0.0),
             typical=step.max(),
             tilt=max(float(taken_by_plane / variance), 0.0) if variance > 0 else 0.0,
             unresolved=np.where(second > 0, (2 * step / second) ** 2, 0.0).max(),
@@ -330,5 +354,5 @@ def _median(values: Any) -> float:
 
 def _mean(values: list[float]) -> float:
     """Return the mean of numbers that are not nan, 0 where there are none."""
-    known = [value for value in values if value == value]
-    return float(np.mean(known)) if known else 0.0
+    numbers = [value for value in values if value == value]
+    return float(np.mean(numbers)) if numbers else 0.0

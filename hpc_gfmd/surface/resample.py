@@ -14,15 +14,31 @@ from .topography import Topography
 
 
 def resampled(
-    found: Topography, n: tuple[int, int], free: tuple[bool, bool], comm: Any
+    topography: Topography, n: tuple[int, int], free: tuple[bool, bool], comm: Any
 ) -> Topography:
-    """Return a Topography of n points, of which those rows can be read that this rank has of the
-    surface. free: whether it ends along x, along y. Collective."""
+    """Resample a height map. Collective.
+
+    Parameters
+    ----------
+    topography : Topography
+    n : (int, int)
+        Points along x and y.
+    free : (bool, bool)
+        Whether the map ends along x, along y.
+    comm : Comm
+
+    Returns
+    -------
+    Topography
+        Of which those rows can be read that this rank has of the surface.
+    """
     columns = row_starts(n[1], comm.size)
-    starts = nominal_part(grid_of(n, found.sizes, comm, free)).starts
-    turned = _turned(found.rows, row_starts(found.n[0], comm.size), columns, free[1], comm)
+    starts = nominal_part(grid_of(n, topography.sizes, comm, free)).starts
+    turned = _turned(
+        topography.rows, row_starts(topography.n[0], comm.size), columns, free[1], comm
+    )
     rows = _turned(turned, columns, starts, free[0], comm)
-    return found.after(f"resampled to {n[0]} x {n[1]} points", n=n, rows=rows)
+    return topography.after(f"resampled to {n[0]} x {n[1]} points", n=n, rows=rows)
 
 
 def _turned(rows: Rows, before: np.ndarray, after: np.ndarray, ends: bool, comm: Any) -> Rows:
@@ -30,23 +46,24 @@ def _turned(rows: Rows, before: np.ndarray, after: np.ndarray, ends: bool, comm:
     columns; returns what reads this rank's columns as rows. before, after: where the rows of each
     rank begin, and how many there are. Collective."""
     me = comm.rank
-    (first, last), (own, end) = before[me : me + 2], after[me : me + 2]
+    begin, stop_row = before[me : me + 2]
+    column, end = after[me : me + 2]
     with collective_errors(comm, "reading the surface"):
-        whole = np.empty((before[-1], end - own))
+        whole = np.empty((before[-1], end - column))
         receive = dict(enumerate(np.split(whole, before[1:-1])))
-        send = {rank: np.empty((last - first, k)) for rank, k in enumerate(np.diff(after))}
+        send = {rank: np.empty((stop_row - begin, k)) for rank, k in enumerate(np.diff(after))}
         send[me] = receive.pop(me)
-        for i, j in slabs(first, last):
+        for i, j in slabs(begin, stop_row):
             z = _series(rows(i, j), after[-1], ends)
             for part, columns in zip(send.values(), np.split(z, after[1:-1], axis=1)):
-                part[i - first : j - first] = columns
+                part[i - begin : j - begin] = columns
     del send[me]
     comm.exchange(send, receive)
 
     def turned(start: int, stop: int) -> np.ndarray:
-        if not own <= start <= stop <= end:
+        if not column <= start <= stop <= end:
             raise IndexError(f"rows {start} to {stop} are not of this rank")
-        return whole[:, start - own : stop - own].T
+        return whole[:, start - column : stop - column].T
 
     return turned
 

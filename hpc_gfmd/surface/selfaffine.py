@@ -16,13 +16,27 @@ from .statistics import rms_of_columns
 def self_affine_gap(
     spec: Any, grid: Grid, dtype: DTypeLike, made_in: DTypeLike
 ) -> tuple[np.ndarray, float, Callable]:
-    """Make z_max - z (local slab, dtype) with g_rms = 1 per grid spacing; returns it, its rms, and
-    `add_spectrum`; spec: scene.SelfAffine.
+    """Make the gap under zero load of a self-affine surface. Collective.
 
-    made_in: precision of the transforms; errors of single ones are several times those of storing
-    the gap. add_spectrum(fft) returns a function (block, m) that adds the transform of minus that
-    (as the transforms here leave it, without 1/N) to a block of columns: who has it can do without
-    the heights.
+    Parameters
+    ----------
+    spec : scene.SelfAffine
+    grid : Grid
+    dtype : dtype
+        Of the gap.
+    made_in : dtype
+        Precision of the transforms; errors of single ones are several times those of storing the
+        gap.
+
+    Returns
+    -------
+    gap : ndarray
+        z_max - z, local slab, with g_rms = 1 per grid spacing.
+    h_rms : float
+        Of the gap.
+    add_spectrum : function
+        (fft) returns a function (block, m) that adds the transform of minus the gap (without 1/N)
+        to a block of columns, so that the heights need not be kept.
     """
     fft = grid.fft(made_in)
     low = spec.L_over_lam_l

@@ -9,21 +9,56 @@ from ..parallel.layout import row_starts
 ROWS = 64  # read at a time
 
 
-def slabs(first: int, last: int) -> list[tuple[int, int]]:
-    """Cut the rows first <= i < last into pieces [(start, stop), ...]."""
-    return [(start, min(start + ROWS, last)) for start in range(first, last, ROWS)]
+def slabs(start: int, stop: int) -> list[tuple[int, int]]:
+    """Cut rows into pieces.
+
+    Parameters
+    ----------
+    start, stop : int
+        The rows start <= i < stop.
+
+    Returns
+    -------
+    list of (int, int)
+        (start, stop) of pieces of ROWS rows at most.
+    """
+    return [(row, min(row + ROWS, stop)) for row in range(start, stop, ROWS)]
 
 
-def own_slabs(found: Any, comm: Any) -> list[tuple[int, int]]:
-    """Return this rank's share of a Topography, in pieces that are the same for any number of
-    ranks."""
-    pieces = slabs(0, found.n[0])
-    first, last = row_starts(len(pieces), comm.size)[comm.rank :][:2]
-    return pieces[first:last]
+def own_slabs(topography: Any, comm: Any) -> list[tuple[int, int]]:
+    """Return this rank's share of a height map.
+
+    Parameters
+    ----------
+    topography : Topography
+    comm : Comm
+
+    Returns
+    -------
+    list of (int, int)
+        (start, stop) of pieces of rows that are the same for any number of ranks.
+    """
+    pieces = slabs(0, topography.n[0])
+    starts = row_starts(len(pieces), comm.size)
+    return pieces[starts[comm.rank] : starts[comm.rank + 1]]
 
 
-def with_neighbours(found: Any, start: int, stop: int, mode: Any) -> np.ndarray:
-    """Return rows of a Topography with a point more on all sides; mode: what numpy.pad puts where
-    the map ends."""
-    first, last = max(start - 1, 0), min(stop + 1, found.n[0])
-    return np.pad(found.rows(first, last), ((first - start + 1, stop + 1 - last), (1, 1)), mode)
+def with_neighbours(topography: Any, start: int, stop: int, mode: Any) -> np.ndarray:
+    """Read rows with the points around them.
+
+    Parameters
+    ----------
+    topography : Topography
+    start, stop : int
+        The rows start <= i < stop.
+    mode : str
+        What numpy.pad puts where the map ends.
+
+    Returns
+    -------
+    ndarray, shape (stop - start + 2, n_y + 2)
+    """
+    begin = max(start - 1, 0)
+    end = min(stop + 1, topography.n[0])
+    outside = (begin - start + 1, stop + 1 - end)
+    return np.pad(topography.rows(begin, end), (outside, (1, 1)), mode)

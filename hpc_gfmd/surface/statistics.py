@@ -11,10 +11,23 @@ from ..parallel.threads import added
 
 
 def rms(grid: Grid, fill: Any) -> tuple[float, float]:
-    """Return (h_rms, g_rms) of the field whose rows fill(i0, i1, x) makes: in its unit, and per
-    grid spacing a. Costs half an FFT pair.
+    """Compute rms height and slope of a periodic field, at the price of half an FFT pair.
+    Collective.
 
     h_rms^2 = sum_{q != 0} |h_q|^2, g_rms^2 = sum_q q^2 |h_q|^2.
+
+    Parameters
+    ----------
+    grid : Grid
+    fill : function
+        (i0, i1, x) puts rows i0 to i1 of this rank's slab into x.
+
+    Returns
+    -------
+    h_rms : float
+        In the unit of the field.
+    g_rms : float
+        Per grid spacing a.
     """
     fft = grid.fft(np.float64)
     fft.forward_rows(fill)
@@ -22,8 +35,21 @@ def rms(grid: Grid, fill: Any) -> tuple[float, float]:
 
 
 def rms_between_neighbours(grid: Grid, fill: Any, free: tuple[bool, bool]) -> tuple[float, float]:
-    """Return (h_rms, g_rms) as `rms` does, for fields that end along the axes that are free: from
-    differences between neighbouring points within the field."""
+    """Compute rms height and slope as `rms` does, from differences between neighbouring points.
+    Collective.
+
+    Parameters
+    ----------
+    grid : Grid
+    fill : function
+        (i0, i1, x) puts rows i0 to i1 of this rank's slab into x.
+    free : (bool, bool)
+        Whether the field ends along x, along y.
+
+    Returns
+    -------
+    h_rms, g_rms : float
+    """
     x = np.empty(grid.shape)
     fill(0, len(x), x)
     below = halo.next_row(grid.comm, x[:1], grid.starts)[None]
@@ -40,9 +66,20 @@ def rms_between_neighbours(grid: Grid, fill: Any, free: tuple[bool, bool]) -> tu
 
 
 def rms_of_columns(grid: Grid, fft: Any, make: Any) -> tuple[float, float]:
-    """Return (h_rms, g_rms) as `rms` does, of spectra made by make(block, m), which are then
-    transformed backward (None: of the rows transformed before), with h_q in the normalisation of
-    the grid."""
+    """Compute rms height and slope as `rms` does, from the columns of a spectrum. Collective.
+
+    Parameters
+    ----------
+    grid : Grid
+    fft : SlabFFT
+    make : function, optional
+        (block, m) makes block m of the columns, with h_q in the normalisation of the grid; they are
+        then transformed backward. None: the columns are those of rows transformed before.
+
+    Returns
+    -------
+    h_rms, g_rms : float
+    """
     q_x = grid.q_x.astype(fft.dtype)
     q_y, weight = grid.column_tables(fft)
 

@@ -27,14 +27,14 @@ SAYS_FILE = "as the file says"
 AGREE = 1e-3  # relative difference of sizes that are the same
 
 
-def suggestion(make: Callable[[dict], File], given: dict) -> Suggestion:
+def suggestion(make: Callable[[dict], File], user_keys: dict) -> Suggestion:
     """Read a map and suggest what a scene says of it.
 
     Parameters
     ----------
     make : function
         Takes keys of [surface] beside the path, and returns a scene.File.
-    given : dict
+    user_keys : dict
         The keys that the user has set already.
 
     Returns
@@ -46,70 +46,72 @@ def suggestion(make: Callable[[dict], File], given: dict) -> Suggestion:
     SceneError
         For a file that cannot be read, or that contradicts what is set.
     """
-    topography = open_topography(make(given))
-    said = topography.said
-    result = Suggestion(dict(given), unit=topography.unit, missing=list(topography.lacks))
-    unit = said.sizes_unit or said.unit or given.get("unit")
-    if said.sizes is not None and (unit is None or length_factor(unit)):
-        sizes = _readable(said.sizes, unit) if unit else list(said.sizes)
+    topography = open_topography(make(user_keys))
+    metadata = topography.metadata
+    result = Suggestion(dict(user_keys), unit=topography.unit, missing=list(topography.lacks))
+    unit = metadata.sizes_unit or metadata.unit or user_keys.get("unit")
+    if metadata.sizes is not None and (unit is None or length_factor(unit)):
+        sizes = _readable(metadata.sizes, unit) if unit else list(metadata.sizes)
         result.said["physical_sizes"] = sizes
         if unit:
             result.said["crop"] = ["0 m", "0 m", *sizes]
-        _require_agreement(said.sizes, unit, topography, given)
-    if said.unit is not None:
-        result.said["unit"] = said.unit
-    result.about += _about(topography, given)
-    by_file = result.said.keys() - given.keys() - {"crop"}
+        _require_agreement(metadata.sizes, unit, topography, user_keys)
+    if metadata.unit is not None:
+        result.said["unit"] = metadata.unit
+    result.about += _about(topography, user_keys)
+    by_file = result.said.keys() - user_keys.keys() - {"crop"}
     result.why = dict.fromkeys(by_file, SAYS_FILE) | dict.fromkeys(result.missing, NEEDED)
-    _by_heights(result, make, given, said.periodic)
-    _by_instrument(result, topography, make(given))
+    _by_heights(result, make, user_keys, metadata.periodic)
+    _by_instrument(result, topography, make(user_keys))
     return result
 
 
-def _about(topography: Topography, given: dict) -> list[str]:
+def _about(topography: Topography, user_keys: dict) -> list[str]:
     """Return what was read, a line each."""
-    said = topography.said
+    metadata = topography.metadata
     sizes = "of sizes that the file does not say"
     if "physical_sizes" not in topography.lacks:
         scale, name = prefixed(topography.sizes, topography.unit)
         sizes = " x ".join(f"{size / scale:.10g} {name}".strip() for size in topography.sizes)
-    unit = said.unit or given.get("unit")
+    unit = metadata.unit or user_keys.get("unit")
     n = topography.n
     lines = [
         f"{n[0]} x {n[1]} points, {sizes}, heights in"
         f" {unit or 'a unit that the file does not name'}",
-        f"read as {said.reader}; x runs {_direction(topography)}",
+        f"read as {metadata.reader}; x runs {_direction(topography)}",
     ]
-    if said.channel:
-        others = one_line(", ".join(said.other_channels))
-        lines.append(f"channel {said.channel}" + (f"; others: {others}" if others else ""))
-    lines += said.remarks
-    return lines + [note for note in topography.notes if not _is_told(note, said)]
+    if metadata.channel:
+        other_names = one_line(", ".join(metadata.other_channels))
+        lines.append(
+            f"channel {metadata.channel}" + (f"; others: {other_names}" if other_names else "")
+        )
+    lines += metadata.remarks
+    return lines + [note for note in topography.notes if not _is_told(note, metadata)]
 
 
-def _is_told(note: str, said: Metadata) -> bool:
+def _is_told(note: str, metadata: Metadata) -> bool:
     """Whether the lines about the file say already what a note says."""
-    is_remark = any(note.endswith(remark) for remark in said.remarks)
-    return is_remark or said.direction in note or "is pressed; others" in note
+    is_remark = any(note.endswith(remark) for remark in metadata.remarks)
+    return is_remark or metadata.direction in note or "is pressed; others" in note
 
 
 def _direction(topography: Topography) -> str:
     """Say along what x runs, and how to change that."""
-    said = topography.said
-    turned = [axis for axis, falls in zip("xy", said.falling) if falls]
-    text = said.direction
+    metadata = topography.metadata
+    turned = [axis for axis, falls in zip("xy", metadata.falling) if falls]
+    text = metadata.direction
     if turned:
         text += f"; the coordinates along {' and '.join(turned)} fall in the file: it is turned"
-    if said.direction_known:
+    if metadata.direction_known:
         return text
     return f'{text} (surface.first_axis = "y" says that y does)'
 
 
 def _require_agreement(
-    sizes: tuple[float, ...], unit: str | None, topography: Topography, given: dict
+    sizes: tuple[float, ...], unit: str | None, topography: Topography, user_keys: dict
 ) -> None:
     """Raise SceneError where the user sets other sizes than the file says."""
-    wanted = given.get("physical_sizes")
+    wanted = user_keys.get("physical_sizes")
     if wanted is None:
         return
     scale = length_factor(unit) if unit else 1.0
@@ -129,11 +131,13 @@ def _by_instrument(result: Suggestion, topography: Topography, spec: File) -> No
         scan = instruments.topography_of_channel(contents, spec.dataset)
         cutoff, why = unreliable(scan) or (0.0, "")
         factors = (ceil(cutoff * n / (2 * L)) for n, L in zip(topography.n, topography.sizes))
-        least = max(factors)
+        smallest_factor = max(factors)
         divisors = [
-            k for k in range(least, topography.n[0]) if not any(n % k for n in topography.n)
+            k
+            for k in range(smallest_factor, topography.n[0])
+            if not any(n % k for n in topography.n)
         ]
-        if least > 1 and divisors:
+        if smallest_factor > 1 and divisors:
             result.about.append(f"{why}; surface.downsample = {divisors[0]} removes them")
             result.said["downsample"] = divisors[0]
             result.why["downsample"] = why
@@ -147,10 +151,11 @@ def _readable(sizes: tuple[float, ...], unit: str) -> list[str]:
 
 
 def _by_heights(
-    result: Suggestion, make: Callable[[dict], File], given: dict, periodic: bool | None
+    result: Suggestion, make: Callable[[dict], File], user_keys: dict, periodic: bool | None
 ) -> None:
     """Suggest what the heights themselves show."""
-    values, why = result.values, result.why
+    values = result.values
+    why = result.why
     plain: dict[str, object] = {
         "boundary": "periodic",
         "radius": None,
@@ -168,13 +173,13 @@ def _by_heights(
 
     heights, quality = looked_at()
     result.about.append(f"{heights.filled or 'no'} points without a height")
-    if heights.filled and "fill" not in given:
+    if heights.filled and "fill" not in user_keys:
         values["fill"] = "harmonic"
         why["fill"] = f"{heights.filled} points have no height"
     tilt = f"{100 * quality.tilt:.0f} % of the variance of the heights is tilt"
     result.about.append(tilt)
     stray = outliers(heights, quality.typical)
-    if quality.tilt > DOUBT.tilt and "detrend" not in given:
+    if quality.tilt > DOUBT.tilt and "detrend" not in user_keys:
         values["detrend"] = "tilt"
         why["detrend"] = tilt
         heights, quality = looked_at()
@@ -185,7 +190,7 @@ def _by_heights(
             f"{stray} points stand out of their neighbours by more than {DOUBT.outlying:g} times"
             " what neighbours differ by: dust or spikes? They are pressed as they are"
         )
-    result.about.append(f"done to it: {', '.join(heights.done) or 'nothing'}")
+    result.about.append(f"done to it: {', '.join(heights.prepared) or 'nothing'}")
     scale, name = prefixed([quality.h_rms], heights.unit)
     result.about.append(
         f"h_rms = {quality.h_rms / scale:.3g} {name}".strip()
@@ -195,12 +200,12 @@ def _by_heights(
         note
         for note in heights.notes
         if note not in result.about
-        and not _is_told(note, heights.said)
+        and not _is_told(note, heights.metadata)
         and "the jump is pressed" not in note  # the line on edges says it
     ]
     if not result.missing:
         result.about += slope_notes(quality.g_rms, measured=True)
     ends = max(quality.jumps) > DOUBT.jump and not periodic
-    if ends and {"boundary", "mirror", "window"}.isdisjoint(given):
+    if ends and {"boundary", "mirror", "window"}.isdisjoint(user_keys):
         values["boundary"] = "free"
         why["boundary"] = f"{edges}; mirror = true is another way"

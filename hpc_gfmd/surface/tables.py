@@ -65,16 +65,26 @@ class Labels:
 
 
 def labels_of(sample: list[str], layout: Layout) -> Labels:
-    """Look at how the first lines of a matrix are written; sample: of the text, from its
-    beginning."""
-    rows = [layout.tokens(line) for line in sample[layout.first :] if line.strip()]
+    """Look at how the first lines of a matrix are written.
+
+    Parameters
+    ----------
+    sample : list of str
+        First lines of the text.
+    layout : Layout
+
+    Returns
+    -------
+    Labels
+    """
+    rows = [layout.tokens(line) for line in sample[layout.header_lines :] if line.strip()]
     rows = [row for row in rows if len(row) == layout.columns]
     whole = [[is_whole(token) for token in row] for row in rows]
     corner: str | None = rows[0][0] if rows and not rows[0][0] else None
     above = None
     names_index = False
-    if layout.first:
-        title = layout.tokens(sample[layout.first - 1].lstrip("#"))
+    if layout.header_lines:
+        title = layout.tokens(sample[layout.header_lines - 1].lstrip("#"))
         if len(title) == layout.columns and layout.columns > 1:
             try:
                 above = np.array([layout.number(token) for token in title[1:]])
@@ -94,14 +104,14 @@ def labels_of(sample: list[str], layout: Layout) -> Labels:
     )
 
 
-def without_coordinates(table: np.ndarray, labels: Labels, told: str | None) -> Matrix:
+def without_coordinates(table: np.ndarray, labels: Labels, coordinates: str | None) -> Matrix:
     """Take the coordinates off a matrix.
 
     Parameters
     ----------
     table : ndarray, shape (lines, columns)
     labels : Labels
-    told : str, optional
+    coordinates : str, optional
         What is coordinates, as the scene says: "none", "line", "column" or "both".
 
     Returns
@@ -113,8 +123,8 @@ def without_coordinates(table: np.ndarray, labels: Labels, told: str | None) -> 
     ValueError
         Where the first line or column may be either.
     """
-    if told is not None:
-        return _as_told(table, labels, told)
+    if coordinates is not None:
+        return _as_told(table, labels, coordinates)
     if labels.above is not None:
         return _with_both(table[:, 1:], table[:, 0], labels.above)
     if labels.corner is not None and changes_evenly(table[0, 1:], 2):
@@ -128,16 +138,20 @@ def without_coordinates(table: np.ndarray, labels: Labels, told: str | None) -> 
     heights = table
     of_columns = of_lines = None
     if _is_label(table, labels.whole_line, "line"):
-        heights, of_columns = table[1:], table[0]
+        heights = table[1:]
+        of_columns = table[0]
     elif _is_label(table.T, labels.whole_column, "column"):
-        heights, of_lines = table[:, 1:], table[:, 0]
+        heights = table[:, 1:]
+        of_lines = table[:, 0]
     return Matrix(heights, of_lines, of_columns)
 
 
 def _with_numbers_in_the_corner(table: np.ndarray, labels: Labels) -> Matrix:
     """Take off first line and column, which change evenly, of a matrix with a number in its corner.
     Raises ValueError where they may be heights, too."""
-    line, column, inside = table[0, 1:], table[1:, 0], table[1:, 1:]
+    line = table[0, 1:]
+    column = table[1:, 0]
+    inside = table[1:, 1:]
     if labels.whole_line and labels.whole_column:
         return _with_both(inside, column, line)
     continues = changes_evenly(table[0]) and changes_evenly(table[:, 0])
@@ -149,7 +163,7 @@ def _with_numbers_in_the_corner(table: np.ndarray, labels: Labels) -> Matrix:
     return _with_both(inside, column, line)
 
 
-def _is_label(table: np.ndarray, is_whole_line: bool, what: str) -> bool:
+def _is_label(table: np.ndarray, is_whole_line: bool, place: str) -> bool:
     """Whether the first line of a table is no heights. Raises ValueError where that is open."""
     line = table[0]
     if len(table) < 3 or line.size < 3 or not changes_evenly(line):
@@ -158,32 +172,34 @@ def _is_label(table: np.ndarray, is_whole_line: bool, what: str) -> bool:
     if counts and is_whole_line:
         return True
     if counts or (line.size >= FEWEST and not changes_evenly(table[1])):
-        raise ValueError(f"its first {what} rises evenly: {HINT}")
+        raise ValueError(f"its first {place} rises evenly: {HINT}")
     return False
 
 
 def _with_both(heights: np.ndarray, of_lines: np.ndarray, of_columns: np.ndarray) -> Matrix:
-    for coordinates, what in ((of_columns, "line"), (of_lines, "column")):
-        if not changes_evenly(coordinates, 2):
-            raise ValueError(f"the coordinates in its first {what} do not rise evenly: {HINT}")
+    for values, place in ((of_columns, "line"), (of_lines, "column")):
+        if not changes_evenly(values, 2):
+            raise ValueError(f"the coordinates in its first {place} do not rise evenly: {HINT}")
     return Matrix(heights, of_lines, of_columns)
 
 
-def _as_told(table: np.ndarray, labels: Labels, told: str) -> Matrix:
+def _as_told(table: np.ndarray, labels: Labels, coordinates: str) -> Matrix:
     """Take off what the scene says."""
-    has_line = told in ("line", "both")
-    has_column = told in ("column", "both")
+    has_line = coordinates in ("line", "both")
+    has_column = coordinates in ("column", "both")
     of_columns = None
     of_lines = None
     if has_line and labels.above is None:
-        table, of_columns = table[1:], table[0]
+        of_columns = table[0]
+        table = table[1:]
     elif has_line:
         of_columns = labels.above
     if has_column:
-        table, of_lines = table[:, 1:], table[:, 0]
+        of_lines = table[:, 0]
+        table = table[:, 1:]
         if of_columns is not None and labels.above is None:
             of_columns = of_columns[1:]
-    for coordinates, what in ((of_columns, "line"), (of_lines, "column")):
-        if coordinates is not None and not changes_evenly(coordinates, 2):
-            raise ValueError(f"the coordinates in its first {what} do not rise evenly")
+    for values, place in ((of_columns, "line"), (of_lines, "column")):
+        if values is not None and not changes_evenly(values, 2):
+            raise ValueError(f"the coordinates in its first {place} do not rise evenly")
     return Matrix(table, of_lines, of_columns)

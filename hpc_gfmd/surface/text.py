@@ -77,15 +77,15 @@ def _one_of(blocks: list[Block], layout: Layout, spec: Any, are_points: bool) ->
     where the scene names none."""
     if are_points:  # of which a blank line ends each line of the grid
         return _matrix_or_points(joined(blocks), layout, blocks[0].header, [], spec)
-    places = ", ".join(f"{block.lines} from line {block.first} on" for block in blocks[:4])
+    places = ", ".join(f"{block.lines} from line {block.first_line} on" for block in blocks[:4])
     maps: dict[str, Map] = {}
     for block in blocks if _titled(blocks) else ():
         try:
-            found = _of_instrument(block, layout, spec)
+            one_map = _of_instrument(block, layout, spec)
         except ValueError:  # another quantity
             continue
-        if found is not None:
-            maps.setdefault(found[1].channel, found)
+        if one_map is not None:
+            maps.setdefault(one_map[1].channel, one_map)
     if not maps:
         raise ValueError(
             f"it has {len(blocks)} blocks of numbers ({places}), allowed: one map in a text;"
@@ -96,8 +96,8 @@ def _one_of(blocks: list[Block], layout: Layout, spec: Any, are_points: bool) ->
         allowed = one_line(", ".join(maps))
         raise ValueError(f"surface.dataset: found {name!r}, allowed: {allowed}")
     heights, metadata = maps[name]
-    others = tuple(channel for channel in maps if channel != name)
-    return heights, replace(metadata, other_channels=others)
+    other_names = tuple(channel for channel in maps if channel != name)
+    return heights, replace(metadata, other_channels=other_names)
 
 
 def _of_instrument(block: Block, layout: Layout, spec: Any) -> Map | None:
@@ -105,10 +105,10 @@ def _of_instrument(block: Block, layout: Layout, spec: Any) -> Map | None:
     title = block.header
     if layout.decimal == ",":
         title = [line.replace(",", ".") for line in title]
-    known = header.of_instrument(title, block.lines, layout.columns)
-    if known is None:
+    metadata_and_factor = header.of_instrument(title, block.lines, layout.columns)
+    if metadata_and_factor is None:
         return None
-    metadata, height_factor = known
+    metadata, height_factor = metadata_and_factor
     table = _without_missing(block.table(), header.missing_numbers(title), layout, spec)
     return (table if height_factor == 1.0 else table * height_factor), metadata
 
@@ -121,9 +121,9 @@ def _points(
     x, y, z = (table[:, place] for place in names.places)
     z = _without_missing(z, header.missing_numbers(title), layout, spec)
     heights, sizes = points_on_grid(x, y, z)
-    others = one_line(", ".join(names.others))
-    remarks = (f"column {others} is not used",) if len(names.others) == 1 else ()
-    remarks = (f"columns {others} are not used",) if len(names.others) > 1 else remarks
+    unused = one_line(", ".join(names.unused))
+    remarks = (f"column {unused} is not used",) if len(names.unused) == 1 else ()
+    remarks = (f"columns {unused} are not used",) if len(names.unused) > 1 else remarks
     return heights, _of_points(sizes, names.units, remarks)
 
 
@@ -146,8 +146,8 @@ def _matrix_or_points(
     missing = header.missing_numbers(title)
     if title and (grid := header.of_esri(title, block.lines, layout.columns)):
         return _without_missing(block.table(), missing, layout, spec), grid
-    if title and (found := _of_instrument(block, layout, spec)):
-        return found
+    if title and (titled_map := _of_instrument(block, layout, spec)):
+        return titled_map
     table = block.table()
     if spec.coordinates is None and layout.columns >= 3 and is_grid(table):
         if layout.columns > 3:
@@ -187,11 +187,11 @@ def _of_matrix(matrix: Matrix, corner: str | None, layout: Layout) -> Metadata:
         sizes.append(abs(step) * n)
         if values is not None:
             is_count = numbers_from_0(values) or numbers_from_0(values - 1)
-            what = "numbers of" if is_count else "coordinates of the"
+            meaning = "numbers of" if is_count else "coordinates of the"
             used = ", which are used" if unit and not is_count and all(sizes) else ""
-            others = {"column": "lines", "line": "columns"}[place]
+            counted = {"column": "lines", "line": "columns"}[place]
             remarks.append(
-                f"the first {place} is {what} {others}, {values[0]:g} to {values[-1]:g}{used}"
+                f"the first {place} is {meaning} {counted}, {values[0]:g} to {values[-1]:g}{used}"
             )
     return Metadata(
         sizes=tuple(sizes) if unit and all(sizes) else None,

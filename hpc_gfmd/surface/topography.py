@@ -49,12 +49,12 @@ class Topography:
         What a plain length of the scene stands for, in m where `unit` is "m".
     plain_unit : str
         Unit of plain lengths.
-    said : Metadata
+    metadata : Metadata
         What the file says.
     lacks : dict
         {key of [surface]: why it has to be given}; `prepare` refuses a Topography that lacks
         anything.
-    done : tuple of str
+    prepared : tuple of str
         What was done to the heights, a line each.
     notes : tuple of str
         What to know of the heights, a line each.
@@ -69,14 +69,14 @@ class Topography:
     filled: int = 0
     plain: float = 1.0
     plain_unit: str = ""
-    said: Metadata = field(default_factory=Metadata)
+    metadata: Metadata = field(default_factory=Metadata)
     lacks: dict[str, str] = field(default_factory=dict)
-    done: tuple[str, ...] = ()
+    prepared: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
 
-    def after(self, done: str, **changes: Any) -> Self:
+    def after(self, step: str, **changes: Any) -> Self:
         """Return a copy with other fields, and one line more of what was done to the heights."""
-        return replace(self, done=(*self.done, done), **changes)
+        return replace(self, prepared=(*self.prepared, step), **changes)
 
     def on_form(self, radii: tuple[float, ...]) -> Self:
         """Put the heights on a form.
@@ -149,14 +149,14 @@ def open_topography(spec: Any) -> Topography:
     return reduce(_sum, [topography_of(*open_map(one_map), one_map) for one_map in specs])
 
 
-def topography_of(data: Any, said: Metadata, spec: Any) -> Topography:
+def topography_of(data: Any, metadata: Metadata, spec: Any) -> Topography:
     """Make the Topography of a height map, with what a scene says of it.
 
     Parameters
     ----------
     data : array or arrays_in_files.FileArray
         Two axes; masked points have no height.
-    said : Metadata
+    metadata : Metadata
         What the file says.
     spec : scene.File
 
@@ -170,26 +170,26 @@ def topography_of(data: Any, said: Metadata, spec: Any) -> Topography:
         Where scene and file contradict each other.
     """
     path = Path(spec.path)
-    said = _turned(said, spec)
-    units = _Units(said, spec, path)
+    metadata = _turned(metadata, spec)
+    units = _Units(metadata, spec, path)
     if not all(0 < size < inf for size in units.sizes):
         raise SceneError(
             f"surface.physical_sizes: found {list(units.sizes)} in {path}, allowed: two positive"
             " numbers [L_x, L_y]"
         )
-    n = data.shape[::-1] if said.transposed else data.shape
+    n = data.shape[::-1] if metadata.transposed else data.shape
 
     def rows(start: int, stop: int) -> np.ndarray:
         try:
             with np.errstate(over="ignore"):  # of long double; infinity is seen below
-                z = _rows_of(data, said, start, stop, n[0])
+                z = _rows_of(data, metadata, start, stop, n[0])
         except Exception as error:
             raise SceneError(
                 f"surface.path: reading {path} failed: {one_line(str(error))}"
             ) from None
         return units.height * checked(z, start, "surface.path", f" in {path}", missing=True)
 
-    notes = [*_notes_on_reading(said, spec, n), *units.notes]
+    notes = [*_notes_on_reading(metadata, spec, n), *units.notes]
     if "physical_sizes" not in units.lacks:
         notes += _notes_on_sizes(n, units, spec)
     return Topography(
@@ -197,66 +197,72 @@ def topography_of(data: Any, said: Metadata, spec: Any) -> Topography:
         units.sizes,
         rows,
         "m" if units.are_named else "",
-        said.periodic,
+        metadata.periodic,
         path,
         plain=units.length,
         plain_unit=units.sizes_unit or "",
-        said=said,
+        metadata=metadata,
         lacks=units.lacks,
         notes=tuple(notes),
     )
 
 
-def _sum(one: Topography, two: Topography) -> Topography:
+def _sum(lower: Topography, upper: Topography) -> Topography:
     """Add two maps. Raises SceneError where they do not fit together."""
-    if one.n != two.n or one.unit != two.unit or not np.allclose(one.sizes, two.sizes, ALIKE, 0):
-        here, there = (
+    if (
+        lower.n != upper.n
+        or lower.unit != upper.unit
+        or not np.allclose(lower.sizes, upper.sizes, ALIKE, 0)
+    ):
+        texts = [
             f"{topography.n[0]} x {topography.n[1]} points, {topography.sizes[0]:.6g} x"
             f" {topography.sizes[1]:.6g} {topography.unit or 'without a unit'} in {topography.path}"
-            for topography in (one, two)
-        )
+            for topography in (lower, upper)
+        ]
         raise SceneError(
-            f"surface.path: found {here} and {there}, allowed: two maps of the same points, lengths"
-            " and unit"
+            f"surface.path: found {texts[0]} and {texts[1]}, allowed: two maps of the same points,"
+            " lengths and unit"
         )
     return replace(
-        one,
-        rows=lambda start, stop: one.rows(start, stop) + two.rows(start, stop),
-        periodic=one.periodic and two.periodic,
-        path=f"{one.path} + {two.path}",
-        lacks=one.lacks | two.lacks,
-        notes=tuple(dict.fromkeys([*one.notes, *two.notes])),
+        lower,
+        rows=lambda start, stop: lower.rows(start, stop) + upper.rows(start, stop),
+        periodic=lower.periodic and upper.periodic,
+        path=f"{lower.path} + {upper.path}",
+        lacks=lower.lacks | upper.lacks,
+        notes=tuple(dict.fromkeys([*lower.notes, *upper.notes])),
     )
 
 
-def _turned(said: Metadata, spec: Any) -> Metadata:
+def _turned(metadata: Metadata, spec: Any) -> Metadata:
     """Return what the file says, with the direction of x that the scene tells."""
     if spec.first_axis is None:
-        return said
+        return metadata
     transposed = spec.first_axis == "y"
-    told = replace(said, direction=f"as surface.first_axis = {spec.first_axis!r} says")
-    if transposed == said.transposed:
-        return replace(told, direction_known=True)
+    with_direction = replace(
+        metadata, direction=f"as surface.first_axis = {spec.first_axis!r} says"
+    )
+    if transposed == metadata.transposed:
+        return replace(with_direction, direction_known=True)
     return replace(
-        told,
+        with_direction,
         transposed=transposed,
         direction_known=True,
-        sizes=said.sizes and said.sizes[::-1],
-        falling=said.falling[::-1],
+        sizes=metadata.sizes and metadata.sizes[::-1],
+        falling=metadata.falling[::-1],
     )
 
 
-def _rows_of(data: Any, said: Metadata, start: int, stop: int, n_x: int) -> np.ndarray:
+def _rows_of(data: Any, metadata: Metadata, start: int, stop: int, n_x: int) -> np.ndarray:
     """Read heights, float64, x and y rising, nan where there is none."""
-    first, last = (n_x - stop, n_x - start) if said.falling[0] else (start, stop)
-    z = data[:, first:last].T if said.transposed else data[first:last, :]
+    begin, end = (n_x - stop, n_x - start) if metadata.falling[0] else (start, stop)
+    z = data[:, begin:end].T if metadata.transposed else data[begin:end, :]
     z = np.asarray(np.ma.filled(np.ma.asarray(z, dtype=np.float64), np.nan))
-    if said.falling[0]:
+    if metadata.falling[0]:
         z = z[::-1]
-    if said.falling[1]:
+    if metadata.falling[1]:
         z = z[:, ::-1]
-    if said.missing:
-        z = np.where(np.isin(z, said.missing), np.nan, z)
+    if metadata.missing:
+        z = np.where(np.isin(z, metadata.missing), np.nan, z)
     return z
 
 
@@ -277,23 +283,23 @@ class _Units:
     notes : list of str
     """
 
-    def __init__(self, said: Metadata, spec: Any, path: object) -> None:
+    def __init__(self, metadata: Metadata, spec: Any, path: object) -> None:
         self.lacks: dict[str, str] = {}
         self.notes: list[str] = []
-        unit = self._height_unit(said, spec, path)
-        given = spec.physical_sizes
-        file_unit = said.sizes_unit or unit
-        in_file = said.sizes if file_unit is None or length_factor(file_unit) else None
-        self.sizes_unit = file_unit if given is None and in_file is not None else unit
+        unit = self._height_unit(metadata, spec, path)
+        scene_sizes = spec.physical_sizes
+        file_unit = metadata.sizes_unit or unit
+        in_file = metadata.sizes if file_unit is None or length_factor(file_unit) else None
+        self.sizes_unit = file_unit if scene_sizes is None and in_file is not None else unit
         where = f"neither in the scene nor in {path}"
-        if given is None and in_file is None:
-            if said.sizes_unit and length_factor(said.sizes_unit) is None:
-                where = f"and in {path} in {said.sizes_unit!r}, which is no unit of length"
+        if scene_sizes is None and in_file is None:
+            if metadata.sizes_unit and length_factor(metadata.sizes_unit) is None:
+                where = f"and in {path} in {metadata.sizes_unit!r}, which is no unit of length"
             self.lacks["physical_sizes"] = (
                 f"surface.physical_sizes: not given, {where}, allowed: two positive numbers"
                 ' [L_x, L_y], plain in surface.unit or as "12.8 um"'
             )
-        is_needed = given is None or has_unit(given)
+        is_needed = scene_sizes is None or has_unit(scene_sizes)
         if unit is None and "unit" not in self.lacks and is_needed:
             self.lacks["unit"] = (
                 "surface.unit: not given for the heights, neither in the scene nor in"
@@ -304,38 +310,41 @@ class _Units:
         self.length = _factor(self.sizes_unit, path)
         self.sizes = tuple(
             float(size if isinstance(size, Quantity) else size * self.length)
-            for size in given or in_file or (1.0, 1.0)
+            for size in scene_sizes or in_file or (1.0, 1.0)
         )
-        self._compare(said, in_file, file_unit, given)
-        if given is None and in_file is not None and not said.sizes_unit and spec.unit:
+        self._compare(metadata, in_file, file_unit, scene_sizes)
+        if scene_sizes is None and in_file is not None and not metadata.sizes_unit and spec.unit:
             self.notes.append(f"x and y in {path} are taken in {spec.unit}, as the heights are")
 
-    def _height_unit(self, said: Metadata, spec: Any, path: object) -> str | None:
+    def _height_unit(self, metadata: Metadata, spec: Any, path: object) -> str | None:
         """Return the unit of the heights. Raises SceneError where scene and file contradict each
         other."""
-        if said.unit is None:
+        if metadata.unit is None:
             return spec.unit
-        in_file = length_factor(said.unit)
+        in_file = length_factor(metadata.unit)
         if in_file is None and spec.unit is None:
             self.lacks["unit"] = (
-                f"surface.unit: in {path} {said.unit!r} is no unit of length, allowed: {UNITS}"
+                f"surface.unit: in {path} {metadata.unit!r} is no unit of length, allowed: {UNITS}"
             )
             return None
         if in_file is None:
             self.notes.append(
-                f"heights are taken in {spec.unit}, as surface.unit says; {path} says {said.unit!r}"
+                f"heights are taken in {spec.unit}, as surface.unit says; {path} says"
+                f" {metadata.unit!r}"
             )
             return spec.unit
         if spec.unit is not None and length_factor(spec.unit) != in_file:
             raise SceneError(
-                f"surface.unit: found {spec.unit!r}, but {path} has its heights in {said.unit!r},"
-                " allowed: no surface.unit, or the file's own"
+                f"surface.unit: found {spec.unit!r}, but {path} has its heights in"
+                f" {metadata.unit!r}, allowed: no surface.unit, or the file's own"
             )
-        return spec.unit or said.unit
+        return spec.unit or metadata.unit
 
-    def _compare(self, said: Metadata, in_file: Any, file_unit: str | None, given: Any) -> None:
+    def _compare(
+        self, metadata: Metadata, in_file: Any, file_unit: str | None, scene_sizes: Any
+    ) -> None:
         """Note where the scene has other sizes than the file."""
-        if given is None or in_file is None or (file_unit is None) == has_unit(given):
+        if scene_sizes is None or in_file is None or (file_unit is None) == has_unit(scene_sizes):
             return
         sizes = [size * (_factor(file_unit, "") if file_unit else 1.0) for size in in_file]
         if not np.allclose(sizes, self.sizes, 1e-3, 0):
@@ -345,15 +354,17 @@ class _Units:
             )
 
 
-def _notes_on_reading(said: Metadata, spec: Any, n: tuple[int, ...]) -> list[str]:
+def _notes_on_reading(metadata: Metadata, spec: Any, n: tuple[int, ...]) -> list[str]:
     """Return what to know of how a file was read, a line each."""
-    notes = [f"{spec.path}: {remark}" for remark in said.remarks]
-    if said.other_channels and spec.dataset != said.channel:
-        others = one_line(", ".join(said.other_channels))
-        notes.append(f"channel {said.channel!r} of {spec.path} is pressed; others: {others}")
-    if not said.direction_known and n[0] != n[1]:
+    notes = [f"{spec.path}: {remark}" for remark in metadata.remarks]
+    if metadata.other_channels and spec.dataset != metadata.channel:
+        other_names = one_line(", ".join(metadata.other_channels))
         notes.append(
-            f'x runs {said.direction} {spec.path} (surface.first_axis = "y" says that y does)'
+            f"channel {metadata.channel!r} of {spec.path} is pressed; others: {other_names}"
+        )
+    if not metadata.direction_known and n[0] != n[1]:
+        notes.append(
+            f'x runs {metadata.direction} {spec.path} (surface.first_axis = "y" says that y does)'
         )
     return notes
 

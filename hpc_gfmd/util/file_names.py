@@ -9,20 +9,21 @@ WAY_OUT = "a UTF-8 locale, such as LC_ALL=C.UTF-8, or the environment variable P
 
 
 def require_name(key: str, path: str | os.PathLike) -> None:
-    """Refuse the name of a file that this process can neither find nor make, because the locale's
-    encoding lacks its characters.
+    """Raise SceneError for a file name with characters that the locale's encoding lacks.
+
+    This process can neither find nor create such a file.
 
     Parameters
     ----------
     key : str
-        What the message names.
-    path : str or PathLike
+        The key or the option that names the file.
+    path : path
         The file.
 
     Raises
     ------
     SceneError
-        With the way out.
+        With the key.
     """
     try:
         os.fsencode(path)

@@ -4,6 +4,7 @@ import numpy as np
 
 from .registry import Wall, family, load_of_area, scene_wall, single
 from .shapes import choice, grid, log_uniform, rough, square_pixels
+from .truth import Contact
 
 
 @family
@@ -17,6 +18,15 @@ def near_full_closing(rng):
     n = grid(rng)
     z = rough(rng, n)
     return Wall(z, square_pixels(n), (load_of_area(z, 1 - log_uniform(rng, 2 / z.size, 0.05)),))
+
+
+@family
+def next_to_closing(rng):
+    """A few 1e-9 to 1e-6 below the load that closes the gap: the last points are hardly open."""
+    z = rough(rng, grid(rng)) if rng.random() < 0.7 else rng.standard_normal(grid(rng))
+    contact = Contact(z, square_pixels(z.shape))
+    closing = contact.times(contact.K, contact.h).max()
+    return Wall(z, square_pixels(z.shape), (closing * (1 - log_uniform(rng, 1e-9, 1e-6)),))
 
 
 @family

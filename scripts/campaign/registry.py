@@ -19,7 +19,10 @@ class Wall:
     """heights (peaks up); physical_sizes; loads: p* in the order of solving; E_star; surface: table
     [surface] of a scene that has these heights, where one does; units: whether the campaign may
     choose others; free: whether the wall ends along x, along y; hardness: over the largest pressure
-    of the loads without one; hardness_star: or over E* g_rms."""
+    of the loads without one; hardness_star: or over E* g_rms; targets: what is asked for in place
+    of `loads`, a quantity (a_r, or gap_over_h_rms) and its values, for each of which a load of its
+    own is searched for; attraction: a sticky_walls.Attraction.
+    """
 
     heights: np.ndarray
     physical_sizes: tuple[float, float]
@@ -30,6 +33,8 @@ class Wall:
     free: tuple[bool, bool] = (False, False)
     hardness: float | None = None
     hardness_star: float | None = None
+    attraction: object = None
+    targets: tuple[str, tuple[float, ...]] | None = None
 
 
 def family(function):

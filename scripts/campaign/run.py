@@ -40,7 +40,13 @@ def parser():
     )
     add = found.add_argument
     add("what", nargs="?", default="run", choices=("run", "calibrate"))
-    add("--families", "--family", nargs="+", default=["all"], help="or all, single, free, sweeps")
+    add(
+        "--families",
+        "--family",
+        nargs="+",
+        default=["all"],
+        help="or all, single, free, sweeps, targets",
+    )
     add("--without", nargs="+", default=[])
     add("--count", type=int, default=5, help="walls of each family")
     add("--seed", type=int, default=1)
@@ -89,12 +95,13 @@ def main(given):
 
 def names(wanted, without=()):
     """List names of families: those of `all`, `single` (periodic, one load each), `free` (with free
-    edges), `sweeps`, or single ones."""
+    edges), `sweeps`, `targets` (prescribed areas and gaps), or single ones."""
     from .families import FAMILIES
 
-    groups = {"all": list(FAMILIES), "single": [], "free": [], "sweeps": []}
+    groups = {"all": list(FAMILIES), "single": [], "free": [], "sweeps": [], "targets": []}
     for name in FAMILIES:
-        kind = {"free_": "free", "sweep": "sweeps"}.get(name[:5], "single")
+        kinds = {"free": "free", "sweep": "sweeps", "target": "targets"}
+        kind = kinds.get(name.partition("_")[0], "single")
         groups[kind].append(name)
     found = [name for item in wanted for name in groups.get(item, [item]) if name not in without]
     unknown = [name for name in found if name not in FAMILIES]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from contacts import rough, sweep_of
 
-from hpc_gfmd.driver import start
+from hpc_gfmd.driver import working_surface
 from hpc_gfmd.parallel import grid
 from hpc_gfmd.parallel.comm import SerialComm
 
@@ -35,8 +35,8 @@ def test_small_loads(comm):
 
 
 def test_single_precision_alone_does_not_get_there(monkeypatch):
-    blind = replace(start.CALIBRATION, noise=np.inf)
-    monkeypatch.setattr(start, "CALIBRATION", blind)
+    blind = replace(working_surface.CALIBRATION, noise=np.inf)
+    monkeypatch.setattr(working_surface, "CALIBRATION", blind)
     _, step = solved(SerialComm())
     assert step.status != "converged"
     assert step.certificate.residual > RESIDUAL

@@ -36,7 +36,7 @@ def prepared(comm):
         spec = File(kind="file", path="z.npy", physical_sizes=SIZES, boundary=boundary, **keys)
         surface = prepare(open_topography(spec), spec, comm)
         mine = surface.rows(*nominal_part(grid_of(surface.n, SIZES, comm, spec.free)).rows)
-        return np.concatenate(comm.allgather(mine)), surface, surface.done
+        return np.concatenate(comm.allgather(mine)), surface, surface.prepared
 
     return call
 

@@ -164,8 +164,8 @@ def test_help_has_every_key_with_what_it_is():
 def test_help_on_what_there_is_and_is_not(cli):
     with refused(r"nearest: solver\.accuracy"):
         text("solver.acuracy")
-    with refused(r"help scene: found adhesion, not modelled"):
-        text("adhesion")
+    with refused(r"help scene: found friction, not modelled"):
+        text("friction")
     assert "allowed: scene, " in cli.refused("help rum")
     assert "found solver, allowed: a key after scene" in cli.refused("help run solver")
     assert "patch_largest" in cli.prints("help scene output")

@@ -450,7 +450,7 @@ def test_what_there_is_not_is_refused():
         hpc_gfmd.plot([])
     file = write("run.h5", n=(8, 6), fields=())
     for how, words in (
-        ({"what": "map"}, "what: found 'map', allowed: curves"),
+        ({"what": "map"}, 'what: found .map., nearest: "maps", allowed: curves'),
         ({"what": "maps"}, "need output.fields"),
         ({"what": "curves", "step": 7}, "step: found 7, allowed: 0, 1"),
         ({"what": "curves", "step": []}, "step: found none, allowed: the number"),
