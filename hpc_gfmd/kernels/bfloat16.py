@@ -54,7 +54,20 @@ class Decoded:
 
 
 def encoded(numbers, dtype):
-    """Return an array of numbers as they are stored beside fields of `dtype`."""
+    """Return numbers as they are stored.
+
+    Parameters
+    ----------
+    numbers : array
+        In any precision.
+    dtype : dtype
+        Of the fields beside them.
+
+    Returns
+    -------
+    array
+        Of `stored_dtype(dtype)`, in the shape of numbers.
+    """
     numbers = np.asarray(numbers, np.float32)
     if stored_dtype(dtype) == np.float32:
         return numbers

@@ -12,7 +12,19 @@ from .jit import kernel
 
 
 class DynamicsSums(NamedTuple):
-    """Sums over points: p^2 on F, p^2, p d, d^2, d x, points in contact, gap."""
+    """Sums over points, as `update_pressure` returns them.
+
+    Attributes
+    ----------
+    rr, pp : float
+        p^2 on F, and everywhere.
+    pd, dd, dx : float
+        p d, d^2, and d x.
+    contact : float
+        Number of points in contact.
+    gap : float
+        Of the surface.
+    """
 
     rr: float
     pp: float

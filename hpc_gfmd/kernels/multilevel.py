@@ -30,7 +30,15 @@ SUMS = 7  # that smooth_level returns
 
 @inline
 def restrict_row(fine, coarse, factor, mode, J_y, f_y):
-    """Set coarse = factor P^T fine along one row."""
+    """Set coarse = factor P^T fine along one row.
+
+    Parameters
+    ----------
+    fine, coarse : (n,), (m,)
+        Rows of the two levels.
+    factor, mode, J_y, f_y
+        Of `transfer`, see the head of the file.
+    """
     real = fine.dtype.type
     n = fine.shape[0]
     m = coarse.shape[0]
@@ -59,7 +67,15 @@ def restrict_row(fine, coarse, factor, mode, J_y, f_y):
 
 @inline
 def interpolate_row(coarse, fine, mode, J_y, f_y):
-    """Set fine = P coarse along one row."""
+    """Set fine = P coarse along one row.
+
+    Parameters
+    ----------
+    coarse, fine : (m,), (n,)
+        Rows of the two levels.
+    mode, J_y, f_y
+        Of `transfer`, see the head of the file.
+    """
     real = fine.dtype.type
     n = fine.shape[0]
     m = coarse.shape[0]
@@ -81,7 +97,17 @@ def interpolate_row(coarse, fine, mode, J_y, f_y):
 
 @inline
 def combine_rows(coarse, J, f, out):
-    """Set out = (1 - f) coarse[J] + f coarse[J + 1]: P along x, for one fine row."""
+    """Set out = (1 - f) coarse[J] + f coarse[J + 1]: P along x, for one fine row.
+
+    Parameters
+    ----------
+    coarse : (rows + 2, m)
+        With halo rows.
+    J, f : int, float
+        Of the fine row.
+    out : (m,)
+        Gets the row.
+    """
     m = out.shape[0]
     one = out.dtype.type(1)
     if f == 0.0:
@@ -98,6 +124,17 @@ def gather_rows(fine, start, end, f_x, complete, following):
 
     Sets complete = following + sum of (1 - f_x) row, and following = sum of f_x row. Two rows, as
     wherever the axis is halved, take a single pass.
+
+    Parameters
+    ----------
+    fine : (rows + 2, n)
+        With halo rows.
+    start, end : int
+        Own rows.
+    f_x : (rows,)
+        Their weights.
+    complete, following : (n,)
+        A coarse row that is complete, and what is there of the next one.
     """
     n = complete.shape[0]
     zero = complete.dtype.type(0)

@@ -59,13 +59,23 @@ def _mode(k_x, k_y, spectrum):
 
 @kernel
 def self_affine(block, keep, factor, j0, columns, n_y, spectrum):
-    """Set block = keep block + factor modes; block: complete columns (W, n_x) of the half spectrum;
-    spectrum: as of `_mode`.
-
-    Column w is mode number k_y = j0 + w, w < columns.
+    """Set block = keep block + factor times a random self-affine spectrum.
 
     A mode number of exactly half the points is the sum of the two modes that the grid cannot tell
     apart.
+
+    Parameters
+    ----------
+    block : (W, n_x) complex
+        Complete columns of the half spectrum.
+    keep, factor : float
+        See above.
+    j0, columns : int
+        Column w < columns is mode number k_y = j0 + w; the others have no modes.
+    n_y : int
+        Points along y.
+    spectrum : tuple
+        As of `_mode`.
     """
     W, n_x = block.shape
     for w in range(W):

@@ -39,7 +39,13 @@ TILE = 8  # complex numbers of single precision in a cache line
 
 @intrinsic
 def transform(_, function, plan, source, target):
-    """Call the C function at an address with a plan and the addresses of two arrays, in kernels."""
+    """Call a C function that transforms one array to another, in kernels.
+
+    Parameters
+    ----------
+    function, plan, source, target : int
+        Addresses of the function and of what it takes.
+    """
 
     def generate(context, builder, signature, values):
         pointer = ir.IntType(8).as_pointer()
@@ -59,7 +65,15 @@ def no_rows(real):
 
 @kernel
 def store_rows(spectra, i0, i1):
-    """Transform the real rows of a pass, i0 <= i < i1, and copy their spectra to the blocks."""
+    """Transform the real rows of a pass and copy their spectra to the blocks.
+
+    Parameters
+    ----------
+    spectra : tuple
+        Of one thread, see the head of the file.
+    i0, i1 : int
+        The rows i0 <= i < i1 of this rank.
+    """
     half, blocks, edges, n_loc, (function, plan, source, target), _ = spectra
     transform(function, plan, source, target)
     words = edges[-1]
@@ -77,7 +91,15 @@ def store_rows(spectra, i0, i1):
 
 @kernel
 def load_rows(spectra, i0, i1):
-    """Copy the spectra of rows i0 <= i < i1 from the blocks and transform them to real rows."""
+    """Copy spectra of rows from the blocks and transform them to the real rows of a pass.
+
+    Parameters
+    ----------
+    spectra : tuple
+        Of one thread, see the head of the file.
+    i0, i1 : int
+        The rows i0 <= i < i1 of this rank.
+    """
     half, blocks, edges, n_loc, _, (function, plan, source, target) = spectra
     words = edges[-1]
     for block in range(edges.shape[0] - 1):
@@ -95,7 +117,17 @@ def load_rows(spectra, i0, i1):
 
 @part
 def load_columns(columns, k, forward):
-    """Fill the scratch with the columns of block k and transform them; forward=False: with 0."""
+    """Fill the scratch with the transformed columns of a block.
+
+    Parameters
+    ----------
+    columns : tuple
+        Of one thread, see the head of the file.
+    k : int
+        Block of this rank.
+    forward : bool
+        If not, the scratch is filled with 0.
+    """
     moved, address, near, far, function, plans = columns
     width = plans[k, 0]
     for w in range(width if forward else 0, plans[k, 1]):
@@ -109,7 +141,15 @@ def load_columns(columns, k, forward):
 
 @part
 def store_columns(columns, k):
-    """Transform the scratch back and put it where the columns of block k stand."""
+    """Transform the scratch back and put it where the columns of a block stand.
+
+    Parameters
+    ----------
+    columns : tuple
+        Of one thread, see the head of the file.
+    k : int
+        Block of this rank.
+    """
     moved, address, near, far, function, plans = columns
     transform(function, plans[k, 3], address, address)
     for memory, first, rows in (near, far):
