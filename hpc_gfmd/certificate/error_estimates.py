@@ -217,7 +217,9 @@ def estimate(
     norms = _norms(problem, levels, state, stability)
     # where points yield the bound itself counts
     share = CALIBRATION.pressure if problem.hardness is None else 1.0
-    squares = (share * norms.missing) ** 2 * problem.body.typical(problem.grid)
+    # on a soft base short waves may be stiffer than the typical one says
+    body, grid = problem.body, problem.grid
+    squares = (share * norms.missing) ** 2 * max(body.typical(grid), body.scale(grid))
     relative = sqrt(squares / state.closed_pp)
     rounding = _rounding_of_pressure(problem, state) / stability
     pressure = hypot(relative, rounding)

@@ -1,5 +1,23 @@
-"""Kernels of the certificate and of the cheap observables. Sums are in double precision whatever
-the fields are."""
+"""Kernels of the certificate and of its errors. Sums are in double precision whatever the fields
+are.
+
+Letters, of fields: local slabs (n_loc, n_y), in the units of operators/problem.py.
+
+=============  ===================================================================================
+g              gap; g < 0 is the depth of a dent (only with a hardness)
+p              pressure
+h              initial gap, of the surface alone
+x              scratch (>= i1 - i0, n_y) whose row 0 is row i0 of the slab
+H              hardness, None without one (numba then drops all that depends on it)
+at_limit       pressure of a point that yields: H, or 0 without a hardness
+yielded        1 where a point yields, else 0 (yielding.py)
+inside         shape (rows, points) of this rank's part of the surface: its first rows and points
+i0, i1         the rows i0 <= i < i1 of the slab
+=============  ===================================================================================
+
+Where the surface ends within the grid, g is the displacement u itself beyond it, and nothing is
+closed. `inside` is not a part of an array, whose rows would not use vectors.
+"""
 
 from typing import NamedTuple
 
@@ -8,19 +26,30 @@ import numpy as np
 from .jit import kernel, making_arrays, points_inside
 from .yielding import limit, yields
 
-BINS, PER_OCTAVE = 160, 4  # of squares: down to 2^-40 of the largest
-# points that are looked at together; more than rounding in single precision makes of a number
-GROUP, ROUNDED = 32, 1.00001
-
-# Fields are local slabs (n_loc, n_y), x scratch (>= i1 - i0, n_y) that begins with row i0, h its
-# part of the nominal area. Where the surface ends within the grid, `inside` is the shape of this
-# rank's part of it (the first rows and points of a slab); beyond it g is the displacement u itself,
-# and nothing is closed. Not a part of an array: its rows would not use vectors.
+BINS = 160  # of the histograms: down to 2^-40 of the largest
+PER_OCTAVE = 4  # bins
+GROUP = 32  # points that are looked at together
+ROUNDED = 1.00001  # more than rounding in single precision makes of a number
 
 
 class KktSums(NamedTuple):
-    """Sums over points: p, p^2 and p^4 out of contact (less the hardness where a point yields), p^2
-    in contact, |p| g, points in contact, gap; points of the contact that yield."""
+    """Sums over points.
+
+    Attributes
+    ----------
+    open_p, open_pp, open_p4 : float
+        p, p^2 and p^4 out of contact; where a point yields, of p - H.
+    closed_pp : float
+        p^2 in contact.
+    pg : float
+        |p| g; where a point yields |p - H| times the depth of its dent.
+    contact : float
+        Number of points in contact, yielded ones included.
+    gap : float
+        g, without dents.
+    yielded : float
+        Number of points that yield.
+    """
 
     open_p: float
     open_pp: float
@@ -33,7 +62,15 @@ class KktSums(NamedTuple):
 
 
 class KktExtremes(NamedTuple):
-    """The largest -g that is no dent, and the largest -p where g <= 0."""
+    """Largest violations of single points.
+
+    Attributes
+    ----------
+    penetration : float
+        -g where there is no dent.
+    tension : float
+        -p where g <= 0.
+    """
 
     penetration: float
     tension: float
@@ -41,7 +78,15 @@ class KktExtremes(NamedTuple):
 
 @kernel
 def displacement_rows(g, h, x, i0, i1, level):
-    """Set x = u - level, u = g - h, in the precision of x, rows from 0; u = g beyond h."""
+    """Set x = u - level with u = g - h, and u = g beyond the surface, in the precision of x.
+
+    Parameters
+    ----------
+    g, h, x, i0, i1
+        See the top of this file.
+    level : float
+        Is taken off u.
+    """
     for i in range(i0, i1):
         m = points_inside(i, h.shape)
         for j in range(m):
@@ -51,13 +96,32 @@ def displacement_rows(g, h, x, i0, i1, level):
 
 
 @making_arrays
-def kkt_residuals(g, p, x, p0, hardness, inside, i0, i1):
-    """Set p = p0 + x on rows i0..i1 (x = K u, rows from 0); returns how it violates p >= 0, p g =
-    0: KktSums and KktExtremes."""
+def kkt_residuals(g, p, x, p0, H, inside, i0, i1):
+    """Set p = p0 + x, and return how that violates p >= 0 and p g = 0.
+
+    Parameters
+    ----------
+    g, i0, i1, inside
+        See the top of this file.
+    p : array, local slab
+        Its rows i0 to i1 are overwritten.
+    x : array
+        K u.
+    p0 : float
+        Mean pressure over the grid.
+    H : float or None
+        Hardness.
+
+    Returns
+    -------
+    KktSums, KktExtremes
+        Of these rows.
+    """
     open_p = open_pp = open_p4 = closed_pp = pg = gap = contact = yielded = 0.0
-    most = limit(hardness, 0.0)
-    # row after row: one maximum over all points would not use vectors
-    worst = np.zeros((2, g.shape[1]))
+    at_limit = limit(H, 0.0)
+    # largest of each column: a single maximum over all points would not use vectors
+    penetrations = np.zeros(g.shape[1])
+    tensions = np.zeros(g.shape[1])
     for i in range(i0, i1):
         m = points_inside(i, inside)
         for j in range(m, np.uint64(g.shape[1])):
@@ -72,9 +136,9 @@ def kkt_residuals(g, p, x, p0, hardness, inside, i0, i1):
             gij = 1.0 * g[i, j]
             p[i, j] = p_new
             closed = 1.0 if gij <= 0 else 0.0
-            y = yields(gij, p_new, hardness, 0.0, 1.0)
+            y = yields(gij, p_new, H, 0.0, 1.0)
             t = closed if p_new > 0 and y == 0 else 0.0
-            p_closed = t * p_new + y * most
+            p_closed = t * p_new + y * at_limit
             dent = gij if y > 0 else 0.0
             p_open = p_new - p_closed
             open_p += p_open
@@ -82,29 +146,42 @@ def kkt_residuals(g, p, x, p0, hardness, inside, i0, i1):
             open_p4 += (p_open * p_open) * (p_open * p_open)
             closed_pp += p_closed * p_closed
             contact += t + y
-            pg += abs(p_new - y * most) * (gij - 2 * dent)
+            pg += abs(p_new - y * at_limit) * (gij - 2 * dent)
             gap += gij - dent
             yielded += y
             tension = closed * -p_new
-            worst[0, j] = dent - gij if dent - gij > worst[0, j] else worst[0, j]
-            worst[1, j] = tension if tension > worst[1, j] else worst[1, j]
+            penetration = dent - gij
+            penetrations[j] = penetration if penetration > penetrations[j] else penetrations[j]
+            tensions[j] = tension if tension > tensions[j] else tensions[j]
     sums = KktSums(open_p, open_pp, open_p4, closed_pp, pg, contact, gap, yielded)
     penetration = tension = 0.0
     for j in range(g.shape[1]):
-        penetration = worst[0, j] if worst[0, j] > penetration else penetration
-        tension = worst[1, j] if worst[1, j] > tension else tension
+        penetration = penetrations[j] if penetrations[j] > penetration else penetration
+        tension = tensions[j] if tensions[j] > tension else tension
     return sums, KktExtremes(penetration, tension)
 
 
 @kernel
-def open_moments(g, p, hardness, inside):
-    """Return the sums of p^2 and p^4 off contact, less the hardness where a point yields."""
+def open_moments(g, p, H, inside):
+    """Return the sums of p^2 and p^4 out of contact; where a point yields, of p - H.
+
+    Parameters
+    ----------
+    g, p, H, inside
+        See the top of this file; rows of a slab.
+
+    Returns
+    -------
+    squares, fourth : float64
+    """
     squares = fourth = 0.0
-    most = limit(hardness, 0.0)
+    at_limit = limit(H, 0.0)
     for i in range(inside[0]):
         for j in range(inside[1]):
-            y = yields(g[i, j], p[i, j], hardness, 0.0, 1.0)
-            p_open = 0.0 if g[i, j] <= 0 and p[i, j] > 0 and y == 0 else 1.0 * p[i, j] - y * most
+            yielded = yields(g[i, j], p[i, j], H, 0.0, 1.0)
+            p_open = 1.0 * p[i, j] - yielded * at_limit
+            if g[i, j] <= 0 and p[i, j] > 0 and yielded == 0:
+                p_open = 0.0
             squares += p_open * p_open
             fourth += (p_open * p_open) * (p_open * p_open)
     return squares, fourth
@@ -116,39 +193,57 @@ def count_uncertain(g, p, inside, compliance, tie, sure, largest, fall, counts):
     square of what that takes.
 
     It takes |p| where g <= 0, elsewhere g/compliance less the pressure that is left there, which
-    closes the point by itself. Where the body as a whole may be wrong by the height `fall` that
-    takes as much less. counts (2, BINS), points in contact and out of it: bin k holds
-    squares from largest 2^(-(k + 1)/PER_OCTAVE) on, the last one all smaller ones. Less than tie:
-    on either side right, not counted; less than sure: takes nothing.
+    closes the point by itself; where the body as a whole may be wrong by a height, as much less.
+
+    Parameters
+    ----------
+    g, p, inside
+        See the top of this file; rows of a slab.
+    compliance : float
+        1/K of the shortest wave.
+    tie : float
+        Points whose change takes less than that are right on either side, and not counted.
+    sure : float
+        What is less than that counts as nothing.
+    largest : float
+        Square of the largest that counts.
+    fall : float
+        Height by which the body as a whole may be wrong.
+    counts : array (2, BINS)
+        Points in contact and out of it. Bin k gets squares from largest 2^(-(k + 1)/PER_OCTAVE) on,
+        the last one all smaller ones.
     """
     real = g.dtype.type
-    given = fall / compliance
-    reach, stiffness, zero = real(ROUNDED * np.sqrt(largest) + given), real(1 / compliance), real(0)
-    rows, n = inside
+    by_fall = fall / compliance
+    reach = real(ROUNDED * np.sqrt(largest) + by_fall)
+    stiffness = real(1 / compliance)
+    zero = real(0)
+    rows, points = inside
     for i in range(rows):
-        for j0 in range(0, n, GROUP):
-            here, pressure = g[i, j0 : min(j0 + GROUP, n)], p[i, j0 : min(j0 + GROUP, n)]
+        for j0 in range(0, points, GROUP):
+            gaps = g[i, j0 : min(j0 + GROUP, points)]
+            pressures = p[i, j0 : min(j0 + GROUP, points)]
             near = 0
-            for j in range(here.shape[0]):  # with vectors: few groups have any
+            for j in range(gaps.shape[0]):  # with vectors: few groups have any
                 near += (
-                    stiffness * here[j] - max(pressure[j], zero)
-                    if here[j] > 0
-                    else abs(pressure[j])
+                    stiffness * gaps[j] - max(pressures[j], zero)
+                    if gaps[j] > 0
+                    else abs(pressures[j])
                 ) <= reach
             if near == 0:
                 continue
-            for j in range(here.shape[0]):
-                t = here[j] / compliance if here[j] > 0 else abs(pressure[j])
-                if t < tie:
+            for j in range(gaps.shape[0]):
+                takes = gaps[j] / compliance if gaps[j] > 0 else abs(pressures[j])
+                if takes < tie:
                     continue
-                if here[j] > 0:
-                    t = t - max(pressure[j], zero)
-                t = max(t - given, 0.0)
-                if t * t <= largest:
+                if gaps[j] > 0:
+                    takes = takes - max(pressures[j], zero)
+                takes = max(takes - by_fall, 0.0)
+                if takes * takes <= largest:
                     k = BINS - 1
-                    if t > sure:
-                        k = min(int(-PER_OCTAVE * np.log2(t * t / largest)), k)
-                    counts[0 if here[j] <= 0 and pressure[j] > 0 else 1, k] += 1
+                    if takes > sure:
+                        k = min(int(-PER_OCTAVE * np.log2(takes * takes / largest)), k)
+                    counts[0 if gaps[j] <= 0 and pressures[j] > 0 else 1, k] += 1
 
 
 @kernel
@@ -185,21 +280,37 @@ def count_heights(g, inside, largest, counts):
 
 
 @kernel
-def dual_rows(g, p, x, scale, shift, hardness, inside, i0, i1):
-    """Set x = e = p^ - p with the admissible pressure p^ = scale p + shift in contact, the hardness
-    where a point yields, 0 elsewhere; returns the sum of p^ g (0 if g >= 0) out of dents."""
+def dual_rows(g, p, x, scale, shift, H, inside, i0, i1):
+    """Set x = p^ - p, and return the sum of p^ g out of dents.
+
+    The admissible pressure p^ is scale p + shift in elastic contact, H where a point yields, and 0
+    elsewhere.
+
+    Parameters
+    ----------
+    g, p, x, H, inside, i0, i1
+        See the top of this file.
+    scale, shift : float
+        Of the pressure in elastic contact.
+
+    Returns
+    -------
+    float64
+        0 if g >= 0 everywhere.
+    """
     total = 0.0
-    zero, one = x.dtype.type(0), x.dtype.type(1)
-    most = limit(hardness, zero)
+    zero = x.dtype.type(0)
+    unit = x.dtype.type(1)
+    at_limit = limit(H, zero)
     for i in range(i0, i1):
         m = points_inside(i, inside)
         for j in range(m, np.uint64(g.shape[1])):
             x[i - i0, j] = -x.dtype.type(p[i, j])
         for j in range(m):
             pij = x.dtype.type(p[i, j])
-            y = yields(g[i, j], pij, hardness, zero, one)
-            touching = g[i, j] <= 0 and pij > 0 and y == zero
+            yielded = yields(g[i, j], pij, H, zero, unit)
+            touching = g[i, j] <= 0 and pij > 0 and yielded == zero
             admissible = scale * pij + shift if touching else 0.0
-            x[i - i0, j] = admissible - pij + y * most
+            x[i - i0, j] = admissible - pij + yielded * at_limit
             total += admissible * g[i, j]
     return total

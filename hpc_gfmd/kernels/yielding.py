@@ -1,43 +1,107 @@
 """Points at which the pressure is the hardness: functions of a point for kernels.
 
-hardness is None where there is none: numba then compiles a variant in which both are constants, so
-that nothing is left of them.
+Letters: g gap, p pressure, H hardness. H is None where there is none: numba then compiles a variant
+in which `limit` and `yields` are constants, so that nothing is left of them. Zero and one come in
+the precision of the fields.
 """
 
 from .jit import inline
 
 
 @inline
-def limit(hardness, zero):
-    """Return the pressure of a point that yields: the hardness, 0 without one."""
-    if hardness is None:
+def limit(H, zero):
+    """Return the pressure of a point that yields.
+
+    Parameters
+    ----------
+    H : float or None
+        Hardness.
+    zero : float
+        0 in the precision of the fields.
+
+    Returns
+    -------
+    float
+        H; 0 without a hardness.
+    """
+    if H is None:
         return zero
-    return hardness
+    return H
 
 
 @inline
-def yields(g, p, hardness, zero, one):
-    """Return 1 for a point that has a dent, or is about to have one, otherwise 0."""
-    if hardness is None:
+def yields(g, p, H, zero, one):
+    """Return whether a point has a dent, or is about to have one.
+
+    Parameters
+    ----------
+    g, p : float
+        Gap and pressure of the point.
+    H : float or None
+        Hardness.
+    zero, one : float
+        0 and 1 in the precision of the fields.
+
+    Returns
+    -------
+    float
+        one or zero.
+    """
+    if H is None:
         return zero
-    return one if g < zero or (g <= zero and p >= hardness) else zero
+    return one if g < zero or (g <= zero and p >= H) else zero
 
 
 @inline
-def landing(v, y, length, hardness, zero):
-    """Return where a point comes to that a step has taken to the gap v: the proximal map. y: what
-    `yields` returns of it; length: of the step, for a pressure of 1."""
-    if hardness is None:
+def landing(v, y, length, H, zero):
+    """Return the gap of a point after a step: the proximal map.
+
+    Parameters
+    ----------
+    v : float
+        Gap to which the step would take the point if there were no surface.
+    y : float
+        What `yields` returns of the point before the step.
+    length : float
+        Length of the step for a pressure of 1.
+    H : float or None
+        Hardness.
+    zero : float
+        0 in the precision of the fields.
+
+    Returns
+    -------
+    float
+        At least 0 without a hardness.
+    """
+    if H is None:
         return max(v, zero)
     if y > zero:
-        return min(v, zero) + max(v - length * hardness, zero)
-    return max(v, zero) + min(v + length * hardness, zero)
+        return min(v, zero) + max(v - length * H, zero)
+    return max(v, zero) + min(v + length * H, zero)
 
 
 @inline
-def at_contact(w, g, e, hardness, zero):
-    """Return whether a point that is to come to w from g is at 0: by the step e it would, but for
-    rounding, be there or beyond."""
-    if hardness is None:
+def at_contact(w, g, e, H, zero):
+    """Return whether a point is in contact after a step, but for rounding.
+
+    Parameters
+    ----------
+    w : float
+        Gap after the step, as `landing` returns it.
+    g : float
+        Gap before the step.
+    e : float
+        Step of the gap as it is stored, in fewer digits.
+    H : float or None
+        Hardness.
+    zero : float
+        0 in the precision of the fields.
+
+    Returns
+    -------
+    bool
+    """
+    if H is None:
         return w <= zero or e <= -g
     return w == zero or (w > zero and e <= -g) or (w < zero and e >= -g)

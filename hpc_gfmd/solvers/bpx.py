@@ -21,10 +21,9 @@ from ..certificate.misclassified import misclassified_points, moments_of_open, s
 from ..kernels.adhesive_rows import add_attraction, shift_gap
 from ..kernels.bfloat16 import stored_dtype
 from ..kernels.bpx import UpdateSums, search_passes
-from ..kernels.selection import depths_below
 from ..operators.multilevel import Multilevel
 from ..operators.problem import Problem
-from ..operators.selection import nth_smallest
+from ..operators.rigid import balancing_shift, dent_rigidly
 from ..parallel.threads import added, on_threads, shares
 from .base import Progress, Solver
 
@@ -131,7 +130,10 @@ class Bpx(Solver):
         self.rayleigh = FIRST
         self._measure(sums, anew=True)
         if self.problem.hardness is not None and self.law is None:
-            self._begin_rigid_if_better()
+            if dent_rigidly(self.problem, self.p0, self.p_cell, self.g, self.p, self.uKu):
+                self.d[...] = 0
+                self.uKu = 0.0
+                self._measure(self.levels.restrict(self.g, self.p, self.problem.limit), anew=True)
             a, b = self._coefficients()
             self._balance(0.5 * (a * self.rz + b * self.rd))
 
@@ -164,22 +166,8 @@ class Bpx(Solver):
         """Make one iteration: one FFT pair."""
         if self.contact == 0:
             self._descend_to_contact()
-        a, b = self._coefficients()
-        pd, deeper, td, gained = self._search(a, b, 1.0)
-        descent = a * self.rz + b * self.rd
-        plain = not -pd > DESCENT * descent
-        while plain and self.problem.hardness is not None:
-            # a parabola through what was predicted at the start and what came out
-            a *= 0.5 * descent / (pd + descent)
-            b = 0.0
-            if not a * self.rz > self.gradient * self.compliance * self.rr:
-                break  # a plain step gains more
-            pd, deeper, td, gained = self._search(a, b, 1.0)
-            descent = a * self.rz
-            plain = not -pd > DESCENT * descent
-        if plain:
-            a, b = 0.0, 0.0
-            pd, deeper, td, gained = self._search(self.gradient, 0.0, 0.0)
+        a, b, (pd, deeper, td, gained) = self._choose_step()
+        plain = a == 0
         dKd = self.elastic.pressure_columns()
         dKd, mean = self.grid.comm.sum([dKd, self.elastic.mean]).tolist()
         optimum = -pd / dKd if dKd > 0 else 1.0
@@ -189,14 +177,7 @@ class Bpx(Solver):
             whole = pd + 0.5 * dKd + gained - td
             self.s = 1.0 if whole <= 0.5 * pd * optimum else self.s
         sums, stiffer = self._update(self.s)
-
-        if plain or not a * a * self.rz > 0:
-            self.rayleigh = 1.0
-        else:
-            zKz = dKd + stiffer - 2 * a * b * self.zKd - b * b * self.dKd
-            with np.errstate(over="ignore"):  # of the last bits of a closed contact
-                self.rayleigh = zKz / (a * a * self.rz)
-            self.rayleigh = self.rayleigh if np.isfinite(self.rayleigh) else 1.0
+        self.rayleigh = self._rayleigh_quotient(a, b, dKd + stiffer)
         # with a hardness the elastic contact may have become another one
         self._measure(sums, anew=plain and self.problem.hardness is not None)
         # K u = p - t - p_cell
@@ -208,55 +189,45 @@ class Bpx(Solver):
             self._balance(-self.s * (pd + 0.5 * self.s * dKd))
         self.iterations += 1
 
-    def _begin_rigid_if_better(self) -> None:
-        """Begin with a rigid body that dents the surface where that has less energy.
+    def _choose_step(self) -> tuple[float, float, list[float]]:
+        """Make the step -(a z + b d), shorter or a plain one where the projection spoils it.
 
-        What soft bodies come from, a coarser grid or a clipped plane, has pressures far beyond the
-        hardness; a rigid body has none but the load. Needs stored heights.
+        Returns
+        -------
+        a, b : float
+            Both 0 of a plain projected gradient step.
+        work : list of float
+            What `_search` returns of the step.
         """
-        h, hardness = self.problem.stored, self.problem.hardness
-        if h is None or hardness is None:
-            return
-        (rows, points), grid = self.grid.inside, self.grid
-        level = nth_smallest(grid, h, self._points_to_carry())
+        a, b = self._coefficients()
+        work = self._search(a, b, 1.0)
+        descent = a * self.rz + b * self.rd
+        gained = -work[0]
+        while not gained > DESCENT * descent and self.problem.hardness is not None:
+            # a parabola through what was predicted at the start and what came out
+            a *= 0.5 * descent / (descent - gained)
+            b = 0.0
+            if not a * self.rz > self.gradient * self.compliance * self.rr:
+                break  # a plain step gains more
+            work = self._search(a, b, 1.0)
+            descent = a * self.rz
+            gained = -work[0]
+        if gained > DESCENT * descent:
+            return a, b, work
+        return 0.0, 0.0, self._search(self.gradient, 0.0, 0.0)
 
-        def sums(i0: int, i1: int) -> tuple[float, float, float]:
-            inner = max(min(i1, rows) - i0, 0)
-            dents, _ = depths_below(self.g[i0 : i0 + inner], (inner, points), 0.0)
-            _, rigid_dents = depths_below(h[i0 : i0 + inner], (inner, points), level)
-            u = self.g[i0:i1].sum(dtype=float) - h[i0 : i0 + inner].sum(dtype=float)
-            return u, dents, rigid_dents
-
-        u, dents, rigid_dents = grid.comm.sum(added(grid.by_rows(sums), 3)).tolist()
-        energy = 0.5 * self.uKu + self.p_cell * u + hardness * dents
-        rigid = -self.N * self.p0 * float(level) + hardness * rigid_dents
-        if not rigid < energy:
-            return
-
-        def lay(i0: int, i1: int) -> None:
-            self.g[i0:i1] = -level
-            inner = max(min(i1, rows) - i0, 0)
-            self.g[i0 : i0 + inner, :points] += h[i0 : i0 + inner]
-            self.p[i0:i1] = self.p_cell
-            self.d[i0:i1] = 0
-
-        grid.by_rows(lay)
-        self.uKu = 0.0
-        self._measure(self.levels.restrict(self.g, self.p, self.problem.limit), anew=True)
-
-    def _points_to_carry(self) -> int:
-        """Return how many points at the hardness carry the load, rounded up."""
-        hardness = self.problem.hardness or np.inf
-        return min(max(int(np.ceil(self.N * self.p0 / hardness)), 1), self.N)
+    def _rayleigh_quotient(self, a: float, b: float, dKd: float) -> float:
+        """Return <z, K z>/<r, z> as the step -(a z + b d) had it; 1 where it says nothing."""
+        if not a * a * self.rz > 0:
+            return 1.0
+        zKz = dKd - 2 * a * b * self.zKd - b * b * self.dKd
+        with np.errstate(over="ignore"):  # of the last bits of a closed contact
+            quotient = zKz / (a * a * self.rz)
+        return quotient if np.isfinite(quotient) else 1.0
 
     def _balance(self, descent: float) -> None:
-        """Move the body up or down to where its contact can carry the load.
-
-        With a hardness the contact carries between H times the points with a dent and H times all
-        points that touch. Where the load is beyond that, a rigid translation lowers the energy at
-        no elastic cost. Its minimum is where the n-th smallest gap becomes 0, n being the load over
-        H, rounded up. The body is moved there where that gains more energy than the last step did.
-        The pressure does not change; the last step is forgotten.
+        """Move the body up or down to where its contact can carry the load, where that gains more
+        energy than a step. The pressure does not change; the last step is forgotten.
 
         Parameters
         ----------
@@ -264,17 +235,9 @@ class Bpx(Solver):
             Energy that the last step gained, at least; at the start what the first step may gain.
         """
         hardness = self.problem.hardness or np.inf
-        load = self.N * self.p0
-        if hardness * self.yielded <= load <= hardness * self.contact:
+        if hardness * self.yielded <= self.N * self.p0 <= hardness * self.contact:
             return
-        shift = nth_smallest(self.grid, self.g, self._points_to_carry())
-        rows, points = self.grid.inside
-
-        def depths(i0: int, i1: int) -> tuple[float, float]:
-            return depths_below(self.g[i0:i1], (i1 - i0, points), shift)
-
-        before, after = self.grid.comm.sum(added(self.grid.by_rows(depths, rows), 2)).tolist()
-        gain = load * float(shift) - hardness * (after - before)
+        shift, gain = balancing_shift(self.problem, self.p0, self.g)
         if not gain > descent:
             return
 
@@ -398,15 +361,15 @@ class Bpx(Solver):
     def _estimate(self) -> Estimate:
         """Estimate what the certificate will say, but for rounding errors that p has gathered."""
         state = State(
-            self.wall_load,
-            self.mean * self.grid.cell_points,
-            self.rr,
-            self.pp - self.rr,
-            self.contact,
-            self.yielded,
-            self.gap_mean * self.N,
-            self.uKu,
-            self.level_sums,
+            p0=self.wall_load,
+            open_p=self.mean * self.grid.cell_points,
+            open_pp=self.rr,
+            closed_pp=self.pp - self.rr,
+            contact=self.contact,
+            yielded=self.yielded,
+            gap=self.gap_mean * self.N,
+            uKu=self.uKu,
+            level_sums=self.level_sums,
         )
         stability = 1.0 if self.stability is None else self.stability.lowest
         return estimate(self.problem, self.levels, self.g, state, stability)

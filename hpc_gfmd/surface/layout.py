@@ -91,8 +91,13 @@ def layout_of(lines: list[str], spec: Any) -> Layout:
     ]
     _, layout = max(candidates, key=lambda candidate: candidate[0])
     if not layout.columns:
+        rest = lines[spec.skip_lines or 0 :]
+        begin = next((line.split()[0] for line in rest if line.strip()), "")
         where = f"after line {spec.skip_lines}" if spec.skip_lines else "at its beginning"
-        raise ValueError(f"there are no numbers {where}, in {min(len(lines), LOOKED_AT)} lines")
+        raise ValueError(
+            f"there are no lines of numbers {where}, in {len(rest)} lines; it begins with"
+            f" {begin[:40]!r}"
+        )
     if spec.skip_lines is None:
         _require_header(lines, layout)
     return layout

@@ -55,7 +55,9 @@ def suggestion(make: Callable[[dict], File], user_keys: dict) -> Suggestion:
         result.said["physical_sizes"] = sizes
         if unit:
             result.said["crop"] = ["0 m", "0 m", *sizes]
-        _require_agreement(metadata.sizes, unit, topography, user_keys)
+        _require_agreement(
+            metadata.sizes, metadata.sizes_unit or metadata.unit, topography, user_keys
+        )
     if metadata.unit is not None:
         result.said["unit"] = metadata.unit
     result.about += _about(topography, user_keys)

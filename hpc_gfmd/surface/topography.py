@@ -312,7 +312,7 @@ class _Units:
             float(size if isinstance(size, Quantity) else size * self.length)
             for size in scene_sizes or in_file or (1.0, 1.0)
         )
-        self._compare(metadata, in_file, file_unit, scene_sizes)
+        self._compare(metadata, in_file, scene_sizes)
         if scene_sizes is None and in_file is not None and not metadata.sizes_unit and spec.unit:
             self.notes.append(f"x and y in {path} are taken in {spec.unit}, as the heights are")
 
@@ -340,13 +340,12 @@ class _Units:
             )
         return spec.unit or metadata.unit
 
-    def _compare(
-        self, metadata: Metadata, in_file: Any, file_unit: str | None, scene_sizes: Any
-    ) -> None:
+    def _compare(self, metadata: Metadata, in_file: Any, scene_sizes: Any) -> None:
         """Note where the scene has other sizes than the file."""
-        if scene_sizes is None or in_file is None or (file_unit is None) == has_unit(scene_sizes):
+        file_unit = metadata.sizes_unit or metadata.unit
+        if scene_sizes is None or in_file is None or (file_unit is None) == self.are_named:
             return
-        sizes = [size * (_factor(file_unit, "") if file_unit else 1.0) for size in in_file]
+        sizes = [size * _factor(file_unit, "") for size in in_file]
         if not np.allclose(sizes, self.sizes, 1e-3, 0):
             self.notes.append(
                 f"surface.physical_sizes are {_lengths(self.sizes, self.are_named)}, the file says"

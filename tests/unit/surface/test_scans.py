@@ -735,6 +735,9 @@ def test_init_does_not_contradict_the_file():
         compose("z.xyz", Path("a.toml"), [sizes])
     written = compose("z.xyz", Path("a.toml"), ['surface.physical_sizes=["1.2 um","0.4 um"]'])[0]
     assert 'physical_sizes = ["1.2 um", "0.4 um"]' in written
+    Path("plain.xyz").write_text(text(points("xyz"), ","))  # in a unit that it does not name
+    assert not compose("plain.xyz", Path("a.toml"), [sizes, "surface.unit=nm"])[1]
+    assert not opened("plain.xyz", **KEYS).notes
     notes = opened("z.xyz", physical_sizes=("3 um", "2 um")).notes
     assert any("the file says 1.2 um x 0.4 um" in note for note in notes)
 

@@ -1,0 +1,123 @@
+"""A body with a hardness that moves or dents the surface as a whole, at no elastic cost.
+
+The contact carries between H times the points with a dent and H times all points that touch. The
+energy is piecewise linear in the height of the body; its minimum is where the n-th smallest gap
+becomes 0, n being the load over H, rounded up.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..kernels.selection import depths_below
+from ..parallel.threads import added
+from .selection import nth_smallest
+
+if TYPE_CHECKING:
+    from .problem import Problem
+
+
+def points_to_carry(problem: Problem, p0: float) -> int:
+    """Return how many points at the hardness carry a load, rounded up.
+
+    Parameters
+    ----------
+    problem : Problem
+        With a hardness.
+    p0 : float
+        Mean pressure.
+
+    Returns
+    -------
+    int
+        1 to the number of points of the surface.
+    """
+    hardness = problem.hardness or np.inf
+    N = problem.grid.N
+    return min(max(int(np.ceil(N * p0 / hardness)), 1), N)
+
+
+def balancing_shift(problem: Problem, p0: float, g: np.ndarray) -> tuple[np.floating, float]:
+    """Return by how much the gap is to be lowered so that the contact carries the load. Collective.
+
+    Parameters
+    ----------
+    problem : Problem
+        With a hardness.
+    p0 : float
+        Mean pressure.
+    g : array, local slab
+        Gap.
+
+    Returns
+    -------
+    shift : float
+        Below 0 where the body is to rise; in the precision of g.
+    gain : float
+        Energy that this gains.
+    """
+    grid = problem.grid
+    shift = nth_smallest(grid, g, points_to_carry(problem, p0))
+    rows, points = grid.inside
+
+    def depths(i0: int, i1: int) -> tuple[float, float]:
+        return depths_below(g[i0:i1], (i1 - i0, points), shift)
+
+    before, after = grid.comm.sum(added(grid.by_rows(depths, rows), 2)).tolist()
+    return shift, grid.N * p0 * float(shift) - (problem.hardness or 0.0) * (after - before)
+
+
+def dent_rigidly(
+    problem: Problem, p0: float, p_cell: float, g: np.ndarray, p: np.ndarray, uKu: float
+) -> bool:
+    """Lay down a rigid body that dents the surface, where that has less energy than a state.
+
+    What soft bodies start from, a coarser grid or a clipped plane, has pressures far beyond the
+    hardness; a rigid body has none but the load. Needs stored heights. Collective.
+
+    Parameters
+    ----------
+    problem : Problem
+        With a hardness.
+    p0, p_cell : float
+        Mean pressure over the surface, and over the whole grid.
+    g, p : array, local slabs
+        Gap and pressure of the state; are overwritten where the rigid body is better.
+    uKu : float
+        <u, K u> of the state.
+
+    Returns
+    -------
+    bool
+        Whether the rigid body was laid down.
+    """
+    h, hardness = problem.stored, problem.hardness
+    if h is None or hardness is None:
+        return False
+    grid = problem.grid
+    rows, points = grid.inside
+    level = nth_smallest(grid, h, points_to_carry(problem, p0))
+
+    def sums(i0: int, i1: int) -> tuple[float, float, float]:
+        inner = max(min(i1, rows) - i0, 0)
+        heights = h[i0 : i0 + inner]
+        dents, _ = depths_below(g[i0 : i0 + inner], (inner, points), 0.0)
+        _, rigid_dents = depths_below(heights, (inner, points), level)
+        return g[i0:i1].sum(dtype=float) - heights.sum(dtype=float), dents, rigid_dents
+
+    u, dents, rigid_dents = grid.comm.sum(added(grid.by_rows(sums), 3)).tolist()
+    energy = 0.5 * uKu + p_cell * u + hardness * dents
+    rigid_energy = -grid.N * p0 * float(level) + hardness * rigid_dents
+    if not rigid_energy < energy:
+        return False
+
+    def lay(i0: int, i1: int) -> None:
+        inner = max(min(i1, rows) - i0, 0)
+        g[i0:i1] = -level
+        g[i0 : i0 + inner, :points] += h[i0 : i0 + inner]
+        p[i0:i1] = p_cell
+
+    grid.by_rows(lay)
+    return True
