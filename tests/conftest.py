@@ -155,26 +155,29 @@ def cli(capfd):
     of a script whose command line is meant.
     """
 
-    def run(words="", *others):
+    def run(words="", *more_words):
         capfd.readouterr()
-        code = main([*shlex.split(words), *map(str, others)], run.script)
+        code = main([*shlex.split(words), *map(str, more_words)], run.script)
         return SimpleNamespace(code=code, **capfd.readouterr()._asdict())
 
     def prints(*args):
-        done = run(*args)
-        assert done.code == 0, done.err
-        return done.out
+        completed = run(*args)
+        assert completed.code == 0, completed.err
+        return completed.out
 
     def data(*args):
         return json.loads(prints(*args, "--json"))
 
     def refused(*args, code=2):
-        done = run(*args)
-        assert (done.code, done.err.count("\n")) == (code, 1), done.err
-        assert done.err.strip().isprintable()
-        return done.err
+        completed = run(*args)
+        assert (completed.code, completed.err.count("\n")) == (code, 1), completed.err
+        assert completed.err.strip().isprintable()
+        return completed.err
 
-    run.prints, run.data, run.refused, run.script = prints, data, refused, None
+    run.prints = prints
+    run.data = data
+    run.refused = refused
+    run.script = None
     return run
 
 

@@ -54,8 +54,8 @@ def environment(**extra):
     library that takes root and many ranks."""
     launcher = ("OMPI_COMM", "PMIX_", "PMI_", "PRTE_", "ORTE_")  # of a launcher around the parent
     env = {k: v for k, v in os.environ.items() if not k.startswith(launcher)}
-    here = Path(__file__).parent
-    paths = [str(Path(hpc_gfmd.__file__).parents[1]), str(here), env.get("PYTHONPATH", "")]
+    helpers = Path(__file__).parent
+    paths = [str(Path(hpc_gfmd.__file__).parents[1]), str(helpers), env.get("PYTHONPATH", "")]
     env |= {
         "PYTHONPATH": os.pathsep.join(filter(None, paths)),
         "OMP_NUM_THREADS": "1",
@@ -103,16 +103,16 @@ def call(ranks, args, **how):
 
 def found(ranks, args, **how):
     """What a script says in JSON on its last line."""
-    done = python(ranks, args, **how)
-    assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout.splitlines()[-1])
+    completed = python(ranks, args, **how)
+    assert completed.returncode == 0, completed.stderr
+    return json.loads(completed.stdout.splitlines()[-1])
 
 
 def printed(*args, cwd=None, **variables):
     """What `python args` prints that works; variables: further ones of its environment."""
-    done = python(None, args, environment(**variables), cwd)
-    assert done.returncode == 0, done.stderr
-    return done.stdout
+    completed = python(None, args, environment(**variables), cwd)
+    assert completed.returncode == 0, completed.stderr
+    return completed.stdout
 
 
 def python(ranks, args, env=None, cwd=None, timeout=None):
@@ -142,8 +142,8 @@ def python(ranks, args, env=None, cwd=None, timeout=None):
     finally:
         end(process)
     lines = err.decode().splitlines(keepends=True)
-    said = "".join(line for line in lines if not line.startswith(EVENTS))
-    return subprocess.CompletedProcess(args, process.returncode, out.decode(), said)
+    errors = "".join(line for line in lines if not line.startswith(EVENTS))
+    return subprocess.CompletedProcess(args, process.returncode, out.decode(), errors)
 
 
 # ---- the parent
@@ -151,11 +151,12 @@ def python(ranks, args, env=None, cwd=None, timeout=None):
 
 def run(root, ranks, names):
     """Run tests (node ids without rank counts) under mpirun; returns {name: (outcome, text)}."""
-    results, left = {}, list(names)
-    while left:
-        done = _launch(root, ranks, left)
-        results |= done
-        left = [name for name in left if name not in done]
+    results = {}
+    missing_names = list(names)
+    while missing_names:
+        reported = _launch(root, ranks, missing_names)
+        results |= reported
+        missing_names = [name for name in missing_names if name not in reported]
     return results
 
 
@@ -181,12 +182,14 @@ def _launch(root, ranks, names):
 
 def _wait(process, folder, ranks):
     """Wait for the end, or end it when no rank has had news for TIMEOUT; returns what was wrong."""
-    size, since = -1, time.monotonic()
+    size = -1
+    since = time.monotonic()
     while process.poll() is None:
         time.sleep(0.05)
         now = sum(p.stat().st_size for p in folder.glob("report.*"))
         if now != size:
-            size, since = now, time.monotonic()
+            size = now
+            since = time.monotonic()
         elif time.monotonic() - since > TIMEOUT:
             end(process)
             return f"nothing happened for {TIMEOUT:g} s on {ranks} ranks"
@@ -197,11 +200,11 @@ def _merge(folder, ranks, names, why, output):
     reports = [_read(folder / f"report.{rank}") for rank in range(ranks)]
     results = {}
     for name in names:
-        found = [report.get(name) for report in reports]
-        outcomes = [f["outcome"] for f in found if f]
+        reports_of_ranks = [report.get(name) for report in reports]
+        outcomes = [f["outcome"] for f in reports_of_ranks if f]
         text = "\n".join(
             f"---- rank {rank} of {ranks}\n{f['text']}"
-            for rank, f in enumerate(found)
+            for rank, f in enumerate(reports_of_ranks)
             if f and f["text"]
         )
         if "failed" in outcomes:
@@ -218,14 +221,14 @@ def _merge(folder, ranks, names, why, output):
 def _read(path):
     """The last word on every test."""
     lines = path.read_text().splitlines() if path.exists() else []
-    found = {}
+    entries = {}
     for line in lines:
         try:
             entry = json.loads(line)
         except ValueError:  # cut off by the end of the process
             continue
-        found[entry["test"]] = entry
-    return found
+        entries[entry["test"]] = entry
+    return entries
 
 
 # ---- the children
@@ -244,29 +247,33 @@ class Child:
         self.file = open(  # noqa: SIM115
             Path(os.environ[REPORT]) / f"report.{self.mpi.rank}", "a", encoding="utf-8"
         )
-        self.outcome, self.text = "passed", ""
+        self.outcome = "passed"
+        self.text = ""
 
     def _write(self, test, outcome, text=""):
         self.file.write(json.dumps({"test": test, "outcome": outcome, "text": text}) + "\n")
         self.file.flush()
 
     def pytest_runtest_logstart(self, nodeid, location):
-        self.outcome, self.text = "passed", ""
+        self.outcome = "passed"
+        self.text = ""
         self._write(nodeid, "started")
 
     def pytest_runtest_logreport(self, report):
         if report.outcome == "failed":
             sections = "".join(f"\n{title}\n{text}" for title, text in report.sections)
-            self.outcome, self.text = "failed", self.text + report.longreprtext + sections
+            self.outcome = "failed"
+            self.text = self.text + report.longreprtext + sections
             self._write(report.nodeid, "failed", self.text)
         elif report.outcome == "skipped" and self.outcome == "passed":
-            self.outcome, self.text = (
-                "skipped",
-                str(report.longrepr[2] if isinstance(report.longrepr, tuple) else report.longrepr),
+            self.outcome = "skipped"
+            self.text = str(
+                report.longrepr[2] if isinstance(report.longrepr, tuple) else report.longrepr
             )
 
     def pytest_runtest_logfinish(self, nodeid, location):
-        arrived, since = self.agreement.Ibarrier(), time.monotonic()
+        arrived = self.agreement.Ibarrier()
+        since = time.monotonic()
         while not arrived.Test():
             time.sleep(0.001)
             if self.outcome == "failed" and time.monotonic() - since > GRACE:

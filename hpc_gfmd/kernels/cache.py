@@ -106,7 +106,15 @@ class KernelFiles:
         return pickle.loads(content)
 
     def save(self, key: Any, data: Any) -> None:
-        """Keep code under a key, if there is room for it."""
+        """Keep code where there is room for it.
+
+        Parameters
+        ----------
+        key : tuple
+            Signature, processor, hash of the bytecode.
+        data : object
+            What numba makes of a compiled function.
+        """
         path, purpose = self._file(key)
         keep(path, dumps(data), purpose)
         _log(f"data saved to {path}")
@@ -139,10 +147,10 @@ def stamp() -> str:
         binding.get_host_cpu_name(),
     )
     digest = hashlib.sha256(" ".join(made_by).encode())
-    here = Path(__file__).parent
+    kernels = Path(__file__).parent
     # laws of attraction are compiled in, too
-    laws = [*sorted((here.parent / "laws").glob("*.py")), *sources_added("hpc_gfmd.laws")]
-    for path in [*sorted(here.glob("*.py")), *laws]:
+    laws = [*sorted((kernels.parent / "laws").glob("*.py")), *sources_added("hpc_gfmd.laws")]
+    for path in [*sorted(kernels.glob("*.py")), *laws]:
         digest.update(path.read_bytes())
     return digest.hexdigest()[:16]
 
@@ -224,7 +232,7 @@ def _folder(root: Path, state: str) -> Path | None:
     try:
         if not path.is_dir():
             path.mkdir(parents=True, exist_ok=True)
-            states = sorted(root.glob("hpc-gfmd-*"), key=lambda other: other.stat().st_mtime)
+            states = sorted(root.glob("hpc-gfmd-*"), key=lambda folder: folder.stat().st_mtime)
             for old in states[:-NEWEST]:
                 shutil.rmtree(old, ignore_errors=True)
         tempfile.TemporaryFile(dir=path).close()

@@ -21,14 +21,22 @@ from ..kernels.clusters import join
 if TYPE_CHECKING:
     from .comm import Comm
 
-STRIP_POINTS = 2**20  # labelled at a time
+STRIP_POINTS = 2**20  # points that are labelled at a time
 NOTHING = -1  # label of a point outside the mask
 
 
 @dataclass(frozen=True)
 class Clusters:
-    """sizes: points of the clusters that this rank counts; those of all ranks together are all
-    clusters, each once. percolates: along x, along y, the same on all ranks."""
+    """The clusters of a mask.
+
+    Attributes
+    ----------
+    sizes : ndarray of int
+        Points of the clusters that this rank counts; those of all ranks together are all clusters,
+        each once.
+    percolates : (bool, bool)
+        Whether one of them percolates along x, along y; the same on all ranks.
+    """
 
     sizes: np.ndarray
     percolates: tuple[bool, bool]
@@ -42,19 +50,37 @@ def find_clusters(
     periodic: tuple[bool, bool],
     corners: bool,
 ) -> Clusters:
-    """Find the Clusters of the points where a mask is true. Collective.
-
-    mask(i0, i1): local rows i0 <= i < i1, shape (i1 - i0, n_y), bool; rows: (start, stop) of this
-    rank, may be empty; n: (n_x, n_y); periodic: whether opposite edges touch, along x and along y;
-    corners: whether points belong together that share a corner only (8-connected), instead of a
-    side (4-connected).
+    """Find the clusters of the points where a mask is true. Collective.
 
     A cluster percolates along a periodic axis where it holds a closed way that goes around the cell
     along that axis, so that the cluster has no end there if the cell is repeated (a way that goes
     around both axes counts for both); along a free one where it reaches from the first point to the
     last.
+
+    Parameters
+    ----------
+    comm : Comm
+        All ranks.
+    mask : function
+        mask(i0, i1) returns local rows i0 <= i < i1, shape (i1 - i0, n_y), bool.
+    rows : (int, int)
+        (start, stop) of this rank, may be empty.
+    n : (int, int)
+        (n_x, n_y) of the whole field.
+    periodic : (bool, bool)
+        Whether opposite edges touch, along x and along y.
+    corners : bool
+        Whether points belong together that share a corner only (8-connected), instead of a side
+        (4-connected).
+
+    Returns
+    -------
+    Clusters
+        Counted on one rank each.
     """
-    joiner, block, (start, stop) = _Joiner(n, periodic, corners), None, rows
+    joiner = _Joiner(n, periodic, corners)
+    block = None
+    start, stop = rows
     strip = max(1, STRIP_POINTS // n[1])
     for i0 in range(start, stop, strip):
         i1 = min(i0 + strip, stop)
@@ -86,7 +112,9 @@ class _Joiner:
     their pieces, has been found to do so."""
 
     def __init__(self, n: tuple[int, int], periodic: tuple[bool, bool], corners: bool):
-        self.n, self.periodic, self.corners = n, periodic, corners
+        self.n = n
+        self.periodic = periodic
+        self.corners = corners
         self.whole = [np.zeros(0, np.int64)]
         self.percolates = np.zeros(2, np.bool_)
 
@@ -95,11 +123,11 @@ class _Joiner:
         from scipy import ndimage
 
         structure = ndimage.generate_binary_structure(2, 2 if self.corners else 1)
-        labels, found = ndimage.label(mask, structure)
+        labels, cluster_count = ndimage.label(mask, structure)
         lines = labels[0], labels[-1], labels[:, 0], labels[:, -1]
         ends = i0 == 0, i0 + len(mask) == self.n[0], True, True
         counted = [labels.ravel(), *(line * end for line, end in zip(lines, ends))]
-        counts = np.stack([np.bincount(line, minlength=found + 1)[1:] for line in counted])
+        counts = np.stack([np.bincount(line, minlength=cluster_count + 1)[1:] for line in counted])
         # of a point outside the mask the label is NOTHING
         first, last, left, right = (
             np.stack([line.astype(np.int64) - 1, 0 * line, 0 * line]) for line in lines
@@ -112,11 +140,13 @@ class _Joiner:
         none."""
         if upper is None or lower is None:
             return lower if upper is None else upper
-        first, last = lower.first.copy(), lower.last.copy()
-        for line in first, last:
+        lower_first = lower.first.copy()
+        lower_last = lower.last.copy()
+        for line in lower_first, lower_last:
             line[0, line[0] != NOTHING] += upper.counts.shape[1]
         counts = np.concatenate([upper.counts, lower.counts], axis=1)
-        return self._joined(self._pairs(upper.last, first), counts, upper.first, last)
+        pairs = self._pairs(upper.last, lower_first)
+        return self._joined(pairs, counts, upper.first, lower_last)
 
     def close(self, block: _Block) -> None:
         """Join the last row to the first one where they touch; all clusters are whole then."""
@@ -134,13 +164,13 @@ class _Joiner:
             ways += [(slice(0, -1), slice(1, None), 0), (slice(1, None), slice(0, -1), 0)]
         if self.corners and self.periodic[1] and not across[1]:  # the ends of two rows
             ways += [(slice(-1, None), slice(0, 1), 1), (slice(0, 1), slice(-1, None), -1)]
-        found = []
+        edges_of_ways = []
         for on_a, on_b, turn in ways:
             crossed = a[1:, on_a] - b[1:, on_b] + np.array([across]).T
             crossed[1] += turn
             edges = np.concatenate([a[:1, on_a], b[:1, on_b], crossed])
-            found.append(edges[:, (edges[:2] != NOTHING).all(axis=0)])
-        return found
+            edges_of_ways.append(edges[:, (edges[:2] != NOTHING).all(axis=0)])
+        return edges_of_ways
 
     def _joined(
         self, pairs: list[np.ndarray], counts: np.ndarray, first: np.ndarray, last: np.ndarray
@@ -148,10 +178,12 @@ class _Joiner:
         """Make the block of rows from line `first` to line `last` whose pieces have these counts;
         notes the clusters that reach neither line."""
         pieces = counts.shape[1]
-        parent, shift = np.arange(pieces), np.zeros((pieces, 2), np.int64)
+        parent = np.arange(pieces)
+        shift = np.zeros((pieces, 2), np.int64)
         edges = np.concatenate([np.zeros((4, 0), np.int64), *pairs], axis=1)
         join(np.ascontiguousarray(edges.T), parent, shift, self.percolates)
-        joined, merged = counts.copy(), np.flatnonzero(parent != np.arange(pieces))
+        joined = counts.copy()
+        merged = np.flatnonzero(parent != np.arange(pieces))
         np.add.at(joined.T, parent[merged], counts.T[merged])
         joined[:, merged] = 0
         reached = np.zeros(pieces, np.bool_)
@@ -165,9 +197,10 @@ class _Joiner:
 
         def of_roots(line: np.ndarray) -> np.ndarray:
             inside = line[0] != NOTHING
-            line, pieces = line.copy(), line[0, inside]
-            line[0, inside] = number[parent[pieces]]
-            line[1:, inside] += shift[pieces].T
-            return line
+            pieces_inside = line[0, inside]
+            renumbered = line.copy()
+            renumbered[0, inside] = number[parent[pieces_inside]]
+            renumbered[1:, inside] += shift[pieces_inside].T
+            return renumbered
 
         return _Block(of_roots(first), of_roots(last), joined[:, reached])

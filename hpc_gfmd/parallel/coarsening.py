@@ -28,8 +28,15 @@ Tables = tuple[np.ndarray, np.ndarray, int, np.ndarray, np.ndarray, np.floating]
 
 @dataclass(frozen=True)
 class Level:
-    """One level of the hierarchy: points, and its largest wave number over sqrt 2 (as
-    Grid.q_nyquist) in units of 1/a."""
+    """One level of the hierarchy.
+
+    Attributes
+    ----------
+    n : (int, int)
+        Points along x and y.
+    q : float
+        Its largest wave number over sqrt 2 (as Grid.q_nyquist) in units of 1/a.
+    """
 
     n: tuple[int, int]
     q: float
@@ -42,19 +49,37 @@ def levels(grid: Grid) -> list[Level]:
     step (semi-coarsening), so stretched cells and grids with very different n_x and n_y approach
     square spacing.
     """
-    n, spacing = grid.n, tuple(s / grid.a for s in grid.spacings)
-    out = [Level(n, _nyquist(n, spacing))]
+    n = grid.n
+    spacing = tuple(s / grid.a for s in grid.spacings)
+    hierarchy = [Level(n, _nyquist(n, spacing))]
     while max(n) > 1:
         n, spacing = halved(n, spacing)
-        out.append(Level(n, _nyquist(n, spacing) if max(n) > 1 else out[-1].q / 2))
-    return out
+        q = _nyquist(n, spacing) if max(n) > 1 else hierarchy[-1].q / 2
+        hierarchy.append(Level(n, q))
+    return hierarchy
 
 
 def halved(
     n: tuple[int, int], spacing: tuple[float, ...], fewest: int = 2
 ) -> tuple[tuple[int, int], tuple[float, ...]]:
-    """Return the points of the next coarser level, and their spacing; axes of fewer than `fewest`
-    points stay as they are."""
+    """Return the next coarser level.
+
+    Parameters
+    ----------
+    n : (int, int)
+        Points along x and y.
+    spacing : (float, float)
+        Of the points.
+    fewest : int
+        Axes of fewer points stay as they are.
+
+    Returns
+    -------
+    (int, int)
+        Points of the coarse level.
+    (float, float)
+        Their spacing.
+    """
     finest = min((s for s, k in zip(spacing, n) if k >= fewest), default=0.0)
     coarse = [(k + 1) // 2 if k >= fewest and s < SQRT2 * finest else k for k, s in zip(n, spacing)]
     return (coarse[0], coarse[1]), tuple(s * k / c for s, k, c in zip(spacing, n, coarse))
@@ -70,38 +95,105 @@ def _nyquist(n: Sequence[int], spacing: Sequence[float]) -> float:
 def axis_tables(
     n: int, m: int, dtype: np.dtype, start: int = 0, stop: int | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return J0 and f of the fine points start <= i < stop (default: all) of one axis (see
-    kernels/multilevel.py), not to be written to."""
+    """Return where the fine points of one axis lie on the next coarser level.
+
+    Parameters
+    ----------
+    n, m : int
+        Points of the fine and of the coarse axis.
+    dtype : numpy.dtype
+        Of the weights.
+    start, stop : int
+        Fine points start <= i < stop; default: all.
+
+    Returns
+    -------
+    ndarray of int32
+        J0, the coarse point before each of them (see kernels/multilevel.py).
+    ndarray
+        f, the weight of the one after. Both are kept and must not be written to.
+    """
     i = np.arange(start, n if stop is None else stop, dtype=np.int64)
     return (i * m // n).astype(np.int32), ((i * m % n) / n).astype(dtype)
 
 
 def restrict_axis(x: np.ndarray, m: int) -> np.ndarray:
-    """Restrict a field of one axis to the next coarser level, of m points."""
+    """Restrict a field of one axis to the next coarser level.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,)
+        The field.
+    m : int
+        Points of the coarse level.
+
+    Returns
+    -------
+    ndarray, shape (m,)
+        Of the same mean.
+    """
     J0, f = axis_tables(len(x), m, np.float64)
     return (np.bincount(J0, (1 - f) * x, m) + np.bincount((J0 + 1) % m, f * x, m)) * (m / len(x))
 
 
 def axis_mode(n: int, m: int) -> int:
-    """Tell how the column axis is coarsened: 0 not at all, 1 exactly halved, 2 anything else."""
+    """Return how an axis is coarsened.
+
+    Parameters
+    ----------
+    n, m : int
+        Points of the fine and of the coarse level.
+
+    Returns
+    -------
+    int
+        0 not at all, 1 exactly halved, 2 anything else.
+    """
     return 0 if n == m else (1 if n == 2 * m and n > 2 else 2)
 
 
 def owned_rows(starts: ArrayLike, n: int, m: int) -> np.ndarray:
-    """Return the first coarse row of every rank, and m: coarse row J belongs to the rank that owns
-    the first fine row with J0 = J."""
+    """Return which coarse rows every rank owns: coarse row J belongs to the rank that owns the
+    first fine row with J0 = J.
+
+    Parameters
+    ----------
+    starts : array_like of int
+        First fine row of every rank, and n.
+    n, m : int
+        Rows of the fine and of the coarse level.
+
+    Returns
+    -------
+    ndarray of int
+        First coarse row of every rank, and m.
+    """
     return -(-np.asarray(starts, dtype=np.int64) * m // n)
 
 
 def agglomerated(starts: ArrayLike, points: int, share: int) -> np.ndarray:
-    """Return the first row of every rank, and their number, when the rows of a grid of so many
-    points are agglomerated on ranks 0, s, 2 s, ..., s the least power of two that leaves each of
-    them `share` points and a row."""
+    """Return which rows every rank has when the rows of a grid are agglomerated on ranks 0, s, 2 s,
+    ..., s the least power of two that leaves each of them enough.
+
+    Parameters
+    ----------
+    starts : array_like of int
+        First row of every rank now, and the number of rows.
+    points : int
+        Of the grid.
+    share : int
+        Points that each of them has at least; each has a row as well.
+
+    Returns
+    -------
+    ndarray of int
+        First row of every rank then, and the number of rows.
+    """
     starts = np.asarray(starts)
     size = int(np.flatnonzero(np.diff(starts))[-1]) + 1  # the last rank that has any
-    most = max(1, min(int(starts[-1]), points // share))
+    leader_limit = max(1, min(int(starts[-1]), points // share))
     stride = 1
-    while -(-size // stride) > most:
+    while -(-size // stride) > leader_limit:
         stride *= 2
     leaders = -(-np.arange(len(starts)) // stride) * stride
     return starts[np.minimum(leaders, len(starts) - 1)]
@@ -123,14 +215,17 @@ class Transfer:
         rank: int,
         dtype: DTypeLike,
     ):
-        self.n, self.m, self.rank = n, m, rank
+        self.n = n
+        self.m = m
+        self.rank = rank
         self.dtype: np.dtype = np.dtype(dtype)
         self.coarse_starts = owned_rows(starts, n[0], m[0])
         self.fine = int(starts[rank]), int(starts[rank + 1])
         self.start = int(self.coarse_starts[rank])
         empty = np.diff(starts) == 0
         # windows of all ranks
-        self.lo, self.hi = self.coarse_starts[:-1] - ~empty, self.coarse_starts[1:] + ~empty
+        self.lo = self.coarse_starts[:-1] - ~empty
+        self.hi = self.coarse_starts[1:] + ~empty
 
     @cached_property
     def tables(self) -> Tables:
@@ -167,12 +262,14 @@ class Transfer:
     def passes(self, longest: int) -> list[tuple[int, int]]:
         """List row ranges of at most `longest` rows (or one coarse row's) that begin where a coarse
         row begins."""
-        out, begin, n_loc = [], 0, len(self.k0)
+        passes = []
+        begin = 0
+        n_loc = len(self.k0)
         firsts = np.flatnonzero(np.diff(self.k0, prepend=-2)).tolist()  # that open a coarse row
         while begin < n_loc:
             end = min(begin + longest, n_loc)
             opens = firsts[bisect_right(firsts, end) - 1]
             end = opens if begin < opens and end < n_loc else end
-            out.append((begin, end))
+            passes.append((begin, end))
             begin = end
-        return out
+        return passes

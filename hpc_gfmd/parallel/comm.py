@@ -14,10 +14,27 @@ T = TypeVar("T")
 
 
 class SerialComm:
-    """One process: every reduction is the identity. parent: the communicator that this is a part
-    of."""
+    """One process: every reduction is the identity.
 
-    rank, size = 0, 1
+    Parameters
+    ----------
+    parent : Comm, optional
+        The communicator that this is a part of.
+
+    Attributes
+    ----------
+    rank, size : int
+        Number of this process, and of all.
+    mpi : mpi4py communicator or None
+        What is below.
+    io_obstacles : dict
+        Why MPI-IO cannot write, for each folder that was tried.
+    node_ranks : ndarray of int
+        Ranks that have memory in common with this one.
+    """
+
+    rank = 0
+    size = 1
     mpi: Any = None
     io_obstacles: dict[Path, str] = {}
 
@@ -31,7 +48,20 @@ class SerialComm:
     max = min = sum
 
     def bcast(self, obj: Any, root: int = 0) -> Any:
-        """Return the object of one rank."""
+        """Return the object of one rank on all ranks. Collective.
+
+        Parameters
+        ----------
+        obj : object
+            Of this rank; what the others give is not looked at.
+        root : int
+            The rank.
+
+        Returns
+        -------
+        object
+            Of that rank.
+        """
         return obj
 
     def allgather(self, obj: Any) -> list:
@@ -43,16 +73,40 @@ class SerialComm:
         return [obj]
 
     def exchange(self, send: Mapping[int, np.ndarray], receive: Mapping[int, np.ndarray]) -> None:
-        """Pass messages between two ranks each: send[rank] goes to that rank, receive[rank] is
-        filled from it; contiguous arrays."""
+        """Pass messages between two ranks each. Collective for those that take part.
+
+        Parameters
+        ----------
+        send : dict of ndarray
+            What goes to each rank; contiguous.
+        receive : dict of ndarray
+            Arrays that are filled from each rank; contiguous.
+        """
 
     def alltoall_bytes(self, send: tuple, receive: tuple) -> None:
-        """Pass bytes from all ranks to all; send, receive: (array, bytes for or from each rank,
-        their offsets)."""
+        """Pass bytes from all ranks to all. Collective.
+
+        Parameters
+        ----------
+        send, receive : tuple
+            (array, bytes for or from each rank, their offsets).
+        """
 
     def reduce(self, obj: T, join: Callable[[T, T], T]) -> T | None:
-        """Join the objects of all ranks in their order, two at a time by join(one, next one), on
-        rank 0; None on the others."""
+        """Join the objects of all ranks, two neighbours at a time. Collective.
+
+        Parameters
+        ----------
+        obj : object
+            Of this rank.
+        join : function
+            join(object of some ranks, object of the ranks after them) returns that of all of them.
+
+        Returns
+        -------
+        object or None
+            That of all ranks on rank 0, None on the others.
+        """
         return obj
 
     def subcomm(self, ranks: Sequence[int]) -> "Comm | None":
@@ -72,7 +126,7 @@ class SerialComm:
 
 
 def stages(size: int) -> int:
-    """Tell how many messages a rank sends in a reduction over so many ranks, by recursive
+    """Return how many messages a rank sends in a reduction over `size` ranks, by recursive
     doubling."""
     return (size - 1).bit_length()
 
@@ -82,10 +136,12 @@ class MpiComm:
     says what they do."""
 
     def __init__(self, mpi: Any, parent: "MpiComm | None" = None):
-        self.mpi, self.parent = mpi, parent
+        self.mpi = mpi
+        self.parent = parent
         self.rank = mpi.Get_rank()
         self.size = mpi.Get_size()
-        self.allgather, self.gather = mpi.allgather, mpi.gather
+        self.allgather = mpi.allgather
+        self.gather = mpi.gather
         self._among: dict[tuple[int, ...], Comm | None] = {}
         self.io_obstacles: dict[Path, str] = {}  # of parallel.mpi_io, for each folder
 
@@ -125,8 +181,7 @@ class MpiComm:
         )
 
     def reduce(self, obj: T, join: Callable[[T, T], T]) -> T | None:
-        """Join the objects of all ranks in their order, two at a time by join(one, next one), on
-        rank 0; None on the others. Up a tree: a rank gets log2(ranks) messages at most."""
+        # up a tree: a rank gets log2(ranks) messages at most
         step = 1
         while step < self.size:
             if self.rank % (2 * step):
@@ -166,8 +221,9 @@ class MpiComm:
     def node(self) -> "Comm":
         """That of the ranks that have memory in common with this one: all on the machine, or none.
         Collective as `machine`."""
-        together = self.machine.size > 1 and can_share(self.machine)
-        return self.machine if together else SerialComm(self)
+        if self.machine.size > 1 and can_share(self.machine):
+            return self.machine
+        return SerialComm(self)
 
     @cached_property
     def node_ranks(self) -> np.ndarray:
@@ -182,7 +238,9 @@ class DryRunComm:
     mpi = parent = None
 
     def __init__(self, rank: int, size: int, nodes: np.ndarray):
-        self.rank, self.size, self._nodes = rank, size, nodes
+        self.rank = rank
+        self.size = size
+        self._nodes = nodes
 
     @property
     def node_ranks(self) -> np.ndarray:

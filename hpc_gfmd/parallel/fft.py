@@ -47,8 +47,27 @@ T = TypeVar("T")
 class SlabFFT(Layout):
     """Transforms of one grid in one precision.
 
-    n: (n_x, n_y) global; starts: first row of each rank plus n_x; dtype: of the real field;
-    threads: of this rank.
+    Parameters
+    ----------
+    comm : Comm
+        All ranks.
+    n : (int, int)
+        (n_x, n_y) of the whole field.
+    starts : array_like of int
+        First row of each rank, and n_x.
+    dtype : dtype
+        Of the real field.
+    threads : int
+        Of this rank.
+
+    Attributes
+    ----------
+    blocks : ndarray of complex
+        The spectrum: row spectra of this rank, block by block.
+    scale : float
+        1/(n_x n_y), which the transforms leave out.
+    multipliers : dict
+        What bodies multiply these columns by, for their own use.
     """
 
     def __init__(
@@ -62,15 +81,15 @@ class SlabFFT(Layout):
         self.scale = 1.0 / (n_x * n_y)
         self.threads = threads
         self.multipliers: dict[Any, Any] = {}  # of a body: what it multiplies these columns by
-        self._memory, first, self.blocks = self._common(complex_dtype)
+        self._memory, offsets, self.blocks = self._common(complex_dtype)
         self._near_rows, self._far_rows = (
             np.stack([self.starts[ranks], self.starts[ranks + 1]], axis=1)
             for ranks in (self.node_ranks, np.flatnonzero(self.far))
         )
-        own = self.edges[:-1].reshape(self.K, self.size)[:, self.rank]
+        first_columns = self.edges[:-1].reshape(self.K, self.size)[:, self.rank]
         self._own_widths = self.block_widths[:, self.rank].tolist()
         # where the node's rows of this rank's blocks begin
-        self._first = first + np.diff(self._near_rows)[:, 0] * own[:, None]
+        self._first = offsets + np.diff(self._near_rows)[:, 0] * first_columns[:, None]
         received = n_x * self.W if self.far.any() else 0
         self._scratch = [  # of a thread: real rows, their spectra, columns, what has been sent
             (
@@ -121,17 +140,19 @@ class SlabFFT(Layout):
         )
 
     def _common(self, dtype: np.dtype) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return (memory, first, blocks): memory that the ranks of the node have in common, where
+        """Return (memory, offsets, blocks): memory that the ranks of the node have in common, where
         the part of each begins in it, and that of this rank, which holds its rows of the blocks."""
-        node, length = self.comm.node, self.n_loc * self.n_c
+        node = self.comm.node
+        length = self.n_loc * self.n_c
         if node.size == 1:
             blocks = empty_aligned((length,), dtype)  # a pass writes all of them
             return blocks, np.zeros(1, int), blocks
-        memory, offsets = common_memory(node, length * dtype.itemsize)
-        memory, first = memory.view(dtype), offsets // dtype.itemsize
-        blocks = memory[first[node.rank] :][:length]
+        memory_bytes, byte_offsets = common_memory(node, length * dtype.itemsize)
+        memory = memory_bytes.view(dtype)
+        offsets = byte_offsets // dtype.itemsize
+        blocks = memory[offsets[node.rank] :][:length]
         blocks[...] = 0  # every rank its own: pages belong where they are touched first
-        return memory, first, blocks
+        return memory, offsets, blocks
 
     def passes(self) -> list[tuple[int, int]]:
         """Return the row ranges [(i0, i1), ...], local, that one pass handles at a time."""
@@ -169,11 +190,20 @@ class SlabFFT(Layout):
     def columns(
         self, apply: Callable[[np.ndarray, int], T], forward: bool = True, backward: bool = True
     ) -> list[T]:
-        """Call apply(block, m) on every block of complete columns of this rank, block: (width,
-        n_x); returns the results in order.
+        """Call a function on every block of complete columns of this rank. Collective.
 
-        forward/backward=False leaves out the transform along axis 0 (and what goes before and after
-        it) on that side; a block that was not transformed forward is all zero. Collective.
+        Parameters
+        ----------
+        apply : function
+            apply(block, m), block: (width, n_x) complex, m: its number.
+        forward, backward : bool
+            False leaves out the transform along axis 0 (and what goes before and after it) on that
+            side; a block that was not transformed forward is all zero.
+
+        Returns
+        -------
+        list
+            What apply returned, in order.
         """
         results: list[Any] = [None] * self.K
 
@@ -193,16 +223,30 @@ class SlabFFT(Layout):
     def multiply_columns(
         self, factors: tuple, inverse: bool, backward: bool
     ) -> tuple[float, float]:
-        """Multiply all columns as kernels/spectral.py: multiply does; returns the sum of what that
-        returns, and the mean of the field before (0 where another rank has it). Collective."""
-        found = np.zeros((self.K, 2))
+        """Multiply all columns as kernels/spectral.py: multiply does. Collective.
+
+        Parameters
+        ----------
+        factors, inverse
+            As of kernels/spectral.py: multiply.
+        backward : bool
+            Whether to transform back.
+
+        Returns
+        -------
+        float
+            Sum of what `multiply` returns for the columns of this rank.
+        float
+            Mean of the field before; 0 where another rank has it.
+        """
+        sums = np.zeros((self.K, 2))
 
         def some(k0: int, k1: int, columns: tuple) -> None:
             numbers = columns[0].view(self.dtype)
-            multiply_blocks(columns, k0, k1, numbers, factors, inverse, backward, found)
+            multiply_blocks(columns, k0, k1, numbers, factors, inverse, backward, sums)
 
         self._on_blocks(some, True, backward)
-        return sum(found[:, 0].tolist()), float(found[0, 1]) * self.scale * (self.rank == 0)
+        return sum(sums[:, 0].tolist()), float(sums[0, 1]) * self.scale * (self.rank == 0)
 
     def _on_blocks(
         self, work: Callable[[int, int, tuple], None], forward: bool, backward: bool
@@ -230,9 +274,9 @@ class SlabFFT(Layout):
             ends = (blocks, *self.sent(k)), (scratch[3], *self.received(k))
             self.comm.alltoall_bytes(*(reversed(ends) if back else ends))
 
-    def _slab(self, first: int, last: int) -> np.ndarray:
-        """Return the memory of some blocks of this rank's rows."""
-        return self.blocks[self.n_loc * self.edges[first] : self.n_loc * self.edges[last]]
+    def _slab(self, m0: int, m1: int) -> np.ndarray:
+        """Return the memory of blocks m0 <= m < m1 of this rank's rows."""
+        return self.blocks[self.n_loc * self.edges[m0] : self.n_loc * self.edges[m1]]
 
 
 def _moved(a: np.ndarray) -> np.ndarray:

@@ -19,17 +19,18 @@ def load_fftw() -> dict[str, ctypes.PyDLL] | None:
     """
     package = find_spec("mpi4py_fft")
     folders = (package and package.submodule_search_locations) or []
+    places = [f"{folder}/fftw" for folder in folders]
+    libraries = {}
     try:
-        found = {}
         for real, prefix in PREFIXES.items():
-            module = PathFinder.find_spec(f"{prefix}xfftn", [f"{one}/fftw" for one in folders])
+            module = PathFinder.find_spec(f"{prefix}xfftn", places)
             if module is None:
                 return None
-            found[real] = ctypes.PyDLL(module.origin)
-            found[real][f"{prefix}plan_many_dft"]
+            libraries[real] = ctypes.PyDLL(module.origin)
+            libraries[real][f"{prefix}plan_many_dft"]
     except (OSError, AttributeError):
         return None
-    return found
+    return libraries
 
 
 def fft_library() -> str:

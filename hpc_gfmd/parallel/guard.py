@@ -15,9 +15,20 @@ T = TypeVar("T")
 def collective_errors(comm: Comm, doing: str) -> Iterator[None]:
     """Collective block: when any rank fails inside it, every rank leaves it with an error.
 
-    `doing` starts the message ("writing contact.h5"). The block itself must hold no collective call
-    that a failing rank would skip, unless in a block of this kind of its own. A GfmdError stays
-    what it is, anything else becomes one.
+    The block itself must hold no collective call that a failing rank would skip, unless in a block
+    of this kind of its own.
+
+    Parameters
+    ----------
+    comm : Comm
+        All ranks.
+    doing : str
+        What the message begins with: "writing contact.h5".
+
+    Raises
+    ------
+    GfmdError
+        On all ranks: a GfmdError stays what it is, any other exception becomes one.
     """
     error: GfmdError | None = None
     try:
@@ -52,20 +63,33 @@ def on_rank_0(comm: Comm, doing: str, work: Callable[[], T]) -> T:
     GfmdError
         On every rank, as `collective_errors` does.
     """
-    found = None
+    result = None
     with collective_errors(comm, doing):
         if comm.rank == 0:
-            found = work()
-    return comm.bcast(found)
+            result = work()
+    return comm.bcast(result)
 
 
 def raise_on_all(comm: Comm, error: Exception | None) -> None:
-    """Raise on every rank if any rank has an error (an exception or None): the first one's, as the
-    same type."""
-    first = int(comm.min([comm.size if error is None else comm.rank])[0])
-    if first == comm.size:
+    """Raise on every rank if any rank has an error. Collective.
+
+    Parameters
+    ----------
+    comm : Comm
+        All ranks.
+    error : Exception or None
+        Of this rank.
+
+    Raises
+    ------
+    Exception
+        A rank's own error; on ranks without one that of the first rank that has one, as the same
+        type if it is a GfmdError, else as a GfmdError.
+    """
+    failing_rank = int(comm.min([comm.size if error is None else comm.rank])[0])
+    if failing_rank == comm.size:
         return
-    kind, text = comm.bcast(None if error is None else (type(error), str(error)), first)
+    kind, text = comm.bcast(None if error is None else (type(error), str(error)), failing_rank)
     if error is not None:
         raise error
     raise kind(text) if issubclass(kind, GfmdError) else GfmdError(text)

@@ -96,18 +96,35 @@ class Stored:
                 piece = file[self.dataset][start:stop]
                 checksum += _checksum(piece, start)
             yield start, piece
-        minus_first, end = comm.max([-rows[0], rows[1]])  # of all ranks
-        first = -minus_first
-        rows_before, checksum_before = self.passed if first else (0, 0)
-        if rows_before == first:  # otherwise it is no pass over all of them
+        minus_begin, end = comm.max([-rows[0], rows[1]])  # of all ranks
+        begin = -minus_begin
+        rows_before, checksum_before = self.passed if begin else (0, 0)
+        if rows_before == begin:  # otherwise it is no pass over all of them
             total = (checksum_before + _sum_modulo(comm, checksum)) % 2**64
             self.passed = int(end), total
             if end == self.shape[0] and total != self.checksum:
                 raise GfmdError(f"{self.path}: the numbers of {self.dataset} are damaged")
 
     def slab(self, comm: Comm, rows: tuple[int, int]) -> np.ndarray:
-        """Read this rank's rows (start, stop) in one array. Collective; raises GfmdError as
-        `pieces`."""
+        """Read this rank's rows in one array. Collective.
+
+        Parameters
+        ----------
+        comm : Comm
+            The ranks that read.
+        rows : (int, int)
+            (start, stop) of this rank.
+
+        Returns
+        -------
+        ndarray, shape (stop - start, n_y)
+            The rows.
+
+        Raises
+        ------
+        GfmdError
+            As `pieces`.
+        """
         with collective_errors(comm, f"reading {self.path}"):
             slab = np.empty((rows[1] - rows[0], self.shape[1]), self.dtype)
         for start, piece in self.pieces(comm, rows):
@@ -115,8 +132,23 @@ class Stored:
         return slab
 
     def read(self, start: int = 0, stop: int | None = None) -> np.ndarray:
-        """Read rows start <= i < stop. Not collective: every rank may read what it needs. Raises
-        GfmdError as `pieces`."""
+        """Read rows. Not collective: every rank may read what it needs.
+
+        Parameters
+        ----------
+        start, stop : int
+            Rows start <= i < stop; default: all.
+
+        Returns
+        -------
+        ndarray, shape (stop - start, n_y)
+            The rows.
+
+        Raises
+        ------
+        GfmdError
+            As `pieces`.
+        """
         return self.slab(SerialComm(), (start, self.shape[0] if stop is None else stop))
 
 
@@ -207,8 +239,15 @@ def write_file(
 
 
 def sync(path: Path, wait: bool = True) -> None:
-    """Bring a file or folder to the disk, or (wait=False) have the system begin to: the disk is
-    busy then while the next piece is made."""
+    """Bring a file or folder to the disk.
+
+    Parameters
+    ----------
+    path : Path
+        The file or folder.
+    wait : bool
+        False: only have the system begin; the disk is busy then while the next piece is made.
+    """
     if os.name == "nt":  # no descriptor of a folder
         return
     descriptor = os.open(path, os.O_RDONLY)
@@ -251,8 +290,26 @@ def reading(path: Path) -> Any:
 
 
 def inside(group: Any, name: str) -> Any:
-    """Return the group or dataset `name`. Raises ValueError if it, or its numbers, lie in another
-    file: a link, a virtual or an external dataset could name any one of the machine."""
+    """Return a group or dataset that lies in the same file.
+
+    Parameters
+    ----------
+    group : h5py.Group
+        Where it is looked for.
+    name : str
+        Its name.
+
+    Returns
+    -------
+    h5py.Group or h5py.Dataset
+        What has the name.
+
+    Raises
+    ------
+    ValueError
+        If it, or its numbers, lie in another file: a link, a virtual or an external dataset could
+        name any one of the machine.
+    """
     import h5py
 
     member = group[name]

@@ -23,7 +23,7 @@ class Windows:
     def __init__(
         self, rank: int, starts: ArrayLike, lo: ArrayLike, hi: ArrayLike, n: int | None = None
     ):
-        starts, lo, hi = (np.asarray(a, np.int64) for a in (starts, lo, hi))
+        starts, lo, hi = (np.asarray(bounds, np.int64) for bounds in (starts, lo, hi))
         n = int(starts[-1]) if n is None else n
         self.rank = rank
         # this rank takes from all, and others take from it
@@ -33,17 +33,19 @@ class Windows:
         owner = np.append(ranks, np.full(len(others), rank))
         pieces: list[list[int]] = []
         for turn in range(int(lo.min()) // n, -(-int(hi.max()) // n)):
-            first, last = starts[owner] + turn * n, starts[owner + 1] + turn * n
-            begin = np.maximum(first, lo[taker])
-            length = np.minimum(last, hi[taker]) - begin
-            found = np.stack([taker, owner, begin - lo[taker], begin - first, length], axis=1)
-            pieces += found[length > 0].tolist()
+            owner_start = starts[owner] + turn * n
+            owner_stop = starts[owner + 1] + turn * n
+            begin = np.maximum(owner_start, lo[taker])
+            length = np.minimum(owner_stop, hi[taker]) - begin
+            columns = [taker, owner, begin - lo[taker], begin - owner_start, length]
+            pieces += np.stack(columns, axis=1)[length > 0].tolist()
         # (rows of the window, own rows); by peer: rows of the window, own rows
         self.own: list[tuple[slice, slice]] = []
         self.take: Pieces = {}
         self.give: Pieces = {}
         for to, source, at, own_at, count in sorted(pieces):  # in the order of the window
-            in_window, in_own = slice(at, at + count), slice(own_at, own_at + count)
+            in_window = slice(at, at + count)
+            in_own = slice(own_at, own_at + count)
             if to == source:
                 self.own.append((in_window, in_own))
             elif to == rank:
@@ -55,25 +57,45 @@ class Windows:
         self.interior = slice(begin, begin + int(starts[rank + 1] - starts[rank]))
 
     def fill(self, comm: Any, owned: np.ndarray, window: np.ndarray) -> None:
-        """Copy the rows of all windows from those that own them."""
+        """Copy the rows of all windows from those that own them. Collective.
+
+        Parameters
+        ----------
+        comm : Comm
+            All ranks.
+        owned : ndarray, shape (..., rows of this rank, m)
+            What is copied.
+        window : ndarray, shape (..., rows of the window, m)
+            What is filled; may be the same memory.
+        """
         received = _exchange(comm, owned, self.give, window, self.take)
-        for rows, own in self._apart(owned, window):
-            window[..., rows, :] = owned[..., own, :]
+        for rows, owned_rows in self._apart(owned, window):
+            window[..., rows, :] = owned[..., owned_rows, :]
         for rows, values in received:
             window[..., rows, :] = values
 
     def add(self, comm: Any, window: np.ndarray, owned: np.ndarray) -> None:
-        """Add the rows of all windows to those that own them: the transpose of `fill`."""
+        """Add the rows of all windows to those that own them: the transpose of `fill`. Collective.
+
+        Parameters
+        ----------
+        comm : Comm
+            All ranks.
+        window : ndarray, shape (..., rows of the window, m)
+            What is added.
+        owned : ndarray, shape (..., rows of this rank, m)
+            What it is added to; may be the same memory.
+        """
         received = _exchange(comm, window, self.take, owned, self.give)
-        for rows, own in self._apart(owned, window):
-            owned[..., own, :] += window[..., rows, :]
-        for own, values in received:
-            owned[..., own, :] += values
+        for rows, owned_rows in self._apart(owned, window):
+            owned[..., owned_rows, :] += window[..., rows, :]
+        for owned_rows, values in received:
+            owned[..., owned_rows, :] += values
 
     def _apart(self, owned: np.ndarray, window: np.ndarray) -> list[tuple[slice, slice]]:
         """List own pieces of the own window that are not the same memory."""
-        together = np.may_share_memory(owned, window)
-        return [piece for piece in self.own if not (together and piece[0] == self.interior)]
+        is_same_memory = np.may_share_memory(owned, window)
+        return [piece for piece in self.own if not (is_same_memory and piece[0] == self.interior)]
 
     def sent_rows(self, adding: bool) -> dict[int, int]:
         """Return {rank: rows sent to it} by `add` or by `fill`."""
@@ -116,8 +138,26 @@ def rows_of(
     hi: np.ndarray,
     n: int | None = None,
 ) -> np.ndarray:
-    """Gather the rows lo[rank] <= i < hi[rank] of the field of which this rank's part is a; rows
-    that belong to nobody are 0. Collective."""
+    """Return the rows lo[rank] <= i < hi[rank] of a field. Collective.
+
+    Parameters
+    ----------
+    comm : Comm
+        All ranks.
+    a : ndarray, shape (..., rows of this rank, m)
+        This rank's part of the field.
+    starts : array_like of int
+        First row of every rank, and their number.
+    lo, hi : ndarray of int
+        What every rank wants; may reach around the ring.
+    n : int, optional
+        Length of the ring, as of Windows.
+
+    Returns
+    -------
+    ndarray, shape (..., hi - lo, m)
+        Rows that belong to no rank are 0.
+    """
     window = np.zeros((*a.shape[:-2], int(hi[comm.rank] - lo[comm.rank]), a.shape[-1]), a.dtype)
     rows = (tuple(np.asarray(ends).tolist()) for ends in (starts, lo, hi))
     _windows(comm.rank, *rows, n).fill(comm, a, window)
@@ -127,17 +167,52 @@ def rows_of(
 def neighbours(
     comm: Any, a: np.ndarray, starts: np.ndarray, width: int, owned: ArrayLike | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Gather the `width` rows before and after the rows of this rank, as `starts` has them. owned:
-    the starts of those that a field has on each rank, if these are not all. Collective."""
-    first, last = np.asarray(starts)[:-1], np.asarray(starts)[1:]
-    owned, n = starts if owned is None else owned, int(starts[-1])
-    return rows_of(comm, a, owned, first - width, first, n), rows_of(
-        comm, a, owned, last, last + width, n
-    )
+    """Return the rows before and after those of this rank. Collective.
+
+    Parameters
+    ----------
+    comm : Comm
+        All ranks.
+    a : ndarray, shape (..., rows of this rank, m)
+        This rank's part of the field.
+    starts : ndarray of int
+        First row of every rank, and their number.
+    width : int
+        How many rows on each side.
+    owned : array_like of int, optional
+        The starts of the rows that a field has on each rank, if these are not all.
+
+    Returns
+    -------
+    ndarray, shape (..., width, m)
+        Rows before.
+    ndarray, shape (..., width, m)
+        Rows after.
+    """
+    begin = np.asarray(starts)[:-1]
+    end = np.asarray(starts)[1:]
+    owned = starts if owned is None else owned
+    n = int(starts[-1])
+    before = rows_of(comm, a, owned, begin - width, begin, n)
+    return before, rows_of(comm, a, owned, end, end + width, n)
 
 
 def next_row(comm: Any, a: np.ndarray, starts: ArrayLike) -> np.ndarray:
-    """Gather the row after this rank's rows a (..., rows, m); starts: first row of every rank, and
-    their number. Periodic. Collective."""
-    last = np.asarray(starts)[1:]
-    return rows_of(comm, a, starts, last, last + 1)[..., 0, :]
+    """Return the row after those of this rank; the first one after the last. Collective.
+
+    Parameters
+    ----------
+    comm : Comm
+        All ranks.
+    a : ndarray, shape (..., rows of this rank, m)
+        This rank's part of the field.
+    starts : array_like of int
+        First row of every rank, and their number.
+
+    Returns
+    -------
+    ndarray, shape (..., m)
+        The row.
+    """
+    end = np.asarray(starts)[1:]
+    return rows_of(comm, a, starts, end, end + 1)[..., 0, :]

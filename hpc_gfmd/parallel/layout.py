@@ -11,11 +11,25 @@ COLUMN_BYTES = 256 * 1024  # of a block of columns, which is transposed in the s
 # of the spectra of one pass of rows: these share the second-level cache with the rows of the
 # caller's fields
 ROW_BYTES = 256 * 1024
-MIN_WIDTH, MAX_WIDTH = 8, 64
+MIN_WIDTH = 8  # columns of a block
+MAX_WIDTH = 64
 
 
 def row_starts(n_x: int, size: int) -> np.ndarray:
-    """Return the first row of every rank, and n_x: the block distribution of mpi4py-fft."""
+    """Return which rows every rank has by the block distribution of mpi4py-fft.
+
+    Parameters
+    ----------
+    n_x : int
+        Number of rows.
+    size : int
+        Number of ranks.
+
+    Returns
+    -------
+    ndarray of int, shape (size + 1,)
+        First row of every rank, and n_x.
+    """
     return np.array([r * (n_x // size) + min(r, n_x % size) for r in range(size + 1)])
 
 
@@ -23,11 +37,37 @@ class Layout:
     """Who has which rows of a field and which columns of its half spectrum, and what is sent: no
     memory, no message.
 
-    n: (n_x, n_y) global; starts: first row of each rank plus n_x; itemsize: of a complex number;
-    node_ranks: those that have memory in common with this one, itself among them. edges: first
-    column of every block, and their number n_c; K: blocks of each rank; block_widths (K, size):
-    their columns; W: columns of the widest block; R: rows that are transformed at a time; far:
-    which ranks have to be sent what they want.
+    Parameters
+    ----------
+    n : (int, int)
+        (n_x, n_y) of the whole field.
+    starts : array_like of int
+        First row of each rank, and n_x.
+    rank : int
+        This rank.
+    itemsize : int
+        Bytes of a complex number.
+    node_ranks : array_like of int, optional
+        Ranks that have memory in common with this one, itself among them; default: itself.
+
+    Attributes
+    ----------
+    n_c : int
+        Columns of the half spectrum, n_y // 2 + 1.
+    n_loc : int
+        Rows of this rank.
+    edges : ndarray of int
+        First column of every block, and n_c.
+    K : int
+        Blocks of each rank.
+    block_widths : ndarray of int, shape (K, size)
+        Their columns.
+    W : int
+        Columns of the widest block.
+    R : int
+        Rows that are transformed at a time.
+    far : ndarray of bool, shape (size,)
+        Which ranks have to be sent what they want.
     """
 
     def __init__(
@@ -38,7 +78,10 @@ class Layout:
         itemsize: int,
         node_ranks: ArrayLike | None = None,
     ):
-        self.n, self.starts, self.rank, self.itemsize = n, np.asarray(starts), rank, itemsize
+        self.n = n
+        self.starts = np.asarray(starts)
+        self.rank = rank
+        self.itemsize = itemsize
         self.size = len(self.starts) - 1
         self.n_c = n[1] // 2 + 1
         self.n_loc = int(self.starts[rank + 1] - self.starts[rank])
@@ -86,8 +129,9 @@ class Layout:
     @cached_property
     def widths(self) -> list[int]:
         """The numbers of columns that are transformed at a time."""
-        found = self.block_widths[self.block_widths > 0]
-        return np.unique(found).tolist() if self.size > 1 else [self.W]
+        if self.size == 1:
+            return [self.W]
+        return np.unique(self.block_widths[self.block_widths > 0]).tolist()
 
     @property
     def scratch_bytes(self) -> int:
@@ -103,20 +147,23 @@ class Layout:
     def sent(self, k: int) -> tuple[np.ndarray, np.ndarray]:
         """Return the bytes to every rank, and their offsets in the slab of the all-to-all number
         k."""
-        first = self.edges[k * self.size : (k + 1) * self.size]
-        column = self.n_loc * self.itemsize
-        return self.far * self.block_widths[k] * column, (first - first[0]) * column
+        first_columns = self.edges[k * self.size : (k + 1) * self.size]
+        column_bytes = self.n_loc * self.itemsize
+        sizes = self.far * self.block_widths[k] * column_bytes
+        return sizes, (first_columns - first_columns[0]) * column_bytes
 
     def received(self, k: int) -> tuple[np.ndarray, np.ndarray]:
         """Return the bytes from every rank of complete columns, and their offsets."""
-        row = self.block_widths[k, self.rank] * self.itemsize
-        return self.far * np.diff(self.starts) * row, self.starts[:-1] * row
+        row_bytes = self.block_widths[k, self.rank] * self.itemsize
+        return self.far * np.diff(self.starts) * row_bytes, self.starts[:-1] * row_bytes
 
     def traffic(self) -> tuple[int, int]:
         """Return (bytes, messages) that this rank sends to ranks on other nodes in a transform
         there and back."""
-        to_others, mine = self.block_widths[:, self.far], self.block_widths[:, self.rank]
+        to_others = self.block_widths[:, self.far]
+        mine = self.block_widths[:, self.rank]
         rows = np.diff(self.starts) * self.far
         nbytes = (self.n_loc * to_others.sum() + rows.sum() * mine.sum()) * self.itemsize
-        there = np.count_nonzero(to_others) * (self.n_loc > 0)
-        return int(nbytes), int(there + np.count_nonzero(mine) * np.count_nonzero(rows))
+        messages_forward = np.count_nonzero(to_others) * (self.n_loc > 0)
+        messages_back = np.count_nonzero(mine) * np.count_nonzero(rows)
+        return int(nbytes), int(messages_forward + messages_back)

@@ -32,10 +32,22 @@ def io_way(comm: Comm, path: Path) -> str:
 
 
 def mpi_io_obstacle(comm: Comm, path: Path) -> str:
-    """Return why MPI-IO cannot write a file, empty if it can; for a communicator of several ranks.
+    """Return why MPI-IO cannot write a file. Collective.
 
     A file of one byte is opened in the same folder, once for each folder. Open MPI needs room in
-    /dev/shm for that; some file systems lack what MPI-IO needs. Collective.
+    /dev/shm for that; some file systems lack what MPI-IO needs.
+
+    Parameters
+    ----------
+    comm : MpiComm
+        Several ranks.
+    path : Path
+        The file; its folder is there.
+
+    Returns
+    -------
+    str
+        For a person, the same on all ranks; empty if MPI-IO can write it.
     """
     if ":" in os.fspath(path):
         return "it takes what is before a colon for the kind of a file system"

@@ -15,7 +15,9 @@ import numpy as np
 from .fftw import PREFIXES, load_fftw
 
 Transform = tuple[int, int]
-FORWARD, BACKWARD, MEASURE = -1, 1, 0  # of FFTW
+FORWARD = -1  # signs and flag of FFTW
+BACKWARD = 1
+MEASURE = 0
 CALL = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 3)
 
 
@@ -29,7 +31,7 @@ class Plans:
 
     def __init__(self, real: np.ndarray, half: np.ndarray, blocks: Sequence[np.ndarray]):
         plan = self._fftw if load_fftw() else self._scipy
-        self._known: list[Any] = []
+        self._transforms: list[Any] = []
         self.rows_forward = plan("_r2c", real, half)
         self.rows_backward = plan("_c2r", half, real)
         self.columns_forward = {len(block): plan("", block, block, FORWARD) for block in blocks}
@@ -40,8 +42,10 @@ class Plans:
         libraries = load_fftw()
         assert libraries is not None
         real = x.real.dtype.name
-        library, prefix = libraries[real], PREFIXES[real]
-        make, destroy = library[f"{prefix}plan_many_dft{kind}"], library[f"{prefix}destroy_plan"]
+        library = libraries[real]
+        prefix = PREFIXES[real]
+        make = library[f"{prefix}plan_many_dft{kind}"]
+        destroy = library[f"{prefix}destroy_plan"]
         make.restype = ctypes.c_void_p
         ends = [(a.ctypes.data_as(ctypes.c_void_p), None, 1, a.shape[1]) for a in (x, out)]
         n = ctypes.byref(ctypes.c_int(max(x.shape[1], out.shape[1])))
@@ -59,14 +63,14 @@ class Plans:
             "": lambda a: fft.fft(a, axis=1) if sign == (FORWARD,) else fft.ifft(a, **back),
         }[kind]
 
-        if not self._known:
+        if not self._transforms:
             self._called = CALL(self._call)
-        self._known.append((transform, x, out))
-        return _address(self._called), len(self._known)
+        self._transforms.append((transform, x, out))
+        return _address(self._called), len(self._transforms)
 
     def _call(self, plan: int, source: int, target: int) -> None:
         """Do what FFTW does, by the number of a plan."""
-        transform, x, out = self._known[plan - 1]
+        transform, x, out = self._transforms[plan - 1]
         _at(target, out)[...] = transform(_at(source, x))
 
 

@@ -16,30 +16,48 @@ PAGE = mmap.PAGESIZE
 
 
 def common_memory(comm: Any, nbytes: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return (memory, offsets): the bytes of all ranks of a communicator, zero, and where those of
-    each rank begin; nbytes: of this rank.
+    """Make memory that all ranks of a communicator have in common. Collective.
 
-    Raises OSError on all ranks where they cannot have it together, such as on several machines.
-    Collective.
+    Parameters
+    ----------
+    comm : Comm
+        Ranks of one machine.
+    nbytes : int
+        Bytes for this rank.
+
+    Returns
+    -------
+    ndarray of uint8
+        The bytes of all ranks, zero.
+    ndarray of int
+        Where those of each rank begin.
+
+    Raises
+    ------
+    OSError
+        On all ranks where they cannot have it together, such as on several machines.
     """
     offsets = np.concatenate([[0], np.cumsum(-(-np.array(comm.allgather(nbytes)) // PAGE) * PAGE)])
     total = max(int(offsets[-1]), PAGE)
-    made, error, memory, token = -1, None, None, int.from_bytes(os.urandom(6))
+    file = -1  # of rank 0
+    error = None
+    memory = None
+    token = int.from_bytes(os.urandom(6))
     if comm.rank == 0:
         try:
-            made = os.memfd_create(_name(token))
-            os.ftruncate(made, total)
-        except (OSError, AttributeError) as found:  # a system without them
-            error = OSError(str(found))
-    pid, there, token = comm.bcast((os.getpid(), -1 if error else made, token))
+            file = os.memfd_create(_name(token))
+            os.ftruncate(file, total)
+        except (OSError, AttributeError) as caught:  # a system without them
+            error = OSError(str(caught))
+    pid, descriptor, token = comm.bcast((os.getpid(), -1 if error else file, token))
     try:
-        if there >= 0:
-            memory = _mapped(f"/proc/{pid}/fd/{there}", token, total)
-    except OSError as found:
-        error = found
+        if descriptor >= 0:
+            memory = _mapped(f"/proc/{pid}/fd/{descriptor}", token, total)
+    except OSError as caught:
+        error = caught
     failed = comm.max([memory is None])[0]  # all have opened it, or given up
-    if made >= 0:
-        os.close(made)
+    if file >= 0:
+        os.close(file)
     if failed or memory is None:
         raise error or OSError("no memory in common with another rank")
     return memory, offsets[:-1]
@@ -66,7 +84,7 @@ def _mapped(path: str, token: int, total: int) -> np.ndarray:
 
 
 def can_share(comm: Any) -> bool:
-    """Tell whether the ranks of a communicator can have memory in common: on one machine, and
+    """Return whether the ranks of a communicator can have memory in common: on one machine, and
     allowed to. Collective."""
     try:
         common_memory(comm, 0)

@@ -36,10 +36,10 @@ def threads_of(comm: Comm, wanted: int | str, points: int) -> int:
     """
     if wanted != "auto":
         wanted = int(wanted)
-        most = int(comm.min([THREADS_PER_CORE * (os.cpu_count() or 1)])[0])
-        if wanted > most:
+        limit = int(comm.min([THREADS_PER_CORE * (os.cpu_count() or 1)])[0])
+        if wanted > limit:
             raise SceneError(
-                f"machine.threads: found {wanted}, allowed on this machine: up to {most}"
+                f"machine.threads: found {wanted}, allowed on this machine: up to {limit}"
                 f" ({THREADS_PER_CORE} per core)"
             )
         return wanted
@@ -49,14 +49,42 @@ def threads_of(comm: Comm, wanted: int | str, points: int) -> int:
 
 
 def auto_threads(points: int, ranks: int, cores: int) -> int:
-    """Choose the threads of each rank where nobody says how many: one of several ranks; all cores
-    for one process, or one where the points are so few that more do not pay."""
+    """Choose the threads of each rank where neither the scene nor Slurm says how many.
+
+    Parameters
+    ----------
+    points : int
+        Of the surface.
+    ranks : int
+        Number of ranks.
+    cores : int
+        That this process may use.
+
+    Returns
+    -------
+    int
+        One for each of several ranks; all cores for one process, or one where the points are so few
+        that more do not pay.
+    """
     return cores if ranks == 1 and points >= THREADED_POINTS else 1
 
 
 def ranks_per_node(ranks: int, threads: int) -> int:
-    """Return how many of so many ranks share a node, as long as nobody says: as many as Slurm
-    starts on one, else as the cores that this process may use are enough for."""
+    """Return how many ranks share a node where that is not said.
+
+    Parameters
+    ----------
+    ranks : int
+        Number of all ranks.
+    threads : int
+        Of each.
+
+    Returns
+    -------
+    int
+        As many as Slurm starts on a node, else as the cores that this process may use are enough
+        for.
+    """
     return min(ranks, tasks_per_node() or max(1, len(cores()) // threads))
 
 

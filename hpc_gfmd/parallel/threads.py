@@ -14,8 +14,8 @@ import numpy as np
 
 T = TypeVar("T")
 
-# points of a field that a thread works on at a time, and rows at least
-PIECE_POINTS, PIECE_ROWS = 2**17, 8
+PIECE_POINTS = 2**17  # of a field, which a thread works on at a time
+PIECE_ROWS = 8  # at least
 SHARES = 4  # of a compiled pass that each thread does
 
 
@@ -25,13 +25,14 @@ def piece_rows(n_y: int) -> int:
 
 
 def threads_for(points: int, threads: int) -> int:
-    """Return how many of these threads pay for a grid of so many points: those that get a piece."""
+    """Return how many of `threads` threads pay for a grid of `points` points: those that get a
+    piece."""
     return max(1, min(threads, points // PIECE_POINTS))
 
 
 def shares(count: int, threads: int) -> list[tuple[int, int]]:
-    """Cut range(count) into what a thread does in one compiled call: on several threads several
-    times each, because none of them is always as fast as the others."""
+    """Return [(start, stop), ...], range(count) cut into what a thread does in one compiled call:
+    on several threads several times each, because none of them is always as fast as the others."""
     parts = max(1, min(count, SHARES * threads if threads > 1 else 1))
     ends = [count * part // parts for part in range(parts + 1)]
     return list(zip(ends, ends[1:]))
@@ -43,30 +44,44 @@ def on_threads(
     pieces: Iterable[tuple],
     scratch: Sequence[Any] | None = None,
 ) -> list[T]:
-    """Call work(*piece) for every piece, whichever thread is free; returns what it returned, in the
-    order of the pieces.
+    """Call work(*piece) for every piece, on whichever thread is free.
 
-    scratch: one more argument, of each thread its own. Threads run at the same time only where
-    `work` leaves Python: in kernels, transforms and NumPy.
+    Threads run at the same time only where `work` leaves Python: in kernels, transforms and NumPy.
+
+    Parameters
+    ----------
+    threads : int
+        Number of threads, this one among them.
+    work : function
+        What is called.
+    pieces : iterable of tuple
+        Its arguments.
+    scratch : sequence, optional
+        One more argument, of each thread its own.
+
+    Returns
+    -------
+    list
+        What work returned, in the order of the pieces.
     """
     pieces = list(pieces)
-    found: list[Any] = [None] * len(pieces)
-    left = iter(enumerate(pieces))  # a thread takes the next one in one step
+    results: list[Any] = [None] * len(pieces)
+    remaining = iter(enumerate(pieces))  # a thread takes the next one in one step
 
     def work_on(thread: int) -> None:
-        own = [] if scratch is None else [scratch[thread]]
-        for k, piece in left:
-            found[k] = work(*piece, *own)
+        scratch_of_thread = [] if scratch is None else [scratch[thread]]
+        for k, piece in remaining:
+            results[k] = work(*piece, *scratch_of_thread)
 
-    others = [_pool().submit(work_on, thread) for thread in range(1, min(threads, len(pieces)))]
+    futures = [_pool().submit(work_on, thread) for thread in range(1, min(threads, len(pieces)))]
     try:
         work_on(0)
     finally:
-        if others:  # asking takes longer than a coarse grid
-            wait(others)
-    for other in others:
-        other.result()
-    return found
+        if futures:  # asking takes longer than a coarse grid
+            wait(futures)
+    for future in futures:
+        future.result()
+    return results
 
 
 def added(parts: Sequence[Sequence[float]], count: int) -> np.ndarray:

@@ -34,8 +34,24 @@ LIMIT = 2**20
 
 
 def planned(comm: Comm, dtype: DTypeLike, make: Callable[[], T], shapes: Hashable) -> T:
-    """Call make(), which makes plans by measurement, so that all ranks plan alike; return what it
-    returned. shapes: of these plans. Collective."""
+    """Make plans by measurement so that all ranks plan alike. Collective.
+
+    Parameters
+    ----------
+    comm : Comm
+        All ranks.
+    dtype : dtype
+        Of the real numbers.
+    make : function
+        Makes the plans of this rank.
+    shapes : hashable
+        Of these plans; what has been planned in this process is not written out again.
+
+    Returns
+    -------
+    object
+        What make() returns.
+    """
     if load_fftw() is None:
         return make()
     wisdom = _wisdom(np.dtype(dtype).name)
@@ -48,9 +64,9 @@ def planned(comm: Comm, dtype: DTypeLike, make: Callable[[], T], shapes: Hashabl
     if comm.rank == 0:
         if len(wisdom.text()) > 2 * LIMIT:
             wisdom.replace(b"")
-        known = wisdom.read()
+        lines_kept = _lines(wisdom.read())
         plans = make()
-        if launcher_rank() == 0 and not _lines(wisdom.text()) <= _lines(known):
+        if launcher_rank() == 0 and not _lines(wisdom.text()) <= lines_kept:
             wisdom.read()  # what others have found meanwhile
             if wisdom.path:
                 keep(wisdom.path, wisdom.text())
@@ -74,13 +90,22 @@ def _take_over(comm: Comm, wisdom: _Wisdom) -> None:
 
 class _Wisdom:
     """The wisdom of this process in one precision. What it knows already wins over what is read.
-    made: shapes of plans it has made; version: of what rank 0 has sent, None where something else
-    is known."""
+
+    Attributes
+    ----------
+    made : set
+        Shapes of the plans that were made.
+    version : bytes or None
+        Of what rank 0 has sent; None where something else is known.
+    kind : str
+        Changes with the version of FFTW and the kind of processor.
+    """
 
     def __init__(self, name: str):
         libraries = load_fftw()
         assert libraries is not None
-        self.name, self.library = name, libraries[name]
+        self.name = name
+        self.library = libraries[name]
         self._read = b""  # what was in the cache
         self.made: set[Hashable] = set()
         self.version: bytes | None = None
@@ -118,7 +143,8 @@ class _Wisdom:
 
     def replace(self, text: bytes) -> None:
         """Know this and nothing else."""
-        self._read, self.version = b"", None
+        self._read = b""
+        self.version = None
         self.made.clear()
         self._function("forget_wisdom")()
         self._add(text)

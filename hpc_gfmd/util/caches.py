@@ -50,13 +50,27 @@ def keep(path: Path, content: bytes, purpose: str | None = None) -> None:
 
 
 def kept(path: Path, purpose: str | None = None) -> bytes | None:
-    """Return the content of a file that `keep` wrote; None where there is no such file, or where
-    any byte of it has changed."""
+    """Read a file that `keep` wrote.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    purpose : str, optional
+        What it was kept for; default: the file's name.
+
+    Returns
+    -------
+    bytes or None
+        The content; None where there is no such file, where any byte of it has changed, or where it
+        was kept for another purpose.
+    """
     try:
         data = path.read_bytes()
     except OSError:
         return None
-    digest, content = data[:DIGEST_BYTES], data[DIGEST_BYTES:]
+    digest = data[:DIGEST_BYTES]
+    content = data[DIGEST_BYTES:]
     return content if digest == _digest(content, path, purpose) else None
 
 

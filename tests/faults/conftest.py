@@ -29,9 +29,9 @@ def small_disk(tmp_path):
             pytest.skip("only root can mount a small disk")
         folder.mkdir(exist_ok=True)
         command = ["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", folder]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-        if done.returncode:
-            pytest.skip(f"mounting is not allowed: {done.stderr.strip()}")
+        completed = subprocess.run(command, capture_output=True, text=True, check=False)
+        if completed.returncode:
+            pytest.skip(f"mounting is not allowed: {completed.stderr.strip()}")
         mounted.append(folder)
         return folder
 

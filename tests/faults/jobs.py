@@ -56,17 +56,17 @@ class Job:
 
     def pids(self):
         """All processes of the job that live, that of mpirun or the program first."""
-        found = []
+        pids = []
         for folder in Path("/proc").iterdir():
             try:
                 if (
                     folder.name.isdigit()
                     and f"{MARK}={self.mark}".encode() in (folder / "environ").read_bytes()
                 ):
-                    found.append(int(folder.name))
+                    pids.append(int(folder.name))
             except OSError:  # ended, or not ours
                 continue
-        return sorted(found, key=lambda pid: (pid != self.process.pid, pid))
+        return sorted(pids, key=lambda pid: (pid != self.process.pid, pid))
 
     def ranks(self):
         """The processes that compute."""
@@ -168,18 +168,18 @@ def nothing_wrong(path, wanted, rel=0.0):
 
     Returns how many steps there are."""
     if path.exists():
-        found = read_result(path)
-        assert found.indices == wanted.indices
-        assert_same_steps(found, wanted, rel)
+        result = read_result(path)
+        assert result.indices == wanted.indices
+        assert_same_steps(result, wanted, rel)
         return len(wanted.steps)
     if (partial_folder(path) / "head.h5").exists():
         begun = time.monotonic()
         while is_held(partial_folder(path)) and time.monotonic() - begun < 5:
             time.sleep(0.01)  # a process that was killed gives back its files last
-        found = read_result(path)
-        assert found.status == "interrupted", found.status
-        assert_same_steps(found, wanted, rel)
-        return len(found.steps)
+        result = read_result(path)
+        assert result.status == "interrupted", result.status
+        assert_same_steps(result, wanted, rel)
+        return len(result.steps)
     return 0
 
 
@@ -202,8 +202,11 @@ def call(words, ranks=None, cwd="."):
     """As `run`, in this process where one is enough (ranks None): much faster."""
     if ranks:
         return run(words, ranks, cwd)
-    job, out, err = Job.__new__(Job), io.StringIO(), io.StringIO()
+    job = Job.__new__(Job)
+    out = io.StringIO()
+    err = io.StringIO()
     with contextlib.chdir(cwd), contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
         job.code = main(words.split())
-    job.out, job.err = out.getvalue(), err.getvalue()
+    job.out = out.getvalue()
+    job.err = err.getvalue()
     return job

@@ -17,7 +17,9 @@ from hpc_gfmd.util.errors import GfmdError
 
 MOST_POINTS = 2**20  # of a field that is read; larger ones are left to the check of the memory
 # of the child that tries a file, and characters of a message
-SECONDS, BYTES, LONGEST = 1, 8 * 2**30, 1500
+SECONDS = 1
+BYTES = 8 * 2**30
+LONGEST = 1500
 # a file made to crash the HDF5 library is the library's matter
 HDF5 = "hdf5", "netcdf", "result", "checkpoint"
 
@@ -56,8 +58,8 @@ def read_results(path):
 
 def read_state(path):
     """A checkpoint and its arrays."""
-    found = read_checkpoint(path, "abc")
-    for field in found.fields[0].values():
+    checkpoint = read_checkpoint(path, "abc")
+    for field in checkpoint.fields[0].values():
         if field.shape[0] * field.shape[1] <= MOST_POINTS:
             field.read()
 
@@ -100,9 +102,9 @@ def outcome(target, path):
 
 def outcome_apart(target, path):
     """As `outcome`, in a fork, or "crashed": the HDF5 library takes the process with it."""
-    found = _in_a_fork(lambda: outcome(target, path))
-    assert found is not None or target in HDF5, f"{path} ends the process that reads it"
-    return found or "crashed"
+    outcome_in_child = _in_a_fork(lambda: outcome(target, path))
+    assert outcome_in_child is not None or target in HDF5, f"{path} ends the process that reads it"
+    return outcome_in_child or "crashed"
 
 
 def _in_a_fork(function):

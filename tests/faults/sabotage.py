@@ -60,7 +60,8 @@ def nan(count, value="nan"):
         args[0].p[0, 0] = float(value)
         return go_on()
 
-    step, spoiled = Bpx.step, after(Bpx.step, count, spoil)
+    step = Bpx.step
+    spoiled = after(Bpx.step, count, spoil)
     Bpx.step = lambda self: (spoiled if self.N == 128 * 128 else step)(self)  # not on coarser grids
 
 

@@ -39,21 +39,21 @@ def _npy(folder):
         FIELD[0],
         FIELD + 1j,
     ]
-    found = []
+    paths = []
     for i, array in enumerate(arrays):
         memory = io.BytesIO()
         np.save(memory, array)
-        found.append(_put(folder / f"{i}.npy", memory.getvalue()))
-    return found
+        paths.append(_put(folder / f"{i}.npy", memory.getvalue()))
+    return paths
 
 
 def _hdf5(folder):
-    found = [folder / "plain.h5", folder / "packed.h5", folder / "new.h5"]
-    with h5py.File(found[0], "w") as file:
+    paths = [folder / "plain.h5", folder / "packed.h5", folder / "new.h5"]
+    with h5py.File(paths[0], "w") as file:
         file["surface"] = FIELD
         file["surface"].attrs["unit"] = "m"
         file["link"] = h5py.SoftLink("/surface")
-    with h5py.File(found[1], "w") as file:
+    with h5py.File(paths[1], "w") as file:
         file.create_dataset(
             "surface",
             data=FIELD.astype("i2"),
@@ -62,27 +62,28 @@ def _hdf5(folder):
             shuffle=True,
             fletcher32=True,
         )
-    with h5py.File(found[2], "w", libver="v110") as file:
+    with h5py.File(paths[2], "w", libver="v110") as file:
         file.create_dataset(
             "surface", data=FIELD.astype(">f4"), chunks=(3, 5), maxshape=(None, 5), scaleoffset=None
         )
-    return found
+    return paths
 
 
 def _netcdf(folder):
-    found = [folder / "two.nc", folder / "records.nc"]
-    for path, record in zip(found, (False, True)):
+    paths = [folder / "two.nc", folder / "records.nc"]
+    for path, record in zip(paths, (False, True)):
         with netcdf_file(path, "w") as file:
             file.createDimension("x", None if record else N[0])
             file.createDimension("y", N[1])
             z = file.createVariable("z", "f4" if record else "i2", ("x", "y"))
             z[:] = FIELD
-            z.units, z.scale_factor = "m", 0.5
-    return found + [p.rename(p.with_suffix(".nc")) for p in _hdf5(folder)[:1]]
+            z.units = "m"
+            z.scale_factor = 0.5
+    return paths + [p.rename(p.with_suffix(".nc")) for p in _hdf5(folder)[:1]]
 
 
 def _results(folder):
-    found = []
+    paths = []
     for name, compressed in (("result", False), ("compressed", True)):
         path = folder / f"{name}.h5"
         head = {
@@ -97,8 +98,8 @@ def _results(folder):
                     index, STEP | {"status": ("converged", "stagnated")[index]}, {"gap": FIELD}
                 )
             run.finish("stagnated")
-        found.append(path)
-    return found
+        paths.append(path)
+    return paths
 
 
 def _checkpoints(folder):

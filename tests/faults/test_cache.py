@@ -140,7 +140,8 @@ def test_other_sources_have_another_folder_and_few_are_kept(compiled, monkeypatc
 
 def test_only_what_was_kept_comes_back(tmp_path):
     """Whatever happens to the bytes of a file."""
-    original, path = bytes(range(256)) * 3, tmp_path / "file"
+    original = bytes(range(256)) * 3
+    path = tmp_path / "file"
     keep(path, original)
     data = path.read_bytes()
     assert kept(path) == original
@@ -180,8 +181,8 @@ def test_a_solve_with_all_caches_damaged(tmp_path):
     for damage in DAMAGE.values():
         for path in files:
             path.write_bytes(damage(path.read_bytes()))
-        done = python(None, ["-c", SOLVE], env)
-        assert (done.returncode, done.stdout) == (0, expected.stdout), done.stderr
+        completed = python(None, ["-c", SOLVE], env)
+        assert (completed.returncode, completed.stdout) == (0, expected.stdout), completed.stderr
 
 
 @pytest.mark.parametrize("content", [b"", b"[]", b"\xff\xfe", b"null", b"1e-30"])
@@ -243,9 +244,9 @@ def test_commands_without_a_home(commands, files, tmp_path):
 from hpc_gfmd.commands.cli import main
 print([main(command.split()) for command in {commands}])
 """
-    done = python(None, ["-c", program], environment(), tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.endswith("[0, 0, 0]\n"), done.stdout
+    completed = python(None, ["-c", program], environment(), tmp_path)
+    assert completed.returncode == 0, completed.stderr
+    assert completed.stdout.endswith("[0, 0, 0]\n"), completed.stdout
     assert sorted(path.name for path in tmp_path.iterdir()) == files
 
 
@@ -258,14 +259,14 @@ def test_kept_code_calls_no_copy_of_a_piece():
 
 def test_kernels_that_are_not_to_be_compiled(tmp_path):
     """numba's switch for debugging would have Python call FFTW by an address."""
-    done = python(None, ["-c", SOLVE], environment(NUMBA_DISABLE_JIT="1"))
-    assert done.returncode == 1
-    assert "NUMBA_DISABLE_JIT" in done.stderr.splitlines()[-1]
+    completed = python(None, ["-c", SOLVE], environment(NUMBA_DISABLE_JIT="1"))
+    assert completed.returncode == 1
+    assert "NUMBA_DISABLE_JIT" in completed.stderr.splitlines()[-1]
     (tmp_path / "scene.toml").write_text(
         "[surface]\nkind = 'wave'\namplitude = 0.1\nn = [8, 8]\n[load]\npressure = 0.1\n"
     )
     words = ["-m", "hpc_gfmd", "run", "scene.toml"]
-    done = python(None, words, environment(NUMBA_DISABLE_JIT="1"), tmp_path)
-    assert (done.returncode, done.stderr.count("\n")) == (2, 1), done.stderr
-    assert "NUMBA_DISABLE_JIT" in done.stderr
+    completed = python(None, words, environment(NUMBA_DISABLE_JIT="1"), tmp_path)
+    assert (completed.returncode, completed.stderr.count("\n")) == (2, 1), completed.stderr
+    assert "NUMBA_DISABLE_JIT" in completed.stderr
     assert sys.platform != "linux" or sorted(os.listdir(tmp_path)) == ["scene.toml"]

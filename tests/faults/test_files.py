@@ -66,13 +66,13 @@ def test_a_large_map_in_one_chunk_is_unpacked_once(tmp_path):
             "surface", data=z, chunks=z.shape, compression="gzip", compression_opts=1
         ),
     )
-    found = open_topography(File(kind="file", path=str(path)))
-    assert np.array_equal(found.rows(0, 64), z[:64])
+    topography = open_topography(File(kind="file", path=str(path)))
+    assert np.array_equal(topography.rows(0, 64), z[:64])
     with open(path, "r+b") as file:  # what is packed there cannot be unpacked again
         file.seek(4000)
         file.write(bytes(path.stat().st_size - 5000))
     for i in range(64, 2048, 64):
-        assert np.array_equal(found.rows(i, i + 64), z[i : i + 64])
+        assert np.array_equal(topography.rows(i, i + 64), z[i : i + 64])
 
 
 @pytest.mark.parametrize(
@@ -83,9 +83,9 @@ def test_sound_height_maps_of_every_kind(array, tmp_path):
     np.save("z.npy", array)
     h5(tmp_path / "z.h5", lambda file: file.create_dataset("surface", data=array))
     for path in (tmp_path / "z.npy", tmp_path / "z.h5"):
-        found = open_topography(File(kind="file", path=str(path)))
-        assert found.n == array.shape
-        assert np.array_equal(found.rows(1, 4), np.asarray(array, dtype=float)[1:4])
+        topography = open_topography(File(kind="file", path=str(path)))
+        assert topography.n == array.shape
+        assert np.array_equal(topography.rows(1, 4), np.asarray(array, dtype=float)[1:4])
 
 
 def test_of_an_archive_one_array_is_unpacked(tmp_path):
@@ -93,8 +93,8 @@ def test_of_an_archive_one_array_is_unpacked(tmp_path):
     archive(tmp_path / "z.npz", unit=(10**9,), other=(10**6, 10**6))
     with zipfile.ZipFile(tmp_path / "z.npz", "a") as file, file.open("z.npy", "w") as array:
         np.save(array, Z)
-    found = open_topography(File(kind="file", path=str(tmp_path / "z.npz"), dataset="z"))
-    assert np.array_equal(found.rows(1, 4), Z[1:4])
+    topography = open_topography(File(kind="file", path=str(tmp_path / "z.npz"), dataset="z"))
+    assert np.array_equal(topography.rows(1, 4), Z[1:4])
 
 
 def test_soft_links_within_the_file_are_followed(tmp_path):
@@ -124,8 +124,8 @@ def test_packed_netcdf_is_unpacked_and_missing_points_are_not_numbers():
                 setattr(z, name, value)
         return open_topography(File(kind="file", path=str(path)))
 
-    found = write("z.nc", scale_factor=0.25, add_offset=-3.0, _FillValue=np.int16(99))
-    assert np.array_equal(found.rows(2, 5), 0.25 * Z[2:5] - 3)
+    topography = write("z.nc", scale_factor=0.25, add_offset=-3.0, _FillValue=np.int16(99))
+    assert np.array_equal(topography.rows(2, 5), 0.25 * Z[2:5] - 3)
     assert np.argwhere(
         np.isnan(write("holes.nc", missing_value=np.int16(5)).rows(0, 3))
     ).tolist() == [[0, 5]]

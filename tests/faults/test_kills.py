@@ -58,7 +58,8 @@ def test_held(undisturbed, where, target):
 @pytest.mark.slow
 def test_at_random_moments(tmp_path, undisturbed):
     """From the start to after the end."""
-    dice, duration = random.Random(1), 2.0
+    dice = random.Random(1)
+    duration = 2.0
     for moment in range(MOMENTS):
         folder = tmp_path / str(moment)
         folder.mkdir()

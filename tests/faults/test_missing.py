@@ -84,13 +84,13 @@ for line in calls.split(","):
 
 
 def test_what_only_linux_has_is_not_needed(folder):
-    done = subprocess.run(
+    completed = subprocess.run(
         [sys.executable, "-c", ELSEWHERE],
         env=environment(),
         cwd=folder,
         capture_output=True,
         text=True,
     )
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert "inf GiB" in done.stdout
+    assert completed.returncode == 0, completed.stdout + completed.stderr
+    assert "inf GiB" in completed.stdout
     assert {"contact.h5", "contact.npz"} <= {path.name for path in folder.iterdir()}

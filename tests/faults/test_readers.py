@@ -67,12 +67,12 @@ def test_changed_bytes(target, tmp_path):
 @pytest.mark.parametrize("target", READERS)
 def test_the_seeds_are_read(target, tmp_path):
     """And not changed: not even the time of a file in the folder."""
-    found = []
+    outcomes = []
     for path in seeds(target, tmp_path):
         before = hashlib.sha256(path.read_bytes()).digest(), path.stat().st_mtime_ns
-        found.append(outcome(target, path))
+        outcomes.append(outcome(target, path))
         assert (hashlib.sha256(path.read_bytes()).digest(), path.stat().st_mtime_ns) == before
-    assert found[0] == "read"
+    assert outcomes[0] == "read"
 
 
 @settings(quick, max_examples=100)

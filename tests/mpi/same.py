@@ -21,17 +21,18 @@ every_size = pytest.mark.parametrize(
 def assert_same(comm, step, serial, tolerance=1e-10):
     """Numbers on all ranks and this rank's rows of all fields equal those of one process."""
     observables = {k: (f(step), f(serial)) for k, f in all_observables().items()}
-    for name, (found, wanted) in observables.items():
-        assert (found is None) == (wanted is None), name
-        assert found is None or found == pytest.approx(wanted, rel=tolerance), name
+    for name, (number, wanted) in observables.items():
+        assert (number is None) == (wanted is None), name
+        assert number is None or number == pytest.approx(wanted, rel=tolerance), name
     assert step.status == serial.status
     mine = slice(*step.surface.rows)
     for name in ("pressure", "gap", "displacement")[
         : 2 if serial.surface.h is None else 3
     ]:  # in low memory there is none
-        found, wanted = field(step, name), field(serial, name)
-        assert found.shape == wanted[mine].shape
-        assert np.abs(found - wanted[mine]).max(initial=0) <= tolerance * np.abs(wanted).max()
+        slab = field(step, name)
+        wanted = field(serial, name)
+        assert slab.shape == wanted[mine].shape
+        assert np.abs(slab - wanted[mine]).max(initial=0) <= tolerance * np.abs(wanted).max()
     assert all(s == observables["a_r"][0] for s in comm.allgather(observables["a_r"][0]))
 
 

@@ -15,32 +15,35 @@ def both(comm, z, load, **how):
     return [hpc_gfmd.solve(z, load, comm=world, **how) for world in (comm, None)]
 
 
-def assert_same(found, wanted):
+def assert_same(on_ranks, wanted):
     for name in ("a_r", "gap_mean", "attraction", "separation_work"):
-        own, alone = found.value(name), wanted.value(name)
-        assert (own is None) == (alone is None), name
-        assert own is None or own == pytest.approx(alone, rel=1e-3), name
-    assert found.status == wanted.status
-    mine = slice(*found.rows)
-    error = np.abs(found.pressure - wanted.pressure[mine]).max(initial=0)
+        number = on_ranks.value(name)
+        alone = wanted.value(name)
+        assert (number is None) == (alone is None), name
+        assert number is None or number == pytest.approx(alone, rel=1e-3), name
+    assert on_ranks.status == wanted.status
+    mine = slice(*on_ranks.rows)
+    error = np.abs(on_ranks.pressure - wanted.pressure[mine]).max(initial=0)
     assert error <= 0.02 * wanted.pressure.max()
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "free", ["free", "periodic"]])
 @pytest.mark.parametrize("kappa", [0.3, 1.0])
 def test_approach(comm, boundary, kappa):
-    z, adhesion = adhesive.wall(4, 4).heights, adhesive.attraction(kappa, 0.1)
-    found, wanted = both(comm, z, 0.1, adhesion=adhesion, boundary=boundary)
-    assert found.status == "converged"
-    assert_same(found, wanted)
-    assert found.value("stability") == pytest.approx(wanted.value("stability"), abs=0.05)
+    z = adhesive.wall(4, 4).heights
+    adhesion = adhesive.attraction(kappa, 0.1)
+    on_ranks, wanted = both(comm, z, 0.1, adhesion=adhesion, boundary=boundary)
+    assert on_ranks.status == "converged"
+    assert_same(on_ranks, wanted)
+    assert on_ranks.value("stability") == pytest.approx(wanted.value("stability"), abs=0.05)
 
 
 def test_retraction_to_separation(comm):
-    z, adhesion = adhesive.wall(4, 4).heights, adhesive.attraction(1.0, 0.1)
+    z = adhesive.wall(4, 4).heights
+    adhesion = adhesive.attraction(1.0, 0.1)
     loads = [0.3, 0.05, 0.0, -1.0, -2.0]
     pair = both(comm, z, loads, adhesion=adhesion, branch="retraction")
-    for found, wanted in zip(*pair, strict=True):
-        assert_same(found, wanted)
+    for on_ranks, wanted in zip(*pair, strict=True):
+        assert_same(on_ranks, wanted)
     assert pair[0][-1].status == "separated"
     assert pair[0].pull_off == pair[1].pull_off

@@ -19,7 +19,8 @@ COUNTED = list(
 @pytest.mark.parametrize("n", [(3, 40), (61, 47), (130, 64), (64, 1), (2, 2)])
 def test_same_numbers(comm, n, share):
     g, q = random_fields(n, seed=n[0], share=share)
-    slab, whole = contact_of(g, q, comm=comm), contact_of(g, q)
+    slab = contact_of(g, q, comm=comm)
+    whole = contact_of(g, q)
     for name in COUNTED:
         assert all_observables()[name](slab) == all_observables()[name](whole), name
 
@@ -29,16 +30,16 @@ def test_same_numbers(comm, n, share):
 def test_same_distributions(comm, n, name):
     g, q = random_fields(n, seed=n[0])
     h = np.random.default_rng(1).random(n)
-    found, wanted = (
+    on_ranks, wanted = (
         all_distributions()[name](contact_of(g, q, (1.0, 1.3), world, h, (3.0, 0.2)))
         for world in (comm, None)
     )
-    assert found.keys() == wanted.keys()
+    assert on_ranks.keys() == wanted.keys()
     exact = {"edges", "density"}
-    for what, array in found.items():
+    for name, array in on_ranks.items():
         assert array == pytest.approx(
-            wanted[what], rel=0 if what in exact else 1e-11, abs=0 if what in exact else 1e-14
-        ), what
+            wanted[name], rel=0 if name in exact else 1e-11, abs=0 if name in exact else 1e-14
+        ), name
         assert all(np.array_equal(array, other) for other in comm.allgather(array))
 
 

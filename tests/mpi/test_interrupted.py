@@ -33,7 +33,8 @@ def test_as_many_ranks(comm, shared_path, monkeypatch, solver, boundary, loads):
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
 def test_another_number_of_ranks(comm, shared_path, monkeypatch, boundary):
     """Begun by all ranks, continued by one, and then by all again, and the other way round."""
-    pieces, alone = Pieces(monkeypatch, comm, shared_path), SerialComm()
+    pieces = Pieces(monkeypatch, comm, shared_path)
+    alone = SerialComm()
     asked = small("auto", [0.02, 0.025, 0.2], accuracy=None, residual=1e-11, boundary=boundary)
     part = pieces.undisturbed(asked) // 3
     pieces.run(asked, comms=(alone,))

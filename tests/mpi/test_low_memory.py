@@ -12,7 +12,8 @@ from hpc_gfmd.parallel import grid
 from hpc_gfmd.parallel.comm import SerialComm
 
 pytestmark = pytest.mark.mpi
-P_STAR, RESIDUAL = 0.002, 2e-4
+P_STAR = 0.002
+RESIDUAL = 2e-4
 
 
 def solved(comm):

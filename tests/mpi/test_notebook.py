@@ -23,21 +23,26 @@ NAMES = ("patches", "percolation", "stiffness")
 @pytest.mark.parametrize("heights", [Z, Z[:, :1] * np.ones(20), Z[:3]])
 def test_as_one_process(comm, heights):
     together, alone = (
-        hpc_gfmd.solve(heights, LOADS, comm=one, boundary="periodic") for one in (comm, None)
+        hpc_gfmd.solve(heights, LOADS, comm=each, boundary="periodic") for each in (comm, None)
     )
-    for one, other in zip(together, alone, strict=True):
-        rows = slice(*one.rows)
-        assert one.a_r == other.a_r
+    for spread, alone_solution in zip(together, alone, strict=True):
+        rows = slice(*spread.rows)
+        assert spread.a_r == alone_solution.a_r
         for name in ("pressure", "gap", "heights", "contact"):
-            mine, whole = getattr(one, name), getattr(other, name)
+            mine = getattr(spread, name)
+            whole = getattr(alone_solution, name)
             assert np.allclose(mine, whole[rows], rtol=1e-3, atol=1e-5 * np.abs(whole).max()), name
         for name in NAMES:
-            assert one.observable(name) == pytest.approx(other.observable(name), rel=1e-3), name
-        assert one.distribution("patches").keys() == other.distribution("patches").keys()
+            assert spread.observable(name) == pytest.approx(
+                alone_solution.observable(name), rel=1e-3
+            ), name
+        assert (
+            spread.distribution("patches").keys() == alone_solution.distribution("patches").keys()
+        )
     together.save("x.h5")
-    for one, other in zip(hpc_gfmd.load("x.h5"), alone, strict=True):
-        assert np.array_equal(one.contact, other.contact)
-        assert one.observables["patches"] == other.observables["patches"]
+    for spread, alone_solution in zip(hpc_gfmd.load("x.h5"), alone, strict=True):
+        assert np.array_equal(spread.contact, alone_solution.contact)
+        assert spread.observables["patches"] == alone_solution.observables["patches"]
 
 
 def test_wrong_on_one_rank_is_wrong_on_all(comm):
@@ -58,11 +63,11 @@ def test_wrong_on_one_rank_is_wrong_on_all(comm):
 def test_a_communicator_of_mpi4py(comm):
     if comm.size == 1:
         pytest.skip("needs several ranks")
-    found = hpc_gfmd.solve(Z, LOADS[0], comm=comm.mpi)
-    assert found.pressure.shape == (found.rows[1] - found.rows[0], 20)
-    for asked in (found.plot, found.__reduce__):
+    solution = hpc_gfmd.solve(Z, LOADS[0], comm=comm.mpi)
+    assert solution.pressure.shape == (solution.rows[1] - solution.rows[0], 20)
+    for refused_call in (solution.plot, solution.__reduce__):
         with pytest.raises(SceneError, match="spread over"):
-            asked()
+            refused_call()
     scene = Scene.from_dict({"surface": rough(), "load": {"p_star": 0.1}})
     assert hpc_gfmd.run(scene, out="run.h5", quiet=True, comm=comm.mpi).status == "converged"
     with pytest.raises(SceneError, match=r"^comm: found int, allowed"):

@@ -37,7 +37,8 @@ def test_one_checksum_for_any_number_of_ranks(comm):
     z = random_heights((9, 8))
     whole = checksum_of(z, SerialComm())
     assert checksum_of(z, comm) == whole
-    lifted, swapped = z.copy(), z[::-1].copy()
+    lifted = z.copy()
+    swapped = z[::-1].copy()
     lifted[-1, -1] = np.nextafter(lifted[-1, -1], 9)
     others = [checksum_of(x, comm) for x in (lifted, swapped, z.reshape(8, 9))] + [
         checksum_of(z, comm, (1.0, 2.0))

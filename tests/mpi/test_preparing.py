@@ -16,9 +16,11 @@ from hpc_gfmd.surface.topography import open_topography
 from hpc_gfmd.util.errors import SceneError
 
 pytestmark = pytest.mark.mpi
-N, SIZES = (14, 10), (2.0, 1.0)
+N = (14, 10)
+SIZES = (2.0, 1.0)
 X, Y = np.meshgrid(np.arange(14) / 7, np.arange(10) / 10, indexing="ij")
-PLANE, BOWL = 5 + 3 * X - 2 * Y, 5 + 3 * X - 2 * Y + X * X - X * Y + 4 * Y * Y
+PLANE = 5 + 3 * X - 2 * Y
+BOWL = 5 + 3 * X - 2 * Y + X * X - X * Y + 4 * Y * Y
 
 
 @pytest.fixture
@@ -32,9 +34,9 @@ def prepared(comm):
             np.save("z.npy", z)
         comm.barrier()
         spec = File(kind="file", path="z.npy", physical_sizes=SIZES, boundary=boundary, **keys)
-        found = prepare(open_topography(spec), spec, comm)
-        mine = found.rows(*nominal_part(grid_of(found.n, SIZES, comm, spec.free)).rows)
-        return np.concatenate(comm.allgather(mine)), found, found.prepared
+        surface = prepare(open_topography(spec), spec, comm)
+        mine = surface.rows(*nominal_part(grid_of(surface.n, SIZES, comm, spec.free)).rows)
+        return np.concatenate(comm.allgather(mine)), surface, surface.prepared
 
     return call
 
@@ -57,10 +59,10 @@ def test_harmonic_functions_come_back(prepared):
     holes = z.copy()
     holes[3:9, 4:8] = np.nan
     holes[11, 1] = holes[6, 2] = np.nan
-    found, topography, done = prepared(holes, fill="harmonic")
-    assert np.allclose(found, z, atol=1e-12)
+    heights, topography, steps_done = prepared(holes, fill="harmonic")
+    assert np.allclose(heights, z, atol=1e-12)
     assert topography.filled == 26
-    assert "26 points (19 %) filled" in done
+    assert "26 points (19 %) filled" in steps_done
     edge = z.copy()
     edge[0, 0] = edge[13, 3] = np.nan
     filled = prepared(edge, fill="harmonic")[0]
@@ -80,16 +82,16 @@ def test_a_trend_is_that_of_the_measured_points(prepared):
 
 def test_cropped_flipped_mirrored(prepared):
     z = random_heights(N)
-    found, topography, done = prepared(z, crop=(2 / 7, 0.2, 10 / 7, 0.9))
-    assert np.array_equal(found, z[2:10, 2:9])
+    heights, topography, steps_done = prepared(z, crop=(2 / 7, 0.2, 10 / 7, 0.9))
+    assert np.array_equal(heights, z[2:10, 2:9])
     assert topography.sizes == pytest.approx((8 / 7, 0.7))
-    assert done == ("cropped to 8 x 7 points",)
+    assert steps_done == ("cropped to 8 x 7 points",)
     assert np.array_equal(prepared(z, flip=True)[0], -z)
-    found, topography, _ = prepared(z + PLANE, mirror=True)
+    heights, topography, _ = prepared(z + PLANE, mirror=True)
     assert topography.sizes == (4.0, 2.0)
-    assert np.array_equal(found[:14, :10], z + PLANE)
-    assert np.array_equal(found, found[::-1])
-    assert np.array_equal(found, found[:, ::-1])
+    assert np.array_equal(heights[:14, :10], z + PLANE)
+    assert np.array_equal(heights, heights[::-1])
+    assert np.array_equal(heights, heights[:, ::-1])
     for crop in ((0, 0, 3, 1), (1, 0, 1, 1)):
         with pytest.raises(
             SceneError, match=r"surface.crop: found points \d+ to \d+ of 14 along x.*x1 <= 2 and"
@@ -99,10 +101,10 @@ def test_cropped_flipped_mirrored(prepared):
 
 def test_window(prepared):
     z = random_heights(N) + PLANE
-    found, _, done = prepared(z, window="hann")
-    assert done == ("mean removed", "window hann")
+    heights, _, steps_done = prepared(z, window="hann")
+    assert steps_done == ("mean removed", "window hann")
     assert np.allclose(
-        found,
+        heights,
         (z - z.mean()) * np.outer(*(0.5 - 0.5 * np.cos(2 * np.pi * np.arange(n) / n) for n in N)),
     )
 
@@ -120,13 +122,13 @@ def test_resampled(prepared, comm):
         x, y = (np.pi * (np.arange(k) + 0.5) / k for k in n)
         return np.cos(3 * x)[:, None] * np.cos(y) + np.cos(5 * x)[:, None]
 
-    fine, topography, done = prepared(series(N, 1), refine=3)
+    fine, topography, steps_done = prepared(series(N, 1), refine=3)
     assert np.allclose(fine, series((42, 30), 1))
     if comm.size > 1:
         with pytest.raises(IndexError, match="are not of this rank"):
             topography.rows(0, 42)
     assert topography.sizes == SIZES
-    assert done == ("resampled to 42 x 30 points",)
+    assert steps_done == ("resampled to 42 x 30 points",)
     assert np.allclose(prepared(series(N, 1), downsample=2)[0], series((7, 5), 0))
     free = prepared(cosines(N), refine=6, downsample=2, boundary="free")[0]
     assert np.allclose(free, cosines((42, 30)))

@@ -46,7 +46,8 @@ def scene(comm, shared_path):
         np.save("missing.npy", z)
         z[0, 0] = -1.7e308
         np.save("both.npy", z)
-        z[-1, -1], z[0, 0] = np.nan, 0.0
+        z[-1, -1] = np.nan
+        z[0, 0] = 0.0
         np.save("nan.npy", z)
         with h5py.File("z.h5", "w") as file:
             file["height"] = z

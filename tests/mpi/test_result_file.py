@@ -22,10 +22,12 @@ def slab(comm, n_x, empty=()):
     """Rows of this rank; the ranks in `empty` own none."""
     owners = [rank for rank in range(comm.size) if rank not in empty]
     cuts = np.linspace(0, n_x, len(owners) + 1).astype(int)
-    start, stop = 0, 0
+    start = 0
+    stop = 0
     for rank in range(comm.rank + 1):
         if rank in owners:
-            start, stop = cuts[owners.index(rank)], cuts[owners.index(rank) + 1]
+            start = cuts[owners.index(rank)]
+            stop = cuts[owners.index(rank) + 1]
         else:
             start = stop
     return int(start), int(stop)
@@ -59,7 +61,8 @@ def test_round_trip(comm, shared_path, monkeypatch):
 
 
 def round_trip(comm, shared_path, n, rows, compressed, dtype):
-    path, mine = shared_path / "round.h5", slice(*rows)
+    path = shared_path / "round.h5"
+    mine = slice(*rows)
     padded = field((n[0], n[1] + 3))[:, : n[1]]
     fields = {"pressure": padded, "gap": field(n[::-1], "float32").T}  # neither is contiguous
     local = {name: whole[mine] for name, whole in fields.items()}
@@ -102,7 +105,8 @@ def round_trip(comm, shared_path, n, rows, compressed, dtype):
 
 def test_the_same_file_on_any_number_of_ranks(comm, shared_path):
     """Groups, attributes, types, values and coordinates; but for times and who wrote it."""
-    n, own = (7, 5), {"start_time", "end_time", "ranks", "io", "record"}
+    n = (7, 5)
+    of_this_run = {"start_time", "end_time", "ranks", "io", "record"}
     whole = field(n)
 
     def write(world, path, rows):
@@ -119,19 +123,26 @@ def test_the_same_file_on_any_number_of_ranks(comm, shared_path):
         world.barrier()
 
     def content(path):
-        found = {}
+        content = {}
         with h5py.File(path, "r", locking=False) as file:
             names = ["/"]
             file.visit(names.append)
             for name in names:
                 item = file[name]
                 attributes = {
-                    k: str(v) for k, v in item.attrs.items() if k not in own and "LIST" not in k
+                    k: str(v)
+                    for k, v in item.attrs.items()
+                    if k not in of_this_run and "LIST" not in k
                 }
-                found[name] = [attributes]
+                content[name] = [attributes]
                 if isinstance(item, h5py.Dataset):
-                    found[name] += item.dtype.str, item.chunks, item.compression, item[()].tobytes()
-        return found
+                    content[name] += (
+                        item.dtype.str,
+                        item.chunks,
+                        item.compression,
+                        item[()].tobytes(),
+                    )
+        return content
 
     (shared_path / f"alone-{comm.rank}").mkdir()
     write(comm, shared_path, slab(comm, 7))
@@ -152,31 +163,34 @@ def stored(path, name):
 
 def test_many_pieces(comm, shared_path, monkeypatch):
     """Slabs larger than one call may write, with a different number of calls on every rank."""
-    n, whole = (60, 50), field((60, 50))
+    n = (60, 50)
+    whole = field((60, 50))
     path = shared_path / "pieces.h5"
     monkeypatch.setattr(h5, "PIECE_BYTES", 7 * 50 * 8)
     rows = slab(comm, 11)
     rows = (rows[0], n[0] if rows[1] == 11 and comm.rank == comm.size - 1 else rows[1])
-    found = set()
+    checksums = set()
     for _ in with_and_without_mpi(monkeypatch):
         for compressed in (False, True):
             h5.write_file(comm, path, n, rows, {"a/b": whole[slice(*rows)]}, compressed=compressed)
             numbers, checksum = stored(path, "a/b")
             assert np.array_equal(numbers, whole)
-            found.add(checksum)
+            checksums.add(checksum)
             comm.barrier()
     # a copy of itself, by all ranks
-    h5.write_file(comm, path, n, rows, {"c": h5.Stored(path, "a/b", n, whole.dtype, *found)})
+    h5.write_file(comm, path, n, rows, {"c": h5.Stored(path, "a/b", n, whole.dtype, *checksums)})
     assert np.array_equal(stored(path, "c")[0], whole)
     monkeypatch.setattr(h5, "PIECE_BYTES", 2**26)
     h5.write_file(SerialComm(), shared_path / f"alone-{comm.rank}.h5", n, (0, 60), {"a/b": whole})
     # whatever the ranks and pieces
-    assert found == {stored(shared_path / f"alone-{comm.rank}.h5", "a/b")[1]}
+    assert checksums == {stored(shared_path / f"alone-{comm.rank}.h5", "a/b")[1]}
 
 
 def test_damage_on_one_rank_stops_all(comm, shared_path):
     """In the numbers of the last rows, as they are or packed."""
-    whole, rows, path = field((40, 30)), slab(comm, 40), shared_path / "damaged.h5"
+    whole = field((40, 30))
+    rows = slab(comm, 40)
+    path = shared_path / "damaged.h5"
     for compressed in (False, True):
         h5.write_file(comm, path, (40, 30), rows, {"u": whole[slice(*rows)]}, compressed=compressed)
         field_there = h5.Stored(path, "u", (40, 30), whole.dtype, stored(path, "u")[1])
@@ -203,7 +217,9 @@ def test_damage_on_one_rank_stops_all(comm, shared_path):
 
 def test_errors_are_agreed(comm, shared_path, monkeypatch):
     """What fails on one rank fails on all, and what was there before is untouched."""
-    rows, n, last = slab(comm, 7), (7, 5), comm.rank == comm.size - 1
+    rows = slab(comm, 7)
+    n = (7, 5)
+    last = comm.rank == comm.size - 1
     good = field(n)[slice(*rows)]
     with pytest.raises(SceneError, match=r"folder .* does not exist"):
         RunFile(comm, shared_path / "missing" / "a.h5", n, rows, HEAD, SURFACE)

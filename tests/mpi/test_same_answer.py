@@ -99,11 +99,11 @@ def test_surfaces_that_end(comm, surface, boundary):
 def test_ways_to_solve_a_surface_that_ends(comm, solver):
     # large enough for coarse grids that are spread over the ranks
     pair = sweeps(comm, rough((2, 32, 4), boundary="free"), accuracy=1e-3, **solver)
-    found, wanted = (sweep.solve(0.1) for sweep in pair)
-    assert found.status == "converged"
-    assert found.contact_points == pytest.approx(wanted.contact_points, rel=1e-3)
-    assert found.gap_mean == pytest.approx(wanted.gap_mean, rel=1e-3)
-    assert found.approach == pytest.approx(wanted.approach, rel=1e-4)
+    on_ranks, wanted = (sweep.solve(0.1) for sweep in pair)
+    assert on_ranks.status == "converged"
+    assert on_ranks.contact_points == pytest.approx(wanted.contact_points, rel=1e-3)
+    assert on_ranks.gap_mean == pytest.approx(wanted.gap_mean, rel=1e-3)
+    assert on_ranks.approach == pytest.approx(wanted.approach, rel=1e-4)
 
 
 @pytest.mark.parametrize("name", solver_names())
@@ -127,7 +127,8 @@ def test_analytic_surfaces(comm, surface):
 @pytest.mark.parametrize("file", ["z.npy", "z.h5"])
 def test_height_map(comm, shared_path, file):
     """A file is read by every rank and solved as the array is."""
-    n, path = (37, 30), shared_path / file
+    n = (37, 30)
+    path = shared_path / file
     z = random_heights(n, seed=5)
     if comm.rank == 0 and file == "z.npy":
         np.save(path, z)
@@ -149,7 +150,8 @@ def test_height_map(comm, shared_path, file):
 
 
 def test_height_map_is_read_slab_by_slab(comm, shared_path, monkeypatch):
-    n, path = (300, 8), shared_path / "z.npy"
+    n = (300, 8)
+    path = shared_path / "z.npy"
     if comm.rank == 0:
         np.save(path, random_heights(n))
     comm.barrier()
@@ -171,11 +173,11 @@ def test_uncertain_points_of_slabs(comm, side):
     x, y = np.divmod(np.arange(n[0] * n[1]).reshape(n), n[1])
     g = np.where((x < side) == (y < side), 0.0, 3.0)
     p = np.where(g > 0, 0.0, np.random.default_rng(1).uniform(0.5, 1.5, n))
-    found = []
+    results = []
     for world in (comm, SerialComm()):
         grid = Grid(n, (1.0, 1.0), world)
         mine = slice(*grid.rows)
-        found.append(
+        results.append(
             misclassified_points(
                 Problem(grid, g[mine], 0.1),
                 g[mine],
@@ -185,4 +187,4 @@ def test_uncertain_points_of_slabs(comm, side):
                 float(np.sum(g <= 0)),
             )
         )
-    assert found[0] == found[1] > 0
+    assert results[0] == results[1] > 0

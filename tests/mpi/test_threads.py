@@ -93,10 +93,14 @@ def solved(comm, case, threads):
 def test_same_with_threads(comm, case, small):
     if comm.size > 2:  # nothing new, and many threads for a small machine
         return
-    (one, fewest), (several, _) = (solved(comm, case, threads) for threads in (1, 4 - comm.size))
+    (on_one_thread, fewest), (on_several, _) = (
+        solved(comm, case, threads) for threads in (1, 4 - comm.size)
+    )
     # rank 0 is alone with the coarsest grid
     assert comm.rank > 0 or fewest == (case not in WITHOUT_GRIDS)
-    for (numbers, fields), (found, there) in zip(one, several, strict=True):
-        assert found == numbers
-        for wanted, other in zip(fields, there, strict=True):
+    for (numbers, fields), (numbers_there, fields_there) in zip(
+        on_one_thread, on_several, strict=True
+    ):
+        assert numbers_there == numbers
+        for wanted, other in zip(fields, fields_there, strict=True):
             assert np.array_equal(other, wanted)

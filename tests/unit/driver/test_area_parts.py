@@ -22,7 +22,7 @@ ROOT = 0.3
     [
         (lambda x: x - ROOT, 4),
         (lambda x: (x - ROOT) ** 3, 60),
-        (lambda x: (x - ROOT) * (100 if x < ROOT else 1), 45),  # a gap, and a pressure
+        (lambda x: (x - ROOT) * (100 if x < ROOT else 1), 60),  # a gap, and a pressure
         (lambda x: copysign(inf, x - ROOT), 60),  # the side alone is known
     ],
 )
