@@ -289,8 +289,8 @@ def _notes_on_sizes(n: tuple[int, ...], units: MapUnits, spec: Any) -> list[str]
     if min(n) > 1 and is_oblong and abs(np.log(exchanged[0] / exchanged[1])) < SQUARE:
         notes.append(
             f"points are {lengths_text(spacings, units.are_named)}; they would be square with"
-            ' exchanged sizes: are x and y meant the other way round? (surface.first_axis = "y" takes'
-            " the first index of the map, or the line of a text, for y)"
+            ' exchanged sizes: are x and y meant the other way round? (surface.first_axis = "y"'
+            " takes the first index of the map, or the line of a text, for y)"
         )
     shortest, longest = SIZES
     if units.are_named and not shortest <= min(units.sizes) <= max(units.sizes) <= longest:
