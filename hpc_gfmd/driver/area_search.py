@@ -162,10 +162,20 @@ class AreaSearch(SecantSearch):
             if solver.problem.dtype != np.float64:
                 self.note = f"single precision cannot tell whether a_r jumps {ends}"
             return self._confirm(solver, certificate)
-        point = POINT / self.heights.points
-        if left < 1 and self.aim - self.target > max(self.tolerance * self.target, point):
-            self.note = f"a_r jumps from 0 to {self.aim:.4g}: the least at any load"
+        if left < 1:
+            self.note = self._step_note()
         return left
+
+    def _step_note(self) -> str | None:
+        """Return what has to be said of a target that is met, where steps of the area are large
+        beside it."""
+        points = self.target * self.heights.points * self.map_points
+        allowed = max(self.tolerance * self.target, POINT / self.heights.points)
+        if self.aim - self.target > allowed:
+            return f"a_r jumps from 0 to {self.aim:.4g}: the least at any load"
+        if points < 2:
+            return f"a_r asks for {points:.2g} points: areas go in steps of one"
+        return None
 
     def correct(self, solver: Solver, certificate: Certificate, solved: bool) -> bool:
         """Go to the nearer side of a jump, or between the bounds."""

@@ -90,3 +90,12 @@ def test_a_last_open_point(n, precision, below):
     else:
         assert precision == "single"
         assert not max(found.errors) < 1e-3
+
+
+def test_an_area_of_less_than_two_points():
+    found = sweep_over(random_heights((24, 24), seed=3), accuracy=1e-3).solve(
+        Load("a_r", 1.4 / 576)
+    )
+    assert found.status == "converged"
+    assert found.contact_points in (1, 2)
+    assert "1.4 points" in found.note
