@@ -41,7 +41,12 @@ ERRORS = {
     "gap_error": "gap: solver",
     "pressure_error": "p: solver",
 }
-EFFORT = {"fft_pairs": "FFT pairs", "wall_seconds": "time", "status": "status"}
+EFFORT = {
+    "fft_pairs": "FFT pairs",
+    "wall_seconds": "time",
+    "precision": "precision",
+    "status": "status",
+}
 FORMATS = {"fft_pairs": ".1f", "wall_seconds": ".3g", **dict.fromkeys(ERRORS, ".2g")}
 PER_CENT = ("a_r", *ERRORS)
 

@@ -57,5 +57,5 @@ def test_numbers_are_moved_in_this_process_alone():
 
 
 def test_every_family_belongs_to_one_group():
-    grouped = run.names(["single", "free", "sweeps"])
+    grouped = run.names(["single", "free", "sweeps", "targets"])
     assert sorted(grouped) == sorted(run.names(["all"]))
