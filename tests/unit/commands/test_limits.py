@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 from refusal import refused
 
-from hpc_gfmd.commands import show
 from hpc_gfmd.commands.limits import limits_text, to_limits
 from hpc_gfmd.output.read import Result
 from hpc_gfmd.theory import tfc
@@ -79,7 +78,7 @@ def test_other_surfaces_have_no_limits():
 
 
 def test_command(monkeypatch, cli):
-    monkeypatch.setattr(show, "read_result", lambda path: result_of())
+    monkeypatch.setattr("hpc_gfmd.output.read.read_result", lambda path: result_of())
     tables = cli.data("show x.h5 --tfc paper")
     assert tables["tfc"]["table"] == "paper"
     assert set(tables) == {"surface", "steps", "status", "tfc"}
