@@ -84,6 +84,6 @@ def test_command(monkeypatch, cli):
     assert set(tables) == {"surface", "steps", "status", "tfc"}
     assert "tfc" not in cli.data("show x.h5")
     for ours in ([], [""]):
-        assert "coefficients of: ours" in cli.prints("show x.h5 --tfc", *ours)
+        assert "coefficients ours" in cli.prints("show x.h5 --tfc", *ours)
     assert "table: found 'nowhere.json'" in cli.refused("show x.h5 --tfc nowhere.json")
     assert tfc.table_of("paper") == tfc.paper_table() != tfc.our_table() == tfc.table_of("ours")
