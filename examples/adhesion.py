@@ -28,8 +28,10 @@ held = [solution for solution in retraction if solution.status == "converged"]
 for ax, name, label in zip(axes, ("a_r", "gap_mean"), ("contact area", r"mean gap/$\lambda_s$")):
     for loads, look, branch in ((approach, "o-", "approach"), (held, "s-", "retraction")):
         ax.plot([s.p for s in loads], [s.value(name) for s in loads], look, ms=3, label=branch)
-    ax.axvline(retraction.pull_off, color="0.5", ls=":", lw=0.8, label="pull-off")
+    if retraction.pull_off is not None:
+        ax.axvline(retraction.pull_off, color="0.5", ls=":", lw=0.8, label="pull-off")
     ax.set(xlabel="mean pressure $p/E^*$", ylabel=label)
 axes[0].legend()
 fig.savefig("adhesion.png", dpi=150)
-print(f"pull-off at {retraction.pull_off:.2f} E*")
+if retraction.pull_off is not None:
+    print(f"pull-off at {retraction.pull_off:.2f} E*")

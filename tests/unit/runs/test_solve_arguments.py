@@ -52,7 +52,7 @@ pressure = 1e40 ; boundary = "free" | load: found p* = 7.95782e+38, allowed: 2.6
 pressure = 1e20 ; boundary = "free" ; precision = "single" | solver.precision: found "single"
 E_star = 1e-320 | material.E_star: found 1e-320
 E_star = true | material.E_star: found true
-E_star = "1" | material.E_star: found '1', not a number with a unit, allowed
+E_star = "1" | material.E_star: found '1', it is not a number with a unit, allowed
 pressure = "20 Mpa" | 'Mpa' is no unit of pressure (did you mean "MPa"?), allowed
 pressure = "20 um" | found '20 um', 'um' is a unit of length, not of pressure, allowed
 pressure = "0,8 MPa" | found '0,8 MPa', decimals have a point, not a comma, allowed
@@ -75,7 +75,7 @@ wall_seconds = 3 | found wall_seconds, allowed: in a scene
 comm = 3 | comm: found int, allowed: a communicator
 boundary = "open" | surface.boundary: found 'open'
 name = "gfm" | solver.name: found 'gfm', nearest: "gfmd", allowed: auto
-adhesion = 0.1 | hpc_gfmd.solve: adhesion: not modelled (elastic, frictionless, non-adhesive contact only)
+adhesion = 0.1 | hpc_gfmd.solve: material.adhesion: found 0.1, allowed: a table {work, range, law}
 hardness = 0.1 | load.pressure: found a pressure of 0.1, allowed: below material.hardness, 0.1
 hardness = 1 ; name = "gfmd" | solver.name: found "gfmd" with material.hardness, allowed: "bpx"
 hardness = "6 GPa" | load.pressure: found 0.1, material.E_star: found 1 beside material.hardness = '6 GPa', allowed
