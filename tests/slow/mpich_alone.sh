@@ -6,6 +6,7 @@ set -e
 alternatives=$(mktemp -d)
 cp -a /etc/alternatives/. "$alternatives"
 for link in "$alternatives"/*; do
+    [ -L "$link" ] || continue  # a README lies among them
     target=$(readlink "$link")
     case $target in
         *.openmpi) if [ -e "${target%.openmpi}.mpich" ]; then ln -sfn "${target%.openmpi}.mpich" "$link"; else rm "$link"; fi ;;
