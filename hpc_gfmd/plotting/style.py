@@ -16,8 +16,6 @@ from matplotlib.ticker import Formatter, LogLocator, NullFormatter
 from ..util.atomic import atomic_write
 from .units import tex_number
 
-# Okabe and Ito; the last one is kept for warnings
-COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#000000")
 MARKERS = ("o", "s", "^", "D", "v", "P")
 LINES: tuple[Any, ...] = (
     "-",
@@ -47,6 +45,7 @@ RC: Any = matplotlib.rc_params_from_file(
     Path(__file__).with_name("journal.mplstyle"), use_default_template=False
 )
 DPI = RC["savefig.dpi"]
+COLOURS = tuple(RC["axes.prop_cycle"].by_key()["color"])
 
 
 class Picture(Figure):
