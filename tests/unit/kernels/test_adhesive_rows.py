@@ -98,6 +98,15 @@ def test_gain_along_a_direction(random, gaps, inside, length):
     assert found == pytest.approx(np.sum(gained[on_surface(inside)]), abs=1e-12)
 
 
+@every_edge
+@pytest.mark.parametrize("length", [0.3, -0.7])
+def test_pull_along_a_direction(random, gaps, inside, length):
+    e = random.standard_normal(N)
+    found = adhesive_rows.pull_along(LAW, gaps, e, length, 0, N[0], inside)
+    changed = LAW.traction(np.maximum(gaps + length * e, 0)) - LAW.traction(gaps)
+    assert found == pytest.approx(np.sum((changed * e)[on_surface(inside)]), abs=1e-12)
+
+
 @pytest.mark.parametrize("k", [1, 2, 3])
 def test_subspace(random, k):
     V = random.standard_normal((3, *N))
