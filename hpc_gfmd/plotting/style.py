@@ -88,6 +88,18 @@ class LogTicks(LogLocator):
     long ones."""
 
     def tick_values(self, vmin: float, vmax: float) -> Any:
+        """Return the ticks of an axis.
+
+        Parameters
+        ----------
+        vmin, vmax : float
+            Ends of the axis.
+
+        Returns
+        -------
+        ndarray
+            Ascending; a few may lie beyond the ends.
+        """
         decades = np.asarray(super().tick_values(vmin, vmax))
         for digits in ([1], [1, 3], [1, 2, 5], [1, 2, 3, 5, 7]):
             ticks = np.kron(decades, digits)
