@@ -67,7 +67,8 @@ def test_attraction_and_its_energy(random, gaps, inside):
 
 @every_edge
 def test_shift(random, gaps, inside):
-    g, w = gaps + 0.5, random.standard_normal(N)
+    g = gaps + 0.5
+    w = random.standard_normal(N)
     some = on_surface(inside)
     r = w + LAW.traction(g) * some
     low = g.copy()
@@ -108,7 +109,9 @@ def test_pull_along_a_direction(random, gaps, inside, length):
 
 @pytest.mark.parametrize("k", [1, 2, 3])
 def test_subspace(random, k):
-    V, KV, D = random.standard_normal((3, *N)), random.standard_normal((3, *N)), random.random(N)
+    V = random.standard_normal((3, *N))
+    KV = random.standard_normal((3, *N))
+    D = random.random(N)
     sums = np.zeros((2, 3, 3))
     subspace_products(V, KV, D, k, 0, N[0], sums)
     for a in range(k):
