@@ -85,7 +85,14 @@ class Pieces:
         self.comm.barrier()
 
 
-def scene(solver, loads=LOADS, fields=("gap", "pressure"), boundary="periodic", **settings):
+def scene(
+    solver,
+    loads=LOADS,
+    fields=("gap", "pressure"),
+    boundary="periodic",
+    material=(),
+    **settings,
+):
     """A small rough contact in double precision; loads: p*, or a table [load]."""
     solver = {"name": solver, "accuracy": 1e-2, "precision": "double"} | settings
     load = loads if isinstance(loads, dict) else {"p_star": loads}
@@ -93,6 +100,7 @@ def scene(solver, loads=LOADS, fields=("gap", "pressure"), boundary="periodic", 
         {
             "surface": rough((2, 8, 2), boundary=boundary),
             "load": load,
+            "material": dict(material),
             "solver": solver,
             "output": {"fields": list(fields)},
         }
