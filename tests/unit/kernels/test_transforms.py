@@ -1,4 +1,4 @@
-"""Row and column transforms of a slab against numpy.fft, and what kernels move memory by."""
+"""Row and column transforms of a slab against numpy.fft; views and moves of memory."""
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ precisions = pytest.mark.parametrize(
 
 
 def blocks_of(fft):
-    """The spectra of all rows, (n_x, n_c), as they stand in the blocks."""
+    """The spectra of all rows, (n_x, n_c), collected from the blocks."""
     blocks = [
         fft.blocks[fft.n_loc * j0 : fft.n_loc * j1].reshape(fft.n_loc, j1 - j0)
         for j0, j1 in zip(fft.edges, fft.edges[1:])
@@ -27,7 +27,7 @@ def blocks_of(fft):
 @pytest.mark.parametrize("n", SIZES)
 @precisions
 def test_rows(random, n, dtype, rounding):
-    """Rows go to their places in the blocks as numpy.fft.rfft has them, and come back n_y-fold."""
+    """Blocks hold numpy.fft.rfft of the rows; the inverse returns n_y times the rows."""
     fft = Grid(n).fft(dtype)
     real, spectra = fft.rows[0]
     u = random.standard_normal(n).astype(dtype)
@@ -45,7 +45,7 @@ def test_rows(random, n, dtype, rounding):
 @pytest.mark.parametrize("n", SIZES)
 @precisions
 def test_columns(random, n, dtype, rounding):
-    """Columns of every block are those of numpy.fft.fft, and come back n_x-fold."""
+    """Columns of every block agree with numpy.fft.fft; the inverse returns them times n_x."""
     fft = Grid(n).fft(dtype)
     spectra = np.fft.rfft(random.standard_normal(n), axis=1).astype(fft.blocks.dtype)
     for j0, j1 in zip(fft.edges, fft.edges[1:]):
@@ -90,7 +90,7 @@ def doubled_view(flat, begin, fields, rows, n):
 
 @pytest.mark.parametrize("dtype", [np.float64, np.float32])
 def test_view_fields(random, dtype):
-    """A view is the same memory, in NumPy's order."""
+    """A view shares memory, in C order."""
     flat = random.random(40).astype(dtype)
     wanted = flat.copy()
     wanted[5:29] *= 2

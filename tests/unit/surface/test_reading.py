@@ -23,7 +23,8 @@ from hpc_gfmd.surface.topography import open_topography
 from hpc_gfmd.util.libraries import surface_topography
 
 # m; neither as many points nor square cells: exchanged axes show
-N, SIZES = (12, 8), (1.2e-6, 0.4e-6)
+N = (12, 8)
+SIZES = (1.2e-6, 0.4e-6)
 UNITS = {"nm": 1e-9, "um": 1e-6, "m": 1.0}
 Z = 2e-8 * random_heights(N)
 
@@ -104,10 +105,10 @@ def plain():
     return hpc_gfmd.solve(Z, 1e9, 5e10, SIZES)
 
 
-def numbers(one):
-    patches = (one.observable(name) for name in ("patches", "patch_largest", "patch_mean"))
-    own = (one.a_r, one.gap_mean, one.g_rms, one.h_rms, one.pressure.max())
-    return [*own, *one.sizes, *patches]
+def numbers(solution):
+    patches = (solution.observable(name) for name in ("patches", "patch_largest", "patch_mean"))
+    means = (solution.a_r, solution.gap_mean, solution.g_rms, solution.h_rms, solution.pressure.max())
+    return [*means, *solution.sizes, *patches]
 
 
 @pytest.mark.parametrize("unit", UNITS)
@@ -115,38 +116,38 @@ def numbers(one):
 def test_what_the_file_says(name, unit, tmp_path, plain):
     """Path, load and modulus are enough for the contact that plain numbers have."""
     FORMATS[name](tmp_path / name, unit)
-    found = open_topography(spec(tmp_path / name))
-    assert found.n == N
-    assert found.unit == "m"
-    assert np.allclose(found.sizes, SIZES, rtol=1e-9)
-    assert np.allclose(found.rows(0, 12), Z, rtol=1e-6, atol=1e-16)
-    assert np.array_equal(found.rows(3, 7), found.rows(0, 12)[3:7])
-    assert found.periodic is (True if name in ("z.nc", "z.h5") else None)
-    one = hpc_gfmd.solve(hpc_gfmd.read_surface(tmp_path / name), "1 GPa", "50 GPa")
-    assert numbers(one) == pytest.approx(numbers(plain), rel=1e-6, abs=0)
+    read = open_topography(spec(tmp_path / name))
+    assert read.n == N
+    assert read.unit == "m"
+    assert np.allclose(read.sizes, SIZES, rtol=1e-9)
+    assert np.allclose(read.rows(0, 12), Z, rtol=1e-6, atol=1e-16)
+    assert np.array_equal(read.rows(3, 7), read.rows(0, 12)[3:7])
+    assert read.periodic is (True if name in ("z.nc", "z.h5") else None)
+    solution = hpc_gfmd.solve(hpc_gfmd.read_surface(tmp_path / name), "1 GPa", "50 GPa")
+    assert numbers(solution) == pytest.approx(numbers(plain), rel=1e-6, abs=0)
 
 
 @pytest.mark.parametrize("name", BARE)
 def test_bare_numbers_need_sizes_and_a_unit(name, tmp_path):
     BARE[name](tmp_path / name, 1e9 * Z)
     named = {"physical_sizes": ("1.2 um", "400 nm")}
-    both = r"^surface.physical_sizes: not given, .*; surface.unit: not given"
-    for keys, words in (({}, both), (named, r"^surface.unit: not given for the heights")):
+    message_for_both = r"^surface.physical_sizes: not given, .*; surface.unit: not given"
+    for keys, words in (({}, message_for_both), (named, r"^surface.unit: not given for the heights")):
         with refused(words):
             hpc_gfmd.read_surface(name, **keys)
     plain = {"physical_sizes": (1200, 400)}
     for keys, scale in ((named | {"unit": "nm"}, 1), (plain | {"unit": "nm"}, 1), (plain, 1e9)):
-        found = open_topography(spec(name, **keys))
-        assert found.sizes == pytest.approx([scale * size for size in SIZES], rel=1e-12)
-        assert np.allclose(found.rows(0, 12), scale * Z, rtol=1e-12)
-        assert found.unit == ("m" if "unit" in keys else "")
+        read = open_topography(spec(name, **keys))
+        assert read.sizes == pytest.approx([scale * size for size in SIZES], rel=1e-12)
+        assert np.allclose(read.rows(0, 12), scale * Z, rtol=1e-12)
+        assert read.unit == ("m" if "unit" in keys else "")
 
 
 def test_the_scene_may_say_otherwise(tmp_path):
     FORMATS["z.nc"](tmp_path / "z.nc", "nm")
-    found = open_topography(spec("z.nc", physical_sizes=(10, 20)))
-    assert found.sizes == pytest.approx((1e-8, 2e-8))
-    assert np.allclose(found.rows(0, 12), Z)
+    read = open_topography(spec("z.nc", physical_sizes=(10, 20)))
+    assert read.sizes == pytest.approx((1e-8, 2e-8))
+    assert np.allclose(read.rows(0, 12), Z)
     assert open_topography(spec("z.nc", unit="nm")).sizes == pytest.approx(SIZES)
     with refused(r"^surface.unit: found 'um', but .* heights in 'nm', all"):
         open_topography(spec("z.nc", unit="um"))
@@ -178,22 +179,22 @@ def test_what_is_said_of_the_heights_counts_before_what_is_said_of_the_file():
     with h5py.File("z.h5", "w") as file:
         file.attrs.update(physical_sizes=1e6 * np.array(SIZES), unit="um", periodic=True)
         file.create_dataset("surface", data=1e9 * Z).attrs["units"] = "nm"
-    found = open_topography(spec("z.h5"))
-    assert (found.sizes, found.periodic) == (pytest.approx(SIZES), True)
-    assert np.allclose(found.rows(0, 12), Z)
+    read = open_topography(spec("z.h5"))
+    assert (read.sizes, read.periodic) == (pytest.approx(SIZES), True)
+    assert np.allclose(read.rows(0, 12), Z)
 
 
-def written(mark, decimal=".", head="", ends="", holes=()):
+def written(separator, decimal=".", head="", ends="", holes=()):
     cells = [[f"{z:.12g}".replace(".", decimal) for z in row] for row in 1e9 * Z]
     for hole, text in holes:
         cells[hole][hole] = text
-    return head + "\n".join(mark.join(row) + ends for row in cells)
+    return head + "\n".join(separator.join(row) + ends for row in cells)
 
 
-def points(head="", decimal=".", mark=" "):
+def points(head="", decimal=".", separator=" "):
     steps = [1e6 * size / n for size, n in zip(SIZES, N)]
     lines = [
-        mark.join(f"{x:.12g}" for x in (i * steps[0], j * steps[1], 1e9 * Z[i, j]))
+        separator.join(f"{x:.12g}" for x in (i * steps[0], j * steps[1], 1e9 * Z[i, j]))
         for i, j in np.ndindex(N)
         if (i, j) != (2, 3)
     ]
@@ -226,10 +227,10 @@ HOLES = [(1, "***"), (2, ""), (3, "BAD")]
 def test_text_of_instruments(text, keys, missing, tmp_path):
     """Marks, decimals, headers and missing points of every kind give the same heights."""
     (tmp_path / "z.txt").write_text(text)
-    found = hpc_gfmd.read_surface("z.txt", boundary="periodic", fill="harmonic", **keys)
-    assert found.sizes == pytest.approx(SIZES, rel=1e-9)
-    assert np.isclose(found.heights, Z, rtol=1e-9, atol=1e-18).sum() == Z.size - missing
-    assert bool(found.prepared) == bool(missing)
+    surface = hpc_gfmd.read_surface("z.txt", boundary="periodic", fill="harmonic", **keys)
+    assert surface.sizes == pytest.approx(SIZES, rel=1e-9)
+    assert np.isclose(surface.heights, Z, rtol=1e-9, atol=1e-18).sum() == Z.size - missing
+    assert bool(surface.prepared) == bool(missing)
 
 
 @pytest.mark.parametrize("mark", [",", " "])
@@ -278,9 +279,9 @@ RANGE = {"height_range": [f"{1e9 * z!r} nm" for z in (float(Z.min()), float(Z.ma
 def test_pictures(name, write, keys):
     """x to the right, y down; whole numbers are steps of the range."""
     write(name)
-    found = hpc_gfmd.read_surface(name, boundary="periodic", **BY_HAND, **keys)
+    surface = hpc_gfmd.read_surface(name, boundary="periodic", **BY_HAND, **keys)
     step = np.ptp(Z) / 65535 if keys else 1e-14
-    assert np.allclose(found.heights, Z, rtol=0, atol=0.51 * step)
+    assert np.allclose(surface.heights, Z, rtol=0, atol=0.51 * step)
     without = {"height_range": [0, 1]} if not keys else {}
     with refused(r"surface.height_range = \["):
         hpc_gfmd.read_surface(name, boundary="periodic", **BY_HAND, **without)
@@ -295,12 +296,12 @@ def test_where_the_instrument_is_seen(capsys):
     info = {"instrument": {"parameters": parameters}}
     scan = surface_topography().Topography(1e9 * Z, (1200, 400), unit="nm", info=info)
     scan.to_netcdf("scan.nc")
-    text, _, about = compose("scan.nc", Path("scene.toml"))
-    said = "waves shorter than 350 nm show the instrument"
-    assert any(said in line and "surface.downsample = 4 removes" in line for line in about)
-    assert re.search(f"^# downsample = 4 .*{said}", text, re.M)
+    text, _, notes = compose("scan.nc", Path("scene.toml"))
+    words = "waves shorter than 350 nm show the instrument"
+    assert any(words in line and "surface.downsample = 4 removes" in line for line in notes)
+    assert re.search(f"^# downsample = 4 .*{words}", text, re.M)
     assert re.search('^# crop = ."0 m", "0 m", "1.2 um", "0.4 um".', text, re.M)
-    assert said in hpc_gfmd.prepare_surface(scan).notes[-1]
+    assert words in hpc_gfmd.prepare_surface(scan).notes[-1]
 
 
 def test_a_format_that_is_not_known(tmp_path, capfd):
@@ -338,20 +339,20 @@ def test_read_surface_does_what_the_scene_does(keys, tmp_path):
     FORMATS["z.x3p"](tmp_path / "z.x3p", "nm")
     surface = hpc_gfmd.read_surface("z.x3p", **keys)
     assert surface.unit == "m"
-    found = hpc_gfmd.solve(surface, "1 GPa", "50 GPa")
+    solution = hpc_gfmd.solve(surface, "1 GPa", "50 GPa")
     table = {"kind": "file", "path": "z.x3p"} | keys
     scene = Scene.from_dict(
         {"surface": table, "load": {"pressure": "1 GPa"}, "material": {"E_star": "50 GPa"}}
     )
     (step,) = run_scene(scene, out="out.h5", quiet=True).steps
-    assert found.a_r == step["a_r"]
-    assert found.gap_mean == pytest.approx(step["gap_mean"])
-    assert found.note == step.get("note")
+    assert solution.a_r == step["a_r"]
+    assert solution.gap_mean == pytest.approx(step["gap_mean"])
+    assert solution.note == step.get("note")
     with h5py.File("out.h5") as file:
-        about = file["surface"].attrs
-        assert about["physical_sizes"] == pytest.approx(surface.sizes)
-        assert (about["unit"], about["pressure_unit"]) == ("m", "Pa")
-        assert about["boundary"] == ("free, free" if "boundary" in keys else "periodic, periodic")
+        attributes = file["surface"].attrs
+        assert attributes["physical_sizes"] == pytest.approx(surface.sizes)
+        assert (attributes["unit"], attributes["pressure_unit"]) == ("m", "Pa")
+        assert attributes["boundary"] == ("free, free" if "boundary" in keys else "periodic, periodic")
 
 
 MASKED = np.ma.masked_greater(Z, 0.9 * Z.max())
@@ -370,40 +371,40 @@ def test_heights_in_memory(heights, keys, plain):
     """The same numbers, whatever holds the heights; a Topography needs no preparation."""
     surface = hpc_gfmd.prepare_surface(heights, **keys)
     units = ("1 GPa", "50 GPa") if surface.unit else (1e9, 5e10)
-    for one in [surface] if keys else [surface, heights]:
-        assert numbers(hpc_gfmd.solve(one, *units)) == pytest.approx(numbers(plain), rel=1e-6)
+    for argument in [surface] if keys else [surface, heights]:
+        assert numbers(hpc_gfmd.solve(argument, *units)) == pytest.approx(numbers(plain), rel=1e-6)
 
 
 def test_what_heights_in_memory_lack():
     """A Topography that is not periodic ends; masked points and nan are filled where that is
     asked for."""
-    ends = hpc_gfmd.prepare_surface(
+    unfilled = hpc_gfmd.prepare_surface(
         surface_topography().Topography(MASKED, SIZES, unit="m"), fill="harmonic"
     )
-    assert ends.free == (True, True)
-    assert "filled" in ends.prepared[0]
+    assert unfilled.free == (True, True)
+    assert "filled" in unfilled.prepared[0]
     masked = topography("m", False, MASKED)
     masked.to_netcdf("z.nc")
     masked.to_x3p("z.x3p")
-    beside = {"z": Z, "mask": MASKED.mask}
-    np.savez("z.npz", **beside)
-    unwritten = {"z": MASKED.filled(15 * 2.0**119)}  # of NetCDF
-    for name, arrays in (("z.h5", beside), ("four.nc", unwritten)):
+    with_mask = {"z": Z, "mask": MASKED.mask}
+    np.savez("z.npz", **with_mask)
+    with_fill_value = {"z": MASKED.filled(15 * 2.0**119)}  # of NetCDF
+    for name, arrays in (("z.h5", with_mask), ("four.nc", with_fill_value)):
         with h5py.File(name, "w") as file:
             file.update(arrays)
     for name in ("z.nc", "z.x3p", "z.npz", "z.h5", "four.nc"):
-        found = open_topography(spec(name, boundary="free", physical_sizes=SIZES))
-        assert np.array_equal(np.isnan(found.rows(0, 12)), MASKED.mask)
+        read = open_topography(spec(name, boundary="free", physical_sizes=SIZES))
+        assert np.array_equal(np.isnan(read.rows(0, 12)), MASKED.mask)
         with refused(r"^surface.path: found nan at"):
             build_surface(spec(name, boundary="free", physical_sizes=SIZES), SerialComm(), float)
     np.savez("z.npz", z=Z, mask=Z)  # no mask, but heights
-    found = open_topography(spec("z.npz", physical_sizes=SIZES, dataset="mask"))
-    assert np.array_equal(found.rows(0, 12), Z)
+    read = open_topography(spec("z.npz", physical_sizes=SIZES, dataset="mask"))
+    assert np.array_equal(read.rows(0, 12), Z)
     with refused("mask of other numbers than 0 and 1"):
         open_topography(spec("z.npz", physical_sizes=SIZES, dataset="z")).rows(0, 12)
     for heights in (MASKED, MASKED.filled(np.nan)):
-        again = hpc_gfmd.prepare_surface(heights, fill="harmonic", boundary="free")
-        assert np.allclose(again.heights, ends.heights)
+        filled = hpc_gfmd.prepare_surface(heights, fill="harmonic", boundary="free")
+        assert np.allclose(filled.heights, unfilled.heights)
         with refused(r"(masked points|found nan at).*prepare_surface\(heights"):
             hpc_gfmd.solve(heights, 1e-9)
         with refused(r"found nan at .* or fill = .harmonic."):
@@ -421,14 +422,14 @@ def test_what_a_prepared_surface_knows(tmp_path):
     with refused(r"physical_sizes: found .* beside .* knows its sizes, allowed: read_surface"):
         hpc_gfmd.solve(surface, 1.0, physical_sizes=(1, 2))
     lengths = r"allowed: .* x0 < x1 <= 1200 nm and .* y1 <= 400 nm, plain in this unit"
-    found = topography("nm")
-    assert hpc_gfmd.prepare_surface(found, crop=(0, 0, 600, 100)).heights.shape == (6, 2)
+    nm_map = topography("nm")
+    assert hpc_gfmd.prepare_surface(nm_map, crop=(0, 0, 600, 100)).heights.shape == (6, 2)
     with refused(lengths):
-        hpc_gfmd.prepare_surface(found, crop=(0, 0, "2 um", "0.4 um"))
+        hpc_gfmd.prepare_surface(nm_map, crop=(0, 0, "2 um", "0.4 um"))
     for keys in ({"crop": ("0 um", "0 um", "1 um", "1 um")}, {"radius": "1 mm"}):
         with refused(r"found (1 mm|0 um), allowed: a plain number, as the sizes"):
             hpc_gfmd.prepare_surface(Z, boundary="free", **keys)
-    ball = hpc_gfmd.prepare_surface(found, boundary="free", radius="1 mm")
+    ball = hpc_gfmd.prepare_surface(nm_map, boundary="free", radius="1 mm")
     x, y = ((np.arange(k) - k // 2) * L / k for k, L in zip(N, SIZES))
     form = (x[:, None] ** 2 + y**2) / 2e-3
     assert np.allclose(ball.heights, Z - form, rtol=0, atol=1e-16)

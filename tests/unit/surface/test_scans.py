@@ -37,8 +37,8 @@ def heights(path, **keys):
     return 1e9 * topography.rows(0, topography.n[0])
 
 
-def is_map(found, wanted=Z):
-    return np.allclose(found, wanted, rtol=1e-6, atol=1e-5, equal_nan=True)
+def is_map(z, wanted=Z):
+    return np.allclose(z, wanted, rtol=1e-6, atol=1e-5, equal_nan=True)
 
 
 def text(rows, mark="\t"):
@@ -67,9 +67,9 @@ def test_a_token_that_is_not_known_is_named(token, lines):
     Path("z.txt").write_text(text(rows))
     with refused(f"line {lines[0] + 1}: found '{token}'|in line {lines[0] + 1}"):
         heights("z.txt", **KEYS)
-    found = heights("z.txt", missing=[token], **KEYS)
-    assert np.isnan(found[lines, 5]).all()
-    assert np.isnan(found).sum() == len(lines)
+    z = heights("z.txt", missing=[token], **KEYS)
+    assert np.isnan(z[lines, 5]).all()
+    assert np.isnan(z).sum() == len(lines)
 
 
 @pytest.mark.parametrize("mark", ["\t", " ", ",", ";"])
@@ -137,7 +137,8 @@ def test_a_line_before_the_map_may_be_one_of_it():
 
 # 2. Tables with axes
 
-X, Y = np.arange(12) * 0.1, np.arange(8) * 0.05
+X = np.arange(12) * 0.1
+Y = np.arange(8) * 0.05
 
 
 @pytest.mark.parametrize(
@@ -413,11 +414,11 @@ def test_sizes_that_no_instrument_measures(sizes):
     np.save("z.npy", Z)
     notes = opened("z.npy", unit="nm", physical_sizes=sizes).notes
     assert any("no instrument measures" in note for note in notes)
-    about = compose(
+    notes_of_init = compose(
         "z.npy", Path("a.toml"), [f"surface.physical_sizes={list(sizes)}", "surface.unit=nm"]
     )[2]
-    assert any("no instrument measures" in line for line in about)
-    assert any("different units" in line for line in about)
+    assert any("no instrument measures" in line for line in notes_of_init)
+    assert any("different units" in line for line in notes_of_init)
 
 
 # 5. Content decides the format
@@ -554,8 +555,8 @@ def test_topography_goes_before_other_channels():
         )
     gwyfile.objects.GwyContainer(container).tofile("z.gwy")
     assert is_map(heights("z.gwy"))
-    about = compose("z.gwy", Path("a.toml"))[2]
-    assert any("channel ZSensor; others: Error, Phase" in line for line in about)
+    notes = compose("z.gwy", Path("a.toml"))[2]
+    assert any("channel ZSensor; others: Error, Phase" in line for line in notes)
     surface = hpc_gfmd.read_surface("z.gwy", boundary="periodic")
     assert any("channel 'ZSensor'" in note for note in surface.notes)
     named = hpc_gfmd.read_surface("z.gwy", boundary="periodic", dataset="Error")
@@ -580,8 +581,8 @@ def test_nodata_of_whole_numbers():
     steps[HOLE] = 0
     tifffile.imwrite("z.tif", steps.T, extratags=[(42113, "s", 0, "0", True)])
     topography = opened("z.tif", height_range=["-100 nm", "6453.5 nm"], **KEYS)
-    found = 1e9 * topography.rows(0, 12)
-    assert np.allclose(found, with_hole(np.round(10 * Z) / 10), equal_nan=True, atol=1e-3)
+    z = 1e9 * topography.rows(0, 12)
+    assert np.allclose(z, with_hole(np.round(10 * Z) / 10), equal_nan=True, atol=1e-3)
     assert any("0 to 65535" in note for note in topography.notes)
 
 
@@ -675,18 +676,18 @@ def test_falling_coordinates_are_turned(falling, kind):
 def test_x3p_as_other_programs_write_it(kind):
     topography().to_x3p("plain.x3p")
     folder = "scan/" if kind in ("folder", "both") else ""
-    with zipfile.ZipFile("plain.x3p") as archive, zipfile.ZipFile("z.x3p", "w") as other:
+    with zipfile.ZipFile("plain.x3p") as archive, zipfile.ZipFile("z.x3p", "w") as rewritten:
         for name in archive.namelist():
             data = archive.read(name)
             if name == "main.xml" and kind in ("en dash", "both"):
                 data = data.replace(b"ISO5436 - 2000", "ISO5436 – 2000".encode())
-            other.writestr(folder + name, data)
+            rewritten.writestr(folder + name, data)
     assert is_map(heights("z.x3p"))
 
 
 def test_the_reason_of_the_reader_is_said():
     topography().to_x3p("plain.x3p")
-    with zipfile.ZipFile("plain.x3p") as archive, zipfile.ZipFile("z.x3p", "w") as other:
+    with zipfile.ZipFile("plain.x3p") as archive, zipfile.ZipFile("z.x3p", "w") as rewritten:
         for name in archive.namelist():
             data = archive.read(name)
             data = (
@@ -694,7 +695,7 @@ def test_the_reason_of_the_reader_is_said():
                 if name == "main.xml"
                 else data
             )
-            other.writestr(name, data)
+            rewritten.writestr(name, data)
     with refused("FeatureType should be 'SUR'"):
         heights("z.x3p")
     Path("z.gwy").write_bytes(b"GWYP" + b"\0" * 40)
@@ -771,10 +772,10 @@ def test_a_window_is_noted(window):
     surface = hpc_gfmd.prepare_surface(z, window=window)
     (note,) = [note for note in surface.notes if "window" in note]
     assert f"window {window} takes h_rms from" in note
-    kept = np.outer(
+    weights = np.outer(
         *(__import__("scipy.signal.windows").signal.windows.get_window(window, 64),) * 2
     )
-    assert f"{100 * np.mean(kept > 0.5):.0f} % of the area" in note
+    assert f"{100 * np.mean(weights > 0.5):.0f} % of the area" in note
 
 
 def test_a_large_hole_is_filled_as_by_factorisation(monkeypatch):
@@ -794,7 +795,7 @@ def test_what_init_says():
     rows[HOLE] = "nan"
     Path("z.txt").write_text(text(rows))
     keys = ['surface.physical_sizes=["1.2 um","0.4 um"]', "surface.unit=nm"]
-    about = "\n".join(compose("z.txt", Path("a.toml"), keys)[2])
+    notes = "\n".join(compose("z.txt", Path("a.toml"), keys)[2])
     for words in (
         "12 x 8 points, 1.2 um x 0.4 um, heights in nm",
         "read as text; x runs from line to line of the text",
@@ -802,4 +803,4 @@ def test_what_init_says():
         "done to it: 1 points (1 %) filled",
         "h_rms = ",
     ):
-        assert words in about
+        assert words in notes

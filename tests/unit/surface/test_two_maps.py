@@ -13,7 +13,8 @@ from hpc_gfmd.output.read import read_result
 
 @pytest.fixture
 def maps(cli):
-    first, second = random_heights((24, 20), seed=1), random_heights((24, 20), seed=2)
+    first = random_heights((24, 20), seed=1)
+    second = random_heights((24, 20), seed=2)
     np.save("first.npy", first)
     np.save("second.npy", second)
     np.savez("nm.npz", surface=second * 1e9, unit="nm", physical_sizes=[1e9, 2e9])
@@ -31,28 +32,28 @@ def test_the_sum_is_pressed(maps, cli):
         ' "pressure"]\n'
     )
     cli.prints("run s.toml -q")
-    found = read_result("contact.h5")
+    of_two_files = read_result("contact.h5")
     np.save("sum.npy", first + second)
     cli.prints("run s.toml -q -o sum.h5 --set surface.path=sum.npy")
-    wanted = read_result("sum.h5")
-    assert found.steps[0]["a_r"] == wanted.steps[0]["a_r"]
-    fields = [result.fields[0]["pressure"].read(0, 24) for result in (found, wanted)]
+    of_sum = read_result("sum.h5")
+    assert of_two_files.steps[0]["a_r"] == of_sum.steps[0]["a_r"]
+    fields = [result.fields[0]["pressure"].read(0, 24) for result in (of_two_files, of_sum)]
     assert np.array_equal(*fields)
-    assert found.head["heights"] == wanted.head["heights"]
+    assert of_two_files.head["heights"] == of_sum.head["heights"]
     np.save("second.npy", 2 * second)
     cli.prints("run s.toml -q")
-    assert read_result("contact.h5").head["heights"] != found.head["heights"]
+    assert read_result("contact.h5").head["heights"] != of_two_files.head["heights"]
 
 
 def test_units_of_both(maps):
-    both = hpc_gfmd.read_surface(["m.npz", "nm.npz"])
-    assert both.heights == pytest.approx(sum(maps), rel=1e-12)
-    assert both.sizes == pytest.approx((1.0, 2.0))
-    assert both.unit == "m"
+    surface = hpc_gfmd.read_surface(["m.npz", "nm.npz"])
+    assert surface.heights == pytest.approx(sum(maps), rel=1e-12)
+    assert surface.sizes == pytest.approx((1.0, 2.0))
+    assert surface.unit == "m"
 
 
 @pytest.mark.parametrize(
-    ("second", "keys", "words"),
+    ("second_map", "keys", "words"),
     [
         (
             "other.npy",
@@ -73,9 +74,9 @@ def test_units_of_both(maps):
         ),
     ],
 )
-def test_refused(maps, second, keys, words):
+def test_refused(maps, second_map, keys, words):
     np.save("other.npy", maps[1].T)
     np.save("holes.npy", np.where(np.arange(20) == 3, np.nan, maps[1]))
     np.savez("long.npz", surface=maps[1], unit="m", physical_sizes=[1.0, 3.0])
     with refused(words):
-        hpc_gfmd.read_surface(["first.npy" if keys else "m.npz", second], **keys)
+        hpc_gfmd.read_surface(["first.npy" if keys else "m.npz", second_map], **keys)
