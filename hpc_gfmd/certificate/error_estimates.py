@@ -49,7 +49,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Calibration:
+class EstimateCalibration:
     """How large the errors are that sums alone do not bound.
 
     Calibrated on true errors of walls of all kinds (scripts/campaign), with a margin such that a
@@ -91,7 +91,7 @@ class Calibration:
     rounding: float = 4.0
 
 
-CALIBRATION = Calibration()
+CALIBRATION = EstimateCalibration()
 
 
 class State(NamedTuple):
