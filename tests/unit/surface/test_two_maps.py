@@ -1,4 +1,4 @@
-"""Two rough bodies: their maps are added, each in its own unit."""
+"""Two rough bodies: their height maps are added, each in its own unit."""
 
 from pathlib import Path
 
@@ -22,9 +22,8 @@ def maps(cli):
     return first, second
 
 
-def test_the_sum_is_pressed(maps, cli):
-    """As given by hand; what is to be done to it is done to the sum; another second map is another
-    surface."""
+def test_two_files_are_solved_as_their_sum(maps, cli):
+    """Preparation applies to the sum, and a changed second map is another surface."""
     first, second = maps
     Path("s.toml").write_text(
         'surface = {kind = "file", path = ["first.npy", "second.npy"], physical_sizes = [1, 2],'
@@ -45,7 +44,7 @@ def test_the_sum_is_pressed(maps, cli):
     assert read_result("contact.h5").head["heights"] != of_two_files.head["heights"]
 
 
-def test_units_of_both(maps):
+def test_maps_in_different_units(maps):
     surface = hpc_gfmd.read_surface(["m.npz", "nm.npz"])
     assert surface.heights == pytest.approx(sum(maps), rel=1e-12)
     assert surface.sizes == pytest.approx((1.0, 2.0))
@@ -74,7 +73,7 @@ def test_units_of_both(maps):
         ),
     ],
 )
-def test_refused(maps, second_map, keys, words):
+def test_maps_that_do_not_match_are_refused(maps, second_map, keys, words):
     np.save("other.npy", maps[1].T)
     np.save("holes.npy", np.where(np.arange(20) == 3, np.nan, maps[1]))
     np.savez("long.npz", surface=maps[1], unit="m", physical_sizes=[1.0, 3.0])
