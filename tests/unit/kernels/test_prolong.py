@@ -6,7 +6,7 @@ import pytest
 from hpc_gfmd.kernels import prolong
 
 
-def prolonged(u, p, h, compliance, stencil, parts=1, largest_move=np.inf):
+def prolonged(u, p, h, compliance, stencil, parts=1, deepest=np.inf):
     """The gap by prolong_gap from coarse fields u, p on the grid of h, in `parts` slabs."""
     n_x, n_y = h.shape
     m_x, m_y = u.shape
@@ -34,7 +34,7 @@ def prolonged(u, p, h, compliance, stencil, parts=1, largest_move=np.inf):
             (m_x != n_x, m_y != n_y),
             compliance,
             stencil,
-            largest_move,
+            deepest,
             h.shape,
         )
         out.append(g)
@@ -82,8 +82,8 @@ def test_cubic_interpolation_without_contact():
         ((10, 1), (5, 1)),
     ],
 )
-@pytest.mark.parametrize("largest_move", [np.inf, 0.3])
-def test_local_relaxation(random, n, m, largest_move):
+@pytest.mark.parametrize("deepest", [np.inf, 0.3])
+def test_local_relaxation(random, n, m, deepest):
     """prolong_gap follows its formula in any number of slabs.
 
     Gaps are never negative, and 0 where heights would penetrate.
@@ -97,7 +97,7 @@ def test_local_relaxation(random, n, m, largest_move):
     P = interpolated(interpolated(p, n[0], 0.5, 0.0).T, n[1], 0.5, 0.0).T
 
     def projected(v):
-        return np.maximum(v, np.minimum(v + largest_move, -w))
+        return np.maximum(v, np.minimum(v + deepest, -w))
 
     v = projected(np.zeros(n))
     for _ in range(prolong.SWEEPS):
@@ -114,9 +114,9 @@ def test_local_relaxation(random, n, m, largest_move):
                 + stencil[3] * (np.roll(rows, 1, 1) + np.roll(rows, -1, 1))
             )
         )
-    g = prolonged(u, p, h, compliance, stencil, most=largest_move)
+    g = prolonged(u, p, h, compliance, stencil, deepest=deepest)
     assert np.allclose(g, w + v, atol=1e-13)
-    assert np.isfinite(largest_move) or g.min() == 0
+    assert np.isfinite(deepest) or g.min() == 0
     assert (g == 0).any()
     for parts in (2, 3, 5):
-        assert np.array_equal(prolonged(u, p, h, compliance, stencil, parts, largest_move), g)
+        assert np.array_equal(prolonged(u, p, h, compliance, stencil, parts, deepest), g)
