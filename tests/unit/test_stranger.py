@@ -87,8 +87,8 @@ results["new"].export("pressure.gwy", fields=["pressure"])
 
 
 def test_script_for_scans_with_outliers_and_holes(folder):
-    """A pipeline of SurfaceTopography, a sweep, a table, a plot of two samples and a GWY file; units
-    are only needed for load and modulus."""
+    """A pipeline of SurfaceTopography, a sweep, a table, a plot of two samples and a GWY file;
+    units are only needed for load and modulus."""
     assert len(SCRIPT.strip().splitlines()) <= 12
     scan = hpc_gfmd.read_surface(folder / "scan.x3p", detrend="tilt", boundary="free")
     for name, scale in (("new", 1), ("worn", 0.5)):
