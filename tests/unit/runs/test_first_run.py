@@ -19,6 +19,7 @@ from hpc_gfmd.runs import in_memory
 )
 def test_compilation_is_announced_once(tmp_path, monkeypatch, existing, words):
     monkeypatch.setattr(cache, "folder", lambda: tmp_path)
+    monkeypatch.setattr(cache, "TOLD_SECONDS", np.inf)  # no second message about the time
     (tmp_path / existing).touch()
     messages = []
     functions = [numba.njit(lambda x, k=k: x + k) for k in range(2)]
