@@ -89,7 +89,24 @@ def surface_over(z, sizes=(1.0, 1.0), dtype=np.float64, comm=None, free=(False, 
 def sweep_over(
     z, sizes=(1.0, 1.0), free=(False, False), body=None, comm=None, E_star=1.0, **solver
 ):
-    """A Pressing of an array of heights z (peaks up); solver: keys of [solver]."""
+    """A Pressing of an array of heights.
+
+    Parameters
+    ----------
+    z : array (n_x, n_y)
+        Heights, peaks up.
+    sizes
+        Of the surface.
+    free : (bool, bool)
+        Whether edges along x, along y are free.
+    body
+        Elastic body; a half-space by default.
+    comm
+        Communicator; this process alone by default.
+    E_star : float
+    **solver
+        Keys of [solver]; EXACT by default.
+    """
     made = make_sweep(
         lambda dtype: surface_over(z, sizes, dtype, comm, free),
         SolverTable(**solver or EXACT),

@@ -62,7 +62,7 @@ def test_derivatives_agree(name):
 
 @every_law
 def test_range_is_the_length_scale(name):
-    """Half of the work is done within one range, 95 % within three."""
+    """At least half of the work is done within one range, and 95 % within three."""
     law = made(name)
     assert -law.energy(3 * RANGE) < 0.05 * WORK
     assert -law.energy(RANGE) < 0.5 * WORK

@@ -175,7 +175,7 @@ def test_info(cli):
 
 
 def test_python_interface(folder):
-    for _ in range(2):  # the module hpc_gfmd.run, imported by now, does not hide the function
+    for _ in range(2):  # in the second call all modules are imported already
         run = hpc_gfmd.run("scene.toml", quiet=True)
     assert (run.status, run.exit_code, len(run.steps)) == ("converged", 0, 2)
 

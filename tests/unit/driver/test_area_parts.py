@@ -22,10 +22,8 @@ ROOT = 0.3
     [
         (lambda x: x - ROOT, 4),
         (lambda x: (x - ROOT) ** 3, 60),
-        (
-            lambda x: (x - ROOT) * (100 if x < ROOT else 1),
-            60,
-        ),  # different slopes of gap and pressure
+        # slopes of a gap and of a pressure
+        (lambda x: (x - ROOT) * (100 if x < ROOT else 1), 60),
         (lambda x: copysign(inf, x - ROOT), 60),  # only the side is known
     ],
 )

@@ -149,9 +149,7 @@ def test_solving_a_load_does_not_change_it():
     first_pressure = sweep.solve(load).p_mean
     second_pressure = sweep.solve(load).p_mean
     assert load.search is None
-    assert first_pressure == pytest.approx(
-        second_pressure, rel=1e-2
-    )  # 204.8 points are met within one point
+    assert first_pressure == pytest.approx(second_pressure, rel=1e-2)
 
 
 def test_low_memory_refuses_other_solvers():

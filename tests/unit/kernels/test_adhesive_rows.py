@@ -1,11 +1,10 @@
-"""Contributions of an attraction to the passes of the solver, and subspace sums, against NumPy."""
+"""Contributions of an attraction to the passes of the solver against NumPy."""
 
 import numpy as np
 import pytest
 
 from hpc_gfmd.kernels import adhesive_rows
 from hpc_gfmd.kernels.bfloat16 import encoded
-from hpc_gfmd.kernels.subspace import combine_directions, subspace_products
 from hpc_gfmd.laws import law_named
 from hpc_gfmd.laws.base import in_precision
 
@@ -105,26 +104,3 @@ def test_pull_along_a_direction(random, gaps, inside, length):
     pull = adhesive_rows.pull_along(LAW, gaps, e, length, 0, N[0], inside)
     change = LAW.traction(np.maximum(gaps + length * e, 0)) - LAW.traction(gaps)
     assert pull == pytest.approx(np.sum((change * e)[on_surface(inside)]), abs=1e-12)
-
-
-@pytest.mark.parametrize("k", [1, 2, 3])
-def test_subspace(random, k):
-    V = random.standard_normal((3, *N))
-    KV = random.standard_normal((3, *N))
-    D = random.random(N)
-    sums = np.zeros((2, 3, 3))
-    subspace_products(V, KV, D, k, 0, N[0], sums)
-    for a in range(k):
-        for b in range(a + 1):
-            assert sums[0, a, b] == pytest.approx(np.sum(V[a] * KV[b]))
-            assert sums[1, a, b] == pytest.approx(np.sum(V[a] * D * V[b]))
-    weights = random.standard_normal(3)
-    weights[k:] = 0
-    new_fields = [np.tensordot(weights[1:], field[1:], 1) for field in (V, KV)]
-    best_fields = [
-        new + weights[0] * field[0] for new, field in zip(new_fields, (V, KV), strict=True)
-    ]
-    combine_directions(V, KV, k, weights, 0, N[0])
-    for field, new, best in zip((V, KV), new_fields, best_fields, strict=True):
-        assert np.allclose(field[0], best)
-        assert np.allclose(field[2], new)

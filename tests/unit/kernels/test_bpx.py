@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from sides import sides
 from transfers import SIZES, interpolated, restricted, whole
 
 from hpc_gfmd.bodies.halfspace import HalfSpace
 from hpc_gfmd.kernels import bpx
-from hpc_gfmd.kernels.bfloat16 import Decoded, decode, encode, encoded
-from hpc_gfmd.kernels.jit import kernel
+from hpc_gfmd.kernels.bfloat16 import Decoded, encoded
 from hpc_gfmd.operators.elastic import reader
 from hpc_gfmd.operators.multilevel import Multilevel
 from hpc_gfmd.parallel.grid import Grid
@@ -22,12 +22,6 @@ def state(random, n, hardness, dtype=float):
     p = random.standard_normal(n).astype(dtype)
     d = encoded(random.standard_normal(n) * (g != 0), dtype)
     return g, p, d
-
-
-def sides(g, p, hardness):
-    """(elastic contact, yielding points, p less the hardness where a point yields)."""
-    yields = (g < 0) | ((g <= 0) & (p >= hardness)) if hardness else np.zeros(g.shape, bool)
-    return (g <= 0) & (p > 0) & ~yields, yields, p - yields * (hardness or 0)
 
 
 @pytest.mark.parametrize("n", SIZES)
@@ -75,27 +69,6 @@ def test_projected_step(random, n, coupling, hardness, dtype, rough, rounding):
 def clipped_of(dtype):
     """The encoded minus infinity, which marks a clipped step."""
     return encoded([-np.inf], dtype)[0]
-
-
-@kernel
-def stored_and_read(number):
-    return encode(number), decode(encode(number))
-
-
-@pytest.mark.parametrize(("dtype", "rough"), [(np.float32, 1 / 128), (np.float64, 1e-7)])
-def test_encoding_of_steps(random, dtype, rough):
-    """Kernels and NumPy agree; magnitudes never grow, and infinities are kept."""
-    numbers = np.concatenate(
-        [random.standard_normal(999) * 10.0 ** random.integers(-30, 30, 999), [0, -np.inf, np.inf]]
-    ).astype(dtype)
-    stored = encoded(numbers, dtype)
-    read = Decoded(stored)[:]
-    assert stored.itemsize == numbers.itemsize // 2
-    in_kernel = np.transpose([stored_and_read(number) for number in numbers])
-    assert np.array_equal(in_kernel, [stored, read])
-    assert np.allclose(read, numbers, rtol=rough, atol=0)
-    assert dtype == np.float64 or np.all(np.abs(read) <= np.abs(numbers))
-    assert read[-2:].tolist() == [-np.inf, np.inf]
 
 
 @pytest.mark.parametrize("n", SIZES)

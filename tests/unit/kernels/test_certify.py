@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from sides import sides
 
 from hpc_gfmd.kernels import certify
 
@@ -14,9 +15,7 @@ def test_kkt_residuals(random, hardness):
     p = np.empty((6, 5))
     sums, extremes = certify.kkt_residuals(g, p, x, 0.2, hardness, g.shape, 0, 6)
     fresh = 0.2 + x
-    yields = (g < 0) | ((g <= 0) & (fresh >= hardness)) if hardness else np.zeros(g.shape, bool)
-    closed = (g <= 0) & (fresh > 0) & ~yields
-    r = fresh - yields * (hardness or 0)
+    closed, yields, r = sides(g, fresh, hardness)
     gap = np.where(yields, 0, g)
     wanted = (
         *(np.sum(r[~closed] ** power) for power in (1, 2, 4)),
@@ -95,9 +94,8 @@ def test_dual_rows(random, hardness, inside):
     p = random.standard_normal((6, 5))
     surface = np.zeros(g.shape, bool)
     surface[: inside[0], : inside[1]] = True
-    yields = (g < 0) | ((g <= 0) & (p >= hardness)) if hardness else np.zeros(g.shape, bool)
-    closed = surface & (g <= 0) & (p > 0) & ~yields
-    elastic = np.where(closed, 0.9 * p + 0.05, 0)
+    closed, yields, _ = sides(g, p, hardness)
+    elastic = np.where(surface & closed, 0.9 * p + 0.05, 0)
     admissible = elastic + np.where(surface & yields, hardness or 0, 0)
     x = np.empty((4, 5))
     work = certify.dual_rows(g, p, x, 0.9, 0.05, hardness, inside, 1, 5)

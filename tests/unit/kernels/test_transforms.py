@@ -1,12 +1,9 @@
-"""Row and column transforms of a slab against numpy.fft; views and moves of memory."""
+"""Row and column transforms of a slab against numpy.fft."""
 
 import numpy as np
 import pytest
 
-from hpc_gfmd.kernels.jit import kernel, points_inside
-from hpc_gfmd.kernels.lines import WIDTH, move_line
 from hpc_gfmd.kernels.transforms import load_columns, load_rows, store_columns, store_rows
-from hpc_gfmd.kernels.views import view_fields
 from hpc_gfmd.parallel.grid import Grid
 
 SIZES = [(8, 8), (30, 70), (9, 33), (64, 2), (2, 64), (1, 5)]
@@ -60,56 +57,3 @@ def test_columns(random, n, dtype, rounding):
     assert np.allclose(blocks_of(fft), n[0] * spectra, atol=1000 * rounding)
     load_columns(columns, 0, False)
     assert not columns[0].any()
-
-
-@kernel
-def moved_line(target, i, source, j):
-    move_line(target, i, source, j)
-
-
-def test_move_line(random):
-    source = random.random(3 * WIDTH)
-    target = np.zeros(3 * WIDTH)
-    moved_line(target, 5, source, 3)
-    assert np.array_equal(target[5 : 5 + WIDTH], source[3 : 3 + WIDTH])
-    assert not target[:5].any()
-    assert not target[5 + WIDTH :].any()
-
-
-@kernel
-def doubled_view(flat, begin, fields, rows, n):
-    view = view_fields(flat, begin, fields, rows, n)
-    total = 0.0
-    for c in range(view.shape[0]):
-        for i in range(view.shape[1]):
-            for j in range(view.shape[2]):
-                view[c, i, j] *= 2
-                total += (c + 1) * view[c, i, j]
-    return total
-
-
-@pytest.mark.parametrize("dtype", [np.float64, np.float32])
-def test_view_fields(random, dtype):
-    """A view shares memory, in C order."""
-    flat = random.random(40).astype(dtype)
-    wanted = flat.copy()
-    wanted[5:29] *= 2
-    view = wanted[5:29].reshape(2, 3, 4)
-    assert doubled_view(flat, 5, 2, 3, 4) == pytest.approx(
-        view[0].sum(dtype=float) + 2 * view[1].sum(dtype=float), rel=1e-6
-    )
-    assert np.array_equal(flat, wanted)
-
-
-@kernel
-def counted_inside(shape, inside):
-    count = 0
-    for i in range(shape[0]):
-        for _ in range(points_inside(i, inside)):
-            count += 1
-    return count
-
-
-@pytest.mark.parametrize("inside", [(4, 6), (2, 5), (0, 6), (3, 0)])
-def test_points_inside(inside):
-    assert counted_inside((4, 6), inside) == inside[0] * inside[1]

@@ -13,18 +13,18 @@ from hpc_gfmd.output.read import read_result
 
 @pytest.fixture
 def maps(cli):
-    first = random_heights((24, 20), seed=1)
-    second = random_heights((24, 20), seed=2)
-    np.save("first.npy", first)
-    np.save("second.npy", second)
-    np.savez("nm.npz", surface=second * 1e9, unit="nm", physical_sizes=[1e9, 2e9])
-    np.savez("m.npz", surface=first, unit="m", physical_sizes=[1.0, 2.0])
-    return first, second
+    first_map = random_heights((24, 20), seed=1)
+    second_map = random_heights((24, 20), seed=2)
+    np.save("first.npy", first_map)
+    np.save("second.npy", second_map)
+    np.savez("nm.npz", surface=second_map * 1e9, unit="nm", physical_sizes=[1e9, 2e9])
+    np.savez("m.npz", surface=first_map, unit="m", physical_sizes=[1.0, 2.0])
+    return first_map, second_map
 
 
 def test_two_files_are_solved_as_their_sum(maps, cli):
     """Preparation applies to the sum, and a changed second map is another surface."""
-    first, second = maps
+    first_map, second_map = maps
     Path("s.toml").write_text(
         'surface = {kind = "file", path = ["first.npy", "second.npy"], physical_sizes = [1, 2],'
         ' detrend = "tilt", flip = true}\nload.pressure = 0.1\noutput.fields = ["heights",'
@@ -32,14 +32,14 @@ def test_two_files_are_solved_as_their_sum(maps, cli):
     )
     cli.prints("run s.toml -q")
     of_two_files = read_result("contact.h5")
-    np.save("sum.npy", first + second)
+    np.save("sum.npy", first_map + second_map)
     cli.prints("run s.toml -q -o sum.h5 --set surface.path=sum.npy")
     of_sum = read_result("sum.h5")
     assert of_two_files.steps[0]["a_r"] == of_sum.steps[0]["a_r"]
     fields = [result.fields[0]["pressure"].read(0, 24) for result in (of_two_files, of_sum)]
     assert np.array_equal(*fields)
     assert of_two_files.head["heights"] == of_sum.head["heights"]
-    np.save("second.npy", 2 * second)
+    np.save("second.npy", 2 * second_map)
     cli.prints("run s.toml -q")
     assert read_result("contact.h5").head["heights"] != of_two_files.head["heights"]
 
