@@ -88,12 +88,7 @@ class Pieces:
 
 
 def scene(
-    solver,
-    loads=LOADS,
-    fields=("gap", "pressure"),
-    boundary="periodic",
-    material=(),
-    **settings,
+    solver, loads=LOADS, fields=("gap", "pressure"), boundary="periodic", material=(), **settings
 ):
     """The Scene of a small rough contact in double precision; loads: p*, or a [load] table;
     material: the [material] table."""

@@ -23,7 +23,7 @@ from ..surface.doubtful_numbers import load_notes
 from ..surface.number_range import field_dtype
 from ..util.quantities import prefixed
 from .attraction_notes import attraction_notes
-from .uniqueness import OtherBranch
+from .other_branch import OtherBranch
 
 METALLIC = 1e9  # Pa: of an effective modulus from which the note on yield speaks
 YIELDS_AT = 50  # metals yield where the contact pressure is E* over about this

@@ -150,7 +150,9 @@ def test_the_branches_differ_where_it_is_not():
         assert solution.value("stability") > 0
 
 
-@pytest.mark.parametrize(("kappa", "reach", "agree"), [(1.0, 0.02, 1), (1.0, 0.1, 1), (3.0, 0.1, 0)])
+@pytest.mark.parametrize(
+    ("kappa", "reach", "agree"), [(1.0, 0.02, 1), (1.0, 0.1, 1), (3.0, 0.1, 0)]
+)
 @pytest.mark.parametrize("branch", ["approach", "retraction"])
 def test_the_other_branch_on_request(kappa, reach, agree, branch):
     wall, adhesion = adhesive.wall(), adhesive.attraction(kappa, reach)

@@ -37,10 +37,7 @@ def test_stopped_and_killed_runs(pieces, solver):
 
 
 ADHESION = {"adhesion": {"work": 0.0024, "range": 0.0125}}  # the last load pulls too much
-BRANCHES = {
-    "approach": [0.0, 0.02, 0.1],
-    "retraction": [0.3, 0.05, 0.0, -0.002, -0.2],
-}
+BRANCHES = {"approach": [0.0, 0.02, 0.1], "retraction": [0.3, 0.05, 0.0, -0.002, -0.2]}
 
 SWEEPS = {
     "each load": (scene("auto", **TIGHT), 1e-6),
