@@ -2,7 +2,7 @@
 
 A table stands in its page between `<!-- rows: NAME -->` and `<!-- end -->`. Rows are those of
 `scripts/bench` in docs/bench (and folders in it: one for each further machine) and of
-`scripts/campaign` in docs/campaign.jsonl. A test compares the pages with what the rows give.
+`scripts/campaign` in docs/campaign.jsonl.
 """
 
 import json

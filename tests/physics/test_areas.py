@@ -3,6 +3,7 @@ only where it is."""
 
 import numpy as np
 import pytest
+from campaign.truth import Contact
 from contacts import field, random_heights, sweep_over
 
 import hpc_gfmd
@@ -99,3 +100,39 @@ def test_an_area_of_less_than_two_points():
     assert found.status == "converged"
     assert found.contact_points in (1, 2)
     assert "1.4 points" in found.note
+
+
+@pytest.mark.parametrize("share", [0.6 / 64, 1 / 64, 1.3 / 64])
+def test_the_first_line_of_a_wall_that_varies_along_one_axis(share):
+    z = np.repeat(random_heights((1, 64), seed=4), 48, axis=0)
+    found = sweep_over(z, accuracy=1e-3).solve(Load("a_r", share))
+    assert found.status == "converged"
+    assert found.contact_points == 1
+
+
+def test_less_than_half_a_line_of_a_wall_that_varies_along_one_axis():
+    z = np.repeat(random_heights((1, 64), seed=4), 48, axis=0)
+    with pytest.raises(hpc_gfmd.SceneError, match=r"load\.a_r: found 0\.005, .* 64 lines"):
+        hpc_gfmd.solve(z, a_r=0.005)
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("lower", [1e-2, 1e-4])
+@pytest.mark.parametrize("beyond", [2e-9, 1e-7, 1e-5])
+def test_a_second_point_that_just_touches(lower, beyond):
+    """Two tall points, one a little lower: how many touch is right, or known to be doubtful."""
+    z = random_heights((32, 32), seed=5)
+    z[3, 5], z[9, 21] = z.max() + 5, z.max() + 5 - lower
+    exact = Contact(z, (1.0, 1.0))
+    heights = exact.height_unit
+    # S between the points, from a unit load on the first
+    load = np.zeros(z.shape)
+    load[3, 5] = 1.0
+    S = exact.times(exact.S, load)
+    touching = lower / heights / (S[3, 5] - S[9, 21]) / z.size
+    p_star = touching * (1 + beyond)
+    truth = exact.solve(p_star)
+    for accuracy in (1e-1, 1e-3):
+        found = hpc_gfmd.solve(z, p_star * exact.g_rms, accuracy=accuracy)
+        off = abs(round(found.a_r * z.size) - truth.contact) / truth.contact
+        assert off <= found.errors[0] + 1e-9
