@@ -53,7 +53,13 @@ class Picture(Figure):
     """A figure that a notebook shows, without pyplot, and that is saved at print resolution."""
 
     def savefig(self, *args: Any, **how: Any) -> None:
-        """Save it in the style of all pictures, at print resolution unless `dpi` is given."""
+        """Save it in the style of all pictures, at print resolution unless `dpi` is given.
+
+        Parameters
+        ----------
+        *args, **how
+            As of matplotlib's Figure.savefig.
+        """
         with styled():
             super().savefig(*args, **how)
 
@@ -115,6 +121,7 @@ class LogLabels(Formatter):
         return self.format_ticks([x])[0]
 
     def format_ticks(self, values: Any) -> list[str]:
+        """Return the labels of some ticks."""
         plain = all(1e-3 <= x <= 1e4 for x in values)
         return [f"{x:g}" if plain else f"${tex_number(x, '.0e')}$" for x in values]
 
