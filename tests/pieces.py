@@ -87,14 +87,18 @@ class Pieces:
         self.comm.barrier()
 
 
-def scene(solver, loads=LOADS, fields=("gap", "pressure"), boundary="periodic", **settings):
-    """The Scene of a small rough contact in double precision; loads: p*, or a [load] table."""
+def scene(
+    solver, loads=LOADS, fields=("gap", "pressure"), boundary="periodic", material=(), **settings
+):
+    """The Scene of a small rough contact in double precision; loads: p*, or a [load] table;
+    material: the [material] table."""
     solver = {"name": solver, "accuracy": 1e-2, "precision": "double"} | settings
     load = loads if isinstance(loads, dict) else {"p_star": loads}
     return Scene.from_dict(
         {
             "surface": rough((2, 8, 2), boundary=boundary),
             "load": load,
+            "material": dict(material),
             "solver": solver,
             "output": {"fields": list(fields)},
         }

@@ -22,7 +22,7 @@ from ..contact.duality import OBSERVABLES as OF_DUALITY
 from ..output.fields import FIELDS
 from ..output.numbers import unit_of
 from ..output.read import Result, read_result
-from ..output.summary import summary, surface_line
+from ..output.summary import last_held, summary, surface_line
 from ..scene.explain import require_known
 from ..util.errors import SceneError
 from ..util.quantities import in_units
@@ -118,6 +118,19 @@ class Solution(Solved):
         comm: Any = None,
         contact: "Contact | None" = None,
     ):
+        """Made by `solve` and `load`.
+
+        Parameters
+        ----------
+        result : output.read.Result
+            Numbers and fields of one load.
+        rows : (int, int), optional
+            Rows (start, stop) of this rank; default: all.
+        comm : Comm, optional
+            All ranks; default: this process alone.
+        contact : Contact, optional
+            The solved load in memory, which finds what the result does not have.
+        """
         super().__init__(result, rows, comm)
         self._contact = contact
         self._step = result.steps[0]
@@ -318,6 +331,19 @@ class Solutions(Solved, Sequence):
         comm: Any = None,
         contacts: "Sequence[Contact | None]" = (),
     ):
+        """Made by `solve` and `load`.
+
+        Parameters
+        ----------
+        result : output.read.Result
+            Numbers and fields.
+        rows : (int, int), optional
+            Rows (start, stop) of this rank; default: all.
+        comm : Comm, optional
+            All ranks; default: this process alone.
+        contacts : sequence of Contact or None, optional
+            The solved loads in memory, None where no field was kept.
+        """
         super().__init__(result, rows, comm)
         contacts = contacts or [None] * len(result.steps)
         self._all = [
@@ -356,10 +382,8 @@ class Solutions(Solved, Sequence):
 
         None in a sweep in which no load separates what touched at the load before.
         """
-        for before, after in zip(self, self[1:]):
-            if after.status == "separated" and before.status == "converged":
-                return float(before.value("p"))
-        return None
+        held = last_held(self.result.steps)
+        return None if held is None else float(held["p"])
 
     def values(self, name: str) -> np.ndarray:
         """Return an observable or another number of all loads, (loads,), by its name in the result

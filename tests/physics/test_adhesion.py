@@ -150,6 +150,38 @@ def test_the_branches_differ_where_it_is_not():
         assert solution.value("stability") > 0
 
 
+@pytest.mark.parametrize(
+    ("kappa", "reach", "agree"), [(1.0, 0.02, 1), (1.0, 0.1, 1), (3.0, 0.1, 0)]
+)
+@pytest.mark.parametrize("branch", ["approach", "retraction"])
+def test_the_other_branch_on_request(kappa, reach, agree, branch):
+    wall, adhesion = adhesive.wall(), adhesive.attraction(kappa, reach)
+    loads = [adhesive.LOAD] if branch == "approach" else [8.0, 1.0, 0.3, adhesive.LOAD]
+    plain = hpc_gfmd.solve(wall, loads, adhesion=adhesion, branch=branch, fields=())
+    found = hpc_gfmd.solve(wall, loads, adhesion=adhesion, branch=branch, fields=(), unique=True)
+    assert [one.a_r for one in found] == [one.a_r for one in plain]
+    assert found[-1].fft_pairs > plain[-1].fft_pairs + 3
+    last, other = found[-1], found[-1].value("a_r_other_branch")
+    assert last.value("unique") == agree
+    assert ("not unique" in (last.note or "")) == (not agree)
+    if agree:
+        assert other == pytest.approx(last.a_r, rel=2e-3)
+    elif branch == "approach":
+        assert other > 1.2 * last.a_r
+    else:
+        assert other < last.a_r / 1.2
+    assert plain[-1].value("unique") is None
+
+
+def test_where_nothing_is_held_the_branches_agree_too():
+    wall, adhesion = adhesive.wall(4, 4), adhesive.attraction(1.0, 0.1)
+    found = hpc_gfmd.solve(wall, [-0.005, -2.0], adhesion=adhesion, unique=True)
+    assert [one.status for one in found] == ["separated", "separated"]
+    assert [one.value("unique") for one in found] == [0, 1]
+    assert found[0].value("a_r_other_branch") > 0
+    assert found[1].value("a_r_other_branch") == 0
+
+
 def test_a_load_that_pulls_on_approach_separates():
     found = hpc_gfmd.solve(adhesive.wall(4, 4), -0.01, adhesion=adhesive.attraction(1.0, 0.1))
     assert found.status == "separated"

@@ -569,3 +569,37 @@ def test_maps_mark_yielding_points():
     mark = ax.images[-1].get_array()
     assert (mark.count() > 0) == yielded.any()
     np.testing.assert_array_equal(~np.ma.getmaskarray(mark).T, yielded)
+
+
+def test_a_loop_of_approach_and_retraction_with_its_pull_off():
+    """Both branches as lines over loads on both sides of 0, and the last load that is held."""
+    loads = {"approach": [0.0, 0.1, 0.3], "retraction": [0.3, 0.1, 0.0, -0.005, -0.5]}
+    wall = make_surface(
+        "self-affine",
+        hurst=0.8,
+        L_over_lam_l=2,
+        lam_l_over_lam_s=4,
+        lam_s_over_a=4,
+        g_rms=1.0,
+        physical_sizes=(8.0, 8.0),
+        seed=1,
+    )
+    adhesion = {"work": np.pi * 0.01, "range": 0.1}
+    sweeps = {
+        name: hpc_gfmd.solve(wall, pressures, adhesion=adhesion, branch=name, fields=())
+        for name, pressures in loads.items()
+    }
+    assert sweeps["retraction"][-1].status == "separated"
+    (ax,) = hpc_gfmd.plot(sweeps, "a_r").axes
+    for name, bars in zip(sweeps, ax.containers, strict=True):
+        held = [one for one in sweeps[name] if one.status == "converged"]
+        line = bars.lines[0]
+        assert bars.get_label() == name
+        assert line.get_linestyle() == "-"
+        np.testing.assert_allclose(line.get_xdata(), [one.p for one in held])
+        np.testing.assert_allclose(line.get_ydata(), [one.a_r for one in held])
+    (mark,) = (line for line in ax.lines if line.get_label() == "pull-off")
+    np.testing.assert_allclose(mark.get_xdata(), sweeps["retraction"].pull_off)
+    assert sweeps["retraction"].pull_off == -0.005
+    assert ax.get_xscale() == "linear"
+    assert ax.get_xlim()[0] < -0.005

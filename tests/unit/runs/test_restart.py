@@ -36,6 +36,9 @@ def test_stopped_and_killed_runs(pieces, solver):
         pieces.compare(rel=1e-6)
 
 
+ADHESION = {"adhesion": {"work": 0.0024, "range": 0.0125}}  # the last load pulls too much
+BRANCHES = {"approach": [0.0, 0.02, 0.1], "retraction": [0.3, 0.05, 0.0, -0.002, -0.2]}
+
 SWEEPS = {
     "each load": (scene("auto", **TIGHT), 1e-6),
     "full contact with free edges": (
@@ -60,6 +63,22 @@ def test_stops_at_any_point(pieces, name):
     for point in range(1, count, max(1, count // 5)):
         pieces.run(stopped_scene, (point, False))
         pieces.compare(rel)
+
+
+@pytest.mark.parametrize("branch", BRANCHES)
+def test_a_branch_goes_on_wherever_it_is_stopped(pieces, branch):
+    """Between loads, whose states are solved again, and inside them."""
+    load = {"p_star": BRANCHES[branch], "branch": branch}
+    asked = scene("bpx", load, material=ADHESION, **TIGHT)
+    count = pieces.undisturbed(asked)
+    statuses = [step["status"] for step in read_result(pieces.whole).steps]
+    if branch == "retraction":
+        assert statuses == ["converged"] * 4 + ["separated"]
+    else:
+        assert set(statuses) == {"converged"}
+    for point in range(1, count, max(1, count // 8)):
+        pieces.run(asked, (point, False))
+        pieces.compare(1e-5)
 
 
 def test_finished_loads_are_not_solved_again(pieces, monkeypatch):
