@@ -83,7 +83,7 @@ def make_sweep(
 
 
 def _sweep_with(
-    make_surface: MakeSurface, settings: Settings, model: ContactModel, duality: bool = False
+    make_surface: MakeSurface, settings: SolverTable, model: ContactModel, duality: bool = False
 ) -> Sweep:
     """Compose the sweep of a surface; see `make_sweep`."""
     starter = Starter(settings, duality)

@@ -98,11 +98,21 @@ class Surfaces:
 
     Attributes
     ----------
+    comm : Comm
+        All ranks.
+    scene : Scene
+        What is solved.
     topography : Topography
         The heights with their sizes.
-    ready : dict
+    threads : int
+        Of each rank.
+    ready : dict or None
         Surfaces by precision that are kept from one solve to the next; None where the heights may
         change.
+    is_made : bool
+        Whether the scene says all about the heights.
+    begun : float
+        When this was begun, by time.monotonic.
     checksum : str or None
         Of the heights, once a surface has been made.
     setup_seconds : float or None
