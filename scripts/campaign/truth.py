@@ -96,7 +96,7 @@ class Contact:
         p*)."""
         if hardness is not None:
             return self._yielding(p_star, hardness)
-        K, h, D, N = self.K, self.h, self.D, self.N
+        h, D, N = self.h, self.D, self.N
         if start is None:
             p = self._projected(1.0 * D, p_star, 12)
         else:
@@ -205,8 +205,8 @@ class Contact:
         return Truth(field, touching, float(gap_mean), ties_in, ties_out, float(kkt), rounds)
 
     def _violation(self, p, g, elastic, yielded, p_star):
-        """Return the relative violation (L2) of p = p0 + K (g - h) or, where less, that of the signs
-        of the gap S p + h times the stiffest K.
+        """Return the relative violation (L2) of p = p0 + K (g - h) or, where it is less, that of
+        the signs of the gap S p + h times the stiffest K.
 
         Without rounding the second is never less than the first. Rounding errors of K h spoil the
         first where p is small, those of S p the second where nearly all is closed.
