@@ -12,7 +12,8 @@ from ..contact import all_numbers
 from ..output.numbers import unit_of
 from ..output.summary import with_error
 from ..util.errors import SceneError
-from .solution import Solution, Solutions, load
+from .solution import Solution
+from .solutions import Solutions, load
 from .table import EFFORT, RESULTS, TARGETS, aligned, column_scale, named_observables
 
 if TYPE_CHECKING:

@@ -32,7 +32,7 @@ from .keywords import scene_of_keywords
 from .loads import check, solved, step_attributes, surface_attributes, sweep_of, worst
 from .prepared import PreparedSurface, prepare_surface
 from .progress import Reporter
-from .solution import Solutions
+from .solutions import Solutions
 from .table import GrowingTable
 
 Heights = Any  # an array, a PreparedSurface or a Topography of SurfaceTopography

@@ -14,7 +14,8 @@ from ..surface.doubtful_numbers import DIFFERENT_UNITS
 from ..util.errors import NotConverged
 from .in_memory import Heights, collect, scene_of, solve_loads, surfaces_of
 from .keywords import several_loads
-from .solution import Interrupted, Solution, Solutions
+from .solution import Solution
+from .solutions import Interrupted, Solutions
 
 Number = float | str  # plain, or with a unit: "20 MPa"
 Loads = Number | Sequence[Number] | np.ndarray

@@ -74,12 +74,12 @@ class Solved:
 
     @property
     def unit(self) -> str:
-        """ "m", or "" where nobody named the unit of length."""
+        """Unit of lengths and heights: "m", or "" where none was given."""
         return self.result.surface.get("unit", "")
 
     @property
     def pressure_unit(self) -> str:
-        """ "Pa", or "" where nobody named the unit of pressure."""
+        """Unit of pressures: "Pa", or "" where none was given."""
         return self.result.surface.get("pressure_unit", "")
 
     def _known(self) -> Iterator[str]:
