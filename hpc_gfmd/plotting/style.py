@@ -64,6 +64,7 @@ class Picture(Figure):
             super().savefig(*args, **how)
 
     def _repr_png_(self) -> bytes:
+        """Return the figure as a PNG for a notebook."""
         png = io.BytesIO()
         self.savefig(png, format="png", dpi=DPI / 2)
         return png.getvalue()

@@ -254,9 +254,12 @@ class Solution(Solved):
         return f"<Solution: {summary(self._step, self.result.surface)}>"
 
     def _repr_html_(self) -> str:
+        """Return the table of the load for a notebook."""
         return html_table(self.result, across=False)
 
     def _field(self, name: str) -> np.ndarray:
+        """Return a field, read or computed when it is first asked for. Raises SceneError where it
+        was not kept."""
         if name not in self._arrays:
             stored = self.result.fields[0]
             if name in stored:
@@ -280,6 +283,8 @@ class Solution(Solved):
         return self._contact or restored_contact(self.result)
 
     def _stored_distribution(self, name: str) -> StoredDistribution:
+        """Return the arrays of a distribution that are known, with their units; empty where it is
+        not."""
         keys = {part: f"{name}_{part}" for part in all_distributions()[name].units}
         stored = {part: key for part, key in keys.items() if key in self._step}
         arrays = StoredDistribution(

@@ -128,6 +128,7 @@ class Solutions(Solved, Sequence[Solution]):
         return "\n".join([*lines, *(f"  note: {note}" for note in self.notes)]) + ">"
 
     def _repr_html_(self) -> str:
+        """Return the table of all loads for a notebook."""
         return html_table(self.result)
 
 

@@ -185,6 +185,7 @@ def solve(
 
 
 def _warn(comm: Comm, steps: Sequence[dict]) -> None:
+    """Warn, on rank 0, of heights in several units and of loads that have not converged."""
     notes = [note for step in steps for note in (step["note"] or "").split("; ")]
     for note in dict.fromkeys(notes) if comm.rank == 0 else ():
         if note.endswith(DIFFERENT_UNITS):
