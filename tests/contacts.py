@@ -8,7 +8,7 @@ from hpc_gfmd.driver.load import Load
 from hpc_gfmd.driver.sweep import make_sweep
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.runs import loads
-from hpc_gfmd.scene import Material, Scene, Solver
+from hpc_gfmd.scene import Material, Scene, SolverTable
 from hpc_gfmd.surface import build_surface
 from hpc_gfmd.surface.build import surface_of
 from hpc_gfmd.surface.topography import Topography
@@ -79,7 +79,7 @@ def sweep_over(
     """A Pressing over it with keys of [solver]."""
     made = make_sweep(
         lambda dtype: surface_over(z, sizes, dtype, comm, free),
-        Solver(**solver or EXACT),
+        SolverTable(**solver or EXACT),
         E_star,
         body=body or body_of(Material(), free),
     )

@@ -57,12 +57,17 @@ CORNERS = [(1, 1), (1, -1), (-1, 1), (-1, -1)]
 
 def walk(mask, periodic, corners):
     """(sorted sizes, percolation along x and y) by visiting one point after another."""
-    n, seen, sizes, percolates = mask.shape, {}, [], [False, False]
+    n = mask.shape
+    seen = {}
+    sizes = []
+    percolates = [False, False]
     for start in zip(*np.nonzero(mask), strict=True):
         if start in seen:
             continue
-        sides, size = [set(), set()], 0
-        todo, seen[start] = [start], (0, 0)
+        sides = [set(), set()]
+        size = 0
+        todo = [start]
+        seen[start] = (0, 0)
         while todo:
             here = todo.pop()
             size += 1

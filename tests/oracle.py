@@ -68,10 +68,12 @@ def _complementary(K, b, first):
     """g, p >= 0 with p = b + K g and p g = 0."""
     contact = b > 0
     contact[first] = True
-    fewest, patience = len(b) + 1, 10
+    fewest = len(b) + 1
+    patience = 10
     for _ in range(20000):
         free = ~contact
-        g, p = np.zeros_like(b), np.zeros_like(b)
+        g = np.zeros_like(b)
+        p = np.zeros_like(b)
         if free.any():
             g[free] = np.linalg.solve(K[np.ix_(free, free)], -b[free])
         p[contact] = (b + K @ g)[contact]
@@ -81,7 +83,8 @@ def _complementary(K, b, first):
         if count == 0:
             return np.maximum(g, 0), np.maximum(p, 0)
         if count < fewest:
-            fewest, patience = count, 10
+            fewest = count
+            patience = 10
         elif patience > 0:
             patience -= 1
         else:
@@ -111,7 +114,8 @@ def solve_yielding(heights, pressure, hardness, E_star=1.0, sizes=(1.0, 1.0), st
     z = np.asarray(heights, dtype=float)
     q_x, q_y = (2 * np.pi * np.fft.fftfreq(n, size / n) for n, size in zip(z.shape, sizes))
     K = E_star / 2 * np.hypot(q_x[:, None], q_y[: z.shape[1] // 2 + 1])
-    step, h = 1 / K.max(), z.max() - z
+    step = 1 / K.max()
+    h = z.max() - z
 
     def pull(u):
         return np.fft.irfft2(K * np.fft.rfft2(u), z.shape)
@@ -126,7 +130,9 @@ def solve_yielding(heights, pressure, hardness, E_star=1.0, sizes=(1.0, 1.0), st
         change = new - g
         if np.sum((y - new) * change) > 0:
             following = 1.0
-        old, g, inertia = g, new, following
+        old = g
+        g = new
+        inertia = following
         if np.abs(change).max() < 1e-15 * h.max():
             break
     p = pressure + pull(g - h)

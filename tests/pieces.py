@@ -24,7 +24,9 @@ class Died(BaseException):
 class Chance(Interrupt):
     """Stops the run, or lets it die, when it has been polled `after` times."""
 
-    after, dies, polled = NEVER, False, 0
+    after = NEVER
+    dies = False
+    polled = 0
 
     def poll(self):
         type(self).polled += 1
@@ -39,7 +41,9 @@ class Pieces:
     """Runs of scenes in a folder; comm: of all of them."""
 
     def __init__(self, monkeypatch, comm, folder):
-        self.comm, self.path, self.whole = comm, folder / "pieces.h5", folder / "whole.h5"
+        self.comm = comm
+        self.path = folder / "pieces.h5"
+        self.whole = folder / "whole.h5"
         self.chance = type("Chance", (Chance,), {})
         monkeypatch.setattr(simulation, "Interrupt", self.chance)
         # for speed: there are many runs
@@ -48,7 +52,8 @@ class Pieces:
 
     def undisturbed(self, scene):
         """Run without interruption; returns how often it was polled."""
-        self.chance.polled, self.chance.after = 0, NEVER
+        self.chance.polled = 0
+        self.chance.after = NEVER
         assert run_scene(scene, out=self.whole, quiet=True, comm=self.comm).exit_code in (0, 3)
         return self.chance.polled
 
@@ -58,7 +63,9 @@ class Pieces:
         for k, (after, dies) in enumerate([*pieces, (NEVER, False)]):
             comm = comms[k] if k < len(comms) else self.comm
             chance = self.chance
-            chance.polled, chance.after, chance.dies = 0, after, dies
+            chance.polled = 0
+            chance.after = after
+            chance.dies = dies
             status = None
             if comm is self.comm or self.comm.rank == 0:
                 try:
@@ -71,7 +78,8 @@ class Pieces:
 
     def compare(self, rel):
         """All numbers and fields are the same within a relative tolerance."""
-        found, wanted = read_result(self.path), read_result(self.whole)
+        found = read_result(self.path)
+        wanted = read_result(self.whole)
         assert found.indices == wanted.indices
         assert_same_steps(found, wanted, rel)
         self.comm.barrier()

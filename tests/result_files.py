@@ -48,7 +48,8 @@ def assert_same_steps(found, wanted, rel=0.0):
     relative tolerance, is given."""
     for index, a, fields in zip(found.indices, found.steps, found.fields, strict=True):
         place = wanted.indices.index(index)
-        b, others = wanted.steps[place], wanted.fields[place]
+        b = wanted.steps[place]
+        others = wanted.fields[place]
         assert a.keys() == b.keys()
         for name in set(a) - {"wall_seconds"}:
             if not rel or isinstance(b[name], str):

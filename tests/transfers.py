@@ -30,7 +30,8 @@ def interpolation(n, m):
     n/m."""
     P = np.zeros((n, m))
     for i in range(n):
-        J, f = i * m // n, (i * m % n) / n
+        J = i * m // n
+        f = (i * m % n) / n
         P[i, J] += 1 - f
         P[i, (J + 1) % m] += f
     return P if n != m else np.eye(n)
@@ -67,10 +68,13 @@ def compliance_times(elastic, p, out):
 
 def assert_same_on_slabs(comm, n, dtype=np.float64, tolerance=1e-12, body=HALF_SPACE, threads=1):
     """K and S on the slabs of all ranks are what they are on one, and so are their energies."""
-    whole, grid = Grid(n, (1.0, 1.7)), Grid(n, (1.0, 1.7), comm, threads=threads)
-    mine, u = slice(*grid.rows), np.random.default_rng(1).standard_normal(n).astype(dtype)
+    whole = Grid(n, (1.0, 1.7))
+    grid = Grid(n, (1.0, 1.7), comm, threads=threads)
+    mine = slice(*grid.rows)
+    u = np.random.default_rng(1).standard_normal(n).astype(dtype)
     for apply in (stiffness_times, compliance_times):
-        wanted, out = whole.empty(dtype), grid.empty(dtype)
+        wanted = whole.empty(dtype)
+        out = grid.empty(dtype)
         energy = apply(Elastic(whole, body, dtype), u, wanted)
         elastic = Elastic(grid, body, dtype)
         found = comm.sum([apply(elastic, u[mine], out)])[0]
@@ -82,9 +86,11 @@ def assert_same_on_slabs(comm, n, dtype=np.float64, tolerance=1e-12, body=HALF_S
 
 def matrix(body, grid):
     """K as the operator applies it, column by column."""
-    elastic, out = Elastic(grid, body, np.float64), np.empty((grid.N, grid.N))
+    elastic = Elastic(grid, body, np.float64)
+    out = np.empty((grid.N, grid.N))
     for k in range(grid.N):
-        u, x = np.zeros(grid.N), grid.empty(np.float64)
+        u = np.zeros(grid.N)
+        x = grid.empty(np.float64)
         u[k] = 1
         stiffness_times(elastic, u.reshape(grid.n), x)
         out[:, k] = x.ravel()

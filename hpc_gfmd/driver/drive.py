@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Calibration:
+class LoopCalibration:
     """When a solver is certified, and when it counts as stagnated.
 
     What ends an iteration is the certificate: these numbers cost or save pairs only.
@@ -57,7 +57,7 @@ class Calibration:
     patience_with_attraction: float = 2.5
 
 
-CALIBRATION = Calibration()
+CALIBRATION = LoopCalibration()
 
 
 class Outcome(NamedTuple):

@@ -13,8 +13,7 @@ from ..util.quantities import format_quantity
 from .load import Load
 
 if TYPE_CHECKING:
-    from ..scene import Load as SceneLoad
-    from ..scene import Solver as Settings
+    from ..scene import LoadTable, SolverTable
     from ..solvers.base import Solver
     from .working_surface import WorkingSurface
 
@@ -23,7 +22,7 @@ LENGTHS = 100.0  # rounding errors of the largest height that a gap or an approa
 
 
 def loads_of(
-    table: SceneLoad, working: WorkingSurface, settings: Settings, solver: type[Solver]
+    table: LoadTable, working: WorkingSurface, settings: SolverTable, solver: type[Solver]
 ) -> list[Load]:
     """Return the loads that a scene asks for, in their order.
 
@@ -31,11 +30,11 @@ def loads_of(
 
     Parameters
     ----------
-    table : scene.Load
+    table : scene.LoadTable
         The table [load].
     working : WorkingSurface
         The surface in the first precision.
-    settings : scene.Solver
+    settings : scene.SolverTable
         The table [solver].
     solver : type of Solver
         What solves the loads.
@@ -108,7 +107,7 @@ def _require_lengths(
     values: Sequence[float],
     unit: float,
     working: WorkingSurface,
-    settings: Settings,
+    settings: SolverTable,
 ) -> None:
     """Raise SceneError for mean gaps that no pressure gives, and for lengths that rounding errors
     spoil; unit: of the values, in the surface's unit of length."""

@@ -32,8 +32,7 @@ if TYPE_CHECKING:
     from ..contact.contact import Contact
     from ..laws.base import Law
     from ..operators.problem import Problem
-    from ..scene import Load as SceneLoad
-    from ..scene import Solver as Settings
+    from ..scene import LoadTable, SolverTable
     from ..surface import Surface
     from .drive import Outcome, Watch
     from .working_surface import MakeSurface
@@ -43,7 +42,7 @@ DOUBLE = np.dtype(np.float64)
 
 def make_sweep(
     make_surface: MakeSurface,
-    settings: Settings,
+    settings: SolverTable,
     E_star: float = 1.0,
     lam_s: float | None = None,
     duality: bool = False,
@@ -60,7 +59,7 @@ def make_sweep(
     ----------
     make_surface : callable
         Makes the surface.Surface in a precision: ``make_surface(dtype)``.
-    settings : scene.Solver
+    settings : scene.SolverTable
         The table [solver] of a scene.
     E_star, body, hardness, lam_s, attraction, branch
         See `ContactModel`.
@@ -127,7 +126,7 @@ class Sweep:
         """The present precision; once a load is in double precision, all others are."""
         return self.working.dtype
 
-    def loads(self, table: SceneLoad) -> list[Load]:
+    def loads(self, table: LoadTable) -> list[Load]:
         """Return the loads that the table [load] of a scene asks for.
 
         Collective. Raises SceneError for what this surface does not have, see `loads_of`.

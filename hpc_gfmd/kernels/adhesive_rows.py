@@ -224,3 +224,28 @@ def gain_along(law, g, e, length, i0, i1, inside):
             g_new = max(g[i, j] + length * e[i, j], zero)
             gained += energy_at(law, g_new) - energy_at(law, g[i, j])
     return gained
+
+
+@kernel
+def pull_along(law, g, e, length, i0, i1, inside):
+    """Return <t(g + length e) - t(g), e> on rows i0 <= i < i1, with gaps >= 0: what a step along a
+    direction changes of the attraction's part of the slope along it.
+
+    Parameters
+    ----------
+    law : Law
+        In double precision.
+    g, e : (n_loc, n_y)
+        Gap and a direction.
+    length : float
+    inside : (rows, points)
+        This rank's part of the surface.
+    """
+    changed = 0.0
+    for i in range(i0, i1):
+        for j in range(points_inside(i, inside)):
+            g_ij = np.float64(g[i, j])
+            e_ij = np.float64(e[i, j])
+            t_new = traction_at(law, max(g_ij + length * e_ij, 0.0))
+            changed += (t_new - traction_at(law, max(g_ij, 0.0))) * e_ij
+    return changed

@@ -11,7 +11,7 @@ from ..output.summary import converged
 from ..util.errors import SceneError
 from .context import FigureContext
 from .page import Page
-from .quantities import LoadAxis, Quantity, load_axis, quantity_of, relative_error
+from .quantities import LoadAxis, PlottedQuantity, load_axis, quantity_of, relative_error
 from .style import THEORY, WARNING, colour, log_axis, marker
 from .units import finite
 
@@ -64,7 +64,7 @@ def _panel(ax: Any, contexts: list[FigureContext], key: str) -> None:
             _points(ax, context, key, quantity, loads, unit, how)
     if key == "kappa" and len(contexts) == 1:
         how = {"color": colour(1), "marker": marker(1), "label": "edge-corrected"}
-        corrected = Quantity("", "")
+        corrected = PlottedQuantity("", "")
         _points(ax, contexts[0], "kappa_corrected", corrected, loads, unit, how)
     ax.set_xlabel(loads.label)
     ax.set_ylabel(quantity.label(scales))
@@ -83,7 +83,7 @@ def _points(
     ax: Any,
     context: FigureContext,
     key: str,
-    quantity: Quantity,
+    quantity: PlottedQuantity,
     loads: LoadAxis,
     unit: float,
     how: dict[str, Any],

@@ -15,8 +15,8 @@ from pydantic import ValidationError, model_validator
 from ..util.errors import SceneError, one_line
 from ..util.quantities import NO_COMMA, format_quantity
 from .explain import explain
-from .settings import PRESSURES, Load, Machine, Material, Output, Solver
-from .surface import AnySurface, File, SelfAffine, Surface, Wave
+from .settings import PRESSURES, LoadTable, Machine, Material, Output, SolverTable
+from .surface import AnySurface, File, SelfAffine, SurfaceTable, Wave
 from .table import Table, Text, about, alike, has_unit, key
 
 RESOLVED = 8  # points in a wave length; with fewer the contact is one of single points
@@ -31,9 +31,9 @@ class Scene(Table):
     material: Material = key(
         "the elastic solid that is pressed against it", Material(), allowed="a table [material]"
     )
-    load: Load = key("how hard", allowed="a table [load]")
-    solver: Solver = key(
-        "which algorithm, and when it may stop", Solver(), allowed="a table [solver]"
+    load: LoadTable = key("how hard", allowed="a table [load]")
+    solver: SolverTable = key(
+        "which algorithm, and when it may stop", SolverTable(), allowed="a table [solver]"
     )
     output: Output = key(
         "the result file, and what goes into it", Output(), allowed="a table [output]"
@@ -254,8 +254,8 @@ class Scene(Table):
 class ArrayScene(Scene):
     """A scene whose heights are an array in memory: its surface has sizes only."""
 
-    surface: Surface = key(  # type: ignore[assignment]
-        "the sizes of the heights", Surface(), allowed="a table [surface]"
+    surface: SurfaceTable = key(  # type: ignore[assignment]
+        "the sizes of the heights", SurfaceTable(), allowed="a table [surface]"
     )
 
     @model_validator(mode="after")

@@ -163,7 +163,7 @@ class Material(Table):
         return table
 
 
-class Load(Table):
+class LoadTable(Table):
     """The loads of a sweep, in order: mean pressures, or what the mean pressure has to give, which
     is then found."""
 
@@ -243,10 +243,10 @@ class Load(Table):
 
 
 PRESSURES = ("p_star", "pressure", "force")
-LOADS = tuple(name for name in Load.model_fields if name != "branch")  # one of them is given
+LOADS = tuple(name for name in LoadTable.model_fields if name != "branch")  # one of them is given
 
 
-class Solver(Table):
+class SolverTable(Table):
     """Which algorithm, and when it may stop: at an accuracy or at a residual."""
 
     name: Text = key(

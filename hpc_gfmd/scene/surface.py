@@ -34,7 +34,7 @@ Factor = Annotated[int, Field(ge=1, le=1024)]
 ANY = "surface"  # the data set or channel where the scene names none
 
 
-class Surface(Table):
+class SurfaceTable(Table):
     """The rigid rough surface. What every kind has: the cell, in the unit of the heights."""
 
     physical_sizes: Pair[Length] = key("lengths [L_x, L_y] of the cell", (1.0, 1.0), unit="length")
@@ -70,7 +70,7 @@ class Surface(Table):
         return along[0] == "free", along[1] == "free"
 
 
-class SelfAffine(Surface):
+class SelfAffine(SurfaceTable):
     """Random self-affine roughness between the wavelengths lam_l and lam_s, both included.
 
     L is L_x; the cells of the grid are square, so n_y = n_x L_y/L_x must be whole too. The spectrum
@@ -172,7 +172,7 @@ class SelfAffine(Surface):
         return 1 / self.lam_s_over_a
 
 
-class Wave(Surface):
+class Wave(SurfaceTable):
     """z = A cos(2 pi k_x x/L_x) cos(2 pi k_y y/L_y): Westergaard with one k = 0, Johnson et al.
     with both."""
 
@@ -197,7 +197,7 @@ class Wave(Surface):
         return self
 
 
-class Sphere(Surface):
+class Sphere(SurfaceTable):
     """The paraboloid z = -x^2/(2 R_x) - y^2/(2 R_y) about the centre of the cell."""
 
     kind: Literal["sphere"]
@@ -207,7 +207,7 @@ class Sphere(Surface):
     n: Pair[Points] = key("grid points [n_x, n_y]", example=[256, 256])
 
 
-class File(Surface):
+class File(SurfaceTable):
     """A measured or computed height map, or the sum of two, x and y of which are the same
     directions in space; the grid is its shape. x is the first index of an array, which in a text is
     the number of the line, unless the file says otherwise. What the file says of sizes holds unless
@@ -324,7 +324,7 @@ class File(Surface):
         return None
 
 
-KINDS: dict[str, type[Surface]] = {
+KINDS: dict[str, type[SurfaceTable]] = {
     "self-affine": SelfAffine,
     "wave": Wave,
     "sphere": Sphere,

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .coordinates import FEWEST, changes_evenly, is_plane, numbers_from_0
-from .layout import Layout, NoNumber, is_whole
+from .layout import NoNumber, TextLayout, is_whole
 
 HINT = (
     'surface.coordinates = "line", "column", "both" or "none" tells which of the first line and'
@@ -64,14 +64,14 @@ class Labels:
         )
 
 
-def labels_of(sample: list[str], layout: Layout) -> Labels:
+def labels_of(sample: list[str], layout: TextLayout) -> Labels:
     """Look at how the first lines of a matrix are written.
 
     Parameters
     ----------
     sample : list of str
         First lines of the text.
-    layout : Layout
+    layout : TextLayout
 
     Returns
     -------

@@ -17,7 +17,7 @@ from hpc_gfmd.bodies.images import images, kernel
 from hpc_gfmd.driver.load import Load
 from hpc_gfmd.driver.sweep import make_sweep
 from hpc_gfmd.parallel.comm import SerialComm
-from hpc_gfmd.scene import Solver
+from hpc_gfmd.scene import SolverTable
 
 
 @lru_cache(1)
@@ -26,7 +26,7 @@ def by_cells(contact):
     measured."""
     sweep = make_sweep(
         partial(contact.build, SerialComm()),
-        Solver(precision="double", residual=1e-9),
+        SolverTable(precision="double", residual=1e-9),
         body=Cells((True, True)),
     )
     return np.array(sweep.solve(Load("pressure", contact.p_star)).field("pressure"))

@@ -9,7 +9,8 @@ from hpc_gfmd.kernels.jit import kernel
 from hpc_gfmd.laws.base import Law, gaps_of, in_precision, is_concave, scaled, steepest
 from hpc_gfmd.util.errors import SceneError
 
-WORK, RANGE = 3.0, 0.25
+WORK = 3.0
+RANGE = 0.25
 every_law = pytest.mark.parametrize("name", laws.law_names())
 
 
@@ -84,7 +85,8 @@ def test_kernels_see_the_same_law(name, dtype, tolerance):
 @every_law
 def test_units(name):
     """In other units it is the same law."""
-    law, other = made(name), scaled(made(name), 5.0, 0.1)
+    law = made(name)
+    other = scaled(made(name), 5.0, 0.1)
     g = gaps_of(law)
     assert np.allclose(other.traction(g / 0.1) * 5.0, law.traction(g))
     assert np.allclose(other.energy(g / 0.1) * 5.0 * 0.1, law.energy(g))

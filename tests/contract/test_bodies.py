@@ -66,7 +66,8 @@ def test_symmetric_positive_and_bounded(body, n, sizes):
 def test_compliance_is_the_inverse(body, n, sizes, dtype):
     """S K u = u less its mean, K S p likewise; and the energies <u, K u> and <p, S p> are what they
     are said to be."""
-    grid, tolerance = Grid(n, sizes), 2e3 * float(np.finfo(dtype).eps)
+    grid = Grid(n, sizes)
+    tolerance = 2e3 * float(np.finfo(dtype).eps)
     elastic = Elastic(grid, body, dtype)
     u, p, back = (grid.empty(dtype) for _ in range(3))
     u[...] = np.random.default_rng(1).standard_normal(n)
@@ -83,7 +84,8 @@ def test_compliance_is_the_inverse(body, n, sizes, dtype):
 def test_near_stiffness(body):
     """K between neighbours, as the operator has it."""
     grid = Grid((48, 40))
-    u, p = np.zeros(grid.n), grid.empty(np.float64)
+    u = np.zeros(grid.n)
+    p = grid.empty(np.float64)
     u[5, 7] = 1
     stiffness_times(Elastic(grid, body, np.float64), u, p)
     mean = float(body.stiffness(np.zeros(1), grid.a)[0]) / grid.N  # which load control leaves out
@@ -110,10 +112,12 @@ def test_table_and_on_the_fly(body):
     grid = Grid((24, 20))
     fft = grid.fft(np.float64)
     q = body.waves(grid, grid.q_x, grid.column_tables(fft)[0])
-    table, own = Body.make_multipliers(body, grid, fft, q), body.multipliers(grid, fft)
+    table = Body.make_multipliers(body, grid, fft, q)
+    own = body.multipliers(grid, fft)
     block = np.random.default_rng(2).standard_normal((fft.W, 2 * 24)).view(complex)
     for inverse in (False, True):
-        one, other = block.copy(), block.copy()
+        one = block.copy()
+        other = block.copy()
         assert table.multiply(one, 0, inverse) == pytest.approx(
             own.multiply(other, 0, inverse), rel=1e-12
         )
@@ -142,7 +146,9 @@ def test_norm_of_a_pressure(body, n, sizes):
     certificate's errors rest on."""
     grid = Grid(n, sizes)
     S = np.linalg.pinv(matrix(body, grid), rcond=1e-9)
-    hierarchy, R, squares = levels(grid), np.eye(grid.N), np.zeros((grid.N, grid.N))
+    hierarchy = levels(grid)
+    R = np.eye(grid.N)
+    squares = np.zeros((grid.N, grid.N))
     for k, (level, softness) in enumerate(zip(hierarchy, body.softness(grid), strict=True)):
         if k:
             fine = hierarchy[k - 1].n

@@ -65,8 +65,10 @@ def test_the_errors_hold_on_the_way(surface, name):
     """The errors of the certificate of any state that is not far off, for every solver."""
     truth = started(surface, 0.05)
     _, exact, _ = drive(truth, StoppingCriterion(residual=1e-12))
-    wanted, norm = in_contact(truth.g, truth.p), np.linalg.norm(truth.p)
-    solver, seen = started(surface, 0.05, name), 0
+    wanted = in_contact(truth.g, truth.p)
+    norm = np.linalg.norm(truth.p)
+    solver = started(surface, 0.05, name)
+    seen = 0
     for _ in range(40 if name == "bpx" else 200):
         certificate, p = judged(solver)
         area, gap, pressure = certificate.errors
@@ -85,7 +87,8 @@ def test_the_errors_hold_on_the_way(surface, name):
 )
 def test_energy_bound_against_the_duality_gap(surface, p_star, hardness):
     """What replaces the duality gap is never below it, and not far above."""
-    solver, seen = started(surface, p_star, hardness=hardness), 0
+    solver = started(surface, p_star, hardness=hardness)
+    seen = 0
     for _ in range(24):
         solver.step()
         certificate, p = judged(solver, dual=True)

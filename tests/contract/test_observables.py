@@ -28,7 +28,8 @@ ATTRIBUTE_BYTES = 2**16 - 512  # that HDF5 takes
 # where all observables but these exist, and where all distributions do
 OF_ATTRACTION = {"attraction", "separation_work", "stability", "stickiness"}
 MISSING = {"gap_bound"} | OF_ATTRACTION
-FREE, HARD = rough((1, 8, 4), boundary="free"), {"hardness": 0.5}
+FREE = rough((1, 8, 4), boundary="free")
+HARD = {"hardness": 0.5}
 PERIODIC = rough((1, 8, 4))
 DEGENERATE = {
     "flat": {"kind": "wave", "amplitude": 0.0, "n": [4, 4]},

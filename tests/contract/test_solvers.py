@@ -48,7 +48,8 @@ def test_same_certified_solution(name, options, surface, p_star):
     assert found.certificate.residual < 1e-9
     assert found.gap_mean == pytest.approx(wanted.gap_mean, rel=1e-6)
     # and by another way than the program's own certificate
-    g, p = field(found, "gap"), field(found, "pressure")
+    g = field(found, "gap")
+    p = field(found, "pressure")
     assert relative(p, field(wanted, "pressure")) < 1e-6
     assert np.array_equal(p > 0, field(wanted, "pressure") > 0)
     assert g.min() >= 0
@@ -117,7 +118,8 @@ def test_the_pressure_is_that_of_the_gap(name):
     solver = started(name, problem_of())
     for _ in range(50):
         solver.step()
-    kept, fresh = solver.p.copy(), np.empty_like(solver.p)
+    kept = solver.p.copy()
+    fresh = np.empty_like(solver.p)
     certify(solver.problem_now, solver.g, fresh)
     assert np.abs(kept - fresh).max() < 1e-9 * np.abs(fresh).max()
 

@@ -15,8 +15,7 @@ import hpc_gfmd
 from hpc_gfmd.bodies import body_of
 from hpc_gfmd.driver.load import Load
 from hpc_gfmd.driver.load_quantities import search_for
-from hpc_gfmd.scene import Load as SceneLoad
-from hpc_gfmd.scene import Material
+from hpc_gfmd.scene import LoadTable, Material
 from hpc_gfmd.solvers import solver_names
 
 LAYER = {"thickness": 0.05, "nu1": 0.3, "E_star": 1.0}
@@ -133,7 +132,7 @@ def test_every_way(solver, quantity):
 @pytest.mark.parametrize("load", [{"gap_mean": 0}, {"gap_over_h_rms": [0.0]}, {"a_r": 1}])
 def test_the_least_pressure_that_closes_the_gap(load, layer):
     sweep = sweep_of(rough((2, 8, 2)), layer=layer, **EXACT)
-    step = sweep.solve(*sweep.loads(SceneLoad(**load)))
+    step = sweep.solve(*sweep.loads(LoadTable(**load)))
     p = field(step, "pressure")
     assert step.contact_points == step.N
     assert step.gap_mean == 0
@@ -177,7 +176,7 @@ def test_a_gap_that_nearly_closes(make, gap, accuracy, most):
     """A single point is open; the load is looked for from the one that closes it, too. most: FFT
     pairs, over those of the load as a pressure."""
     sweep = make(accuracy=accuracy)
-    step = sweep.solve(*sweep.loads(SceneLoad(gap_over_h_rms=gap)))
+    step = sweep.solve(*sweep.loads(LoadTable(gap_over_h_rms=gap)))
     assert step.status == "converged"
     assert step.gap_mean == pytest.approx(gap * sweep.surface.h_rms, rel=accuracy)
     assert step.pairs <= most * make(accuracy=accuracy).solve(step.p_mean).pairs
@@ -210,7 +209,7 @@ def test_a_sweep_through_full_contact(boundary, solver):
     """From above or below, and again: at the same pressure."""
     sweep = sweep_of(rough((2, 8, 2), boundary=boundary), accuracy=1e-3, **solver)
     contacts = [
-        sweep.solve(load) for load in sweep.loads(SceneLoad(gap_over_h_rms=[0.3, 0, 0.1, 0]))
+        sweep.solve(load) for load in sweep.loads(LoadTable(gap_over_h_rms=[0.3, 0, 0.1, 0]))
     ]
     assert all(contact.status == "converged" for contact in contacts)
     closed = [contact.contact_points == contact.N for contact in contacts]
@@ -343,11 +342,11 @@ def test_what_the_load_is_in_the_units_of_the_scene():
     sweep = sweep_of(
         rough((2, 8, 2), physical_sizes=[3.0, 3.0], boundary="free"), E_star=5.0, accuracy=1e-3
     )
-    assert [load.value for load in sweep.loads(SceneLoad(force=[9.0, 18.0]))] == [1.0, 2.0]
+    assert [load.value for load in sweep.loads(LoadTable(force=[9.0, 18.0]))] == [1.0, 2.0]
     h_rms = sweep.surface.h_rms
     loads = [
-        *sweep.loads(SceneLoad(gap_mean=0.5 * h_rms)),
-        *sweep.loads(SceneLoad(gap_over_h_rms=0.5)),
+        *sweep.loads(LoadTable(gap_mean=0.5 * h_rms)),
+        *sweep.loads(LoadTable(gap_over_h_rms=0.5)),
     ]
     first, second = (sweep.solve(load).p_mean for load in loads)
     assert sweep.solve(loads[0]).gap_mean == pytest.approx(0.5 * h_rms, rel=1e-3)
@@ -374,7 +373,7 @@ free | gap_mean = 0.5 | found a flat surface
 )
 def test_what_cannot_be_had(surface, load, words):
     with refused(f"^load.{load.partition(' ')[0]}: {words}"):
-        sweep_of(SURFACES[surface], **EXACT).loads(SceneLoad(**tomllib.loads(load)))
+        sweep_of(SURFACES[surface], **EXACT).loads(LoadTable(**tomllib.loads(load)))
 
 
 def test_an_area_far_from_those_before():

@@ -13,7 +13,7 @@ ROUNDING = 1e-9
 
 def solved(ranks, per_node, folder):
     """What many_ranks.py says of 2048 x 2048 points."""
-    return mpi_harness.found(ranks, [SCRIPT, 512, per_node, folder], timeout=3000)
+    return mpi_harness.json_of(ranks, [SCRIPT, 512, per_node, folder], timeout=3000)
 
 
 @pytest.mark.slow

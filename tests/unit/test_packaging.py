@@ -42,7 +42,8 @@ def test_one_description():
     codemeta = json.loads(text("codemeta.json"))
     config = configparser.ConfigParser()
     config.read(ROOT / "setup.cfg", encoding="utf-8")
-    metadata, options = config["metadata"], config["options"]
+    metadata = config["metadata"]
+    options = config["options"]
     citation = text("CITATION.cff")
     assert codemeta["name"] == metadata["name"]
     assert codemeta["description"] == metadata["description"]

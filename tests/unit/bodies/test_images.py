@@ -61,7 +61,8 @@ def test_kernel_makes_free_space_periodic(cell, monkeypatch):
     """1/(pi r) less it goes on periodically, has the mean 0, and does not know how the sum was
     split."""
     X, Y = cell
-    x, y = np.linspace(0.05, X / 2, 7), np.linspace(0, Y / 2, 5)
+    x = np.linspace(0.05, X / 2, 7)
+    y = np.linspace(0, Y / 2, 5)
 
     def rest(x, y):
         return 1 / (np.pi * np.hypot(x[:, None], y)) - kernel(x, y, X, Y)
@@ -81,7 +82,8 @@ def test_kernel_makes_free_space_periodic(cell, monkeypatch):
 @pytest.mark.parametrize("q", [0.0, 0.3, 5.0])
 def test_kernel_of_a_wave(q):
     """Free space less the sum over the waves along the axis, to which long cells converge."""
-    x, X = np.array([0.0, 0.1, 0.6]), 1.0
+    x = np.array([0.0, 0.1, 0.6])
+    X = 1.0
 
     def in_a_cell(length, waves):
         """The sums at 0.1 and 0.6, less that at 0.35."""
@@ -103,7 +105,8 @@ def test_modes_are_the_kernel_on_the_surface(n, sizes, free):
     rng = np.random.default_rng(4)
     z = rng.uniform(-1, 1, (2, 2, 30))  # many near the edges, where it is worst
     here, there = 0.5 * np.sign(z) * (1 - z**2) * np.array(inside)[:, None]
-    here[:, 0], there[:, 0] = np.array(inside) / 2, -np.array(inside) / 2
+    here[:, 0] = np.array(inside) / 2
+    there[:, 0] = -np.array(inside) / 2
     found_c = np.zeros(30)
     for parity in found.T:
         one, other = (products(found, parity, *at, cell).reshape(30, -1) for at in (here, there))
@@ -113,7 +116,9 @@ def test_modes_are_the_kernel_on_the_surface(n, sizes, free):
     else:
         along = int(free[1])
         x, y = (here - there)[:: 1 if along == 0 else -1]
-        (X, Y), last = (cell[along], cell[1 - along]), found.modes[1 - along]
+        X = cell[along]
+        Y = cell[1 - along]
+        last = found.modes[1 - along]
         wanted = (
             sum(
                 (1 if k == 0 else 2)

@@ -1,12 +1,14 @@
 """The stability of an equilibrium against the eigenvalue of dense matrices."""
 
+from dataclasses import replace
+
 import numpy as np
 import oracle
 import pytest
 from scipy.linalg import eigh
 
 from hpc_gfmd.certificate.certificate import certify
-from hpc_gfmd.certificate.stability import stability_of
+from hpc_gfmd.certificate.stability import stability_of, stability_up_to_equilibrium
 from hpc_gfmd.laws import law_named
 from hpc_gfmd.operators.problem import Problem
 from hpc_gfmd.parallel.grid import Grid
@@ -105,3 +107,50 @@ def test_the_certificate_is_one_of_the_equilibrium():
     bound = np.sqrt(2 * certificate.duality_gap * wall_load * certificate.gap_mean * N * N)
     *_, s = dense(exact)
     assert 1e-12 < distance <= 1.02 * bound / s
+
+
+def settled(solver, p0):
+    """Whether a solver goes on to an equilibrium at a load, and does not come apart."""
+    solver.continue_at(p0)
+    for _ in range(3000):
+        solver.step()
+        if solver.is_separated or solver.progress().residual < 1e-11:
+            break
+    return not solver.is_separated
+
+
+def test_near_a_jump_nothing_is_certified_that_is_not_there():
+    """A state that was an equilibrium, at a load beyond the one at which the contact is lost, has a
+    small residual and a stability above 0; but there is no equilibrium any more."""
+    problem = wall(0.05, 0.4)
+    held, lost = 0.01, -0.1
+    solver = solved(replace(problem, p0=held))
+    kept = solver.g.copy()
+    while held - lost > 1e-6:
+        middle = (held + lost) / 2
+        solver.start(kept.copy())
+        if settled(solver, middle):
+            held, kept = middle, solver.g.copy()
+        else:
+            lost = middle
+    solver.p0 = held
+    solver.start(kept.copy())
+    assert settled(solver, held + 1e-4)
+    before = solver.g.copy()
+    K = oracle.stiffness(solver.grid.n, (N, N))
+    certain = 0
+    for change in 1e-4 * np.array([1e-3, 1e-2, 0.1, 0.3, 0.9, 1.1, 1.5, 3.0]):
+        solver.start(before.copy())
+        solver.continue_at(held + 1e-4 - change)
+        distance = solver.progress().estimate.distance
+        found = stability_of(solver.problem_now, solver.g, solver.p, solver.levels)
+        assert found.value > 0
+        s = stability_up_to_equilibrium(solver.problem_now, solver.g, found, distance)
+        solver.after_stability()
+        there = settled(solver, held + 1e-4 - change)
+        if s > 0:
+            certain += 1
+            e = (solver.g - before).ravel()
+            assert there
+            assert np.sqrt(e @ K @ e) <= distance / s
+    assert 2 <= certain <= 5

@@ -49,7 +49,8 @@ def test_run(solved):
             assert set(step.attrs) >= STEP
             assert step.attrs["status"] == "converged"
             assert set(step) == {"pressure", "gap", "x", "y", "p"}
-            pressure, gap = step["pressure"][:], step["gap"][:]
+            pressure = step["pressure"][:]
+            gap = step["gap"][:]
             assert pressure.shape == (32, 32)
             assert pressure.mean() == pytest.approx(step.attrs["p"], rel=1e-3)
             assert gap.mean() == pytest.approx(step.attrs["gap_mean"], rel=1e-3)

@@ -30,7 +30,8 @@ def test_a_scene_of_every_kind_runs(tmp_path, kind, cli):
 def test_every_key_stands_in_it_and_is_one(kind):
     lines = compose(kind, Path("scene.toml"))[0].splitlines()
     of_kind = [section for section in sections() if section.kind in ("", kind)]
-    table, known = "", {f"{s.table}.{key.name}" for s in of_kind for key in s.keys}
+    table = ""
+    known = {f"{s.table}.{key.name}" for s in of_kind for key in s.keys}
     for line in lines[1:]:
         table = (re.match(r"\[(\w+)\]", line) or [None, table])[1]
         if found := re.match(r"(?:# )?(\w+) = .*  # \S", line):
@@ -150,7 +151,8 @@ def test_nothing_is_overwritten_and_nothing_unknown_is_taken(tmp_path, cli):
 
 
 def test_help_has_every_key_with_what_it_is():
-    said, page = text(), markdown()
+    said = text()
+    page = markdown()
     for table, field in Scene.model_fields.items():
         models = KINDS.values() if table == "surface" else [field.annotation]
         for model in models if table != "title" else ():

@@ -94,7 +94,8 @@ class Broken(io.StringIO):
 
     def __init__(self, error, room=20):
         super().__init__()
-        self.error, self.room = error, room
+        self.error = error
+        self.room = room
 
     def write(self, text):
         self.room -= len(text)

@@ -5,7 +5,7 @@ import pytest
 from contacts import rough, sweep_of
 
 from hpc_gfmd.driver.precision import few_points, first_precision, precisions, too_little
-from hpc_gfmd.scene import Scene, Solver
+from hpc_gfmd.scene import Scene, SolverTable
 
 SINGLE, DOUBLE = np.dtype(np.float32), np.dtype(np.float64)
 
@@ -21,7 +21,7 @@ SINGLE, DOUBLE = np.dtype(np.float32), np.dtype(np.float64)
     ],
 )
 def test_the_first_precision(settings, dtype):
-    assert first_precision(Solver(**settings)) == dtype
+    assert first_precision(SolverTable(**settings)) == dtype
 
 
 def test_few_points_that_touch_need_double():
@@ -29,7 +29,7 @@ def test_few_points_that_touch_need_double():
     assert few_points(64**2, 1e-3, 1e-3)
     assert not few_points(4096**2, 0.1, 1e-3)
     assert not few_points(64**2, 1e-3, None)  # a residual has no such error
-    assert few_points(1000, 0.4, 1e-3) <= too_little(Solver(accuracy=1e-3), 1000, 0.4)
+    assert few_points(1000, 0.4, 1e-3) <= too_little(SolverTable(accuracy=1e-3), 1000, 0.4)
 
 
 @pytest.mark.parametrize("p_star", [[0.3, 0.2], [0.3, 1e-4, 0.3]])

@@ -12,7 +12,7 @@ from hpc_gfmd.driver.load import Load
 from hpc_gfmd.driver.nested import Nested
 from hpc_gfmd.driver.starter import WARM_DOWN, WARM_UP
 from hpc_gfmd.driver.sweep import Unfinished
-from hpc_gfmd.scene import Load as SceneLoad
+from hpc_gfmd.scene import LoadTable
 
 SURFACE = rough((2, 8, 2))
 P = 0.05  # p*
@@ -56,7 +56,7 @@ def test_a_load_that_is_near_starts_from_the_one_before(nested_starts, ratio, is
 @pytest.mark.parametrize("asked", [{"pressure": [0.1, 0.11]}, {"a_r": [0.1, 0.12]}])
 def test_after_a_load_that_failed_the_next_one_starts_afresh(asked):
     sweep = sweep_of(SURFACE, accuracy=1e-6)
-    failing, fine = sweep.loads(SceneLoad(**asked))
+    failing, fine = sweep.loads(LoadTable(**asked))
     criterion = sweep.starter.criterion
     sweep.starter.criterion = replace(criterion, max_iterations=1)
     assert sweep.solve(failing).status == "max_iterations"

@@ -67,7 +67,8 @@ def test_attraction_and_its_energy(random, gaps, inside):
 
 @every_edge
 def test_shift(random, gaps, inside):
-    g, w = gaps + 0.5, random.standard_normal(N)
+    g = gaps + 0.5
+    w = random.standard_normal(N)
     some = on_surface(inside)
     r = w + LAW.traction(g) * some
     low = g.copy()
@@ -97,9 +98,20 @@ def test_gain_along_a_direction(random, gaps, inside, length):
     assert found == pytest.approx(np.sum(gained[on_surface(inside)]), abs=1e-12)
 
 
+@every_edge
+@pytest.mark.parametrize("length", [0.3, -0.7])
+def test_pull_along_a_direction(random, gaps, inside, length):
+    e = random.standard_normal(N)
+    found = adhesive_rows.pull_along(LAW, gaps, e, length, 0, N[0], inside)
+    changed = LAW.traction(np.maximum(gaps + length * e, 0)) - LAW.traction(gaps)
+    assert found == pytest.approx(np.sum((changed * e)[on_surface(inside)]), abs=1e-12)
+
+
 @pytest.mark.parametrize("k", [1, 2, 3])
 def test_subspace(random, k):
-    V, KV, D = random.standard_normal((3, *N)), random.standard_normal((3, *N)), random.random(N)
+    V = random.standard_normal((3, *N))
+    KV = random.standard_normal((3, *N))
+    D = random.random(N)
     sums = np.zeros((2, 3, 3))
     subspace_products(V, KV, D, k, 0, N[0], sums)
     for a in range(k):

@@ -41,16 +41,20 @@ def test_projected_step(random, n, coupling, hardness, dtype, rough, rounding):
     t, m = whole(n)
     z_coarse = random.standard_normal(m)
     padded = z_coarse[np.arange(-1, m[0] + 1) % m[0]].copy()
-    a, b, compliance = 0.7, -0.2, 0.6
+    a = 0.7
+    b = -0.2
+    compliance = 0.6
     closed, yields, r = sides(g, p, hardness)
     z = compliance * (r + coupling * interpolated(z_coarse, n))
     d[g > 1] = clipped_of(dtype)  # the last time: no step for the next one
     last = np.where(g > 1, 0, Decoded(d)[:]).astype(float)
-    v, through = g - a * z - b * last, a * compliance * (hardness or np.inf)
+    v = g - a * z - b * last
+    through = a * compliance * (hardness or np.inf)
     opens = np.maximum(v, 0) + np.minimum(v + through, 0)
     dents = np.minimum(v, 0) + np.maximum(v - through, 0)
     wanted = np.where(closed, 0, np.where(yields, dents, opens) - g)
-    x, work = np.empty(n, dtype), np.zeros((2, n[1] + 1), dtype)
+    x = np.empty(n, dtype)
+    work = np.zeros((2, n[1] + 1), dtype)
     step = tuple(dtype(number) for number in (a, b, coupling, compliance))
     limit = hardness and dtype(hardness)
     found, deeper = bpx.projected_step(
@@ -109,7 +113,8 @@ def test_update(random, n, hardness, s):
         x = random.standard_normal(n)
         d[g > 1] = clipped_of(float)
         e = np.where(d == clipped_of(float), -g, d)
-        new_g, new_p = g + s * e, p + s * x
+        new_g = g + s * e
+        new_p = p + s * x
         fft = grid.fft(np.float64)
         fft.forward_rows(reader(x / n[1]))  # back as rows alone
         sums = levels_of.update(g, p, d, s, fft.rows, hardness)

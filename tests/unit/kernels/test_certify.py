@@ -11,11 +11,13 @@ from hpc_gfmd.kernels import certify
 def test_kkt_residuals(random, hardness):
     g = random.standard_normal((6, 5))
     g[np.abs(g) < 0.3] = 0
-    x, p = random.standard_normal((6, 5)), np.empty((6, 5))
+    x = random.standard_normal((6, 5))
+    p = np.empty((6, 5))
     sums, extremes = certify.kkt_residuals(g, p, x, 0.2, hardness, g.shape, 0, 6)
     fresh = 0.2 + x
     yields = (g < 0) | ((g <= 0) & (fresh >= hardness)) if hardness else np.zeros(g.shape, bool)
-    closed, r = (g <= 0) & (fresh > 0) & ~yields, fresh - yields * (hardness or 0)
+    closed = (g <= 0) & (fresh > 0) & ~yields
+    r = fresh - yields * (hardness or 0)
     gap = np.where(yields, 0, g)
     wanted = (
         *(np.sum(r[~closed] ** power) for power in (1, 2, 4)),
@@ -35,9 +37,12 @@ def test_kkt_residuals(random, hardness):
 
 
 def test_uncertain_points(random):
-    g, p = np.maximum(random.standard_normal((40, 50)), 0), random.standard_normal((40, 50))
-    takes, contact = np.where(g > 0, g / 0.7, np.abs(p)), (g <= 0) & (p > 0)
-    tied, takes = takes < 0.05, np.where(g > 0, np.maximum(takes - np.maximum(p, 0), 0), takes) ** 2
+    g = np.maximum(random.standard_normal((40, 50)), 0)
+    p = random.standard_normal((40, 50))
+    takes = np.where(g > 0, g / 0.7, np.abs(p))
+    contact = (g <= 0) & (p > 0)
+    tied = takes < 0.05
+    takes = np.where(g > 0, np.maximum(takes - np.maximum(p, 0), 0), takes) ** 2
     counts = np.zeros((2, certify.BINS))
     certify.count_uncertain(g, p, g.shape, 0.7, 0.05, 0.1, 0.5, 0.0, counts)
     edges = 0.5 * 2.0 ** (-np.arange(certify.BINS + 1) / certify.PER_OCTAVE)

@@ -12,7 +12,8 @@ def by_search(nodes, edges):
     for a, b, x, y in edges:
         beside[a].append((b, np.array([x, y])))
         beside[b].append((a, -np.array([x, y])))
-    place, clusters = {}, []
+    place = {}
+    clusters = []
     wraps = np.zeros(2, bool)
     for start in range(nodes):
         if start in place:
@@ -39,7 +40,9 @@ def test_join(count, seed):
     )
     if seed == 0:
         edges[:, 2] = 0  # nothing crosses the borders along x
-    parent, shift, wraps = np.arange(nodes), np.zeros((nodes, 2), int), np.zeros(2, bool)
+    parent = np.arange(nodes)
+    shift = np.zeros((nodes, 2), int)
+    wraps = np.zeros(2, bool)
     join(edges, parent, shift, wraps)
     clusters, place, wrapped = by_search(nodes, edges.tolist())
     assert {frozenset(np.flatnonzero(parent == root)) for root in parent} == set(

@@ -5,7 +5,8 @@ import pytest
 
 from hpc_gfmd.kernels import lowmodes
 
-N, M = (16, 12), (4, 3)
+N = (16, 12)
+M = (4, 3)
 MIDDLE = (5.5, 4.0)  # of the surface, in points
 NORM = np.outer(*(np.where(np.arange(m) > 0, 2.0, np.sqrt(2)) for m in M)) / 2
 SHIFTS = [np.exp(2j * np.pi * middle / n * np.arange(m)) for middle, n, m in zip(MIDDLE, N, M)]
@@ -42,7 +43,8 @@ def test_join_undoes_split(random):
 
 @pytest.mark.parametrize("by_columns", [False, True])
 def test_multiply_by_a_stack(random, by_columns):
-    rows, columns = 4, 3
+    rows = 4
+    columns = 3
     stack, m = (columns, rows) if by_columns else (rows, columns)
     matrices = random.standard_normal((stack, m, m))
     matrices += matrices.transpose(0, 2, 1)

@@ -17,8 +17,10 @@ from hpc_gfmd.parallel.grid import Grid
 def test_transfers_are_adjoint(random, n):
     """<R x, y> N/N_1 = <x, P y>, and both are what they are called."""
     t, m = whole(n)
-    x, y = random.standard_normal(n), random.standard_normal(m)
-    fine, coarse = np.zeros((1, n[0] + 2, n[1])), np.zeros((1, m[0] + 2, m[1]))
+    x = random.standard_normal(n)
+    y = random.standard_normal(m)
+    fine = np.zeros((1, n[0] + 2, n[1]))
+    coarse = np.zeros((1, m[0] + 2, m[1]))
     fine[0, 1:-1] = x
     for rows in t.passes(3):
         multilevel.restrict_level(fine, coarse, t.tables, *rows, np.empty((2, n[1])))
@@ -89,13 +91,17 @@ def test_norm_of_the_test_pressure(random, n, nominal, coarsest_points):
     s[: nominal[0], : nominal[1]] = 1
     t = s * (random.random(n) < 0.4)
     r = np.where(t > 0, 0, random.standard_normal(n))
-    g, p = np.where(t > 0, 0.0, 1.0), np.where(t > 0, 1.0, r)
+    g = np.where(t > 0, 0.0, 1.0)
+    p = np.where(t > 0, 1.0, r)
     sweep.restrict(g, p)
     _, _, _, *products = sweep.sweep()
     found = sweep.test_products(r.sum(), np.vdot(r, r), t.sum(), *products)
 
-    share, missing = t.sum() / s.sum(), r.sum() / t.sum()
-    v, w, wanted = t - share * s, r - missing * t, np.zeros(3)
+    share = t.sum() / s.sum()
+    missing = r.sum() / t.sum()
+    v = t - share * s
+    w = r - missing * t
+    wanted = np.zeros(3)
     for k, (level, softness) in enumerate(zip(levels(grid), HalfSpace().softness(grid))):
         if k:
             v, w = (restricted(x, level.n) for x in (v, w))

@@ -8,12 +8,14 @@ from hpc_gfmd.kernels import prolong
 
 def prolonged(u, p, h, compliance, stencil, parts=1, most=np.inf):
     """prolong_gap of whole coarse fields u, p to the grid of h, in a number of slabs."""
-    (n_x, n_y), (m_x, m_y) = h.shape, u.shape
+    n_x, n_y = h.shape
+    m_x, m_y = u.shape
     step = 2 if m_x != n_x else 1
     bounds = np.linspace(0, n_x, parts + 1).astype(int)
     out = []
     for start, stop in zip(bounds, bounds[1:]):
-        first, last = -(-start // step), -(-stop // step)
+        first = -(-start // step)
+        last = -(-stop // step)
 
         def cut(a, i, k, width):
             return tuple(
@@ -83,8 +85,11 @@ def test_interpolation_of_a_displacement():
 def test_local_relaxation(random, n, m, most):
     """prolong_gap does what its formula says, in any number of slabs; its gap is never negative,
     and 0 where heights poke through."""
-    u, p, h = random.standard_normal(m), random.standard_normal(m), random.standard_normal(n)
-    stencil, compliance = np.array([1.2, -0.3, -0.2, -0.04]), 0.7
+    u = random.standard_normal(m)
+    p = random.standard_normal(m)
+    h = random.standard_normal(n)
+    stencil = np.array([1.2, -0.3, -0.2, -0.04])
+    compliance = 0.7
     w = interpolated(interpolated(u, n[0], 9 / 16, -1 / 16).T, n[1], 9 / 16, -1 / 16).T + h
     P = interpolated(interpolated(p, n[0], 0.5, 0.0).T, n[1], 0.5, 0.0).T
 

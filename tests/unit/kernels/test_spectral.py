@@ -5,7 +5,8 @@ import pytest
 
 from hpc_gfmd.kernels import spectral
 
-W, N_X = 3, 10
+W = 3
+N_X = 10
 Q_X = 2 * np.pi * np.fft.fftfreq(N_X)
 Q_Y = np.array([[0.1, 0.7, 1.3], [0.0, 0.4, 0.9]])  # of two blocks
 WEIGHT = np.array([[2.0, 2.0, 1.0], [1.0, 2.0, 0.0]])

@@ -6,7 +6,8 @@ import pytest
 from hpc_gfmd.kernels.jit import kernel
 from hpc_gfmd.kernels.yielding import at_contact, landing, limit, yields
 
-H, LENGTH = 0.7, 0.4
+H = 0.7
+LENGTH = 0.4
 
 
 @kernel

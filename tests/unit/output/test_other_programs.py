@@ -17,7 +17,9 @@ from hpc_gfmd.output.record import RunFile
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.util.libraries import surface_topography
 
-N, SIZES, LOADS = (6, 4), (3.0, 1.0), (0.1, 0.25)
+N = (6, 4)
+SIZES = (3.0, 1.0)
+LOADS = (0.1, 0.25)
 SURFACE = {"n": list(N), "physical_sizes": list(SIZES), "h_rms": 0.5}
 UNITS = {"unit": "m", "pressure_unit": "Pa"}
 HEIGHTS = -np.arange(24.0).reshape(N)
@@ -114,9 +116,11 @@ def read_by_vtk(path, step):
     times = reader.GetOutputInformation(0).Get(vtkStreamingDemandDrivenPipeline.TIME_STEPS())
     reader.SetStep(step)
     reader.Update()
-    image, arrays = reader.GetOutput(), {}
+    image = reader.GetOutput()
+    arrays = {}
     places = np.array([image.GetPoint(k) for k in range(image.GetNumberOfPoints())])
-    i, j = np.rint(places[:, 0] / 0.5).astype(int), np.rint(places[:, 1] / 0.25).astype(int)
+    i = np.rint(places[:, 0] / 0.5).astype(int)
+    j = np.rint(places[:, 1] / 0.25).astype(int)
     for k in range(image.GetPointData().GetNumberOfArrays()):
         array = image.GetPointData().GetArray(k)
         arrays[array.GetName()] = np.full(N, np.nan)

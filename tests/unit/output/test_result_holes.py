@@ -44,7 +44,8 @@ def test_any_flipped_bit_of_the_head_loses_no_load(path, bit):
 @pytest.mark.parametrize("bit", [0, 3])
 def test_any_flipped_bit_of_a_step_is_noticed_or_means_nothing(path, bit):
     step = interrupted(path, 2) / "step-0001.h5"
-    seen, wanted = set(), read_partial(path).steps
+    seen = set()
+    wanted = read_partial(path).steps
     for _ in flipped(step, bit):
         found = read_partial(path)
         seen.add(len(found.notes))
@@ -114,7 +115,8 @@ def test_loads_are_in_the_order_of_their_numbers(path):
 def test_a_link_is_followed(tmp_path):
     """Also to a file that is not there yet, while it is written, and at a restart."""
     (tmp_path / "data").mkdir()
-    link, real = tmp_path / "link.h5", tmp_path / "data" / "real.h5"
+    link = tmp_path / "link.h5"
+    real = tmp_path / "data" / "real.h5"
     link.symlink_to(Path("data") / "real.h5")
     interrupted(link)
     assert partial_folder(link) == partial_folder(real)
@@ -167,7 +169,8 @@ def test_the_command_line(cli):
         assert np.allclose(step["gap"], step["displacement"][:] - step["heights"][:])
         assert np.max(step["heights"]) == 0
         assert step["heights"] == file["surface/heights"]
-    whole, other = Path("out.h5").read_bytes(), "run scene.toml --set load.pressure=0.2"
+    whole = Path("out.h5").read_bytes()
+    other = "run scene.toml --set load.pressure=0.2"
     said = "holds the result of another scene, allowed: another path, or --force"
     assert said in cli.refused(other)
     assert Path("out.h5").read_bytes() == whole

@@ -31,7 +31,7 @@ def scene(n, p_star=(0.1,), threads=1, fields=(), observables=None, boundary="pe
 
 def measured(table, ranks, folder):
     """GiB on the rank that takes most, and the precisions of the loads."""
-    found = mpi_harness.found(
+    found = mpi_harness.json_of(
         ranks if ranks > 1 else None, [PEAK, json.dumps(table), folder / f"{ranks}.h5"], timeout=600
     )
     return found["gib"], found["precisions"]
