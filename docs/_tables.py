@@ -2,7 +2,7 @@
 
 A table stands in its page between `<!-- rows: NAME -->` and `<!-- end -->`. The rows are those of
 `scripts/bench` in docs/bench (with a folder for each further machine) and of `scripts/campaign` in
-docs/campaign.jsonl. A test compares the pages with the rows.
+docs/campaign.jsonl.
 """
 
 import json

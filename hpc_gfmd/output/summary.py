@@ -1,5 +1,7 @@
 """One line on a load and one on a surface, and numbers with as many digits as they deserve."""
 
+from collections.abc import Sequence
+from itertools import pairwise
 from math import floor, isfinite, log10, nan
 from typing import TypeGuard
 
@@ -64,6 +66,15 @@ def surface_line(surface: dict) -> str:
 def converged(step: dict) -> bool:
     """Return whether the step reached what the scene asks for, separated bodies included."""
     return step.get("status") in FINE
+
+
+def last_held(steps: Sequence[dict]) -> dict | None:
+    """Return the last load step before the load pulls the bodies apart; None where no load of a
+    sweep does."""
+    for before, after in pairwise(steps):
+        if after.get("status") == "separated" and before.get("status") == "converged":
+            return before
+    return None
 
 
 def with_error(value: float, relative: float | None) -> str:

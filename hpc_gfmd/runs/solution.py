@@ -22,7 +22,7 @@ from ..contact.duality import OBSERVABLES as OF_DUALITY
 from ..output.fields import FIELDS
 from ..output.numbers import unit_of
 from ..output.read import Result, read_result
-from ..output.summary import summary, surface_line
+from ..output.summary import last_held, summary, surface_line
 from ..scene.explain import require_known
 from ..util.errors import SceneError
 from ..util.quantities import in_units
@@ -356,10 +356,8 @@ class Solutions(Solved, Sequence):
 
         None in a sweep in which no load separates what touched at the load before.
         """
-        for before, after in zip(self, self[1:]):
-            if after.status == "separated" and before.status == "converged":
-                return float(before.value("p"))
-        return None
+        held = last_held(self.result.steps)
+        return None if held is None else float(held["p"])
 
     def values(self, name: str) -> np.ndarray:
         """Return an observable or another number of all loads, (loads,), by its name in the result

@@ -104,6 +104,8 @@ class Scene(Table):
                     f'load.branch: found "{self.load.branch}", allowed: "approach"; others with'
                     " material.adhesion"
                 )
+            if self.load.unique:
+                raise ValueError("load.unique: found true, allowed: with material.adhesion")
             return self
         if hardness is not None:
             raise ValueError(

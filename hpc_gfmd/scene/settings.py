@@ -204,6 +204,11 @@ class LoadTable(Table):
         "with material.adhesion: reach a load from less contact, as on approach, or from more",
         "approach",
     )
+    unique: bool = key(
+        "with material.adhesion: solve each load on the other branch, too, and say whether both"
+        " agree",
+        False,
+    )
 
     @model_validator(mode="after")
     def _one(self) -> Self:
@@ -243,7 +248,8 @@ class LoadTable(Table):
 
 
 PRESSURES = ("p_star", "pressure", "force")
-LOADS = tuple(name for name in LoadTable.model_fields if name != "branch")  # one of them is given
+# one of them is given
+LOADS = tuple(name for name in LoadTable.model_fields if name not in ("branch", "unique"))
 
 
 class SolverTable(Table):

@@ -32,9 +32,10 @@ def assert_same(on_ranks, alone):
 def test_approach(comm, boundary, kappa):
     z = adhesive.wall(4, 4).heights
     adhesion = adhesive.attraction(kappa, 0.1)
-    on_ranks, alone = solve_twice(comm, z, 0.1, adhesion=adhesion, boundary=boundary)
+    on_ranks, alone = solve_twice(comm, z, 0.1, adhesion=adhesion, boundary=boundary, unique=True)
     assert on_ranks.status == "converged"
     assert_same(on_ranks, alone)
+    assert on_ranks.value("unique") == alone.value("unique")
     assert on_ranks.value("stability") == pytest.approx(alone.value("stability"), abs=0.05)
 
 

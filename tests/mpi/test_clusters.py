@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from counted import found, masks, walk
+from counted import clusters_of, masks, walk
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -20,7 +20,7 @@ def test_any_mask(comm, monkeypatch, points):
     @settings(max_examples=60, derandomize=True, deadline=None, database=None)
     @given(mask=masks, periodic=st.tuples(st.booleans(), st.booleans()), corners=st.booleans())
     def check(mask, periodic, corners):
-        assert found(comm, mask, periodic, corners) == walk(mask, periodic, corners)
+        assert clusters_of(comm, mask, periodic, corners) == walk(mask, periodic, corners)
 
     check()
 
@@ -38,4 +38,7 @@ def path_around(n, along):
 def test_paths_around_the_cell(comm, along):
     """Including paths that wind twice, which a test of the winding number modulo 2 would miss."""
     mask = path_around(24, along)
-    assert found(comm, mask, corners=True) == ([int(mask.sum())], (along[0] > 0, along[1] > 0))
+    assert clusters_of(comm, mask, corners=True) == (
+        [int(mask.sum())],
+        (along[0] > 0, along[1] > 0),
+    )

@@ -157,6 +157,41 @@ def test_the_branches_differ_where_the_contact_is_not_unique():
         assert solution.value("stability") > 0
 
 
+@pytest.mark.parametrize(
+    ("kappa", "reach", "agree"), [(1.0, 0.02, 1), (1.0, 0.1, 1), (3.0, 0.1, 0)]
+)
+@pytest.mark.parametrize("branch", ["approach", "retraction"])
+def test_the_other_branch_on_request(kappa, reach, agree, branch):
+    wall = adhesive.wall()
+    settings = {"adhesion": adhesive.attraction(kappa, reach), "branch": branch, "fields": ()}
+    loads = [adhesive.LOAD] if branch == "approach" else [8.0, 1.0, 0.3, adhesive.LOAD]
+    plain = hpc_gfmd.solve(wall, loads, **settings)
+    solutions = hpc_gfmd.solve(wall, loads, **settings, unique=True)
+    assert [solution.a_r for solution in solutions] == [solution.a_r for solution in plain]
+    assert solutions[-1].fft_pairs > plain[-1].fft_pairs + 3
+    solution = solutions[-1]
+    area_of_other_branch = solution.value("a_r_other_branch")
+    assert solution.value("unique") == agree
+    assert ("not unique" in (solution.note or "")) == (not agree)
+    if agree:
+        assert area_of_other_branch == pytest.approx(solution.a_r, rel=2e-3)
+    elif branch == "approach":
+        assert area_of_other_branch > 1.2 * solution.a_r
+    else:
+        assert area_of_other_branch < solution.a_r / 1.2
+    assert plain[-1].value("unique") is None
+
+
+def test_the_branches_agree_where_nothing_adheres():
+    wall = adhesive.wall(4, 4)
+    adhesion = adhesive.attraction(1.0, 0.1)
+    solutions = hpc_gfmd.solve(wall, [-0.005, -2.0], adhesion=adhesion, unique=True)
+    assert [solution.status for solution in solutions] == ["separated", "separated"]
+    assert [solution.value("unique") for solution in solutions] == [0, 1]
+    assert solutions[0].value("a_r_other_branch") > 0
+    assert solutions[1].value("a_r_other_branch") == 0
+
+
 def test_a_tensile_load_separates_on_approach():
     solution = hpc_gfmd.solve(adhesive.wall(4, 4), -0.01, adhesion=adhesive.attraction(1.0, 0.1))
     assert solution.status == "separated"

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from campaign.truth import Contact
 from contacts import field, random_heights, sweep_over
 
 import hpc_gfmd
@@ -99,3 +100,41 @@ def test_an_area_of_less_than_two_points():
     assert contact.status == "converged"
     assert contact.contact_points in (1, 2)
     assert "1.4 points" in contact.note
+
+
+@pytest.mark.parametrize("share", [0.6 / 64, 1 / 64, 1.3 / 64])
+def test_the_first_line_of_a_wall_that_varies_along_one_axis(share):
+    z = np.repeat(random_heights((1, 64), seed=4), 48, axis=0)
+    contact = sweep_over(z, accuracy=1e-3).solve(Load("a_r", share))
+    assert contact.status == "converged"
+    assert contact.contact_points == 1
+
+
+def test_less_than_half_a_line_of_a_wall_that_varies_along_one_axis():
+    z = np.repeat(random_heights((1, 64), seed=4), 48, axis=0)
+    with pytest.raises(hpc_gfmd.SceneError, match=r"load\.a_r: found 0\.005, .* 64 lines"):
+        hpc_gfmd.solve(z, a_r=0.005)
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("lower", [1e-2, 1e-4])
+@pytest.mark.parametrize("beyond", [2e-9, 1e-7, 1e-5])
+def test_a_second_point_that_just_touches(lower, beyond):
+    """Of two tall points one is slightly lower: the number of contacts is right, or its estimated
+    error covers the other one."""
+    z = random_heights((32, 32), seed=5)
+    top = z.max() + 5
+    z[3, 5] = top
+    z[9, 21] = top - lower
+    exact = Contact(z, (1.0, 1.0))
+    # S between the points, from a unit load on the first one
+    load = np.zeros(z.shape)
+    load[3, 5] = 1.0
+    S = exact.times(exact.S, load)
+    touching = lower / exact.height_unit / (S[3, 5] - S[9, 21]) / z.size
+    p_star = touching * (1 + beyond)
+    truth = exact.solve(p_star)
+    for accuracy in (1e-1, 1e-3):
+        solution = hpc_gfmd.solve(z, p_star * exact.g_rms, accuracy=accuracy)
+        points = round(solution.a_r * z.size)
+        assert abs(points - truth.contact) / truth.contact <= solution.errors[0] + 1e-9

@@ -92,7 +92,7 @@ def is_short(entry):
 
 
 def mistakes(module, name, entry):
-    """What is wrong with the docstring of one object."""
+    """Problems of the docstring of one object."""
     path = f"{module.__name__}.{name}"
     record = fields(entry) if inspect.isclass(entry) else []
     exempt = set()
@@ -118,10 +118,10 @@ def mistakes(module, name, entry):
 @pytest.mark.parametrize("name", MODULES)
 def test_public_docstrings(name):
     module = importlib.import_module(name)
-    found = [line for entry in public(module) for line in mistakes(module, *entry)]
-    assert not found, "\n".join(found)
+    problems = [line for entry in public(module) for line in mistakes(module, *entry)]
+    assert not problems, "\n".join(problems)
 
 
-def test_the_exceptions_exist():
+def test_unfinished_modules_exist():
     modules = {module.name for module in pkgutil.walk_packages(hpc_gfmd.__path__, "hpc_gfmd.")}
     assert {f"hpc_gfmd.{name}" for name in UNFINISHED} <= modules

@@ -74,6 +74,8 @@ def test_tensile_loads_need_adhesion(load):
 def test_a_branch_needs_adhesion():
     with pytest.raises(SceneError, match=r'load.branch: found "retraction", allowed'):
         scene({"p_star": 0.1, "branch": "retraction"}, None)
+    with pytest.raises(SceneError, match=r"load.unique: found true, allowed"):
+        scene({"p_star": 0.1, "unique": True}, None)
     with pytest.raises(SceneError, match=r"load.branch: found 'down', allowed"):
         scene({"p_star": 0.1, "branch": "down"})
 
