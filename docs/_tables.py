@@ -295,9 +295,9 @@ def numbers():
     """Return the numbers of the README about speed and accuracy."""
     numbers_by_claim = {}
     if cost := [row["fft_pairs"] for row in rows("pairs") if row["accuracy"] == 1e-3]:
-        numbers_by_claim["An accuracy of 1e-3 in area, mean gap and pressure costs"] = (
+        numbers_by_claim["Cost of an accuracy of 1e-3 in area, mean gap and pressure"] = (
             f"{span(cost, '.1f')} [FFT pairs](docs/performance.md) (a transform of the grid"
-            " and back), whatever the size"
+            " and back), for any size"
         )
     ratios = [
         min(row["seconds_over_ours"] for row in others.values() if row)
@@ -305,20 +305,20 @@ def numbers():
         if any(others.values())
     ]
     if ratios:
-        numbers_by_claim["Beside it the fastest other program, at equal true error, takes"] = (
-            f"{span(ratios, '.3g')} times as long"
+        numbers_by_claim["Time of the fastest other program at equal true error"] = (
+            f"{span(ratios, '.3g')} times ours"
         )
-    numbers_by_claim["A billion points, two loads, on two cores"] = wall_time()
+    numbers_by_claim["Time for a billion points and two loads on two cores"] = wall_time()
     records = rows("campaign", DOCS)
     loads = sum(row["converged"] for row in records)
     wrong = sum(row["less_accurate"][0] for row in records)
-    numbers_by_claim[f"Of {loads:,} loads called converged"] = (
-        f"{wrong or 'none'} were less accurate than asked"
+    numbers_by_claim[f"Of {loads:,} loads with status converged"] = (
+        f"{wrong or 'none'} missed the requested accuracy"
     )
     strong = [row for row in rows("scaling") if row["kind"] == "strong" and row["n"] == 4096]
     widest = max(strong, key=lambda row: (row["ranks"], row["precision"] == "single"))
-    numbers_by_claim[f"{widest['ranks']} cores over one, 4096 x 4096 points"] = (
-        f"{widest['efficiency'] * widest['ranks']:.1f} times as fast"
+    numbers_by_claim[f"{widest['ranks']} cores instead of one, 4096 x 4096 points"] = (
+        f"{widest['efficiency'] * widest['ranks']:.1f} times faster"
     )
     lines = [{"claim": claim, "number": number} for claim, number in numbers_by_claim.items()]
     return table({" ": "{claim}", "  ": "{number}"}, lines)
