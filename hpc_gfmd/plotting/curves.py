@@ -31,6 +31,10 @@ def curves(contexts: Sequence[FigureContext], names: list[str]) -> Page:
     names : list of str
         Numbers of a load, by the names of the result file.
 
+    Returns
+    -------
+    Page
+
     Raises
     ------
     SceneError

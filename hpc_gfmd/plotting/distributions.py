@@ -30,6 +30,10 @@ def distributions(contexts: Sequence[FigureContext], names: list[str]) -> Page:
         The first one counts.
     names : list of str
         Of NAMES; distributions that are not stored are made of the fields.
+
+    Returns
+    -------
+    Page
     """
     return Page([partial(_panel, context=contexts[0], name=name) for name in names])
 

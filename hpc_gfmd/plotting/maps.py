@@ -36,6 +36,10 @@ def maps(contexts: Sequence[FigureContext], names: list[str]) -> Page:
         The first one counts.
     names : list of str
         Of FIELDS.
+
+    Returns
+    -------
+    Page
     """
     context = contexts[0]
     x0, x1, y0, y1 = context.window

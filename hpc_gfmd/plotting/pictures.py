@@ -308,6 +308,10 @@ def chosen_steps(result: Result, what: Any, step: Any) -> list[int]:
     step : int, sequence of int or None
         Numbers of load steps; None: a choice out of all.
 
+    Returns
+    -------
+    list of int
+
     Raises
     ------
     SceneError

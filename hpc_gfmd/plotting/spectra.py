@@ -25,6 +25,10 @@ def spectra(contexts: Sequence[FigureContext], names: list[str]) -> Page:
         The first one counts.
     names : list of str
         Of PANELS.
+
+    Returns
+    -------
+    Page
     """
     draw = {"spectrum": _spectrum, "autocorrelation": _autocorrelation}
     kinds = [name.split("_") for name in names]

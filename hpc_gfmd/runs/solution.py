@@ -118,6 +118,19 @@ class Solution(Solved):
         comm: Any = None,
         contact: "Contact | None" = None,
     ):
+        """Made by `solve` and `load`.
+
+        Parameters
+        ----------
+        result : output.read.Result
+            Numbers and fields of one load.
+        rows : (int, int), optional
+            Rows (start, stop) of this rank; default: all.
+        comm : Comm, optional
+            All ranks; default: this process alone.
+        contact : Contact, optional
+            The solved load in memory, which finds what the result does not have.
+        """
         super().__init__(result, rows, comm)
         self._contact = contact
         self._step = result.steps[0]
@@ -318,6 +331,19 @@ class Solutions(Solved, Sequence):
         comm: Any = None,
         contacts: "Sequence[Contact | None]" = (),
     ):
+        """Made by `solve` and `load`.
+
+        Parameters
+        ----------
+        result : output.read.Result
+            Numbers and fields.
+        rows : (int, int), optional
+            Rows (start, stop) of this rank; default: all.
+        comm : Comm, optional
+            All ranks; default: this process alone.
+        contacts : sequence of Contact or None, optional
+            The solved loads in memory, None where no field was kept.
+        """
         super().__init__(result, rows, comm)
         contacts = contacts or [None] * len(result.steps)
         self._all = [

@@ -94,6 +94,10 @@ def g_rms_lam_s_over_h_rms(hurst: float, eps_f: float) -> float:
     ----------
     hurst, eps_f : float
         As of `mean_gap`.
+
+    Returns
+    -------
+    float
     """
     return 2 * np.pi * float(eps_f) / SlopeProfile.self_affine(hurst, eps_f).h_rms
 

@@ -60,6 +60,10 @@ class SlopeProfile:
         eps_f : float
             q_l/q_s, from 1e-100 to 1.
 
+        Returns
+        -------
+        SlopeProfile
+
         Raises
         ------
         SceneError
@@ -93,6 +97,10 @@ class SlopeProfile:
             about _SAMPLES pieces (error of order 1/_SAMPLES^4).
         area : float
             Normalises C by h_rms^2 = area/(2 pi)^2 int C d^2q.
+
+        Returns
+        -------
+        SlopeProfile
 
         Raises
         ------

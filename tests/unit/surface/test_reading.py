@@ -251,7 +251,7 @@ NO_TEXT = "cannot be read as text: .*"
     [
         (points_text() + "\n0 0 7", NO_TEXT + "has a point twice"),
         (points_text() + "\n0.52 0 8", NO_TEXT + "not those of a regular grid"),
-        (points_text("x [um] y [mm] z [nm]\n"), NO_TEXT + "axes are in different units, um and mm"),
+        (points_text("x [um] y [mm] z [nm]\n"), NO_TEXT + ".*um and mm"),
         (matrix_text(",", holes=[(3, "x")]), NO_TEXT + "line 4: found 'x', .*surface.missing"),
         (matrix_text(" ").rstrip()[:-20] + "e-", NO_TEXT + "line 12: .*is the file complete"),
         (matrix_text(" ").rstrip()[:-20], NO_TEXT + "line 12: .*is the file complete"),
@@ -404,7 +404,7 @@ def test_missing_heights_in_memory_and_files():
     np.savez("z.npz", z=Z, mask=Z)  # the dataset "mask" holds heights
     read = open_topography(spec("z.npz", physical_sizes=SIZES, dataset="mask"))
     assert np.array_equal(read.rows(0, 12), Z)
-    with refused("mask of other numbers than 0 and 1"):
+    with refused("mask .*0 and 1"):
         open_topography(spec("z.npz", physical_sizes=SIZES, dataset="z")).rows(0, 12)
     for heights in (MASKED, MASKED.filled(np.nan)):
         filled = hpc_gfmd.prepare_surface(heights, fill="harmonic", boundary="free")

@@ -124,7 +124,7 @@ def test_channels_are_selected_by_name():
     Path("z.txt").write_text("\n".join(head.format(*p[:2]) + table_text(p[2].T) for p in parts))
     assert is_map(heights("z.txt"))
     assert is_map(heights("z.txt", dataset="Down"), -Z)
-    assert "channel 'Up' of z.txt is pressed; others: Down" in opened("z.txt").notes
+    assert any("'Up'" in note and "Down" in note for note in opened("z.txt").notes)
     with refused(r"surface.dataset: found 'Left', allowed.* Up, Down"):
         heights("z.txt", dataset="Left")
 
@@ -183,7 +183,7 @@ def test_possible_coordinates_need_a_key():
     whole = np.round(Z).astype(int)
     whole[0] = range(8)
     Path("z.txt").write_text(table_text(whole))
-    with refused('its first line rises evenly: surface.coordinates = "line"'):
+    with refused('first line .*surface.coordinates = "line"'):
         heights("z.txt", **KEYS)
     assert is_map(heights("z.txt", coordinates="none", **KEYS), whole)
     assert is_map(heights("z.txt", coordinates="line", **KEYS), whole[1:])
@@ -199,7 +199,7 @@ def test_possible_coordinates_need_a_key():
     Path("z.txt").write_text(
         table_text([[0, 0, 1, 2], [0, 101, 105, 103], [1, 104, 107, 106], [2, 9, 5, 8]])
     )
-    with refused("its first line and column rise evenly"):
+    with refused("first line and column .*surface.coordinates"):
         heights("z.txt", **SMALL)
     assert heights("z.txt", coordinates="both", **SMALL).shape == (3, 3)
 
@@ -231,7 +231,7 @@ def test_named_columns_of_points(names, mark):
 
 def test_four_columns_without_names_are_refused():
     Path("z.xyz").write_text(table_text(point_rows("xyzI"), " "))
-    with refused("its 4 columns are x, y, z and others"):
+    with refused("4 columns"):
         heights("z.xyz", **KEYS)
 
 
@@ -562,7 +562,7 @@ def test_topography_precedes_other_channels():
     gwyfile.objects.GwyContainer(container).tofile("z.gwy")
     assert is_map(heights("z.gwy"))
     notes = compose("z.gwy", Path("a.toml"))[2]
-    assert any("channel ZSensor; others: Error, Phase" in line for line in notes)
+    assert any("ZSensor" in line and "Error, Phase" in line for line in notes)
     surface = hpc_gfmd.read_surface("z.gwy", boundary="periodic")
     assert any("channel 'ZSensor'" in note for note in surface.notes)
     named = hpc_gfmd.read_surface("z.gwy", boundary="periodic", dataset="Error")
