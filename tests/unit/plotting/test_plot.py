@@ -44,6 +44,10 @@ def write(
     spike=1.0,
     **attributes,
 ):
+    """Write a result file of random fields.
+
+    spike: factor of the largest pressure; attributes: replace numbers of every step.
+    """
     random = np.random.default_rng(1)
     surface = {
         "n": list(n),
