@@ -21,7 +21,7 @@ from ..parallel.grid import Grid
 from ..parallel.guard import collective_errors, raise_on_all
 from ..parallel.thread_count import threads_of
 from ..scene import Scene
-from ..surface.arrays import checked_array, is_topography
+from ..surface.arrays import complete_array, is_topography
 from ..surface.build import Surface, surface_of
 from ..surface.heights import checked
 from ..surface.quality import quality_of
@@ -81,7 +81,7 @@ def scene_of(
         scene = scene_of_keywords(keywords, more, prepared)
         check(scene)
         if prepared is None:
-            wall = _complete(wall)
+            wall = complete_array(wall)
     if comm.size > 1:
         _require_the_same(comm, scene, _array_of(wall).shape)
     return scene, wall
@@ -381,14 +381,3 @@ def _require_the_same(comm: Comm, scene: Scene, shape: tuple[int, ...]) -> None:
         " on each"
     )
     raise_on_all(comm, None if comm.bcast(arguments) == arguments else error)
-
-
-def _complete(heights: Any) -> np.ndarray:
-    """Return the array as it is. Raises SceneError for what is no complete height map."""
-    heights = checked_array(heights)
-    if np.ma.is_masked(heights):
-        raise SceneError(
-            f"heights: found {np.ma.count_masked(heights)} masked points, allowed: a complete map,"
-            ' as of hpc_gfmd.prepare_surface(heights, fill="harmonic")'
-        )
-    return heights
