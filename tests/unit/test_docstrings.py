@@ -1,8 +1,7 @@
-"""Everything public has a docstring that stands alone, in the form of numpydoc.
+"""Public functions, classes and methods have numpydoc docstrings (numpydoc.validate).
 
-Public is what has no leading underscore: functions, classes and their methods, in every file of the
-package. UNFINISHED lists folders and files that have not been rewritten by these rules. Whoever
-rewrites one of them takes it out of that list, until the list is empty and goes.
+Public names have no leading underscore. UNFINISHED lists folders and files that do not follow the
+rules yet; entries are removed as they are rewritten.
 """
 
 import dataclasses

@@ -32,6 +32,7 @@ def field(step, name):
 
 
 def write(path, loads=LOADS, units=UNITS, **options):
+    """Write a result file with numbers of several types and two fields; options: of RunFile."""
     options |= {"about": all_numbers()}
     with RunFile(SerialComm(), path, N, (0, N[0]), HEAD, SURFACE | units, **options) as run:
         run.update(height_field=HEIGHTS)

@@ -10,6 +10,7 @@ LOADS = [0.05, 0.2]
 
 
 def solved(seed, loads=LOADS, **arguments):
+    """Solutions of a small wall; arguments: of hpc_gfmd.solve."""
     wall = hpc_gfmd.make_surface(
         "self-affine", hurst=0.8, L_over_lam_l=1, lam_l_over_lam_s=8, lam_s_over_a=2, seed=seed
     )

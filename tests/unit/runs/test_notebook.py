@@ -32,6 +32,7 @@ ROUGH = rough((2, 8, 4), physical_sizes=["1 um", "1 um"], g_rms=0.1)
 
 
 def solve(loads, z=Z, **options):
+    """Solutions of a small map in SI units; options: of hpc_gfmd.solve."""
     return hpc_gfmd.solve(z, loads, "5 GPa", SIZES, **options)
 
 

@@ -27,6 +27,7 @@ def plain(z):
 
 
 def assert_close(field, wanted, unit):
+    """Compare a field, divided by its unit, with the wanted one."""
     np.testing.assert_allclose(
         field.astype(float) / unit, wanted, rtol=1e-5, atol=1e-6 * np.abs(wanted).max()
     )
@@ -44,6 +45,7 @@ def test_solutions_do_not_depend_on_units(z, plain, unit, length):
 
 
 def scene(unit, length=1.0, **output):
+    """A Scene with E* = unit and cell size `length`; output: keys of [output]."""
     return Scene.from_dict(
         {
             "surface": ROUGH | {"physical_sizes": [length, length]},

@@ -39,10 +39,12 @@ def heights(path, **keys):
 
 
 def is_map(z, wanted=Z):
+    """Whether heights in nm agree with the wanted ones; nan agrees with nan."""
     return np.allclose(z, wanted, rtol=1e-6, atol=1e-5, equal_nan=True)
 
 
 def table_text(rows, separator="\t"):
+    """Rows as lines of text."""
     return "\n".join(separator.join(map(str, row)) for row in rows) + "\n"
 
 
@@ -205,6 +207,7 @@ def test_possible_coordinates_need_a_key():
 
 
 def point_rows(names, order=lambda table: table):
+    """Rows of points; names: columns (x and y in um, z in nm, I an intensity)."""
     i, j = np.indices(Z.shape).reshape(2, -1)
     columns = {"x": X[i], "y": Y[j], "z": Z.ravel(), "I": np.full(96, 17)}
     table = order(np.array([columns[name[0]] for name in names]).T)
@@ -395,6 +398,7 @@ def test_spellings_of_units(unit, metres):
 
 
 def gwyddion(path, lateral, vertical):
+    """Write a GWY file with the given units along the surface and of heights."""
     import gwyfile
 
     field = gwyfile.objects.GwyDataField(
@@ -431,6 +435,7 @@ def test_note_on_implausible_sizes(sizes):
 
 
 def netcdf3(path, packed=False):
+    """Write NetCDF 3; packed: as 16-bit integers with a scale and a hole."""
     from scipy.io import netcdf_file
 
     with netcdf_file(path, "w") as file:
@@ -753,6 +758,7 @@ def test_init_refuses_sizes_other_than_those_of_the_file():
 
 
 def lens(n=32, radius=5e-4, size=3.2e-5):
+    """Write lens.npz, a spherical cap."""
     x = (np.arange(n) - (n - 1) / 2) * size / n
     np.savez(
         "lens.npz", z=-(x[:, None] ** 2 + x**2) / (2 * radius), unit="m", physical_sizes=[size] * 2
