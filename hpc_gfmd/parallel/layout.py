@@ -98,9 +98,9 @@ class Layout:
         """Return where blocks of complete columns begin, and the number of columns, so that a block
         fits the cache.
 
-        All ranks have the same number of blocks, whose widths differ by one column at most. The wider
-        blocks are the last: so all others begin on cache lines. One rank alone needs no such balance,
-        and its blocks are whole cache lines wide.
+        All ranks have the same number of blocks, whose widths differ by one column at most. The
+        wider blocks are the last: so all others begin on cache lines. One rank alone needs no such
+        balance, and its blocks are whole cache lines wide.
         """
         wanted = int(np.clip(COLUMN_BYTES // (self.n[0] * self.itemsize), MIN_WIDTH, MAX_WIDTH))
         if self.size > 1:

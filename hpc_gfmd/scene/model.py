@@ -61,7 +61,7 @@ class Scene(Table):
 
     @model_validator(mode="after")
     def _units(self) -> Self:
-        """Refuse units that do not fit together, such as pressures with units beside a plain modulus."""
+        """Refuse units that do not fit together, such as "5 MPa" beside a plain modulus."""
         parts = {"surface": self.surface, "load": self.load, "material": self.material}
         lengths, pressures, forces = (
             {
