@@ -8,7 +8,7 @@ from typing import Any
 
 from ..parallel.ancestors import launcher_is_watched
 from ..parallel.comm import Comm
-from ..scene import Solver
+from ..scene import SolverTable
 from ..solvers.base import Progress
 from ..util.streams import discard
 
@@ -24,7 +24,7 @@ class Reporter:
     ----------
     comm : Comm
         Communicator of the run.
-    target : Solver
+    target : SolverTable
         Table [solver] of the scene, with the accuracy or the residual that is asked for.
     quiet : bool
         Print nothing.
@@ -38,7 +38,7 @@ class Reporter:
     def __init__(
         self,
         comm: Comm,
-        target: Solver,
+        target: SolverTable,
         quiet: bool = False,
         bar: bool | None = None,
         out: Any = None,
@@ -154,6 +154,7 @@ class Reporter:
 
 
 def _is_terminal(stream: Any) -> bool:
+    """Return whether a stream is a terminal."""
     try:
         return bool(stream.isatty())
     except (AttributeError, OSError, ValueError):  # None, or closed

@@ -13,10 +13,10 @@ from .explain import nearest, printable
 from .height_maps import OWN_KEYS, Body
 from .model import Scene
 from .not_modelled import not_modelled
-from .surface import KINDS, Surface
+from .surface import KINDS, SurfaceTable
 from .table import about, allowed_of
 
-COMMON = Surface.__mro__
+COMMON = SurfaceTable.__mro__
 BODIES = "[[surface.bodies]]"
 UNITS = {
     "length": "in the unit of the surface, or with a unit",
@@ -104,14 +104,14 @@ def sections(names: Mapping[str, Any] | None = None) -> list[Section]:
     for table, field in fields.items():
         models: dict[str, Any] = {"": field.annotation}
         if table == "surface":
-            models = {"": Surface, **KINDS}
+            models = {"": SurfaceTable, **KINDS}
         for kind, model in models.items():
             keys = [
                 _key(name, model.model_fields[name], names.get(f"{table}.{name}"))
                 for name in _names(model)
                 if name != "kind"
             ]
-            if model is Surface:
+            if model is SurfaceTable:
                 keys.insert(0, KIND)
             heading = f'[{table}] of kind = "{kind}"' if kind else f"[{table}]"
             about_model = " ".join(model.__doc__.split())

@@ -143,6 +143,7 @@ def _of_filled_scans(topography: Topography, spec: Any, comm: Any, lacks: list[s
 
 
 def _cropped(topography: Topography, spec: Any) -> Topography:
+    """Keep a part of the map. Raises SceneError where that is not within it."""
     ends = []
     for axis in (0, 1):
         step = topography.sizes[axis] / topography.n[axis]
