@@ -108,9 +108,11 @@ def compose(
         tables[name] = keys if keys.keys() & ALTERNATIVES.get(name, ()) else usual | keys
     made = [kind for kind in KINDS if kind != "file"]
     if names[0] in made and len(names) == 1:
-        kind, found = names[0], Suggestion()
+        kind = names[0]
+        found = Suggestion()
     elif len(names) <= 2 and all(Path(name).is_file() for name in names):
-        kind, found = "file", _of_maps(names, path, tables)
+        kind = "file"
+        found = _of_maps(names, path, tables)
     else:
         raise SceneError(
             f"init: found {' '.join(names)}, allowed: a kind of surface ({', '.join(made)}) or the"

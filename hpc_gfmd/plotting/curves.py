@@ -164,11 +164,12 @@ def _tight(ax: Any, contexts: list[FigureContext], key: str, loads: LoadAxis) ->
     """Shade the loads from the first one at which no open channel is left in any result, which a
     logarithmic axis cannot show."""
     steps = sorted((step for context in contexts for step in context.result.steps), key=loads.of)
-    is_open = [step.get(key) != 0 for step in steps]
-    first = len(steps) - next((k for k, value in enumerate(reversed(is_open)) if value), len(steps))
-    if first < len(steps):
+    is_tight = [step.get(key) == 0 for step in steps]
+    open_loads = [k for k, tight in enumerate(is_tight) if not tight]
+    tight_loads = steps[open_loads[-1] + 1 if open_loads else 0 :]
+    if tight_loads:
         right = ax.get_xlim()[1]
-        ax.axvspan(loads.of(steps[first]), right, color="0.9", zorder=0, label="tight")
+        ax.axvspan(loads.of(tight_loads[0]), right, color="0.9", zorder=0, label="tight")
         ax.set_xlim(right=right)
 
 

@@ -39,8 +39,22 @@ class Page:
     arranged: bool = False
 
     def with_columns(self, columns: int) -> "Page":
-        """Return the page with so many panels beside each other; one: in COLUMN_WIDTH. Raises
-        SceneError."""
+        """Arrange the panels.
+
+        Parameters
+        ----------
+        columns : int
+            Panels beside each other; of one column the width is COLUMN_WIDTH.
+
+        Returns
+        -------
+        Page
+
+        Raises
+        ------
+        SceneError
+            For more columns than panels, or none.
+        """
         if not 1 <= columns <= len(self.panels):
             raise SceneError(
                 f"columns: found {columns}, allowed: from 1 to {len(self.panels)}, as many panels"

@@ -192,7 +192,12 @@ def prepare_surface(heights: Any, **keys: Any) -> PreparedSurface:
 
 
 def combine_surfaces(
-    first: Any, second: Any, *, shift: Sequence[Any] = (0.0, 0.0), mirrored: str = "x", **keys: Any
+    surface: Any,
+    facing: Any,
+    *,
+    shift: Sequence[Any] = (0.0, 0.0),
+    mirrored: str = "x",
+    **keys: Any,
 ) -> PreparedSurface:
     """Add two rough surfaces that face each other to the one that is pressed, on one process.
 
@@ -201,14 +206,14 @@ def combine_surfaces(
 
     Parameters
     ----------
-    first, second
+    surface, facing
         Each a PreparedSurface, a Topography of SurfaceTopography, or the path of a height map;
         peaks up.
     shift : (x, y)
-        Where the first corner of the second one lies, from that of the first one: lengths such as
+        Where the first corner of `facing` lies, from that of `surface`: lengths such as
         "5 um", or numbers in the unit of the sizes.
     mirrored : str
-        Along which axis the second one is mirrored, "x" or "y": as a scan from above is when its
+        Along which axis `facing` is mirrored, "x" or "y": as a scan from above is when its
         body is turned over to face the other. "none" where x and y of both are the same directions
         in space.
     **keys
@@ -224,20 +229,19 @@ def combine_surfaces(
     SceneError
         As `read_surface`, and for surfaces that do not overlap.
     """
-    surfaces = (first, second)
+    surfaces = (surface, facing)
     names = ("the first surface", "the second surface")
     paths = [
-        str(surface) if isinstance(surface, str | PathLike) else name
-        for surface, name in zip(surfaces, names)
+        str(one) if isinstance(one, str | PathLike) else name for one, name in zip(surfaces, names)
     ]
-    ends = [_ends(surface) for surface in surfaces]
+    ends = [_ends(one) for one in surfaces]
     if np.any(ends) and not keys.keys() & OF_EDGES:
         keys["boundary"] = ["free" if end else "periodic" for end in np.any(ends, axis=0)]
     bodies = [{"path": paths[0]}, {"path": paths[1], "shift": shift, "mirrored": mirrored}]
     table = {"kind": "file", "bodies": bodies}
     scene, table = _scene(table | keys, "hpc_gfmd.combine_surfaces")
     spec = scene.surface
-    scans = [_scan(surface, path, spec, keys) for surface, path in zip(surfaces, paths)]
+    scans = [_scan(one, path, spec, keys) for one, path in zip(surfaces, paths)]
     topography = combined(placed((scans[0], scans[1]), spec), spec)
     prepared = _prepared(topography, spec)
     return prepared if set(paths) & set(names) else prepared.from_table(table)

@@ -226,8 +226,18 @@ class Solved:
         return float(rate) if rate.ndim == 0 else rate
 
     def table(self, errors: bool = False) -> str:
-        """Return the table that `hpc-gfmd show` prints: a line for each load, a column for each
-        observable that was asked for. errors: those of solver and grid in columns of their own."""
+        """Return the table that `hpc-gfmd show` prints.
+
+        Parameters
+        ----------
+        errors : bool
+            Whether the errors of solver and grid have columns of their own.
+
+        Returns
+        -------
+        str
+            A line for each load, a column for each observable that was asked for.
+        """
         result = self.result
         return table(result.numbered, result.surface, named_observables(result), errors)
 

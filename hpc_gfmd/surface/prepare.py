@@ -129,14 +129,14 @@ def _filled(topography: Topography, spec: Any, comm: Any, lacks: list[str]) -> T
 def _of_filled_scans(topography: Topography, spec: Any, comm: Any, lacks: list[str]) -> Topography:
     """Fill the holes of two scans, of which the Topography is the sum, and add them. Notes where
     an interpolated one does not resolve its own roughness."""
-    first, second = (_filled(scan, spec, comm, lacks) for scan in topography.bodies)
-    total = combined((first, second), spec)
+    lower, upper = (_filled(scan, spec, comm, lacks) for scan in topography.bodies)
+    total = combined((lower, upper), spec)
     if total.lacks:
         return total
     notes = [
         f"{name_of(scan)} does not resolve its own roughness: it says nothing of waves shorter than"
         f" {spacings_text(scan, 2)}, and between its points those up to twice as long are damped"
-        for scan in interpolated((first, second), spec)
+        for scan in interpolated((lower, upper), spec)
         if quality_of(scan, comm).unresolved > DOUBT.unresolved
     ]
     return replace(total, notes=(*total.notes, *notes))

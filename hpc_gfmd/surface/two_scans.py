@@ -31,7 +31,7 @@ class Axis:
 
     Attributes
     ----------
-    first : float
+    begin : float
         Place of the grid's first point, in points of the scan.
     step : float
         From one point of the grid to the next, in points of the scan.
@@ -43,15 +43,26 @@ class Axis:
         The scan repeats.
     """
 
-    first: float
+    begin: float
     step: float
     count: int
     n: int
     wraps: bool
 
     def places(self, start: int, stop: int) -> np.ndarray:
-        """Return where points start <= k < stop of the grid lie, in points of the scan."""
-        return self.first + self.step * np.arange(start, stop)
+        """Return where points of the grid lie.
+
+        Parameters
+        ----------
+        start, stop : int
+            The points start <= k < stop.
+
+        Returns
+        -------
+        ndarray, shape (stop - start,)
+            In points of the scan.
+        """
+        return self.begin + self.step * np.arange(start, stop)
 
     @property
     def hits_points(self) -> bool:
@@ -98,7 +109,8 @@ class Axis:
         """Read rows, beyond the ends of the scan what lies there: of one that repeats its other
         rows, otherwise its rows mirrored at the end point, which leaves the spline straight."""
         if not self.wraps:
-            low, high = max(begin, 0), min(end, self.n)
+            low = max(begin, 0)
+            high = min(end, self.n)
             outside = ((low - begin, end - high), (0, 0))
             return np.pad(read(low, high), outside, "reflect", reflect_type="odd")
         parts = []
@@ -142,6 +154,7 @@ def placed(scans: tuple[Any, Any], spec: Any) -> tuple[Any, Any]:
 
 
 def _turned_over(scan: Any) -> Rows:
+    """Return the rows of a scan whose valleys become peaks."""
     return lambda start, stop: -scan.rows(start, stop)
 
 
@@ -174,21 +187,21 @@ def combined(scans: tuple[Any, Any], spec: Any) -> Any:
     SceneError
         Where the scans have no common window, or only one has a unit.
     """
-    first, second = scans
-    lacks = dict(first.lacks)
-    for key, why in second.lacks.items():
+    lower, upper = scans
+    lacks = dict(lower.lacks)
+    for key, why in upper.lacks.items():
         lacks[key] = "; ".join(dict.fromkeys([*filter(None, [lacks.get(key)]), why]))
     whole = replace(
-        first,
+        lower,
         lacks=lacks,
         bodies=scans,
         filled=0,
-        prepared=(*first.prepared, *second.prepared),
-        notes=tuple(dict.fromkeys([*first.notes, *second.notes])),
+        prepared=(*lower.prepared, *upper.prepared),
+        notes=tuple(dict.fromkeys([*lower.notes, *upper.notes])),
     )
     if lacks:
         return whole
-    if first.unit != second.unit:
+    if lower.unit != upper.unit:
         texts = [f"{scan.path} {'in m' if scan.unit else 'without a unit'}" for scan in scans]
         raise SceneError(
             f"surface.bodies: found {' and '.join(texts)}, allowed: both with units (unit in the"
@@ -196,10 +209,10 @@ def combined(scans: tuple[Any, Any], spec: Any) -> Any:
         )
     x, y = _common_axes(scans, spec)
     n = (x[0].count, y[0].count)
-    spacings = _spacings(first)
+    spacings = _spacings(lower)
     sizes = (n[0] * x[0].step * spacings[0], n[1] * y[0].step * spacings[1])
     rows = [_rows_on_grid(scan, x[k], y[k]) for k, scan in enumerate(scans)]
-    repeated = x[0].wraps and y[0].wraps and first.periodic and second.periodic
+    repeated = x[0].wraps and y[0].wraps and lower.periodic and upper.periodic
     steps = [
         f"{name_of(scan)} interpolated from points of {spacings_text(scan)} by cubic splines"
         for scan in interpolated(scans, spec)
@@ -210,14 +223,25 @@ def combined(scans: tuple[Any, Any], spec: Any) -> Any:
         sizes=sizes,
         rows=lambda start, stop: rows[0](start, stop) + rows[1](start, stop),
         periodic=repeated or None,
-        path=f"{first.path} + {second.path}",
+        path=f"{lower.path} + {upper.path}",
         filled=sum(round(scan.filled / np.prod(scan.n) * np.prod(n)) for scan in scans),
         prepared=(*whole.prepared, *steps, f"added where they overlap, {n[0]} x {n[1]} points"),
     )
 
 
 def interpolated(scans: tuple[Any, Any], spec: Any) -> list[Any]:
-    """Return those of two scans that `combined` interpolates; the arguments are its own."""
+    """Return those of two scans that `combined` interpolates.
+
+    Parameters
+    ----------
+    scans : (Topography, Topography)
+    spec : scene.File
+        As of `combined`.
+
+    Returns
+    -------
+    list of Topography
+    """
     x, y = _common_axes(scans, spec)
     return [
         scan
@@ -232,7 +256,19 @@ def name_of(scan: Any) -> str:
 
 
 def spacings_text(scan: Any, factor: float = 1.0) -> str:
-    """Write the distances of the points of a scan, or some factor times them."""
+    """Write the distances of the points of a scan.
+
+    Parameters
+    ----------
+    scan : Topography
+    factor : float
+        What they are multiplied by.
+
+    Returns
+    -------
+    str
+        Such as "2 um x 2 um".
+    """
     return lengths_text([factor * a for a in _spacings(scan)], bool(scan.unit))
 
 
@@ -281,7 +317,7 @@ def _common_axis(scans: tuple[Any, Any], axis: int, repeats: bool) -> tuple[Axis
     start = origins[fine] + begin * spacings[fine]
     of_first, of_second = (
         Axis(
-            first=(start - origin) / spacing,
+            begin=(start - origin) / spacing,
             step=spacings[fine] / spacing,
             count=end - begin,
             n=points,

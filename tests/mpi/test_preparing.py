@@ -180,7 +180,8 @@ def test_the_same_heights_on_any_number_of_ranks(boundary, keys, comm, monkeypat
 def test_two_scans_are_the_same_on_any_number_of_ranks(boundary, comm, monkeypatch):
     """To the bit, whichever rows a rank reads together."""
     monkeypatch.setattr(slabs, "ROWS", 2)  # so that all ranks read
-    fine, coarse = random_heights((37, 22), seed=1), random_heights((13, 9), seed=2)
+    fine = random_heights((37, 22), seed=1)
+    coarse = random_heights((13, 9), seed=2)
     coarse[4:6, 3] = np.nan
     if comm.rank == 0:
         np.save("fine.npy", fine)

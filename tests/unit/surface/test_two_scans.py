@@ -25,6 +25,10 @@ def wave(n, spacings, x0=0.0, y0=0.0):
     return np.outer(np.cos(x) + x / 9, np.cos(y / 2))
 
 
+def two_random_maps(*shapes):
+    return [random_heights(shape, seed=k) for k, shape in enumerate(shapes, 1)]
+
+
 def combine(first, a, second, b, **keys):
     """combine_surfaces of two arrays that end, with these distances of their points."""
     scans = [
@@ -54,9 +58,10 @@ def test_the_sum_of_two_waves(n, b):
     assert np.array_equal(swapped.heights, surface.heights)
 
 
-def test_it_is_the_natural_spline_of_scipy():
-    first, second = random_heights((40, 50), seed=1), random_heights((13, 9), seed=2)
-    a, b = (0.3, 0.2), (1.0, 1.0)
+def test_interpolates_as_the_natural_splines_of_scipy():
+    first, second = two_random_maps((40, 50), (13, 9))
+    a = (0.3, 0.2)
+    b = (1.0, 1.0)
     surface = combine(first, a, second, b, **NOT_MIRRORED)
     expected = second
     for axis in (0, 1):
@@ -70,9 +75,9 @@ def test_it_is_the_natural_spline_of_scipy():
     assert np.allclose(surface.heights, first[:n_x, :n_y] + expected, rtol=0, atol=1e-13)
 
 
-def test_two_that_repeat():
+def test_periodic_scans():
     """All of the cell is the window, and the spline goes on over its edges."""
-    first, second = random_heights((24, 20), seed=1), random_heights((15, 16), seed=2)
+    first, second = two_random_maps((24, 20), (15, 16))
     scans = [hpc_gfmd.prepare_surface(z, boundary="periodic") for z in (first, second)]
     surface = hpc_gfmd.combine_surfaces(*scans, shift=(-0.2, 1.3), **NOT_MIRRORED)
     expected = second
@@ -88,9 +93,9 @@ def test_two_that_repeat():
 
 
 @pytest.mark.parametrize("ratio", [1, 2, 3])
-def test_points_that_fall_together_are_exact(ratio):
+def test_coinciding_points_keep_their_heights(ratio):
     """Of an integer ratio of the distances; with equal ones nothing is interpolated."""
-    fine, coarse = random_heights((31, 24), seed=1), random_heights((11, 10), seed=2)
+    fine, coarse = two_random_maps((31, 24), (11, 10))
     surface = combine(fine, (1, 1), coarse, (ratio, ratio), **NOT_MIRRORED)
     n_x, n_y = ((k - 1) // ratio + 1 for k in surface.heights.shape)
     found = (surface.heights - fine[: surface.heights.shape[0], : surface.heights.shape[1]])[
@@ -105,7 +110,7 @@ def test_points_that_fall_together_are_exact(ratio):
 )
 def test_shift(i, j):
     """By whole points: the window that both cover, in which each has its own heights."""
-    first, second = random_heights((20, 16), seed=1), random_heights((18, 12), seed=2)
+    first, second = two_random_maps((20, 16), (18, 12))
     surface = combine(first, (0.5, 0.5), second, (0.5, 0.5), shift=(i / 2, j / 2), **NOT_MIRRORED)
     x = slice(max(i, 0), min(20, 18 + i))
     y = slice(max(j, 0), min(16, 12 + j))
@@ -132,10 +137,10 @@ def test_a_shift_by_parts_of_a_point():
         ("none", lambda z: z),
     ],
 )
-def test_a_scan_from_above_is_turned_over_to_face_the_other(mirrored, seen, tmp_path):
+def test_the_second_scan_is_mirrored_to_face_the_first(mirrored, seen, tmp_path):
     """Two prints of one body, one of them seen in a mirror, fill each other's valleys; a replica
     has its heights the other way round, too."""
-    first, second = random_heights((14, 12), seed=1), random_heights((14, 12), seed=2)
+    first, second = two_random_maps((14, 12), (14, 12))
     np.save("first.npy", first)
     np.save("second.npy", second)
     keys = {} if mirrored is None else {"mirrored": mirrored}
@@ -149,7 +154,7 @@ def test_a_scan_from_above_is_turned_over_to_face_the_other(mirrored, seen, tmp_
         assert np.array_equal(np.concatenate(parts), total)
 
 
-def test_how_much_of_a_wave_is_left_between_its_points():
+def test_amplitudes_lost_by_interpolation():
     """What the page says: halfway between the points, of a wave of 8, 4 and 3 points."""
     for points, lost in ((8, 0.002), (4, 0.03), (3, 0.13)):
         k = np.arange(24 * points)
@@ -161,9 +166,9 @@ def test_how_much_of_a_wave_is_left_between_its_points():
         assert lost / 2 < 1 - amplitude < lost
 
 
-def test_missing_points_are_those_of_one_scan():
+def test_missing_points_are_filled_in_each_scan():
     """They are filled in each, or refused; how many says the surface."""
-    first, second = random_heights((16, 16), seed=1), random_heights((8, 8), seed=2)
+    first, second = two_random_maps((16, 16), (8, 8))
     filled = second.copy()
     filled[3, 4] = np.mean([second[2, 4], second[4, 4], second[3, 3], second[3, 5]])
     second[3, 4] = np.nan
@@ -179,9 +184,9 @@ def test_missing_points_are_those_of_one_scan():
         hpc_gfmd.combine_surfaces("first.npy", "second.npy", **keys)
 
 
-def test_what_is_done_is_done_to_the_sum(tmp_path, cli):
+def test_a_scene_agrees_with_combine_surfaces(tmp_path, cli):
     """In a scene as in Python; the units of each file count."""
-    first, second = random_heights((40, 30), seed=1), random_heights((12, 14), seed=2)
+    first, second = two_random_maps((40, 30), (12, 14))
     x = np.arange(40)[:, None]
     np.savez("first.npz", z=first + x, unit="nm", physical_sizes=[400.0, 300.0])
     np.savetxt("second.csv", 1e-3 * second, delimiter=",")
@@ -209,7 +214,7 @@ def test_what_is_done_is_done_to_the_sum(tmp_path, cli):
 
 def test_a_topography_of_surfacetopography():
     Topography = surface_topography().Topography
-    fine, coarse = random_heights((20, 20), seed=1), random_heights((10, 10), seed=2)
+    fine, coarse = two_random_maps((20, 20), (10, 10))
     scans = [Topography(z, (20.0, 20.0), unit="um") for z in (fine, coarse)]
     surface = hpc_gfmd.combine_surfaces(*scans)
     arrays = [
@@ -220,7 +225,7 @@ def test_a_topography_of_surfacetopography():
     assert (surface.unit, surface.free) == ("m", (True, True))
 
 
-def test_what_an_unresolved_scan_says():
+def test_note_on_an_unresolved_scan():
     """Where the roughness of the interpolated scan goes down to its points, and only there."""
     fine = wave((90, 90), (0.1, 0.1))
     rough = random_heights((30, 30), seed=1)
@@ -266,7 +271,7 @@ def test_refused(bodies, keys, words):
         open_topography(spec)
 
 
-def test_in_memory_refused():
+def test_combine_surfaces_refuses():
     z = hpc_gfmd.make_surface("wave", amplitude=0.1, n=(16, 16))
     with refused("found unit, which says how a file is read, with the first surface"):
         hpc_gfmd.combine_surfaces(z, z, unit="nm")
