@@ -25,7 +25,7 @@ from .coarsest import DAMPING, CoarsestLevels
 
 
 @dataclass(frozen=True)
-class Calibration:
+class DeflationCalibration:
     """How well the vector is found: measured by the pairs of self-affine walls at small loads.
 
     Attributes
@@ -44,7 +44,7 @@ class Calibration:
     fewest: int = 250
 
 
-CALIBRATION = Calibration()
+CALIBRATION = DeflationCalibration()
 
 
 class GapMode:

@@ -18,11 +18,11 @@ from typing import Any
 import numpy as np
 
 from ..parallel.launcher import LAUNCHER
-from ..scene import Load
+from ..scene import LoadTable
 from ..util.errors import GfmdError, SceneError
 from ..util.machine import cores
 from .progress import new_bar
-from .solution import Solutions
+from .solutions import Solutions
 from .solve import Loads, solve
 
 RESERVED = "threads", "comm"  # arguments of solve that are chosen here
@@ -93,7 +93,7 @@ def solve_many(
     if loads is not None and how.get("pressure") is not None:
         raise SceneError("pressure: found beside loads, allowed: one of them")
     arguments = {"pressure": loads, "fields": fields} | how
-    for key in arguments.keys() & Load.model_fields.keys():
+    for key in arguments.keys() & LoadTable.model_fields.keys():
         if arguments[key] is not None and np.ndim(arguments[key]) == 0:
             arguments[key] = [arguments[key]]
     length = len(surfaces) if isinstance(surfaces, Sized) else None

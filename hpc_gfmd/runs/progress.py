@@ -9,7 +9,7 @@ from typing import Any
 
 from ..parallel.ancestors import launcher_is_watched
 from ..parallel.comm import Comm
-from ..scene import Solver
+from ..scene import SolverTable
 from ..solvers.base import Progress
 from ..util.notebook import in_notebook
 from ..util.streams import discard
@@ -26,7 +26,7 @@ class Reporter:
     ----------
     comm : Comm
         Communicator of the run.
-    target : Solver
+    target : SolverTable
         Table [solver] of the scene, with the accuracy or the residual that is asked for.
     quiet : bool
         Print nothing.
@@ -40,7 +40,7 @@ class Reporter:
     def __init__(
         self,
         comm: Comm,
-        target: Solver,
+        target: SolverTable,
         quiet: bool = False,
         bar: bool | None = None,
         out: Any = None,
@@ -183,6 +183,7 @@ def new_bar(name: str, total: float | None, bar_format: str | None = None) -> An
 
 
 def _is_terminal(stream: Any) -> bool:
+    """Return whether a stream is a terminal."""
     try:
         return bool(stream.isatty())
     except (AttributeError, OSError, ValueError):  # None, or closed

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from .formed_walls import lattice_heights, wave_heights
-from .registry import FAMILIES, Wall, change_of_sides_near, family, scene_wall, single
+from .registry import FAMILIES, Wall, change_of_sides_near, family, load_of_area, scene_wall, single
 from .shapes import choice, distances, grid, log_uniform, rough, square_pixels
 
 
@@ -43,6 +43,21 @@ def few_asperities(rng):
     return Wall(
         z, sizes, (change_of_sides_near(rng, z, sizes, log_uniform(rng, 5, 200) / z.size / 2),)
     )
+
+
+@family
+def few_alike_tops(rng):
+    """Some points far above all others and nearly alike, and a load near that at which the next of
+    them touches."""
+    n = choice(rng, ((32, 32), (48, 48), (32, 64)))
+    z = rough(rng, n) if rng.random() < 0.5 else rng.standard_normal(n)
+    places = tuple(rng.integers(0, k, 4) for k in n)
+    unlike = log_uniform(rng, 1e-6, 0.1)
+    z[places] = z.max() + 1 - unlike * np.ptp(z) * rng.random(4)
+    sizes = square_pixels(n)
+    touching = load_of_area(z, (int(rng.integers(2, 5)) - 0.5) / z.size, sizes, steps=50)
+    off = choice(rng, (-1, 1)) * log_uniform(rng, 1e-9, 0.1)
+    return Wall(z, sizes, (touching * (1 + off),))
 
 
 @family

@@ -62,11 +62,11 @@ def single(rng, z, sizes=None, low=1e-3, high=1.0, **others):
     return Wall(z, tuple(sizes or square_pixels(z.shape)), (log_uniform(rng, low, high),), **others)
 
 
-def load_of_area(z, a_r, sizes=None):
-    """Find the p* that gives about this share of points in contact, by bisection."""
+def load_of_area(z, a_r, sizes=None, steps=18):
+    """Return the p* at which about a share a_r of the points touches, by bisection."""
     contact = Contact(z, sizes or square_pixels(z.shape))
     low, high = 1e-7, 50.0
-    for _ in range(18):
+    for _ in range(steps):
         middle = np.sqrt(low * high)
         if contact.solve(middle).contact < a_r * z.size:
             low = middle

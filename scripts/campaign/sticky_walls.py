@@ -14,7 +14,7 @@ from hpc_gfmd.driver.load import Load
 from hpc_gfmd.driver.sweep import Unfinished, make_sweep
 from hpc_gfmd.laws import law_named, law_names
 from hpc_gfmd.parallel.comm import SerialComm
-from hpc_gfmd.scene import Solver
+from hpc_gfmd.scene import SolverTable
 from hpc_gfmd.surface.build import surface_of
 from hpc_gfmd.surface.topography import Topography
 
@@ -78,7 +78,7 @@ def sweep_of(wall, **settings):
 
     return make_sweep(
         make_surface,
-        Solver(**settings),
+        SolverTable(**settings),
         wall.E_star,
         body=body_of_free(wall.free),
         attraction=law_of(wall, make_surface(np.dtype(float))),
