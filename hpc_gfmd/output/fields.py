@@ -65,6 +65,7 @@ class Slab:
 
     @property
     def dtype(self) -> np.dtype:
+        """Precision of the field."""
         return np.dtype(self.data.dtype)
 
     def pieces(self) -> Iterator[tuple[int, np.ndarray]]:

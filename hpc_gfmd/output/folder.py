@@ -104,6 +104,7 @@ def clear(folder: Path, keep_lock: bool = False) -> None:
 
 
 def _taken(descriptor: int, alone: bool) -> bool:
+    """Try to lock a file, alone or shared; return whether another process holds it."""
     try:
         import fcntl
 

@@ -273,6 +273,8 @@ class RunFile(AbstractContextManager):
     def _write(
         self, path: Path, status: str, steps: dict[str, dict], fields: dict[str, Any]
     ) -> dict[str, Stored]:
+        """Write a file of the unfinished result, numbers and fields; returns where its fields are.
+        Collective."""
         head = self._head | {"status": status}
         return write_file(
             self.comm,

@@ -160,6 +160,7 @@ class MpiComm:
         self.io_obstacles: dict[Path, str] = {}  # of parallel.mpi_io, for each folder
 
     def _allreduce(self, values: ArrayLike, op: str) -> np.ndarray:
+        """Reduce each number over all ranks; op: of MPI, such as "SUM". Collective."""
         from mpi4py import MPI
 
         send = np.ascontiguousarray(values, dtype=np.float64)

@@ -66,6 +66,7 @@ class Plans:
         return _address(library[f"{prefix}execute_dft{kind}"]), plan
 
     def _scipy(self, kind: str, x: np.ndarray, out: np.ndarray, *sign: int) -> Transform:
+        """Make a transform of scipy that is called like one of FFTW."""
         from scipy import fft
 
         back = {"axis": 1, "norm": "forward"}

@@ -20,7 +20,7 @@ SHARES = 4  # of a compiled pass that each thread does
 
 
 def piece_rows(n_y: int) -> int:
-    """Return how many rows of a field, of n_y points each, that a thread works on at a time."""
+    """Return how many rows of n_y points a thread works on at a time."""
     return max(PIECE_ROWS, PIECE_POINTS // n_y)
 
 

@@ -92,6 +92,7 @@ def _mark_yielded(ax: Any, share: np.ndarray, extent: list[float]) -> None:
 
 
 def _field(ax: Any, context: FigureContext, pixels: Survey, name: str) -> None:
+    """Draw one field of a load with its colour bar; pixels: its means over pixels."""
     symbol, colours = FIELDS[name]
     in_units = [pixels.largest[name], float(pixels.means[name].min())]
     scale = context.units.of(name, in_units) if symbol else Scale()

@@ -31,8 +31,8 @@ from ..util.versions import versions
 from .keywords import scene_of_keywords
 from .loads import check, solved, step_attributes, surface_attributes, sweep_of, worst
 from .prepared import PreparedSurface, prepare_surface
-from .progress import Reporter
-from .solution import Solutions
+from .progress import Reporter, bar_stream
+from .solutions import Solutions
 from .table import GrowingTable
 
 Heights = Any  # an array, a PreparedSurface or a Topography of SurfaceTopography
@@ -145,6 +145,7 @@ class Surfaces:
         return surface if is_measured else replace(surface, checksum=None)
 
     def _with_grid_of_this_thread(self, surface: Surface) -> Surface:
+        """Return a kept surface on a grid whose scratch memory belongs to this thread."""
         grid = surface.grid
         kept = Grid.kept(grid.n, grid.sizes, self.comm, self.threads, nominal=grid.nominal)
         return replace(surface, grid=kept)
@@ -247,7 +248,7 @@ def solve_loads(
     SolvedLoads
         The loads that are finished.
     """
-    say = Reporter(comm, scene.solver, not progress, progress, sys.stderr)
+    say = Reporter(comm, scene.solver, not progress, progress, bar_stream())
     loads = SolvedLoads()
 
     def solve_all() -> None:

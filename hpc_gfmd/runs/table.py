@@ -236,6 +236,8 @@ def column_scale(key: str, values: list[float], surface: dict) -> tuple[float, s
 
 
 def _cell(key: str, value: Any, scale: float, step: dict) -> str:
+    """Return the text of a number of a step, with its error where that is estimated; scale: of its
+    unit."""
     if value is None or isinstance(value, str):
         return value or "-"
     if isinstance(value, bool):
@@ -279,4 +281,5 @@ def remarks(steps: Mapping[int, dict], observables: Sequence[str] = ()) -> list[
 
 
 def _has_value(value: Any) -> bool:
+    """Return whether a number is there and finite."""
     return value is not None and not (isinstance(value, float) and not isfinite(value))

@@ -264,6 +264,7 @@ class _Differences:
 
 
 def _looked_at(topography: Topography) -> MapQuality:
+    """Measure what tells how good a map is, from some of its rows. On one process."""
     n_x, n_y = topography.n
 
     def row(i: int) -> np.ndarray:

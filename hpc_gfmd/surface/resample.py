@@ -68,6 +68,7 @@ def _turned(rows: Rows, before: np.ndarray, after: np.ndarray, ends: bool, comm:
 
 
 def _series(z: np.ndarray, n: int, ends: bool) -> np.ndarray:
+    """Resample rows to n points by their Fourier series, in cosines along an axis that ends."""
     from scipy.fft import dct, idct
     from scipy.signal import resample
 

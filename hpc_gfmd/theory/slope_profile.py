@@ -173,6 +173,7 @@ class SlopeProfile:
         return np.array(integrals).reshape(loads.shape)
 
     def _log_g_at(self, y: float) -> float:
+        """Return ln g of all waves up to y = ln(q/q_l)."""
         i = min(int(np.searchsorted(self.y, y, side="right")), self.beta.size) - 1
         d = y - self.y[i]
         grown = d * exprel(self.beta[i] * d) / self.inverse_rate[i] if d > 0 else 1.0
