@@ -37,7 +37,11 @@ def test_stopped_and_killed_runs(pieces, solver):
 
 
 ADHESION = {"adhesion": {"work": 0.0024, "range": 0.0125}}  # the last load pulls too much
-BRANCHES = {"approach": [0.0, 0.02, 0.1], "retraction": [0.3, 0.05, 0.0, -0.002, -0.2]}
+BRANCHES = {
+    "approach": {"p_star": [0.0, 0.02, 0.1], "branch": "approach"},
+    "retraction": {"p_star": [0.3, 0.05, 0.0, -0.002, -0.2], "branch": "retraction"},
+    "gaps": {"gap_over_h_rms": [0.5, 1.0, 1.5], "branch": "retraction"},
+}
 
 SWEEPS = {
     "each load": (scene("auto", **TIGHT), 1e-6),
@@ -68,8 +72,8 @@ def test_stops_at_any_point(pieces, name):
 @pytest.mark.parametrize("branch", BRANCHES)
 def test_a_branch_goes_on_wherever_it_is_stopped(pieces, branch):
     """Between loads, whose states are solved again, and inside them."""
-    load = {"p_star": BRANCHES[branch], "branch": branch}
-    asked = scene("bpx", load, material=ADHESION, **TIGHT)
+    tight = {"accuracy": 1e-6} if branch == "gaps" else TIGHT
+    asked = scene("bpx", BRANCHES[branch], material=ADHESION, **tight)
     count = pieces.undisturbed(asked)
     statuses = [step["status"] for step in read_result(pieces.whole).steps]
     if branch == "retraction":
