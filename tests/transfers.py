@@ -98,6 +98,8 @@ def matrix(body, grid):
 
 
 def _through(elastic, field, columns, out):
+    """Transform a field row by row, call `columns`, and write the result to `out`; its energy."""
+
     def use(i0, i1, x):
         out[i0:i1] = x[: i1 - i0]
 

@@ -344,6 +344,7 @@ class Contact:
 
     @cached_property
     def _clusters(self) -> dict[tuple[bool, bool, int | None], Clusters]:
+        """Connected areas that were found so far, by the arguments of `clusters`."""
         return {}
 
     @cached_property

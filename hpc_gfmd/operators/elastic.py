@@ -59,6 +59,11 @@ class Elastic:
         add: Columns | None = None,
         spring: float = 0.0,
     ) -> float:
+        """Multiply all columns by K or S and transform them back; returns this rank's share of the
+        product.
+
+        Sets `mean`. add: completes a block of columns before it is multiplied. Collective.
+        """
         multipliers = self.multipliers
         multipliers.couple(self.fft, inverse)
         if add is None and multipliers.alone and spring == 0:

@@ -19,6 +19,11 @@ def summary(step: dict, surface: dict) -> str:
     ----------
     step, surface : dict
         Attributes of the result file.
+
+    Returns
+    -------
+    str
+        Such as "a_r = 6.7 +- 0.6 %, mean gap = 31 nm".
     """
     parts = []
     if step.get("a_r") is not None:
@@ -85,6 +90,10 @@ def with_error(value: float, relative: float | None) -> str:
     value : float
     relative : float or None
         Relative error; None: not estimated.
+
+    Returns
+    -------
+    str
     """
     if not isfinite(value):
         return str(value)
@@ -116,6 +125,10 @@ def combined_error(name: str, step: dict) -> float | None:
         Of the number, as in the result file.
     step : dict
         Attributes of the load step.
+
+    Returns
+    -------
+    float or None
 
     Notes
     -----

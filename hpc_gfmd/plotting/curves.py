@@ -31,6 +31,10 @@ def curves(contexts: Sequence[FigureContext], names: list[str]) -> Page:
     names : list of str
         Numbers of a load, by the names of the result file.
 
+    Returns
+    -------
+    Page
+
     Raises
     ------
     SceneError
@@ -50,6 +54,7 @@ def curves(contexts: Sequence[FigureContext], names: list[str]) -> Page:
 
 
 def _panel(ax: Any, contexts: list[FigureContext], key: str) -> None:
+    """Draw one number over the load: each result, or their mean and scatter, and the theory."""
     quantity = quantity_of(key)
     loads = load_axis(contexts)
     scales = quantity.scales(contexts, key)

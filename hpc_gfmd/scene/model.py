@@ -46,6 +46,7 @@ class Scene(Table):
 
     @model_validator(mode="after")
     def _rough(self) -> Self:
+        """Refuse loads that a flat surface does not have."""
         name, _ = self.load.given
         if (
             isinstance(self.surface, Wave)
@@ -60,6 +61,7 @@ class Scene(Table):
 
     @model_validator(mode="after")
     def _units(self) -> Self:
+        """Refuse units that do not fit together, such as "5 MPa" beside a plain modulus."""
         parts = {"surface": self.surface, "load": self.load, "material": self.material}
         lengths, pressures, forces = (
             {
@@ -91,6 +93,8 @@ class Scene(Table):
 
     @model_validator(mode="after")
     def _pulled(self) -> Self:
+        """Refuse pressures of 0 and below, and branches, without adhesion, and what adhesion
+        excludes."""
         adhesion, hardness = self.material.adhesion, self.material.hardness
         name, values = self.load.given
         if adhesion is None:
@@ -129,6 +133,7 @@ class Scene(Table):
 
     @model_validator(mode="after")
     def _load_fits(self) -> Self:
+        """Refuse loads that the boundaries or the body do not have."""
         if self.load.force and not any(self.surface.free):
             raise ValueError(
                 "load.force: found periodic boundaries, allowed: with a free boundary (with"
@@ -270,6 +275,7 @@ class ArrayScene(Scene):
 
     @model_validator(mode="after")
     def _known_by_points(self) -> Self:
+        """Refuse low memory, which needs heights that are known mode by mode."""
         if self.solver.low_memory:
             raise ValueError(
                 'solver.low_memory: found true, allowed: with surface.kind = "self-affine", in a'

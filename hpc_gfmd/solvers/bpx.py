@@ -346,6 +346,7 @@ class Bpx(Solver):
 
     @property
     def is_separated(self) -> bool:
+        """As of Solver; the wall itself is pulled at."""
         if self.law is None or self.contact > 0:
             return False
         # what is left to go until nothing holds the spring back

@@ -27,6 +27,7 @@ def surface():
 
 
 def started(surface, p_star, name="bpx", hardness=None):
+    """A solver at its cold start."""
     problem = Problem(surface.grid, surface.h, p_star, hardness=hardness)
     solver = solver_class(name)(problem)
     solver.start(cold_gap(problem))

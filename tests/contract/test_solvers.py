@@ -26,6 +26,7 @@ def problem_of(p0=0.1):
 
 
 def started(name, problem, options=()):
+    """A solver at its cold start."""
     solver = solver_class(name)(problem, dict(options))
     solver.start(cold_gap(problem))
     return solver

@@ -21,6 +21,7 @@ EXAMPLES = sorted(FOLDER.glob("*.py"))
 
 
 def run(path, monkeypatch):
+    """Global variables of an example after it ran on a small grid."""
     plt.switch_backend("Agg")
     monkeypatch.setattr(sys, "argv", [str(path), str(SMALL.get(path.stem, POINTS))])
     variables = runpy.run_path(str(path), run_name="__main__")

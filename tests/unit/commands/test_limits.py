@@ -29,6 +29,7 @@ def result_of(surface=SURFACE, **step):
 
 
 def kappa_of(result, table="paper"):
+    """The corrected kappa of the first step."""
     return to_limits(result, table)["steps"][0]["kappa"]
 
 

@@ -49,7 +49,7 @@ class Solver:
         self.loads.append(p0)
 
 
-def loads_of_search(curve, target, start, steps=False):
+def loads_of_search(curve, target, start):
     """All loads of a search, of which the last has to meet the target."""
     search = CurveSearch(target, TOLERANCE, True, HEIGHTS, HEIGHTS, x=log(start), curve=curve)
     solver = Solver(search.p0)
@@ -69,7 +69,10 @@ def loads_of_search(curve, target, start, steps=False):
 )
 def test_powers_of_the_load(exponent, scale, p0, off):
     """A secant in logarithms is exact for powers."""
-    curve = lambda p: scale * p**exponent  # noqa: E731
+
+    def curve(p):
+        return scale * p**exponent
+
     loads = loads_of_search(curve, curve(p0), p0 * exp(off))
     assert loads[-1] == pytest.approx(p0, rel=2 * TOLERANCE / exponent)
     assert len(loads) < 3 + abs(off) / log(2) + 8
@@ -78,13 +81,18 @@ def test_powers_of_the_load(exponent, scale, p0, off):
 @settings(max_examples=60, deadline=None)
 @given(p0=st.floats(1e-4, 0.9), off=st.floats(-3.0, 3.0))
 def test_saturating_curve(p0, off):
-    curve = lambda p: p / (p + 0.1)  # noqa: E731
+    def curve(p):
+        return p / (p + 0.1)
+
     loads_of_search(curve, curve(p0), p0 * exp(off))
 
 
 def test_plateaus_are_crossed():
     """Steps are doubled where the value hardly rises."""
-    curve = lambda p: 0.2 + 1e-4 * log(p) if p < 0.5 else p  # noqa: E731
+
+    def curve(p):
+        return 0.2 + 1e-4 * log(p) if p < 0.5 else p
+
     loads = loads_of_search(curve, 0.8, 0.01)
     assert loads[-1] == pytest.approx(0.8, rel=2 * TOLERANCE)
 

@@ -105,7 +105,11 @@ def test_start_from_a_stored_gap(nested_starts):
 def test_stopped_searches_resume_at_their_load(quantity):
     """The pressure reached so far is the start."""
     boundary = "free" if quantity == "approach" else "periodic"
-    make = lambda: sweep_of(rough((2, 8, 2), boundary=boundary), accuracy=1e-4)  # noqa: E731
+    surface = rough((2, 8, 2), boundary=boundary)
+
+    def make():
+        return sweep_of(surface, accuracy=1e-4)
+
     by_pressure = make().solve(P)
     value = {
         "a_r": by_pressure.contact_points / by_pressure.N,

@@ -13,6 +13,7 @@ WEIGHT = np.array([[2.0, 2.0, 1.0], [1.0, 2.0, 0.0]])
 
 
 def complex_columns(random, dtype):
+    """Random complex columns of one block."""
     parts = random.standard_normal((2, W, N_X)).astype(dtype)
     return parts[0] + 1j * parts[1]
 

@@ -44,6 +44,10 @@ def write(
     spike=1.0,
     **attributes,
 ):
+    """Write a result file of random fields.
+
+    spike: factor of the largest pressure; attributes: replace numbers of every step.
+    """
     random = np.random.default_rng(1)
     surface = {
         "n": list(n),
@@ -572,7 +576,7 @@ def test_maps_mark_yielding_points():
 
 
 def test_a_loop_of_approach_and_retraction_with_its_pull_off():
-    """Both branches as lines over loads on both sides of 0, and the last load that is held."""
+    """Lines of both branches over loads of both signs; the pull-off is marked."""
     loads = {"approach": [0.0, 0.1, 0.3], "retraction": [0.3, 0.1, 0.0, -0.005, -0.5]}
     wall = make_surface(
         "self-affine",
@@ -592,12 +596,12 @@ def test_a_loop_of_approach_and_retraction_with_its_pull_off():
     assert sweeps["retraction"][-1].status == "separated"
     (ax,) = hpc_gfmd.plot(sweeps, "a_r").axes
     for name, bars in zip(sweeps, ax.containers, strict=True):
-        held = [one for one in sweeps[name] if one.status == "converged"]
+        held = [solution for solution in sweeps[name] if solution.status == "converged"]
         line = bars.lines[0]
         assert bars.get_label() == name
         assert line.get_linestyle() == "-"
-        np.testing.assert_allclose(line.get_xdata(), [one.p for one in held])
-        np.testing.assert_allclose(line.get_ydata(), [one.a_r for one in held])
+        np.testing.assert_allclose(line.get_xdata(), [solution.p for solution in held])
+        np.testing.assert_allclose(line.get_ydata(), [solution.a_r for solution in held])
     (mark,) = (line for line in ax.lines if line.get_label() == "pull-off")
     np.testing.assert_allclose(mark.get_xdata(), sweeps["retraction"].pull_off)
     assert sweeps["retraction"].pull_off == -0.005

@@ -10,6 +10,7 @@ LOADS = [0.05, 0.2]
 
 
 def solved(seed, loads=LOADS, **arguments):
+    """Solutions of a small wall; arguments: of hpc_gfmd.solve."""
     wall = hpc_gfmd.make_surface(
         "self-affine", hurst=0.8, L_over_lam_l=1, lam_l_over_lam_s=8, lam_s_over_a=2, seed=seed
     )
@@ -55,7 +56,7 @@ def test_ensemble_of_solve_many():
 
 def test_show_and_plot_several_files(results, cli, tmp_path):
     paths = [result.save(tmp_path / f"{k}.h5") for k, result in enumerate(results)]
-    assert "standard deviation over 3 results" in cli.prints("show", *paths)
+    assert "3 results" in cli.prints("show", *paths)
     data = cli.data("show", *paths)
     ensemble = hpc_gfmd.Ensemble(results)
     np.testing.assert_allclose(data["loads"]["a_r_std"], ensemble.std("a_r"))

@@ -12,9 +12,9 @@ from hpc_gfmd.runs import in_memory
 @pytest.mark.parametrize(
     ("existing", "words"),
     [
-        ("nothing", "compiling, once"),
-        ("of_make_surface.kernel", "compiling, once"),
-        ("update_passes.kernel", "compiling what this scene needs in addition"),
+        ("nothing", "once"),
+        ("of_make_surface.kernel", "once"),
+        ("update_passes.kernel", "in addition"),
     ],
 )
 def test_compilation_is_announced_once(tmp_path, monkeypatch, existing, words):
@@ -27,7 +27,8 @@ def test_compilation_is_announced_once(tmp_path, monkeypatch, existing, words):
         assert not messages
         assert [function(1) for function in functions] == [1, 2]
     assert len(messages) == 1
-    assert messages[0].startswith(words)
+    assert messages[0].startswith("compiling")
+    assert words in messages[0]
     with cache.on_first_compile(messages.append):
         assert functions[0](2) == 2
     assert len(messages) == 1

@@ -19,6 +19,7 @@ LIBRARIES_GIB = 0.1  # pages of files in the forecast, which peak.py leaves out
 
 
 def scene(n, p_star=(0.1,), threads=1, fields=(), observables=None, boundary="periodic", **solver):
+    """Tables of a scene with n x n points; solver: keys of [solver]."""
     output = {"fields": list(fields)} | ({"observables": observables} if observables else {})
     return {
         "surface": rough((2, n // 4, 2)) | {"boundary": boundary},

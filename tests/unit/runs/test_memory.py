@@ -28,6 +28,7 @@ LOW = 'load = {pressure = 0.1} ; solver = {precision = "single", low_memory = tr
 
 
 def write_group(folder, limit, used, cached=0, version=2):
+    """Write the files of a control group, in bytes; cached: of `used`, file contents."""
     folder.mkdir(parents=True, exist_ok=True)
     names = ("max", "current") if version == 2 else ("limit_in_bytes", "usage_in_bytes")
     for name, value in zip(names, (limit, used), strict=True):

@@ -32,6 +32,7 @@ ROUGH = rough((2, 8, 4), physical_sizes=["1 um", "1 um"], g_rms=0.1)
 
 
 def solve(loads, z=Z, **options):
+    """Solutions of a small map in SI units; options: of hpc_gfmd.solve."""
     return hpc_gfmd.solve(z, loads, "5 GPa", SIZES, **options)
 
 
@@ -154,7 +155,7 @@ def test_files_and_pickles_of_solutions(sweep, saved):
             assert copy.displacement == pytest.approx(solution.displacement, abs=1e-15)
     again = pickle.loads(pickle.dumps(sweep[2]))
     assert again.observable("patches") == sweep[2].observable("patches")
-    with refused("a pickle of another version of hpc_gfmd"):
+    with refused("another version"):
         pickle.loads(pickle.dumps(replace(again.result, version=2)))
 
 
@@ -262,9 +263,7 @@ def test_loading_an_interrupted_run(sweep, saved, tmp_path):
 def test_saving_over_other_results(sweep, tmp_path):
     path = tmp_path / "out.h5"
     sweep.save(path)
-    with pytest.warns(
-        UserWarning, match=r"holds a result of this scene, which this run replaces"
-    ) as caught:
+    with pytest.warns(UserWarning, match=r"out\.h5.*replaces") as caught:
         sweep.save(path)
     assert [warning.filename for warning in caught] == [__file__]
     doubled = solve(LOADS, 2 * Z, distributions=["pressure"], observables=["perimeter"])

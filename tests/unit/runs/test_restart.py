@@ -70,18 +70,18 @@ def test_stops_at_any_point(pieces, name):
 
 
 @pytest.mark.parametrize("branch", BRANCHES)
-def test_a_branch_goes_on_wherever_it_is_stopped(pieces, branch):
-    """Between loads, whose states are solved again, and inside them."""
+def test_branches_stop_at_any_point(pieces, branch):
+    """Inside loads and between them, where the last state is solved again."""
     tight = {"accuracy": 1e-6} if branch == "gaps" else TIGHT
-    asked = scene("bpx", BRANCHES[branch], material=ADHESION, **tight)
-    count = pieces.undisturbed(asked)
+    stopped_scene = scene("bpx", BRANCHES[branch], material=ADHESION, **tight)
+    count = pieces.undisturbed(stopped_scene)
     statuses = [step["status"] for step in read_result(pieces.whole).steps]
     if branch == "retraction":
         assert statuses == ["converged"] * 4 + ["separated"]
     else:
         assert set(statuses) == {"converged"}
     for point in range(1, count, max(1, count // 8)):
-        pieces.run(asked, (point, False))
+        pieces.run(stopped_scene, (point, False))
         pieces.compare(1e-2 if branch == "gaps" else 1e-5)
 
 

@@ -18,6 +18,7 @@ MEASURED = {
 
 
 def scene(load=None, adhesion=ATTRACTION, material=(), **changed):
+    """The Scene of the reference tables with adhesion; changed: further tables."""
     material = dict(material) | ({} if adhesion is None else {"adhesion": adhesion})
     return Scene.from_dict(tables(load=load or {"p_star": 0.1}, material=material, **changed))
 

@@ -29,6 +29,7 @@ Z = 2e-8 * random_heights(N)
 
 
 def topography(unit, periodic=True, heights=Z):
+    """SurfaceTopography's Topography of the heights in a unit."""
     scale = UNITS[unit]
     sizes = tuple(size / scale for size in SIZES)
     return surface_topography().Topography(
@@ -52,6 +53,7 @@ def cf(path, unit):
 
 
 def netcdf4(path, unit):
+    """Write NetCDF 4 with coordinates at cell centres."""
     with h5py.File(path, "w") as file:
         z = file.create_dataset("heights", data=Z / UNITS[unit])
         z.attrs["units"] = unit
@@ -63,6 +65,7 @@ def netcdf4(path, unit):
 
 
 def with_attributes(path, unit):
+    """Write HDF5 with sizes and unit as attributes of the dataset."""
     with h5py.File(path, "w") as file:
         file["surface"] = Z / UNITS[unit]
         file["surface"].attrs.update(
@@ -184,6 +187,7 @@ def test_attributes_of_the_dataset_precede_those_of_the_file():
 
 
 def matrix_text(separator, decimal=".", head="", line_end="", holes=()):
+    """The heights in nm as lines of text; holes: (index, text) of cells on the diagonal."""
     cells = [[f"{z:.12g}".replace(".", decimal) for z in row] for row in 1e9 * Z]
     for hole, text in holes:
         cells[hole][hole] = text
@@ -191,6 +195,7 @@ def matrix_text(separator, decimal=".", head="", line_end="", holes=()):
 
 
 def points_text(head="", decimal=".", separator=" "):
+    """Lines of x, y (um) and z (nm), without point (2, 3)."""
     steps = [1e6 * size / n for size, n in zip(SIZES, N)]
     lines = [
         separator.join(f"{x:.12g}" for x in (i * steps[0], j * steps[1], 1e9 * Z[i, j]))
@@ -251,7 +256,7 @@ NO_TEXT = "cannot be read as text: .*"
     [
         (points_text() + "\n0 0 7", NO_TEXT + "has a point twice"),
         (points_text() + "\n0.52 0 8", NO_TEXT + "not those of a regular grid"),
-        (points_text("x [um] y [mm] z [nm]\n"), NO_TEXT + "axes are in different units, um and mm"),
+        (points_text("x [um] y [mm] z [nm]\n"), NO_TEXT + ".*um and mm"),
         (matrix_text(",", holes=[(3, "x")]), NO_TEXT + "line 4: found 'x', .*surface.missing"),
         (matrix_text(" ").rstrip()[:-20] + "e-", NO_TEXT + "line 12: .*is the file complete"),
         (matrix_text(" ").rstrip()[:-20], NO_TEXT + "line 12: .*is the file complete"),
@@ -404,7 +409,7 @@ def test_missing_heights_in_memory_and_files():
     np.savez("z.npz", z=Z, mask=Z)  # the dataset "mask" holds heights
     read = open_topography(spec("z.npz", physical_sizes=SIZES, dataset="mask"))
     assert np.array_equal(read.rows(0, 12), Z)
-    with refused("mask of other numbers than 0 and 1"):
+    with refused("mask .*0 and 1"):
         open_topography(spec("z.npz", physical_sizes=SIZES, dataset="z")).rows(0, 12)
     for heights in (MASKED, MASKED.filled(np.nan)):
         filled = hpc_gfmd.prepare_surface(heights, fill="harmonic", boundary="free")

@@ -39,10 +39,12 @@ def heights(path, **keys):
 
 
 def is_map(z, wanted=Z):
+    """Whether heights in nm agree with the wanted ones; nan agrees with nan."""
     return np.allclose(z, wanted, rtol=1e-6, atol=1e-5, equal_nan=True)
 
 
 def table_text(rows, separator="\t"):
+    """Rows as lines of text."""
     return "\n".join(separator.join(map(str, row)) for row in rows) + "\n"
 
 
@@ -124,7 +126,7 @@ def test_channels_are_selected_by_name():
     Path("z.txt").write_text("\n".join(head.format(*p[:2]) + table_text(p[2].T) for p in parts))
     assert is_map(heights("z.txt"))
     assert is_map(heights("z.txt", dataset="Down"), -Z)
-    assert "channel 'Up' of z.txt is pressed; others: Down" in opened("z.txt").notes
+    assert any("'Up'" in note and "Down" in note for note in opened("z.txt").notes)
     with refused(r"surface.dataset: found 'Left', allowed.* Up, Down"):
         heights("z.txt", dataset="Left")
 
@@ -183,7 +185,7 @@ def test_possible_coordinates_need_a_key():
     whole = np.round(Z).astype(int)
     whole[0] = range(8)
     Path("z.txt").write_text(table_text(whole))
-    with refused('its first line rises evenly: surface.coordinates = "line"'):
+    with refused('first line .*surface.coordinates = "line"'):
         heights("z.txt", **KEYS)
     assert is_map(heights("z.txt", coordinates="none", **KEYS), whole)
     assert is_map(heights("z.txt", coordinates="line", **KEYS), whole[1:])
@@ -199,12 +201,13 @@ def test_possible_coordinates_need_a_key():
     Path("z.txt").write_text(
         table_text([[0, 0, 1, 2], [0, 101, 105, 103], [1, 104, 107, 106], [2, 9, 5, 8]])
     )
-    with refused("its first line and column rise evenly"):
+    with refused("first line and column .*surface.coordinates"):
         heights("z.txt", **SMALL)
     assert heights("z.txt", coordinates="both", **SMALL).shape == (3, 3)
 
 
 def point_rows(names, order=lambda table: table):
+    """Rows of points; names: columns (x and y in um, z in nm, I an intensity)."""
     i, j = np.indices(Z.shape).reshape(2, -1)
     columns = {"x": X[i], "y": Y[j], "z": Z.ravel(), "I": np.full(96, 17)}
     table = order(np.array([columns[name[0]] for name in names]).T)
@@ -231,7 +234,7 @@ def test_named_columns_of_points(names, mark):
 
 def test_four_columns_without_names_are_refused():
     Path("z.xyz").write_text(table_text(point_rows("xyzI"), " "))
-    with refused("its 4 columns are x, y, z and others"):
+    with refused("4 columns"):
         heights("z.xyz", **KEYS)
 
 
@@ -395,6 +398,7 @@ def test_spellings_of_units(unit, metres):
 
 
 def gwyddion(path, lateral, vertical):
+    """Write a GWY file with the given units along the surface and of heights."""
     import gwyfile
 
     field = gwyfile.objects.GwyDataField(
@@ -431,6 +435,7 @@ def test_note_on_implausible_sizes(sizes):
 
 
 def netcdf3(path, packed=False):
+    """Write NetCDF 3; packed: as 16-bit integers with a scale and a hole."""
     from scipy.io import netcdf_file
 
     with netcdf_file(path, "w") as file:
@@ -562,7 +567,7 @@ def test_topography_precedes_other_channels():
     gwyfile.objects.GwyContainer(container).tofile("z.gwy")
     assert is_map(heights("z.gwy"))
     notes = compose("z.gwy", Path("a.toml"))[2]
-    assert any("channel ZSensor; others: Error, Phase" in line for line in notes)
+    assert any("ZSensor" in line and "Error, Phase" in line for line in notes)
     surface = hpc_gfmd.read_surface("z.gwy", boundary="periodic")
     assert any("channel 'ZSensor'" in note for note in surface.notes)
     named = hpc_gfmd.read_surface("z.gwy", boundary="periodic", dataset="Error")
@@ -753,6 +758,7 @@ def test_init_refuses_sizes_other_than_those_of_the_file():
 
 
 def lens(n=32, radius=5e-4, size=3.2e-5):
+    """Write lens.npz, a spherical cap."""
     x = (np.arange(n) - (n - 1) / 2) * size / n
     np.savez(
         "lens.npz", z=-(x[:, None] ** 2 + x**2) / (2 * radius), unit="m", physical_sizes=[size] * 2

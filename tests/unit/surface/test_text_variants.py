@@ -35,6 +35,7 @@ def numpy_reads(text, mark, decimal, missing):
 
 
 def body(mark, decimal, form, holes, token):
+    """The heights as lines of text; form: format of numbers; token: text at the holes."""
     rows = [[f"{z:{form}}".replace(".", decimal) for z in row] for row in Z]
     for i, j in holes:
         rows[i][j] = token
@@ -106,6 +107,7 @@ def test_quoted_numbers_with_decimal_commas(mark):
 
 
 def damaged(line, change):
+    """The heights as text with one changed line."""
     lines = body("\t", ".", ".4f", (), "").splitlines()
     lines[line] = change(lines[line])
     return "\n".join(lines) + "\n"
