@@ -11,7 +11,7 @@ from hpc_gfmd.solvers.bpx import Bpx
 
 
 def energy(problem, g):
-    """Return the mean energy of a gap, with that of a spring that is unloaded at no displacement."""
+    """Return the mean energy of a gap, including a spring that is relaxed at no displacement."""
     q = [2 * np.pi * np.fft.fftfreq(k) for k in problem.grid.n]
     K = np.hypot(q[0][:, None], q[1]) / 2
     u = g - problem.heights
