@@ -91,7 +91,7 @@ class Elastic:
         return self.fft.forward_rows(fill)
 
     def pressure_columns(self, add: Columns | None = None, spring: float = 0.0) -> float:
-        """Multiply the columns by K; returns this rank's share of <u, K u>, summed over all points.
+        """Multiply the columns by K, and return this rank's share of <u, K u>.
 
         Parameters
         ----------
@@ -99,6 +99,11 @@ class Elastic:
             add(block, m) completes the columns first.
         spring : float
             K(0): the uniform pressure that a uniform displacement takes.
+
+        Returns
+        -------
+        float
+            Without the other ranks'.
         """
         return self._columns(add=add, spring=spring)
 
