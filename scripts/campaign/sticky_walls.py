@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hpc_gfmd.driver.load import Load
-from hpc_gfmd.driver.sweep import Unfinished, make_sweep
+from hpc_gfmd.driver.load import Load, Unfinished
+from hpc_gfmd.driver.sweep import make_sweep
 from hpc_gfmd.laws import law_named, law_names
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.scene import SolverTable
