@@ -19,7 +19,7 @@ from ..output.read import Result
 from ..output.record import RunFile
 from ..parallel.comm import SerialComm
 from ..scene.explain import require_known
-from ..util.errors import SceneError
+from ..util.errors import GfmdError, SceneError, how_to_install
 from .references import references_of
 from .table import named_observables, table
 
@@ -248,8 +248,13 @@ class Solved:
 
     def to_xarray(self) -> "Dataset":
         """Make an xarray of numbers (load), fields (load, x, y) and heights (x, y), with their
-        units and meanings as attributes."""
-        from xarray import Dataset
+        units and meanings as attributes. Raises GfmdError without xarray."""
+        try:
+            from xarray import Dataset
+        except ModuleNotFoundError as error:
+            raise GfmdError(
+                f"to_xarray: {error.name} is not installed: {how_to_install('xarray')}"
+            ) from None
 
         self._require_whole("to_xarray")
         result = self.result

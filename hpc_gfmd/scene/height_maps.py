@@ -76,6 +76,7 @@ class Reading(Table):
 
     @model_validator(mode="after")
     def _alike(self) -> Self:
+        """Refuse a range of heights of which one has a unit."""
         alike("heights", {"surface.height_range": self.height_range})
         return self
 
@@ -117,6 +118,7 @@ OWN_KEYS = ("path", "shift", "mirrored", "flip")  # of a Body, beside those of r
 
 
 def _as_table(value: Any) -> Any:
+    """Return a path as a table with it, anything else as it is."""
     return {"path": value} if isinstance(value, str) else value
 
 

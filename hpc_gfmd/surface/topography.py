@@ -172,9 +172,8 @@ def open_topography(spec: Any) -> Topography:
 def _opened(spec: Any, k: int) -> Topography:
     """Open one of the two scans of a scene."""
     keys = {key: getattr(spec.bodies[k], key) for key in Reading.model_fields}
-    keys_of_body = {
-        key: value for key, value in keys.items() if value is not None
-    }  # else those of spec
+    # those that are not given are those of spec
+    keys_of_body = {key: value for key, value in keys.items() if value is not None}
     of_body = spec.model_copy(update=keys_of_body | {"bodies": None})
     return topography_of(*open_map(of_body), of_body)
 
