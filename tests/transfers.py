@@ -52,7 +52,7 @@ def whole(n, dtype=float):
     """The transfer of a grid that one rank holds, and the points of the coarser one."""
     hierarchy = levels(Grid(n))
     m = hierarchy[1].n if len(hierarchy) > 1 else n
-    return Transfer(n, m, [0, n[0]], 0, dtype), m
+    return Transfer(n, m, [0], [n[0]], 0, dtype), m
 
 
 def stiffness_times(elastic, u, out):

@@ -16,12 +16,19 @@ T = TypeVar("T")
 
 PIECE_POINTS = 2**17  # of a field, which a thread works on at a time
 PIECE_ROWS = 8  # at least
-SHARES = 4  # of a compiled pass that each thread does
+SMALLEST_SHARE = 32  # of a compiled pass: a thread's equal part over this
 
 
 def piece_rows(n_y: int) -> int:
     """Return how many rows of a field, of n_y points each, that a thread works on at a time."""
     return max(PIECE_ROWS, PIECE_POINTS // n_y)
+
+
+def pieces_of(rows: int, n_y: int) -> list[tuple[int, int]]:
+    """Return [(start, stop), ...], range(rows) cut evenly into what a thread works on at a time."""
+    count = max(1, rows // piece_rows(n_y))
+    ends = [rows * k // count for k in range(count + 1)]
+    return [(i0, i1) for i0, i1 in zip(ends, ends[1:]) if i0 < i1]
 
 
 def threads_for(points: int, threads: int) -> int:
@@ -32,9 +39,13 @@ def threads_for(points: int, threads: int) -> int:
 
 def shares(count: int, threads: int) -> list[tuple[int, int]]:
     """Return [(start, stop), ...], range(count) cut into what a thread does in one compiled call:
-    on several threads several times each, because none of them is always as fast as the others."""
-    parts = max(1, min(count, SHARES * threads if threads > 1 else 1))
-    ends = [count * part // parts for part in range(parts + 1)]
+    on several threads large parts first and small ones last, so that a thread that began late, or
+    is slower than the others, leaves them nothing to wait for."""
+    smallest = max(1, count // (SMALLEST_SHARE * threads))
+    ends = [0]
+    while ends[-1] < count:
+        rest = count - ends[-1]
+        ends.append(ends[-1] + (rest if threads == 1 else max(smallest, rest // (2 * threads))))
     return list(zip(ends, ends[1:]))
 
 

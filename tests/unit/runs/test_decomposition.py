@@ -26,14 +26,14 @@ def test_no_rank_has_more_than_its_share(n, dtype):
             more = max(0.1 * slab, MIB / itemsize)
             assert share.points <= slab + n
             assert share.coarse_points <= slab / 3 + more, (ranks, share.grid.comm.rank)
-            # the rows beside its own on all levels: 3 fields of n/2 points and 2 of n/4, n/8,
+            # up to two rows beside its own on all levels: 3 fields of n/2 points and 2 of n/4, n/8,
             # ... each side
-            halo = 2 * 6 * n
+            halo = 2 * 8 * n
             assert share.level_bytes <= (23 / 24 * slab + halo) * itemsize + max(
                 0.1 * slab * itemsize, MIB
             ), ranks
             assert share.level_traffic[0] <= max(0.1 * slab * itemsize, MIB) + halo * itemsize
-            assert share.level_traffic[1] <= 8 * np.log2(n)
+            assert share.level_traffic[1] <= 2 + 3 * np.log2(ranks)
 
 
 @pytest.mark.parametrize(
@@ -48,15 +48,21 @@ def test_everything_has_one_owner(n, ranks):
     assert (
         sum(share.layout.columns_held[rank] for rank, share in enumerate(shares)) == n[1] // 2 + 1
     )
-    assert sum(share.level_points for share in shares) == sum(
-        a.n[0] * a.n[1] for a in shares[0].hierarchy[1][1:]
-    )
+    steps, levels = shares[0].hierarchy
+    for k, level in enumerate(levels[: len(steps)]):  # the others are whole on some ranks
+        counted = [np.diff(share.hierarchy[0][k].counted_rows)[0] for share in shares]
+        assert sum(counted) == level.n[0]
     grids = [grid for share in shares for grid in share.grids]
     for size in {grid.n for grid in grids}:
         assert sum(grid.shape[0] for grid in grids if grid.n == size) == size[0]
     for a, share in enumerate(shares):
         for b, other in enumerate(shares):
             for step, of_other in zip(share.hierarchy[0], other.hierarchy[0], strict=True):
+                assert (step.windows is None) == (of_other.windows is None)
+                if step.windows is None:
+                    sent = step.overlaps.sent_rows.get(b, 0)
+                    assert sent == of_other.overlaps.taken_rows.get(a, 0)
+                    continue
                 for adding in (True, False):
                     assert step.windows.sent_rows(adding).get(b, 0) == of_other.windows.sent_rows(
                         not adding
