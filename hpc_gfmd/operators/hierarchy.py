@@ -228,10 +228,7 @@ class Hierarchy:
         self.weights = np.resize(body.weights(grid), count).astype(dtype)
         self.area = NominalArea(grid, self.levels, self.softness)
         self.nominal = [
-            (
-                np.take(x, np.arange(*step.transfer.fine), mode="wrap").astype(dtype),
-                y.astype(dtype),
-            )
+            (np.take(x, np.arange(*step.transfer.fine), mode="wrap").astype(dtype), y.astype(dtype))
             for (x, y), step in zip(self.area.s, self.steps)
         ]
         alone = len(self.steps)

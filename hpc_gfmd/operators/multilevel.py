@@ -13,7 +13,6 @@ when something is sent, is decided in hierarchy.py.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -24,7 +23,7 @@ from ..kernels.bfloat16 import stored_dtype
 from ..kernels.bpx import UpdateSums, update_passes
 from ..kernels.multilevel import SUMS, restrict_level, smooth_level
 from ..kernels.transforms import no_rows
-from ..parallel.halo import add_overlaps
+from ..parallel.halo import add_all, add_overlaps
 from ..parallel.threads import added, on_threads, pieces_of, shares
 from ..util.aligned import LINE, zeros_aligned
 from .coarsest import DAMPING, CoarsestLevels
@@ -32,7 +31,6 @@ from .hierarchy import Hierarchy
 
 if TYPE_CHECKING:
     from ..bodies.base import Body
-    from ..parallel.comm import Comm
     from ..parallel.grid import Grid
 
 # <r, S r> of a field of zero mean is at most so many times the compliance of the shortest wave
@@ -404,36 +402,22 @@ class Multilevel:
         if coarsest is None or self.last_comm is None:
             self._add_group(k)
             return nothing
-        self._complete(self.last_comm, k, coarsest.fields[:, 1:-1])
+        transfer = self.transfers[k]
+        add_all(
+            self.last_comm,
+            self.fields[k][:, 1:-1],
+            [(int(transfer.lo[r]), int(transfer.hi[r])) for r in self.steps[k].ranks],
+            coarsest.fields[:, 1:-1],
+        )
         self._add_group(k)
+        coarsest.restrict()
         if new_contact:
             self._find_mode(coarsest)
-        sums = coarsest.sweep()
-        transfer = self.transfers[k]
+        sums = coarsest.smooth()
         rows = np.arange(transfer.lo[transfer.rank], transfer.hi[transfer.rank])
         z = self.fields[k][0, 1:-1]
         np.take(coarsest.fields[0, 1:-1], rows, axis=0, out=z, mode="wrap")
         return sums if self.last_comm.rank == 0 else nothing
-
-    def _complete(self, comm: Comm, k: int, level: np.ndarray) -> None:
-        """Add up the windows of all ranks of `comm` on level k + 1, (fields, rows, m), on each."""
-        transfer = self.transfers[k]
-        window = self.fields[k][:, 1:-1]
-        ranks = self.steps[k].ranks
-        shapes = [(len(level), transfer.hi[r] - transfer.lo[r], transfer.m[1]) for r in ranks]
-        counts = [math.prod(map(int, shape)) for shape in shapes]
-        received = np.empty(sum(counts), self.dtype)
-        comm.allgather_arrays(window.ravel(), received, counts)
-        level[...] = 0
-        parts = np.split(received, np.cumsum(counts)[:-1])
-        for r, shape, part in zip(ranks, shapes, parts):
-            rows = np.arange(transfer.lo[r], transfer.hi[r]) % transfer.m[0]
-            begin = 0
-            while begin < len(rows):  # in one piece but where the window reaches around
-                end = begin + min(len(rows) - begin, transfer.m[0] - rows[begin])
-                at = slice(rows[begin], rows[begin] + end - begin)
-                level[:, at] += part.reshape(shape)[:, begin:end]
-                begin = end
 
     def _find_mode(self, coarsest: CoarsestLevels) -> None:
         """Give M the gap mode of the contact that the fields of the first of its levels have."""
@@ -441,11 +425,5 @@ class Multilevel:
         if not self.gap_mode.wanted(coarsest.fields[1, 1:-1].mean()):
             return
         coarsest.mode_level = self.gap_mode.level or 0
-        if coarsest.mode_level > 0:
-            fields = coarsest.fields.copy()
-            coarsest.sweep()
-            t = coarsest.contact(coarsest.mode_level)
-            coarsest.fields[...] = fields
-        else:
-            t = coarsest.fields[1, 1:-1]
+        t = coarsest.contact(coarsest.mode_level)
         coarsest.mode = self.gap_mode.find(t.copy()).ravel()

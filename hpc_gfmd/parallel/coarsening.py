@@ -1,9 +1,8 @@
 """How a grid is coarsened: sizes and wave numbers of the levels, which coarse rows a rank owns, and
 on how few ranks they are agglomerated.
 
-Coarse rows first live where the fine ones do. Where that leaves ranks with less than is worth a
-message, or without rows, they are agglomerated on every second, fourth, ... rank: none ever holds
-more than its own share and twice what is worth a message.
+Coarse rows first live where the fine ones do. Where that leaves ranks with too little, or without
+rows, they are agglomerated on every second, fourth, ... rank.
 """
 
 from __future__ import annotations

@@ -194,6 +194,35 @@ def add_overlaps(comm: Any, overlaps: Sequence[Overlaps], windows: Sequence[np.n
                 begin[peer] = stop
 
 
+def add_all(
+    comm: Any, window: np.ndarray, bounds: Sequence[tuple[int, int]], whole: np.ndarray
+) -> None:
+    """Add up the windows of all ranks on every rank. Collective.
+
+    Parameters
+    ----------
+    comm : Comm
+        The ranks that have windows.
+    window : ndarray, shape (fields, rows of the window, m)
+        Of this rank.
+    bounds : sequence of (int, int)
+        First row and end of each rank's window.
+    whole : ndarray, shape (fields, n, m)
+        Becomes the sum on all n rows of the ring.
+    """
+    fields, n, m = whole.shape
+    counts = [fields * (hi - lo) * m for lo, hi in bounds]
+    received = np.empty(sum(counts), window.dtype)
+    comm.allgather_arrays(window.ravel(), received, counts)
+    whole[...] = 0
+    parts = np.split(received, np.cumsum(counts)[:-1])
+    for (lo, hi), numbers in zip(bounds, parts):
+        part = numbers.reshape(fields, hi - lo, m)
+        for start in range(lo // n * n, hi, n):  # the rows of a turn around the ring
+            begin, end = max(lo, start), min(hi, start + n)
+            whole[:, begin - start : end - start] += part[:, begin - lo : end - lo]
+
+
 def _joined(pieces: list[slice]) -> list[slice]:
     """Join ranges that overlap or meet."""
     joined: list[slice] = []

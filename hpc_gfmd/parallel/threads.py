@@ -45,7 +45,8 @@ def shares(count: int, threads: int) -> list[tuple[int, int]]:
     ends = [0]
     while ends[-1] < count:
         rest = count - ends[-1]
-        ends.append(ends[-1] + (rest if threads == 1 else max(smallest, rest // (2 * threads))))
+        share = max(smallest, rest // (2 * threads)) if threads > 1 else rest
+        ends.append(ends[-1] + min(share, rest))
     return list(zip(ends, ends[1:]))
 
 

@@ -24,6 +24,15 @@ from .timing import Stopwatch, measured, seconds, serve, summary
 ACCURACY = 1e-2
 SMALL = 32  # points along an axis: what a solve takes there is the interpreter's
 COPIED = 2**26  # bytes: far more than caches hold
+# what a rank waits in, by the method of its communicator
+WAITS = {
+    "_allreduce": "sums",
+    "bcast": "broadcasts",
+    "exchange": "rows",
+    "allgather_arrays": "rows",
+    "alltoall_bytes": "transposes",
+    "barrier": "meetings",
+}
 WARM_UP = 4  # solves of a process: until then the system still finds it large pages
 
 
@@ -99,8 +108,9 @@ def worker(comm, n, precision, p_star, threads):
     source, target = np.ones((2, COPIED // 4), np.float32)
     watch = Stopwatch()
     watch.watch(Multilevel, "sweep", "levels")
-    for method in ("_allreduce", "bcast", "exchange", "alltoall_bytes", "barrier"):
-        watch.watch(MpiComm, method, "messages")
+    for method, name in WAITS.items():
+        watch.watch(MpiComm, method, name)
+    names = list(dict.fromkeys(WAITS.values()))
 
     def measure():
         sweep.starter.forget()
@@ -111,8 +121,8 @@ def worker(comm, n, precision, p_star, threads):
         comm.barrier()
         spent = time.perf_counter() - begun
         parts = watch.take()
-        shares = comm.sum([parts["levels"], parts["messages"]]) / comm.size / spent
-        levels, messages = shares.tolist()
+        seconds_of = [parts["levels"], *(parts[name] for name in names)]
+        levels, *waits = (comm.sum(seconds_of) / comm.size / spent).tolist()
         return {
             "n": n,
             "ranks": comm.size,
@@ -124,7 +134,8 @@ def worker(comm, n, precision, p_star, threads):
             "cpu_seconds": time.process_time() - cpu,
             "copy_bandwidth": 2 * COPIED / seconds(lambda: np.copyto(target, source), comm),
             "share_levels": levels,
-            "share_messages": messages,
+            "share_messages": sum(waits),
+            **{f"share_{name}": share for name, share in zip(names, waits)},
             "iterations": step.iterations,
             "fft_pairs": step.fft_pairs,
         }

@@ -25,10 +25,10 @@ def test_no_rank_has_more_than_its_share(n, dtype):
             itemsize, slab = share.dtype.itemsize, n * n / ranks
             more = max(0.1 * slab, MIB / itemsize)
             assert share.points <= slab + n
-            assert share.coarse_points <= slab / 3 + more, (ranks, share.grid.comm.rank)
-            # up to two rows beside its own on all levels: 3 fields of n/2 points and 2 of n/4, n/8,
-            # ... each side
-            halo = 2 * 8 * n
+            # up to two rows beside its own on all levels, of n/2, n/4, ... points, each side
+            beside = 2 * 2 * n
+            assert share.coarse_points <= slab / 3 + beside + more, (ranks, share.grid.comm.rank)
+            halo = 5 * beside  # 3 fields, then 2, and where rows are gathered once more
             assert share.level_bytes <= (23 / 24 * slab + halo) * itemsize + max(
                 0.1 * slab * itemsize, MIB
             ), ranks
@@ -61,7 +61,7 @@ def test_everything_has_one_owner(n, ranks):
                 assert (step.windows is None) == (of_other.windows is None)
                 if step.windows is None:
                     sent = step.overlaps.sent_rows.get(b, 0)
-                    assert sent == of_other.overlaps.taken_rows.get(a, 0)
+                    assert a == b or sent == of_other.overlaps.taken_rows.get(a, 0)
                     continue
                 for adding in (True, False):
                     assert step.windows.sent_rows(adding).get(b, 0) == of_other.windows.sent_rows(
