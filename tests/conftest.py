@@ -1,8 +1,7 @@
-"""Markers and fixtures of all tests. Tests marked `mpi` take
+"""Markers and fixtures of all tests. Tests marked `mpi` take one of the fixtures
 
-comm:    and then run inside mpirun on every rank at once (see mpi_harness.py), or
-mpirun:  a function that runs the command line on that many ranks and returns its exit code, stdout
-and stderr.
+comm:    the test runs inside mpirun, on every rank at once (see mpi_harness.py)
+mpirun:  a function that runs a command on several ranks: its exit code, stdout and stderr
 """
 
 import json
@@ -23,7 +22,7 @@ from hpc_gfmd.commands.cli import main
 from hpc_gfmd.parallel.grid import _kept
 from hpc_gfmd.util.caches import cache_folder
 
-# what fails, fails for everybody; HYPOTHESIS_PROFILE=default looks further
+# the same examples in every run; HYPOTHESIS_PROFILE=default tries random ones
 settings.register_profile("repeatable", derandomize=True)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))
 
@@ -31,13 +30,12 @@ _results = {}  # ranks: {child's node id: (outcome, text)}
 
 
 def pytest_configure(config):
-    # Started in the background of a script or by a runner of CI, a process ignores Ctrl-C, and so
-    # does all that it starts.
+    # Processes in the background of a script and their children ignore SIGINT otherwise.
     signal.signal(signal.SIGINT, signal.default_int_handler)
     if mpi_harness.is_child():
         config.pluginmanager.register(mpi_harness.Child())
         return
-    # so that what tests have started is ended, too
+    # clean-up of tests runs, and with it ends what they have started
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         import mpi4py
@@ -47,7 +45,7 @@ def pytest_configure(config):
 
 
 def pytest_make_parametrize_id(val):
-    """Lists and tables are named by what is in them, files by their stem."""
+    """Ids of lists and tables show their content, those of files their stem."""
     if isinstance(val, tuple | list | dict | Path):
         return str(getattr(val, "stem", val))[:60]
     return None
@@ -76,7 +74,7 @@ def pytest_collection_modifyitems(config, items):
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_pyfunc_call(pyfuncitem):
-    """Instead of calling a test that wants `comm`, report what it did on the ranks."""
+    """Report the outcome on the ranks for tests with `comm`, instead of calling them."""
     if mpi_harness.is_child() or not _on_ranks(pyfuncitem):
         return None
     ranks = pyfuncitem.callspec.params["ranks"]
@@ -102,7 +100,7 @@ def _on_ranks(item):
 
 
 def _child_id(item):
-    """The node id without the rank count, which comes first."""
+    """The node id without the number of ranks, which comes first."""
     ranks = f"n{item.callspec.params['ranks']}"
     head, _, bracket = item.nodeid.partition("[")
     rest = bracket.removesuffix("]").removeprefix(ranks).removeprefix("-")
@@ -111,9 +109,9 @@ def _child_id(item):
 
 @pytest.fixture(scope="session", autouse=True)
 def own_cache(tmp_path_factory):
-    """Plans of FFTW and speeds that no other run has measured. Compiled kernels, which take a
-    minute, are the user's."""
-    if mpi_harness.is_child():  # all ranks have that of their parent
+    """An empty cache of FFTW plans and measured speeds. Compiled kernels are those of the user,
+    since compilation takes a minute."""
+    if mpi_harness.is_child():  # ranks share the cache of their parent
         yield
         return
     kernels = os.environ.get("NUMBA_CACHE_DIR", str(cache_folder() / "kernels"))
@@ -125,8 +123,7 @@ def own_cache(tmp_path_factory):
 
 @pytest.fixture(autouse=True)
 def own_folder(request, monkeypatch):
-    """The current folder of every test is its own, that of all ranks the same; grids that another
-    one has used are forgotten."""
+    """Every test runs in its own folder, which its ranks share, and without kept grids."""
     _kept.tables.cache_clear()
     name = "shared_path" if mpi_harness.is_child() else "tmp_path"
     monkeypatch.chdir(request.getfixturevalue(name))
@@ -134,25 +131,25 @@ def own_folder(request, monkeypatch):
 
 @pytest.fixture
 def folder(request, tmp_path):
-    """The current folder, in which scene.toml is what the file of the test calls SCENE."""
+    """The current folder with scene.toml, whose content is SCENE of the test's module."""
     (tmp_path / "scene.toml").write_text(request.module.SCENE, encoding="utf-8")
     return tmp_path
 
 
 @pytest.fixture
 def path(tmp_path):
-    """Of a result file."""
+    """Path of a result file."""
     return tmp_path / "out.h5"
 
 
 @pytest.fixture
 def cli(capfd):
-    """cli("a command as in a shell", *args): it in this process (a new one takes seconds): its exit
-    code `code`, `out` and `err`.
+    """cli("words of a command", *args) runs a command in this process: `code`, `out` and `err`.
 
-    cli.prints(*args): what one prints that works; cli.data(*args): what it prints with --json;
-    cli.refused(*args, code=2): the one line with which one is refused; cli.script: makes the parser
-    of a script whose command line is meant.
+    cli.prints(*args): the output of a command that has to succeed
+    cli.data(*args): its output with --json, parsed
+    cli.refused(*args, code=2): the error, one line, of a command that has to fail
+    cli.script: function that makes the parser of a script, to run this script instead
     """
 
     def run(words="", *more_words):
@@ -183,7 +180,7 @@ def cli(capfd):
 
 @pytest.fixture
 def ranks(request):
-    """Number of ranks of this item."""
+    """Number of ranks of this test item."""
     return request.param
 
 
@@ -192,8 +189,8 @@ def mpirun(ranks):
     """mpirun(*args, env=None, cwd=None, timeout=None): `mpirun -n ranks hpc-gfmd args`, see
     mpi_harness.call."""
 
-    def run(*args, **how):
-        return mpi_harness.call(ranks, args, **how)
+    def run(*args, **options):
+        return mpi_harness.call(ranks, args, **options)
 
     run.start = partial(mpi_harness.start, ranks)
     return run
@@ -201,8 +198,7 @@ def mpirun(ranks):
 
 @pytest.fixture(scope="session")
 def comm():
-    """The communicator of all ranks (the parent, which only reports, has none); rank 0 has compiled
-    the kernels."""
+    """The communicator of all ranks, with compiled kernels; None in the parent process."""
     if not mpi_harness.is_child():
         return None
     from hpc_gfmd.contact import all_observables
@@ -219,7 +215,7 @@ def comm():
 
 @pytest.fixture
 def shared_path(comm):
-    """A temporary folder that all ranks see; removed when all are done with it."""
+    """A temporary folder that all ranks share, removed after the test."""
     if comm is None:
         yield None
         return

@@ -1,10 +1,9 @@
-"""Tests on several ranks from a plain pytest: all of them are started once under mpirun for each
-rank count.
+"""Runs tests on several ranks from a plain pytest: one mpirun per number of ranks for all tests.
 
 The pytest that a person starts (the parent) never initialises MPI. It gives a test marked `mpi` one
-item per rank count. The first item of a count starts `mpirun -n k pytest` (the children) on all of
-them; each rank appends what happened to a file of JSON lines, from which the parent reports the
-items one by one. A test that hangs or crashes fails alone: the rest is started again.
+item per number of ranks. The first item of a number starts `mpirun -n k pytest` (the children) with
+all items of this number; each rank appends outcomes to a file of JSON lines, from which the parent
+reports the items one by one. A test that hangs or crashes fails alone: the rest is started again.
 """
 
 import json
@@ -23,8 +22,8 @@ import hpc_gfmd
 REPORT = "HPC_GFMD_TEST_REPORT"  # set for children: the folder of the reports
 RANKS = "HPC_GFMD_TEST_RANKS"
 TIMEOUT = float(os.environ.get("HPC_GFMD_TEST_TIMEOUT", "300"))  # seconds for one test
-GRACE = 15  # seconds that a rank which failed waits for the others before it ends them
-EVENTS = "[warn] Epoll "  # of mpirun's own library of events, now and then when ranks end
+GRACE = 15  # seconds that a failed rank waits for the others before it aborts them
+EVENTS = "[warn] Epoll "  # warnings that mpirun's event library may print when ranks end
 
 
 def is_child():
@@ -33,25 +32,27 @@ def is_child():
 
 
 def rank_counts():
-    """The rank counts to test."""
+    """Numbers of ranks to test."""
     return [int(os.environ[RANKS])] if os.environ.get(RANKS) else [1, 2, 3, 4]
 
 
 def missing():
-    """What the tests on several ranks lack here, or ""."""
+    """Names of missing programs and libraries for tests on several ranks, or ""."""
     lacking = [] if shutil.which("mpirun") else ["mpirun"]
     return " and ".join(lacking + ([] if find_spec("mpi4py") else ["mpi4py"]))
 
 
 def must_run():
-    """Whether missing MPI is an error: in continuous integration, or where a rank count was asked
-    for."""
+    """Whether missing MPI is an error: in continuous integration, or if HPC_GFMD_TEST_RANKS is
+    set."""
     return bool(os.environ.get(RANKS)) or os.environ.get("CI", "").lower() in ("1", "true", "yes")
 
 
 def environment(**extra):
-    """The environment of processes that tests start: this package, helpers of tests, and an MPI
-    library that takes root and many ranks."""
+    """The environment for processes started by tests.
+
+    This package and the test helpers can be imported; MPI accepts root and more ranks than cores.
+    """
     launcher = ("OMPI_COMM", "PMIX_", "PMI_", "PRTE_", "ORTE_")  # of a launcher around the parent
     env = {k: v for k, v in os.environ.items() if not k.startswith(launcher)}
     helpers = Path(__file__).parent
@@ -69,14 +70,16 @@ def environment(**extra):
     return env | extra
 
 
-def start(ranks, args, output, env=None, cwd=None):
-    """Start `mpirun -n ranks python args...` in a process group of its own, its output going to the
-    open file `output`."""
+def start(ranks, args, stream, env=None, cwd=None):
+    """Start `mpirun -n ranks python args...` in a new process group.
+
+    stream: open file, or subprocess.PIPE, that receives the output.
+    """
     command = ["mpirun", "-n", str(ranks), sys.executable, *map(str, args)]
     return subprocess.Popen(
         command,
-        stdout=output,
-        stderr=subprocess.STDOUT if output is not subprocess.PIPE else subprocess.PIPE,
+        stdout=stream,
+        stderr=subprocess.STDOUT if stream is not subprocess.PIPE else subprocess.PIPE,
         stdin=subprocess.DEVNULL,
         env=env or environment(),
         cwd=cwd,
@@ -85,7 +88,7 @@ def start(ranks, args, output, env=None, cwd=None):
 
 
 def end(process):
-    """End a process and all that it started."""
+    """Terminate a process and its children."""
     # on SIGTERM mpirun kills its ranks, which have groups of their own
     for sign in (signal.SIGTERM, signal.SIGKILL):
         if process.poll() is None:
@@ -96,30 +99,29 @@ def end(process):
                 continue
 
 
-def call(ranks, args, **how):
-    """Run `python -m hpc_gfmd args` as `python` runs others."""
-    return python(ranks, ["-m", "hpc_gfmd", *args], **how)
+def call(ranks, args, **options):
+    """Run `python -m hpc_gfmd args`; options as of `python`."""
+    return python(ranks, ["-m", "hpc_gfmd", *args], **options)
 
 
-def found(ranks, args, **how):
-    """What a script says in JSON on its last line."""
-    completed = python(ranks, args, **how)
+def json_of(ranks, args, **options):
+    """The JSON that a script prints as its last line."""
+    completed = python(ranks, args, **options)
     assert completed.returncode == 0, completed.stderr
     return json.loads(completed.stdout.splitlines()[-1])
 
 
 def printed(*args, cwd=None, **variables):
-    """What `python args` prints that works; variables: further ones of its environment."""
+    """The output of `python args`, which has to succeed; variables: added to its environment."""
     completed = python(None, args, environment(**variables), cwd)
     assert completed.returncode == 0, completed.stderr
     return completed.stdout
 
 
 def python(ranks, args, env=None, cwd=None, timeout=None):
-    """Run `python args` on some ranks (None: without mpirun); returns a CompletedProcess with
-    texts.
+    """Run `python args` on a number of ranks (None: without mpirun); returns a CompletedProcess.
 
-    A run that takes too long is ended and fails the test.
+    A run of more than `timeout` seconds is terminated and fails the test.
     """
     if ranks is None:
         return subprocess.run(
@@ -150,7 +152,7 @@ def python(ranks, args, env=None, cwd=None, timeout=None):
 
 
 def run(root, ranks, names):
-    """Run tests (node ids without rank counts) under mpirun; returns {name: (outcome, text)}."""
+    """Run tests (node ids without numbers of ranks) under mpirun; {name: (outcome, text)}."""
     results = {}
     missing_names = list(names)
     while missing_names:
@@ -161,7 +163,7 @@ def run(root, ranks, names):
 
 
 def _launch(root, ranks, names):
-    """One mpirun; returns what it brought, at least the outcome of one test."""
+    """Results of one mpirun, which has at least the outcome of one test."""
     with tempfile.TemporaryDirectory(prefix="hpc-gfmd-test-") as folder:
         folder = Path(folder)
         words = (
@@ -181,14 +183,14 @@ def _launch(root, ranks, names):
 
 
 def _wait(process, folder, ranks):
-    """Wait for the end, or end it when no rank has had news for TIMEOUT; returns what was wrong."""
+    """Wait for the end, at most TIMEOUT seconds without any report; returns what went wrong."""
     size = -1
     since = time.monotonic()
     while process.poll() is None:
         time.sleep(0.05)
-        now = sum(p.stat().st_size for p in folder.glob("report.*"))
-        if now != size:
-            size = now
+        reported_bytes = sum(p.stat().st_size for p in folder.glob("report.*"))
+        if reported_bytes != size:
+            size = reported_bytes
             since = time.monotonic()
         elif time.monotonic() - since > TIMEOUT:
             end(process)
@@ -197,6 +199,7 @@ def _wait(process, folder, ranks):
 
 
 def _merge(folder, ranks, names, why, output):
+    """Combine the reports of all ranks to {name: (outcome, text)}; `why` explains missing ones."""
     reports = [_read(folder / f"report.{rank}") for rank in range(ranks)]
     results = {}
     for name in names:
@@ -213,13 +216,13 @@ def _merge(folder, ranks, names, why, output):
             results[name] = "failed", f"{why}\n{text}\n{output[-6000:]}"
         elif len(outcomes) == ranks:
             results[name] = ("skipped" if "skipped" in outcomes else "passed"), text
-    if not results:  # it did not even begin: nothing else would
+    if not results:  # no test has begun, and a second mpirun would not begin one either
         results = dict.fromkeys(names, ("failed", f"{why}\n{output[-6000:]}"))
     return results
 
 
 def _read(path):
-    """The last word on every test."""
+    """The last entry of every test."""
     lines = path.read_text().splitlines() if path.exists() else []
     entries = {}
     for line in lines:
@@ -235,14 +238,13 @@ def _read(path):
 
 
 class Child:
-    """Plugin of the pytest on each rank: writes reports, and lets no rank begin a test before all
-    have ended the one before."""
+    """Plugin of the pytest on each rank: writes reports, and synchronises ranks between tests."""
 
     def __init__(self):
         from mpi4py import MPI
 
         self.mpi = MPI.COMM_WORLD
-        # the other one may be in the middle of something when a rank fails
+        # the world communicator may be in use when a rank fails
         self.agreement = self.mpi.Dup()
         self.file = open(  # noqa: SIM115
             Path(os.environ[REPORT]) / f"report.{self.mpi.rank}", "a", encoding="utf-8"

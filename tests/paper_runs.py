@@ -1,4 +1,4 @@
-"""Made-up runs that obey a known law, in the form in which scripts/paper stores them."""
+"""Made-up runs that obey a given law, in the form in which scripts/paper stores them."""
 
 import numpy as np
 
@@ -8,24 +8,41 @@ GAP = {"limit": 0.0, "C_t": -0.05, "C_f": 2.5, "alpha_f": 0.2, "C_c": -0.03, "al
 
 
 def value(law, case):
-    """eq. tfc."""
+    """The observable of a case by eq. tfc: limit + sum over i of C_i eps_i^alpha_i."""
     return law["limit"] + sum(
         law[f"C_{i}"] * case.eps[f"eps_{i}"] ** law.get(f"alpha_{i}", 1.0) for i in "tfc"
     )
 
 
 def runs_of(cases, scatter=0.02, noise=0.0, laws=(LAW, EDGE, GAP), kappa=None, seed=0):
-    """Runs of all loads of the cases. scatter: of realisations, falls as eps_t, common to all grids
-    of a surface and to kappa and kappa_edge; noise: of every grid for itself, falls as eps_t eps_c.
-    kappa: function of (case, eps_t, eps_f, eps_c) that replaces their laws."""
-    rng, surfaces, runs = np.random.default_rng(seed), {}, []
+    """Runs of all loads of the cases.
+
+    Parameters
+    ----------
+    cases
+        Cases of scripts/paper.
+    scatter
+        Relative scatter of realisations over eps_t; the same on all grids of a surface, and for
+        kappa and kappa_edge.
+    noise
+        Relative scatter over eps_t eps_c, independent on every grid.
+    laws
+        Coefficients of kappa, kappa_edge and the gap.
+    kappa
+        Function of (case, eps_t, eps_f, eps_c) that replaces the laws of kappa and kappa_edge.
+    seed
+        Of both kinds of scatter.
+    """
+    rng = np.random.default_rng(seed)
+    surface_scatter = {}
+    runs = []
     for case in cases:
         for p_star in case.p_star:
             eps_t, eps_f, eps_c = case.eps.values()
             key = (case.hurst, case.seed, eps_t, eps_f, p_star)
             shift = (
                 1
-                + surfaces.setdefault(key, rng.normal()) * scatter * eps_t
+                + surface_scatter.setdefault(key, rng.normal()) * scatter * eps_t
                 + noise * eps_t * eps_c * rng.normal()
             )
             raw, edge, gap = (value(law, case) * shift for law in laws)

@@ -1,4 +1,4 @@
-"""What is refused, and in which words."""
+"""A context manager for calls that have to be refused."""
 
 from contextlib import contextmanager
 
@@ -9,7 +9,7 @@ from hpc_gfmd.util.errors import SceneError
 
 @contextmanager
 def refused(words, error=SceneError):
-    """What stands below is refused in one line, in which the pattern `words` is found."""
+    """Require an error whose message is one line that matches the pattern `words`."""
     with pytest.raises(error, match=words) as caught:
         yield
     assert str(caught.value).isprintable()

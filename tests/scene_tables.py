@@ -24,33 +24,35 @@ FILE = {"kind": "file", "path": "z.npy"}
 TABLES = ("surface", "material", "load", "solver", "output", "machine")
 
 
-def tables(surface=(), **others) -> dict:
-    """The reference scene with some keys replaced; a surface with a kind replaces the whole
-    surface."""
+def tables(surface=(), **replaced) -> dict:
+    """The reference scene with replaced tables.
+
+    Keys of `surface` replace those of the reference surface, which a `kind` replaces as a whole.
+    """
     surface = dict(surface)
     surface = surface if "kind" in surface else SURFACE | surface
-    return {"surface": surface, "load": {"p_star": [0.1]}} | others
+    return {"surface": surface, "load": {"p_star": [0.1]}} | replaced
 
 
 def changed(text: str) -> dict:
-    """`tables` with what TOML says, in lines or between " ; "."""
+    """`tables` with tables in TOML; lines may be separated by " ; "."""
     return tables(**tomllib.loads(text.replace(" ; ", "\n")))
 
 
 def scene_of(text: str = "") -> Scene:
-    """The Scene that `changed` describes; it survives a round trip."""
+    """The Scene of `changed`, after checking that it survives a round trip through TOML."""
     scene = Scene.from_dict(changed(text))
     assert Scene.from_toml(scene.to_toml()) == scene
     return scene
 
 
 def rows(text: str) -> list[tuple[str, ...]]:
-    """The rows of a table whose columns stand between " | "."""
+    """Rows of a table with columns separated by " | "."""
     return [tuple(map(str.strip, line.split(" | "))) for line in text.strip().splitlines()]
 
 
 def refusal(data: dict) -> str:
-    """The message with which `data` is refused, without its origin."""
+    """The message with which `data` is refused, without the prefix "scene: "."""
     with pytest.raises(SceneError) as caught:
         Scene.from_dict(data)
     message = str(caught.value)

@@ -49,7 +49,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Calibration:
+class EstimateCalibration:
     """How large the errors are that sums alone do not bound.
 
     Calibrated on true errors of walls of all kinds (scripts/campaign), with a margin such that a
@@ -91,7 +91,7 @@ class Calibration:
     rounding: float = 4.0
 
 
-CALIBRATION = Calibration()
+CALIBRATION = EstimateCalibration()
 
 
 class State(NamedTuple):
@@ -152,6 +152,8 @@ class Estimate(NamedTuple):
     fall : float
         Height by which the body may move further than its elastic contact says, because all that
         is elastic yields or opens (plastic_limits.py).
+    distance : float
+        Bound of |u - T(u)|_K, T(u) being the contact with the attraction frozen.
     """
 
     gap: float = np.inf
@@ -160,6 +162,7 @@ class Estimate(NamedTuple):
     squares: float = np.inf
     shift: float = np.nan
     fall: float = 0.0
+    distance: float = np.inf
 
 
 class Norms(NamedTuple):
@@ -215,6 +218,7 @@ def estimate(
     if not (known and state.elastic > 0 and state.closed_pp > 0):
         return Estimate()
     norms = _norms(problem, levels, state, stability)
+    distance = norms.missing * stability
     # where points yield the bound itself counts
     share = CALIBRATION.pressure if problem.hardness is None else 1.0
     # on a soft base short waves may be stiffer than the typical one says
@@ -225,7 +229,7 @@ def estimate(
     pressure = hypot(relative, rounding)
     attainable_pressure = rounding if relative < rounding else 0.0
     if state.contact == N:
-        return Estimate(0.0, pressure, (0.0, attainable_pressure), squares, 0.0)
+        return Estimate(0.0, pressure, (0.0, attainable_pressure), squares, 0.0, distance=distance)
 
     further = further_movement(
         problem, N * state.p0, g, state.gap, state.contact, norms.missing, norms.response
@@ -243,6 +247,7 @@ def estimate(
         squares=squares,
         shift=n_open / max(N - state.elastic, 1) * norms.shift,  # free points that do not yield
         fall=further / n_open,
+        distance=distance,
     )
 
 

@@ -52,7 +52,9 @@ def misclassified_points(
     tie = CALIBRATION.rounding * problem.rounding
     is_double = problem.dtype == np.float64
     sure = 0.0 if is_double else tie
-    largest = max(min(mean_square * CALIBRATION.farthest**2, errors.squares), sure**2)
+    softer = _square_of_lone_point(problem, contact)
+    most = softer * errors.squares
+    largest = max(min(mean_square * CALIBRATION.farthest**2, most), sure**2)
     if largest <= 0:
         return 0.0
     leaving = inf
@@ -62,11 +64,13 @@ def misclassified_points(
     takes = largest * 2.0 ** (-(np.arange(BINS) + 1) / PER_OCTAVE)
     takes[-1] = 0.0
     wrong = 0.0
-    for points, at_most in zip(counts, (leaving, inf), strict=True):
+    for points, squares, at_most in zip(
+        counts, (errors.squares, most), (leaving, inf), strict=True
+    ):
         likely = _likely_to_change(problem, points, takes, mean_square)
         spent = np.cumsum((points * takes)[::-1])
         easiest = np.cumsum(points[::-1])
-        affordable = np.floor(np.interp(errors.squares, spent, easiest))
+        affordable = np.floor(np.interp(squares, spent, easiest))
         wrong = max(wrong, min(likely, affordable, at_most))
     return float(wrong)
 
@@ -83,6 +87,19 @@ def _likely_to_change(
     )
     expected = within if problem.hardness is not None else max(near, within - near)
     return max(expected + np.sqrt(expected), min(points.sum(), CALIBRATION.few))
+
+
+def _square_of_lone_point(problem: Problem, contact: float) -> float:
+    """Return by how much the square of what an open point takes to touch may be less than a
+    histogram says, which takes the compliance of the stiffest wave.
+
+    A point among open ones has a compliance of its own, S00. A pressure that it takes over from n
+    points in contact moves it by S00 (1 + 1/n) against them, and adds (1 + 1/n) of its square to
+    the error.
+    """
+    grid = problem.grid
+    softer = problem.body.point_compliance(grid) * problem.body.scale(grid)
+    return max(softer, 1.0) ** 2 * (1 + 1 / contact)
 
 
 def _uncertain_points(

@@ -17,6 +17,11 @@ R = D e - mu K e, as there is an eigenvalue within |R|_S/|e|_K of mu; M stands f
 points. Before the search has come to rest there may be a larger one, so twice as much counts then.
 Where single points are soft there may be modes of few points, which the first e hardly has a part
 of: the search goes on for some steps then.
+
+An equilibrium at the distance m/s, m = |u - T(u)|_K, is one to first order. On the way phi''
+changes: just beyond a jump there are states with a small m and s > 0, but no equilibrium. So what
+counts is s of the secant: 1 + <t(g + x e) - t(g), e>/x on both sides, |e|_K = 1, where x is the
+smallest x with x s >= m. Where there is none nothing says that there is an equilibrium.
 """
 
 from __future__ import annotations
@@ -26,7 +31,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..kernels.adhesive_rows import softening
+from ..kernels.adhesive_rows import pull_along, softening
 from ..kernels.subspace import combine_directions, subspace_products
 from ..operators.elastic import Elastic
 from ..operators.multilevel import Multilevel
@@ -40,6 +45,8 @@ TOLERANCE = 0.02  # of s, by which the last step may have changed it
 DOUBTED = 0.25  # share of an s that counts at least, however badly it is known
 LEAST = 0.02  # an s to the accuracy of which smaller ones are found
 INDEPENDENT = 1e-10  # of the largest eigenvalue of the Gram matrix: less is no direction
+FARTHER = 20  # distances that are tried, each as far as the stability up to the last one says
+NEAR_ENOUGH = 0.95  # share of a distance that is the same
 
 
 @dataclass(frozen=True)
@@ -70,6 +77,7 @@ def stability_of(
     p: np.ndarray,
     levels: Multilevel,
     enough: float = np.inf,
+    too_little: float = -LEAST,
     mode: np.ndarray | None = None,
     tolerance: float = TOLERANCE,
 ) -> Stability:
@@ -85,8 +93,9 @@ def stability_of(
         Gap, and pressure of the wall.
     levels : Multilevel
         Of the grid, in the working precision; its fields are overwritten.
-    enough : float
-        An s above which nobody needs to know more: the search ends once `lowest` is above it.
+    enough, too_little : float
+        An s above which nobody needs to know more: the search ends once `lowest` is above it; and
+        one below which nobody does, once `value` is below it.
     mode : array, local slab
         Where the search begins; its memory is used.
     tolerance : float
@@ -99,7 +108,51 @@ def stability_of(
     search = _Search(problem, g, p, levels)
     if not search.attracts:
         return Stability(1.0, 1.0, None, 0.0)
-    return search.run(enough, mode, tolerance)
+    return search.run(enough, too_little, mode, tolerance)
+
+
+def stability_up_to_equilibrium(
+    problem: Problem, g: np.ndarray, found: Stability, distance: float
+) -> float:
+    """Return the stability by which errors are to be divided, no more than `found.lowest`: 0 where
+    the attraction changes so much on the way that there may be no equilibrium.
+
+    Collective. No FFT.
+
+    Parameters
+    ----------
+    problem : Problem
+        With an attraction.
+    g : array, local slab
+        Gap.
+    found : Stability
+        Of this gap.
+    distance : float
+        |u - T(u)|_K, from the contact under this attraction, frozen.
+    """
+    mode, law = found.mode, problem.law(np.dtype(np.float64))
+    if mode is None or found.lowest <= 0 or distance == 0:
+        return found.lowest
+    grid = problem.grid
+
+    def pull(length: float) -> float:
+        def pull_of_rows(i0: int, i1: int) -> float:
+            return float(pull_along(law, g, mode, length, i0, i1, grid.inside))
+
+        (total,) = grid.comm.sum([sum(grid.by_rows(pull_of_rows))])
+        return float(total)
+
+    doubt = found.value - found.lowest
+    stability = found.lowest
+    for _ in range(FARTHER):
+        way = distance / stability
+        secant = 1 + min(pull(way), -pull(-way)) / way - doubt
+        if secant >= NEAR_ENOUGH * stability:
+            return min(secant, stability)
+        if not secant > 0:
+            break
+        stability = secant
+    return 0.0
 
 
 class _Search:
@@ -127,7 +180,9 @@ class _Search:
         (largest,) = self.grid.comm.max([max(float(x) for _, x in found)])
         self.softness = largest / float(problem.body.near(self.grid)[0])
 
-    def run(self, enough: float, mode: np.ndarray | None, tolerance: float) -> Stability:
+    def run(
+        self, enough: float, too_little: float, mode: np.ndarray | None, tolerance: float
+    ) -> Stability:
         """Step until s is known well enough."""
         shape = (3, *self.grid.shape)
         V, KV = np.zeros(shape, self.dtype), np.zeros(shape, self.dtype)
@@ -154,7 +209,7 @@ class _Search:
             missing = self._precondition()  # <R, M R>; <e, K e> is 1
             doubt = np.sqrt(max(missing, 0.0))
             lowest = s - 2 * doubt
-            if (lowest > enough and step >= fewest) or s < -LEAST or not missing > 0:
+            if (lowest > enough and step >= fewest) or s < too_little or not missing > 0:
                 break
             if abs(s - before) < tolerance * max(abs(s), LEAST):
                 lowest = max(s - doubt, s / 2)
@@ -178,7 +233,7 @@ class _Search:
             out[i0:i1] = x[: i1 - i0] * (1 - self.closed[i0:i1])
 
         self.elastic.pressure_rows(fill)
-        self.elastic.pressure_columns()
+        self.elastic.pressure_columns(spring=self.problem.spring)
         self.elastic.use_rows(use)
 
     def _precondition(self) -> float:

@@ -7,18 +7,19 @@ smaller load before. The retraction branch comes up from smaller gaps: from the 
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..certificate.stability import stability_of
+from ..certificate.stability import LEAST, stability_of, stability_up_to_equilibrium
 from ..kernels.adhesive_rows import gain_along
 
 if TYPE_CHECKING:
     from ..solvers.base import Solver
 
 APPROACH, RETRACTION = "approach", "retraction"
-ENOUGH = 1.5  # times the stability that the errors ask for is enough
+ENOUGH = 1.1  # times the stability that the errors ask for is enough
 KICKS = 12  # saddles that a load may be led away from
 # lengths of a kick that are tried: its largest change of the gap, in ranges of the attraction
 KICK_LENGTHS = (0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0)
@@ -54,7 +55,8 @@ class SaddleGuard:
     kicks : int
         Saddles left so far.
     at_saddle : bool
-        Whether the state that was looked at last is a saddle, or near one.
+        Whether no equilibrium is known to be near the state that was looked at last: it is a
+        saddle, or the surfaces are about to jump.
     """
 
     def __init__(self, solver: Solver, branch: str):
@@ -63,42 +65,52 @@ class SaddleGuard:
         self.kicks = 0
         self.at_saddle = False
         self._mode: np.ndarray | None = None
+        self._value = np.nan  # of the stability that was found last
 
     def look(self, measure: float = np.inf) -> float:
         """Find the stability of the present state, `solver.stability`; return the FFT pairs that it
         took. Collective.
 
-        measure: the solver's own measure of the error over what is asked for. It is inversely
-        proportional to the stability: nobody needs to know that better than the error asks for.
+        Parameters
+        ----------
+        measure : float
+            The solver's own measure of the error over what is asked for, without the stability,
+            which nobody needs to know better than the error asks for. 0: no errors are asked for.
         """
         solver = self.solver
-        before = 1.0 if solver.stability is None else max(solver.stability.lowest, 0.0)
+        solver.stability = None
+        estimate = solver.progress().estimate
+        distance = estimate.distance if estimate is not None and measure > 0 else 0.0
         found = stability_of(
             solver.problem_now,
             solver.g,
             solver.p,
             solver.levels,
-            ENOUGH * measure * before,
+            ENOUGH * measure,
+            measure if 0 < measure < np.inf else -LEAST,
             self._mode,
         )
         self._mode = found.mode
-        self.at_saddle = found.value < 0
-        solver.stability = found
+        lowest = stability_up_to_equilibrium(solver.problem_now, solver.g, found, distance)
+        self.at_saddle = lowest <= 0
+        self._value = found.value
+        solver.stability = replace(found, lowest=lowest)
         solver.after_stability()
         return found.pairs
 
     def leave_saddle(self) -> bool:
         """Lead the solver away from a saddle, along the direction in which the energy falls;
         return whether it may try. Collective."""
-        if self.kicks >= KICKS or self._mode is None:
-            return False
         solver, mode = self.solver, self._mode
+        if self.kicks >= KICKS or mode is None or self._value > 0:
+            return False
         length = self._length_of_kick(mode)
         if length == 0:
             return False
         rows, points = solver.grid.inside
         step = solver.problem.dtype.type(length)
         g = solver.g
+        before = _mean_of_cell(solver)
 
         def kick(i0: int, i1: int) -> None:
             g[i0:i1] += step * mode[i0:i1]
@@ -108,6 +120,8 @@ class SaddleGuard:
 
         solver.grid.by_rows(kick)
         solver.stability = None
+        moved = _mean_of_cell(solver) - before
+        solver.p0 += solver.problem.spring * moved * (solver.grid.cell_points / solver.N)
         solver.start(g)
         self.kicks += 1
         return True
@@ -166,3 +180,10 @@ class SaddleGuard:
 
         (total,) = solver.grid.comm.sum([sum(solver.grid.by_rows(gain))])
         return float(total)
+
+
+def _mean_of_cell(solver: Solver) -> float:
+    """Return the mean of the solver's gap over the whole grid. Collective."""
+    grid = solver.grid
+    parts = grid.by_rows(lambda i0, i1: float(solver.g[i0:i1].sum(dtype=np.float64)))
+    return float(grid.comm.sum([sum(parts)])[0]) / grid.cell_points

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Calibration:
+class LoopCalibration:
     """When a solver is certified, and when it counts as stagnated.
 
     What ends an iteration is the certificate: these numbers cost or save pairs only.
@@ -36,10 +36,11 @@ class Calibration:
         Share of its patience that a solver has after a refusal: only rounding errors are left.
     improvement : float
         Factor on a measure of the error that counts as progress.
-    after_saddle : float
-        Of the measure at which a state was found to be a saddle: when it is looked at again.
-    waits, saddles : int
-        Every so many times that it is one still it is left by force; times that this may happen.
+    look_again, look_again_after : float, int
+        Share of the measure at which the stability was found to be too small, and iterations
+        since: when it is looked for again, whichever comes first.
+    waits : int
+        Every so many times that a state is a saddle it is left by force.
     avalanche : float
         Share of the contact by which it changes: that is progress with an attraction.
     patience_with_attraction : float
@@ -50,14 +51,14 @@ class Calibration:
     refusals: int = 5
     patience_at_floor: float = 1 / 6
     improvement: float = 0.9
-    after_saddle: float = 0.3
+    look_again: float = 0.3
+    look_again_after: int = 10
     waits: int = 3
-    saddles: int = 12
     avalanche: float = 0.01
     patience_with_attraction: float = 2.5
 
 
-CALIBRATION = Calibration()
+CALIBRATION = LoopCalibration()
 
 
 class Outcome(NamedTuple):
@@ -122,17 +123,11 @@ def drive(
         ):
             if guard is not None:
                 pairs += guard.look(limits.measure if criterion.residual is None else 0.0)
-                if guard.at_saddle:
-                    if not limits.wait_at_saddle() and guard.leave_saddle():
-                        limits.begin_again()
-                        continue
-                    if limits.saddles > CALIBRATION.saddles:
-                        return _conclude(solver, criterion, search, None, "stagnated", pairs)
-                    solver.stability = None
-                    solver.step()
+                if guard.at_saddle and not limits.wait_at_saddle() and guard.leave_saddle():
+                    limits.begin_again()
                     continue
-                limits.note(solver.progress())
-                if not limits.ask_for_certificate(progress):
+                if guard.at_saddle or not limits.is_stable_enough(solver.progress()):
+                    solver.stability = None
                     solver.step()
                     continue
             certificate = certificate_of(solver, criterion)
@@ -144,6 +139,7 @@ def drive(
             limits.note_refusal(certificate, max(error, miss))
             if limits.refused_too_often:
                 return Outcome("stagnated", certificate, pairs)
+            solver.stability = None
             solver.after_certificate(certificate)
             if search is not None and search.correct(solver, certificate, error < 1):
                 limits.begin_again()
@@ -180,14 +176,16 @@ class Limits:
         self.refusals = 0
         self.saddles = 0
         self.least_refused = np.inf  # the smallest error that the certificate refused
-        self.threshold = 1.0
+        self.threshold = 1.0  # of the measure, with the stability in it, for a certificate
+        self.look_below = np.inf  # of the measure without it, for a look at the stability
+        self.look_at = 0  # iterations from which on there is one anyway
         self.best = np.inf
         self.contact = 0.0
         self.best_at = self.solver.iterations
 
     def note(self, progress: Progress) -> None:
         """Note the progress of an iteration."""
-        self.measure = measure_of(progress, self.criterion)
+        self.measure = self.asked = measure_of(progress, self.criterion)
         if self.measure < CALIBRATION.improvement * self.best:
             self.best = self.measure
             self.best_at = self.solver.iterations
@@ -203,7 +201,8 @@ class Limits:
 
     def ask_for_certificate(self, progress: Progress) -> bool:
         """Return whether the solver believes that it is there."""
-        return progress.finite and self.measure < self.threshold
+        is_time = self.measure < self.look_below or self.solver.iterations >= self.look_at
+        return progress.finite and self.measure < self.threshold and is_time
 
     def note_refusal(self, certificate: Certificate, left: float) -> None:
         """Note a certificate that refuses.
@@ -220,14 +219,36 @@ class Limits:
         nearer = error < CALIBRATION.improvement * self.least_refused
         self.refusals = 0 if nearer else self.refusals + 1
         self.least_refused = min(error, self.least_refused)
-        self.threshold = self.measure / left if np.isfinite(left) else self.measure
+        share = 1 / left if np.isfinite(left) else 1.0
+        self.threshold = share * self.asked
+        self._look_later(share)
 
     def wait_at_saddle(self) -> bool:
         """Note that the state is a saddle, which it may be on its way only; return whether to
         iterate further before anything is done."""
         self.saddles += 1
-        self.threshold = CALIBRATION.after_saddle * self.measure
+        self._look_later(0.0)
         return self.saddles % CALIBRATION.waits != 0
+
+    def is_stable_enough(self, progress: Progress) -> bool:
+        """Return whether the solver still believes that it is there after its stability was found.
+
+        Parameters
+        ----------
+        progress : Progress
+            With this stability.
+        """
+        self.asked = measure_of(progress, self.criterion)
+        if self.asked < self.threshold:
+            return True
+        self._look_later(self.threshold / self.asked)
+        return False
+
+    def _look_later(self, share: float) -> None:
+        """Note when the stability, which changes meanwhile, is looked for next: where the measure
+        is this share of what it is, or a bit less."""
+        self.look_below = max(share, CALIBRATION.look_again) * self.measure
+        self.look_at = self.solver.iterations + CALIBRATION.look_again_after
 
     @property
     def refused_too_often(self) -> bool:

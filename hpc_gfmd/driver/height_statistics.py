@@ -76,13 +76,13 @@ def carried_alone(problem: Problem, depth: float) -> float:
     one yet, which is `depth` below it.
 
     A mean pressure p0 presses the point down by N p0 S_00 relative to the mean of the surface. The
-    next one may rise against that mean, but by less than S_00 over the points along an axis. A
-    point that yields carries no more than the hardness.
+    next one may rise against that mean, but by less than S_00 over the points along the shorter
+    axis. A point that yields carries no more than the hardness.
     """
     if not np.isfinite(depth):
         return 0.0
     grid = problem.grid
-    rise = 1 / min((k for k in grid.n if k > 1), default=2)
+    rise = 1 / min(grid.n)
     carried = depth / (problem.body.point_compliance(grid) * (1 + rise))
     if problem.hardness is not None:
         carried = min(carried, problem.hardness)

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Calibration:
+class SearchCalibration:
     """When a search changes the load, and how far.
 
     Measured on the areas, gaps and approaches of 24 walls of three spectra: the pairs that a search
@@ -60,7 +60,7 @@ class Calibration:
     most: int = 60
 
 
-CALIBRATION = Calibration()
+CALIBRATION = SearchCalibration()
 
 Value = tuple[float, float]  # a value and its relative error
 Errors = tuple[float, float]  # relative, of the mean gap and the pressure
@@ -180,7 +180,7 @@ class SecantSearch(LoadSearch):
 
     @property
     def _alone(self) -> float:
-        """What a single point carries before others touch, as far as it is left out of x."""
+        """Return p_1, the mean pressure that x = log(p0 - p_1) leaves out: 0 but for an area."""
         return 0.0
 
     # -- from grid to grid

@@ -39,7 +39,7 @@ SLIM = 4  # points that a cubic takes: an axis of fewer is not decimated
 
 
 @dataclass(frozen=True)
-class Calibration:
+class NestedCalibration:
     """How the coarse grids are solved.
 
     Measured by the pairs and the time of self-affine walls: errors are those of the finest grid.
@@ -68,7 +68,7 @@ class Calibration:
     tension: float = 0.02
 
 
-CALIBRATION = Calibration()
+CALIBRATION = NestedCalibration()
 
 
 def cold_gap(problem: Problem) -> np.ndarray:

@@ -18,14 +18,13 @@ from ..theory.persson import g_rms_lam_s_over_h_rms
 
 if TYPE_CHECKING:
     from ..certificate.criterion import StoppingCriterion
-    from ..scene import Scene
-    from ..scene import Solver as Settings
+    from ..scene import Scene, SolverTable
 
 COARSE = 512  # points along an axis that tell heights and slopes
 
 
 @dataclass(frozen=True)
-class Calibration:
+class PrecisionCalibration:
     """Where single precision is too little.
 
     Measured on the true errors of the campaign: what is too small for single precision ends
@@ -48,11 +47,11 @@ class Calibration:
     noise: float = 0.2
 
 
-CALIBRATION = Calibration()
+CALIBRATION = PrecisionCalibration()
 
 
-def first_precision(settings: Settings) -> np.dtype:
-    """Return the precision that a sweep begins with; settings: scene.Solver."""
+def first_precision(settings: SolverTable) -> np.dtype:
+    """Return the precision that a sweep begins with; settings: scene.SolverTable."""
     if settings.precision != "auto":
         return np.dtype({"single": np.float32, "double": np.float64}[settings.precision])
     loose = settings.accuracy is not None and settings.accuracy >= CALIBRATION.accuracy
@@ -68,7 +67,7 @@ def few_points(N: int, p_star: float, accuracy: float | None) -> bool:
     return accuracy is not None and CALIBRATION.few_points / expected > accuracy
 
 
-def too_little(settings: Settings, N: int, p_star: float) -> bool:
+def too_little(settings: SolverTable, N: int, p_star: float) -> bool:
     """Tell whether single precision is too little for a load on N points."""
     return few_points(N, p_star, settings.accuracy) or not single_solves(p_star, N)
 
@@ -149,7 +148,7 @@ def known_heights(scene: Scene, n: tuple[int, int]) -> tuple[float | None, float
     return surface.g_rms, surface.lam_s_over_a / slope
 
 
-def counting(asked: StoppingCriterion | Settings, p_star: float) -> float:
+def counting(asked: StoppingCriterion | SolverTable, p_star: float) -> float:
     """Return the errors of the pressure at all open points, in the problem's unit, that count as
     much as what is asked for."""
     if asked.residual:

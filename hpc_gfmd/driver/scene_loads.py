@@ -13,9 +13,9 @@ from ..util.quantities import format_quantity
 from .load import Load
 
 if TYPE_CHECKING:
-    from ..scene import Load as SceneLoad
-    from ..scene import Solver as Settings
+    from ..scene import LoadTable, SolverTable
     from ..solvers.base import Solver
+    from ..surface import Surface
     from .working_surface import WorkingSurface
 
 FLAT_HAS_NONE = ("p_star", "gap_mean", "gap_over_h_rms", "a_r")
@@ -23,7 +23,7 @@ LENGTHS = 100.0  # rounding errors of the largest height that a gap or an approa
 
 
 def loads_of(
-    table: SceneLoad, working: WorkingSurface, settings: Settings, solver: type[Solver]
+    table: LoadTable, working: WorkingSurface, settings: SolverTable, solver: type[Solver]
 ) -> list[Load]:
     """Return the loads that a scene asks for, in their order.
 
@@ -31,11 +31,11 @@ def loads_of(
 
     Parameters
     ----------
-    table : scene.Load
+    table : scene.LoadTable
         The table [load].
     working : WorkingSurface
         The surface in the first precision.
-    settings : scene.Solver
+    settings : scene.SolverTable
         The table [solver].
     solver : type of Solver
         What solves the loads.
@@ -74,7 +74,7 @@ def loads_of(
     if pressures:
         return [Load("pressure", p_mean) for p_mean in pressures]
     if name == "a_r":
-        _require_areas(values, surface.grid.N)
+        _require_areas(values, surface)
         return [Load("a_r", float(value)) for value in values]
     quantity = "approach" if name == "approach" else "gap_mean"
     unit = surface.h_rms if name == "gap_over_h_rms" else 1.0
@@ -92,12 +92,15 @@ def _require_single(pressures: Sequence[float], unit: float, points: int) -> Non
             )
 
 
-def _require_areas(values: Sequence[float], points: int) -> None:
-    """Raise SceneError for areas that are less than one point."""
+def _require_areas(values: Sequence[float], surface: Surface) -> None:
+    """Raise SceneError for areas of less than half a point; of less than half a line where the
+    heights vary along one axis only."""
+    points = surface.grid.N
+    kind = "points" if points == np.prod(surface.n) else "lines"
     for value in values:
         if value * points < 0.5:
             raise SceneError(
-                f"load.a_r: found {value:g}, less than half of one of {points} points, "
+                f"load.a_r: found {value:g}, less than half of one of {points} {kind}, "
                 f"allowed: {1 / points:.3g} to 1"
             )
 
@@ -108,7 +111,7 @@ def _require_lengths(
     values: Sequence[float],
     unit: float,
     working: WorkingSurface,
-    settings: Settings,
+    settings: SolverTable,
 ) -> None:
     """Raise SceneError for mean gaps that no pressure gives, and for lengths that rounding errors
     spoil; unit: of the values, in the surface's unit of length."""
@@ -118,8 +121,10 @@ def _require_lengths(
     resolution = LENGTHS * rounding / settings.tolerance
     # the mean gap where the highest peak just touches
     largest = working.heights.top * working.surface.slope / unit
-    for value in values:
-        if quantity == "gap_mean" and not value < largest:
+    for index, value in enumerate(values):
+        # what holds on is pulled further than that
+        may_be_larger = working.model.retracts and index > 0
+        if quantity == "gap_mean" and not (value < largest or may_be_larger):
             allowed = f"below {format_quantity(largest, value)}, where the highest peak touches"
         elif 0 < value < resolution * largest:
             allowed = (

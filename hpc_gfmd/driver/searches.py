@@ -10,7 +10,7 @@ from .load_quantities import OpeningSearch, search_for
 
 if TYPE_CHECKING:
     from ..contact.contact import Contact
-    from ..scene import Solver as Settings
+    from ..scene import SolverTable
     from .load import Load
     from .search import LoadSearch
     from .working_surface import WorkingSurface
@@ -25,11 +25,11 @@ class Searches:
 
     Parameters
     ----------
-    settings : scene.Solver
+    settings : scene.SolverTable
         The accuracy that is asked for.
     """
 
-    def __init__(self, settings: Settings):
+    def __init__(self, settings: SolverTable):
         self.tolerance: float = settings.tolerance
         self.is_accuracy = settings.accuracy is not None
         self._history: list[dict[str, float]] = []  # what the last two loads gave

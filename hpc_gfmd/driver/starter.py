@@ -16,7 +16,7 @@ from .nested import cold_gap, roughly_solved, undeformed_gap
 
 if TYPE_CHECKING:
     from ..operators.problem import Problem
-    from ..scene import Solver as Settings
+    from ..scene import SolverTable
     from ..solvers.base import Solver
     from .load import Load
     from .working_surface import WorkingSurface
@@ -56,7 +56,7 @@ class Starter:
 
     Parameters
     ----------
-    settings : scene.Solver
+    settings : scene.SolverTable
         Name and options of the solver, and what it has to reach.
     duality : bool
         Whether the certificate has to give the duality gap.
@@ -72,7 +72,7 @@ class Starter:
         What every load has to reach.
     """
 
-    def __init__(self, settings: Settings, duality: bool = False):
+    def __init__(self, settings: SolverTable, duality: bool = False):
         self.settings = settings
         self.solver_class = solver_class(settings.name)
         self.solver: Solver | None = None
@@ -215,7 +215,7 @@ class Starter:
     def _problem_to_start(self, working: WorkingSurface, load: Load) -> Problem:
         if working.solver_makes_room:
             self.solver = None
-        return working.problem_to_start(load.p0)
+        return replace(working.problem_to_start(load.p0), spring=load.spring)
 
     def _make(self, problem: Problem, gap: np.ndarray | None = None) -> Solver:
         """Make a solver; gap: memory for its gap, which it takes over."""

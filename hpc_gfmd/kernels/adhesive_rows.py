@@ -5,8 +5,9 @@ that of the body, t = phi'(g) the attraction. A step that changes w by s K d cha
 
     s y,    y = K d + (t(g + s d) - t(g))/s,
 
-so that y takes the place of K d. Letters are those of bpx.py. Beyond the surface (`inside`) there
-is no wall, and no attraction. Sums are in double precision whatever the fields are.
+so that y takes the place of K d. Other letters are those of bpx.py; phi is in E* g_rms^2 a. Beyond
+the surface (`inside`) there is no wall, and no attraction. Sums are in double precision whatever
+the fields are.
 """
 
 import numpy as np
@@ -28,6 +29,8 @@ def work_of_step(law, g, d_rows, i0, i1, inside):
         Gap before the step.
     d_rows : (>= i1 - i0, n_y)
         The step in full precision.
+    i0, i1 : int
+        Local rows i0 <= i < i1.
     inside : (rows, points)
         This rank's part of the surface.
 
@@ -65,6 +68,8 @@ def add_change(law, g, d, Kd, s, i0, i1, inside):
         K d; becomes y.
     s : float
         Step length, in the precision of g.
+    i0, i1 : int
+        Local rows i0 <= i < i1.
     inside : (rows, points)
         This rank's part of the surface.
 
@@ -104,6 +109,8 @@ def add_attraction(law, g, x, i0, i1, inside):
         Gap.
     x : (>= i1 - i0, n_y)
         Pressure of the body, from row i0 on; that of the wall afterwards.
+    i0, i1 : int
+        Local rows i0 <= i < i1.
     inside : (rows, points)
         This rank's part of the surface.
 
@@ -140,6 +147,8 @@ def shift_gap(law, g, p, by, i0, i1, inside):
         Gap, no less than `by` on the surface, and pressure of the wall; become the new ones.
     by : float
         In the precision of g.
+    i0, i1 : int
+        Local rows i0 <= i < i1.
     inside : (rows, points)
         This rank's part of the surface.
 
@@ -177,6 +186,8 @@ def softening(law, g, closed, x, i0, i1, inside):
         1 in contact, 0 elsewhere.
     x : (n_loc, n_y)
         Becomes the softening.
+    i0, i1 : int
+        Local rows i0 <= i < i1.
     inside : (rows, points)
         This rank's part of the surface.
 
@@ -204,7 +215,7 @@ def softening(law, g, closed, x, i0, i1, inside):
 
 @kernel
 def gain_along(law, g, e, length, i0, i1, inside):
-    """Return the sum of phi(g + length e) - phi(g) on rows i0 <= i < i1, with gaps >= 0.
+    """Return what a step along a direction changes of the energy of attraction.
 
     Parameters
     ----------
@@ -214,8 +225,15 @@ def gain_along(law, g, e, length, i0, i1, inside):
         Gap and a direction.
     length : float
         In the precision of g.
+    i0, i1 : int
+        Local rows i0 <= i < i1.
     inside : (rows, points)
         This rank's part of the surface.
+
+    Returns
+    -------
+    float
+        Sum of phi(g + length e) - phi(g) over these rows, no gap counting as less than 0.
     """
     zero = g.dtype.type(0)
     gained = 0.0
@@ -224,3 +242,35 @@ def gain_along(law, g, e, length, i0, i1, inside):
             g_new = max(g[i, j] + length * e[i, j], zero)
             gained += energy_at(law, g_new) - energy_at(law, g[i, j])
     return gained
+
+
+@kernel
+def pull_along(law, g, e, length, i0, i1, inside):
+    """Return what a step along a direction changes of the attraction's part of the slope along it.
+
+    Parameters
+    ----------
+    law : Law
+        In double precision.
+    g, e : (n_loc, n_y)
+        Gap and a direction.
+    length : float
+        In double precision.
+    i0, i1 : int
+        Local rows i0 <= i < i1.
+    inside : (rows, points)
+        This rank's part of the surface.
+
+    Returns
+    -------
+    float
+        <t(g + length e) - t(g), e> over these rows, no gap counting as less than 0.
+    """
+    changed = 0.0
+    for i in range(i0, i1):
+        for j in range(points_inside(i, inside)):
+            g_ij = np.float64(g[i, j])
+            e_ij = np.float64(e[i, j])
+            t_new = traction_at(law, max(g_ij + length * e_ij, 0.0))
+            changed += (t_new - traction_at(law, max(g_ij, 0.0))) * e_ij
+    return changed

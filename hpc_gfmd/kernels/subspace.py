@@ -1,10 +1,19 @@
-"""Sums and combinations of a few fields: the subspace of a locally optimal conjugate gradient."""
+"""Sums and combinations of a few fields: the subspace of a locally optimal conjugate gradient.
+
+Letters, of fields: local slabs (n_loc, n_y), in the units of operators/problem.py.
+
+=====  =============================================================================================
+V      (3, n_loc, n_y), directions of the gap: the best one so far, the preconditioned residual, and
+       the last change of the best one
+KV     K times each of them
+D      diagonal of a second operator, as a stiffness
+k      number of directions that there are
+=====  =============================================================================================
+"""
 
 import numpy as np
 
 from .jit import kernel
-
-# V, KV: (k, n_loc, n_y), k <= 3 directions and K times them; D: (n_loc, n_y), a diagonal
 
 
 @kernel
@@ -17,6 +26,8 @@ def subspace_products(V, KV, D, k, i0, i1, sums):
         See the head of the file.
     k : int
         The first k directions count.
+    i0, i1 : int
+        Local rows i0 <= i < i1.
     sums : (2, 3, 3) float64
         Becomes <V_a, K V_b> and <V_a, D V_b>, the part of these rows, for b <= a < k.
     """
@@ -44,6 +55,8 @@ def combine_directions(V, KV, k, weights, i0, i1):
         The first k directions count.
     weights : (3,)
         In the precision of V.
+    i0, i1 : int
+        Local rows i0 <= i < i1.
     """
     for field in (V, KV):
         for i in range(i0, i1):

@@ -25,7 +25,7 @@ from .coarsest import DAMPING, CoarsestLevels
 
 
 @dataclass(frozen=True)
-class Calibration:
+class DeflationCalibration:
     """How well the vector is found: measured by the pairs of self-affine walls at small loads.
 
     Attributes
@@ -45,7 +45,7 @@ class Calibration:
     most: int = 128 * 128
 
 
-CALIBRATION = Calibration()
+CALIBRATION = DeflationCalibration()
 
 
 class GapMode:

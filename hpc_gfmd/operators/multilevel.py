@@ -394,8 +394,11 @@ class Multilevel:
         return self.update(g, p, d, 0.0, rows, hardness, spectra=False)
 
     def _sweep_coarsest(self, new_contact: bool) -> tuple[float, ...]:
-        """Sweep the levels that this rank has alone; returns what CoarsestLevels.sweep does, zeros
-        but on rank 0."""
+        """Sweep the levels that this rank has alone. Collective.
+
+        Their part of r and t is added up from the windows of all ranks before. Returns the sums of
+        CoarsestLevels.smooth on the first of the ranks that have them, zeros on others.
+        """
         k = self.distributed
         nothing = (0.0,) * (SUMS + 1)
         coarsest = self.coarsest

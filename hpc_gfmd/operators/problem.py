@@ -75,6 +75,9 @@ class Problem:
         The largest pressure; None: there is none.
     attraction : Law or None
         Law of attraction in the program's units; None: there is none.
+    spring : float
+        Stiffness, mean pressure of the cell per displacement, of the spring through which the body
+        is pressed; 0: a dead load. With a spring p0 changes with every step.
     """
 
     grid: Grid
@@ -84,6 +87,7 @@ class Problem:
     body: Body = HALF_SPACE
     hardness: float | None = None
     attraction: Law | None = None
+    spring: float = 0.0
 
     def law(self, dtype: np.dtype | None = None) -> Law | None:
         """Return the law of attraction as kernels take it, in a precision (the working one)."""
@@ -166,8 +170,21 @@ class Problem:
         return float(total / points)
 
     def displacement_rows(self, g: np.ndarray, level: float) -> Rows:
-        """Return fill(i0, i1, x): rows of u - level, u = g - h (g itself beyond the surface), or of
-        g where `adder` does the rest; x may be of another precision."""
+        """Return a function that makes rows of the displacement for a transform.
+
+        Parameters
+        ----------
+        g : array, local slab
+            Gap, or displacement beyond the surface.
+        level : float
+            A constant that is taken off, about the mean: see `level`.
+
+        Returns
+        -------
+        function
+            fill(i0, i1, x) sets x to rows of u - level, u = g - h (g itself beyond the surface), or
+            of g where `adder` does the rest; x may be of another precision.
+        """
         from ..kernels.certify import displacement_rows
 
         h = np.zeros((0, 0), self.dtype) if self.stored is None else self.stored

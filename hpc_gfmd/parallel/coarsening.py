@@ -208,13 +208,20 @@ class Transfer:
     Parameters
     ----------
     n, m : (int, int)
-        Points of the fine and of the coarse level.
-    begin, end : array_like of int
-        Fine rows begin <= i < end of every rank; the last one may be row n, which is row 0.
+        Points of the level and of the next coarser one.
+    begin, end : array_like of int, shape (ranks,)
+        Rows begin <= i < end of every rank on the level; the last may be row n, which is row 0.
     rank : int
-        This one.
+        This rank.
     dtype : dtype
-        Of the tables.
+        Precision of the fields.
+
+    Attributes
+    ----------
+    fine : (int, int)
+        This rank's rows (begin, end) of the level.
+    lo, hi : ndarray of int, shape (ranks,)
+        Windows lo <= row < hi of all ranks; row m is row 0.
     """
 
     def __init__(

@@ -20,7 +20,7 @@ SMALLEST_SHARE = 32  # of a compiled pass: a thread's equal part over this
 
 
 def piece_rows(n_y: int) -> int:
-    """Return how many rows of a field, of n_y points each, that a thread works on at a time."""
+    """Return how many rows of n_y points a thread works on at a time."""
     return max(PIECE_ROWS, PIECE_POINTS // n_y)
 
 
@@ -32,15 +32,41 @@ def pieces_of(rows: int, n_y: int) -> list[tuple[int, int]]:
 
 
 def threads_for(points: int, threads: int) -> int:
-    """Return how many of `threads` threads pay for a grid of `points` points: those that get a
-    piece."""
+    """Return how many threads pay: those that get a piece.
+
+    Parameters
+    ----------
+    points : int
+        Of the grid.
+    threads : int
+        That there are.
+
+    Returns
+    -------
+    int
+        At least 1.
+    """
     return max(1, min(threads, points // PIECE_POINTS))
 
 
 def shares(count: int, threads: int) -> list[tuple[int, int]]:
-    """Return [(start, stop), ...], range(count) cut into what a thread does in one compiled call:
-    on several threads large parts first and small ones last, so that a thread that began late, or
-    is slower than the others, leaves them nothing to wait for."""
+    """Cut a range into what a thread does in one compiled call.
+
+    On several threads large parts come first and small ones last: a thread that begins late, or is
+    slower than the others, leaves them little to wait for.
+
+    Parameters
+    ----------
+    count : int
+        Length of the range.
+    threads : int
+        That share it.
+
+    Returns
+    -------
+    list of (int, int)
+        (start, stop) of each part, in order.
+    """
     smallest = max(1, count // (SMALLEST_SHARE * threads))
     ends = [0]
     while ends[-1] < count:
@@ -97,7 +123,20 @@ def on_threads(
 
 
 def added(parts: Sequence[Sequence[float]], count: int) -> np.ndarray:
-    """Add up the `count` numbers that every piece, of which there may be none, returned."""
+    """Add up the numbers that every piece of work returned.
+
+    Parameters
+    ----------
+    parts : sequence of sequence of float
+        What each piece returned; there may be no piece.
+    count : int
+        How many numbers each returned.
+
+    Returns
+    -------
+    ndarray, shape (count,)
+        The sums.
+    """
     return np.sum(np.reshape(parts, (-1, count)), axis=0)
 
 

@@ -123,8 +123,11 @@ class _Wisdom:
         return folder and folder / "wisdom" / f"{self.kind}-{self.name}"
 
     def read(self) -> bytes:
-        """Know what is in the cache, too; returns it, nothing where it cannot be understood. It is
-        taken over only where it has changed: that takes longer than making plans that are known."""
+        """Take over what is in the cache, and return it: nothing where it cannot be understood.
+
+        It is taken over only where it has changed, because that takes longer than making plans that
+        are known.
+        """
         content = (self.path and kept(self.path)) or b""
         if len(content) > LIMIT:
             content = b""
@@ -154,6 +157,7 @@ class _Wisdom:
         return bool(self._function("import_wisdom_from_string")(text))
 
     def _function(self, name: str) -> Any:
+        """Return a function of FFTW in this precision by its name without prefix."""
         return self.library[PREFIXES[self.name] + name]
 
 
@@ -162,6 +166,7 @@ _used: list[str] = []  # precisions
 
 @cache
 def _wisdom(name: str) -> _Wisdom:
+    """Return the wisdom of this process in a precision, and note that it was used."""
     _used.append(name)
     return _Wisdom(name)
 

@@ -11,7 +11,7 @@ from ..output.summary import converged
 from ..util.errors import SceneError
 from .context import FigureContext
 from .page import Page
-from .quantities import LoadAxis, Quantity, load_axis, quantity_of, relative_error
+from .quantities import LoadAxis, PlottedQuantity, load_axis, quantity_of, relative_error
 from .style import THEORY, WARNING, colour, log_axis, marker
 from .units import finite
 
@@ -30,6 +30,10 @@ def curves(contexts: Sequence[FigureContext], names: list[str]) -> Page:
         One for each result.
     names : list of str
         Numbers of a load, by the names of the result file.
+
+    Returns
+    -------
+    Page
 
     Raises
     ------
@@ -50,6 +54,7 @@ def curves(contexts: Sequence[FigureContext], names: list[str]) -> Page:
 
 
 def _panel(ax: Any, contexts: list[FigureContext], key: str) -> None:
+    """Draw one number over the load: each result, or their mean and scatter, and the theory."""
     quantity = quantity_of(key)
     loads = load_axis(contexts)
     scales = quantity.scales(contexts, key)
@@ -64,7 +69,7 @@ def _panel(ax: Any, contexts: list[FigureContext], key: str) -> None:
             _points(ax, context, key, quantity, loads, unit, how)
     if key == "kappa" and len(contexts) == 1:
         how = {"color": colour(1), "marker": marker(1), "label": "edge-corrected"}
-        corrected = Quantity("", "")
+        corrected = PlottedQuantity("", "")
         _points(ax, contexts[0], "kappa_corrected", corrected, loads, unit, how)
     ax.set_xlabel(loads.label)
     ax.set_ylabel(quantity.label(scales))
@@ -83,7 +88,7 @@ def _points(
     ax: Any,
     context: FigureContext,
     key: str,
-    quantity: Quantity,
+    quantity: PlottedQuantity,
     loads: LoadAxis,
     unit: float,
     how: dict[str, Any],
@@ -164,13 +169,9 @@ def _theory(
 
 def _pull_off(ax: Any, context: FigureContext, loads: LoadAxis, line_colour: Any) -> None:
     """Mark the last load that the surfaces of a result hold on a way to separation."""
-    steps = context.result.steps
-    for before, after in zip(steps, steps[1:]):
-        if after.get("status") == "separated" and before.get("status") == "converged":
-            ax.axvline(
-                loads.of(before), color=line_colour, linestyle=":", linewidth=0.8, label="pull-off"
-            )
-            return
+    if context.pull_off is not None:
+        held = loads.of(context.pull_off)
+        ax.axvline(held, color=line_colour, linestyle=":", linewidth=0.8, label="pull-off")
 
 
 def _limits(ax: Any, pushed: bool) -> None:

@@ -20,7 +20,7 @@ from .maps import FIELDS, maps
 from .page import COLUMN_WIDTH, Page
 from .quantities import OVERVIEW, QUANTITIES
 from .spectra import PANELS, spectra
-from .style import Picture, legend, save, styled
+from .style import Picture, legend, new_picture, save, styled
 from .units import good
 
 MAX_STEPS = 4  # in maps, distributions and spectra where nobody says which
@@ -47,6 +47,7 @@ class Kind:
 
 
 def _curve(name: str) -> Kind:
+    """Make the kind of picture that is one curve over the loads."""
     return Kind(curves, {name: (name,)}, over_loads=True)
 
 
@@ -108,7 +109,8 @@ def plot(
     Returns
     -------
     matplotlib.figure.Figure
-        It is saved at print resolution unless savefig is told otherwise.
+        It is saved at print resolution unless savefig is told otherwise. A notebook shows it once,
+        wherever in a cell it is made.
 
     Raises
     ------
@@ -136,7 +138,7 @@ def plot(
             if any(_steps(context.result, {name: keys}) for context in contexts)
         ]
         page = kind.page(contexts, drawn)
-        fig = ax.figure if ax else Picture(layout="constrained")
+        fig = ax.figure if ax else new_picture()
         try:
             if ax is None:
                 page.draw(fig)
@@ -186,6 +188,7 @@ def _results(argument: Any) -> dict[str, Result]:
 
 
 def _result(solution_or_path: Any) -> Result:
+    """Return the Result of a Solution, of Solutions or of the file at a path."""
     result = getattr(solution_or_path, "result", solution_or_path)  # of a Solution
     return result if isinstance(result, Result) else read_result(result)
 
@@ -307,6 +310,10 @@ def chosen_steps(result: Result, what: Any, step: Any) -> list[int]:
         Name of the picture.
     step : int, sequence of int or None
         Numbers of load steps; None: a choice out of all.
+
+    Returns
+    -------
+    list of int
 
     Raises
     ------

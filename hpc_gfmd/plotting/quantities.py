@@ -12,7 +12,7 @@ Power = tuple[str, int]  # kind of a unit, as Units.of takes it, and its power
 
 
 @dataclass(frozen=True)
-class Quantity:
+class PlottedQuantity:
     """A number of a load as a panel shows it.
 
     Attributes
@@ -78,44 +78,50 @@ def _typical(contexts: list[FigureContext], kind: str) -> float:
 
 AREA_ERRORS = ("a_r_error", "a_r_discretisation")
 QUANTITIES = {  # by the names of the result file; the first ones are drawn where nobody chooses
-    "a_r": Quantity("contact area", "a_r", errors=AREA_ERRORS),
-    "kappa": Quantity("", r"\kappa = a_r/p^*", errors=AREA_ERRORS),
-    "gap_mean": Quantity("mean gap", r"\langle g \rangle", (("gap", 1),), ("gap_error",)),
-    "approach": Quantity("approach", r"\delta", (("gap", 1),)),
-    "stiffness": Quantity("stiffness", "k", (("pressure", 1), ("gap", -1))),
-    "conductance": Quantity("conductance", "c", (("gap", -1),)),
-    "critical_gap_x": Quantity("critical gap along x", "g_c", (("gap", 1),)),
-    "critical_gap_y": Quantity("critical gap along y", "g_c", (("gap", 1),)),
-    "contact_area": Quantity("contact area", "A", (("length", 2),), AREA_ERRORS),
-    "contact_pressure_mean": Quantity(
+    "a_r": PlottedQuantity("contact area", "a_r", errors=AREA_ERRORS),
+    "kappa": PlottedQuantity("", r"\kappa = a_r/p^*", errors=AREA_ERRORS),
+    "gap_mean": PlottedQuantity("mean gap", r"\langle g \rangle", (("gap", 1),), ("gap_error",)),
+    "approach": PlottedQuantity("approach", r"\delta", (("gap", 1),)),
+    "stiffness": PlottedQuantity("stiffness", "k", (("pressure", 1), ("gap", -1))),
+    "conductance": PlottedQuantity("conductance", "c", (("gap", -1),)),
+    "critical_gap_x": PlottedQuantity("critical gap along x", "g_c", (("gap", 1),)),
+    "critical_gap_y": PlottedQuantity("critical gap along y", "g_c", (("gap", 1),)),
+    "contact_area": PlottedQuantity("contact area", "A", (("length", 2),), AREA_ERRORS),
+    "contact_pressure_mean": PlottedQuantity(
         "mean pressure in contact", r"\langle p \rangle_c", (("pressure", 1),), AREA_ERRORS
     ),
-    "contact_pressure_max": Quantity("largest pressure", r"p_\mathrm{max}", (("pressure", 1),)),
-    "a_plastic": Quantity("area that yields", r"a_\mathrm{pl}"),
-    "a_r_corrected": Quantity("contact area, edge-corrected", "a_r", errors=("a_r_error",)),
-    "patches": Quantity("number of patches"),
-    "patch_largest": Quantity("largest patch", "A_1", (("length", 2),)),
-    "patch_mean": Quantity("mean patch", r"\langle A \rangle", (("length", 2),)),
-    "perimeter": Quantity("length of the edges of contact", "P", (("length", 1),)),
-    "energy": Quantity("elastic energy per area", "U/A", (("pressure", 1), ("gap", 1))),
-    "gap_over_h_rms": Quantity("mean gap", r"\langle g \rangle/h_\mathrm{rms}"),
+    "contact_pressure_max": PlottedQuantity(
+        "largest pressure", r"p_\mathrm{max}", (("pressure", 1),)
+    ),
+    "a_plastic": PlottedQuantity("area that yields", r"a_\mathrm{pl}"),
+    "a_r_corrected": PlottedQuantity("contact area, edge-corrected", "a_r", errors=("a_r_error",)),
+    "patches": PlottedQuantity("number of patches"),
+    "patch_largest": PlottedQuantity("largest patch", "A_1", (("length", 2),)),
+    "patch_mean": PlottedQuantity("mean patch", r"\langle A \rangle", (("length", 2),)),
+    "perimeter": PlottedQuantity("length of the edges of contact", "P", (("length", 1),)),
+    "energy": PlottedQuantity("elastic energy per area", "U/A", (("pressure", 1), ("gap", 1))),
+    "gap_over_h_rms": PlottedQuantity("mean gap", r"\langle g \rangle/h_\mathrm{rms}"),
 }
 OVERVIEW = ("a_r", "kappa", "gap_mean", "approach")
 
 
-def quantity_of(key: str) -> Quantity:
+def quantity_of(key: str) -> PlottedQuantity:
     """Return how a number of a load is shown; one that is not known here by its name alone."""
-    return QUANTITIES.get(key) or Quantity(key.replace("_", " "))
+    return QUANTITIES.get(key) or PlottedQuantity(key.replace("_", " "))
 
 
-def relative_error(quantity: Quantity, step: Mapping[str, Any]) -> float:
+def relative_error(quantity: PlottedQuantity, step: Mapping[str, Any]) -> float:
     """Return the relative error of a number of a load, of the solver and of the grid; 0 of none.
 
     Parameters
     ----------
-    quantity : Quantity
+    quantity : PlottedQuantity
     step : mapping
         Attributes of the load step.
+
+    Returns
+    -------
+    float
     """
     return hypot(*(step.get(error) or 0.0 for error in quantity.errors))
 

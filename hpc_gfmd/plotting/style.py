@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import Formatter, LogLocator, NullFormatter
 
 from ..util.atomic import atomic_write
+from ..util.notebook import in_notebook
 from .units import tex_number
 
 # Okabe and Ito; the last one is kept for warnings
@@ -50,17 +51,49 @@ DPI = RC["savefig.dpi"]
 
 
 class Picture(Figure):
-    """A figure that a notebook shows, without pyplot, and that is saved at print resolution."""
+    """A figure that a notebook shows, and that is saved at print resolution."""
 
     def savefig(self, *args: Any, **how: Any) -> None:
-        """Save it in the style of all pictures, at print resolution unless `dpi` is given."""
+        """Save it in the style of all pictures, at print resolution unless `dpi` is given.
+
+        Parameters
+        ----------
+        *args, **how
+            As of matplotlib's Figure.savefig.
+        """
         with styled():
             super().savefig(*args, **how)
 
     def _repr_png_(self) -> bytes:
+        """Return the figure as a PNG for a notebook."""
         png = io.BytesIO()
         self.savefig(png, format="png", dpi=DPI / 2)
         return png.getvalue()
+
+    def _ipython_display_(self) -> None:
+        """Show it in a notebook, and keep pyplot from showing it again at the end of the cell."""
+        from IPython.display import display
+        from matplotlib import pyplot
+
+        pyplot.close(self)
+        display({"image/png": self._repr_png_(), "text/plain": str(self)}, raw=True)
+
+
+def new_picture() -> Picture:
+    """Make an empty picture.
+
+    In a notebook pyplot knows it, and shows at the end of the cell what has not been shown yet.
+
+    Returns
+    -------
+    Picture
+    """
+    if in_notebook() and matplotlib.get_backend().endswith("inline"):
+        from matplotlib import pyplot
+
+        known: Any = pyplot.figure(FigureClass=Picture, layout="constrained")
+        return known
+    return Picture(layout="constrained")
 
 
 def colour(k: int) -> str:
@@ -88,6 +121,18 @@ class LogTicks(LogLocator):
     long ones."""
 
     def tick_values(self, vmin: float, vmax: float) -> Any:
+        """Return the ticks of an axis.
+
+        Parameters
+        ----------
+        vmin, vmax : float
+            Ends of the axis.
+
+        Returns
+        -------
+        ndarray
+            Ascending; a few may lie beyond the ends.
+        """
         decades = np.asarray(super().tick_values(vmin, vmax))
         for digits in ([1], [1, 3], [1, 2, 5], [1, 2, 3, 5, 7]):
             ticks = np.kron(decades, digits)
@@ -103,6 +148,7 @@ class LogLabels(Formatter):
         return self.format_ticks([x])[0]
 
     def format_ticks(self, values: Any) -> list[str]:
+        """Return the labels of some ticks."""
         plain = all(1e-3 <= x <= 1e4 for x in values)
         return [f"{x:g}" if plain else f"${tex_number(x, '.0e')}$" for x in values]
 
@@ -144,6 +190,11 @@ def legend(fig: Any, loc: str, columns: int = 1) -> None:
 @contextmanager
 def styled() -> Iterator[None]:
     """Make everything that is drawn in this block look alike."""
+    if in_notebook():
+        from matplotlib import pyplot
+
+        # loads its backend: what that sets up would be undone at the end of this block
+        pyplot.draw_if_interactive()
     with matplotlib.rc_context(RC):
         yield
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from ..scene import ArrayScene, Load, Scene
+from ..scene import ArrayScene, LoadTable, Scene
 from ..scene.explain import nearest
 from ..scene.not_modelled import not_modelled
 from ..scene.table import Table
@@ -81,5 +81,5 @@ def scene_of_keywords(
 
 def several_loads(arguments: dict[str, Any]) -> bool:
     """Return whether the load among the arguments of `hpc_gfmd.solve` is a list of loads."""
-    values = (arguments.get(key) for key in Load.model_fields)
+    values = (arguments.get(key) for key in LoadTable.model_fields)
     return any(np.ndim(value) > 0 for value in values if value is not None)

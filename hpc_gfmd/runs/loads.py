@@ -19,12 +19,11 @@ from ..contact.area import a_r_discretisation
 from ..contact.contact import Contact
 from ..contact.duality import OBSERVABLES as OF_DUALITY
 from ..driver.branches import RETRACTION
-from ..driver.load import Load
-from ..driver.sweep import Sweep, Unfinished, make_sweep
+from ..driver.load import Load, Unfinished
+from ..driver.sweep import Sweep, make_sweep
 from ..laws import attraction_of, law_names
 from ..parallel import interrupt
-from ..scene import File, Scene, each, has_unit
-from ..scene import Load as SceneLoad
+from ..scene import File, LoadTable, Scene, each, has_unit
 from ..scene.explain import require_known
 from ..solvers import solver_names
 from ..solvers.base import Progress
@@ -52,7 +51,10 @@ def check(scene: Scene) -> None:
     if adhesion is not None:
         require_known("material.adhesion.law", adhesion.law, law_names())
         if scene.solver.low_memory:
-            raise SceneError("solver.low_memory: found true with material.adhesion, allowed: false")
+            raise SceneError(
+                "solver.low_memory: found true with material.adhesion, whose stability takes ten"
+                " more fields, allowed: false"
+            )
     error_of_body = body_of(scene.material, scene.surface.free).error
     accuracy = scene.solver.accuracy
     if accuracy and accuracy <= error_of_body:
@@ -101,6 +103,7 @@ def sweep_of(scene: Scene, make_surface: Callable[[np.dtype], Surface]) -> Sweep
         hardness=scene.material.hardness,
         attraction=attraction_of(scene.material),
         branch=scene.load.branch,
+        unique=scene.load.unique,
     )
     _require_like_units(scene, sweep.surface)
     return sweep
@@ -249,7 +252,7 @@ def _shown_target(scene: Scene, sweep: Sweep, load: Load, index: int) -> tuple[s
     return "p*", load.value / sweep.working.pressure_unit
 
 
-def _target(load: SceneLoad, index: int) -> dict[str, float]:
+def _target(load: LoadTable, index: int) -> dict[str, float]:
     """Return what the load gives in place of a mean pressure."""
     name, values = load.given
     return {} if name in ("p_star", "pressure") else {f"target_{name}": float(values[index])}

@@ -13,9 +13,8 @@ import numpy as np
 
 from ..contact import all_numbers
 from ..contact.contact import Contact, heights_of
-from ..driver.load import Load
+from ..driver.load import Load, Unfinished
 from ..driver.precision import first_precision
-from ..driver.sweep import Unfinished
 from ..driver.warmup import compile_once
 from ..output.fields import FIELDS
 from ..output.folder import HEAD, clear, is_held, partial_folder
@@ -192,6 +191,7 @@ class _Run:
         say.say(self._headline(attributes, time.monotonic() - begun))
 
     def _make_surface(self, dtype: np.dtype) -> Surface:
+        """Make the surface of the scene in a precision. Collective."""
         low_memory = self.scene.solver.low_memory
         return build_surface(self.scene.surface, self.comm, dtype, self.threads, low_memory)
 

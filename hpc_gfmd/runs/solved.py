@@ -17,7 +17,7 @@ from ..output.numbers import axes, names_of, numbers, said_of
 from ..output.read import Result
 from ..output.record import RunFile
 from ..parallel.comm import SerialComm
-from ..util.errors import SceneError
+from ..util.errors import GfmdError, SceneError, how_to_install
 from .references import references_of
 
 if TYPE_CHECKING:
@@ -74,12 +74,12 @@ class Solved:
 
     @property
     def unit(self) -> str:
-        """ "m", or "" where nobody named the unit of length."""
+        """Unit of lengths and heights: "m", or "" where none was given."""
         return self.result.surface.get("unit", "")
 
     @property
     def pressure_unit(self) -> str:
-        """ "Pa", or "" where nobody named the unit of pressure."""
+        """Unit of pressures: "Pa", or "" where none was given."""
         return self.result.surface.get("pressure_unit", "")
 
     def _known(self) -> Iterator[str]:
@@ -229,8 +229,13 @@ class Solved:
 
     def to_xarray(self) -> "Dataset":
         """Make an xarray of numbers (load), fields (load, x, y) and heights (x, y), with their
-        units and meanings as attributes."""
-        from xarray import Dataset
+        units and meanings as attributes. Raises GfmdError without xarray."""
+        try:
+            from xarray import Dataset
+        except ModuleNotFoundError as error:
+            raise GfmdError(
+                f"to_xarray: {error.name} is not installed: {how_to_install('xarray')}"
+            ) from None
 
         self._require_whole("to_xarray")
         result = self.result
@@ -252,13 +257,26 @@ class Solved:
         return Dataset(content, places, result.facts)
 
     def plot(self, what: str | None = None, **how: Any) -> "Figure":
-        """Draw a matplotlib figure, as `hpc-gfmd plot` does: "curves" (over the loads; default of
-        several), "maps" (default of one whose fields are kept), "distributions", "spectra", one
-        field or one curve, such as "a_r".
+        """Draw a matplotlib figure, as `hpc-gfmd plot` does.
 
-        how: step (which loads), window, dpi, dimensionless, ax (where to draw one panel); see
-        hpc_gfmd.plot, which also draws several results together. Raises SceneError where there is
-        no such picture, or fields are spread over ranks.
+        Parameters
+        ----------
+        what : str, optional
+            "curves" (over the loads; default of several), "maps" (default of one whose fields are
+            kept), "distributions", "spectra", one field or one curve, such as "a_r".
+        **how
+            step (which loads), window, dpi, dimensionless, ax (where to draw one panel); see
+            `hpc_gfmd.plot`, which also draws several results together.
+
+        Returns
+        -------
+        Figure
+            To be shown, or saved by its `savefig`.
+
+        Raises
+        ------
+        SceneError
+            Where there is no such picture, or fields are spread over ranks.
         """
         from ..plotting import plot
 

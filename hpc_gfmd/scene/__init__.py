@@ -7,20 +7,20 @@ found and what is allowed.
 
 from .model import ArrayScene, Scene
 from .read import load_scene, with_overrides
-from .settings import Load, Machine, Material, Output, Solver
+from .settings import LoadTable, Machine, Material, Output, SolverTable
 from .surface import File, SelfAffine, Sphere, Wave
 from .table import each, has_unit
 
 __all__ = [
     "ArrayScene",
     "File",
-    "Load",
+    "LoadTable",
     "Machine",
     "Material",
     "Output",
     "Scene",
     "SelfAffine",
-    "Solver",
+    "SolverTable",
     "Sphere",
     "Wave",
     "each",

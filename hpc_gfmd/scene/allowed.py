@@ -78,6 +78,7 @@ def _number(noun: str, metadata: tuple) -> str:
 
 
 def _plain(bound: Any) -> str:
+    """Return a bound as it is written in a scene."""
     return f"{bound:g}" if isinstance(bound, float) else str(bound)
 
 
@@ -100,8 +101,8 @@ def _list(members: tuple, unit: str) -> str:
 
 def _either(texts: list[str]) -> str:
     """Join alternatives with commas and "or"."""
-    *others, final = texts
-    if not others:
+    *all_but_one, final = texts
+    if not all_but_one:
         return final
     separator = ", or " if any(", " in text for text in texts) else " or "
-    return f"{', '.join(others)}{separator}{final}"
+    return f"{', '.join(all_but_one)}{separator}{final}"

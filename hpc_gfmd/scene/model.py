@@ -15,8 +15,8 @@ from pydantic import ValidationError, model_validator
 from ..util.errors import SceneError, one_line
 from ..util.quantities import NO_COMMA, format_quantity
 from .explain import explain
-from .settings import PRESSURES, Load, Machine, Material, Output, Solver
-from .surface import AnySurface, File, SelfAffine, Surface, Wave
+from .settings import LOADS, PRESSURES, LoadTable, Machine, Material, Output, SolverTable
+from .surface import AnySurface, File, SelfAffine, SurfaceTable, Wave
 from .table import Table, Text, about, alike, has_unit, key
 
 RESOLVED = 8  # points in a wave length; with fewer the contact is one of single points
@@ -31,9 +31,9 @@ class Scene(Table):
     material: Material = key(
         "the elastic solid that is pressed against it", Material(), allowed="a table [material]"
     )
-    load: Load = key("how hard", allowed="a table [load]")
-    solver: Solver = key(
-        "which algorithm, and when it may stop", Solver(), allowed="a table [solver]"
+    load: LoadTable = key("how hard", allowed="a table [load]")
+    solver: SolverTable = key(
+        "which algorithm, and when it may stop", SolverTable(), allowed="a table [solver]"
     )
     output: Output = key(
         "the result file, and what goes into it", Output(), allowed="a table [output]"
@@ -46,6 +46,7 @@ class Scene(Table):
 
     @model_validator(mode="after")
     def _rough(self) -> Self:
+        """Refuse loads that a flat surface does not have."""
         name, _ = self.load.given
         if (
             isinstance(self.surface, Wave)
@@ -60,6 +61,7 @@ class Scene(Table):
 
     @model_validator(mode="after")
     def _units(self) -> Self:
+        """Refuse units that do not fit together, such as "5 MPa" beside a plain modulus."""
         parts = {"surface": self.surface, "load": self.load, "material": self.material}
         lengths, pressures, forces = (
             {
@@ -91,10 +93,12 @@ class Scene(Table):
 
     @model_validator(mode="after")
     def _pulled(self) -> Self:
+        """Refuse pressures of 0 and below, and branches, without adhesion, and what adhesion
+        excludes."""
         adhesion, hardness = self.material.adhesion, self.material.hardness
         name, values = self.load.given
         if adhesion is None:
-            if name in PRESSURES and min(values) <= 0:
+            if name in (*PRESSURES, "approach") and min(values) <= 0:
                 raise ValueError(
                     f"load.{name}: found {format_quantity(min(values))}, allowed: a number greater"
                     " than 0; with material.adhesion also 0 and below"
@@ -104,21 +108,32 @@ class Scene(Table):
                     f'load.branch: found "{self.load.branch}", allowed: "approach"; others with'
                     " material.adhesion"
                 )
+            if self.load.unique:
+                raise ValueError("load.unique: found true, allowed: with material.adhesion")
             return self
         if hardness is not None:
             raise ValueError(
                 f"material.adhesion: found beside material.hardness = {format_quantity(hardness)},"
                 " allowed: one of them"
             )
-        if name not in PRESSURES:
+        if name == "a_r":
+            others = ", ".join(other for other in LOADS if other != "a_r")
             raise ValueError(
-                f"load.{name}: found with material.adhesion, where several loads may give the same"
-                f" value, allowed: {', '.join(PRESSURES)}"
+                "load.a_r: found with material.adhesion, where areas jump and several loads may"
+                f" give the same, allowed: {others}"
+            )
+        first = values[:1] if self.load.branch == "retraction" and name == "approach" else values
+        if name not in PRESSURES and min(first) <= 0:
+            raise ValueError(
+                f"load.{name}: found {format_quantity(min(first))} with material.adhesion, allowed:"
+                " a number greater than 0; an approach on retraction, but for the first, also 0 and"
+                " below"
             )
         return self
 
     @model_validator(mode="after")
     def _load_fits(self) -> Self:
+        """Refuse loads that the boundaries or the body do not have."""
         if self.load.force and not any(self.surface.free):
             raise ValueError(
                 "load.force: found periodic boundaries, allowed: with a free boundary (with"
@@ -254,12 +269,13 @@ class Scene(Table):
 class ArrayScene(Scene):
     """A scene whose heights are an array in memory: its surface has sizes only."""
 
-    surface: Surface = key(  # type: ignore[assignment]
-        "the sizes of the heights", Surface(), allowed="a table [surface]"
+    surface: SurfaceTable = key(  # type: ignore[assignment]
+        "the sizes of the heights", SurfaceTable(), allowed="a table [surface]"
     )
 
     @model_validator(mode="after")
     def _known_by_points(self) -> Self:
+        """Refuse low memory, which needs heights that are known mode by mode."""
         if self.solver.low_memory:
             raise ValueError(
                 'solver.low_memory: found true, allowed: with surface.kind = "self-affine", in a'

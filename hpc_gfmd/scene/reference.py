@@ -11,7 +11,7 @@ from ..util.errors import SceneError
 from .explain import nearest, printable
 from .model import Scene
 from .not_modelled import not_modelled
-from .surface import KINDS, Surface
+from .surface import KINDS, SurfaceTable
 from .table import about, allowed_of
 
 UNITS = {
@@ -100,14 +100,14 @@ def sections(names: Mapping[str, Any] | None = None) -> list[Section]:
     for table, field in fields.items():
         models: dict[str, Any] = {"": field.annotation}
         if table == "surface":
-            models = {"": Surface, **KINDS}
+            models = {"": SurfaceTable, **KINDS}
         for kind, model in models.items():
             keys = [
                 _key(name, model.model_fields[name], names.get(f"{table}.{name}"))
                 for name in model.__annotations__  # of the kind itself, not those of all kinds
                 if name != "kind"
             ]
-            if model is Surface:
+            if model is SurfaceTable:
                 keys.insert(0, KIND)
             heading = f'[{table}] of kind = "{kind}"' if kind else f"[{table}]"
             about_model = " ".join(model.__doc__.split())

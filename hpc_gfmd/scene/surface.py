@@ -34,7 +34,7 @@ Factor = Annotated[int, Field(ge=1, le=1024)]
 ANY = "surface"  # the data set or channel where the scene names none
 
 
-class Surface(Table):
+class SurfaceTable(Table):
     """The rigid rough surface. What every kind has: the cell, in the unit of the heights."""
 
     physical_sizes: Pair[Length] = key("lengths [L_x, L_y] of the cell", (1.0, 1.0), unit="length")
@@ -48,6 +48,7 @@ class Surface(Table):
 
     @model_validator(mode="after")
     def _form_ends(self) -> Self:
+        """Refuse a ball under a surface that is periodic along a bent axis."""
         row = getattr(self, "kind", "") == "sphere"  # a periodic one is one of many
         if not row and any(R < inf and not ends for R, ends in zip(self.radii, self.free)):
             raise ValueError(
@@ -70,7 +71,7 @@ class Surface(Table):
         return along[0] == "free", along[1] == "free"
 
 
-class SelfAffine(Surface):
+class SelfAffine(SurfaceTable):
     """Random self-affine roughness between the wavelengths lam_l and lam_s, both included.
 
     L is L_x; the cells of the grid are square, so n_y = n_x L_y/L_x must be whole too. The spectrum
@@ -106,6 +107,7 @@ class SelfAffine(Surface):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
+        """Refuse ratios that give no whole number of points, and a spectrum without waves."""
         one_of(self, "g_rms", "h_rms")
         if self.lam_l_over_lam_r > self.lam_l_over_lam_s:
             raise ValueError(
@@ -124,6 +126,7 @@ class SelfAffine(Surface):
         return self
 
     def _has_modes(self) -> bool:
+        """Return whether a wave of the cell lies between the two cutoffs."""
         low, high = self.L_over_lam_l, self.L_over_lam_l * self.lam_l_over_lam_s
         if high >= int(low) + 1:
             return True  # the next mode along x
@@ -172,7 +175,7 @@ class SelfAffine(Surface):
         return 1 / self.lam_s_over_a
 
 
-class Wave(Surface):
+class Wave(SurfaceTable):
     """z = A cos(2 pi k_x x/L_x) cos(2 pi k_y y/L_y): Westergaard with one k = 0, Johnson et al.
     with both."""
 
@@ -185,6 +188,7 @@ class Wave(Surface):
 
     @model_validator(mode="after")
     def _resolved(self) -> Self:
+        """Refuse a wave of no periods, and periods of less than two points."""
         if self.periods == (0, 0):
             raise ValueError(
                 "found periods = [0, 0], allowed: two whole numbers from 0, not both 0"
@@ -197,7 +201,7 @@ class Wave(Surface):
         return self
 
 
-class Sphere(Surface):
+class Sphere(SurfaceTable):
     """The paraboloid z = -x^2/(2 R_x) - y^2/(2 R_y) about the centre of the cell."""
 
     kind: Literal["sphere"]
@@ -207,7 +211,7 @@ class Sphere(Surface):
     n: Pair[Points] = key("grid points [n_x, n_y]", example=[256, 256])
 
 
-class File(Surface):
+class File(SurfaceTable):
     """A measured or computed height map, or the sum of two, x and y of which are the same
     directions in space; the grid is its shape. x is the first index of an array, which in a text is
     the number of the line, unless the file says otherwise. What the file says of sizes holds unless
@@ -307,6 +311,7 @@ class File(Surface):
 
     @model_validator(mode="after")
     def _one_way_to_be_periodic(self) -> Self:
+        """Refuse a free boundary, mirror images and a window together."""
         ways = {
             "a free boundary": any(self.free),
             "mirror": self.mirror,
@@ -324,7 +329,7 @@ class File(Surface):
         return None
 
 
-KINDS: dict[str, type[Surface]] = {
+KINDS: dict[str, type[SurfaceTable]] = {
     "self-affine": SelfAffine,
     "wave": Wave,
     "sphere": Sphere,
@@ -334,5 +339,6 @@ AnySurface = Annotated[SelfAffine | Wave | Sphere | File, Field(discriminator="k
 
 
 def _whole(value: float, what: str) -> None:
+    """Raise ValueError where a number of points is not whole; what: its name and formula."""
     if not (1 <= value <= MAX_N and abs(value - round(value)) <= 1e-9 * value):
         raise ValueError(f"found {what} = {value:.10g}, allowed: a whole number from 1 to {MAX_N}")

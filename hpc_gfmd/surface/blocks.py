@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .layout import Layout, NoNumber, is_comment
+from .layout import NoNumber, TextLayout, is_comment
 
 
 @dataclass
@@ -35,14 +35,14 @@ class Block:
         return np.frombuffer(self.numbers, np.float64).reshape(self.lines, -1)
 
 
-def read_blocks(lines: Iterable[str], layout: Layout) -> list[Block]:
+def read_blocks(lines: Iterable[str], layout: TextLayout) -> list[Block]:
     """Read the numbers of a text.
 
     Parameters
     ----------
     lines : iterable of str
         All lines of the text.
-    layout : Layout
+    layout : TextLayout
         Of its first lines.
 
     Returns
@@ -87,7 +87,7 @@ def joined(blocks: list[Block]) -> Block:
     return whole
 
 
-def _row(line: str, number: int, layout: Layout) -> list[float]:
+def _row(line: str, number: int, layout: TextLayout) -> list[float]:
     """Read the numbers of a line. Raises ValueError."""
     complete = "" if line.endswith(("\n", "\r")) else " (it is the last one: is the file complete?)"
     tokens = layout.tokens(line)

@@ -13,16 +13,22 @@ SMOOTHING = 2  # steps, before and after the coarse grid
 OVERCORRECTION = 1.8  # constant pieces are stiffer than the film
 
 
-class Level:
+class FilmLevel:
     """One level of the multigrid.
+
+    Parameters
+    ----------
+    matrix : csr_array
+        The equations of its points.
+    parents : ndarray of int or None
+        Which point of the next level each point belongs to; None: the coarsest level.
 
     Attributes
     ----------
-    matrix : csr_array
+    matrix, parents
+        As given.
     weights : ndarray
         DAMPING over its diagonal.
-    parents : ndarray of int, optional
-        Which point of the next level each point belongs to; None: the coarsest level.
     factors : SuperLU, optional
         Of the coarsest level.
     """
@@ -67,7 +73,7 @@ def solve_film(matrix: Any, right: np.ndarray, x: np.ndarray, y: np.ndarray) -> 
     return heights
 
 
-def _levels(matrix: Any, x: np.ndarray, y: np.ndarray) -> list[Level]:
+def _levels(matrix: Any, x: np.ndarray, y: np.ndarray) -> list[FilmLevel]:
     """Build the levels: points within 2 x 2 places become one, until few are left."""
     from scipy.sparse import csr_array
 
@@ -77,18 +83,18 @@ def _levels(matrix: Any, x: np.ndarray, y: np.ndarray) -> list[Level]:
         y = y // 2
         places = x * (int(y.max()) + 1) + y
         _, members, parents = np.unique(places, return_index=True, return_inverse=True)
-        levels.append(Level(matrix, parents))
+        levels.append(FilmLevel(matrix, parents))
         x = x[members]
         y = y[members]
         shape = (len(parents), len(members))
         ones = np.ones(len(parents))
         aggregates = csr_array((ones, (np.arange(len(parents)), parents)), shape=shape)
         matrix = (aggregates.T @ matrix @ aggregates).tocsr()
-    levels.append(Level(matrix, None))
+    levels.append(FilmLevel(matrix, None))
     return levels
 
 
-def _cycle(levels: list[Level], depth: int, residual: np.ndarray) -> np.ndarray:
+def _cycle(levels: list[FilmLevel], depth: int, residual: np.ndarray) -> np.ndarray:
     """Return an approximate solution for a residual: one V-cycle, symmetric."""
     level = levels[depth]
     residual = residual.ravel()

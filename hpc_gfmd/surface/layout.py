@@ -1,5 +1,5 @@
 """The layout of a text of numbers: what stands between them, their decimal mark, where they begin.
-It is found in the first lines; reading.py holds the whole text to it."""
+It is found in the first lines; blocks.py holds the whole text to it."""
 
 import csv
 import re
@@ -23,7 +23,7 @@ class NoNumber(ValueError):
 
 
 @dataclass(frozen=True)
-class Layout:
+class TextLayout:
     """How the numbers of a text are written.
 
     Attributes
@@ -62,7 +62,7 @@ class Layout:
         return number_of(token, self.decimal, self.missing)
 
 
-def layout_of(lines: list[str], spec: Any) -> Layout:
+def layout_of(lines: list[str], spec: Any) -> TextLayout:
     """Find the layout that accounts for the most numbers.
 
     Parameters
@@ -74,7 +74,7 @@ def layout_of(lines: list[str], spec: Any) -> Layout:
 
     Returns
     -------
-    Layout
+    TextLayout
 
     Raises
     ------
@@ -204,7 +204,7 @@ def is_whole(token: str) -> bool:
 
 def _candidate(
     lines: list[str], mark: str | None, decimal: str, missing: frozenset[str], skip: int | None
-) -> tuple[tuple, Layout]:
+) -> tuple[tuple, TextLayout]:
     """Return how good a layout is, by the numbers that it accounts for, and the layout."""
     numbers_of: dict[int, int] = {}  # {columns: numbers in lines of so many}
     first_of: dict[int, int] = {}
@@ -220,14 +220,14 @@ def _candidate(
         if tokens[-1]:
             open_ends.add(columns)
     if not any(numbers_of.values()):
-        return (0, False), Layout(mark, decimal, 0, len(lines), missing)
+        return (0, False), TextLayout(mark, decimal, 0, len(lines), missing)
     columns = max(numbers_of, key=lambda count: numbers_of[count])
     ended = columns > 1 and columns not in open_ends
-    layout = Layout(mark, decimal, columns - ended, first_of[columns], missing, ended)
+    layout = TextLayout(mark, decimal, columns - ended, first_of[columns], missing, ended)
     return (numbers_of[columns], mark is not None), layout
 
 
-def _require_header(lines: list[str], layout: Layout) -> None:
+def _require_header(lines: list[str], layout: TextLayout) -> None:
     """Raise ValueError where lines right before the numbers hold numbers, too: they may be a line
     of the map with a token that is not known, or one that is damaged."""
     hint = "surface.skip_lines tells how long the header is"
@@ -249,7 +249,8 @@ def _require_header(lines: list[str], layout: Layout) -> None:
             )
 
 
-def _is_number(token: str, layout: Layout) -> bool:
+def _is_number(token: str, layout: TextLayout) -> bool:
+    """Return whether a token is a number, or stands for a missing one."""
     try:
         layout.number(token)
     except NoNumber:

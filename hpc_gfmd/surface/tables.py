@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .coordinates import FEWEST, changes_evenly, is_plane, numbers_from_0
-from .layout import Layout, NoNumber, is_whole
+from .layout import NoNumber, TextLayout, is_whole
 
 HINT = (
     'surface.coordinates = "line", "column", "both" or "none" tells which of the first line and'
@@ -64,14 +64,14 @@ class Labels:
         )
 
 
-def labels_of(sample: list[str], layout: Layout) -> Labels:
+def labels_of(sample: list[str], layout: TextLayout) -> Labels:
     """Look at how the first lines of a matrix are written.
 
     Parameters
     ----------
     sample : list of str
         First lines of the text.
-    layout : Layout
+    layout : TextLayout
 
     Returns
     -------
@@ -177,6 +177,8 @@ def _is_label(table: np.ndarray, is_whole_line: bool, place: str) -> bool:
 
 
 def _with_both(heights: np.ndarray, of_lines: np.ndarray, of_columns: np.ndarray) -> Matrix:
+    """Make the matrix of heights whose first line and column are coordinates. Raises ValueError
+    where these do not rise evenly."""
     for values, place in ((of_columns, "line"), (of_lines, "column")):
         if not changes_evenly(values, 2):
             raise ValueError(f"the coordinates in its first {place} do not rise evenly: {HINT}")

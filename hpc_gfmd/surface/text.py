@@ -15,7 +15,7 @@ from . import header
 from .blocks import Block, joined, read_blocks
 from .contents import Contents, encoding_of
 from .coordinates import is_grid, numbers_from_0, points_on_grid
-from .layout import LOOKED_AT, Layout, layout_of
+from .layout import LOOKED_AT, TextLayout, layout_of
 from .metadata import Map, Metadata
 from .tables import Matrix, labels_of, without_coordinates
 
@@ -72,7 +72,7 @@ def _titled(blocks: list[Block]) -> bool:
     return all(any(line.strip("#\t\r\n ") for line in block.header) for block in blocks)
 
 
-def _one_of(blocks: list[Block], layout: Layout, spec: Any, are_points: bool) -> Map:
+def _one_of(blocks: list[Block], layout: TextLayout, spec: Any, are_points: bool) -> Map:
     """Choose one of several maps in a text, by the channels that their headers name, the first one
     where the scene names none."""
     if are_points:  # of which a blank line ends each line of the grid
@@ -100,7 +100,7 @@ def _one_of(blocks: list[Block], layout: Layout, spec: Any, are_points: bool) ->
     return heights, replace(metadata, other_channels=other_names)
 
 
-def _of_instrument(block: Block, layout: Layout, spec: Any) -> Map | None:
+def _of_instrument(block: Block, layout: TextLayout, spec: Any) -> Map | None:
     """Read a block by what a program wrote before it; None where that says nothing known."""
     title = block.header
     if layout.decimal == ",":
@@ -114,7 +114,7 @@ def _of_instrument(block: Block, layout: Layout, spec: Any) -> Map | None:
 
 
 def _points(
-    block: Block, names: header.Columns, title: list[str], layout: Layout, spec: Any
+    block: Block, names: header.Columns, title: list[str], layout: TextLayout, spec: Any
 ) -> Map:
     """Put points whose columns are named on a grid."""
     table = block.table()
@@ -140,7 +140,7 @@ def _of_points(
 
 
 def _matrix_or_points(
-    block: Block, layout: Layout, title: list[str], sample: list[str], spec: Any
+    block: Block, layout: TextLayout, title: list[str], sample: list[str], spec: Any
 ) -> Map:
     """Read a block of numbers whose columns have no names."""
     missing = header.missing_numbers(title)
@@ -171,7 +171,7 @@ def _matrix_or_points(
     return heights, _of_matrix(matrix, labels.corner, layout)
 
 
-def _of_matrix(matrix: Matrix, corner: str | None, layout: Layout) -> Metadata:
+def _of_matrix(matrix: Matrix, corner: str | None, layout: TextLayout) -> Metadata:
     """Return what is known of a matrix: sizes where it has coordinates with a unit."""
     remarks = []
     if layout.ended:
@@ -204,7 +204,7 @@ def _of_matrix(matrix: Matrix, corner: str | None, layout: Layout) -> Metadata:
 
 
 def _without_missing(
-    values: np.ndarray, missing: tuple[float, ...], layout: Layout, spec: Any
+    values: np.ndarray, missing: tuple[float, ...], layout: TextLayout, spec: Any
 ) -> np.ndarray:
     """Put nan in place of numbers that stand for missing points: those of the header and, where
     they are written in another way there, of the scene."""

@@ -1,8 +1,7 @@
-"""Everything public has a docstring that stands alone, in the form of numpydoc.
+"""Public functions, classes and methods have numpydoc docstrings (numpydoc.validate).
 
-Public is what has no leading underscore: functions, classes and their methods, in every file of the
-package. UNFINISHED lists folders and files that have not been rewritten by these rules. Whoever
-rewrites one of them takes it out of that list, until the list is empty and goes.
+Public names have no leading underscore. UNFINISHED lists folders and files that do not follow the
+rules yet; entries are removed as they are rewritten.
 """
 
 import dataclasses
@@ -17,33 +16,7 @@ from pydantic import BaseModel
 
 import hpc_gfmd
 
-UNFINISHED = (
-    "bodies",
-    "certificate",
-    "contact",
-    "driver",
-    "kernels",
-    "laws",
-    "operators",
-    "output",
-    "parallel",
-    "plotting",
-    "runs.in_memory",
-    "runs.loads",
-    "runs.prepared",
-    "runs.references",
-    "runs.restored",
-    "runs.simulation",
-    "runs.solution",
-    "runs.solve",
-    "runs.solved",
-    "runs.table",
-    "scene.surface",
-    "solvers",
-    "surface",
-    "theory",
-    "util.caches",
-)
+UNFINISHED = ("certificate", "driver", "solvers")
 RULES = {
     "GL08",  # there is a docstring
     "SS05",  # the summary of a function begins with an imperative: Return, not Returns
@@ -61,7 +34,7 @@ MODULES = [
 
 def public(module):
     """(name, object) of all functions, classes and methods that a module defines."""
-    for name, entry in vars(module).items():
+    for name, entry in list(vars(module).items()):  # a module may load more as it is read
         function = getattr(entry, "py_func", entry)  # of a kernel
         if name.startswith("_") or getattr(function, "__module__", None) != module.__name__:
             continue
@@ -71,7 +44,9 @@ def public(module):
             yield name, entry
             for method, value in vars(entry).items():
                 function = getattr(value, "__func__", value)
-                if not method.startswith("_") and inspect.isfunction(function):
+                if not inspect.isfunction(function) or function.__module__ != module.__name__:
+                    continue  # matplotlib adds methods of its own
+                if not method.startswith("_") or (method == "__init__" and function.__doc__):
                     yield f"{name}.{method}", function
 
 
@@ -92,12 +67,14 @@ def is_short(entry):
 
 
 def mistakes(module, name, entry):
-    """What is wrong with the docstring of one object."""
+    """Problems of the docstring of one object."""
     path = f"{module.__name__}.{name}"
     record = fields(entry) if inspect.isclass(entry) else []
     exempt = set()
-    if inspect.isclass(entry) and "__init__" not in vars(entry):
-        exempt.add("PR01")
+    if inspect.isclass(entry) and ("__init__" not in vars(entry) or entry.__init__.__doc__):
+        exempt.add("PR01")  # there are none, or `__init__` explains them
+    if name.endswith("__init__"):
+        exempt.add("SS05")
     if is_short(entry) or record or (inspect.isclass(entry) and issubclass(entry, BaseModel)):
         exempt |= {"PR01", "RT01"}
     if record or inspect.isclass(entry):
@@ -118,10 +95,10 @@ def mistakes(module, name, entry):
 @pytest.mark.parametrize("name", MODULES)
 def test_public_docstrings(name):
     module = importlib.import_module(name)
-    found = [line for entry in public(module) for line in mistakes(module, *entry)]
-    assert not found, "\n".join(found)
+    problems = [line for entry in public(module) for line in mistakes(module, *entry)]
+    assert not problems, "\n".join(problems)
 
 
-def test_the_exceptions_exist():
+def test_unfinished_modules_exist():
     modules = {module.name for module in pkgutil.walk_packages(hpc_gfmd.__path__, "hpc_gfmd.")}
     assert {f"hpc_gfmd.{name}" for name in UNFINISHED} <= modules

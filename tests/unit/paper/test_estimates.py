@@ -1,4 +1,4 @@
-"""Planted coefficients, exponents, limits and thresholds come back, within their errors."""
+"""Estimates recover planted coefficients, exponents, limits and thresholds within their errors."""
 
 from dataclasses import replace
 
@@ -19,50 +19,52 @@ SURFACE = Case(0.8, 2, 64, 2, 1, (LOW,))
 
 
 def ratios(level, hurst):
-    """The cases of all three series of a ratio at one H."""
-    three = [case for name in ("eps_c", "eps_f", "eps_t") for case in series(name, level, [hurst])]
-    return list(dict.fromkeys(three))
+    """The cases of the series in eps_c, eps_f and eps_t at one Hurst exponent."""
+    cases = [case for name in ("eps_c", "eps_f", "eps_t") for case in series(name, level, [hurst])]
+    return list(dict.fromkeys(cases))
 
 
-def desk(hurst=0.8, **how):
-    """The runs of the desk level at one H and the low pressure."""
-    return runs_of([replace(case, p_star=(LOW,)) for case in ratios("desk", hurst)], **how)
+def desk(hurst=0.8, **options):
+    """Made-up runs of the desk level at one Hurst exponent and the low pressure."""
+    return runs_of([replace(case, p_star=(LOW,)) for case in ratios("desk", hurst)], **options)
 
 
-def those(runs, **wanted):
-    """The runs that have these values."""
+def matching(runs, **wanted):
+    """The runs with these values."""
     return [run for run in runs if wanted.items() <= run.items()]
 
 
-def test_scatter_is_found_and_shared():
+def test_scatter_is_estimated_and_shared_between_grids():
     runs = desk(scatter=0.06, noise=4e-4)
     scatter = Scatter.of(runs, "kappa")
     for eps_t in (0.5, 0.25):
-        found = scatter.relative({"eps_t": eps_t, "eps_f": 1 / 64})
-        assert found == pytest.approx(0.06 * eps_t, rel=0.25)
-    assert abs(scatter.law[1]) < 0.15  # the same at all eps_f
-    pair = those(runs, seed=1, lam_l_over_lam_s=128, L_over_lam_l=2)[:2]
-    covariance = scatter.covariance([*pair, those(runs, seed=2)[0]], "kappa")
+        sigma_relative = scatter.relative({"eps_t": eps_t, "eps_f": 1 / 64})
+        assert sigma_relative == pytest.approx(0.06 * eps_t, rel=0.25)
+    assert abs(scatter.law[1]) < 0.15  # independent of eps_f
+    pair = matching(runs, seed=1, lam_l_over_lam_s=128, L_over_lam_l=2)[:2]
+    covariance = scatter.covariance([*pair, matching(runs, seed=2)[0]], "kappa")
     sigma = np.sqrt(np.diag(covariance))
     assert covariance[0, 1] / sigma[0] / sigma[1] > 0.99
     assert covariance[0, 2] == 0
     with pytest.raises(SceneError, match="one realisation"):
-        fit_observable(those(runs, seed=1), "kappa", "desk")
+        fit_observable(matching(runs, seed=1), "kappa", "desk")
 
 
-def test_averages():
-    """A mean over the seeds that a fine grid happens to have is corrected by what those seeds do on
-    the grid that has all."""
+def test_averages_of_incomplete_seeds():
+    """Where a fine grid has few seeds, their mean is corrected by how these seeds differ from the
+    mean on the grid that has all of them."""
     coarse = [replace(SURFACE, seed=seed) for seed in range(1, 9)]
     runs = runs_of([*coarse, replace(SURFACE, seed=3, lam_s_over_a=4)], scatter=0.2)
     rows = {row["lam_s_over_a"]: row for row in average(runs, "kappa")}
     values = [run["kappa"] for run in runs[:8]]
     assert rows[2]["kappa"] == pytest.approx(np.mean(values), rel=1e-12)
     assert rows[2]["kappa_se"] == pytest.approx(np.std(values, ddof=1) / np.sqrt(8), rel=0.15)
-    alone = [
+    without_scatter = [
         run["kappa"] for run in runs_of([SURFACE, replace(SURFACE, lam_s_over_a=4)], scatter=0)
     ]
-    assert rows[4]["kappa"] / rows[2]["kappa"] == pytest.approx(alone[1] / alone[0], rel=1e-12)
+    assert rows[4]["kappa"] / rows[2]["kappa"] == pytest.approx(
+        without_scatter[1] / without_scatter[0], rel=1e-12
+    )
     assert (rows[2]["n_seeds"], rows[4]["n_seeds"]) == (8, 1)
     assert rows[4]["kappa_se"] / rows[4]["kappa"] == pytest.approx(
         rows[2]["kappa_se"] / rows[2]["kappa"], rel=0.01
@@ -70,13 +72,13 @@ def test_averages():
     assert average(runs[:1], "kappa")[0]["kappa_se"] is None
 
 
-def test_planted_coefficients_come_back():
+def test_fit_recovers_planted_coefficients():
     fit = fit_observable(desk(), "kappa", "desk")
-    found = fit.row(0.8)
+    fitted = fit.row(0.8)
     for name, sigma in fit.sigma.items():
-        assert abs(found[name] - LAW[name]) < 4 * sigma + 1e-9, name
+        assert abs(fitted[name] - LAW[name]) < 4 * sigma + 1e-9, name
     assert 0 < fit.sigma["C_f"] < 0.5
-    assert fit.sigma["alpha_c"] < 0.01  # pairs: the scatter of realisations does not matter
+    assert fit.sigma["alpha_c"] < 0.01  # from pairs of grids: the scatter of realisations cancels
     assert fit.sigma["C_c"] < 0.02
     gap = fit_observable(desk(scatter=0.01), "gap_over_h_rms", "desk")
     assert (gap.limit, "limit" in gap.names) == (0, False)
@@ -84,20 +86,20 @@ def test_planted_coefficients_come_back():
     assert abs(gap.alpha["f"] - GAP["alpha_f"]) < 4 * gap.sigma["alpha_f"]
 
 
-def test_errors_of_fits_are_honest():
-    """Over repetitions the parameters scatter as their errors say."""
+def test_scatter_of_fits_matches_their_errors():
+    """Over repetitions, parameters scatter by as much as their errors state."""
     runs = [desk(scatter=0.04, noise=4e-3, seed=seed) for seed in range(12)]
     for name, law, parameter in (
         ("kappa", LAW, "alpha_c"),
         ("kappa", LAW, "limit"),
         ("kappa_edge", EDGE, "limit"),
     ):
-        fits = [fit_observable(one, name, "desk") for one in runs]
+        fits = [fit_observable(repetition, name, "desk") for repetition in runs]
         pulls = [(fit.row(0.8)[parameter] - law[parameter]) / fit.sigma[parameter] for fit in fits]
         assert 0.4 < np.sqrt(np.mean(np.square(pulls))) < 1.7, (name, parameter)
 
 
-def test_exponents_along_a_series():
+def test_local_exponents_of_a_series():
     for row in estimates.local_exponents(desk(scatter=0.0), "kappa", "desk"):
         assert row["alpha"] == pytest.approx(LAW["alpha_c"], abs=1e-6)
         assert 0 < row["alpha_se"] < 0.02
@@ -113,8 +115,8 @@ def test_exponents_along_a_series():
 
 
 @pytest.mark.parametrize(("alpha", "agrees"), [(1.0, True), (0.5, False)])
-def test_the_limit_and_its_exponent(alpha, agrees):
-    """As counted and edge-corrected make one limit, with 2 - 2H where that is right."""
+def test_limit_and_its_exponent(alpha, agrees):
+    """Counted and edge-corrected areas have one limit if the exponent is 2 - 2H."""
 
     def kappa(case, eps_t, eps_f, eps_c):
         common = 2.1 + 0.01 * eps_t + 1.5 * eps_f**alpha * (1 + eps_c)
@@ -126,7 +128,11 @@ def test_the_limit_and_its_exponent(alpha, agrees):
     for row in rows:
         assert row["agrees"] is agrees
         assert abs(row["kappa_tfc"] - 2.1) < 4 * row["kappa_tfc_se"] < (0.15 if agrees else 0.5)
-    for few in (those(runs, lam_l_over_lam_s=32), those(runs, seed=1), those(runs, lam_s_over_a=2)):
+    for few in (
+        matching(runs, lam_l_over_lam_s=32),
+        matching(runs, seed=1),
+        matching(runs, lam_s_over_a=2),
+    ):
         assert estimates.limits(few) == []
 
 
@@ -134,29 +140,32 @@ def test_the_limit_and_its_exponent(alpha, agrees):
     ("kappa", "alpha", "verdict"),
     [((2.16, 1.93), 0.6, "survives"), ((2.10, 2.31), 0.36, "does not survive")],
 )
-def test_what_survives_of_the_paper(kappa, alpha, verdict):
+def test_verdict_on_the_claims_of_the_paper(kappa, alpha, verdict):
     common = {"p_star": LOW, "kappa_tfc_se": 0.02, "alpha_f": alpha, "alpha_f_se": 0.1}
     common |= {"area": "ours", "agrees": True, "counted": 2.0, "edge": 2.0, "printed": 2.0}
     rows = [common | {"hurst": h, "kappa_tfc": k} for h, k in zip((0.0, 0.8), kappa)]
-    found = [line["why"].partition(":")[0] for line in tables.our_limits(rows)]
-    assert found[2:] == [verdict] * 2
+    verdicts = [line["why"].partition(":")[0] for line in tables.our_limits(rows)]
+    assert verdicts[2:] == [verdict] * 2
 
 
 def made_up(scatter, seed=0, loads=(0.1,), jitter=0):
-    """Runs whose kappa is (2 + H + eps_f) exp(0.1 eps_t + H eps_c + 0.3 eps_c^2) as counted, with
-    half of that edge-corrected; jitter: what a grid adds at each load."""
+    """Runs with kappa = (2 + H + eps_f) exp(0.1 eps_t + e), e = H eps_c + 0.3 eps_c^2 as counted
+    and half of it edge-corrected. jitter: independent noise of every grid and load."""
     rng = np.random.default_rng(seed)
     grids = [(8, 16, 2), (8, 16, 4), (8, 16, 8), (8, 16, 16), (2, 16, 2), (2, 64, 2), (2, 64, 4)]
     grids += [(2, 64, 8), (2, 64, 16), (8, 64, 2)]
     cases = [
-        Case(H, *one, s, loads) for H in (0.3, 0.5, 0.8) for one in grids for s in (1, 2, 3, 4)
+        Case(H, *ratios, s, loads)
+        for H in (0.3, 0.5, 0.8)
+        for ratios in grids
+        for s in (1, 2, 3, 4)
     ]
 
     def kappa(case, eps_t, eps_f, eps_c):
         excess = case.hurst * eps_c + 0.3 * eps_c**2
         noise = 1 + jitter * eps_t * eps_f * eps_c * rng.normal()
-        at = (2 + case.hurst + eps_f) * np.exp(0.1 * eps_t) * noise
-        return at * np.exp(excess), at * np.exp(excess / 2)
+        limit = (2 + case.hurst + eps_f) * np.exp(0.1 * eps_t) * noise
+        return limit * np.exp(excess), limit * np.exp(excess / 2)
 
     return runs_of(cases, scatter=scatter, noise=scatter / 10, kappa=kappa, seed=seed)
 
@@ -164,40 +173,40 @@ def made_up(scatter, seed=0, loads=(0.1,), jitter=0):
 @pytest.mark.parametrize("observable", ["kappa", "kappa_edge"])
 @pytest.mark.parametrize("coarsest", [0.5, 0.25])
 def test_continuum_without_scatter_is_exact(observable, coarsest):
-    """Three grids tell fewer powers of eps_c apart; each eps_f is then known of one cell only,
-    which stays in the value."""
+    """With three grids only, each eps_f is known for one cell size, whose effect stays in the
+    value."""
     runs = [run for run in made_up(1e-7) if run["eps_c"] <= coarsest]
-    found = continuum(runs, observable)
-    assert len(found) == 6
-    for (hurst, eps_f, _), (value, _) in found.items():
+    limits = continuum(runs, observable)
+    assert len(limits) == 6
+    for (hurst, eps_f, _), (value, _) in limits.items():
         cell = np.inf if coarsest == 0.5 else {1 / 16: 8, 1 / 64: 2}[eps_f]
         assert value == pytest.approx((2 + hurst + eps_f) * np.exp(0.1 / cell), rel=1e-5)
 
 
 @pytest.mark.parametrize(("loads", "jitter"), [((0.1,), 0), ((1e-4, 1e-3), 3)])
-def test_continuum_knows_its_errors(loads, jitter):
+def test_continuum_errors_match_the_scatter(loads, jitter):
     pulls = []
     for seed in range(8):
-        found = continuum(made_up(0.02, seed, loads, jitter), "kappa_edge")
-        pulls += [(value - 2 - sum(key[:2])) / sigma for key, (value, sigma) in found.items()]
-        assert max(sigma / value for value, sigma in found.values()) < 0.02
+        limits = continuum(made_up(0.02, seed, loads, jitter), "kappa_edge")
+        pulls += [(value - 2 - sum(key[:2])) / sigma for key, (value, sigma) in limits.items()]
+        assert max(sigma / value for value, sigma in limits.values()) < 0.02
     assert 0.6 < np.std(pulls) < 1.6
     assert np.abs(pulls).max() < 4.5
 
 
-def test_continuum_refuses_what_it_cannot_tell():
+def test_continuum_refuses_too_few_runs_and_zeros():
     runs = made_up(0.01)
-    for some, observable, said in (
-        (those(runs, eps_c=0.5), "kappa_edge", "too few grids"),
-        (those(runs, seed=1), "kappa_edge", "two of some"),
+    for bad_runs, observable, message in (
+        (matching(runs, eps_c=0.5), "kappa_edge", "too few grids"),
+        (matching(runs, seed=1), "kappa_edge", "two of some"),
         ([run | {"gap_over_h_rms": 0.0} for run in runs], "gap_over_h_rms", "zeros"),
     ):
-        with pytest.raises(SceneError, match=said):
-            continuum(some, observable)
+        with pytest.raises(SceneError, match=message):
+            continuum(bad_runs, observable)
 
 
-def test_light_loads_leave_the_coarsest_grid_out():
-    """One that does not resolve single contacts tells nothing of them."""
+def test_light_loads_ignore_the_coarsest_grid():
+    """It does not resolve single contacts."""
     runs = runs_of(
         series("curves", "quick"), kappa=lambda case, t, f, c: (1 + c, 1 + 0.2 * c), noise=0.02
     )
@@ -207,17 +216,21 @@ def test_light_loads_leave_the_coarsest_grid_out():
         else run
         for run in runs
     ]
-    light, other = (
-        [row["kappa"] for row in curves.limits(some, "quick") if row["p_star"] in curves.LIGHT]
-        for some in (runs, spoilt)
-    )
-    assert len(light) == 8
-    assert light == other
+
+    def light_kappas(runs):
+        rows = curves.limits(runs, "quick")
+        return [row["kappa"] for row in rows if row["p_star"] in curves.LIGHT]
+
+    assert len(light_kappas(runs)) == 8
+    assert light_kappas(runs) == light_kappas(spoilt)
 
 
-def sweeps(thresholds, grid=8, size=1, late=(0.02, -0.02)):
-    """Sweeps of surfaces that percolate at these areas along x and y: sides later, corners earlier
-    by a share of a/lam_s; counted areas exceed by 1/grid; gaps seal 0.01 above."""
+def sweeps(thresholds, grid=8, size=1, shifts=(0.02, -0.02)):
+    """Load sweeps of surfaces that percolate at the given areas along x and y.
+
+    thresholds: areas along (x, y) of each surface; shifts: of the thresholds through sides and
+    through corners, times a/lam_s. Counted areas are too large by 1/grid; gaps seal 0.01 above.
+    """
     common = {"hurst": 0.5, "L_over_lam_l": size, "lam_l_over_lam_s": 16, "lam_s_over_a": grid}
     runs = []
     for seed, pair in enumerate(thresholds):
@@ -225,21 +238,22 @@ def sweeps(thresholds, grid=8, size=1, late=(0.02, -0.02)):
             run = common | {"seed": seed, "p_star": area / 1.75, "a_r_edge": area}
             run |= {"a_r": area * (1 + 1 / grid)}
             for axis, at in zip("xy", pair, strict=True):
-                for end, shift in zip(("", "_8"), late, strict=True):
+                for end, shift in zip(("", "_8"), shifts, strict=True):
                     run[f"contact_percolates_{axis}{end}"] = bool(area > at + shift / grid)
                 run[f"gap_spans_{axis}"] = bool(area < at + 0.01)
             runs.append(run)
     return runs
 
 
-def test_critical_area():
-    """Between loads, in cells of three sizes; and where counted and edge-corrected, sides and
-    corners meet."""
+def test_percolation_thresholds():
+    """Thresholds are interpolated between loads for three cell sizes, and extrapolated to where
+    counted and edge-corrected areas, sides and corners agree."""
     rng = np.random.default_rng(1)
     widths = {size: 0.06 * size**-0.75 for size in (1, 2, 4)}
     areas = {size: rng.normal(0.42, width, (60, 2)) for size, width in widths.items()}
     rows = percolation.thresholds(
-        [run for size, some in areas.items() for run in sweeps(some, size=size)], "quick"
+        [run for size, areas_of_cell in areas.items() for run in sweeps(areas_of_cell, size=size)],
+        "quick",
     )
     assert [row["surfaces"] for row in rows] == [60, 60, 60]
     for row in rows:
@@ -252,9 +266,9 @@ def test_critical_area():
     assert (large["a_c"], large["exponent"]) == (None, pytest.approx(-0.75, abs=0.2))
     assert 0.2 < percolation.thresholds(sweeps([(0.1, 0.9), (0.3, 0.4)]), "quick")[0]["a_c"] < 0.75
 
-    late = (0.01, -0.026)
-    of = np.random.default_rng(3).normal(0.4, 0.03, (100, 2))
-    runs = [run for grid in (4, 8, 16) for run in sweeps(of[: 400 // grid], grid, late=late)]
+    shifts = (0.01, -0.026)
+    pairs = np.random.default_rng(3).normal(0.4, 0.03, (100, 2))
+    runs = [run for grid in (4, 8, 16) for run in sweeps(pairs[: 400 // grid], grid, shifts=shifts)]
     rows = percolation.thresholds(runs, "quick")
     for row in rows:
         assert abs(row["shift"] - 0.008 / row["lam_s_over_a"]) < 4 * row["shift_se"] < 0.02
@@ -263,17 +277,17 @@ def test_critical_area():
     assert abs(large["a_c_sealed"] - 0.41 + 0.349 * 0.03) < 4 * large["a_c_sealed_se"] < 0.04
 
 
-def test_stiffness_of_a_power_law_that_ends():
+def test_stiffness_power_law_up_to_a_pressure():
     rng = np.random.default_rng(2)
     system = dict(zip((*stiffness.SYSTEM, "lam_s_over_a"), (0.5, 1, 256, 2), strict=True))
     loads = 1e-4 * 2.0 ** np.arange(11)
-    at = np.where(loads < 0.004, loads**0.6, 0.004**0.6 * (loads / 0.004) ** 1.4)
+    planted = np.where(loads < 0.004, loads**0.6, 0.004**0.6 * (loads / 0.004) ** 1.4)
     runs = [
         system
         | {"h_rms": 2.0, "g_rms": 1.0, "seed": seed, "p_star": p}
         | {"stiffness": 3 * k * factor * (1 + 0.02 * rng.normal())}
         for seed, factor in enumerate(rng.uniform(0.5, 2, 20))
-        for p, k in zip(loads, at, strict=True)
+        for p, k in zip(loads, planted, strict=True)
     ]
     rows = stiffness.means(runs, "desk")
     (law,) = stiffness.power_laws(rows)
@@ -281,17 +295,18 @@ def test_stiffness_of_a_power_law_that_ends():
     assert 0.002 < law["ends"] < 0.008
     assert 0 < law["ends_se"] < 0.1 * law["ends"]
     assert rows[-1]["exponent"] == pytest.approx(1.4, abs=0.05)
-    assert rows[0]["stiffness"] == pytest.approx(6 * at[0] * 1.2, rel=0.35)
+    assert rows[0]["stiffness"] == pytest.approx(6 * planted[0] * 1.2, rel=0.35)
 
 
-def test_distributions_keep_their_integral_and_mean():
+def test_rebinning_keeps_integral_and_mean():
     edges = np.linspace(0, 2, 33)
     density = np.exp(-edges[:-1])
     density /= np.sum(density * np.diff(edges))
-    found = {"edges": 3 * edges, "density": density / 3}
+    stored = {"edges": 3 * edges, "density": density / 3}
     new = np.linspace(0, 2.5, 41)
-    density_there = distributions._binned(found, 3.0, new)
-    middle, old = (new[1:] + new[:-1]) / 2, (edges[1:] + edges[:-1]) / 2
+    density_there = distributions._binned(stored, 3.0, new)
+    middle = (new[1:] + new[:-1]) / 2
+    old = (edges[1:] + edges[:-1]) / 2
     assert np.sum(density_there * np.diff(new)) == pytest.approx(1, rel=1e-12)
     assert np.sum(density_there * middle * np.diff(new)) == pytest.approx(
         np.sum(density * old * np.diff(edges)), rel=2e-3
@@ -306,14 +321,14 @@ def test_distributions_keep_their_integral_and_mean():
     assert distributions.patch_exponent(rows) == pytest.approx((1.7, 0), abs=1e-6)
 
 
-def test_our_table_serves_the_command():
+def test_our_table_extrapolates_like_the_printed_one():
     runs = runs_of([case for hurst in (0.3, 0.8) for case in ratios("desk", hurst)])
     table = tables.our_table(runs, "desk")
     assert [len(part["rows"]) for part in table["tables"]] == [2] * 4
     for p_star in (0.007, PRESSURES["high"]):
         sim = LAW["limit"] + LAW["C_t"] / 2 + LAW["C_f"] * 1024**-0.7 + LAW["C_c"] * 0.5**1.1
-        at = (0.8, p_star, 0.5, 1 / 1024, 0.5)
-        value, sigma, _ = tfc.extrapolate(sim, "kappa", *at, table=table)
+        system = (0.8, p_star, 0.5, 1 / 1024, 0.5)
+        value, sigma, _ = tfc.extrapolate(sim, "kappa", *system, table=table)
         assert abs(value - LAW["limit"]) < 4 * sigma < 0.2
 
 
@@ -324,7 +339,7 @@ def test_numbers_of_the_paper():
     assert printed.coefficients("kappa", "low", 0.0) is None
 
 
-def test_text():
+def test_numbers_in_text_and_tables():
     for value, sigma, expected in (
         (2.0604, 0.0123, "2.060 ± 0.012"),
         (2.0604, None, "2.06"),

@@ -1,4 +1,4 @@
-"""`python scripts/paper`: what is stored is safe and complete, and not solved again."""
+"""`python scripts/paper`: stored runs are complete, survive damage and are not solved again."""
 
 import errno
 import gzip
@@ -26,9 +26,9 @@ ALL = {*json.loads(gzip.decompress(COMMITTED.read_bytes()).splitlines()[0])} - {
 
 
 def solved(cases, store):
-    """The exit code of run_missing on one process, and what it said."""
-    said = []
-    return solve.run_missing(cases, store, hpc_gfmd.world(), say=said.append), said
+    """The exit code and the messages of run_missing on one process."""
+    messages = []
+    return solve.run_missing(cases, store, hpc_gfmd.world(), say=messages.append), messages
 
 
 @pytest.fixture(scope="module")
@@ -52,19 +52,21 @@ def test_stored_runs(three):
         assert run["n"] == round(16 * run["lam_s_over_a"])
 
 
-def test_what_is_stored_is_not_solved_again(three, tmp_path):
+def test_stored_runs_are_not_solved_again(three, tmp_path):
     before = three.path.read_bytes()
-    code, said = solved([*CASES, *CASES], three)
-    assert (code, "6 of them stored" in said[0], three.path.read_bytes()) == (0, True, before)
-    for other in (replace(SMALL, seed=2), replace(SMALL, accuracy=1e-4)):
-        assert three.missing([other]) == [other]
+    code, messages = solved([*CASES, *CASES], three)
+    assert (code, "6 of them stored" in messages[0], three.path.read_bytes()) == (0, True, before)
+    for changed in (replace(SMALL, seed=2), replace(SMALL, accuracy=1e-4)):
+        assert three.missing([changed]) == [changed]
     assert {run["lam_s_over_a"] for run in three.runs_of(CASES[2:])} == {4}
-    more = replace(SMALL, p_star=(0.05,), observables=("perimeter",), distributions=("pressure",))
+    extended = replace(
+        SMALL, p_star=(0.05,), observables=("perimeter",), distributions=("pressure",)
+    )
     store = Store(tmp_path)
     store.append(three.runs_of([SMALL]))
-    assert (store.missing([SMALL]), store.missing([more])) == ([], [more])
-    assert solved([SMALL, more], store)[0] == 0
-    (run,) = store.runs_of([more])
+    assert (store.missing([SMALL]), store.missing([extended])) == ([], [extended])
+    assert solved([SMALL, extended], store)[0] == 0
+    (run,) = store.runs_of([extended])
     assert set(run) == ALL | {"perimeter", "pressure_distribution"}
     density = run["pressure_distribution"]
     assert np.sum(np.diff(density["edges"]) * density["density"]) == pytest.approx(1)
@@ -81,10 +83,10 @@ def test_store_survives_a_torn_line(tmp_path, torn):
 
 
 def test_exit_codes(tmp_path, monkeypatch):
-    """What fails does not stop the others; a signal does, and what cannot be stored."""
-    code, said = solved([replace(SMALL, lam_s_over_a=1.5), SMALL], Store(tmp_path / "bad"))
+    """A failed case does not stop the others; a signal and a full disk do."""
+    code, messages = solved([replace(SMALL, lam_s_over_a=1.5), SMALL], Store(tmp_path / "bad"))
     assert (code, len(list(Store(tmp_path / "bad").stored().values()))) == (1, 2)
-    assert any(text.startswith("FAILED") and "lam_s_over_a" in text for text in said)
+    assert any(text.startswith("FAILED") and "lam_s_over_a" in text for text in messages)
     assert solved([replace(SMALL, accuracy=1e-300)], Store(tmp_path / "poor"))[0] == 3
     (tmp_path / "file").write_text("")
     with refused(r"making .*file", GfmdError):
@@ -103,9 +105,14 @@ def test_exit_codes(tmp_path, monkeypatch):
     assert list(Store(tmp_path / "stopped").stored().values()) == []
 
 
-def test_cheapest_first_each_surface_once_and_fair_shares():
-    some = [replace(SMALL, p_star=(0.1,)), CASES[2], SMALL, replace(SMALL, p_star=(0.2, 0.05))]
-    assert [case.p_star for case in merged(some)] == [(0.05, 0.1, 0.2, 0.35), (0.05, 0.35)]
+def test_cases_are_merged_and_shared_evenly():
+    overlapping = [
+        replace(SMALL, p_star=(0.1,)),
+        CASES[2],
+        SMALL,
+        replace(SMALL, p_star=(0.2, 0.05)),
+    ]
+    assert [case.p_star for case in merged(overlapping)] == [(0.05, 0.1, 0.2, 0.35), (0.05, 0.35)]
     cases = [case for name in TEXTS for case in cases_of(name, "paper")]
     whole = merged(cases)
     for parts in (1, 3, 16):
@@ -132,30 +139,30 @@ def test_catalogue(level):
         assert {case.hurst for case in cases} == {0.0, 0.3, 0.5, 0.8}
 
 
-def test_same_surface_along_an_eps_c_series():
-    alike = (0.3, 2, 16)
+def test_grids_of_an_eps_c_series_have_the_same_surface():
+    surface = (0.3, 2, 16)
     heights = []
     for case in series("eps_c", "quick"):
-        if (case.hurst, case.seed, case.lam_l_over_lam_s) == alike and case.lam_s_over_a < 16:
+        if (case.hurst, case.seed, case.lam_l_over_lam_s) == surface and case.lam_s_over_a < 16:
             keys = {name: x for name, x in case.surface.items() if name != "accuracy"}
             z = hpc_gfmd.make_surface("self-affine", **keys).heights
             step = round(case.lam_s_over_a / 2)
             coarse = z[::step, ::step]
             heights.append((coarse - coarse.mean()) / z.std())
     assert len(heights) == 3
-    for other in heights[1:]:
-        assert np.abs(other - heights[0]).max() < 1e-9
+    for heights_of_grid in heights[1:]:
+        assert np.abs(heights_of_grid - heights[0]).max() < 1e-9
 
 
 @pytest.fixture
 def paper(cli):
-    """The command line of scripts/paper."""
+    """`cli` for the command line of scripts/paper."""
     cli.script = command.make_parser
     return cli
 
 
 @pytest.mark.parametrize(
-    ("args", "said"),
+    ("args", "words"),
     rows("""
 fig14 | ITEM: found fig14
  | ITEM: not given
@@ -167,8 +174,8 @@ fig1 --only-run --no-run | not allowed
 fig1 --only-run --report | --only-run: found with
 """),
 )
-def test_wrong_arguments(paper, args, said):
-    assert said in paper.refused(args)
+def test_wrong_arguments_are_refused(paper, args, words):
+    assert words in paper.refused(args)
 
 
 def test_command(paper, tmp_path):
@@ -182,7 +189,8 @@ def test_command(paper, tmp_path):
     folder = tmp_path / "parts"
     assert {path.name for path in folder.iterdir()} == {"runs-1.jsonl", "runs-2.jsonl"}
     assert "to solve" not in paper.prints("fig13 -o parts")
-    table, picture = folder / "fig13.csv", folder / "fig13.png"
+    table = folder / "fig13.csv"
+    picture = folder / "fig13.png"
     before = table.read_text()
     assert before.count("\n") > 10
     picture.unlink()

@@ -1,5 +1,4 @@
-"""Tables of the grids of one process are kept for the next contact of their size, and change
-nothing."""
+"""Tables of grids are kept for the next contact of the same size, without changing results."""
 
 from concurrent.futures import ThreadPoolExecutor
 
@@ -14,7 +13,7 @@ from hpc_gfmd.parallel.grid import SMALL, Grid
 SERIAL = SerialComm()
 
 
-def test_the_same_grid_again():
+def test_transforms_are_kept_per_grid_and_thread():
     def transforms(n, sizes, comm=SERIAL, **options):
         return Grid.kept(n, sizes, comm, **options).fft(np.float64)
 
@@ -23,15 +22,15 @@ def test_the_same_grid_again():
     assert kept is not transforms((12, 10), (1, 2))
     assert kept is not transforms((12, 10), (1, 1), nominal=(8, 10))
     assert kept is not Grid((12, 10)).fft(np.float64)
-    other = SerialComm()
-    assert kept is transforms((12, 10), (1, 1), other)
-    assert Grid.kept((12, 10), (1, 1), other).comm is other
+    another_comm = SerialComm()
+    assert kept is transforms((12, 10), (1, 1), another_comm)
+    assert Grid.kept((12, 10), (1, 1), another_comm).comm is another_comm
     with ThreadPoolExecutor(1) as pool:
         assert pool.submit(transforms, (12, 10), (1, 1)).result() is not kept
 
 
 @pytest.mark.parametrize("n", [64, 4096])
-def test_large_transforms_are_given_back(n):
+def test_only_small_transforms_stay_planned(n):
     grid = Grid((n, n))
     fft = grid.fft(np.float64)
     grid.forget_fft(np.float64)
@@ -40,10 +39,10 @@ def test_large_transforms_are_given_back(n):
 
 
 def test_contacts_in_threads_do_not_share_memory():
-    """Whatever another thread solves meanwhile, and whatever was solved before."""
+    """Solutions do not depend on what other threads solve at the same time."""
     walls = [hpc_gfmd.make_surface(**rough(seed=seed)) for seed in range(4)]
     alone = [hpc_gfmd.solve(wall, p_star=0.1).pressure for wall in walls]
     with ThreadPoolExecutor(2) as pool:
         again = list(pool.map(lambda wall: hpc_gfmd.solve(wall, p_star=0.1).pressure, walls * 2))
-    for found, wanted in zip(again, alone * 2, strict=True):
-        assert np.allclose(found, wanted, rtol=1e-9, atol=1e-9 * wanted.max())
+    for pressure, expected in zip(again, alone * 2, strict=True):
+        assert np.allclose(pressure, expected, rtol=1e-9, atol=1e-9 * expected.max())

@@ -1,5 +1,4 @@
-"""Who started this process, on how many threads and cores it works, and what it says where MPI
-cannot be had."""
+"""Detection of the launcher, automatic threads, notes on cores, and messages without MPI."""
 
 import os
 import sys
@@ -16,7 +15,7 @@ from hpc_gfmd.parallel.mpi_library import load_mpi
 from hpc_gfmd.util.errors import GfmdError
 
 
-def test_launcher_can_be_said(monkeypatch):
+def test_launcher_and_its_override(monkeypatch):
     for name in (
         *launcher.LAUNCHER_SIZE,
         *launcher.LAUNCHER_RANK,
@@ -41,10 +40,11 @@ def test_launcher_can_be_said(monkeypatch):
 
 
 def test_automatic_threads(monkeypatch):
-    """Those that Slurm was asked for; else the cores where there is enough to do, one otherwise."""
+    """Slurm's cores per task; without Slurm all cores for large grids and one for small ones."""
     monkeypatch.delenv("SLURM_CPUS_PER_TASK", raising=False)
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: range(12))
-    few, many = thread_count.THREADED_POINTS - 1, thread_count.THREADED_POINTS
+    few = thread_count.THREADED_POINTS - 1
+    many = thread_count.THREADED_POINTS
     for slurm, points, threads in (("", many, 12), ("", few, 1), ("3", few, 3), ("4096", many, 12)):
         monkeypatch.setenv("SLURM_CPUS_PER_TASK", slurm)
         assert thread_count.threads_of(SerialComm(), "auto", points) == threads
@@ -91,8 +91,10 @@ def test_more_ranks_than_cores_are_noted(cores_of_ranks, threads, word, monkeypa
 
 
 def processes(folder, *ancestors):
-    """Make a folder like /proc of these processes, each the parent of the one before: (name,
-    variables, loaded libraries)."""
+    """Make a folder like /proc.
+
+    ancestors: (name, variables, loaded libraries) of processes, each the parent of the one before.
+    """
     for k, (name, variables, libraries) in enumerate(ancestors):
         place = folder / str(100 + k)
         place.mkdir()
@@ -103,7 +105,7 @@ def processes(folder, *ancestors):
 
 
 RANK_1 = [b"HOME=/root", b"PMI_RANK=1", b"PMI_SIZE=2"]
-OTHER = [b"HOME=/root"]
+NO_RANK = [b"HOME=/root"]
 
 
 @pytest.mark.parametrize(
@@ -114,13 +116,13 @@ OTHER = [b"HOME=/root"]
             [("bash", RANK_1, "libc.so.6"), ("a (b) c", RANK_1, "libmpich.so.12")],
             "python optimise.py",
         ),
-        ([("bash", RANK_1, "libc.so.6"), ("hydra_pmi_proxy", OTHER, "libc.so.6")], None),
+        ([("bash", RANK_1, "libc.so.6"), ("hydra_pmi_proxy", NO_RANK, "libc.so.6")], None),
         ([("mpirun", RANK_1, "libc.so.6"), ("python", RANK_1, "libmpi.so.40")], None),
-        ([("python", OTHER, "libmpi.so.40")], None),
+        ([("python", NO_RANK, "libmpi.so.40")], None),
         ([], None),
     ],
 )
-def test_a_rank_of_another_program_around_this_process(chain, program, tmp_path, monkeypatch):
+def test_enclosing_mpi_program(chain, program, tmp_path, monkeypatch):
     for name in launcher.LAUNCHER_RANK:
         monkeypatch.delenv(name, raising=False)
     processes(tmp_path, *chain)
@@ -141,8 +143,8 @@ def test_a_rank_of_another_program_around_this_process(chain, program, tmp_path,
         ("raise ImportError('libmpi.so.40: cannot open')", ["libmpi.so.40", "--no-binary=mpi4py"]),
     ],
 )
-def test_why_there_is_no_mpi(package, words, tmp_path, monkeypatch):
-    """What is missing, and what is there but does not find its library, are told apart."""
+def test_message_without_mpi(package, words, tmp_path, monkeypatch):
+    """A missing mpi4py and one that does not find its library give different messages."""
     for name in [name for name in sys.modules if name.partition(".")[0] == "mpi4py"]:
         monkeypatch.delitem(sys.modules, name)
     if package is None:
@@ -165,20 +167,20 @@ from mpi4py import MPI
 words = [sys.executable, "-m", "hpc_gfmd", "run", "scene.toml", "-o", f"{MPI.COMM_WORLD.rank}.h5"]
 for setting in (None, "none"):
     env = os.environ | ({"HPC_GFMD_LAUNCHER": setting} if setting else {})
-    done = subprocess.run(words, capture_output=True, text=True, env=env)
-    print("##", done.returncode, done.stderr.strip(), flush=True)
+    completed = subprocess.run(words, capture_output=True, text=True, env=env)
+    print("##", completed.returncode, completed.stderr.strip(), flush=True)
 """
 SCENE = "[surface]\nkind = 'wave'\namplitude = 0.1\nn = [8, 8]\n[load]\npressure = 0.1\n"
 
 
 @pytest.mark.skipif(not Path("/proc/self/maps").exists(), reason="needs /proc")
 def test_a_run_inside_another_mpi_program(folder):
-    """One line that says how to go on; MPI itself would end the process with a page."""
+    """The refusal is one line with the way out; MPI itself would print a page and abort."""
     pytest.importorskip("mpi4py")
     Path("inside.py").write_text(INSIDE)
-    done = python(2, ["inside.py"], environment(), folder)
-    lines = [line for line in done.stdout.splitlines() if line.startswith("##")]
-    assert len(lines) == 4, done.stdout + done.stderr
+    completed = python(2, ["inside.py"], environment(), folder)
+    lines = [line for line in completed.stdout.splitlines() if line.startswith("##")]
+    assert len(lines) == 4, completed.stdout + completed.stderr
     assert sorted(line.split()[1] for line in lines) == ["0", "0", "1", "1"]
     (message,) = (line for line in lines if line.startswith("## 1 hpc-gfmd:"))  # of rank 0
     assert "inside.py" in message
@@ -195,8 +197,8 @@ def test_a_run_inside_another_mpi_program(folder):
         ([], False),
     ],
 )
-def test_whether_somebody_watches_mpirun(chain, is_watched, tmp_path, monkeypatch):
-    """By its standard error; that of a rank is a pipe."""
+def test_whether_mpirun_writes_to_a_terminal(chain, is_watched, tmp_path, monkeypatch):
+    """Its standard error is inspected: that of a rank is always a pipe."""
     pty = pytest.importorskip("pty")
     processes(tmp_path, *((name, [], "libc.so.6") for name in chain))
     monkeypatch.setattr(os, "getppid", lambda: 100)

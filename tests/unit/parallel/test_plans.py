@@ -1,4 +1,4 @@
-"""Transforms that kernels call, by either library."""
+"""Multiplication by K with FFTW and with its replacement, in several passes and threads."""
 
 import numpy as np
 import pytest
@@ -14,11 +14,12 @@ from hpc_gfmd.parallel.grid import Grid
 @pytest.mark.parametrize("library", [plans.load_fftw, lambda: None])
 @pytest.mark.parametrize(("dtype", "rounding"), [(np.float64, 1e-13), (np.float32, 1e-5)])
 @pytest.mark.parametrize("threads", [1, 3])
-def test_several_passes(monkeypatch, library, dtype, rounding, threads):
+def test_stiffness_in_several_passes(monkeypatch, library, dtype, rounding, threads):
     monkeypatch.setattr(plans, "load_fftw", library)
     grid = Grid((612, 1030), threads=threads)
     u = np.random.default_rng(1).standard_normal(grid.n).astype(dtype)
     wanted = np.fft.ifft2(wave_numbers(grid.n) * grid.a / 2 * np.fft.fft2(u)).real
-    found, elastic = np.empty_like(u), Elastic(grid, HALF_SPACE, dtype)
-    stiffness_times(elastic, u, found)
-    assert np.abs(found - wanted).max() < rounding * np.abs(wanted).max()
+    Ku = np.empty_like(u)
+    elastic = Elastic(grid, HALF_SPACE, dtype)
+    stiffness_times(elastic, u, Ku)
+    assert np.abs(Ku - wanted).max() < rounding * np.abs(wanted).max()

@@ -1,5 +1,4 @@
-"""FFTW's measured plans: kept once, the same on all ranks and in every continuation, bounded, and
-never an error."""
+"""FFTW's measured plans: cached in one bounded file, equal on all ranks, and never an error."""
 
 import numpy as np
 import pytest
@@ -16,15 +15,17 @@ N = (120, 84)
 
 @pytest.fixture
 def memory(tmp_path, monkeypatch):
-    """The wisdom of this process in double precision, with an empty cache and nothing known;
-    afterwards as before."""
+    """The wisdom of this process in double precision, emptied, with an empty cache.
+
+    It is restored after the test.
+    """
     monkeypatch.setenv("HPC_GFMD_CACHE", str(tmp_path / "cache"))
-    found = wisdom._wisdom("float64")
-    before = found.text()
-    found.replace(b"")
-    grid._kept.tables.cache_clear()  # so that all is planned anew
-    yield found
-    found.replace(before)
+    process_wisdom = wisdom._wisdom("float64")
+    before = process_wisdom.text()
+    process_wisdom.replace(b"")
+    grid._kept.tables.cache_clear()  # to plan again
+    yield process_wisdom
+    process_wisdom.replace(before)
 
 
 def plan(n=N):
@@ -35,24 +36,24 @@ def files(folder):
     return sorted(p for p in folder.rglob("*") if p.is_file())
 
 
-def test_one_file_that_is_read_again_and_not_written_when_all_is_known(memory, tmp_path):
+def test_plans_are_read_from_one_file_and_written_only_if_new(memory, tmp_path):
     plan()
-    first = memory.text()
+    written = memory.text()
     (path,) = files(tmp_path)
     assert path == memory.path
-    assert kept(path) == first
+    assert kept(path) == written
     stamp = path.stat().st_mtime_ns
     memory.replace(b"")
     plan()
-    assert wisdom._lines(memory.text()) == wisdom._lines(first)
+    assert wisdom._lines(memory.text()) == wisdom._lines(written)
     assert path.stat().st_mtime_ns == stamp
     plan((60, 84))
-    assert wisdom._lines(first) < wisdom._lines(kept(path))
+    assert wisdom._lines(written) < wisdom._lines(kept(path))
     assert files(tmp_path) == [path]
 
 
-def test_a_campaign_of_many_grids_is_bounded(memory, tmp_path, monkeypatch):
-    """And what each planned last is known."""
+def test_file_of_many_grids_stays_small(memory, tmp_path, monkeypatch):
+    """The plans of the latest grid are always in it."""
     monkeypatch.setattr(wisdom, "LIMIT", 5000)
     for k in range(8):
         plan((24 + 2 * k, 36 + 2 * k))
@@ -65,26 +66,27 @@ def test_a_campaign_of_many_grids_is_bounded(memory, tmp_path, monkeypatch):
     "content",
     [b"", b"(fftw-3.3.10 fftw_wisdom", b"\0\xff" * 500, b"(" * 5000, b"x" * 2 * wisdom.LIMIT],
 )
-def test_what_is_no_wisdom_is_measured_again(content, memory):
-    """Though it is what was kept."""
+def test_damaged_wisdom_is_measured_again(content, memory):
+    """Content that is no wisdom, under a valid checksum, is replaced."""
     keep(memory.path, content)
     plan()
     assert kept(memory.path) == memory.text()
     assert len(memory.text().splitlines()) > 5
 
 
-def test_a_cache_that_cannot_be_written_is_none(memory, tmp_path):
+def test_cache_that_cannot_be_written_is_ignored(memory, tmp_path):
     (tmp_path / "cache").write_text("a file where the folder should be")
     assert plan().plans.rows_forward is not None
 
 
 class Rank(SerialComm):
-    """One of two ranks; what rank 0 sends is in `sent`."""
+    """One of two ranks; `sent` holds the messages of rank 0."""
 
     size = 2
 
     def __init__(self, rank, sent):
-        self.rank, self.sent = rank, sent
+        self.rank = rank
+        self.sent = sent
 
     def bcast(self, obj):
         if self.rank == 0:
@@ -93,7 +95,7 @@ class Rank(SerialComm):
 
 
 def test_ranks_plan_as_rank_0_does(memory):
-    """By its wisdom alone, whatever they knew and the cache knows."""
+    """Other ranks take its wisdom, whatever their own and the cache contain."""
     made = []
 
     def make():

@@ -1,4 +1,4 @@
-"""The attraction of the surfaces in a scene: keys, units, and what does not go together."""
+"""material.adhesion in a scene: keys, units, and combinations that are refused."""
 
 import pytest
 from scene_tables import tables
@@ -17,9 +17,10 @@ MEASURED = {
 }
 
 
-def scene(load=None, adhesion=ATTRACTION, material=(), **others):
+def scene(load=None, adhesion=ATTRACTION, material=(), **changed):
+    """The Scene of the reference tables with adhesion; changed: further tables."""
     material = dict(material) | ({} if adhesion is None else {"adhesion": adhesion})
-    return Scene.from_dict(tables(load=load or {"p_star": 0.1}, material=material, **others))
+    return Scene.from_dict(tables(load=load or {"p_star": 0.1}, material=material, **changed))
 
 
 def test_keys_and_defaults():
@@ -53,7 +54,7 @@ def test_units(work):
         ({"work": "50 mJ/m2", "range": 0.01}, ["material.adhesion.work", "units"]),
     ],
 )
-def test_refused(adhesion, words):
+def test_bad_tables_are_refused(adhesion, words):
     with pytest.raises(SceneError) as refusal:
         scene(adhesion=adhesion)
     for word in words:
@@ -64,27 +65,52 @@ def test_refused(adhesion, words):
 @pytest.mark.parametrize(
     "load", [{"p_star": -0.1}, {"p_star": [0.1, 0]}, {"pressure": [0.1, -0.1]}]
 )
-def test_a_load_that_pulls_needs_an_attraction(load):
+def test_tensile_loads_need_adhesion(load):
     assert scene(load).load.given[1]
     (name,) = load
     with pytest.raises(SceneError, match=rf"load.{name}: found .*allowed: a number greater than 0"):
         scene(load, None)
 
 
-def test_a_branch_needs_an_attraction():
+def test_a_branch_needs_adhesion():
     with pytest.raises(SceneError, match=r'load.branch: found "retraction", allowed'):
         scene({"p_star": 0.1, "branch": "retraction"}, None)
+    with pytest.raises(SceneError, match=r"load.unique: found true, allowed"):
+        scene({"p_star": 0.1, "unique": True}, None)
     with pytest.raises(SceneError, match=r"load.branch: found 'down', allowed"):
         scene({"p_star": 0.1, "branch": "down"})
 
 
-def test_a_hardness_does_not_go_with_it():
+def test_adhesion_excludes_a_hardness():
     with pytest.raises(SceneError, match=r"material.adhesion: found .*hardness = 2, allowed"):
         scene(material={"hardness": 2.0})
 
 
-@pytest.mark.parametrize("load", [{"a_r": 0.1}, {"gap_mean": 0.1}, {"gap_over_h_rms": 1.0}])
-def test_loads_that_several_pressures_give(load):
-    (name,) = load
-    with pytest.raises(SceneError, match=rf"load.{name}: found .*allowed: p_star, pressure, force"):
-        scene(load)
+def test_an_area_is_refused_because_it_jumps():
+    with pytest.raises(SceneError, match=r"load.a_r: found .*allowed: p_star, pressure, gap_mean"):
+        scene({"a_r": 0.1})
+
+
+LAYER = {"thickness": 0.1, "nu1": 0.3}
+
+
+@pytest.mark.parametrize(
+    ("load", "found"),
+    [
+        ({"gap_mean": [0.1, 0]}, "0"),
+        ({"gap_over_h_rms": [0.1, 0], "branch": "retraction"}, "0"),
+        ({"approach": [0.1, -0.1]}, "-0.1"),
+        ({"approach": [-0.1, -0.2], "branch": "retraction"}, "-0.1"),
+    ],
+)
+def test_a_length_of_0_or_below_is_refused(load, found):
+    name = next(iter(load))
+    material = LAYER if name == "approach" else {}
+    with pytest.raises(SceneError, match=rf"load.{name}: found {found} with material.adhesion"):
+        scene(load, material=material)
+
+
+def test_an_approach_below_0_needs_an_attraction_and_retraction():
+    assert scene({"approach": [0.1, 0, -0.1], "branch": "retraction"}, material=LAYER)
+    with pytest.raises(SceneError, match=r"load.approach: found -0.1, allowed: a number greater"):
+        scene({"approach": [0.1, -0.1]}, None, LAYER)

@@ -1,4 +1,4 @@
-"""What a message says is allowed are the bounds that the key is checked with."""
+"""The allowed values that messages name are the bounds with which a key is checked."""
 
 import re
 from typing import Annotated
@@ -25,13 +25,13 @@ NUMBER = re.compile(r"(a|a whole) number (from|above|greater than) (-?[\d.]+)")
 
 
 @pytest.mark.parametrize("name", FIELDS)
-def test_every_key_says_what_is_allowed(name):
+def test_every_key_has_a_text_of_allowed_values(name):
     assert allowed_of(FIELDS[name]) not in ("", "a text")
 
 
 @pytest.mark.parametrize("name", [n for n in FIELDS if NUMBER.match(allowed_of(FIELDS[n]))])
-def test_the_lowest_number(name):
-    """What is at the bound passes exactly where the words say so, and nothing below it does."""
+def test_lower_bound_matches_its_text(name):
+    """The bound itself passes if the text includes it; nothing below it passes."""
     field = FIELDS[name]
     kind, word, bound = NUMBER.match(allowed_of(field)).groups()
     number = int(bound) if kind == "a whole" else float(bound)
@@ -54,5 +54,5 @@ def test_the_lowest_number(name):
         ("machine.threads", 'a whole number from 1 to 65536 or "auto"'),
     ],
 )
-def test_words(key, words):
+def test_texts_of_allowed_values(key, words):
     assert allowed_of(FIELDS[key]) == words

@@ -16,7 +16,7 @@ def test_shipped_scenes_load_and_survive_a_round_trip(path):
     assert scene.warnings() == []
 
 
-def test_the_main_job():
+def test_shipped_rough_scene():
     scene = load_scene(next(path for path in SHIPPED if path.stem == "rough"))
     assert scene.surface.n == (1024, 1024)
     assert scene.load.p_star == (0.007, 0.353)
@@ -28,18 +28,18 @@ def test_defaults():
     scene = scene_of()
     assert scene.surface.n == (256, 256)
     assert (scene.surface.lam_l, scene.surface.h_rms, scene.solver.residual) == (0.5, None, None)
-    known = tomllib.loads("""
+    defaults = tomllib.loads("""
         surface = {g_rms = 1, physical_sizes = [1, 1], lam_l_over_lam_r = 1}
         material.E_star = 1
         solver = {accuracy = 1e-3, name = "auto", precision = "auto", nested = "auto"}
         output.fields = []
         machine = {threads = "auto"}""")
-    for table, keys in known.items():
-        found = json.loads(getattr(scene, table).model_dump_json())
-        assert {key: found[key] for key in keys} == keys
+    for table, keys in defaults.items():
+        values = json.loads(getattr(scene, table).model_dump_json())
+        assert {key: values[key] for key in keys} == keys
 
 
-def test_alternatives_switch_the_default_off():
+def test_alternative_keys_replace_defaults():
     scene = scene_of("surface.h_rms = 2 ; solver.residual = 1e-8")
     assert scene.surface.h_rms == 2
     assert scene.surface.g_rms is None
@@ -56,13 +56,13 @@ def test_alternatives_switch_the_default_off():
         ("{E_star = 2.1978, nu1 = 0.3, thickness = 0.1}", 2.1978, "bonded"),
     ],
 )
-def test_material(material, E_star, base):
+def test_contact_modulus_and_base_of_materials(material, E_star, base):
     scene = scene_of(f"material = {material}")
     assert scene.material.E_star == pytest.approx(E_star, rel=1e-15)
     assert base in (None, scene.material.base)
 
 
-def test_one_load_is_a_list_of_one():
+def test_single_loads_and_mean_pressures():
     assert scene_of("load.p_star = 1").load.p_star == (1.0,)
     for load, p0 in (("p_star = 0.1", (0.6,)), ("pressure = [5, 4]", (5, 4))):
         assert scene_of(f"load.{load}").load.p0(E_star=2, g_rms=3) == pytest.approx(p0)
@@ -80,8 +80,8 @@ def test_one_load_is_a_list_of_one():
 {kind = "file", path = "z.npy"} | None
 """),
 )
-def test_grid_points(surface, n):
-    """Whole numbers up to rounding."""
+def test_numbers_of_grid_points(surface, n):
+    """Products of ratios that are whole up to rounding are accepted."""
     assert str(scene_of(f"surface = {surface}").surface.n) == n
 
 
@@ -118,16 +118,16 @@ output.dtype = "single\""""
 
 
 @pytest.mark.parametrize(
-    ("change", "same"),
+    ("change", "keeps_identity"),
     [(line, text == SAME) for text in (SAME, ANOTHER) for line in text.splitlines()],
 )
-def test_identity_follows_what_changes_the_answer(change, same):
-    assert (scene_of(change).identity() == scene_of().identity()) == same
+def test_identity_follows_what_changes_the_answer(change, keeps_identity):
+    assert (scene_of(change).identity() == scene_of().identity()) == keeps_identity
 
 
 def test_identity_does_not_depend_on_the_order_of_fields():
-    one, other = (
+    gap_first, pressure_first = (
         scene_of(f"output.fields = {fields}")
         for fields in (["gap", "pressure"], ["pressure", "gap"])
     )
-    assert one.identity() == other.identity()
+    assert gap_first.identity() == pressure_first.identity()

@@ -15,6 +15,7 @@ from hpc_gfmd.scene import Scene, load_scene
 
 
 def write(folder: Path, text: str | bytes, name: str = "scene.toml") -> Path:
+    """Write a scene file; returns its path."""
     path = folder / name
     path.write_bytes(text if isinstance(text, bytes) else text.encode())
     return path
@@ -37,28 +38,28 @@ def write(folder: Path, text: str | bytes, name: str = "scene.toml") -> Path:
         (b"load.p_star = 0x" + b"f" * 5000, "surface: not given"),
     ],
 )
-def test_a_bad_file_is_refused_in_one_line(tmp_path, content, words):
+def test_bad_files_are_refused_in_one_line(tmp_path, content, words):
     path = write(tmp_path, content)
     with refused(f"{re.escape(str(path))}.*{re.escape(words)}"):
         load_scene(path)
 
 
-def test_what_cannot_be_read_is_refused_and_never_waits(tmp_path):
+def test_unreadable_paths_are_refused_without_blocking(tmp_path):
     os.mkfifo(tmp_path / "pipe.toml")
-    ours = [tmp_path, tmp_path / "none.toml", tmp_path / "pipe.toml"]
-    for path in [*ours, "/dev/zero", "a\0b", "x" * 5000, ""]:
+    local = [tmp_path, tmp_path / "none.toml", tmp_path / "pipe.toml"]
+    for path in [*local, "/dev/zero", "a\0b", "x" * 5000, ""]:
         with refused("."):
             load_scene(path)
     with refused(r"^hpc_gfmd.run: found a dict, allowed: the path of a sc"):
         hpc_gfmd.run(tables())
 
 
-def test_a_byte_order_mark_and_windows_line_ends_are_text(tmp_path):
+def test_byte_order_mark_and_windows_line_ends(tmp_path):
     text = tomli_w.dumps(tables()).replace("\n", "\r\n")
     assert load_scene(write(tmp_path, b"\xef\xbb\xbf" + text.encode())) == scene_of()
 
 
-def test_the_surface_file_counts_from_the_folder_of_the_scene(tmp_path):
+def test_surface_paths_are_relative_to_the_scene_file(tmp_path):
     (tmp_path / "in").mkdir()
     path = write(tmp_path / "in", tomli_w.dumps(tables(FILE)))
     scene = load_scene(path.relative_to(tmp_path))
@@ -67,7 +68,7 @@ def test_the_surface_file_counts_from_the_folder_of_the_scene(tmp_path):
     assert Scene.from_dict(tomllib.loads(scene.to_toml()), folder="/elsewhere") == scene
 
 
-def test_a_load_takes_the_place_of_another(tmp_path):
+def test_override_replaces_another_kind_of_load(tmp_path):
     path = write(tmp_path, tomli_w.dumps(tables()))
     assert load_scene(path).load.given[0] == "p_star"
     assert load_scene(path, ["load.a_r=0.1"]).load.given == ("a_r", (0.1,))
@@ -116,6 +117,6 @@ def test_overrides(tmp_path):
         ("surface.seed=0x" + "f" * 5000, "found a huge integer"),
     ],
 )
-def test_a_bad_override_is_refused_in_one_line(tmp_path, override, words):
+def test_bad_overrides_are_refused_in_one_line(tmp_path, override, words):
     with refused(re.escape(words)):
         load_scene(write(tmp_path, tomli_w.dumps(tables())), [override])

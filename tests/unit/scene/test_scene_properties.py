@@ -1,4 +1,4 @@
-"""Whatever a scene holds, it becomes a Scene or a SceneError of one line."""
+"""Random tables and overrides give either a Scene or a SceneError of one line."""
 
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -35,6 +35,7 @@ NAMES = st.sampled_from(KEYS) | st.text(max_size=6)
 
 
 def table_of(values: st.SearchStrategy, size: int) -> st.SearchStrategy:
+    """Strategy for tables with known and random keys."""
     return st.dictionaries(NAMES, values, max_size=size)
 
 
@@ -44,7 +45,7 @@ VALUES = st.recursive(
 quick = settings(max_examples=400, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 
 
-def survives(data: dict) -> None:
+def assert_scene_or_refusal(data: dict) -> None:
     try:
         scene = Scene.from_dict(data)
     except SceneError:
@@ -62,14 +63,15 @@ def survives(data: dict) -> None:
     PLACES,
     VALUES | st.floats(0, 10) | st.integers(0, 64),
 )
-def test_one_changed_value_gives_a_scene_or_a_scene_error(surface, place, value):
-    data, (table, key) = tables(surface), place
-    survives(data | {table: data.get(table, {}) | {key: value}})
+def test_changed_value_gives_a_scene_or_a_refusal(surface, place, value):
+    data = tables(surface)
+    table, key = place
+    assert_scene_or_refusal(data | {table: data.get(table, {}) | {key: value}})
 
 
 @quick
 @given(st.sampled_from(KEYS) | st.text(max_size=20), st.text(max_size=20))
-def test_any_override_gives_a_scene_or_a_scene_error(key, value):
+def test_override_gives_a_scene_or_a_refusal(key, value):
     for override in (f"{key}={value}", f"surface.{key}={value}"):
         message = ""
         try:

@@ -1,5 +1,4 @@
-"""Numbers of any size: they survive in the fields that come back and are stored, or the scene is
-refused."""
+"""Very large and very small units: fields keep their accuracy, or the scene is refused."""
 
 import numpy as np
 import pytest
@@ -22,29 +21,31 @@ def z():
 
 @pytest.fixture(scope="module")
 def plain(z):
-    found = hpc_gfmd.solve(z, 0.1, accuracy=1e-2)
-    assert [getattr(found, name).dtype for name in FIELDS] == [np.float32] * 3
-    return found
+    solution = hpc_gfmd.solve(z, 0.1, accuracy=1e-2)
+    assert [getattr(solution, name).dtype for name in FIELDS] == [np.float32] * 3
+    return solution
 
 
-def close(found, wanted, unit):
+def assert_close(field, wanted, unit):
+    """Compare a field, divided by its unit, with the wanted one."""
     np.testing.assert_allclose(
-        found.astype(float) / unit, wanted, rtol=1e-5, atol=1e-6 * np.abs(wanted).max()
+        field.astype(float) / unit, wanted, rtol=1e-5, atol=1e-6 * np.abs(wanted).max()
     )
 
 
 @pytest.mark.parametrize("length", [True, False])
 @pytest.mark.parametrize("unit", UNITS)
-def test_any_unit(z, plain, unit, length):
+def test_solutions_do_not_depend_on_units(z, plain, unit, length):
     L, p = (unit, 1) if length else (1, unit)
-    found = hpc_gfmd.solve(L * z, 0.1 * p, E_star=p, physical_sizes=(L, L), accuracy=1e-2)
-    assert (found.status, found.precision) == ("converged", "float32")
-    assert length or found.a_r == plain.a_r
+    solution = hpc_gfmd.solve(L * z, 0.1 * p, E_star=p, physical_sizes=(L, L), accuracy=1e-2)
+    assert (solution.status, solution.precision) == ("converged", "float32")
+    assert length or solution.a_r == plain.a_r
     for name in ("gap", "displacement") if length else ("pressure",):
-        close(getattr(found, name), getattr(plain, name), unit)
+        assert_close(getattr(solution, name), getattr(plain, name), unit)
 
 
 def scene(unit, length=1.0, **output):
+    """A Scene with E* = unit and cell size `length`; output: keys of [output]."""
     return Scene.from_dict(
         {
             "surface": ROUGH | {"physical_sizes": [length, length]},
@@ -60,21 +61,16 @@ def scene(unit, length=1.0, **output):
     ("unit", "length", "name"),
     [(1e-40, 1, "pressure"), (1e40, 1, "pressure"), (1, 1e-40, "gap"), (1, 1e40, "gap")],
 )
-def test_single_precision_that_is_insisted_on_is_refused_where_it_is_too_little(
-    tmp_path, unit, length, name
-):
-    with refused(
-        rf'^output\.dtype: found "single", which cannot hold the {name} .*allowed: "double"$'
-    ):
+def test_single_precision_is_refused_where_its_range_is_too_small(tmp_path, unit, length, name):
+    with refused(rf'^output\.dtype: found "single".* {name} .*allowed: "double"$'):
         run_scene(scene(unit, length, dtype="single"), out="a.h5", quiet=True)
     assert list(tmp_path.iterdir()) == []
     assert run_scene(scene(unit, length, dtype="double"), out="a.h5", quiet=True).exit_code == 0
 
 
 @pytest.mark.parametrize(("p", "boundary"), [(1e40, "periodic"), (1e30, "free")])
-def test_a_load_that_single_precision_cannot_hold(z, p, boundary):
-    """Full contact is not uniform at free edges; up to about the load that is refused it is found,
-    in double precision beyond squares."""
-    found = hpc_gfmd.solve(z, p, boundary=boundary)
-    assert (found.status, found.precision, found.a_r) == ("converged", "float64", 1.0)
-    assert boundary == "free" or found.pressure.min() == pytest.approx(p)
+def test_loads_beyond_single_precision(z, p, boundary):
+    """They are solved in double precision; pressures of full contact vary at free edges."""
+    solution = hpc_gfmd.solve(z, p, boundary=boundary)
+    assert (solution.status, solution.precision, solution.a_r) == ("converged", "float64", 1.0)
+    assert boundary == "free" or solution.pressure.min() == pytest.approx(p)

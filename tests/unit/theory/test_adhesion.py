@@ -1,4 +1,4 @@
-"""Closed forms of adhesive contacts: limits, values in print, and each other."""
+"""Closed forms of adhesive contacts against limits, printed values and each other."""
 
 import numpy as np
 import pytest
@@ -6,11 +6,13 @@ import pytest
 from hpc_gfmd.theory import adhesion, elastic
 from hpc_gfmd.util.errors import SceneError
 
-R, W, E_STAR = 2.0, 0.3, 5.0
+R = 2.0
+W = 0.3
+E_STAR = 5.0
 
 
-def test_ball_of_jkr():
-    """At no force the contact is (9 pi w R^2/(2 E*))^(1/3); a weak attraction leaves Hertz'."""
+def test_jkr_ball():
+    """The radius at zero force is (9 pi w R^2/(2 E*))^(1/3); weak attraction gives Hertz."""
     ball = adhesion.JohnsonKendallRoberts(R, W, E_STAR)
     assert ball.radius(0.0) == pytest.approx(np.cbrt(9 * np.pi * W * R**2 / (2 * E_STAR)))
     assert ball.pull_off == pytest.approx(-1.5 * np.pi * W * R)
@@ -35,7 +37,7 @@ def test_tabor():
     assert adhesion.tabor(8.0, 1.0, 2.0, 8.0) == pytest.approx(0.25)
 
 
-def test_wave():
+def test_adhesive_wave():
     wave = adhesion.AdhesiveWave((0.3 * np.pi) ** 2 / 2)
     assert wave.alpha == pytest.approx(0.3)
     assert wave.pull_off / wave.p_full == pytest.approx(-0.09594, rel=1e-3)
@@ -48,13 +50,18 @@ def test_wave():
 
 
 def test_stickiness():
-    """As in the criterion as it is printed: (g Delta/(kappa l)) (g d/(4 Delta))^(2/3) against
+    """The criterion as printed compares (g Delta/(kappa l)) (g d/(4 Delta))^(2/3) with
     pi (3/16)^(2/3)."""
-    a_r, p, slope, d, w, reach = 0.02, 0.01, 0.1, 3.0, 0.002, 0.05
+    a_r = 0.02
+    p = 0.01
+    slope = 0.1
+    d = 3.0
+    w = 0.002
+    reach = 0.05
     kappa = a_r * slope / p
     printed = slope * reach / (kappa * w) * (slope * d / (4 * reach)) ** (2 / 3)
-    found = adhesion.stickiness(a_r, p, slope, d, w, reach)
-    assert found == pytest.approx(np.pi * (3 / 16) ** (2 / 3) / printed)
+    parameter = adhesion.stickiness(a_r, p, slope, d, w, reach)
+    assert parameter == pytest.approx(np.pi * (3 / 16) ** (2 / 3) / printed)
 
 
 @pytest.mark.parametrize(
@@ -67,6 +74,6 @@ def test_stickiness():
         (lambda: adhesion.stickiness(2.0, 1.0, 1.0, 1.0, 1.0, 1.0), "a_r"),
     ],
 )
-def test_out_of_range(call, name):
+def test_numbers_out_of_range_are_refused(call, name):
     with pytest.raises(SceneError, match=f"{name}: found .*allowed"):
         call()

@@ -1,4 +1,4 @@
-"""Leak rates: parallel plates, seals that are tight, and the flow of Reynolds' equation."""
+"""Leak rates of parallel plates and of rough seals from leaking to tight."""
 
 import numpy as np
 import pytest
@@ -17,13 +17,13 @@ def test_square_plates():
 @pytest.mark.parametrize(
     ("name", "value"), [("viscosity", 0.0), ("pressure_drop", -1.0), ("width", 0.0)]
 )
-def test_what_makes_no_sense_is_refused(name, value):
+def test_numbers_out_of_range_are_refused(name, value):
     arguments = {"viscosity": 1e-3, "pressure_drop": 1e5} | {name: value}
     with pytest.raises(SceneError, match=name):
         leak_rate(1e-6, **arguments)
 
 
-def test_a_seal_leaks_until_it_is_tight():
+def test_a_seal_leaks_less_with_load_and_closes():
     wall = hpc_gfmd.make_surface(
         "self-affine", hurst=0.8, L_over_lam_l=2, lam_l_over_lam_s=8, lam_s_over_a=4, seed=1
     )

@@ -1,4 +1,4 @@
-"""Persson's theory: published and independently integrated numbers, limits, consistency."""
+"""Persson's theory against published numbers, independent quadrature, limits and itself."""
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from scipy.special import erf
 from hpc_gfmd.theory import persson, yielding
 from hpc_gfmd.theory.slope_profile import SlopeProfile
 
-# gap/h_rms as printed (gamma = 0.42), corrected (0.42), of the original theory (gamma = 1)
+# gap/h_rms: printed (gamma = 0.42), corrected (gamma = 0.42), original theory (gamma = 1)
 TABLE = """
 H   | p_star | 1/eps_f | printed | corrected | original
 0.3 | 0.007  | 256     | 1.12213 | 1.4593    | 1.86896
@@ -37,7 +37,7 @@ def energy_sum(p, hurst, eps_f, gamma):
 
 
 @pytest.mark.parametrize("row", rows(TABLE)[1:])
-def test_table(row):
+def test_published_gaps(row):
     hurst, p_star, lam, printed, corrected, original = map(float, row)
 
     def gap(**kw):
@@ -50,8 +50,9 @@ def test_table(row):
 
 
 @pytest.mark.parametrize("gamma", [0.42, 1, 0])
-def test_energy_gap_and_stiffness_belong_together(gamma):
-    p, d = np.geomspace(1e-3, 1.5, 9), 1e-4
+def test_stiffness_and_energy_follow_from_the_gap(gamma):
+    p = np.geomspace(1e-3, 1.5, 9)
+    d = 1e-4
 
     def change(f):
         return (f(p * (1 + d)) - f(p * (1 - d))) / (2 * d * p)
@@ -81,8 +82,7 @@ def test_hurst_limits_are_continuous():
 
 
 def test_fractal_limit():
-    """gap/(g_rms lam_s) converges and gap/h_rms vanishes for eps_f -> 0; nothing jumps on the
-    way."""
+    """For eps_f -> 0, gap/(g_rms lam_s) converges and gap/h_rms vanishes, both smoothly."""
     eps_f = np.geomspace(1e-20, 1, 81)
     for hurst in (0, 0.3, 0.5, 0.8, 1):
         gap = np.array([persson.mean_gap(0.353, hurst, e) for e in eps_f])
@@ -95,7 +95,7 @@ def test_fractal_limit():
 
 
 def test_low_pressure():
-    """kappa -> sqrt(8/pi), gap ~ -ln p (gamma > 0), stiffness ~ p; nothing overflows."""
+    """kappa -> sqrt(8/pi), gap ~ -ln p (gamma > 0), stiffness ~ p, without overflow."""
     p = np.array([1e-300, 1e-100, 1e-12, 1e-9])
     assert_allclose(persson.kappa(np.append(p, 0)), np.sqrt(8 / np.pi), rtol=1e-12)
     gap = persson.mean_gap(p, 0.8, 1e-3)
@@ -110,7 +110,8 @@ def test_low_pressure():
 def test_high_pressure():
     p = np.array([1.0, 3, 10, 18, 25, 1e3, 1e200])
     with np.errstate(all="raise", under="ignore"):
-        gap, energy = persson.mean_gap(p, 0.5, 1e-3), persson.elastic_energy(p, 0.5, 1e-3)
+        gap = persson.mean_gap(p, 0.5, 1e-3)
+        energy = persson.elastic_energy(p, 0.5, 1e-3)
     assert np.all(np.isfinite(gap))
     assert np.all(np.diff(gap[:4]) < 0)
     assert np.all(gap[4:] == 0)
@@ -120,8 +121,8 @@ def test_high_pressure():
 
 
 @pytest.mark.parametrize("hardness", [0.11, 0.3, 3.0, 1e5])
-def test_two_absorbing_ends(hardness):
-    """All of the area and of the load is somewhere; far away the second end does not count."""
+def test_pressure_distribution_with_a_hardness(hardness):
+    """Contact and yielded area carry the load; a large hardness gives the elastic theory."""
     p = np.linspace(0, min(hardness, 6.0), 100001)
     density = yielding.pressure_distribution(p, 0.1, hardness)
     area, yielded = yielding.areas(0.1, hardness)
@@ -145,7 +146,9 @@ def test_pressure_distribution():
 
 @pytest.mark.parametrize("hurst", [0, 0.3, 0.8, 1])
 def test_spectrum_reproduces_the_self_affine_surface(hurst):
-    p, eps_f, q_l = np.geomspace(1e-3, 3, 8), 1 / 200, 3.0
+    p = np.geomspace(1e-3, 3, 8)
+    eps_f = 1 / 200
+    q_l = 3.0
     q = np.geomspace(q_l, q_l / eps_f, 11)
     spectrum = 0.7 * q ** (-2 - 2 * hurst)
     profile = SlopeProfile.from_spectrum(q, spectrum, area=2.5)
@@ -159,7 +162,7 @@ def test_spectrum_reproduces_the_self_affine_surface(hurst):
 
 
 def test_spectrum_rms_values_and_rolloff():
-    """h_rms and g_rms of a rolled-off spectrum by quadrature; a sampled and a given spectrum
+    """h_rms and g_rms of a rolled-off spectrum by quadrature; a sampled spectrum and a function
     agree."""
 
     def spectrum(q):
@@ -197,7 +200,7 @@ def test_spectrum_rms_values_and_rolloff():
         ([0, 1], [1, 1], 1.0),
     ],
 )
-def test_refused(arguments):
+def test_arguments_out_of_range_are_refused(arguments):
     with refused("allowed"):
         curves = persson.mean_gap, persson.mean_gap_spectrum
         curves[isinstance(arguments[0], list)](*arguments)

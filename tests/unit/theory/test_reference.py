@@ -1,4 +1,4 @@
-"""Reference curves: what a user loads, and the file that is made from stored runs."""
+"""Reference curves as loaded by a user, and how their file is made from stored runs."""
 
 import json
 
@@ -12,31 +12,32 @@ from refusal import refused
 from hpc_gfmd import reference
 from hpc_gfmd.theory import persson
 
-AREA, GAP = 1.3, 0.8  # made-up runs over theory, at H = 0
+# ratios of the made-up runs to theory at H = 0
+AREA = 1.3
+GAP = 0.8
 
 
 def fake_runs(scatter=0.01):
-    """Runs with Persson's area and gap times AREA + 0.1 H, at full contact one; the gap closes at
-    p_star = 1.5."""
+    """Runs with AREA + 0.1 H times Persson's area and GAP times his gap.
+
+    At large pressures the area is Persson's, and the gap is closed from p* = 1.4 on.
+    """
     runs = []
     for run in runs_of(
         series("curves", "quick"), scatter=scatter, kappa=lambda case, t, f, c: (1 + c, 1 + 0.2 * c)
     ):
-        p_star, of = run["p_star"], (run["hurst"], run["eps_f"])
-        area = persson.contact_area(p_star) * (AREA + 0.1 * run["hurst"] if p_star < 0.5 else 1.0)
-        gap = (
-            persson.mean_gap(p_star, *of) * GAP * run["kappa_edge"] / (1 + 0.2 * run["eps_c"])
-            if p_star < 1.4
-            else 0.0
-        )
-        runs.append(
-            run
-            | {
-                "kappa": run["kappa"] * area / p_star,
-                "kappa_edge": run["kappa_edge"] * area / p_star,
-                "gap_over_h_rms": float(gap),
-            }
-        )
+        p_star = run["p_star"]
+        surface = (run["hurst"], run["eps_f"])
+        ratio = AREA + 0.1 * run["hurst"] if p_star < 0.5 else 1.0
+        area = ratio * persson.contact_area(p_star)
+        scatter_of_run = run["kappa_edge"] / (1 + 0.2 * run["eps_c"])
+        gap = GAP * persson.mean_gap(p_star, *surface) * scatter_of_run if p_star < 1.4 else 0.0
+        changed = {
+            "kappa": run["kappa"] * area / p_star,
+            "kappa_edge": run["kappa_edge"] * area / p_star,
+            "gap_over_h_rms": float(gap),
+        }
+        runs.append(run | changed)
     return runs
 
 
@@ -47,40 +48,42 @@ def written(tmp_path_factory):
     return path
 
 
-def test_limits_uncertainties_and_provenance(written):
-    found = reference.load(written)
-    assert found.hurst.tolist() == [0.3, 0.8]
-    assert found.eps_f.tolist() == [0.25]
-    assert found.p_star["a_r"].tolist() == list(curves.LOADS)
-    assert found.p_star["gap_over_h_rms"].tolist() == [p for p in curves.LOADS if p < 1.4]
+def test_values_uncertainties_and_provenance(written):
+    loaded = reference.load(written)
+    assert loaded.hurst.tolist() == [0.3, 0.8]
+    assert loaded.eps_f.tolist() == [0.25]
+    assert loaded.p_star["a_r"].tolist() == list(curves.LOADS)
+    assert loaded.p_star["gap_over_h_rms"].tolist() == [p for p in curves.LOADS if p < 1.4]
     for hurst in (0.3, 0.8):
-        a_r, sigma = found.at("a_r", curves.LOADS[2], hurst, 0.25)
+        a_r, sigma = loaded.at("a_r", curves.LOADS[2], hurst, 0.25)
         assert (
             abs(a_r / persson.contact_area(curves.LOADS[2]) - AREA - 0.1 * hurst)
             < 4 * sigma / a_r
             < 0.15
         )
-    assert found.provenance["accuracy"] == [1e-3]
-    assert {"command", "level", "date", "runs", "versions"} <= set(found.provenance)
+    assert loaded.provenance["accuracy"] == [1e-3]
+    assert {"command", "level", "date", "runs", "versions"} <= set(loaded.provenance)
     assert written.stat().st_size < 1e6
     assert "The mean gap ends at p_star = 1:" in json.loads(written.read_text())["note"]
 
 
 def test_interpolation(written):
-    found = reference.load(written)
+    loaded = reference.load(written)
     for p_star, value, sigma in zip(
-        found.p_star["a_r"], found.value["a_r"][1, 0], found.sigma["a_r"][1, 0], strict=True
+        loaded.p_star["a_r"], loaded.value["a_r"][1, 0], loaded.sigma["a_r"][1, 0], strict=True
     ):
-        assert found.at("a_r", p_star, 0.8, 0.25) == pytest.approx((value, value * sigma), rel=1e-9)
+        assert loaded.at("a_r", p_star, 0.8, 0.25) == pytest.approx(
+            (value, value * sigma), rel=1e-9
+        )
     dense = np.geomspace(1e-4, 0.3, 200)
-    values, sigma = found.at("a_r", dense, 0.55, 0.25)
+    values, sigma = loaded.at("a_r", dense, 0.55, 0.25)
     assert values.shape == sigma.shape == (200,)
     assert np.all(np.diff(values) > 0)
     assert np.abs(values / persson.contact_area(dense) / (AREA + 0.055) - 1).max() < 0.05
 
 
 @pytest.mark.parametrize(
-    ("asked", "said"),
+    ("arguments", "words"),
     [
         (("a_r", 3.0, 0.8, 0.25), r"p_star: found 3, allowed: \[0\.0001, 2\]"),
         (("a_r", [0.1, 1e-5], 0.8, 0.25), "p_star: found"),
@@ -91,12 +94,12 @@ def test_interpolation(written):
         (("gap", 0.1, 0.5, 0.25), "quantity"),
     ],
 )
-def test_out_of_range(written, asked, said):
-    with refused(said):
-        reference.load(written).at(*asked)
+def test_out_of_range_is_refused(written, arguments, words):
+    with refused(words):
+        reference.load(written).at(*arguments)
 
 
-def test_refused(written, tmp_path):
+def test_missing_runs_and_damaged_files_are_refused(written, tmp_path):
     with refused("found no curves"):
         curves.reference_data([], "quick")
     data = json.loads(written.read_text())
@@ -129,9 +132,9 @@ def test_shipped_data():
 
 
 def test_units_of_the_gap():
-    gap, other = (
+    in_h_rms, in_slopes = (
         reference.mean_gap(0.1, 0.8, 1 / 256, unit)[0] for unit in ("h_rms", "g_rms_lam_s")
     )
-    assert gap / other == pytest.approx(persson.g_rms_lam_s_over_h_rms(0.8, 1 / 256))
+    assert in_h_rms / in_slopes == pytest.approx(persson.g_rms_lam_s_over_h_rms(0.8, 1 / 256))
     with refused("unit"):
         reference.mean_gap(0.1, 0.8, 1 / 256, unit="h")

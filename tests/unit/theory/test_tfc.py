@@ -1,4 +1,4 @@
-"""Corrections to the TFC limits: the paper's tables, what is refused, fits that recover their
+"""Corrections to the TFC limits: the paper's tables, refusals, and fits that recover planted
 data."""
 
 import json
@@ -12,7 +12,7 @@ from hpc_gfmd.theory import tfc
 REFERENCE = {"eps_t": 1 / 2, "eps_f": 1 / 1024, "eps_c": 1 / 2}
 
 
-def test_the_example_of_the_paper():
+def test_example_of_the_paper():
     value, sigma, terms = tfc.extrapolate(2.2, "kappa", 0.8, 0.007, **REFERENCE)
     assert value == pytest.approx(2.0160, abs=5e-5)
     assert value == pytest.approx(
@@ -22,7 +22,7 @@ def test_the_example_of_the_paper():
     assert terms.total == pytest.approx(2.2 - value)
 
 
-def test_pressures_of_the_tables_as_they_were_rounded():
+def test_rounded_pressures_select_their_table():
     for p_star, table in ((0.01 / np.sqrt(2), 0.007), (0.5 / np.sqrt(2), 0.353), (0.37, 0.353)):
         assert tfc.correction("kappa", 0.5, p_star, **REFERENCE).p_star == table
 
@@ -33,7 +33,7 @@ def test_other_pressures_are_refused(p_star):
         tfc.correction("kappa", 0.5, p_star, **REFERENCE)
 
 
-def test_interpolation_in_hurst_only():
+def test_interpolation_only_in_hurst():
     ends = [
         tfc.correction("gap_over_h_rms", hurst, 0.353, **REFERENCE) for hurst in (0.5, 0.65, 0.8)
     ]
@@ -45,7 +45,7 @@ def test_interpolation_in_hurst_only():
             tfc.correction("kappa", hurst, 0.007, **REFERENCE)
 
 
-def test_zero_corrections_and_bad_numbers():
+def test_zero_ratios_and_refused_arguments():
     assert tfc.correction("kappa", 0.8, 0.007, 0, 0, 0).total == 0
     for bad in ({"eps_t": -1}, {"eps_f": np.nan}, {"eps_c": 1.5}):
         with refused(f"{next(iter(bad))}: found"):
@@ -55,7 +55,7 @@ def test_zero_corrections_and_bad_numbers():
 
 
 def runs(noise=0.0, repeats=1, seed=0, limit=1.95, C=(0.04, 8.0, 0.13), alpha=(1, 0.7, 0.6)):
-    """One ratio varied at a time around the paper's reference system."""
+    """(eps_t, eps_f, eps_c, value): one ratio varied at a time around the reference system."""
     ratios = [(0.5**t, 0.5**10, 0.5) for t in (0, 1, 2, 3)]
     ratios += [(0.5, 0.5**f, 0.5) for f in range(4, 10)] + [
         (0.5, 0.5**10, 0.5**c) for c in range(2, 6)
@@ -77,35 +77,37 @@ def test_fit_recovers_exact_data():
     )
 
 
-@pytest.mark.parametrize("given", [True, False])
-def test_fit_uncertainties_are_honest(given):
-    """Over many noisy repetitions the scatter of the parameters is what the covariance says."""
-    noise, free = 0.004, {"f": None, "c": 0.6}
+@pytest.mark.parametrize("sigma_is_known", [True, False])
+def test_fit_uncertainties_match_the_scatter(sigma_is_known):
+    """Over noisy repetitions, parameters scatter as the covariance predicts."""
+    noise = 0.004
+    free = {"f": None, "c": 0.6}
     fits = [
-        tfc.fit_tfc(*runs(noise, 3, seed), sigma=noise if given else None, alpha=free)
+        tfc.fit_tfc(*runs(noise, 3, seed), sigma=noise if sigma_is_known else None, alpha=free)
         for seed in range(60)
     ]
     rows = [f.row(0.8) for f in fits]
     for name in ("limit", "C_f", "alpha_f"):
-        found, claimed = ([one[name] for one in of] for of in (rows, (f.sigma for f in fits)))
-        assert np.std(found) == pytest.approx(np.mean(claimed), rel=0.3)
+        fitted = [row[name] for row in rows]
+        claimed = [f.sigma[name] for f in fits]
+        assert np.std(fitted) == pytest.approx(np.mean(claimed), rel=0.3)
     truth = 0.02 + 8 * 0.5**7 + 0.13 * 0.5**0.6
     total = [f.correction(0.5, 0.5**10, 0.5) for f in fits]
     assert np.std([c for c, _ in total]) == pytest.approx(np.mean([s for _, s in total]), rel=0.3)
     assert np.mean([c for c, _ in total]) == pytest.approx(truth, abs=0.004)
     assert np.mean([f.chi2 / f.dof for f in fits]) == pytest.approx(
-        1 if given else noise**2, rel=0.2
+        1 if sigma_is_known else noise**2, rel=0.2
     )
 
 
-def test_fit_of_some_terms():
+def test_fit_of_a_single_term():
     eps_t, eps_f, eps_c, value = runs(C=(0, 8, 0))
     fit = tfc.fit_tfc(eps_t, eps_f, eps_c, value, alpha={"f": None}, terms=iter("f"))
     assert fit.names == ("limit", "C_f", "alpha_f")
     assert fit.alpha["f"] == pytest.approx(0.7, rel=1e-5)
 
 
-def test_fits_that_cannot_be_are_refused():
+def test_impossible_fits_are_refused():
     eps_t, eps_f, eps_c, value = runs()
     with refused("eps_c: found 1 different"):
         tfc.fit_tfc(eps_t, eps_f, 0.5, value)
@@ -123,13 +125,13 @@ def test_fits_that_cannot_be_are_refused():
         tfc.fit_tfc(eps_t, eps_f, eps_c, value, sigma=0)
 
 
-def test_own_table(tmp_path):
+def test_table_of_a_user(tmp_path):
     fit = tfc.fit_tfc(*runs(0.004, 3), sigma=0.004, alpha={"f": None})
     table = {"tables": [{"observable": "kappa", "p_star": 0.05, "rows": [fit.row(0.8)]}]}
     (tmp_path / "own.json").write_text(json.dumps(table))
-    own = tfc.read_table("own.json")
+    read = tfc.read_table("own.json")
     value, sigma, terms = tfc.extrapolate(
-        2.2, "kappa", 0.8, 0.05, **REFERENCE, sigma=0.01, table=own
+        2.2, "kappa", 0.8, 0.05, **REFERENCE, sigma=0.01, table=read
     )
     expected, error = fit.correction(**REFERENCE)
     assert value == pytest.approx(2.2 - expected)

@@ -1,10 +1,9 @@
-"""A body, a law, a solver and an observable of another package, by its entry points: the examples
-of docs/developer.md."""
+"""Entry points of another package: the examples of docs/developer.md as an installed package."""
 
 import re
 from pathlib import Path
 
-from mpi_harness import environment, found, python
+from mpi_harness import environment, json_of, python
 
 PAGE = (Path(__file__).parents[3] / "docs" / "developer.md").read_text()
 PARTS = {  # heading: module of the package, entry point, the folder it could be dropped in
@@ -19,29 +18,30 @@ import json
 import hpc_gfmd
 from hpc_gfmd.bodies import body_classes
 from hpc_gfmd.laws import law_named
-how = {"name": "calm", "observables": ["pressure_max"], "residual": 1e-6}
-found = hpc_gfmd.solve(hpc_gfmd.make_surface("wave", amplitude=0.01, n=(16, 1)), 0.01, **how)
+options = {"name": "calm", "observables": ["pressure_max"], "residual": 1e-6}
+solution = hpc_gfmd.solve(hpc_gfmd.make_surface("wave", amplitude=0.01, n=(16, 1)), 0.01, **options)
 energy = law_named("algebraic", 2.0, 1.0).energy(1.0)
-highest = [found.observable("pressure_max"), found.pressure.max()]
+highest = [solution.observable("pressure_max"), solution.pressure.max()]
 print(json.dumps([*highest, [*body_classes()], energy]))
 """
 
 
-def test_the_examples_of_the_developers_page_as_a_package(tmp_path):
-    package, points = tmp_path / "gfmd_extra", ""
+def test_examples_of_the_developer_page_as_a_package(tmp_path):
+    package = tmp_path / "gfmd_extra"
+    points = ""
     package.mkdir()
     for heading, (module, group, folder) in PARTS.items():
         code = re.search(rf"## {heading}\n.*?```python\n(.*?)```", PAGE, re.DOTALL)[1]
         code = code.replace("..kernels.peaks", "gfmd_extra.peaks")
         (package / f"{module}.py").write_text(code.replace("from .", f"from hpc_gfmd.{folder}."))
         points += f"[{group}]\n{module} = gfmd_extra.{module}\n" if group else ""
-    about = tmp_path / "gfmd_extra-1.0.dist-info"
-    about.mkdir()
-    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: gfmd-extra\nVersion: 1.0\n")
-    (about / "entry_points.txt").write_text(points)
+    metadata = tmp_path / "gfmd_extra-1.0.dist-info"
+    metadata.mkdir()
+    (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: gfmd-extra\nVersion: 1.0\n")
+    (metadata / "entry_points.txt").write_text(points)
     env = environment()
     env |= {"PYTHONPATH": f"{tmp_path}:{env['PYTHONPATH']}"}
-    observed, highest, bodies, energy = found(None, ["-c", SCRIPT], env=env)
+    observed, highest, bodies, energy = json_of(None, ["-c", SCRIPT], env=env)
     assert observed == highest > 0
     assert bodies[0] == "graded"
     assert energy == -2 / 8

@@ -1,5 +1,4 @@
-"""Quantities with units in a scene: the same answer as in plain SI numbers, and tables that carry
-them."""
+"""Quantities with units in a scene: parsing, equality with plain SI numbers, and output."""
 
 import h5py
 import numpy as np
@@ -27,7 +26,7 @@ from hpc_gfmd.util.quantities import factor, parse, prefixed
         ("2 bar", "pressure", 2e5),
     ],
 )
-def test_parsed(text, dimension, value):
+def test_parse(text, dimension, value):
     assert parse(text, dimension) == pytest.approx(value, rel=1e-12)
 
 
@@ -48,7 +47,7 @@ def test_parsed(text, dimension, value):
         "1,5 um",
     ],
 )
-def test_no_length(text):
+def test_malformed_lengths_are_refused(text):
     with pytest.raises(
         ValueError, match=r"not a number with a unit|no unit of length|not of length|a comma"
     ):
@@ -77,14 +76,15 @@ load = {pressure = [2e7, 1e8]}
 """
 
 
-def test_the_same_answer(cli):
-    named, plain = scene_of(UNITS), scene_of(PLAIN)
+def test_units_give_the_solution_of_si_numbers(cli):
+    named = scene_of(UNITS)
+    plain = scene_of(PLAIN)
     assert Scene.from_toml(named.to_toml()) == named
     assert '"50 GPa"' in named.to_toml()
     runs = [run_scene(scene, out=f"{k}.h5", quiet=True) for k, scene in enumerate((named, plain))]
-    for one, other in zip(runs[0].steps, runs[1].steps):
+    for with_units, without_units in zip(runs[0].steps, runs[1].steps):
         for key in ("a_r", "p", "gap_mean"):
-            assert one[key] == pytest.approx(other[key], rel=1e-6)
+            assert with_units[key] == pytest.approx(without_units[key], rel=1e-6)
     with h5py.File("0.h5") as file:
         assert (file["surface"].attrs["unit"], file["surface"].attrs["pressure_unit"]) == (
             "m",
@@ -98,7 +98,7 @@ def test_the_same_answer(cli):
     assert "h_rms = 2e-07" in shown
 
 
-def test_the_python_interface_takes_them():
+def test_solve_accepts_units():
     x = np.arange(32) / 32
     z = 1e-8 * (np.cos(2 * np.pi * x)[:, None] + np.cos(2 * np.pi * x))
     named = hpc_gfmd.solve(z, "20 MPa", E_star="50 GPa", physical_sizes=("1 um", "1 um"))
@@ -110,7 +110,7 @@ def test_the_python_interface_takes_them():
 
 def test_areas_and_lengths_of_the_table_have_units():
     step = {"p": 2e7, "patch_largest": 4e-14, "perimeter": 1.2e-5, "status": "converged"}
-    asked = ["patches", "perimeter"]
-    text = table({0: step}, {"unit": "m", "pressure_unit": "Pa"}, asked)
+    observables = ["patches", "perimeter"]
+    text = table({0: step}, {"unit": "m", "pressure_unit": "Pa"}, observables)
     assert all(word in text.split() for word in ("[nm^2]", "4e+04", "[um]", "12"))
-    assert "[length^2]" in table({0: step}, {}, asked)
+    assert "[length^2]" in table({0: step}, {}, observables)
