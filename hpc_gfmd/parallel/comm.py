@@ -228,6 +228,17 @@ class MpiComm:
         MPI.Request.Waitall(requests)
 
     def allgather_arrays(self, send: np.ndarray, receive: np.ndarray, counts: list[int]) -> None:
+        """Hand the numbers of every rank to all. Collective.
+
+        Parameters
+        ----------
+        send : flat array
+            Of this rank.
+        receive : flat array
+            Filled with those of all ranks, one after the other.
+        counts : list of int
+            How many numbers each rank has.
+        """
         self.mpi.Allgatherv(send, [receive, counts])
 
     def alltoall_bytes(self, send: tuple, receive: tuple) -> None:

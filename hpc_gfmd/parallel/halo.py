@@ -126,8 +126,28 @@ class Windows:
 
 
 class Overlaps:
-    """Rows that windows of several ranks have in common, where each rank has a part of what they
-    are to be; no memory, no message. Rank r has the window lo[r] <= i < hi[r] of a ring of n rows.
+    """Rows that windows of several ranks have in common, each rank with its part of a sum.
+
+    No memory, no message.
+
+    Parameters
+    ----------
+    rank : int
+        This rank.
+    lo, hi : array_like of int, shape (ranks,)
+        Window lo <= i < hi of every rank.
+    n : int
+        Rows of the ring.
+
+    Attributes
+    ----------
+    give : dict
+        Rows of this rank's window by the rank that they are sent to.
+    parts : list of (int, slice, slice)
+        Who gives, which rows of its window, and to which rows of this rank's window, in an order
+        that all ranks add in.
+    common : list of slice
+        Rows of this rank's window that others have, too.
     """
 
     def __init__(self, rank: int, lo: ArrayLike, hi: ArrayLike, n: int):
@@ -145,8 +165,7 @@ class Overlaps:
             columns = [giver, taker, begin - turn * n - lo[giver], begin - lo[taker], length]
             pieces += np.stack(columns, axis=1)[(length > 0) & ~is_all_of_itself].tolist()
         self.give: Pieces = {}
-        # (rank, rows of its window or of what it sends, rows of this window), in an order that all
-        # ranks add in: that of ranks, then of rows of their windows
+        # in the order of ranks, then of rows of their windows
         self.parts: list[tuple[int, slice, slice]] = []
         for source, to, at, to_at, count in sorted(pieces):
             if to == rank:

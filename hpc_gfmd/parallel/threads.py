@@ -25,7 +25,20 @@ def piece_rows(n_y: int) -> int:
 
 
 def pieces_of(rows: int, n_y: int) -> list[tuple[int, int]]:
-    """Return [(start, stop), ...], range(rows) cut evenly into what a thread works on at a time."""
+    """Cut rows evenly into what a thread works on at a time.
+
+    Parameters
+    ----------
+    rows : int
+        Their number.
+    n_y : int
+        Points of each.
+
+    Returns
+    -------
+    list of (int, int)
+        (start, stop) of each piece, in order.
+    """
     count = max(1, rows // piece_rows(n_y))
     ends = [rows * k // count for k in range(count + 1)]
     return [(i0, i1) for i0, i1 in zip(ends, ends[1:]) if i0 < i1]
