@@ -21,8 +21,8 @@ def add_arguments(parser: ArgumentParser) -> None:
         "file",
         metavar="OUT.h5",
         nargs="+",
-        help="result file; of several the curves are drawn together, of more than six their mean"
-        " and standard deviation",
+        help="result file; the curves of several files are drawn together, those of more than six"
+        " as mean and standard deviation",
     )
     add_file(
         parser,
@@ -37,7 +37,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         nargs="+",
         help="pictures: maps, distributions, spectra, curves; a single field: contact, pressure,"
         " gap, heights, displacement, plastic; a single curve: a_r, kappa, gap_mean, approach, or"
-        " any number of the loads, as conductance or critical_gap_x (default: the first four)",
+        " any number of the loads, such as conductance or critical_gap_x (default: the first four)",
     )
     parser.add_argument(
         "--step",
@@ -50,10 +50,16 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--window",
         metavar=("X0", "X1", "Y0", "Y1"),
         nargs=4,
-        help='part of the cell shown in maps, plain in the unit of its sizes or as "2um"',
+        help='part of the cell shown in maps, in the unit of its sizes or with units ("2um")',
     )
     parser.add_argument(
         "--dpi", type=int, help="dots per inch of maps and of .png files (default: 300)"
+    )
+    parser.add_argument(
+        "--columns",
+        metavar="N",
+        type=int,
+        help="panels beside each other; 1: below each other, in 85 mm",
     )
     parser.add_argument(
         "--dimensionless",
@@ -83,6 +89,7 @@ def main(args: Namespace) -> int:
         window=args.window,
         dpi=args.dpi,
         dimensionless=args.dimensionless,
+        columns=args.columns,
     )
     print(*paths, *_remarks(result, args), *result.remarks, sep="\n")
     return 0
@@ -99,7 +106,9 @@ def _plot_together(args: Namespace) -> int:
     names = args.what or ["curves"]
     where = Path(args.output or "curves.png")
     pictures = {
-        name: plot(args.file, name, dpi=args.dpi, dimensionless=args.dimensionless)
+        name: plot(
+            args.file, name, dpi=args.dpi, dimensionless=args.dimensionless, columns=args.columns
+        )
         for name in names
     }
     for name, picture in pictures.items():

@@ -79,6 +79,8 @@ def loads_of(
     quantity = "approach" if name == "approach" else "gap_mean"
     unit = surface.h_rms if name == "gap_over_h_rms" else 1.0
     _require_lengths(name, quantity, values, unit, working, settings)
+    if quantity == "approach":
+        return [Load(quantity, float(value)) for value in values]
     return [Load(quantity, float(value) * unit) if value else Load("a_r", 1.0) for value in values]
 
 
@@ -121,8 +123,10 @@ def _require_lengths(
     resolution = LENGTHS * rounding / settings.tolerance
     # the mean gap where the highest peak just touches
     largest = working.heights.top * working.surface.slope / unit
-    for value in values:
-        if quantity == "gap_mean" and not value < largest:
+    for index, value in enumerate(values):
+        # what holds on is pulled further than that
+        may_be_larger = working.model.retracts and index > 0
+        if quantity == "gap_mean" and not (value < largest or may_be_larger):
             allowed = f"below {format_quantity(largest, value)}, where the highest peak touches"
         elif 0 < value < resolution * largest:
             allowed = (

@@ -150,8 +150,10 @@ class Ensemble:
     def _cells(self) -> list[list[str]]:
         """Return the table of means and deviations as texts: headings, units, a row per load."""
         surface = self.results[0].result.surface
-        asked = named_observables(self.results[0].result)
-        names = [name for name in (*RESULTS, *asked) if name in self.names and name != self.load]
+        observables = named_observables(self.results[0].result)
+        names = [
+            name for name in (*RESULTS, *observables) if name in self.names and name != self.load
+        ]
         headings = TARGETS | RESULTS
         columns = []
         for name in dict.fromkeys([self.load, *names]):
@@ -160,7 +162,7 @@ class Ensemble:
             scale, unit = column_scale(name, mean.tolist(), surface)
             texts = [
                 f"{value / scale:.4g}"
-                if name == self.load
+                if name in LOADS and self._is_alike(name)
                 else with_error(float(value / scale), float(sigma / abs(value)) if value else None)
                 for value, sigma in zip(mean, deviation, strict=True)
             ]

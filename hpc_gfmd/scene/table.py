@@ -115,6 +115,7 @@ Work = Annotated[Positive, _in("work"), AS_GIVEN]
 Signed = Annotated[float, Field(ge=-LARGEST, le=LARGEST), AfterValidator(_not_tiny)]
 SignedPressure = Annotated[Signed, _in("pressure"), AS_GIVEN]
 SignedForce = Annotated[Signed, _in("force"), AS_GIVEN]
+SignedLength = Annotated[Signed, _in("length"), AS_GIVEN]
 LengthUnit = Annotated[str, AfterValidator(_length_unit)]
 Whole = Annotated[int, Field(ge=1, le=MAX_INT)]
 Text = Annotated[str, AfterValidator(_printable)]
@@ -185,9 +186,14 @@ def allowed_of(field: Any) -> str:
 
 
 def table_fields(field: Any) -> Mapping[str, Any]:
-    """Return the keys of the table that a key takes, {name: field}; none of others."""
-    models = [field.annotation, *get_args(field.annotation)]
-    return next((model.model_fields for model in models if hasattr(model, "model_fields")), {})
+    """Return the keys of the table, or of the tables in a list, that a key takes, {name: field};
+    none of others."""
+    types = [field.annotation]
+    for annotation in types:  # those inside of others, too
+        if hasattr(annotation, "model_fields"):
+            return annotation.model_fields
+        types.extend(get_args(annotation))
+    return {}
 
 
 def one_of(table: BaseModel, *keys: str) -> None:
