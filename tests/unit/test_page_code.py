@@ -110,7 +110,7 @@ def test_code_of_a_page(page, tmp_path):
             wanted.append(shown)
         elif kind == "toml":
             scene = NEEDED | tomllib.loads(source)
-            if scene["surface"].get("kind", "file") == "file":
+            if scene["surface"].get("kind", "file") == "file" and "bodies" not in scene["surface"]:
                 scene["surface"] = WALL | scene["surface"]
             Scene.from_dict(scene)
         elif kind == "":
