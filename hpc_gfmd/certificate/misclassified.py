@@ -60,14 +60,16 @@ def misclassified_points(
     leaving = inf
     if problem.hardness is not None:
         leaving = np.floor(contact - problem.grid.N * problem.p0 / problem.hardness)
+    # the contact grows with the load, about in proportion
+    follow_load = errors.missing_load * contact
     counts = _uncertain_points(problem, g, p, tie if is_double else 0.0, sure, largest, errors.fall)
     takes = largest * 2.0 ** (-(np.arange(BINS) + 1) / PER_OCTAVE)
     takes[-1] = 0.0
     wrong = 0.0
-    for points, squares, at_most in zip(
-        counts, (errors.squares, most), (leaving, inf), strict=True
+    for points, following, squares, at_most in zip(
+        counts, (-follow_load, follow_load), (errors.squares, most), (leaving, inf), strict=True
     ):
-        likely = _likely_to_change(problem, points, takes, mean_square)
+        likely = _likely_to_change(problem, points, takes, mean_square, following)
         spent = np.cumsum((points * takes)[::-1])
         easiest = np.cumsum(points[::-1])
         affordable = np.floor(np.interp(squares, spent, easiest))
@@ -76,16 +78,18 @@ def misclassified_points(
 
 
 def _likely_to_change(
-    problem: Problem, points: np.ndarray, takes: np.ndarray, mean_square: float
+    problem: Problem, points: np.ndarray, takes: np.ndarray, mean_square: float, follow_load: float
 ) -> float:
     """Return how many points of a histogram are likely to change sides.
 
-    With a hardness all within reach count, otherwise one half of the range, the one with more.
+    With a hardness all within reach count, otherwise one half of the range, the one with more. They
+    are no fewer than those that follow the load which is missing (below 0: the other way).
     """
     near, within = (
         points[takes < mean_square * x**2].sum() for x in (CALIBRATION.reach / 2, CALIBRATION.reach)
     )
     expected = within if problem.hardness is not None else max(near, within - near)
+    expected = max(expected, follow_load)
     return max(expected + np.sqrt(expected), min(points.sum(), CALIBRATION.few))
 
 

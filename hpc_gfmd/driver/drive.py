@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from enum import Enum
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -117,43 +118,81 @@ def drive(
             limits.begin_again()
             progress = solver.progress()
         limits.note(progress)
-        if limits.ask_for_certificate(progress) and _may_be_met(
+        may_be_solved = limits.ask_for_certificate(progress) and _may_be_met(
             solver, progress, criterion, search
-        ):
-            if guard is not None:
-                pairs += guard.look(limits.measure if criterion.residual is None else 0.0)
-                if guard.at_saddle:
-                    if not limits.wait_at_saddle() and guard.leave_saddle():
-                        limits.begin_again()
-                        continue
-                    if limits.saddles > CALIBRATION.saddles:
-                        return _conclude(solver, criterion, search, None, "stagnated", pairs)
-                    solver.stability = None
-                    solver.step()
-                    continue
-                limits.note(solver.progress())
-                if not limits.ask_for_certificate(progress):
-                    solver.step()
-                    continue
-            certificate = certificate_of(solver, criterion)
-            pairs += certificate.pairs
-            error = error_left(certificate, criterion)
-            miss = search.learn(solver, certificate) if search is not None else 0.0
-            if max(error, miss) < 1:
-                return Outcome(_status_of(certificate, criterion), certificate, pairs)
-            limits.note_refusal(certificate, max(error, miss))
-            if limits.refused_too_often:
-                return Outcome("stagnated", certificate, pairs)
-            solver.after_certificate(certificate)
-            if search is not None and search.correct(solver, certificate, error < 1):
-                limits.begin_again()
-        else:
+        )
+        if not may_be_solved:
             reason = limits.exceeded(progress)
             if reason is None and watch is not None and watch(solver.iterations, progress):
                 reason = "interrupted"
             if reason is not None:
-                return _conclude(solver, criterion, search, guard, reason, pairs)
+                outcome = _conclude(solver, criterion, search, guard, reason, pairs)
+                if reason != "stagnated" or not _goes_elsewhere(solver, criterion, search, outcome):
+                    return outcome
+                pairs = outcome.pairs
+                limits.begin_again()
+            solver.step()
+            continue
+        if guard is not None:
+            pairs += guard.look(limits.measure if criterion.residual is None else 0.0)
+            way_on = _after_look(solver, progress, limits, guard)
+            if way_on == WayOn.STAGNATED:
+                return _conclude(solver, criterion, search, None, "stagnated", pairs)
+            if way_on == WayOn.ITERATE:
+                solver.step()
+            if way_on != WayOn.CERTIFY:
+                continue
+        certificate = certificate_of(solver, criterion)
+        pairs += certificate.pairs
+        error = error_left(certificate, criterion)
+        miss = search.learn(solver, certificate) if search is not None else 0.0
+        if max(error, miss) < 1:
+            return Outcome(_status_of(certificate, criterion), certificate, pairs)
+        limits.note_refusal(certificate, max(error, miss))
+        if limits.refused_too_often:
+            return Outcome("stagnated", certificate, pairs)
+        solver.after_certificate(certificate)
+        if search is not None and search.correct(solver, certificate, error < 1):
+            limits.begin_again()
         solver.step()
+
+
+def _goes_elsewhere(
+    solver: Solver, criterion: StoppingCriterion, search: LoadSearch | None, outcome: Outcome
+) -> bool:
+    """Return whether a search goes on at another load, where the solution at this one is as
+    accurate as asked. Collective."""
+    certificate = outcome.certificate
+    is_solved = error_left(certificate, criterion) < 1
+    if search is None or outcome.status != "stagnated" or not is_solved:
+        return False
+    return search.correct(solver, certificate, is_solved)
+
+
+class WayOn(Enum):
+    """How a load with an attraction goes on once its stability is known."""
+
+    CERTIFY = "certify"
+    ITERATE = "iterate"
+    HAS_LEFT_SADDLE = "has left a saddle"
+    STAGNATED = "stagnated"
+
+
+def _after_look(solver: Solver, progress: Progress, limits: Limits, guard: SaddleGuard) -> WayOn:
+    """Return how a load goes on whose stability the guard has found; leave a saddle. Collective.
+
+    progress: as it was before; with the stability the errors are other ones.
+    """
+    if not guard.at_saddle:
+        limits.note(solver.progress())
+        return WayOn.CERTIFY if limits.ask_for_certificate(progress) else WayOn.ITERATE
+    if not limits.wait_at_saddle() and guard.leave_saddle():
+        limits.begin_again()
+        return WayOn.HAS_LEFT_SADDLE
+    if limits.saddles > CALIBRATION.saddles:
+        return WayOn.STAGNATED
+    solver.stability = None
+    return WayOn.ITERATE
 
 
 class Limits:
@@ -242,9 +281,8 @@ class Limits:
             return "max_iterations"
         refused = np.isfinite(self.least_refused)
         patience = self.solver.patience * (CALIBRATION.patience_at_floor if refused else 1)
-        if (
-            self.solver.problem.attraction is not None
-        ):  # the energy falls, errors may rise meanwhile
+        if self.solver.problem.attraction is not None:
+            # the energy falls, errors may rise meanwhile
             patience = self.solver.patience * CALIBRATION.patience_with_attraction
         if self.solver.iterations - self.best_at > patience:
             return "stagnated"

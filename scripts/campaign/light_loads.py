@@ -6,15 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from .formed_walls import lattice_heights, wave_heights
-from .registry import (
-    FAMILIES,
-    Wall,
-    change_of_sides_near,
-    family,
-    load_of_area,
-    scene_wall,
-    single,
-)
+from .registry import FAMILIES, Wall, change_of_sides_near, family, load_of_area, scene_wall, single
 from .shapes import choice, distances, grid, log_uniform, rough, square_pixels
 
 

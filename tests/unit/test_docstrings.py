@@ -19,9 +19,7 @@ import hpc_gfmd
 
 UNFINISHED = (
     "bodies",
-    "certificate",
     "contact",
-    "driver",
     "kernels",
     "laws",
     "operators",
@@ -39,7 +37,6 @@ UNFINISHED = (
     "runs.solved",
     "runs.table",
     "scene.surface",
-    "solvers",
     "surface",
     "theory",
     "util.caches",
@@ -78,7 +75,8 @@ def public(module):
 def fields(entry):
     """Names of the fields of a record that its Attributes section has to explain."""
     if dataclasses.is_dataclass(entry):
-        return [field.name for field in dataclasses.fields(entry) if field.name[0] != "_"]
+        own = vars(entry).get("__annotations__", ())  # the class that it is derived from has others
+        return [f.name for f in dataclasses.fields(entry) if f.name[0] != "_" and f.name in own]
     return list(getattr(entry, "_fields", ()))
 
 
@@ -91,6 +89,13 @@ def is_short(entry):
     return len(names) <= 1
 
 
+def is_override(module, name):
+    """Whether a method takes the place of one of a base class, which explains its arguments."""
+    class_name, _, method = name.partition(".")
+    bases = getattr(module, class_name).__mro__[1:] if method else ()
+    return any(method in vars(base) for base in bases)
+
+
 def mistakes(module, name, entry):
     """What is wrong with the docstring of one object."""
     path = f"{module.__name__}.{name}"
@@ -98,7 +103,8 @@ def mistakes(module, name, entry):
     exempt = set()
     if inspect.isclass(entry) and "__init__" not in vars(entry):
         exempt.add("PR01")
-    if is_short(entry) or record or (inspect.isclass(entry) and issubclass(entry, BaseModel)):
+    explained = is_short(entry) or is_override(module, name) or record
+    if explained or (inspect.isclass(entry) and issubclass(entry, BaseModel)):
         exempt |= {"PR01", "RT01"}
     if record or inspect.isclass(entry):
         exempt |= {"PR02", "RT01", "SS05"}
@@ -106,12 +112,12 @@ def mistakes(module, name, entry):
         if code in RULES - exempt:
             yield f"{path}: {message}"
     if len(record) > 1:
-        explained = {
+        attributes = {
             part.strip()
             for entry_ in get_doc_object(entry)["Attributes"]
             for part in entry_.name.split(",")
         }
-        if missing := [field for field in record if field not in explained]:
+        if missing := [field for field in record if field not in attributes]:
             yield f"{path}: fields without a line under Attributes: {missing}"
 
 
