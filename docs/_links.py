@@ -1,5 +1,7 @@
-"""Every link of a built site that stays within it leads to a file and, where it names one, to a
-place in it: `_links.py FOLDER`."""
+"""Check the internal links of a built site: `python docs/_links.py FOLDER`.
+
+Each must lead to a file and, if it has a fragment, to an id in that file.
+"""
 
 import sys
 from html.parser import HTMLParser
@@ -8,11 +10,20 @@ from urllib.parse import unquote, urlsplit
 
 
 class Page(HTMLParser):
-    """links: what a page refers to; places: the ids in it."""
+    """A page of the site.
+
+    Attributes
+    ----------
+    links : set of str
+        Targets of its links.
+    ids : set of str
+        Ids of its elements.
+    """
 
     def __init__(self, path):
         super().__init__()
-        self.links, self.places = set(), set()
+        self.links = set()
+        self.ids = set()
         self.feed(path.read_text(encoding="utf-8"))
 
     def handle_starttag(self, tag, attributes):
@@ -20,11 +31,11 @@ class Page(HTMLParser):
             if name in ("href", "src") and value:
                 self.links.add(value)
             elif name in ("id", "name") and value:
-                self.places.add(value)
+                self.ids.add(value)
 
 
 def dead_links(folder):
-    """Find [(page, link)] of all links that lead nowhere."""
+    """Return [(page, link)] of all dead links."""
     pages = {path: Page(path) for path in folder.rglob("*.html")}
     dead = []
     for path, page in pages.items():
@@ -34,16 +45,16 @@ def dead_links(folder):
                 continue
             target = (path.parent / unquote(parts.path)).resolve() if parts.path else path
             target = target / "index.html" if target.is_dir() else target
-            there = target.exists() and (
+            is_alive = target.exists() and (
                 not parts.fragment
                 or target not in pages
-                or unquote(parts.fragment) in pages[target].places
+                or unquote(parts.fragment) in pages[target].ids
             )
-            if not there:
+            if not is_alive:
                 dead.append((path.relative_to(folder), link))
     return dead
 
 
 if __name__ == "__main__":
-    found = dead_links(Path(sys.argv[1]).resolve())
-    sys.exit("\n".join(f"{page}: {link} leads nowhere" for page, link in found) or None)
+    dead = dead_links(Path(sys.argv[1]).resolve())
+    sys.exit("\n".join(f"{page}: dead link {link}" for page, link in dead) or None)

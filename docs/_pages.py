@@ -1,4 +1,4 @@
-"""Pages made of the program: every scene key, every command, the Python API, the gallery of
+"""Generate pages from the program: scene keys, observables, commands, Python API and the gallery of
 examples/."""
 
 import ast
@@ -12,8 +12,9 @@ import hpc_gfmd
 from hpc_gfmd.commands.cli import COMMANDS, main
 
 HERE = Path(__file__).parent
-EXAMPLES, PICTURES = HERE.parent / "examples", HERE / "gallery"
-MODULES = (  # beside hpc_gfmd.__all__: title, name, what it is
+EXAMPLES = HERE.parent / "examples"
+PICTURES = HERE / "gallery"
+MODULES = (  # (title, name, description) of public modules beside hpc_gfmd.__all__
     (
         "Reference curves",
         "hpc_gfmd.reference",
@@ -22,22 +23,18 @@ MODULES = (  # beside hpc_gfmd.__all__: title, name, what it is
             " of [the study](../study/README.md)."
         ),
     ),
-    (
-        "Persson's theory",
-        "hpc_gfmd.theory.persson",
-        "NumPy and SciPy alone: nothing of it needs a solver.",
-    ),
-    ("Closed forms", "hpc_gfmd.theory.elastic", "What the tests compare solutions with."),
+    ("Persson's theory", "hpc_gfmd.theory.persson", "Needs only NumPy and SciPy, no solver."),
+    ("Closed forms", "hpc_gfmd.theory.elastic", "Exact solutions with which the tests compare."),
     (
         "Adhesive contacts",
         "hpc_gfmd.theory.adhesion",
-        "Balls, waves, and when a rough wall sticks.",
+        "Balls, waves, and when a rough surface sticks.",
     ),
 )
 
 
-def made():
-    """Make all pages: {name: text}."""
+def pages():
+    """Return all pages: {name: text}."""
     return {
         "scene": scene(),
         "observables": _printed("help", "observables", "--markdown"),
@@ -48,28 +45,26 @@ def made():
 
 
 def write(folder):
-    """Write all pages into a folder; those that have not changed keep their date."""
+    """Write all pages to a folder; unchanged ones keep their date."""
     folder.mkdir(exist_ok=True)
-    for name, text in made().items():
+    for name, text in pages().items():
         path = folder / f"{name}.md"
         if not path.exists() or path.read_text(encoding="utf-8") != text:
             path.write_text(text, encoding="utf-8")
 
 
 def scene():
-    """Take what `hpc-gfmd help scene --markdown` prints."""
+    """Return the output of `hpc-gfmd help scene --markdown`."""
     return _printed("help", "scene", "--markdown")
 
 
 def commands():
-    """Take what `--help` of every command prints."""
+    """Return the output of `--help` of all commands as a page."""
     sections = [
         f"## hpc-gfmd {name}\n\n```text\n{_printed(name, '--help').strip()}\n```\n"
         for name in COMMANDS
     ]
-    about = (
-        "Made of what `hpc-gfmd COMMAND --help` prints. `python -m hpc_gfmd` is the same program."
-    )
+    about = "The output of `hpc-gfmd COMMAND --help`. `python -m hpc_gfmd` runs the same program."
     return f"# Commands\n\n{about}\n\n" + "\n".join(sections)
 
 
@@ -82,12 +77,12 @@ def _printed(*argv):
 
 
 def api():
-    """List everything in hpc_gfmd.__all__, and the modules beside it that are meant for users."""
-    found = {name: getattr(hpc_gfmd, name) for name in hpc_gfmd.__all__}
+    """Return the page of everything in hpc_gfmd.__all__ and of the modules in MODULES."""
+    objects = {name: getattr(hpc_gfmd, name) for name in hpc_gfmd.__all__}
     groups = {"Functions": "autofunction", "Results": "autoclass", "Errors": "autoexception"}
     lines = ["# Python", "", "`import hpc_gfmd` neither starts MPI nor compiles anything.", ""]
     for title, directive in groups.items():
-        names = [name for name, value in found.items() if _directive(value) == directive]
+        names = [name for name, value in objects.items() if _directive(value) == directive]
         lines += [f"## {title}", ""] * bool(names)
         for name in names:
             members = ["   :members:"] * (directive == "autoclass")
@@ -114,23 +109,25 @@ def _directive(value):
 
 
 def gallery():
-    """Show every script in examples/: its pictures (docs/gallery/SCRIPT*.png), its docstring as
-    their caption, all of it."""
+    """Return the page of all scripts in examples/ with their pictures (docs/gallery/SCRIPT*.png).
+
+    The first paragraph of a script's docstring is the caption.
+    """
     lines = [
         "# Gallery",
         "",
-        "The scripts of `examples/`, and what they draw. The tests run each on a small grid.",
+        "The scripts of `examples/` and their pictures. The tests run each on a small grid.",
         "",
     ]
     for script in sorted(EXAMPLES.glob("*.py")):
         source = script.read_text(encoding="utf-8")
-        what, _, rest = ast.get_docstring(ast.parse(source)).partition("\n\n")
-        what = " ".join(what.split())
-        lines += [f"## {re.split('[:,.]', what)[0]}", ""]
+        summary, _, rest = ast.get_docstring(ast.parse(source)).partition("\n\n")
+        summary = " ".join(summary.split())
+        lines += [f"## {re.split('[:,.]', summary)[0]}", ""]
         for picture in sorted(PICTURES.glob(f"{script.stem}*.png")):
             if picture.stem != script.stem and (EXAMPLES / f"{picture.stem}.py").exists():
-                continue  # that of another script
+                continue  # of another script
             lines += [f"![{script.stem}](../gallery/{picture.name})", ""]
-        lines += [f"*{what.replace('*', chr(92) + '*')}*", "", rest, ""]
+        lines += [f"*{summary.replace('*', chr(92) + '*')}*", "", rest, ""]
         lines += [f"`examples/{script.name}`", "", "```python", source.strip(), "```", ""]
     return "\n".join(lines)

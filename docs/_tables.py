@@ -1,8 +1,8 @@
-"""Tables of the pages that are made of measured rows: `python docs/_tables.py` fills them in.
+"""Fill the tables of the pages with measured rows: `python docs/_tables.py`.
 
-A table stands in its page between `<!-- rows: NAME -->` and `<!-- end -->`. Rows are those of
-`scripts/bench` in docs/bench (and folders in it: one for each further machine) and of
-`scripts/campaign` in docs/campaign.jsonl. A test compares the pages with what the rows give.
+A table stands in its page between `<!-- rows: NAME -->` and `<!-- end -->`. The rows are those of
+`scripts/bench` in docs/bench (with a folder for each further machine) and of `scripts/campaign` in
+docs/campaign.jsonl.
 """
 
 import json
@@ -15,75 +15,84 @@ DOCS = Path(__file__).parent
 PAGES = [DOCS.parent / "README.md", *sorted(DOCS.glob("*.md"))]
 PLACE = re.compile(r"(<!-- rows: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
 PEERS = {"aspher": "ASPHER", "tamaas": "Tamaas", "contactmechanics": "ContactMechanics"}
-TAKEN = "{seconds_min:.3g} s, {peak_mib:.0f} MiB"
+TIME_AND_MEMORY = "{seconds_min:.3g} s, {peak_mib:.0f} MiB"
 
 
 def filled(text):
-    """Return a page with its tables made anew."""
+    """Return the text of a page with its tables filled."""
     return PLACE.sub(lambda place: f"{place[1]}\n{TABLES[place[2]]()}\n\n{place[3]}", text)
 
 
 def rows(name, folder=DOCS / "bench"):
-    """Read all rows that `scripts/bench NAME` left; NAME may have a wildcard."""
+    """Return the rows in all files NAME.jsonl of a folder; NAME may have wildcards."""
     files = sorted(folder.rglob(f"{name}.jsonl"))
     return [json.loads(line) for path in files for line in path.read_text("utf-8").splitlines()]
 
 
-def table(columns, found, note=""):
-    """Write rows as a Markdown table, and below it the machines and commits of their measurement.
+def table(columns, rows, note=""):
+    """Return rows as a Markdown table, and below it the machines and commits of the measurement.
 
-    columns: {title: template of its cells}.
+    Parameters
+    ----------
+    columns : dict of str
+        {title: template of the cells}.
+    rows : list of dict
+        Its rows.
+    note : str
+        Sentence below the table.
     """
-    if not found:
-        return "No rows of this release are there yet."
+    if not rows:
+        return "There are no rows of this release yet."
     cells = [columns, ["---"] * len(columns)]
-    cells += [[cell.format_map(row) for cell in columns.values()] for row in found]
+    cells += [[cell.format_map(row) for cell in columns.values()] for row in rows]
     text = "\n".join(f"| {' | '.join(line)} |" for line in cells)
-    measured = [row["provenance"] for row in found if "provenance" in row]
-    places = [
-        f"{cpu} (cores: {cores}), commit {', '.join(dict.fromkeys(p['commit'] for p in of))}"
-        for (cpu, cores), of in grouped(measured, "cpu", "cores")
+    provenances = [row["provenance"] for row in rows if "provenance" in row]
+    machines = [
+        f"{cpu} (cores: {cores}), commit {', '.join(dict.fromkeys(p['commit'] for p in members))}"
+        for (cpu, cores), members in grouped(provenances, "cpu", "cores")
     ]
-    said = f"Measured on {'; '.join(places)}." if places else ""
-    return "\n\n".join(filter(None, [text, " ".join(filter(None, [note, said]))]))
+    measured = f"Measured on {'; '.join(machines)}." if machines else ""
+    return "\n\n".join(filter(None, [text, " ".join(filter(None, [note, measured]))]))
 
 
-def grouped(found, *keys):
-    """Return [(values of keys, the rows that share them)]."""
+def grouped(rows, *keys):
+    """Return [(values of the keys, rows that share them)], in the order of the values."""
 
-    def of(row):
+    def values_of(row):
         return tuple(row[key] for key in keys)
 
-    return [(key, list(part)) for key, part in groupby(sorted(found, key=of), of)]
+    ordered = sorted(rows, key=values_of)
+    return [(values, list(members)) for values, members in groupby(ordered, values_of)]
 
 
 def span(values, form):
-    """Write the range of values: 6.2 to 145."""
-    low, high = (f"{of(values):{form}}" for of in (min, max))
+    """Return the range of values as text, such as 6.2 to 145."""
+    low = f"{min(values):{form}}"
+    high = f"{max(values):{form}}"
     return low if low == high else f"{low} to {high}"
 
 
 def pairs():
-    """FFT pairs by accuracy and grid, means over surfaces and loads; and the largest."""
-    found = rows("pairs")
-    sizes = sorted({row["n"] for row in found})
+    """Return FFT pairs by accuracy and grid: the mean over surfaces and loads, and the maximum."""
+    pair_rows = rows("pairs")
+    sizes = sorted({row["n"] for row in pair_rows})
     lines = [
         dict.fromkeys((f"n{n}" for n in sizes), "")
         | {f"n{row['n']}": f"{row['fft_pairs']:.2f} ({row['largest']:.1f})" for row in part}
-        | {"asked": asked, "provenance": part[0]["provenance"]}
-        for (asked,), part in grouped(found, "accuracy")
+        | {"accuracy": accuracy, "provenance": part[0]["provenance"]}
+        for (accuracy,), part in grouped(pair_rows, "accuracy")
     ]
-    columns = {"accuracy": "{asked:g}"} | {f"n = {n}": f"{{n{n}}}" for n in sizes}
+    columns = {"accuracy": "{accuracy:g}"} | {f"n = {n}": f"{{n{n}}}" for n in sizes}
     return table(columns, lines)
 
 
 def process():
-    """One process: the first solve, those that follow, threads, memory."""
-    found = []
+    """Return the times of one process: the first solve, the following ones, threads, memory."""
+    lines = []
     for _, part in grouped(rows("process"), "n", "precision"):
-        one, *_, most = sorted(part, key=lambda row: row["threads"])
-        found.append(one | {f"all_{key}": value for key, value in most.items()})
-    threads = max((row["all_threads"] for row in found), default=2)
+        serial, *_, threaded = sorted(part, key=lambda row: row["threads"])
+        lines.append(serial | {f"all_{key}": value for key, value in threaded.items()})
+    threads = max((line["all_threads"] for line in lines), default=2)
     columns = {
         "n": "{n}",
         "precision": "{precision}",
@@ -94,11 +103,11 @@ def process():
         "memory": "{peak_mib:.0f} MiB",
         "outside of passes": "{outside_passes:.0%}",
     }
-    return table(columns, found)
+    return table(columns, lines)
 
 
 def scaling():
-    """Ranks and threads of one machine."""
+    """Return the scaling with ranks and threads of one machine."""
     columns = {
         "machine and grid": "{provenance[cores]} cores, n = {n}, {precision}",
         "ranks x threads": "{ranks} x {threads}",
@@ -109,7 +118,7 @@ def scaling():
 
 
 def storage():
-    """The result file against raw writes."""
+    """Return the speed of the result file and of raw writes."""
     columns = {
         "n": "{n}",
         "ranks": "{provenance[ranks]}",
@@ -121,7 +130,7 @@ def storage():
 
 
 def releases():
-    """Five standard contacts by release."""
+    """Return time, pairs and memory of five standard contacts by release."""
     columns = {
         "release, commit": "{release}",
         "contact": "{scene}, n = {n}",
@@ -133,7 +142,7 @@ def releases():
 
 
 def billion():
-    """The loads of the kept result of a billion points, and the whole run by its log."""
+    """Return the loads of the stored result of a billion points, and the time of the whole run."""
     steps = json.loads((DOCS / "billion/result.json").read_text())["steps"]
     columns = {
         "p\\*": "{p_star:.3g}",
@@ -142,44 +151,43 @@ def billion():
         "contact area": "{a_r:.4f}",
         "its error": "{a_r_error:.1g}",
     }
-    return table(columns, steps, f"Both loads, surface and result file: {whole()}.")
+    return table(columns, steps, f"Both loads, surface and result file: {wall_time()}.")
 
 
-def whole():
-    """Write the wall time of the kept run of a billion points."""
+def wall_time():
+    """Return the wall time of the stored run of a billion points as text."""
     log = (DOCS / "billion/run.log").read_text()
     minutes, seconds = re.search(r"real\s+(\d+)m([\d.]+)s", log).groups()
     return f"{minutes} min {float(seconds):.0f} s"
 
 
 def contests():
-    """Return [(our fastest row, {peer: its fastest row or None})] of all that was compared."""
-    every = rows("peers*")
-    for row in every:
+    """Return [(our fastest row, {peer: its fastest row or None})] of all compared contacts."""
+    peer_rows = rows("peers*")
+    for row in peer_rows:
         row["kind"] = "hardness" if row.get("hardness") else row["boundary"]
         row["peer"] = PEERS.get(row["code"].partition("-")[0], "ours")
-    found = []
-    for _, part in grouped(every, "kind", "n", "a_r", "asked"):
-        best = {}
-        for (peer,), tried in grouped(part, "peer"):
-            done = [row for row in tried if "seconds_min" in row]
-            best[peer] = min(done, key=lambda row: row["seconds_min"], default=None)
-        if ours := best.pop("ours", None):
-            found.append((ours, best))
-    return found
+    pairs_of_rows = []
+    for _, part in grouped(peer_rows, "kind", "n", "a_r", "asked"):
+        fastest = {}
+        for (peer,), attempts in grouped(part, "peer"):
+            timed = [row for row in attempts if "seconds_min" in row]
+            fastest[peer] = min(timed, key=lambda row: row["seconds_min"], default=None)
+        if ours := fastest.pop("ours", None):
+            pairs_of_rows.append((ours, fastest))
+    return pairs_of_rows
 
 
 def peers():
-    """Time and memory at equal true error, each program at its fastest."""
-    found = contests()
-    versions = {p: row["version"] for _, best in found for p, row in best.items() if row}
+    """Return time and memory at equal true error, with the fastest variant of each program."""
+    compared = contests()
+    versions = {p: row["version"] for _, others in compared for p, row in others.items() if row}
+    cell = f"{TIME_AND_MEMORY}, {{seconds_over_ours:.3g}} times"
     lines = []
-    for ours, best in found:
-        line = ours | {"ours": TAKEN.format_map(ours)} | dict.fromkeys(versions, "")
-        for peer in best.keys() & versions:
-            row = best[peer]
-            taken = f"{TAKEN}, {{seconds_over_ours:.3g}} times"
-            line[peer] = taken.format_map(row) if row else "not reached"
+    for ours, others in compared:
+        line = ours | {"ours": TIME_AND_MEMORY.format_map(ours)} | dict.fromkeys(versions, "")
+        for peer in others.keys() & versions:
+            line[peer] = cell.format_map(others[peer]) if others[peer] else "not reached"
         lines.append(line)
     columns = {
         "kind, n, area": "{kind}, {n}, {a_r:.3g}",
@@ -190,20 +198,20 @@ def peers():
     return table(columns, lines)
 
 
-def duration(error=1e-3):
-    """Return {p*: rows of program, n and time} of what was compared at this error, periodic."""
-    found = {}
-    for ours, best in contests():
+def times_by_load(error=1e-3):
+    """Return {p*: rows of program, n and time} of the periodic contacts compared at an error."""
+    times = {}
+    for ours, others in contests():
         if (ours["kind"], ours["asked"]) == ("periodic", error):
-            for name, row in ({"hpc-gfmd": ours} | best).items():
+            for name, row in ({"hpc-gfmd": ours} | others).items():
                 if row:
                     point = {"program": name, "n": str(row["n"]), "seconds_min": row["seconds_min"]}
-                    found.setdefault(row["p_star"], []).append(point)
-    return found
+                    times.setdefault(row["p_star"], []).append(point)
+    return times
 
 
 def draw(path):
-    """Draw the time that each program takes against the points along an axis."""
+    """Draw the time of each program against the points along an axis."""
     sys.path.append(str(DOCS.parent / "scripts"))
     from bench.pictures import Panel, picture
 
@@ -211,18 +219,18 @@ def draw(path):
         path,
         [
             Panel(points, ("program",), "n", "seconds_min", f"p* = {p_star:g}")
-            for p_star, points in sorted(duration().items())
+            for p_star, points in sorted(times_by_load().items())
         ],
     )
 
 
 def campaign():
-    """Counts of the campaign's records."""
-    found = rows("campaign", DOCS)
-    for row in found:
+    """Return the counts of the campaign's records."""
+    records = rows("campaign", DOCS)
+    for row in records:
         row["number"] = len(row["families"]) - 1
         row.setdefault("commit", "")
-        row["other"] = ", ".join(f"{n} {what}" for what, n in row["others"].items())
+        row["other"] = ", ".join(f"{n} {outcome}" for outcome, n in row["others"].items())
     columns = {
         "families": "{number}",
         "loads converged": "{converged}",
@@ -231,93 +239,94 @@ def campaign():
         "other outcomes": "{other}",
         "commit": "{commit}",
     }
-    return table(columns, found)
+    return table(columns, records)
 
 
 def failures():
-    """Families of walls with failures in all records together, by what was wrong."""
+    """Return the families of walls with failures in all records together, by the kind of error."""
     columns = {
         "family": "`{name}`",
         "loads converged": "{converged}",
         "less accurate than asked": "{wrong}",
         "above own estimate": "{above}",
     }
-    every = [
-        of | {"name": name}
+    counts_of_families = [
+        counts | {"name": name}
         for row in rows("campaign", DOCS)
-        for name, of in row["families"].items()
+        for name, counts in row["families"].items()
         if name != "all"
     ]
-    found = []
-    for (name,), part in grouped(every, "name"):
+    lines = []
+    for (name,), part in grouped(counts_of_families, "name"):
         wrong, above = (
-            [sum(counts) for counts in zip(*(of[kind] for of in part), strict=True)]
+            [sum(numbers) for numbers in zip(*(counts[kind] for counts in part), strict=True)]
             for kind in ("less_accurate", "above_estimate")
         )
         if wrong[0] or above[0]:
-            converged = sum(of["converged"] for of in part)
-            of = {"name": name, "converged": converged}
-            found.append(of | {"wrong": _kinds(wrong), "above": _kinds(above)})
-    return table(columns, found) if found else "No family has one."
+            converged = sum(counts["converged"] for counts in part)
+            line = {"name": name, "converged": converged}
+            lines.append(line | {"wrong": _kinds(wrong), "above": _kinds(above)})
+    return table(columns, lines) if lines else "No family has any."
 
 
 def _kinds(counts):
+    """Return the counts of the kinds of error as text; counts: of all, area, gap, pressure."""
     kinds = zip(("area", "gap", "pressure"), counts[1:], strict=True)
     return ", ".join(f"{n} {kind}" for kind, n in kinds if n) or "none"
 
 
 def model():
-    """A large grid on one node and on 64, by the link of a node."""
-    found = []
-    for _, part in grouped([r for r in rows("scaling-model") if r["n"] == 2**17], "link_gb_per_s"):
-        by = {row["nodes"]: row for row in part}
-        found.append(by[64] | {"memory": by[1]["of_bandwidth"]})
+    """Return the predictions for a large grid on one node and on 64, by the link of a node."""
+    large = [row for row in rows("scaling-model") if row["n"] == 2**17]
+    lines = []
+    for _, part in grouped(large, "link_gb_per_s"):
+        by_nodes = {row["nodes"]: row for row in part}
+        lines.append(by_nodes[64] | {"memory": by_nodes[1]["of_bandwidth"]})
     columns = {
         "link": "{link_gb_per_s:g} GB/s",
         "one node: share of the memory's bandwidth": "{memory:.2f}",
         "64 nodes: efficiency against one": "{of_one_node:.2f}",
         "of it in transposes": "{share_transpose:.0%}",
     }
-    return table(columns, found)
+    return table(columns, lines)
 
 
 def numbers():
-    """What the README says of speed and accuracy."""
-    found = {}
+    """Return the numbers of the README about speed and accuracy."""
+    numbers_by_claim = {}
     if cost := [row["fft_pairs"] for row in rows("pairs") if row["accuracy"] == 1e-3]:
-        found["An accuracy of 1e-3 in area, mean gap and pressure costs"] = (
+        numbers_by_claim["Cost of an accuracy of 1e-3 in area, mean gap and pressure"] = (
             f"{span(cost, '.1f')} [FFT pairs](docs/performance.md) (a transform of the grid"
-            " and back), whatever the size"
+            " and back), for any size"
         )
     ratios = [
-        min(row["seconds_over_ours"] for row in best.values() if row)
-        for _, best in contests()
-        if any(best.values())
+        min(row["seconds_over_ours"] for row in others.values() if row)
+        for _, others in contests()
+        if any(others.values())
     ]
     if ratios:
-        found["Beside it the fastest other program, at equal true error, takes"] = (
-            f"{span(ratios, '.3g')} times as long"
+        numbers_by_claim["Time of the fastest other program at equal true error"] = (
+            f"{span(ratios, '.3g')} times ours"
         )
-    found["A billion points, two loads, on two cores"] = whole()
+    numbers_by_claim["Time for a billion points and two loads on two cores"] = wall_time()
     records = rows("campaign", DOCS)
-    loads, wrong = (
-        sum(of) for of in zip(*((row["converged"], row["less_accurate"][0]) for row in records))
-    )
-    found[f"Of {loads:,} loads called converged"] = (
-        f"{wrong or 'none'} were less accurate than asked"
+    loads = sum(row["converged"] for row in records)
+    wrong = sum(row["less_accurate"][0] for row in records)
+    numbers_by_claim[f"Of {loads:,} loads with status converged"] = (
+        f"{wrong or 'none'} missed the requested accuracy"
     )
     strong = [row for row in rows("scaling") if row["kind"] == "strong" and row["n"] == 4096]
-    most = max(strong, key=lambda row: (row["ranks"], row["precision"] == "single"))
-    found[f"{most['ranks']} cores over one, 4096 x 4096 points"] = (
-        f"{most['efficiency'] * most['ranks']:.1f} times as fast"
+    widest = max(strong, key=lambda row: (row["ranks"], row["precision"] == "single"))
+    numbers_by_claim[f"{widest['ranks']} cores instead of one, 4096 x 4096 points"] = (
+        f"{widest['efficiency'] * widest['ranks']:.1f} times faster"
     )
-    lines = [{"what": what, "number": number} for what, number in found.items()]
-    return table({" ": "{what}", "  ": "{number}"}, lines)
+    lines = [{"claim": claim, "number": number} for claim, number in numbers_by_claim.items()]
+    return table({" ": "{claim}", "  ": "{number}"}, lines)
 
 
 TABLES = {
-    made.__name__: made
-    for made in (
+    function.__name__: function
+    for function in (
         *(pairs, process, scaling, storage, releases, billion),
         *(peers, campaign, failures, model, numbers),
     )

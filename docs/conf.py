@@ -1,5 +1,7 @@
-"""The site: Markdown pages beside this file, and pages made of the program itself (_pages.py).
-Built by scripts/docs."""
+"""Sphinx configuration of the site: the pages of this folder and generated ones (_pages.py).
+
+scripts/docs builds it.
+"""
 
 import sys
 from pathlib import Path
@@ -12,7 +14,8 @@ import _pages  # noqa: E402
 
 import hpc_gfmd  # noqa: E402
 
-project, author = "hpc-gfmd", "the hpc_gfmd developers"
+project = "hpc-gfmd"
+author = "the hpc_gfmd developers"
 copyright = author
 version = release = hpc_gfmd.__version__
 extensions = ["myst_parser", "sphinx.ext.autodoc", "numpydoc"]
@@ -22,7 +25,7 @@ myst_enable_extensions = ["dollarmath", "deflist"]
 myst_heading_anchors = 3
 numpydoc_show_class_members = False
 autodoc_member_order = "bysource"
-autodoc_typehints = "none"  # numpydoc's sections say them
+autodoc_typehints = "none"  # the numpydoc sections have them
 
 html_theme = "furo"
 html_title = f"hpc-gfmd {version}"
@@ -52,8 +55,10 @@ def _plain_bars(app, what, name, thing, options, lines):
 
 
 def setup(app):
-    """Write formulas as MathML, which browsers draw themselves: the site needs no network.
-    Docstrings are read in a terminal, too."""
+    """Write formulas as MathML, which browsers render without scripts from the network.
+
+    Bars in docstrings are escaped here, so that they stay readable in a terminal.
+    """
     app.add_html_math_renderer("mathml", (_inline, None), (_display, None))
     app.connect("autodoc-process-docstring", _plain_bars, priority=100)
     _pages.write(HERE / "generated")

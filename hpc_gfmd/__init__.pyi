@@ -14,10 +14,10 @@ from .runs.prepared import prepare_surface as prepare_surface
 from .runs.prepared import read_surface as read_surface
 from .runs.simulation import RunResult as RunResult
 from .runs.simulation import run as run
-from .runs.solution import Interrupted as Interrupted
 from .runs.solution import Solution as Solution
-from .runs.solution import Solutions as Solutions
-from .runs.solution import load as load
+from .runs.solutions import Interrupted as Interrupted
+from .runs.solutions import Solutions as Solutions
+from .runs.solutions import load as load
 from .runs.solve import solve as solve
 from .theory import reference as reference
 from .util.errors import GfmdError as GfmdError

@@ -1,4 +1,4 @@
-"""Adhesive walls for tests: lengths in the shortest wave, rms slope 1, E* = 1."""
+"""Adhesive walls for tests, in units of the shortest wavelength, with rms slope 1 and E* = 1."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ LOAD = 0.05  # p*
 
 
 def wall(points=8, waves=8, seed=1):
-    """A self-affine wall; points: to the shortest wave; waves: of these to the longest."""
+    """A self-affine wall; points: lam_s/a; waves: lam_l/lam_s."""
     return hpc_gfmd.make_surface(
         "self-affine",
         hurst=0.8,
@@ -26,7 +26,7 @@ def attraction(kappa, reach, law="exponential"):
     return {"work": kappa * np.pi * reach**2, "range": reach, "law": law}
 
 
-def retracted(surface, adhesion, load=LOAD, **how):
-    """The contact at a load to which the bodies come from far more."""
+def retracted(surface, adhesion, load=LOAD, **options):
+    """The contact at a load that is approached from much larger loads."""
     loads = [8.0, 1.0, 0.3, load]
-    return hpc_gfmd.solve(surface, loads, adhesion=adhesion, branch="retraction", **how)[-1]
+    return hpc_gfmd.solve(surface, loads, adhesion=adhesion, branch="retraction", **options)[-1]

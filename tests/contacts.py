@@ -1,4 +1,4 @@
-"""Short cuts for tests: sweeps from tables as in a scene, and random heights."""
+"""Shortcuts for tests: surfaces, scenes and sweeps from a few keys, and comparisons of fields."""
 
 import numpy as np
 import tomli_w
@@ -16,39 +16,52 @@ from hpc_gfmd.surface.topography import Topography
 EXACT = {"residual": 1e-11, "precision": "double"}
 
 
-def rough(n_over=(2, 16, 2), hurst=0.8, seed=1, **others):
-    """[surface] of a self-affine wall; n_over: L/lam_l, lam_l/lam_s, lam_s/a."""
+def rough(n_over=(2, 16, 2), hurst=0.8, seed=1, **keys):
+    """The [surface] table of a self-affine wall; n_over: (L/lam_l, lam_l/lam_s, lam_s/a)."""
     names = ("L_over_lam_l", "lam_l_over_lam_s", "lam_s_over_a")
     return (
         {"kind": "self-affine", "hurst": hurst, "seed": seed}
         | dict(zip(names, n_over, strict=True))
-        | others
+        | keys
     )
 
 
-def scene_text(n_over=(2, 8, 2), p_star=(0.05, 0.1), **others):
-    """A scene file of a self-affine wall; others: further tables, and its title."""
-    return tomli_w.dumps({"surface": rough(n_over), "load": {"p_star": list(p_star)}, **others})
+def scene_text(n_over=(2, 8, 2), p_star=(0.05, 0.1), **tables):
+    """The scene file of a self-affine wall; tables: further tables, and the title."""
+    return tomli_w.dumps({"surface": rough(n_over), "load": {"p_star": list(p_star)}, **tables})
 
 
 class Pressing:
-    """A Sweep whose `solve` takes plain mean pressures beside a Load."""
+    """A Sweep whose `solve` also accepts a mean pressure instead of a Load."""
 
     def __init__(self, sweep):
         self.sweep = sweep
 
-    def solve(self, load, *more, **named):
+    def solve(self, load, *args, **options):
         load = load if isinstance(load, Load) else Load("pressure", float(load))
-        return self.sweep.solve(load, *more, **named)
+        return self.sweep.solve(load, *args, **options)
 
     def __getattr__(self, name):
         return getattr(self.sweep, name)
 
 
 def sweep_of(surface, E_star=1.0, comm=None, duality=False, layer=None, **solver):
-    """A Pressing over a [surface] table with keys of [solver].
+    """A Pressing of a [surface] table.
 
-    `comm` defaults to this process; layer: further keys of [material]."""
+    Parameters
+    ----------
+    surface : dict
+        Keys of [surface].
+    E_star : float
+    comm
+        Communicator; this process alone by default.
+    duality : bool
+        Whether certificates have a duality gap.
+    layer : dict
+        Further keys of [material].
+    **solver
+        Keys of [solver]; EXACT by default.
+    """
     scene = Scene.from_dict(
         {
             "surface": surface,
@@ -68,15 +81,32 @@ def sweep_of(surface, E_star=1.0, comm=None, duality=False, layer=None, **solver
 
 
 def surface_over(z, sizes=(1.0, 1.0), dtype=np.float64, comm=None, free=(False, False)):
-    """The Surface of an array of heights."""
-    found = Topography(z.shape, sizes, lambda a, b: z[a:b])
-    return surface_of(found, comm or SerialComm(), dtype, 1, free)
+    """The Surface of an array of heights z (peaks up)."""
+    topography = Topography(z.shape, sizes, lambda a, b: z[a:b])
+    return surface_of(topography, comm or SerialComm(), dtype, 1, free)
 
 
 def sweep_over(
     z, sizes=(1.0, 1.0), free=(False, False), body=None, comm=None, E_star=1.0, **solver
 ):
-    """A Pressing over it with keys of [solver]."""
+    """A Pressing of an array of heights.
+
+    Parameters
+    ----------
+    z : array (n_x, n_y)
+        Heights, peaks up.
+    sizes
+        Of the surface.
+    free : (bool, bool)
+        Whether edges along x, along y are free.
+    body
+        Elastic body; a half-space by default.
+    comm
+        Communicator; this process alone by default.
+    E_star : float
+    **solver
+        Keys of [solver]; EXACT by default.
+    """
     made = make_sweep(
         lambda dtype: surface_over(z, sizes, dtype, comm, free),
         SolverTable(**solver or EXACT),
@@ -87,24 +117,24 @@ def sweep_over(
 
 
 def solve_scene(surface, p_star, E_star=1.0, comm=None, **solver):
-    """The Step of one load p* on a [surface] table."""
+    """The contact of a [surface] table at one load p*; solver: keys of [solver]."""
     sweep = sweep_of(surface, E_star, comm, **solver)
     return sweep.solve(p_star * E_star * sweep.surface.g_rms)
 
 
 def field(step, name):
-    """A field of a solved load as an array that the next load does not overwrite."""
+    """A copy of a field of a solved load, which the next load does not overwrite."""
     return np.array(step.field(name))
 
 
 def heights_of(surface):
-    """Heights (peaks up) of a [surface] table, on one process, in the scene's units."""
+    """Heights (peaks up) of a [surface] table, in the units of the scene."""
     made = sweep_of(surface).surface
     return -made.h * made.height_unit
 
 
 def random_heights(n, seed=0, correlated=True):
-    """Random heights of order one, smoothed a little so that contacts have more than one point."""
+    """Random heights of order one, slightly smoothed so that patches have several points."""
     z = np.random.default_rng(seed).standard_normal(n)
     if correlated:
         for axis in (0, 1):
@@ -114,16 +144,16 @@ def random_heights(n, seed=0, correlated=True):
 
 
 def wave_numbers(n, sizes=(1.0, 1.0)):
-    """|q| of the waves of a discrete Fourier transform."""
+    """|q| of the modes of a discrete Fourier transform."""
     q_x, q_y = (2 * np.pi * np.fft.fftfreq(k, L / k) for k, L in zip(n, sizes, strict=True))
     return np.hypot(q_x[:, None], q_y)
 
 
-def relative(found, wanted):
-    """Relative L2 distance of two fields."""
-    return np.linalg.norm(np.asarray(found, float) - wanted) / np.linalg.norm(wanted)
+def relative(field_values, wanted):
+    """Relative L2 distance of a field from the wanted one."""
+    return np.linalg.norm(np.asarray(field_values, float) - wanted) / np.linalg.norm(wanted)
 
 
 def order(n, errors):
-    """Slope of log error over log 1/n: the order of convergence."""
+    """The order of convergence: slope of log error over log 1/n."""
     return -np.polyfit(np.log(n), np.log(errors), 1)[0]

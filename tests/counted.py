@@ -1,4 +1,4 @@
-"""Contacts of given fields, on slabs, for what is counted on them; masks, and their clusters by a
+"""Contacts with given fields for tests of counted observables, and reference clusters of masks by a
 walk from point to point over the unfolded plane."""
 
 from types import SimpleNamespace
@@ -14,8 +14,23 @@ from hpc_gfmd.parallel.layout import row_starts
 
 
 def contact_of(g, p=None, sizes=(1.0, 1.0), comm=None, h=None, units=(1.0, 1.0), nominal=None):
-    """A Contact with gap g and pressure p (default: 1 where g is 0) in units of (pressure,
-    height)."""
+    """The Contact of a gap g and a pressure p, of which each rank takes its slab.
+
+    Parameters
+    ----------
+    g, p : array_like (n_x, n_y)
+        In units of height and pressure; p is 1 where g is 0 by default.
+    sizes
+        Of the cell.
+    comm
+        Communicator; this process alone by default.
+    h : array, optional
+        Initial gap in units of height.
+    units
+        (pressure, height).
+    nominal
+        Grid points of the surface in the cell; all by default.
+    """
     grid = Grid(np.shape(g), sizes, comm or SerialComm(), nominal=nominal)
     g = np.asarray(g, dtype=float)
     p = np.where(g > 0, 0.0, 1.0) if p is None else p
@@ -43,7 +58,7 @@ def contact_of(g, p=None, sizes=(1.0, 1.0), comm=None, h=None, units=(1.0, 1.0),
 
 
 def random_fields(n, seed=0, share=0.3, smooth=1.5):
-    """(g, p) of random patches that touch on about a share of all points."""
+    """(g, p) of random patches; share: of points in contact, approximately."""
     from scipy import ndimage
 
     z = ndimage.gaussian_filter(np.random.default_rng(seed).standard_normal(n), smooth, mode="wrap")
@@ -56,52 +71,53 @@ CORNERS = [(1, 1), (1, -1), (-1, 1), (-1, -1)]
 
 
 def walk(mask, periodic, corners):
-    """(sorted sizes, percolation along x and y) by visiting one point after another."""
+    """(sorted sizes of clusters, percolation along x and y) by visiting points one by one."""
     n = mask.shape
-    seen = {}
+    cells = {}
     sizes = []
     percolates = [False, False]
     for start in zip(*np.nonzero(mask), strict=True):
-        if start in seen:
+        if start in cells:
             continue
         sides = [set(), set()]
         size = 0
         todo = [start]
-        seen[start] = (0, 0)
+        cells[start] = (0, 0)
         while todo:
-            here = todo.pop()
+            point = todo.pop()
             size += 1
             for axis in (0, 1):
-                sides[axis].add(here[axis])
+                sides[axis].add(point[axis])
             for step in SIDES + CORNERS * corners:
-                there = tuple(h + s for h, s in zip(here, step, strict=True))
-                if any(not periodic[axis] and not 0 <= there[axis] < n[axis] for axis in (0, 1)):
+                unfolded = tuple(h + s for h, s in zip(point, step, strict=True))
+                inside = [0 <= unfolded[axis] < n[axis] for axis in (0, 1)]
+                if not all(inside[axis] or periodic[axis] for axis in (0, 1)):
                     continue
-                cell = tuple(seen[here][axis] + there[axis] // n[axis] for axis in (0, 1))
-                there = tuple(there[axis] % n[axis] for axis in (0, 1))
-                if not mask[there]:
+                cell = tuple(cells[point][axis] + unfolded[axis] // n[axis] for axis in (0, 1))
+                neighbour = tuple(unfolded[axis] % n[axis] for axis in (0, 1))
+                if not mask[neighbour]:
                     continue
-                if there not in seen:
-                    seen[there] = cell
-                    todo.append(there)
+                if neighbour not in cells:
+                    cells[neighbour] = cell
+                    todo.append(neighbour)
                 for axis in (0, 1):
-                    percolates[axis] |= bool(periodic[axis] and seen[there][axis] != cell[axis])
+                    wraps = periodic[axis] and cells[neighbour][axis] != cell[axis]
+                    percolates[axis] |= bool(wraps)
         sizes.append(size)
         for axis in (0, 1):
             percolates[axis] |= not periodic[axis] and {0, n[axis] - 1} <= sides[axis]
     return sorted(sizes), tuple(percolates)
 
 
-def found(comm, mask, periodic=(True, True), corners=False):
-    """(sorted sizes of all ranks, percolation) of the mask, each rank having its rows."""
+def clusters_of(comm, mask, periodic=(True, True), corners=False):
+    """(sorted sizes of clusters, percolation) by find_clusters, each rank with its rows."""
     starts = row_starts(len(mask), comm.size)
     rows = int(starts[comm.rank]), int(starts[comm.rank + 1])
     mine = mask[slice(*rows)]
     result = find_clusters(comm, lambda i0, i1: mine[i0:i1], rows, mask.shape, periodic, corners)
-    assert all(other == result.percolates for other in comm.allgather(result.percolates))
-    return sorted(
-        int(size) for sizes in comm.allgather(result.sizes) for size in sizes
-    ), result.percolates
+    assert comm.allgather(result.percolates) == [result.percolates] * comm.size
+    sizes = np.concatenate(comm.allgather(result.sizes))
+    return sorted(sizes.astype(int).tolist()), result.percolates
 
 
 masks = st.builds(

@@ -199,6 +199,7 @@ def _wait(process, folder, ranks):
 
 
 def _merge(folder, ranks, names, why, output):
+    """Combine the reports of all ranks to {name: (outcome, text)}; `why` explains missing ones."""
     reports = [_read(folder / f"report.{rank}") for rank in range(ranks)]
     results = {}
     for name in names:

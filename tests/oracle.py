@@ -1,13 +1,13 @@
-"""A second opinion: elastic contact on a small grid by dense linear algebra. Nothing of the package
-is used here.
+"""Reference solutions: elastic contact on a small grid by dense linear algebra, without any code of
+the package.
 
 K is built from matrices of the discrete Fourier transform, and the complementarity problem
 
     p = p0 + K u >= 0,   g = u + h >= 0,   p g = 0
 
 is solved by principal pivoting: guess the contact, solve the linear system that it implies, move
-the points that violate their sign. All of them at once as long as their number falls, otherwise
-(Murty) the last one alone, which cannot cycle.
+the points that violate their sign. All of them move at once as long as their number falls;
+otherwise only the last one does (Murty), which cannot cycle.
 """
 
 from dataclasses import dataclass
@@ -28,8 +28,10 @@ class Oracle:
 
 
 def stiffness(n, sizes=(1.0, 1.0), E_star=1.0, softness=None):
-    """The matrix of K = (E*/2)|q|, |q| of the minimal image, for fields flattened row by row; over
-    softness(|q|) if given."""
+    """The matrix of K = (E*/2)|q|/softness(|q|) for fields flattened row by row.
+
+    |q| is that of the minimal image; softness is 1 by default.
+    """
     n_x, n_y = n
     kx = np.arange(n_x)
     ky = np.arange(n_y)
@@ -46,7 +48,7 @@ def stiffness(n, sizes=(1.0, 1.0), E_star=1.0, softness=None):
 
 
 def solve(heights, pressure, E_star=1.0, sizes=(1.0, 1.0), softness=None):
-    """The contact of heights z (peaks up) under the mean pressure; returns an Oracle."""
+    """The Oracle of heights z (peaks up) under a mean pressure."""
     z = np.asarray(heights, dtype=float)
     K = stiffness(z.shape, sizes, E_star, softness)
     h = (z.max() - z).ravel()
@@ -64,10 +66,10 @@ def solve(heights, pressure, E_star=1.0, sizes=(1.0, 1.0), softness=None):
     )
 
 
-def _complementary(K, b, first):
-    """g, p >= 0 with p = b + K g and p g = 0."""
+def _complementary(K, b, lowest):
+    """(g, p) >= 0 with p = b + K g and p g = 0; lowest: the point closest to contact."""
     contact = b > 0
-    contact[first] = True
+    contact[lowest] = True
     fewest = len(b) + 1
     patience = 10
     for _ in range(20000):
@@ -91,25 +93,26 @@ def _complementary(K, b, first):
             wrong[: np.flatnonzero(wrong)[-1]] = False
         contact ^= wrong
         if not contact.any():
-            contact[first] = True
+            contact[lowest] = True
     raise AssertionError("the oracle found no solution")
 
 
 def compliance(contact, sizes=(1.0, 1.0), E_star=1.0):
-    """-d(mean gap)/dp while the points of a boolean array stay in contact and the others, where 1 +
-    K v = 0, out of it."""
+    """-d(mean gap)/dp with a fixed contact (boolean array): 1 + K v = 0 at all other points."""
     free = ~contact.ravel()
     K = stiffness(contact.shape, sizes, E_star)[np.ix_(free, free)]
     return float(np.linalg.solve(K, np.ones(len(K))).sum() / contact.size)
 
 
 def solve_yielding(heights, pressure, hardness, E_star=1.0, sizes=(1.0, 1.0), steps=200_000):
-    """The same where the pressure is at most the hardness: the minimum over u of
+    """The Oracle where pressures are at most the hardness. Negative gaps are dents.
+
+    u minimises
 
         1/2 <u, K u> + pressure <1, u> + hardness <1, max(-(u + h), 0)>
 
-    by accelerated proximal gradients that begin anew where they rise (FISTA; O'Donoghue, Candes
-    2015), until a step changes less than rounding. Where the gap is negative there is a dent.
+    by accelerated proximal gradients with adaptive restart (FISTA; O'Donoghue, Candes 2015), until
+    a step changes less than rounding errors.
     """
     z = np.asarray(heights, dtype=float)
     q_x, q_y = (2 * np.pi * np.fft.fftfreq(n, size / n) for n, size in zip(z.shape, sizes))

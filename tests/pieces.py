@@ -1,5 +1,5 @@
-"""Runs in pieces: stopped or dead wherever a test likes, continued, and compared with the run that
-was not disturbed: the same within the accuracy."""
+"""Runs that are interrupted or killed at chosen points, resumed, and compared with an uninterrupted
+run: results agree within the accuracy."""
 
 from contacts import rough
 from result_files import assert_same_steps
@@ -12,17 +12,17 @@ from hpc_gfmd.runs import simulation
 from hpc_gfmd.runs.simulation import run_scene
 from hpc_gfmd.scene import Scene
 
-# cold, warm, cold, closed at once, warm from the one before that
+# started cold, warm, cold, in full contact, warm from the third
 LOADS = [0.05, 0.06, 0.3, 9.0, 0.33]
 NEVER = 10**9
 
 
 class Died(BaseException):
-    """What no part of the program catches."""
+    """An exception that no part of the program catches."""
 
 
-class Chance(Interrupt):
-    """Stops the run, or lets it die, when it has been polled `after` times."""
+class CountedInterrupt(Interrupt):
+    """Stops or kills the run when it has been polled `after` times."""
 
     after = NEVER
     dies = False
@@ -38,34 +38,36 @@ class Chance(Interrupt):
 
 
 class Pieces:
-    """Runs of scenes in a folder; comm: of all of them."""
+    """Runs of scenes in a folder, interrupted and uninterrupted; comm: their communicator."""
 
     def __init__(self, monkeypatch, comm, folder):
         self.comm = comm
         self.path = folder / "pieces.h5"
         self.whole = folder / "whole.h5"
-        self.chance = type("Chance", (Chance,), {})
-        monkeypatch.setattr(simulation, "Interrupt", self.chance)
-        # for speed: there are many runs
+        self.interrupt = type("CountedInterrupt", (CountedInterrupt,), {})
+        monkeypatch.setattr(simulation, "Interrupt", self.interrupt)
+        # faster, for many runs
         monkeypatch.setattr(simulation, "compile_once", lambda *_: None)
         monkeypatch.setattr(h5, "sync", lambda *_, **__: None)
 
     def undisturbed(self, scene):
-        """Run without interruption; returns how often it was polled."""
-        self.chance.polled = 0
-        self.chance.after = NEVER
+        """Run without interruption; returns how often the interrupt was polled."""
+        self.interrupt.polled = 0
+        self.interrupt.after = NEVER
         assert run_scene(scene, out=self.whole, quiet=True, comm=self.comm).exit_code in (0, 3)
-        return self.chance.polled
+        return self.interrupt.polled
 
     def run(self, scene, *pieces, comms=()):
-        """Run in pieces (after, dies) and then to the end; comms: of the pieces, where others than
-        that of all."""
+        """Run in pieces (after, dies), then to the end.
+
+        comms: communicators of the first pieces, if other than `comm`.
+        """
         for k, (after, dies) in enumerate([*pieces, (NEVER, False)]):
             comm = comms[k] if k < len(comms) else self.comm
-            chance = self.chance
-            chance.polled = 0
-            chance.after = after
-            chance.dies = dies
+            interrupt = self.interrupt
+            interrupt.polled = 0
+            interrupt.after = after
+            interrupt.dies = dies
             status = None
             if comm is self.comm or self.comm.rank == 0:
                 try:
@@ -77,22 +79,26 @@ class Pieces:
         assert not partial_folder(self.path).exists()
 
     def compare(self, rel):
-        """All numbers and fields are the same within a relative tolerance."""
-        found = read_result(self.path)
-        wanted = read_result(self.whole)
-        assert found.indices == wanted.indices
-        assert_same_steps(found, wanted, rel)
+        """Numbers and fields agree with the uninterrupted run within a relative tolerance."""
+        resumed = read_result(self.path)
+        uninterrupted = read_result(self.whole)
+        assert resumed.indices == uninterrupted.indices
+        assert_same_steps(resumed, uninterrupted, rel)
         self.comm.barrier()
 
 
-def scene(solver, loads=LOADS, fields=("gap", "pressure"), boundary="periodic", **settings):
-    """A small rough contact in double precision; loads: p*, or a table [load]."""
+def scene(
+    solver, loads=LOADS, fields=("gap", "pressure"), boundary="periodic", material=(), **settings
+):
+    """The Scene of a small rough contact in double precision; loads: p*, or a [load] table;
+    material: the [material] table."""
     solver = {"name": solver, "accuracy": 1e-2, "precision": "double"} | settings
     load = loads if isinstance(loads, dict) else {"p_star": loads}
     return Scene.from_dict(
         {
             "surface": rough((2, 8, 2), boundary=boundary),
             "load": load,
+            "material": dict(material),
             "solver": solver,
             "output": {"fields": list(fields)},
         }

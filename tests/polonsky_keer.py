@@ -1,14 +1,12 @@
-"""Another second opinion, on grids that are too large for dense matrices: constrained conjugate
-gradients on the pressure (Polonsky, Keer, Wear 231 (1999) 206).
-
-Nothing of the package is used here.
+"""Reference solutions on grids too large for dense matrices: constrained conjugate gradients on the
+pressure (Polonsky, Keer, Wear 231 (1999) 206), without any code of the package.
 
 In contact, p > 0, the gap e = S p + h - constant has to vanish, S = 2/(E* |q|). One iteration:
 
-    t   conjugate direction from e, in contact
+    t   conjugate direction of e, in contact
     p   max(p - tau t, 0), tau: exact line search
-    p   also where the surfaces penetrate out of contact; the direction is then forgotten
-    p   scaled to the mean that is asked for
+    p   also raised where surfaces penetrate out of contact; the direction restarts then
+    p   scaled to the prescribed mean
 """
 
 import numpy as np
@@ -16,10 +14,9 @@ from oracle import Oracle
 
 
 def solve(heights, pressure, E_star=1.0, sizes=(1.0, 1.0), tolerance=1e-12, steps=20_000):
-    """The contact of heights z (peaks up) under the mean pressure.
+    """The Oracle of heights z (peaks up) under a mean pressure.
 
-    tolerance: of the gap in contact and of what penetrates out of it, over the height of the
-    surface.
+    tolerance: of gaps in contact and penetrations out of contact, over the height of the surface.
     """
     z = np.asarray(heights, dtype=float)
     q_x, q_y = (2 * np.pi * np.fft.fftfreq(n, size / n) for n, size in zip(z.shape, sizes))
@@ -27,29 +24,29 @@ def solve(heights, pressure, E_star=1.0, sizes=(1.0, 1.0), tolerance=1e-12, step
     S = np.divide(2 / E_star, q, out=np.zeros_like(q), where=q > 0)
     h = z.max() - z
 
-    def give_way(p):
+    def displacement(p):
         return np.fft.irfft2(S * np.fft.rfft2(p), z.shape)
 
     p = np.full(z.shape, float(pressure))
     t = np.zeros(z.shape)
-    squares_before = 1.0
-    goes_on = 0.0  # 1 where the direction before counts
+    last_squares = 1.0
+    conjugate = 0.0  # 1 if the last direction is kept
     for _ in range(steps):
         contact = p > 0
-        e = give_way(p) + h
+        e = displacement(p) + h
         e -= e[contact].mean()
         if max(np.abs(e[contact]).max(), -e.min()) < tolerance * h.max():
             break
         squares = np.sum(e[contact] ** 2)
-        t = np.where(contact, e + goes_on * squares / squares_before * t, 0)
-        squares_before = squares
-        r = give_way(t)
+        t = np.where(contact, e + conjugate * squares / last_squares * t, 0)
+        last_squares = squares
+        r = displacement(t)
         r -= r[contact].mean()
         tau = np.sum((e * t)[contact]) / np.sum((r * t)[contact])
         p = np.maximum(p - tau * t, 0)
         penetrates = (p == 0) & (e < 0)
         p[penetrates] -= tau * e[penetrates]
-        goes_on = 0.0 if penetrates.any() else 1.0
+        conjugate = 0.0 if penetrates.any() else 1.0
         p *= pressure / p.mean()
     else:
         raise AssertionError("the oracle found no solution")

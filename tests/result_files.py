@@ -1,4 +1,4 @@
-"""Small result files for tests: being written, interrupted, complete."""
+"""Small result files for tests: running, interrupted and complete ones."""
 
 import numpy as np
 import pytest
@@ -19,48 +19,53 @@ STEP = {
     "status": "converged",
 }
 
-UNFINISHED = {"p": 0.2, "seconds": 2.5, "iterations": 4, "fft_pairs": 6.5}  # of a load
+UNFINISHED = {"p": 0.2, "seconds": 2.5, "iterations": 4, "fft_pairs": 6.5}  # attributes of a load
 
 
-def begin(path, identity="abc", **how):
-    """The file of a run; how: as of RunFile."""
-    return RunFile(SerialComm(), path, N, (0, N[0]), HEAD | {"identity": identity}, SURFACE, **how)
+def begin(path, identity="abc", **options):
+    """The RunFile of a new or interrupted run; options: of RunFile."""
+    return RunFile(
+        SerialComm(), path, N, (0, N[0]), HEAD | {"identity": identity}, SURFACE, **options
+    )
 
 
-def interrupted(path, steps=3, **how):
-    """The folder of a run that was interrupted after some loads."""
-    with begin(path, **how) as run:
+def interrupted(path, steps=3, **options):
+    """The folder of a run that was interrupted after `steps` loads."""
+    with begin(path, **options) as run:
         for index in range(steps):
             run.write_step(index, STEP | {"p": 0.1 * (index + 1)}, {"gap": FIELD + index})
     return run.partial
 
 
-def complete(path, steps=3, **how):
-    """The file of a run that came to its end."""
-    interrupted(path, steps, **how)
-    with begin(path, **how) as run:
+def complete(path, steps=3, **options):
+    """The file of a finished run of `steps` loads."""
+    interrupted(path, steps, **options)
+    with begin(path, **options) as run:
         run.finish("converged")
     return path
 
 
-def assert_same_steps(found, wanted, rel=0.0):
-    """All of the loads that are found, but the time, is as wanted: to the last bit, unless rel, a
-    relative tolerance, is given."""
-    for index, a, fields in zip(found.indices, found.steps, found.fields, strict=True):
-        place = wanted.indices.index(index)
-        b = wanted.steps[place]
-        others = wanted.fields[place]
-        assert a.keys() == b.keys()
-        for name in set(a) - {"wall_seconds"}:
-            if not rel or isinstance(b[name], str):
-                assert a[name] == b[name], name
+def assert_same_steps(result, wanted, rel=0.0):
+    """Compare attributes, but times, and fields of a result with those of a reference result.
+
+    rel: relative tolerance of numbers and fields; 0 compares all to the last bit.
+    """
+    for index, attributes, fields in zip(result.indices, result.steps, result.fields, strict=True):
+        position = wanted.indices.index(index)
+        wanted_attributes = wanted.steps[position]
+        wanted_fields = wanted.fields[position]
+        assert attributes.keys() == wanted_attributes.keys()
+        for name in set(attributes) - {"wall_seconds"}:
+            if not rel or isinstance(wanted_attributes[name], str):
+                assert attributes[name] == wanted_attributes[name], name
             elif name in ("a_r", "gap_mean", "energy", "kappa", "p"):
-                assert a[name] == pytest.approx(b[name], rel=rel), name
+                assert attributes[name] == pytest.approx(wanted_attributes[name], rel=rel), name
         for name, stored in fields.items():
-            x, y = (one.read(0, one.shape[0]) for one in (stored, others[name]))
-            assert np.abs(x - y).max() <= rel * y.max(), name
+            field = stored.read(0, stored.shape[0])
+            wanted_field = wanted_fields[name].read(0, stored.shape[0])
+            assert np.abs(field - wanted_field).max() <= rel * wanted_field.max(), name
 
 
 def names(folder):
-    """Of the files in a folder."""
+    """Sorted names of the files in a folder."""
     return sorted(path.name for path in folder.iterdir())

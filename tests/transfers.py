@@ -1,5 +1,5 @@
-"""K and its inverse applied to whole fields; transfers between a grid and the next coarser one as
-matrices, and the sizes that they are tried on."""
+"""Reference operators for tests: stiffness and compliance of whole fields, and transfers between a
+grid and the next coarser one as matrices."""
 
 import numpy as np
 import pytest
@@ -38,19 +38,19 @@ def interpolation(n, m):
 
 
 def interpolated(z, n):
-    """A field on n points, by linear interpolation."""
+    """The field z, interpolated linearly to n points."""
     P_x, P_y = map(interpolation, n, z.shape)
     return P_x @ z @ P_y.T
 
 
 def restricted(x, m):
-    """A field on m points: the adjoint of interpolation, which keeps constants."""
+    """The field x, restricted to m points: adjoint of interpolation, keeps constants."""
     P_x, P_y = map(interpolation, x.shape, m)
     return P_x.T @ x @ P_y * (m[0] * m[1] / x.size)
 
 
 def whole(n, dtype=float):
-    """The transfer of a grid that one rank holds, and the points of the coarser one."""
+    """(transfer, m) between n points and the m points of the next coarser grid, on one rank."""
     hierarchy = levels(Grid(n))
     m = hierarchy[1].n if len(hierarchy) > 1 else n
     return Transfer(n, m, [0, n[0]], 0, dtype), m
@@ -67,25 +67,25 @@ def compliance_times(elastic, p, out):
 
 
 def assert_same_on_slabs(comm, n, dtype=np.float64, tolerance=1e-12, body=HALF_SPACE, threads=1):
-    """K and S on the slabs of all ranks are what they are on one, and so are their energies."""
-    whole = Grid(n, (1.0, 1.7))
-    grid = Grid(n, (1.0, 1.7), comm, threads=threads)
-    mine = slice(*grid.rows)
+    """Compare K u, S u and their energies on the slabs of all ranks with those on one rank."""
+    whole_grid = Grid(n, (1.0, 1.7))
+    slab_grid = Grid(n, (1.0, 1.7), comm, threads=threads)
+    rows = slice(*slab_grid.rows)
     u = np.random.default_rng(1).standard_normal(n).astype(dtype)
     for apply in (stiffness_times, compliance_times):
-        wanted = whole.empty(dtype)
-        out = grid.empty(dtype)
-        energy = apply(Elastic(whole, body, dtype), u, wanted)
-        elastic = Elastic(grid, body, dtype)
-        found = comm.sum([apply(elastic, u[mine], out)])[0]
-        assert found == pytest.approx(energy, rel=10 * tolerance, abs=1e-25)
-        least = tolerance * max(np.abs(wanted).max(), 1e-20)
-        assert np.abs(out - wanted[mine]).max(initial=0) <= least
+        wanted = whole_grid.empty(dtype)
+        out = slab_grid.empty(dtype)
+        energy = apply(Elastic(whole_grid, body, dtype), u, wanted)
+        elastic = Elastic(slab_grid, body, dtype)
+        energy_on_slabs = comm.sum([apply(elastic, u[rows], out)])[0]
+        assert energy_on_slabs == pytest.approx(energy, rel=10 * tolerance, abs=1e-25)
+        largest_error = tolerance * max(np.abs(wanted).max(), 1e-20)
+        assert np.abs(out - wanted[rows]).max(initial=0) <= largest_error
         assert elastic.pairs == 1
 
 
 def matrix(body, grid):
-    """K as the operator applies it, column by column."""
+    """The matrix of K, by applying the operator to unit vectors."""
     elastic = Elastic(grid, body, np.float64)
     out = np.empty((grid.N, grid.N))
     for k in range(grid.N):
@@ -98,6 +98,8 @@ def matrix(body, grid):
 
 
 def _through(elastic, field, columns, out):
+    """Transform a field row by row, call `columns`, and write the result to `out`; its energy."""
+
     def use(i0, i1, x):
         out[i0:i1] = x[: i1 - i0]
 

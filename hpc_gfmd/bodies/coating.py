@@ -42,6 +42,20 @@ class Coating(Body):
 
     @classmethod
     def of(cls, material: Material, free: Sequence[bool]) -> Body | None:
+        """Return the coating that a scene means: a thickness with a base that has a modulus.
+
+        Parameters
+        ----------
+        material : scene.Material
+            Lengths in the unit of the surface's.
+        free : pair of bool
+            Whether the surface ends along x, along y.
+
+        Returns
+        -------
+        Coating or None
+            None of other materials, and of a surface that ends.
+        """
         t = material.thickness
         nu = material.nu1
         base_E = material.base_E
@@ -53,9 +67,24 @@ class Coating(Body):
 
     @classmethod
     def examples(cls) -> list[Body]:
+        """Return a soft, a stiff and a very stiff coating, for the contract tests."""
         return [cls(0.1, 0.3, 0.05, 0.2), cls(0.03, 0.0, 2.0, 0.5), cls(0.02, 0.5, 20.0, 0.3)]
 
     def stiffness(self, q: np.ndarray, a: float) -> np.ndarray:
+        """Return the stiffness K of the coated half-space, by the formula of the class.
+
+        Parameters
+        ----------
+        q : array
+            Wave numbers >= 0, in units of 1/a.
+        a : float
+            Grid spacing in the unit of `thickness`.
+
+        Returns
+        -------
+        array
+            K in units of 1/a, in the shape of q.
+        """
         x = np.asarray(q, np.float64) * (self.thickness / a)
         e = np.exp(-2 * x)
         b = 3 - 4 * self.nu

@@ -76,22 +76,68 @@ class Free(HalfSpace):
 
     @classmethod
     def of(cls, material: Material, free: Sequence[bool]) -> Body | None:
+        """Return the half-space under a surface that ends, where a scene has no thickness.
+
+        Parameters
+        ----------
+        material : scene.Material
+            Lengths in the unit of the surface's.
+        free : pair of bool
+            Whether the surface ends along x, along y.
+
+        Returns
+        -------
+        Free or None
+            None of layers, and of a periodic surface.
+        """
         return cls((free[0], free[1])) if material.thickness is None and any(free) else None
 
     @classmethod
     def examples(cls) -> list[Body]:
+        """Return a surface that ends along both axes, and along either, for the contract tests."""
         return [cls((True, True)), cls((True, False)), cls((False, True))]
 
     @once_per_grid
     def bounds(self, grid: Grid) -> tuple[float, float]:
+        """Return bounds of K on a grid: the coupled modes are softer than those of the cell."""
         smallest, largest = super().bounds(grid)
         return 0.4 * smallest, largest  # S of a mode is at most 2.5 times that of the cell
 
     def waves(self, grid: Grid, q_x: np.ndarray, q_y: np.ndarray) -> Waves:
+        """Return the wave numbers with the kink at the shortest wave rounded along axes that end.
+
+        Parameters
+        ----------
+        grid : Grid
+            The grid.
+        q_x, q_y : array
+            Its wave numbers, in 1/a.
+
+        Returns
+        -------
+        tuple of array
+            In the shapes of q_x and q_y, by `rounded`.
+        """
         q_x, q_y = map(rounded, (q_x, q_y), np.divide(grid.spacings, grid.a), self.free)
         return q_x, q_y
 
     def make_multipliers(self, grid: Grid, fft: SlabFFT, q: Waves) -> Multipliers:
+        """Make the Multipliers that also couple the lowest modes. Collective.
+
+        Parameters
+        ----------
+        grid : Grid
+            The grid.
+        fft : SlabFFT
+            Its transforms in one precision; the Multipliers do not hold it.
+        q : (q_x, q_y)
+            Wave numbers (n_x,) and (blocks of this rank, W), in 1/a.
+
+        Returns
+        -------
+        Multipliers
+            Coupled, or those of the periodic half-space on a grid of too few points to end.
+        """
         shape = self._shape(grid)
         return (
             Coupled(grid, fft, q, *_half_space(shape, fft.dtype))
@@ -265,6 +311,24 @@ class Coupled(Multipliers):
         )
 
     def multiply(self, block: np.ndarray, m: int, inverse: bool) -> float:
+        """Multiply the columns of a block by K/N, or by S/N, in place, and add the coupled modes.
+
+        To be called after `couple`.
+
+        Parameters
+        ----------
+        block : array (W, n_x), complex
+            Columns of the spectrum.
+        m : int
+            The block's number.
+        inverse : bool
+            Multiply by S.
+
+        Returns
+        -------
+        float
+            Their share of <u, K u>, or of <p, S p>; block 0 has that of the coupled modes.
+        """
         energy = super().multiply(block, m, inverse)
         columns = slice(int(self.edges[m]), int(min(self.edges[m + 1], self.modes[1] + 1)))
         width = columns.stop - columns.start

@@ -144,6 +144,7 @@ class _Nodes:
 
     @staticmethod
     def _fit(basis: np.ndarray, k: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Return the singular value decomposition of a basis, weighted by the root of S."""
         root = k**-0.5  # of S, about
         U, s, V = np.linalg.svd(basis * root, full_matrices=False)
         return U, s, V.T * root[:, None]

@@ -41,6 +41,20 @@ class Layer(Body):
 
     @classmethod
     def of(cls, material: Material, free: Sequence[bool]) -> Body | None:
+        """Return the layer that a scene means: a thickness on a rigid base.
+
+        Parameters
+        ----------
+        material : scene.Material
+            Lengths in the unit of the surface's.
+        free : pair of bool
+            Whether the surface ends along x, along y.
+
+        Returns
+        -------
+        Layer or None
+            None of other materials, and of a surface that ends.
+        """
         t = material.thickness
         nu = material.nu1
         if t is None or nu is None or not material.rigid_base or any(free):
@@ -49,6 +63,7 @@ class Layer(Body):
 
     @classmethod
     def examples(cls) -> list[Body]:
+        """Return bonded and frictionless layers, for the contract tests."""
         return [
             cls(0.3, 0.3, "bonded"),
             cls(0.05, 0.0, "bonded"),
@@ -57,6 +72,20 @@ class Layer(Body):
         ]
 
     def stiffness(self, q: np.ndarray, a: float) -> np.ndarray:
+        """Return the stiffness K = 1/S of the layer, by the formulas of the class.
+
+        Parameters
+        ----------
+        q : array
+            Wave numbers >= 0, in units of 1/a.
+        a : float
+            Grid spacing in the unit of `thickness`.
+
+        Returns
+        -------
+        array
+            K in units of 1/a, in the shape of q.
+        """
         t = self.thickness / a
         x = np.maximum(np.asarray(q, np.float64) * t, TINY)
         # both parts of the fraction times e: nothing overflows; the upper one over x

@@ -77,6 +77,7 @@ def stability_of(
     p: np.ndarray,
     levels: Multilevel,
     enough: float = np.inf,
+    too_little: float = -LEAST,
     mode: np.ndarray | None = None,
     tolerance: float = TOLERANCE,
 ) -> Stability:
@@ -92,8 +93,9 @@ def stability_of(
         Gap, and pressure of the wall.
     levels : Multilevel
         Of the grid, in the working precision; its fields are overwritten.
-    enough : float
-        An s above which nobody needs to know more: the search ends once `lowest` is above it.
+    enough, too_little : float
+        An s above which nobody needs to know more: the search ends once `lowest` is above it; and
+        one below which nobody does, once `value` is below it.
     mode : array, local slab
         Where the search begins; its memory is used.
     tolerance : float
@@ -106,7 +108,7 @@ def stability_of(
     search = _Search(problem, g, p, levels)
     if not search.attracts:
         return Stability(1.0, 1.0, None, 0.0)
-    return search.run(enough, mode, tolerance)
+    return search.run(enough, too_little, mode, tolerance)
 
 
 def stability_up_to_equilibrium(
@@ -183,7 +185,9 @@ class _Search:
         (largest,) = self.grid.comm.max([max(float(x) for _, x in found)])
         self.softness = largest / float(problem.body.near(self.grid)[0])
 
-    def run(self, enough: float, mode: np.ndarray | None, tolerance: float) -> Stability:
+    def run(
+        self, enough: float, too_little: float, mode: np.ndarray | None, tolerance: float
+    ) -> Stability:
         """Step until s is known well enough."""
         shape = (3, *self.grid.shape)
         V, KV = np.zeros(shape, self.dtype), np.zeros(shape, self.dtype)
@@ -210,7 +214,7 @@ class _Search:
             missing = self._precondition()  # <R, M R>; <e, K e> is 1
             doubt = np.sqrt(max(missing, 0.0))
             lowest = s - 2 * doubt
-            if (lowest > enough and step >= fewest) or s < -LEAST or not missing > 0:
+            if (lowest > enough and step >= fewest) or s < too_little or not missing > 0:
                 break
             if abs(s - before) < tolerance * max(abs(s), LEAST):
                 lowest = max(s - doubt, s / 2)

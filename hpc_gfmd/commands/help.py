@@ -44,6 +44,7 @@ def main(args: Namespace) -> int:
 
 
 def _scene_keys(key: str | None, markdown: bool) -> str:
+    """Return the help on the keys of a scene: on one or on a table as text, or all as markdown."""
     from ..contact import all_distributions, observable_names
     from ..scene import reference
     from ..solvers import solver_names
@@ -73,12 +74,14 @@ def _number_rows() -> list[tuple[str, str, str, str]]:
 
 
 def _numbers_text() -> str:
+    """Return the table of all numbers of a load as text."""
     rows = [("name", "unit", "asked for", "meaning"), *_number_rows()]
     lines = [f"{name:<36} {unit:<18} {asked_by:<14} {text}" for name, unit, asked_by, text in rows]
     return "\n".join([ABOUT_NUMBERS, "", *lines])
 
 
 def _numbers_page() -> str:
+    """Return the table of all numbers of a load as a page of markdown."""
     rows = [
         f"| `{name}` | {unit} | {asked_by} | {text} |"
         for name, unit, asked_by, text in _number_rows()
@@ -88,6 +91,7 @@ def _numbers_page() -> str:
 
 
 def _print_command_help(name: str | None) -> None:
+    """Print the help of a command, or of the program. Raises SceneError for an unknown command."""
     from .cli import COMMANDS, build_parser
 
     if name is None:

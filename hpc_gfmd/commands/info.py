@@ -54,6 +54,7 @@ def _io() -> str:
 
 
 def _mpi_library() -> str:
+    """Return name and version of the MPI library, or why there is none."""
     from ..util.errors import one_line
 
     try:

@@ -116,4 +116,5 @@ def _limit(
 
 
 def _with_sigma(value: float, sigma: float | None) -> str:
+    """Return "value +- sigma", without the latter where it is not known."""
     return f"{value:.4f}" + (f" +- {sigma:.1g}" if sigma is not None else "")

@@ -20,7 +20,7 @@ from ..util.errors import SceneError
 from ..util.plugins import module_in, names_in
 from .base import OF_EVERY_LOAD, Distribution, Observable
 
-COMMON = ("base", "contact", "attraction_notes")  # files that are no observable
+COMMON = ("base", "contact", "attraction_notes", "other_branch")  # files that are no observable
 
 
 def all_observables() -> dict[str, Observable]:
@@ -97,6 +97,7 @@ def require_periodic(names: Iterable[str], free: tuple[bool, bool], key: str) ->
 
 @cache
 def _merged(table: str) -> dict[str, Any]:
+    """Return a table of this name, such as OBSERVABLES, of all files together."""
     return {
         name: entry
         for module in _observables()
@@ -106,4 +107,5 @@ def _merged(table: str) -> dict[str, Any]:
 
 @cache
 def _observables() -> list[ModuleType]:
+    """Return the modules of this folder and of plugins that define observables."""
     return [module_in(__name__, name) for name in names_in(__name__, COMMON)]

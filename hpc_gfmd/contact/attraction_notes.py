@@ -23,6 +23,9 @@ def attraction_notes(contact: Any) -> list[str]:
         notes.append(
             f"stability {stability:.2g}: about to jump; errors are those of this equilibrium"
         )
+    other = contact.other_branch
+    if other is not None and not other.agrees:
+        notes.append(f"not unique: {100 * other.a_r:.3g} % touch on the other branch")
     softness = resolution(contact)
     if softness > RESOLVED:
         finer = ceil(softness / RESOLVED)

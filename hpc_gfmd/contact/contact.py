@@ -23,6 +23,7 @@ from ..surface.doubtful_numbers import load_notes
 from ..surface.number_range import field_dtype
 from ..util.quantities import prefixed
 from .attraction_notes import attraction_notes
+from .other_branch import OtherBranch
 
 METALLIC = 1e9  # Pa: of an effective modulus from which the note on yield speaks
 YIELDS_AT = 50  # metals yield where the contact pressure is E* over about this
@@ -67,6 +68,8 @@ class Contact:
         The largest pressure, in the unit of E_star; None: there is none.
     attraction : Law or None
         Law of attraction, in the unit of E_star and that of lengths; None: there is none.
+    other_branch : OtherBranch or None
+        What the load has come to on the other branch, where that was asked for and found.
     """
 
     surface: Surface
@@ -84,6 +87,7 @@ class Contact:
     pairs: float = 0.0
     hardness: float | None = None
     attraction: Law | None = None
+    other_branch: OtherBranch | None = None
 
     @property
     def grid(self) -> Grid:
@@ -340,6 +344,7 @@ class Contact:
 
     @cached_property
     def _clusters(self) -> dict[tuple[bool, bool, int | None], Clusters]:
+        """Connected areas that were found so far, by the arguments of `clusters`."""
         return {}
 
     @cached_property

@@ -28,6 +28,11 @@ def critical_gap(axis: int, contact: Contact) -> float:
     axis : int
         0: along x, 1: along y.
     contact : Contact
+
+    Returns
+    -------
+    float
+        0 where the widest channel is closed.
     """
     rows, points = contact.grid.inside
     g = contact.g[:rows, :points]

@@ -97,6 +97,7 @@ def _counts(contact: Contact, bins: OfRows, lowest: int, highest: int) -> np.nda
 
 
 def _density(edges: np.ndarray, counts: np.ndarray) -> Arrays:
+    """Return the histogram as a density, without empty bins at its ends; counts: per bin."""
     filled = np.nonzero(counts)[0]
     start = filled[0]
     stop = filled[-1] + 1

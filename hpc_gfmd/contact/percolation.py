@@ -24,6 +24,8 @@ SOURCES = ("Newman, Ziff, Phys. Rev. E 64 (2001) 016706, doi:10.1103/PhysRevE.64
 def _percolates(
     name: str, axis: int, corners: bool = False, open_axis: int | None = None
 ) -> Observable:
+    """Make the observable whether contact or gap (name) percolates along an axis."""
+
     def percolates(contact: Contact) -> bool:
         return contact.clusters(name == "contact", corners, open_axis).percolates[axis]
 
@@ -39,6 +41,8 @@ def _percolates(
 
 
 def _all(corners: bool) -> dict[str, Observable]:
+    """Return the observables of percolation around the cell by name; corners: points also connect
+    diagonally."""
     end = "_8" if corners else ""
     return {
         f"{name}_percolates_{'xy'[axis]}{end}": _percolates(name, axis, corners)

@@ -109,12 +109,15 @@ def autocorrelation(name: str, contact: Contact) -> Arrays:
 
 
 def _transforms(contact: Contact) -> SlabFFT:
+    """Return the transforms of the grid that are planned already, in double precision if there are
+    such."""
     grid = contact.grid
     planned = grid.planned() or [grid.fft(contact.g.dtype)]
     return max(planned, key=lambda fft: fft.dtype.itemsize)
 
 
 def _lengths(grid: Grid) -> list[float]:
+    """Return the lengths of the cell along axes of more than one point."""
     return [size for size, n in zip(grid.sizes, grid.n) if n > 1] or [1.0]
 
 

@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..certificate.stability import stability_of, stability_up_to_equilibrium
+from ..certificate.stability import LEAST, stability_of, stability_up_to_equilibrium
 from ..kernels.adhesive_rows import gain_along
 
 if TYPE_CHECKING:
     from ..solvers.base import Solver
 
 APPROACH, RETRACTION = "approach", "retraction"
-ENOUGH = 1.5  # times the stability that the errors ask for is enough
+ENOUGH = 1.1  # times the stability that the errors ask for is enough
 KICKS = 12  # saddles that a load may be led away from
 # lengths of a kick that are tried: its largest change of the gap, in ranges of the attraction
 KICK_LENGTHS = (0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0)
@@ -78,12 +78,10 @@ class SaddleGuard:
         Parameters
         ----------
         measure : float
-            The solver's own measure of the error over what is asked for. It is inversely
-            proportional to the stability: nobody needs to know that better than the error asks for.
-            0: no errors are asked for.
+            The solver's own measure of the error over what is asked for, without the stability,
+            which nobody needs to know better than the error asks for. 0: no errors are asked for.
         """
         solver = self.solver
-        before = 1.0 if solver.stability is None else max(solver.stability.lowest, 0.0)
         solver.stability = None
         estimate = solver.progress().estimate
         distance = estimate.distance if estimate is not None and measure > 0 else 0.0
@@ -92,7 +90,8 @@ class SaddleGuard:
             solver.g,
             solver.p,
             solver.levels,
-            ENOUGH * measure * before,
+            ENOUGH * measure,
+            measure if 0 < measure < np.inf else -LEAST,
             self._mode,
         )
         self._mode = found.mode

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from ..bodies.halfspace import HALF_SPACE
@@ -30,6 +30,8 @@ class ContactModel:
         none.
     branch : str
         "approach" or "retraction", see branches.py.
+    unique : bool
+        Whether each load is solved on the other branch, too.
     lam_s : float or None
         Shortest wavelength of the surface, in its unit of length, where that is known.
     """
@@ -39,7 +41,14 @@ class ContactModel:
     hardness: float | None = None
     attraction: Law | None = None
     branch: str = APPROACH
+    unique: bool = False
     lam_s: float | None = None
+
+    @property
+    def on_other_branch(self) -> ContactModel:
+        """The same on the other branch, alone."""
+        other = APPROACH if self.branch == RETRACTION else RETRACTION
+        return replace(self, branch=other, unique=False)
 
     @property
     def retracts(self) -> bool:

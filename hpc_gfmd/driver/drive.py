@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from enum import Enum
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -37,10 +36,11 @@ class LoopCalibration:
         Share of its patience that a solver has after a refusal: only rounding errors are left.
     improvement : float
         Factor on a measure of the error that counts as progress.
-    after_saddle : float
-        Of the measure at which a state was found to be a saddle: when it is looked at again.
-    waits, saddles : int
-        Every so many times that it is one still it is left by force; times that this may happen.
+    look_again, look_again_after : float, int
+        Share of the measure at which the stability was found to be too small, and iterations
+        since: when it is looked for again, whichever comes first.
+    waits : int
+        Every so many times that a state is a saddle it is left by force.
     avalanche : float
         Share of the contact by which it changes: that is progress with an attraction.
     patience_with_attraction : float
@@ -51,9 +51,9 @@ class LoopCalibration:
     refusals: int = 5
     patience_at_floor: float = 1 / 6
     improvement: float = 0.9
-    after_saddle: float = 0.3
+    look_again: float = 0.3
+    look_again_after: int = 10
     waits: int = 3
-    saddles: int = 12
     avalanche: float = 0.01
     patience_with_attraction: float = 2.5
 
@@ -135,12 +135,11 @@ def drive(
             continue
         if guard is not None:
             pairs += guard.look(limits.measure if criterion.residual is None else 0.0)
-            way_on = _after_look(solver, progress, limits, guard)
-            if way_on == WayOn.STAGNATED:
-                return _conclude(solver, criterion, search, None, "stagnated", pairs)
-            if way_on == WayOn.ITERATE:
+            if _leaves_saddle(limits, guard):
+                continue
+            if guard.at_saddle or not limits.is_stable_enough(solver.progress()):
+                solver.stability = None
                 solver.step()
-            if way_on != WayOn.CERTIFY:
                 continue
         certificate = certificate_of(solver, criterion)
         pairs += certificate.pairs
@@ -151,6 +150,7 @@ def drive(
         limits.note_refusal(certificate, max(error, miss))
         if limits.refused_too_often:
             return Outcome("stagnated", certificate, pairs)
+        solver.stability = None
         solver.after_certificate(certificate)
         if search is not None and search.correct(solver, certificate, error < 1):
             limits.begin_again()
@@ -163,36 +163,21 @@ def _goes_elsewhere(
     """Return whether a search goes on at another load, where the solution at this one is as
     accurate as asked. Collective."""
     certificate = outcome.certificate
-    is_solved = error_left(certificate, criterion) < 1
+    is_solved = (
+        error_left(certificate, criterion) < 1 and _status_of(certificate, criterion) == "converged"
+    )
     if search is None or outcome.status != "stagnated" or not is_solved:
         return False
     return search.correct(solver, certificate, is_solved)
 
 
-class WayOn(Enum):
-    """How a load with an attraction goes on once its stability is known."""
-
-    CERTIFY = "certify"
-    ITERATE = "iterate"
-    HAS_LEFT_SADDLE = "has left a saddle"
-    STAGNATED = "stagnated"
-
-
-def _after_look(solver: Solver, progress: Progress, limits: Limits, guard: SaddleGuard) -> WayOn:
-    """Return how a load goes on whose stability the guard has found; leave a saddle. Collective.
-
-    progress: as it was before; with the stability the errors are other ones.
-    """
-    if not guard.at_saddle:
-        limits.note(solver.progress())
-        return WayOn.CERTIFY if limits.ask_for_certificate(progress) else WayOn.ITERATE
-    if not limits.wait_at_saddle() and guard.leave_saddle():
-        limits.begin_again()
-        return WayOn.HAS_LEFT_SADDLE
-    if limits.saddles > CALIBRATION.saddles:
-        return WayOn.STAGNATED
-    solver.stability = None
-    return WayOn.ITERATE
+def _leaves_saddle(limits: Limits, guard: SaddleGuard) -> bool:
+    """Return whether the guard has led the solver away from a saddle, at which it has been for long
+    enough. Collective."""
+    if not guard.at_saddle or limits.wait_at_saddle() or not guard.leave_saddle():
+        return False
+    limits.begin_again()
+    return True
 
 
 class Limits:
@@ -219,14 +204,16 @@ class Limits:
         self.refusals = 0
         self.saddles = 0
         self.least_refused = np.inf  # the smallest error that the certificate refused
-        self.threshold = 1.0
+        self.threshold = 1.0  # of the measure, with the stability in it, for a certificate
+        self.look_below = np.inf  # of the measure without it, for a look at the stability
+        self.look_at = 0  # iterations from which on there is one anyway
         self.best = np.inf
         self.contact = 0.0
         self.best_at = self.solver.iterations
 
     def note(self, progress: Progress) -> None:
         """Note the progress of an iteration."""
-        self.measure = measure_of(progress, self.criterion)
+        self.measure = self.asked = measure_of(progress, self.criterion)
         if self.measure < CALIBRATION.improvement * self.best:
             self.best = self.measure
             self.best_at = self.solver.iterations
@@ -242,7 +229,8 @@ class Limits:
 
     def ask_for_certificate(self, progress: Progress) -> bool:
         """Return whether the solver believes that it is there."""
-        return progress.finite and self.measure < self.threshold
+        is_time = self.measure < self.look_below or self.solver.iterations >= self.look_at
+        return progress.finite and self.measure < self.threshold and is_time
 
     def note_refusal(self, certificate: Certificate, left: float) -> None:
         """Note a certificate that refuses.
@@ -259,14 +247,36 @@ class Limits:
         nearer = error < CALIBRATION.improvement * self.least_refused
         self.refusals = 0 if nearer else self.refusals + 1
         self.least_refused = min(error, self.least_refused)
-        self.threshold = self.measure / left if np.isfinite(left) else self.measure
+        share = 1 / left if np.isfinite(left) else 1.0
+        self.threshold = share * self.asked
+        self._look_later(share)
 
     def wait_at_saddle(self) -> bool:
         """Note that the state is a saddle, which it may be on its way only; return whether to
         iterate further before anything is done."""
         self.saddles += 1
-        self.threshold = CALIBRATION.after_saddle * self.measure
+        self._look_later(0.0)
         return self.saddles % CALIBRATION.waits != 0
+
+    def is_stable_enough(self, progress: Progress) -> bool:
+        """Return whether the solver still believes that it is there after its stability was found.
+
+        Parameters
+        ----------
+        progress : Progress
+            With this stability.
+        """
+        self.asked = measure_of(progress, self.criterion)
+        if self.asked < self.threshold:
+            return True
+        self._look_later(self.threshold / self.asked)
+        return False
+
+    def _look_later(self, share: float) -> None:
+        """Note when the stability, which changes meanwhile, is looked for next: where the measure
+        is this share of what it is, or a bit less."""
+        self.look_below = max(share, CALIBRATION.look_again) * self.measure
+        self.look_at = self.solver.iterations + CALIBRATION.look_again_after
 
     @property
     def refused_too_often(self) -> bool:

@@ -238,7 +238,7 @@ class SecantSearch(LoadSearch):
 
     @property
     def _alone(self) -> float:
-        """What a single point carries before others touch, as far as it is left out of x."""
+        """Return p_1, the mean pressure that x = log(p0 - p_1) leaves out: 0 but for an area."""
         return 0.0
 
     # -- from grid to grid

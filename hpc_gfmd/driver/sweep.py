@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..bodies.halfspace import HALF_SPACE
+from ..contact.other_branch import compared
 from ..parallel import interrupt
 from ..util.errors import SceneError
 from .branches import SaddleGuard
@@ -50,6 +51,7 @@ def make_sweep(
     hardness: float | None = None,
     attraction: Law | None = None,
     branch: str = "approach",
+    unique: bool = False,
 ) -> Sweep:
     """Compose the sweep of a surface.
 
@@ -61,7 +63,7 @@ def make_sweep(
         Makes the surface.Surface in a precision: ``make_surface(dtype)``.
     settings : scene.SolverTable
         The table [solver] of a scene.
-    E_star, body, hardness, lam_s, attraction, branch
+    E_star, body, hardness, lam_s, attraction, branch, unique
         See `ContactModel`.
     duality : bool
         Whether the certificates have to give the duality gap.
@@ -76,7 +78,14 @@ def make_sweep(
     Sweep
         Which has made the surface in the first precision.
     """
-    model = ContactModel(float(E_star), body, hardness, attraction, branch, lam_s)
+    model = ContactModel(float(E_star), body, hardness, attraction, branch, unique, lam_s)
+    return _sweep_with(make_surface, settings, model, duality)
+
+
+def _sweep_with(
+    make_surface: MakeSurface, settings: SolverTable, model: ContactModel, duality: bool = False
+) -> Sweep:
+    """Compose the sweep of a surface; see `make_sweep`."""
     starter = Starter(settings, duality)
     kind = WorkingSurface
     if settings.low_memory:
@@ -185,7 +194,28 @@ class Sweep:
         searched = self.working.model.attraction is None  # no other load is
         if contact.status == "converged" and searched:
             self.searches.remember(contact, self.working)
+        if self.working.model.unique:
+            return self._with_other_branch(contact)
         return contact
+
+    def _with_other_branch(self, contact: Contact) -> Contact:
+        """Solve a load on the other branch, too, and say of its contact whether both agree.
+
+        Retraction begins at closed surfaces, which are the smallest gaps that there are, approach
+        as it always does. In the precision that the load took.
+        """
+        model = self.working.model.on_other_branch
+        precision = "double" if self.dtype == DOUBLE else "single"
+        settings = self.settings.model_copy(update={"precision": precision})
+        sweep = _sweep_with(lambda dtype: self.surface, settings, model)
+        start = None
+        if model.retracts:
+            closed = np.zeros_like(contact.g)
+            start = Unfinished(closed, contact.p_mean, iterations=0, pairs=0.0)
+        other = sweep.solve(Load("pressure", contact.p_mean), self._raise_if_stopped, start)
+        return replace(
+            contact, other_branch=compared(contact, other), pairs=contact.pairs + other.pairs
+        )
 
     # -- precisions
 

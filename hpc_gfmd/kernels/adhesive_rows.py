@@ -28,6 +28,8 @@ def work_of_step(law, g, d_rows, i0, i1, inside):
         Gap before the step.
     d_rows : (>= i1 - i0, n_y)
         The step in full precision.
+    i0, i1 : int
+        Local rows i0 <= i < i1.
     inside : (rows, points)
         This rank's part of the surface.
 
@@ -65,6 +67,8 @@ def add_change(law, g, d, Kd, s, i0, i1, inside):
         K d; becomes y.
     s : float
         Step length, in the precision of g.
+    i0, i1 : int
+        Local rows i0 <= i < i1.
     inside : (rows, points)
         This rank's part of the surface.
 
@@ -104,6 +108,8 @@ def add_attraction(law, g, x, i0, i1, inside):
         Gap.
     x : (>= i1 - i0, n_y)
         Pressure of the body, from row i0 on; that of the wall afterwards.
+    i0, i1 : int
+        Local rows i0 <= i < i1.
     inside : (rows, points)
         This rank's part of the surface.
 
@@ -140,6 +146,8 @@ def shift_gap(law, g, p, by, i0, i1, inside):
         Gap, no less than `by` on the surface, and pressure of the wall; become the new ones.
     by : float
         In the precision of g.
+    i0, i1 : int
+        Local rows i0 <= i < i1.
     inside : (rows, points)
         This rank's part of the surface.
 
@@ -177,6 +185,8 @@ def softening(law, g, closed, x, i0, i1, inside):
         1 in contact, 0 elsewhere.
     x : (n_loc, n_y)
         Becomes the softening.
+    i0, i1 : int
+        Local rows i0 <= i < i1.
     inside : (rows, points)
         This rank's part of the surface.
 
@@ -204,7 +214,7 @@ def softening(law, g, closed, x, i0, i1, inside):
 
 @kernel
 def gain_along(law, g, e, length, i0, i1, inside):
-    """Return the sum of phi(g + length e) - phi(g) on rows i0 <= i < i1, with gaps >= 0.
+    """Return what a step along a direction changes of the energy of attraction.
 
     Parameters
     ----------
@@ -214,8 +224,15 @@ def gain_along(law, g, e, length, i0, i1, inside):
         Gap and a direction.
     length : float
         In the precision of g.
+    i0, i1 : int
+        Local rows i0 <= i < i1.
     inside : (rows, points)
         This rank's part of the surface.
+
+    Returns
+    -------
+    float
+        Sum of phi(g + length e) - phi(g) over these rows, no gap counting as less than 0.
     """
     zero = g.dtype.type(0)
     gained = 0.0
@@ -228,8 +245,7 @@ def gain_along(law, g, e, length, i0, i1, inside):
 
 @kernel
 def pull_along(law, g, e, length, i0, i1, inside):
-    """Return <t(g + length e) - t(g), e> on rows i0 <= i < i1, with gaps >= 0: what a step along a
-    direction changes of the attraction's part of the slope along it.
+    """Return what a step along a direction changes of the attraction's part of the slope along it.
 
     Parameters
     ----------
@@ -238,8 +254,16 @@ def pull_along(law, g, e, length, i0, i1, inside):
     g, e : (n_loc, n_y)
         Gap and a direction.
     length : float
+        In double precision.
+    i0, i1 : int
+        Local rows i0 <= i < i1.
     inside : (rows, points)
         This rank's part of the surface.
+
+    Returns
+    -------
+    float
+        <t(g + length e) - t(g), e> over these rows, no gap counting as less than 0.
     """
     changed = 0.0
     for i in range(i0, i1):

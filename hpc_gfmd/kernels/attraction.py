@@ -68,15 +68,54 @@ def _decay(x):
 
 
 def energy_at(law, g):
-    """Return the energy per area phi of a gap g; in kernels alone, as all of these."""
+    """Return the energy per area phi of a gap, in kernels alone.
+
+    Parameters
+    ----------
+    law : Law
+        In the precision of g.
+    g : float
+        Gap, >= 0.
+
+    Returns
+    -------
+    float
+        In the precision of g.
+    """
 
 
 def traction_at(law, g):
-    """Return the attraction t = phi' of a gap g."""
+    """Return the attraction t = phi' of a gap, in kernels alone.
+
+    Parameters
+    ----------
+    law : Law
+        In the precision of g.
+    g : float
+        Gap, >= 0.
+
+    Returns
+    -------
+    float
+        In the precision of g.
+    """
 
 
 def curvature_at(law, g):
-    """Return phi'' of a gap g."""
+    """Return phi'' of a gap, in kernels alone.
+
+    Parameters
+    ----------
+    law : Law
+        In the precision of g.
+    g : float
+        Gap, >= 0.
+
+    Returns
+    -------
+    float
+        In the precision of g.
+    """
 
 
 def _overloaded(stub, method):

@@ -217,6 +217,8 @@ def projected_step(g, p, d, d_rows, i0, i1, z_1, transfer, step, H, inside, scra
         Last step; becomes the new one, rounded as it is stored.
     d_rows : (>= i1 - i0, n_y)
         Gets the new step as it is stored, in full precision.
+    i0, i1 : int
+        Local rows i0 <= i < i1.
     z_1, transfer, inside
         See the head of the file.
     step : tuple

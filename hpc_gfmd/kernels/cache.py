@@ -197,6 +197,7 @@ class _Clock(event.Listener):  # type: ignore[misc]
         self.depth = 0  # a kernel's pieces are compiled while it is
 
     def on_start(self, _: object) -> None:
+        """Announce the first compilation, and begin to count time with the outermost."""
         announce = self.announce
         self.announce = None
         if announce is not None:
@@ -206,6 +207,7 @@ class _Clock(event.Listener):  # type: ignore[misc]
         self.depth += 1
 
     def on_end(self, _: object) -> None:
+        """Add the time since the outermost compilation began, once that ends."""
         self.depth -= 1
         if self.depth == 0:
             self.seconds += time.monotonic() - self.begin

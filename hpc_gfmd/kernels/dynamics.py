@@ -37,57 +37,92 @@ class DynamicsSums(NamedTuple):
 
 @kernel
 def verlet_step(g, p, d, x, i0, i1, a, b, inside):
-    """Make one time step, d <- b d - a p, g <- g + d, on rows i0..i1; x (scratch, rows from 0): the
-    change of g.
+    """Make one time step, d <- b d - a p, g <- g + d.
 
-    The constraint g >= 0 stops what hits the wall (zero restitution): there g = 0 and d = 0, but x
-    is how far it still went.
+    The constraint g >= 0 stops what hits the wall (zero restitution): there g = 0 and d = 0.
+
+    Parameters
+    ----------
+    g, d : (n_loc, n_y)
+        Gap, and displacement of the last time step; become the new ones.
+    p : (n_loc, n_y)
+        Pressure.
+    x : (>= i1 - i0, n_y)
+        Gets the change of g on these rows.
+    i0, i1 : int
+        Local rows i0 <= i < i1.
+    a, b : float
+        Coefficients of the step, in the precision of g.
+    inside : (rows, points)
+        This rank's part of the surface.
     """
     zero = g.dtype.type(0)
     for i in range(i0, i1):
-        gi, pi, di, xi = g[i], p[i], d[i], x[i - i0]
+        g_i = g[i]
+        p_i = p[i]
+        d_i = d[i]
+        x_i = x[i - i0]
         inner = inside[1] if i < inside[0] else 0
         for j in range(g.shape[1]):
-            v = b * di[j] - a * pi[j]
-            g_new = gi[j] + v
+            v = b * d_i[j] - a * p_i[j]
+            g_new = g_i[j] + v
             hit = j < inner and g_new <= zero
-            xi[j] = -gi[j] if hit else v
-            gi[j] = zero if hit else g_new
-            di[j] = zero if hit else v
+            x_i[j] = -g_i[j] if hit else v
+            g_i[j] = zero if hit else g_new
+            d_i[j] = zero if hit else v
 
 
 @kernel
 def update_pressure(g, p, d, x, i0, i1, inside):
-    """Set p <- p + x on rows i0..i1, x (scratch, rows from 0): K times the change of g.
+    """Set p <- p + x, x being K times the change of g.
 
-    Returns DynamicsSums.
+    Parameters
+    ----------
+    g, d : (n_loc, n_y)
+        Gap, and displacement of the last time step.
+    p : (n_loc, n_y)
+        Pressure; becomes the new one.
+    x : (>= i1 - i0, n_y)
+        K times the change of g on these rows.
+    i0, i1 : int
+        Local rows i0 <= i < i1.
+    inside : (rows, points)
+        This rank's part of the surface.
+
+    Returns
+    -------
+    DynamicsSums
+        Of these rows.
     """
     zero = g.dtype.type(0)
     RR = PP = PD = DD = DX = CONTACT = GAP = 0.0
     for i in range(i0, i1):
-        gi, pi, di, xi = g[i], p[i], d[i], x[i - i0]
+        g_i = g[i]
+        p_i = p[i]
+        d_i = d[i]
+        x_i = x[i - i0]
         rr = pp = pd = dd = dx = gap = zero
         contact = 0
         inner = inside[1] if i < inside[0] else 0
         for j in range(inner):
-            p_new = pi[j] + xi[j]
-            pi[j] = p_new
-            touching = gi[j] <= zero and p_new > zero
+            p_new = p_i[j] + x_i[j]
+            p_i[j] = p_new
+            touching = g_i[j] <= zero and p_new > zero
             pp += p_new * p_new
             rr += zero if touching else p_new * p_new
-            pd += p_new * di[j]
-            dd += di[j] * di[j]
-            dx += di[j] * xi[j]
-            gap += gi[j]
+            pd += p_new * d_i[j]
+            dd += d_i[j] * d_i[j]
+            dx += d_i[j] * x_i[j]
+            gap += g_i[j]
             contact += 1 if touching else 0
         for j in range(inner, g.shape[1]):
-            p_new = pi[j] + xi[j]
-            pi[j] = p_new
+            p_new = p_i[j] + x_i[j]
+            p_i[j] = p_new
             pp += p_new * p_new
             rr += p_new * p_new
-            pd += p_new * di[j]
-            dd += di[j] * di[j]
-            dx += di[j] * xi[j]
+            pd += p_new * d_i[j]
+            dd += d_i[j] * d_i[j]
+            dx += d_i[j] * x_i[j]
         RR += rr
         PP += pp
         PD += pd

@@ -10,8 +10,17 @@ WIDTH = 8  # numbers in a line
 
 @intrinsic
 def move_line(_, target, i, source, j):
-    """Copy source[j:j + WIDTH] to target[i:i + WIDTH], in kernels, of flat contiguous float64
-    arrays."""
+    """Copy a line of WIDTH numbers between flat contiguous float64 arrays, in kernels alone.
+
+    Sets target[i:i + WIDTH] = source[j:j + WIDTH].
+
+    Parameters
+    ----------
+    target, source : (...,) float64
+        Not checked for their lengths.
+    i, j : int
+        Where the line begins in each.
+    """
 
     def generate(context, builder, signature, values):
         def pointer(k):

@@ -17,6 +17,8 @@ def subspace_products(V, KV, D, k, i0, i1, sums):
         See the head of the file.
     k : int
         The first k directions count.
+    i0, i1 : int
+        Local rows i0 <= i < i1.
     sums : (2, 3, 3) float64
         Becomes <V_a, K V_b> and <V_a, D V_b>, the part of these rows, for b <= a < k.
     """
@@ -44,6 +46,8 @@ def combine_directions(V, KV, k, weights, i0, i1):
         The first k directions count.
     weights : (3,)
         In the precision of V.
+    i0, i1 : int
+        Local rows i0 <= i < i1.
     """
     for field in (V, KV):
         for i in range(i0, i1):

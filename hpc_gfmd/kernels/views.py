@@ -8,9 +8,21 @@ from numba.extending import intrinsic
 
 @intrinsic
 def view_fields(_, flat, begin, fields, rows, n):
-    """Return flat[begin:begin + fields rows n] as an array (fields, rows, n) of the same memory.
+    """View a part of a flat array as an array (fields, rows, n), in kernels alone.
 
-    In kernels alone; flat: a contiguous array of one axis, which has to outlive the view.
+    Parameters
+    ----------
+    flat : array, one axis
+        Contiguous; has to outlive the view.
+    begin : int
+        Where the part begins.
+    fields, rows, n : int
+        Shape of the view.
+
+    Returns
+    -------
+    (fields, rows, n)
+        A view of flat[begin : begin + fields rows n].
     """
     array_type = types.Array(flat.dtype, 3, "C")
 

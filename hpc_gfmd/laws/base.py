@@ -37,6 +37,10 @@ class Law(Numbers):
 
     Attributes
     ----------
+    work : float
+        Work of adhesion per area.
+    range : float
+        Length over which the attraction falls.
     name : str
         The file's.
     sources : tuple of str
@@ -96,6 +100,19 @@ def scaled(law: Law, pressure: float, length: float) -> Law:
 
 
 def in_precision(law: Law, dtype: np.dtype) -> Law:
-    """Return the same law as kernels take it, its numbers in the precision of the fields."""
+    """Return the same law as kernels take it.
+
+    Parameters
+    ----------
+    law : Law
+        Any.
+    dtype : dtype
+        Precision of the fields.
+
+    Returns
+    -------
+    Law
+        With its numbers in this precision.
+    """
     real = dtype.type
     return type(law)(real(law.work), real(law.range))

@@ -135,5 +135,6 @@ class CoarsestLevels:
         return self._fields_of(k)[1, 1:-1]
 
     def _fields_of(self, k: int) -> np.ndarray:
+        """Return the fields of level k, (fields, rows + 2, n), a view of the common memory."""
         begin, count, rows, n = self._levels[k, :4].tolist()
         return self._memory[begin : begin + count * (rows + 2) * n].reshape(count, rows + 2, n)

@@ -55,6 +55,11 @@ class Elastic:
     def _columns(
         self, inverse: bool = False, backward: bool = True, add: Columns | None = None
     ) -> float:
+        """Multiply all columns by K or S and transform them back; returns this rank's share of the
+        product.
+
+        Sets `mean`. add: completes a block of columns before it is multiplied. Collective.
+        """
         multipliers = self.multipliers
         multipliers.couple(self.fft, inverse)
         if add is None and multipliers.alone:

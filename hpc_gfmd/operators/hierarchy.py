@@ -137,6 +137,17 @@ def traffic_of(steps: Sequence[Step], itemsize: int) -> tuple[int, int]:
 class Hierarchy:
     """What the sweep of a grid, body and precision needs besides memory for fields, made once.
 
+    Parameters
+    ----------
+    grid : Grid
+        The finest level.
+    body : Body
+        Its stiffness weights the levels.
+    dtype : dtype
+        Precision of the fields.
+    coarsest_points : int, optional
+        Levels of at most this many points are swept by rank 0 alone; default: COARSEST_POINTS.
+
     Attributes
     ----------
     steps, levels

@@ -376,8 +376,11 @@ class Multilevel:
         return self.update(g, p, d, 0.0, rows, hardness, spectra=False)
 
     def _sweep_coarsest(self, new_contact: bool) -> tuple[float, ...]:
-        """Sweep the levels that rank 0 has alone; returns what CoarsestLevels.sweep does, zeros on
-        other ranks."""
+        """Sweep the levels that rank 0 has alone. Collective.
+
+        Their part of r and t is added up from the windows of all ranks before, and z is handed out
+        to them afterwards. Returns the sums of CoarsestLevels.sweep on rank 0, zeros on others.
+        """
         k = self.distributed
         coarsest = self.coarsest
         if coarsest is None:

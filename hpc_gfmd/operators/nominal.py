@@ -14,8 +14,24 @@ from ..parallel.coarsening import Level, restrict_axis
 
 
 class NominalArea:
-    """levels, softness: of the grid, see operators/multilevel.py; alone: the first level that one
-    rank has complete. N_l: points of a level, N: of the grid."""
+    """Norm and sums of the indicator s of the nominal area on the levels of a grid.
+
+    Parameters
+    ----------
+    grid : Grid
+        The finest level.
+    levels : sequence of Level
+        All levels, from the grid itself on.
+    softness : iterable of float
+        What every level adds to S, see Body.softness.
+
+    Attributes
+    ----------
+    weights : list of float
+        softness N/N_l of every level; N, N_l: points of the grid and of the level.
+    s : list of [array (n_x,), array (n_y,)]
+        The two factors of s on every level.
+    """
 
     def __init__(self, grid: Any, levels: Sequence[Level], softness: Iterable[float]):
         self.weights = [

@@ -166,8 +166,21 @@ class Problem:
         return float(total / points)
 
     def displacement_rows(self, g: np.ndarray, level: float) -> Rows:
-        """Return fill(i0, i1, x): rows of u - level, u = g - h (g itself beyond the surface), or of
-        g where `adder` does the rest; x may be of another precision."""
+        """Return a function that makes rows of the displacement for a transform.
+
+        Parameters
+        ----------
+        g : array, local slab
+            Gap, or displacement beyond the surface.
+        level : float
+            A constant that is taken off, about the mean: see `level`.
+
+        Returns
+        -------
+        function
+            fill(i0, i1, x) sets x to rows of u - level, u = g - h (g itself beyond the surface), or
+            of g where `adder` does the rest; x may be of another precision.
+        """
         from ..kernels.certify import displacement_rows
 
         h = np.zeros((0, 0), self.dtype) if self.stored is None else self.stored

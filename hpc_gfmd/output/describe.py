@@ -156,6 +156,7 @@ def _views(file: Any, steps: Sequence, scales: Sequence, surface: Attributes, ab
 
 
 def _fields(group: Any) -> list[str]:
+    """Return the names of the data sets of two axes in a group."""
     return [name for name, item in group.items() if getattr(item, "ndim", 0) == 2]
 
 

@@ -65,6 +65,7 @@ class Slab:
 
     @property
     def dtype(self) -> np.dtype:
+        """Precision of the field."""
         return np.dtype(self.data.dtype)
 
     def pieces(self) -> Iterator[tuple[int, np.ndarray]]:
@@ -79,6 +80,10 @@ class Slab:
         ----------
         start, stop : int, optional
             Global indices, which must be among those of this rank; default: all of them.
+
+        Returns
+        -------
+        ndarray, shape (rows, n_y)
         """
         i0, i1 = (None if i is None else i - self.start for i in (start, stop))
         return np.ascontiguousarray(self.data[i0:i1])

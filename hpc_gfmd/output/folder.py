@@ -62,7 +62,14 @@ def acquire(folder: Path) -> int:
 def release(folder: Path, lock: int, keep: bool = True) -> None:
     """Give back the lock that `acquire` returned.
 
-    The folder stays if it is to be kept and a run has begun in it.
+    Parameters
+    ----------
+    folder : Path
+        Beside a result file.
+    lock : int
+        What `acquire` returned; closed.
+    keep : bool
+        Whether the folder stays, if a run has begun in it; otherwise it is removed.
     """
     if not keep or not (folder / HEAD).exists():
         clear(folder)
@@ -97,6 +104,7 @@ def clear(folder: Path, keep_lock: bool = False) -> None:
 
 
 def _taken(descriptor: int, alone: bool) -> bool:
+    """Try to lock a file, alone or shared; return whether another process holds it."""
     try:
         import fcntl
 

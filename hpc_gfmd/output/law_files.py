@@ -151,6 +151,7 @@ def finite_element_table(law: InterfaceLaw) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _heading(law: InterfaceLaw, mark: str, conductivity: float | None = None) -> str:
+    """Return the comment at the head of a file of a law; mark: begins a comment."""
     unit = law.units.get("gap_mean", "")
     facts = [f"gap_at_touch = {law.gap_at_touch!r} {unit}".rstrip(), f"surfaces = {law.surfaces}"]
     if conductivity is not None:
@@ -160,6 +161,7 @@ def _heading(law: InterfaceLaw, mark: str, conductivity: float | None = None) ->
 
 
 def _csv(law: InterfaceLaw, conductivity: float | None, name: str) -> str:
+    """Return the law as a CSV text, all columns with their units."""
     table = law.to_dataframe()
     units = table.attrs["units"]
     table.columns = [f"{column} [{units[column]}]" for column in table.columns]
@@ -168,6 +170,7 @@ def _csv(law: InterfaceLaw, conductivity: float | None, name: str) -> str:
 
 
 def _inp(law: InterfaceLaw, conductivity: float | None, name: str) -> str:
+    """Return the law as an input file of CalculiX or Abaqus; name: of the surface interaction."""
     pressure, closure = finite_element_table(law)
     lines = [f"*SURFACE INTERACTION, NAME={name}"]
     lines += ["*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR"]
@@ -180,6 +183,7 @@ def _inp(law: InterfaceLaw, conductivity: float | None, name: str) -> str:
 
 
 def _moose(law: InterfaceLaw, conductivity: float | None, name: str) -> str:
+    """Return the law as functions of MOOSE; name: what theirs begin with."""
     pressure, closure = finite_element_table(law)
     tables = {f"{name}_pressure_of_closure": (closure, pressure)}
     if conductivity is not None:
@@ -193,6 +197,7 @@ def _moose(law: InterfaceLaw, conductivity: float | None, name: str) -> str:
 
 
 def _numbers(values: np.ndarray) -> str:
+    """Return numbers as MOOSE reads them, in one line."""
     return " ".join(f"{value:.9E}" for value in values)
 
 
@@ -212,6 +217,7 @@ def _conductance_rows(law: InterfaceLaw, conductivity: float) -> tuple[np.ndarra
 
 
 def _read_csv(text: str) -> InterfaceLaw:
+    """Read what `_csv` wrote."""
     from pandas import read_csv
 
     table = read_csv(StringIO(text), comment="#")
@@ -237,6 +243,7 @@ def _read_csv(text: str) -> InterfaceLaw:
 
 
 def _read_inp(text: str) -> InterfaceLaw:
+    """Read what `_inp` wrote: pressure, closure and conductance."""
     tables: dict[str, list[list[float]]] = {}
     rows: list[list[float]] = []
     for line in text.splitlines():
@@ -251,6 +258,7 @@ def _read_inp(text: str) -> InterfaceLaw:
 
 
 def _read_moose(text: str) -> InterfaceLaw:
+    """Read what `_moose` wrote: pressure, closure and conductance."""
     functions = re.findall(r"\[(\w+)\]\s+type.*?x = '(.*?)'\s+y = '(.*?)'", text, re.DOTALL)
     tables = {
         function.rsplit("_", 2)[0].rsplit("_", 1)[1]: np.array([x.split(), y.split()], float).T
@@ -290,6 +298,7 @@ def _of_finite_elements(
 
 
 def _facts(text: str) -> dict[str, float]:
+    """Return the numbers of the comment at the head of a file by name, as "conductivity"."""
     return {name: float(number) for name, number, _ in FACT.findall(text)}
 
 

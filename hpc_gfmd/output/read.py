@@ -136,6 +136,11 @@ class Result:
             Their places in `steps`.
         **changes
             Attributes to replace.
+
+        Returns
+        -------
+        Result
+            A copy; this one stays as it is.
         """
         places = range(len(self.steps))[steps] if isinstance(steps, slice) else steps
         names = "steps", "indices", "fields"
@@ -153,6 +158,11 @@ class Result:
             Numbers of the load steps; default: all.
         fields : sequence of str, optional
             Names of the fields; default: all.
+
+        Returns
+        -------
+        Result
+            A copy; this one stays as it is.
 
         Raises
         ------

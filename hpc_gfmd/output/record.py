@@ -140,8 +140,22 @@ class RunFile(AbstractContextManager):
         return way
 
     def update(self, surface: dict | None = None, height_field: Any = None, **head: Any) -> None:
-        """Add attributes of the surface, root attributes, and the local slab of the heights, kept
-        once for all load steps."""
+        """Add to the head of the result. Collective.
+
+        Parameters
+        ----------
+        surface : dict, optional
+            Attributes of the surface.
+        height_field : ndarray, shape (rows, n_y), optional
+            Local slab of the heights, kept once for all load steps.
+        **head
+            Root attributes.
+
+        Raises
+        ------
+        GfmdError
+            On every rank, if it cannot be written.
+        """
         self._surface |= surface or {}
         self._head |= head
         heights = {} if height_field is None else {"surface/heights": height_field}
@@ -150,11 +164,21 @@ class RunFile(AbstractContextManager):
     def write_step(
         self, index: int, attributes: dict, fields: dict[str, Any] | None = None
     ) -> None:
-        """Write one finished load step: numbers and {name: local slab, shape (rows, n_y)} of the
-        fields asked for.
+        """Write one finished load step. Collective.
 
-        Raises GfmdError on every rank if it cannot be written; steps written before stay as they
-        are.
+        Parameters
+        ----------
+        index : int
+            Number of the load, from 0.
+        attributes : dict
+            Its numbers by name; None: it has none.
+        fields : dict of ndarray, optional
+            Local slabs, shape (rows, n_y), by name.
+
+        Raises
+        ------
+        GfmdError
+            On every rank, if it cannot be written; steps written before stay as they are.
         """
         attributes = {name: value for name, value in attributes.items() if value is not None}
         group = group_of(index)
@@ -249,6 +273,8 @@ class RunFile(AbstractContextManager):
     def _write(
         self, path: Path, status: str, steps: dict[str, dict], fields: dict[str, Any]
     ) -> dict[str, Stored]:
+        """Write a file of the unfinished result, numbers and fields; returns where its fields are.
+        Collective."""
         head = self._head | {"status": status}
         return write_file(
             self.comm,

@@ -1,5 +1,7 @@
 """One line on a load and one on a surface, and numbers with as many digits as they deserve."""
 
+from collections.abc import Sequence
+from itertools import pairwise
 from math import floor, isfinite, log10, nan
 from typing import TypeGuard
 
@@ -17,6 +19,11 @@ def summary(step: dict, surface: dict) -> str:
     ----------
     step, surface : dict
         Attributes of the result file.
+
+    Returns
+    -------
+    str
+        Such as "a_r = 6.7 +- 0.6 %, mean gap = 31 nm".
     """
     parts = []
     if step.get("a_r") is not None:
@@ -66,6 +73,15 @@ def converged(step: dict) -> bool:
     return step.get("status") in FINE
 
 
+def last_held(steps: Sequence[dict]) -> dict | None:
+    """Return the last load step before the load pulls the bodies apart; None where no load of a
+    sweep does."""
+    for before, after in pairwise(steps):
+        if after.get("status") == "separated" and before.get("status") == "converged":
+            return before
+    return None
+
+
 def with_error(value: float, relative: float | None) -> str:
     """Return a value and its error as "0.0160 +- 0.0002", with as many digits as mean something.
 
@@ -74,6 +90,10 @@ def with_error(value: float, relative: float | None) -> str:
     value : float
     relative : float or None
         Relative error; None: not estimated.
+
+    Returns
+    -------
+    str
     """
     if not isfinite(value):
         return str(value)
@@ -105,6 +125,10 @@ def combined_error(name: str, step: dict) -> float | None:
         Of the number, as in the result file.
     step : dict
         Attributes of the load step.
+
+    Returns
+    -------
+    float or None
 
     Notes
     -----

@@ -30,7 +30,15 @@ TERMINALS = (4, 5, 204, *range(136, 144))
 
 
 class Process(NamedTuple):
-    """A running process: its number and its name, of 15 characters at most."""
+    """A running process.
+
+    Attributes
+    ----------
+    pid : int
+        Its number.
+    name : str
+        The first 15 characters of its name.
+    """
 
     pid: int
     name: str

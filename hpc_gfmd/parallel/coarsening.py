@@ -200,11 +200,32 @@ def agglomerated(starts: ArrayLike, points: int, share: int) -> np.ndarray:
 
 
 class Transfer:
-    """This rank's part of the transfer between a level with rows [start, stop) of n and the next
-    coarser one, m points. Its tables are made when they are first asked for.
+    """This rank's part of the transfer between a level and the next coarser one.
 
     It writes to and reads from a window of coarse rows: those that it owns, one before and one
     after; none where it has no fine rows.
+
+    Parameters
+    ----------
+    n, m : (int, int)
+        Points of the level and of the next coarser one.
+    starts : ndarray of int, shape (ranks + 1,)
+        First row of every rank on the level, and the number of rows.
+    rank : int
+        This rank.
+    dtype : dtype
+        Precision of the fields.
+
+    Attributes
+    ----------
+    coarse_starts : ndarray of int, shape (ranks + 1,)
+        First row of every rank on the coarser level: those beside its own, see `owned_rows`.
+    fine : (int, int)
+        This rank's rows (start, stop) of the level.
+    start : int
+        Its first row of the coarser level.
+    lo, hi : ndarray of int, shape (ranks,)
+        Windows lo <= row < hi of all ranks; a row below 0 or beyond the last is meant periodically.
     """
 
     def __init__(

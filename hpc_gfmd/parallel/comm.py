@@ -132,8 +132,22 @@ def stages(size: int) -> int:
 
 
 class MpiComm:
-    """A thin layer over an mpi4py communicator with the same few methods as `SerialComm`, which
-    says what they do."""
+    """A thin layer over an mpi4py communicator, with the same methods as `SerialComm`.
+
+    Parameters
+    ----------
+    mpi : mpi4py communicator
+        What is below.
+    parent : Comm, optional
+        The communicator that this is a part of.
+
+    Attributes
+    ----------
+    rank, size : int
+        Number of this process, and of all.
+    io_obstacles : dict
+        Why MPI-IO cannot write, for each folder that was tried (parallel/mpi_io.py).
+    """
 
     def __init__(self, mpi: Any, parent: "MpiComm | None" = None):
         self.mpi = mpi
@@ -146,6 +160,7 @@ class MpiComm:
         self.io_obstacles: dict[Path, str] = {}  # of parallel.mpi_io, for each folder
 
     def _allreduce(self, values: ArrayLike, op: str) -> np.ndarray:
+        """Reduce each number over all ranks; op: of MPI, such as "SUM". Collective."""
         from mpi4py import MPI
 
         send = np.ascontiguousarray(values, dtype=np.float64)
@@ -154,18 +169,44 @@ class MpiComm:
         return recv
 
     def sum(self, values: ArrayLike) -> np.ndarray:
+        """Sum over ranks of each number; returns an array of float64. Collective."""
         return self._allreduce(values, "SUM")
 
     def max(self, values: ArrayLike) -> np.ndarray:
+        """Largest of all ranks of each number; returns an array of float64. Collective."""
         return self._allreduce(values, "MAX")
 
     def min(self, values: ArrayLike) -> np.ndarray:
+        """Smallest of all ranks of each number; returns an array of float64. Collective."""
         return self._allreduce(values, "MIN")
 
     def bcast(self, obj: Any, root: int = 0) -> Any:
+        """Return the object of one rank on all ranks. Collective.
+
+        Parameters
+        ----------
+        obj : object
+            Of this rank, pickled; what the others give is not looked at.
+        root : int
+            The rank.
+
+        Returns
+        -------
+        object
+            Of that rank.
+        """
         return self.mpi.bcast(obj, root=root)
 
     def exchange(self, send: Mapping[int, np.ndarray], receive: Mapping[int, np.ndarray]) -> None:
+        """Pass messages between two ranks each, all at once. Collective for those that take part.
+
+        Parameters
+        ----------
+        send : dict of ndarray
+            What goes to each rank; contiguous.
+        receive : dict of ndarray
+            Arrays that are filled from each rank; contiguous.
+        """
         from mpi4py import MPI
 
         requests = [self.mpi.Irecv(a, source=rank) for rank, a in receive.items()]
@@ -173,6 +214,13 @@ class MpiComm:
         MPI.Request.Waitall(requests)
 
     def alltoall_bytes(self, send: tuple, receive: tuple) -> None:
+        """Pass bytes from all ranks to all. Collective.
+
+        Parameters
+        ----------
+        send, receive : tuple
+            (array, bytes for or from each rank, their offsets).
+        """
         from mpi4py import MPI
 
         self.mpi.Alltoallv(
@@ -181,7 +229,22 @@ class MpiComm:
         )
 
     def reduce(self, obj: T, join: Callable[[T, T], T]) -> T | None:
-        # up a tree: a rank gets log2(ranks) messages at most
+        """Join the objects of all ranks up a tree. Collective.
+
+        A rank gets log2(ranks) messages at most.
+
+        Parameters
+        ----------
+        obj : object
+            Of this rank, pickled.
+        join : function
+            join(object of some ranks, object of the ranks after them) returns that of all of them.
+
+        Returns
+        -------
+        object or None
+            That of all ranks on rank 0, None on the others.
+        """
         step = 1
         while step < self.size:
             if self.rank % (2 * step):
@@ -209,6 +272,7 @@ class MpiComm:
         return self._among[ranks]
 
     def barrier(self) -> None:
+        """Wait for all ranks. Collective."""
         self.mpi.Barrier()
 
     @cached_property
@@ -232,8 +296,15 @@ class MpiComm:
 
 
 class DryRunComm:
-    """Rank `rank` of `size`, as a communicator that cannot send. nodes: number of the node of every
-    rank; between nodes everything is a message."""
+    """The communicator of a rank that does not exist: it knows who is where, and cannot send.
+
+    Parameters
+    ----------
+    rank, size : int
+        Number of the rank, and of all.
+    nodes : ndarray of int, shape (size,)
+        Number of the node of every rank; between nodes everything is a message.
+    """
 
     mpi = parent = None
 

@@ -235,7 +235,20 @@ class Grid:
         return [(i0, i1) for i0, i1 in zip(starts.tolist(), starts[1:].tolist()) if i0 < i1]
 
     def by_rows(self, work: Callable[[int, int], T], rows: int | None = None) -> list[T]:
-        """Call work(i0, i1) for all `pieces`, on all threads; returns what it returned."""
+        """Work on the rows of a field piece by piece, on all threads.
+
+        Parameters
+        ----------
+        work : function
+            work(i0, i1) works on the local rows i0 <= i < i1.
+        rows : int, optional
+            The first so many local rows; default: all.
+
+        Returns
+        -------
+        list
+            What work returned, in the order of the `pieces`, whatever the number of threads.
+        """
         return on_threads(self.threads, work, self.pieces(rows))
 
     def once(self, key: Hashable, make: Callable[[], T]) -> T:

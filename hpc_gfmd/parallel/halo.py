@@ -17,8 +17,29 @@ Pieces = dict[int, list[slice]]  # rows of an array by the rank that they go to,
 
 
 class Windows:
-    """Who has to send which rows to whom; no memory, no message. n: length of the ring, more than
-    starts[-1] where the last rows belong to nobody: those are left as they are."""
+    """Which rank sends which rows to which; holds no field and sends nothing until it is asked.
+
+    Parameters
+    ----------
+    rank : int
+        This rank.
+    starts : array_like of int, shape (ranks + 1,)
+        First row that each rank owns, and the row after the last one that is owned.
+    lo, hi : array_like of int, shape (ranks,)
+        Window of each rank.
+    n : int, optional
+        Length of the ring, more than starts[-1] where the last rows belong to no rank: those are
+        left as they are. Default: starts[-1].
+
+    Attributes
+    ----------
+    own : list of (slice, slice)
+        Rows of this rank's window that it owns, and the same rows among its own.
+    take, give : dict of list of slice
+        By the other rank: rows of the window that come from it; own rows that go to it.
+    interior : slice
+        This rank's own rows in its window, where that is those and halo rows.
+    """
 
     def __init__(
         self, rank: int, starts: ArrayLike, lo: ArrayLike, hi: ArrayLike, n: int | None = None
@@ -127,6 +148,7 @@ def _exchange(comm: Any, a: np.ndarray, give: Pieces, b: np.ndarray, take: Piece
 
 
 def _length(rows: slice) -> int:
+    """Return the number of rows of a slice."""
     return rows.stop - rows.start
 
 

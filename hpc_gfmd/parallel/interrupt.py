@@ -101,6 +101,7 @@ class Interrupt:
             signal.signal(s, signal.SIG_DFL if handler is None else handler)
 
     def _note(self, number: int, _frame: object) -> None:
+        """Handle a signal: note it and announce it; a second one ends the process at once."""
         if self.signal:
             os._exit(128 + self.signal)
         self.signal = number
@@ -133,4 +134,5 @@ class Interrupt:
 
     @property
     def _late(self) -> bool:
+        """Return whether the wall time is used up."""
         return self.deadline is not None and time.monotonic() - self.begun > self.deadline

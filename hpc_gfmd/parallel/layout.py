@@ -95,9 +95,13 @@ class Layout:
         self.far[self.node_ranks] = False
 
     def _edges(self) -> np.ndarray:
-        """Cut blocks of complete columns that fit the cache. On several ranks all have the same
-        number of them, and as many columns but for one: the last blocks are the wider ones, so that
-        all others begin on cache lines, as those of one rank do, which needs no such balance."""
+        """Return where blocks of complete columns begin, and the number of columns, so that a block
+        fits the cache.
+
+        All ranks have the same number of blocks, whose widths differ by one column at most. The
+        wider blocks are the last: so all others begin on cache lines. One rank alone needs no such
+        balance, and its blocks are whole cache lines wide.
+        """
         wanted = int(np.clip(COLUMN_BYTES // (self.n[0] * self.itemsize), MIN_WIDTH, MAX_WIDTH))
         if self.size > 1:
             K = max(1, round(self.n_c / self.size / wanted))
@@ -111,6 +115,8 @@ class Layout:
         return np.append(np.arange(0, self.n_c, W), self.n_c)
 
     def _rows_per_pass(self) -> int:
+        """Return how many rows one pass transforms, so that they fit the cache; the same on all
+        ranks."""
         wanted = int(np.clip(ROW_BYTES // (self.n_c * self.itemsize), 8, 256))
         longest = int(np.diff(self.starts).max())  # on any rank: all plan alike
         passes = max(1, -(-longest // wanted))

@@ -31,6 +31,7 @@ def load_mpi() -> Any:
 
 
 def _load(package: ModuleType) -> Any:
+    """Return mpi4py.MPI. Raises GfmdError, with the way out, where mpi4py finds no MPI library."""
     try:
         from mpi4py import MPI
     except (ImportError, RuntimeError) as error:  # RuntimeError: of its wheels

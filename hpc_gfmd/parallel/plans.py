@@ -22,11 +22,23 @@ CALL = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 3)
 
 
 class Plans:
-    """The four transforms of a slab: rows forward and back (real <-> complex), columns forward and
-    back (complex, in place), these by their number.
+    """The four transforms of a slab: rows forward and back, columns forward and back.
 
-    real: (R, n_y), half: (R, n_y//2 + 1), blocks: (some columns, n_x) each: scratch arrays of the
-    shapes to plan for. Their contents are lost.
+    Rows go from real to complex numbers and back, columns stay complex, in place.
+
+    Parameters
+    ----------
+    real : ndarray, shape (R, n_y)
+    half : ndarray, shape (R, n_y//2 + 1)
+    blocks : sequence of ndarray, shape (columns, n_x)
+        Scratch arrays of the shapes to plan for. Their contents are lost.
+
+    Attributes
+    ----------
+    rows_forward, rows_backward : Transform
+        Of R rows.
+    columns_forward, columns_backward : dict of Transform
+        By the number of columns.
     """
 
     def __init__(self, real: np.ndarray, half: np.ndarray, blocks: Sequence[np.ndarray]):
@@ -54,6 +66,7 @@ class Plans:
         return _address(library[f"{prefix}execute_dft{kind}"]), plan
 
     def _scipy(self, kind: str, x: np.ndarray, out: np.ndarray, *sign: int) -> Transform:
+        """Make a transform of scipy that is called like one of FFTW."""
         from scipy import fft
 
         back = {"axis": 1, "norm": "forward"}

@@ -64,10 +64,13 @@ def common_memory(comm: Any, nbytes: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _name(token: int) -> str:
+    """Return the name of the shared memory of a token."""
     return f"hpc-gfmd-{token}"
 
 
 def _mapped(path: str, token: int, total: int) -> np.ndarray:
+    """Map the shared memory at a path of /proc as bytes. Raises OSError where it is not that of the
+    token."""
     if os.readlink(path) != f"/memfd:{_name(token)} (deleted)":
         raise FileNotFoundError(f"{path}: of another process, as in another container")
     file = os.open(path, os.O_RDWR)

@@ -20,19 +20,46 @@ SHARES = 4  # of a compiled pass that each thread does
 
 
 def piece_rows(n_y: int) -> int:
-    """Return how many rows of a field, of n_y points each, that a thread works on at a time."""
+    """Return how many rows of n_y points a thread works on at a time."""
     return max(PIECE_ROWS, PIECE_POINTS // n_y)
 
 
 def threads_for(points: int, threads: int) -> int:
-    """Return how many of `threads` threads pay for a grid of `points` points: those that get a
-    piece."""
+    """Return how many threads pay: those that get a piece.
+
+    Parameters
+    ----------
+    points : int
+        Of the grid.
+    threads : int
+        That there are.
+
+    Returns
+    -------
+    int
+        At least 1.
+    """
     return max(1, min(threads, points // PIECE_POINTS))
 
 
 def shares(count: int, threads: int) -> list[tuple[int, int]]:
-    """Return [(start, stop), ...], range(count) cut into what a thread does in one compiled call:
-    on several threads several times each, because none of them is always as fast as the others."""
+    """Cut a range into what a thread does in one compiled call.
+
+    On several threads that is several times each, because none of them is always as fast as the
+    others.
+
+    Parameters
+    ----------
+    count : int
+        Length of the range.
+    threads : int
+        That share it.
+
+    Returns
+    -------
+    list of (int, int)
+        (start, stop) of each part, in order.
+    """
     parts = max(1, min(count, SHARES * threads if threads > 1 else 1))
     ends = [count * part // parts for part in range(parts + 1)]
     return list(zip(ends, ends[1:]))
@@ -85,7 +112,20 @@ def on_threads(
 
 
 def added(parts: Sequence[Sequence[float]], count: int) -> np.ndarray:
-    """Add up the `count` numbers that every piece, of which there may be none, returned."""
+    """Add up the numbers that every piece of work returned.
+
+    Parameters
+    ----------
+    parts : sequence of sequence of float
+        What each piece returned; there may be no piece.
+    count : int
+        How many numbers each returned.
+
+    Returns
+    -------
+    ndarray, shape (count,)
+        The sums.
+    """
     return np.sum(np.reshape(parts, (-1, count)), axis=0)
 
 

@@ -154,6 +154,7 @@ class _Wisdom:
         return bool(self._function("import_wisdom_from_string")(text))
 
     def _function(self, name: str) -> Any:
+        """Return a function of FFTW in this precision by its name without prefix."""
         return self.library[PREFIXES[self.name] + name]
 
 
@@ -162,6 +163,7 @@ _used: list[str] = []  # precisions
 
 @cache
 def _wisdom(name: str) -> _Wisdom:
+    """Return the wisdom of this process in a precision, and note that it was used."""
     _used.append(name)
     return _Wisdom(name)
 

@@ -3,7 +3,7 @@
 from typing import Any
 
 from ..output.read import Result
-from ..output.summary import converged
+from ..output.summary import converged, last_held
 from .theories import scene_of, theory_of
 from .units import Units, good
 from .window import window_of
@@ -30,6 +30,8 @@ class FigureContext:
     ----------
     result : Result
         With the chosen load steps alone.
+    pull_off : dict or None
+        The load step before the surfaces come apart, where they do.
     left_out : int
         Number of the other load steps.
     window : (x0, x1, y0, y1)
@@ -60,6 +62,7 @@ class FigureContext:
         name: str = "",
     ) -> None:
         self.result = result.some(chosen)
+        self.pull_off = last_held(result.steps)
         self.dpi = dpi
         self.name = name
         self.left_out = len(result.steps) - len(chosen)

@@ -31,6 +31,10 @@ def curves(contexts: Sequence[FigureContext], names: list[str]) -> Page:
     names : list of str
         Numbers of a load, by the names of the result file.
 
+    Returns
+    -------
+    Page
+
     Raises
     ------
     SceneError
@@ -50,6 +54,7 @@ def curves(contexts: Sequence[FigureContext], names: list[str]) -> Page:
 
 
 def _panel(ax: Any, contexts: list[FigureContext], key: str) -> None:
+    """Draw one number over the load: each result, or their mean and scatter, and the theory."""
     quantity = quantity_of(key)
     loads = load_axis(contexts)
     scales = quantity.scales(contexts, key)
@@ -164,13 +169,9 @@ def _theory(
 
 def _pull_off(ax: Any, context: FigureContext, loads: LoadAxis, line_colour: Any) -> None:
     """Mark the last load that the surfaces of a result hold on a way to separation."""
-    steps = context.result.steps
-    for before, after in zip(steps, steps[1:]):
-        if after.get("status") == "separated" and before.get("status") == "converged":
-            ax.axvline(
-                loads.of(before), color=line_colour, linestyle=":", linewidth=0.8, label="pull-off"
-            )
-            return
+    if context.pull_off is not None:
+        held = loads.of(context.pull_off)
+        ax.axvline(held, color=line_colour, linestyle=":", linewidth=0.8, label="pull-off")
 
 
 def _limits(ax: Any, pushed: bool) -> None:

@@ -30,11 +30,16 @@ def distributions(contexts: Sequence[FigureContext], names: list[str]) -> Page:
         The first one counts.
     names : list of str
         Of NAMES; distributions that are not stored are made of the fields.
+
+    Returns
+    -------
+    Page
     """
     return Page([partial(_panel, context=contexts[0], name=name) for name in names])
 
 
 def _panel(ax: Any, context: FigureContext, name: str) -> None:
+    """Draw one distribution of each load, and the theory."""
     symbol, title, fewest, power = NAMES[name]
     densities = [
         (k, *_joined(edges, shares, fewest)) for k, edges, shares in _shares(context.result, name)
@@ -75,6 +80,10 @@ def _panel(ax: Any, context: FigureContext, name: str) -> None:
 
 
 def _theory(ax: Any, context: FigureContext, densities: list[Any], unit: float) -> None:
+    """Draw the density that the theory has for each load, where it has one.
+
+    densities: (number of the load, edges, values); unit: of the axis, in that of the result.
+    """
     theory = context.theory
     if not (theory and theory.density):
         return

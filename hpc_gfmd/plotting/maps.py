@@ -36,6 +36,10 @@ def maps(contexts: Sequence[FigureContext], names: list[str]) -> Page:
         The first one counts.
     names : list of str
         Of FIELDS.
+
+    Returns
+    -------
+    Page
     """
     context = contexts[0]
     x0, x1, y0, y1 = context.window
@@ -88,6 +92,7 @@ def _mark_yielded(ax: Any, share: np.ndarray, extent: list[float]) -> None:
 
 
 def _field(ax: Any, context: FigureContext, pixels: Survey, name: str) -> None:
+    """Draw one field of a load with its colour bar; pixels: its means over pixels."""
     symbol, colours = FIELDS[name]
     in_units = [pixels.largest[name], float(pixels.means[name].min())]
     scale = context.units.of(name, in_units) if symbol else Scale()

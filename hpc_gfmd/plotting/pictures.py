@@ -47,6 +47,7 @@ class Kind:
 
 
 def _curve(name: str) -> Kind:
+    """Make the kind of picture that is one curve over the loads."""
     return Kind(curves, {name: (name,)}, over_loads=True)
 
 
@@ -186,6 +187,7 @@ def _results(argument: Any) -> dict[str, Result]:
 
 
 def _result(solution_or_path: Any) -> Result:
+    """Return the Result of a Solution, of Solutions or of the file at a path."""
     result = getattr(solution_or_path, "result", solution_or_path)  # of a Solution
     return result if isinstance(result, Result) else read_result(result)
 
@@ -307,6 +309,10 @@ def chosen_steps(result: Result, what: Any, step: Any) -> list[int]:
         Name of the picture.
     step : int, sequence of int or None
         Numbers of load steps; None: a choice out of all.
+
+    Returns
+    -------
+    list of int
 
     Raises
     ------

@@ -118,6 +118,10 @@ def relative_error(quantity: PlottedQuantity, step: Mapping[str, Any]) -> float:
     quantity : PlottedQuantity
     step : mapping
         Attributes of the load step.
+
+    Returns
+    -------
+    float
     """
     return hypot(*(step.get(error) or 0.0 for error in quantity.errors))
 

@@ -25,6 +25,10 @@ def spectra(contexts: Sequence[FigureContext], names: list[str]) -> Page:
         The first one counts.
     names : list of str
         Of PANELS.
+
+    Returns
+    -------
+    Page
     """
     draw = {"spectrum": _spectrum, "autocorrelation": _autocorrelation}
     kinds = [name.split("_") for name in names]
@@ -47,6 +51,7 @@ def _lines(context: FigureContext, name: str, x: str, y: str) -> Iterator[Any]:
 
 
 def _spectrum(ax: Any, context: FigureContext, name: str) -> None:
+    """Draw the power spectrum of a field for each load."""
     length = context.lengths
     lines = list(_lines(context, name, "spectrum_q", "spectrum_power"))
     dims = context.dimensions
@@ -68,6 +73,7 @@ def _spectrum(ax: Any, context: FigureContext, name: str) -> None:
 
 
 def _autocorrelation(ax: Any, context: FigureContext, name: str) -> None:
+    """Draw the autocorrelation of a field for each load, over its value at 0."""
     length = context.lengths
     ax.axhline(0, color="0.8", linewidth=0.7, zorder=0)
     keys = "autocorrelation_r", "autocorrelation_correlation"

@@ -53,11 +53,18 @@ class Picture(Figure):
     """A figure that a notebook shows, without pyplot, and that is saved at print resolution."""
 
     def savefig(self, *args: Any, **how: Any) -> None:
-        """Save it in the style of all pictures, at print resolution unless `dpi` is given."""
+        """Save it in the style of all pictures, at print resolution unless `dpi` is given.
+
+        Parameters
+        ----------
+        *args, **how
+            As of matplotlib's Figure.savefig.
+        """
         with styled():
             super().savefig(*args, **how)
 
     def _repr_png_(self) -> bytes:
+        """Return the figure as a PNG for a notebook."""
         png = io.BytesIO()
         self.savefig(png, format="png", dpi=DPI / 2)
         return png.getvalue()
@@ -88,6 +95,18 @@ class LogTicks(LogLocator):
     long ones."""
 
     def tick_values(self, vmin: float, vmax: float) -> Any:
+        """Return the ticks of an axis.
+
+        Parameters
+        ----------
+        vmin, vmax : float
+            Ends of the axis.
+
+        Returns
+        -------
+        ndarray
+            Ascending; a few may lie beyond the ends.
+        """
         decades = np.asarray(super().tick_values(vmin, vmax))
         for digits in ([1], [1, 3], [1, 2, 5], [1, 2, 3, 5, 7]):
             ticks = np.kron(decades, digits)
@@ -103,6 +122,7 @@ class LogLabels(Formatter):
         return self.format_ticks([x])[0]
 
     def format_ticks(self, values: Any) -> list[str]:
+        """Return the labels of some ticks."""
         plain = all(1e-3 <= x <= 1e4 for x in values)
         return [f"{x:g}" if plain else f"${tex_number(x, '.0e')}$" for x in values]
 

@@ -93,6 +93,7 @@ def _areas(area: Callable, unit: float) -> dict[str, Callable]:
 
 
 def _persson(surface: Any, unit: float, attributes: Any) -> Theory:
+    """Make the theory of a self-affine surface; unit: E* g_rms."""
     name = "Persson"
     eps_f = attributes.get("eps_f")
     curves = _areas(lambda p: persson.contact_area(p / unit), unit)
@@ -119,6 +120,8 @@ def _persson(surface: Any, unit: float, attributes: Any) -> Theory:
 
 
 def _yielding(E_star: float, hardness: float, slope: float) -> Theory:
+    """Make Persson's theory of a surface with a hardness; slope: g_rms."""
+
     def density(x: Any, p: Any) -> np.ndarray:
         return yielding.pressure_distribution(x, p, hardness, slope, E_star)
 
@@ -132,6 +135,7 @@ def _yielding(E_star: float, hardness: float, slope: float) -> Theory:
 
 
 def _hertz(surface: Any, E_star: float) -> Theory:
+    """Make the theory of a sphere on the cell."""
     radius = float(surface.radii[0])
     L_x, L_y = map(float, surface.physical_sizes)
 
@@ -173,6 +177,7 @@ def _hertz_line(surface: Any, E_star: float) -> Theory | None:
 
 
 def _westergaard(surface: Any, E_star: float) -> Theory:
+    """Make the theory of a wave along one axis; of any other wave without curves."""
     height = Scale(abs(float(surface.amplitude)), "A", True)
     axis = 0 if surface.periods[0] else 1
     if surface.periods[1 - axis] or not height.unit:

@@ -28,6 +28,10 @@ def tex_number(x: float, form: str = ".3g") -> str:
     x : float
     form : str
         Format of the number.
+
+    Returns
+    -------
+    str
     """
     mantissa, _, exponent = f"{x:{form}}".partition("e")
     factor = "" if mantissa == "1" else rf"{mantissa} \cdot "
@@ -61,6 +65,10 @@ class Scale:
             In TeX.
         power : int
             Of the unit.
+
+        Returns
+        -------
+        str
         """
         return label(symbol, (self, power))
 
@@ -73,6 +81,10 @@ class Scale:
             In TeX.
         number : float
             In the unit of the result.
+
+        Returns
+        -------
+        str
         """
         name = "" if self.relative else self.name
         left = label(symbol, (self, 1)).split("$")[1]
@@ -88,6 +100,10 @@ def label(symbol: str, *scales: tuple[Scale, int]) -> str:
         In TeX.
     *scales : (Scale, int)
         Factors of the unit and their powers.
+
+    Returns
+    -------
+    str
     """
     above: list[str] = []
     below: list[str] = []
@@ -154,6 +170,10 @@ class Units:
             "length" (of positions), "pressure" or "force"; any other name means heights.
         values : iterable
             Numbers, which choose the prefix of the unit.
+
+        Returns
+        -------
+        Scale
         """
         unit, relative = self._scales.get(name, self._scales["height"])
         if unit:

@@ -53,6 +53,7 @@ def window_of(surface: Any, window: Any) -> tuple:
 
 
 def _length(edge: Any) -> float:
+    """Return a length, plain or as "5 um", as a number."""
     try:
         return float(edge)
     except ValueError:

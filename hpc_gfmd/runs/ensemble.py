@@ -12,7 +12,8 @@ from ..contact import all_numbers
 from ..output.numbers import unit_of
 from ..output.summary import with_error
 from ..util.errors import SceneError
-from .solution import Solution, Solutions, load
+from .solution import Solution
+from .solutions import Solutions, load
 from .table import EFFORT, RESULTS, TARGETS, aligned, column_scale, named_observables
 
 if TYPE_CHECKING:
@@ -75,6 +76,7 @@ class Ensemble:
         return len(self.results)
 
     def _is_alike(self, name: str) -> bool:
+        """Return whether a number is the same in all results, load by load."""
         if any(name not in step for result in self.results for step in result.result.steps):
             return False
         values = np.array([result.values(name) for result in self.results], dtype=float)
@@ -146,6 +148,7 @@ class Ensemble:
         return "\n".join([*lines, f"+-: standard deviation over {len(self)} results"])
 
     def _cells(self) -> list[list[str]]:
+        """Return the table of means and deviations as texts: headings, units, a row per load."""
         surface = self.results[0].result.surface
         asked = named_observables(self.results[0].result)
         names = [name for name in (*RESULTS, *asked) if name in self.names and name != self.load]
@@ -168,6 +171,7 @@ class Ensemble:
         return f"<ensemble of {len(self)} results>\n{self.table()}"
 
     def _repr_html_(self) -> str:
+        """Return the table of means and deviations for a notebook."""
         from pandas import DataFrame
 
         html = DataFrame(self._cells()).to_html(header=False, index=False, border=0)

@@ -21,7 +21,7 @@ from ..parallel.grid import Grid
 from ..parallel.guard import collective_errors, raise_on_all
 from ..parallel.thread_count import threads_of
 from ..scene import Scene
-from ..surface.arrays import checked_array, is_topography
+from ..surface.arrays import complete_array, is_topography
 from ..surface.build import Surface, surface_of
 from ..surface.heights import checked
 from ..surface.quality import quality_of
@@ -32,7 +32,7 @@ from .keywords import scene_of_keywords
 from .loads import check, solved, step_attributes, surface_attributes, sweep_of, worst
 from .prepared import PreparedSurface, prepare_surface
 from .progress import Reporter
-from .solution import Solutions
+from .solutions import Solutions
 from .table import GrowingTable
 
 Heights = Any  # an array, a PreparedSurface or a Topography of SurfaceTopography
@@ -81,7 +81,7 @@ def scene_of(
         scene = scene_of_keywords(keywords, more, prepared)
         check(scene)
         if prepared is None:
-            wall = _complete(wall)
+            wall = complete_array(wall)
     if comm.size > 1:
         _require_the_same(comm, scene, _array_of(wall).shape)
     return scene, wall
@@ -98,11 +98,21 @@ class Surfaces:
 
     Attributes
     ----------
+    comm : Comm
+        All ranks.
+    scene : Scene
+        What is solved.
     topography : Topography
         The heights with their sizes.
-    ready : dict
+    threads : int
+        Of each rank.
+    ready : dict or None
         Surfaces by precision that are kept from one solve to the next; None where the heights may
         change.
+    is_made : bool
+        Whether the scene says all about the heights.
+    begun : float
+        When this was begun, by time.monotonic.
     checksum : str or None
         Of the heights, once a surface has been made.
     setup_seconds : float or None
@@ -135,6 +145,7 @@ class Surfaces:
         return surface if is_measured else replace(surface, checksum=None)
 
     def _with_grid_of_this_thread(self, surface: Surface) -> Surface:
+        """Return a kept surface on a grid whose scratch memory belongs to this thread."""
         grid = surface.grid
         kept = Grid.kept(grid.n, grid.sizes, self.comm, self.threads, nominal=grid.nominal)
         return replace(surface, grid=kept)
@@ -371,14 +382,3 @@ def _require_the_same(comm: Comm, scene: Scene, shape: tuple[int, ...]) -> None:
         " on each"
     )
     raise_on_all(comm, None if comm.bcast(arguments) == arguments else error)
-
-
-def _complete(heights: Any) -> np.ndarray:
-    """Return the array as it is. Raises SceneError for what is no complete height map."""
-    heights = checked_array(heights)
-    if np.ma.is_masked(heights):
-        raise SceneError(
-            f"heights: found {np.ma.count_masked(heights)} masked points, allowed: a complete map,"
-            ' as of hpc_gfmd.prepare_surface(heights, fill="harmonic")'
-        )
-    return heights

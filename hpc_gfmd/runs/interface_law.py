@@ -152,6 +152,7 @@ class _Curves:
             pending = halves
 
     def _add(self, pressures: list[float], sample: Sampler) -> None:
+        """Solve all surfaces at some pressures and keep the results."""
         of_surfaces = sample(sorted(pressures))
         for k, pressure in enumerate(sorted(pressures)):
             self.steps[pressure] = [steps[k] for steps in of_surfaces]
@@ -225,11 +226,13 @@ class _Curves:
 
 
 def _mean(name: str, steps: Steps) -> float:
+    """Return the mean of a number over surfaces, nan where one has none."""
     values = [step.get(name) for step in steps]
     return math.nan if None in values else float(np.mean(values))  # type: ignore[arg-type]
 
 
 def _scatter(name: str, steps: Steps) -> float:
+    """Return the standard deviation of a number over surfaces: 0 of one, nan where one has none."""
     values = [step.get(name) for step in steps]
     if None in values:
         return math.nan
@@ -379,6 +382,7 @@ class _Scenes:
         return [self._solve(k, scene, pressures) for k, scene in enumerate(self.scenes)]
 
     def _solve(self, number: int, scene: Scene, pressures: Pressures) -> Steps:
+        """Solve one scene at some pressures; returns the attributes of the loads in their order."""
         tables = tomllib.loads(scene.to_toml())
         tables["load"] = {"pressure": list(pressures)}
         tables["output"] = {"observables": list(self.quantities)}

@@ -100,6 +100,7 @@ def sweep_of(scene: Scene, make_surface: Callable[[np.dtype], Surface]) -> Sweep
         hardness=scene.material.hardness,
         attraction=attraction_of(scene.material),
         branch=scene.load.branch,
+        unique=scene.load.unique,
     )
     _require_like_units(scene, sweep.surface)
     return sweep

@@ -19,7 +19,7 @@ from ..parallel.launcher import LAUNCHER
 from ..scene import LoadTable
 from ..util.errors import GfmdError, SceneError
 from ..util.machine import cores
-from .solution import Solutions
+from .solutions import Solutions
 from .solve import Loads, solve
 
 RESERVED = "threads", "comm", "progress"  # arguments of solve that are chosen here

@@ -154,6 +154,7 @@ class Reporter:
 
 
 def _is_terminal(stream: Any) -> bool:
+    """Return whether a stream is a terminal."""
     try:
         return bool(stream.isatty())
     except (AttributeError, OSError, ValueError):  # None, or closed

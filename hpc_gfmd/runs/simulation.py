@@ -192,6 +192,7 @@ class _Run:
         say.say(self._headline(attributes, time.monotonic() - begun))
 
     def _make_surface(self, dtype: np.dtype) -> Surface:
+        """Make the surface of the scene in a precision. Collective."""
         low_memory = self.scene.solver.low_memory
         return build_surface(self.scene.surface, self.comm, dtype, self.threads, low_memory)
 

@@ -14,7 +14,8 @@ from ..surface.doubtful_numbers import DIFFERENT_UNITS
 from ..util.errors import NotConverged
 from .in_memory import Heights, collect, scene_of, solve_loads, surfaces_of
 from .keywords import several_loads
-from .solution import Interrupted, Solution, Solutions
+from .solution import Solution
+from .solutions import Interrupted, Solutions
 
 Number = float | str  # plain, or with a unit: "20 MPa"
 Loads = Number | Sequence[Number] | np.ndarray
@@ -70,6 +71,7 @@ def solve(
     thickness: Number | None = None,
     base: str | None = None,
     boundary: str | Sequence[str] | None = None,
+    radius: Number | Sequence[Number] | None = None,
     fields: Sequence[str] = ("pressure", "gap", "heights"),
     observables: Sequence[str] | None = None,
     distributions: Sequence[str] = (),
@@ -163,6 +165,7 @@ def solve(
         "thickness": thickness,
         "base": base,
         "boundary": boundary,
+        "radius": radius,
         "fields": fields,
         "observables": observables,
         "distributions": distributions,
@@ -182,6 +185,7 @@ def solve(
 
 
 def _warn(comm: Comm, steps: Sequence[dict]) -> None:
+    """Warn, on rank 0, of heights in several units and of loads that have not converged."""
     notes = [note for step in steps for note in (step["note"] or "").split("; ")]
     for note in dict.fromkeys(notes) if comm.rank == 0 else ():
         if note.endswith(DIFFERENT_UNITS):

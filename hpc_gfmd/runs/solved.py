@@ -74,12 +74,12 @@ class Solved:
 
     @property
     def unit(self) -> str:
-        """ "m", or "" where nobody named the unit of length."""
+        """Unit of lengths and heights: "m", or "" where none was given."""
         return self.result.surface.get("unit", "")
 
     @property
     def pressure_unit(self) -> str:
-        """ "Pa", or "" where nobody named the unit of pressure."""
+        """Unit of pressures: "Pa", or "" where none was given."""
         return self.result.surface.get("pressure_unit", "")
 
     def _known(self) -> Iterator[str]:
@@ -252,13 +252,26 @@ class Solved:
         return Dataset(content, places, result.facts)
 
     def plot(self, what: str | None = None, **how: Any) -> "Figure":
-        """Draw a matplotlib figure, as `hpc-gfmd plot` does: "curves" (over the loads; default of
-        several), "maps" (default of one whose fields are kept), "distributions", "spectra", one
-        field or one curve, such as "a_r".
+        """Draw a matplotlib figure, as `hpc-gfmd plot` does.
 
-        how: step (which loads), window, dpi, dimensionless, ax (where to draw one panel); see
-        hpc_gfmd.plot, which also draws several results together. Raises SceneError where there is
-        no such picture, or fields are spread over ranks.
+        Parameters
+        ----------
+        what : str, optional
+            "curves" (over the loads; default of several), "maps" (default of one whose fields are
+            kept), "distributions", "spectra", one field or one curve, such as "a_r".
+        **how
+            step (which loads), window, dpi, dimensionless, ax (where to draw one panel); see
+            `hpc_gfmd.plot`, which also draws several results together.
+
+        Returns
+        -------
+        Figure
+            To be shown, or saved by its `savefig`.
+
+        Raises
+        ------
+        SceneError
+            Where there is no such picture, or fields are spread over ranks.
         """
         from ..plotting import plot
 

@@ -123,6 +123,10 @@ def aligned(rows: list[list[str]], narrowest: int = 0) -> list[str]:
         Cells, equally many in each row.
     narrowest : int
         Least width of a column.
+
+    Returns
+    -------
+    list of str
     """
     widths = [max(narrowest, *map(len, column)) for column in zip(*rows)]
     lines = ("  ".join(map(str.rjust, row, widths)) for row in rows)
@@ -137,6 +141,10 @@ def html_table(result: Result, across: bool = True) -> str:
     result : Result
     across : bool
         Whether a step is a row; otherwise it is a column.
+
+    Returns
+    -------
+    str
     """
     from pandas import DataFrame
 
@@ -167,6 +175,10 @@ def cells(
     ----------
     steps, surface, observables, errors
         As of `table`.
+
+    Returns
+    -------
+    list of list of str
     """
     named = {name: name for name in observables_named(observables)}
     headings = TARGETS | RESULTS | named | (ERRORS if errors else {}) | EFFORT
@@ -224,6 +236,8 @@ def column_scale(key: str, values: list[float], surface: dict) -> tuple[float, s
 
 
 def _cell(key: str, value: Any, scale: float, step: dict) -> str:
+    """Return the text of a number of a step, with its error where that is estimated; scale: of its
+    unit."""
     if value is None or isinstance(value, str):
         return value or "-"
     if isinstance(value, bool):
@@ -242,6 +256,10 @@ def remarks(steps: Mapping[int, dict], observables: Sequence[str] = ()) -> list[
     ----------
     steps, observables
         As of `table`.
+
+    Returns
+    -------
+    list of str
     """
     lines = [LEGEND] if any("a_r_discretisation" in step for step in steps.values()) else []
     numbers_of_note: dict[str, list[str]] = {}
@@ -263,4 +281,5 @@ def remarks(steps: Mapping[int, dict], observables: Sequence[str] = ()) -> list[
 
 
 def _has_value(value: Any) -> bool:
+    """Return whether a number is there and finite."""
     return value is not None and not (isinstance(value, float) and not isfinite(value))

@@ -78,6 +78,7 @@ def _number(noun: str, metadata: tuple) -> str:
 
 
 def _plain(bound: Any) -> str:
+    """Return a bound as it is written in a scene."""
     return f"{bound:g}" if isinstance(bound, float) else str(bound)
 
 

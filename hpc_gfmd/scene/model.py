@@ -46,6 +46,7 @@ class Scene(Table):
 
     @model_validator(mode="after")
     def _rough(self) -> Self:
+        """Refuse loads that a flat surface does not have."""
         name, _ = self.load.given
         if (
             isinstance(self.surface, Wave)
@@ -60,6 +61,7 @@ class Scene(Table):
 
     @model_validator(mode="after")
     def _units(self) -> Self:
+        """Refuse units that do not fit together, such as "5 MPa" beside a plain modulus."""
         parts = {"surface": self.surface, "load": self.load, "material": self.material}
         lengths, pressures, forces = (
             {
@@ -91,6 +93,8 @@ class Scene(Table):
 
     @model_validator(mode="after")
     def _pulled(self) -> Self:
+        """Refuse pressures of 0 and below, and branches, without adhesion, and what adhesion
+        excludes."""
         adhesion, hardness = self.material.adhesion, self.material.hardness
         name, values = self.load.given
         if adhesion is None:
@@ -104,6 +108,8 @@ class Scene(Table):
                     f'load.branch: found "{self.load.branch}", allowed: "approach"; others with'
                     " material.adhesion"
                 )
+            if self.load.unique:
+                raise ValueError("load.unique: found true, allowed: with material.adhesion")
             return self
         if hardness is not None:
             raise ValueError(
@@ -119,6 +125,7 @@ class Scene(Table):
 
     @model_validator(mode="after")
     def _load_fits(self) -> Self:
+        """Refuse loads that the boundaries or the body do not have."""
         if self.load.force and not any(self.surface.free):
             raise ValueError(
                 "load.force: found periodic boundaries, allowed: with a free boundary (with"
@@ -260,6 +267,7 @@ class ArrayScene(Scene):
 
     @model_validator(mode="after")
     def _known_by_points(self) -> Self:
+        """Refuse low memory, which needs heights that are known mode by mode."""
         if self.solver.low_memory:
             raise ValueError(
                 'solver.low_memory: found true, allowed: with surface.kind = "self-affine", in a'

@@ -111,6 +111,7 @@ class Material(Table):
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:
+        """Refuse moduli that say too much or too little, and compute E_star."""
         # E_star is in the set only if it was given, not if it was computed
         keys = [key for key in SOLIDS if getattr(self, key) is not None]
         if "E_star" in self.model_fields_set:
@@ -135,6 +136,7 @@ class Material(Table):
 
     @model_validator(mode="after")
     def _layer(self) -> Self:
+        """Refuse keys of a base without a layer, and a bonded layer that is incompressible."""
         if self.thickness is None and "base" in self.model_fields_set:
             raise ValueError(
                 f'found base = "{self.base}" without thickness, allowed: both, or none'
@@ -155,6 +157,7 @@ class Material(Table):
 
     @model_serializer(mode="wrap")
     def _as_given(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Return the table without what was computed or does not count."""
         table = dump(self)
         if self.E1 is not None:
             table.pop("E_star", None)
@@ -204,9 +207,15 @@ class LoadTable(Table):
         "with material.adhesion: reach a load from less contact, as on approach, or from more",
         "approach",
     )
+    unique: bool = key(
+        "with material.adhesion: solve each load on the other branch, too, and say whether both"
+        " agree",
+        False,
+    )
 
     @model_validator(mode="after")
     def _one(self) -> Self:
+        """Refuse more than one kind of load, or none."""
         one_of(self, *LOADS)
         return self
 
@@ -243,7 +252,8 @@ class LoadTable(Table):
 
 
 PRESSURES = ("p_star", "pressure", "force")
-LOADS = tuple(name for name in LoadTable.model_fields if name != "branch")  # one of them is given
+# one of them is given
+LOADS = tuple(name for name in LoadTable.model_fields if name not in ("branch", "unique"))
 
 
 class SolverTable(Table):
@@ -279,6 +289,7 @@ class SolverTable(Table):
 
     @model_validator(mode="after")
     def _one(self) -> Self:
+        """Refuse accuracy and residual together."""
         one_of(self, "accuracy", "residual")
         return self
 

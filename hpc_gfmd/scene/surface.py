@@ -48,6 +48,7 @@ class SurfaceTable(Table):
 
     @model_validator(mode="after")
     def _form_ends(self) -> Self:
+        """Refuse a ball under a surface that is periodic along a bent axis."""
         row = getattr(self, "kind", "") == "sphere"  # a periodic one is one of many
         if not row and any(R < inf and not ends for R, ends in zip(self.radii, self.free)):
             raise ValueError(
@@ -106,6 +107,7 @@ class SelfAffine(SurfaceTable):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
+        """Refuse ratios that give no whole number of points, and a spectrum without waves."""
         one_of(self, "g_rms", "h_rms")
         if self.lam_l_over_lam_r > self.lam_l_over_lam_s:
             raise ValueError(
@@ -124,6 +126,7 @@ class SelfAffine(SurfaceTable):
         return self
 
     def _has_modes(self) -> bool:
+        """Return whether a wave of the cell lies between the two cutoffs."""
         low, high = self.L_over_lam_l, self.L_over_lam_l * self.lam_l_over_lam_s
         if high >= int(low) + 1:
             return True  # the next mode along x
@@ -185,6 +188,7 @@ class Wave(SurfaceTable):
 
     @model_validator(mode="after")
     def _resolved(self) -> Self:
+        """Refuse a wave of no periods, and periods of less than two points."""
         if self.periods == (0, 0):
             raise ValueError(
                 "found periods = [0, 0], allowed: two whole numbers from 0, not both 0"
@@ -307,6 +311,7 @@ class File(SurfaceTable):
 
     @model_validator(mode="after")
     def _one_way_to_be_periodic(self) -> Self:
+        """Refuse a free boundary, mirror images and a window together."""
         ways = {
             "a free boundary": any(self.free),
             "mirror": self.mirror,
@@ -334,5 +339,6 @@ AnySurface = Annotated[SelfAffine | Wave | Sphere | File, Field(discriminator="k
 
 
 def _whole(value: float, what: str) -> None:
+    """Raise ValueError where a number of points is not whole; what: its name and formula."""
     if not (1 <= value <= MAX_N and abs(value - round(value)) <= 1e-9 * value):
         raise ValueError(f"found {what} = {value:.10g}, allowed: a whole number from 1 to {MAX_N}")

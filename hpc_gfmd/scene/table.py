@@ -34,6 +34,7 @@ Positive = Annotated[float, Field(ge=SMALLEST, le=LARGEST)]
 
 
 def _tuple(value: Any) -> Any:
+    """Return a list as a tuple, anything else as it is."""
     return tuple(value) if isinstance(value, list) else value
 
 
@@ -61,29 +62,34 @@ def _from_folder(path: str, scene: ValidationInfo) -> str:
 
 
 def _length_unit(text: str) -> str:
+    """Return the name of a unit of length. Raises ValueError for any other text."""
     factor(text)
     return text
 
 
 def _printable(text: str) -> str:
+    """Return a text. Raises ValueError where it has control characters."""
     if not text.isprintable():
         raise ValueError("control characters")
     return text
 
 
 def _distinct(values: tuple) -> tuple:
+    """Return values. Raises ValueError where one is there twice."""
     if len(set(values)) < len(values):
         raise ValueError("named twice")
     return values
 
 
 def _not_tiny(value: float) -> float:
+    """Return a number. Raises ValueError where it is so small that it would be taken for 0."""
     if 0 < abs(value) < SMALLEST:
         raise ValueError(f"the least magnitude is {SMALLEST:g}")
     return value
 
 
 def _bent(radii: Any) -> Any:
+    """Return radii. Raises ValueError where both axes are straight."""
     if radii in (inf, (inf, inf)):
         raise ValueError("straight along both axes")
     return radii

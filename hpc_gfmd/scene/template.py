@@ -101,4 +101,5 @@ def _line(key: Key, values: Mapping[str, Any], suggestion: Suggestion) -> str:
 
 
 def _beside(setting: str, comment: str) -> str:
+    """Return a line of a setting with a comment beside it."""
     return f"{setting + '  ':<{COLUMN}}# {comment}"

@@ -342,6 +342,7 @@ class Bpx(Solver):
 
     @property
     def is_separated(self) -> bool:
+        """As of Solver; the wall itself is pulled at."""
         return self.law is not None and self.contact == 0 and self.wall_load <= 0
 
     @property

@@ -100,3 +100,28 @@ def checked_array(heights: Any) -> np.ndarray:
         raise SceneError(f"heights: found {one_line(str(error))}, allowed: {A_MAP}") from None
     require_map(heights, "heights")
     return heights
+
+
+def complete_array(heights: Any) -> np.ndarray:
+    """Return heights as an array that has one at every point.
+
+    Parameters
+    ----------
+    heights : array_like, shape (n_x, n_y)
+
+    Returns
+    -------
+    ndarray
+
+    Raises
+    ------
+    SceneError
+        As `checked_array`, and for masked points.
+    """
+    heights = checked_array(heights)
+    if np.ma.is_masked(heights):
+        raise SceneError(
+            f"heights: found {np.ma.count_masked(heights)} masked points, allowed: a complete map,"
+            ' as of hpc_gfmd.prepare_surface(heights, fill="harmonic")'
+        )
+    return heights

@@ -172,6 +172,7 @@ def encoding_of(contents: Contents) -> str:
 
 
 def _is_utf8(line: bytes) -> bool:
+    """Return whether a line of bytes is UTF-8."""
     try:
         line.decode("utf-8")
     except UnicodeDecodeError:
@@ -180,6 +181,7 @@ def _is_utf8(line: bytes) -> bool:
 
 
 def _format_of_archive(contents: Contents) -> str:
+    """Return the format of a ZIP archive by the files in it: "x3p", "npz" or "zip"."""
     try:
         with contents.open() as stream, ZipFile(stream) as archive:
             names = [Path(name).name for name in archive.namelist()]

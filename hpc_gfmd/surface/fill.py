@@ -9,7 +9,7 @@ import numpy as np
 from ..parallel.guard import collective_errors, on_rank_0
 from ..util.errors import SceneError
 from .film import solve_film
-from .slabs import own_slabs, with_neighbours
+from .slabs import with_neighbours
 from .topography import Topography
 
 NEIGHBOURS = np.array([(-1, 0), (1, 0), (0, -1), (0, 1)])
@@ -60,8 +60,7 @@ def _holes(topography: Topography, comm: Any) -> list[tuple[np.ndarray, np.ndarr
     on the four sides of each: a height, nan where there is none. Beyond the edge of the map is the
     point itself."""
     parts = []
-    for start, stop in own_slabs(topography, comm):
-        around = with_neighbours(topography, start, stop, "edge")
+    for start, around in with_neighbours(topography, comm, "edge"):
         i, j = np.nonzero(np.isnan(around[1:-1, 1:-1]))
         beside = np.array([around[i + 1 + di, j + 1 + dj] for di, dj in NEIGHBOURS])
         parts.append(((start + i) * topography.n[1] + j, beside.T))

@@ -16,13 +16,19 @@ OVERCORRECTION = 1.8  # constant pieces are stiffer than the film
 class FilmLevel:
     """One level of the multigrid.
 
-    Attributes
+    Parameters
     ----------
     matrix : csr_array
+        The equations of its points.
+    parents : ndarray of int or None
+        Which point of the next level each point belongs to; None: the coarsest level.
+
+    Attributes
+    ----------
+    matrix, parents
+        As given.
     weights : ndarray
         DAMPING over its diagonal.
-    parents : ndarray of int, optional
-        Which point of the next level each point belongs to; None: the coarsest level.
     factors : SuperLU, optional
         Of the coarsest level.
     """

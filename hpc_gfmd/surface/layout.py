@@ -250,6 +250,7 @@ def _require_header(lines: list[str], layout: TextLayout) -> None:
 
 
 def _is_number(token: str, layout: TextLayout) -> bool:
+    """Return whether a token is a number, or stands for a missing one."""
     try:
         layout.number(token)
     except NoNumber:

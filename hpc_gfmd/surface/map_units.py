@@ -16,6 +16,15 @@ UNITS = 'a unit of length, such as surface.unit = "nm"'
 class MapUnits:
     """Sizes and units of a map, by what its file and the scene say.
 
+    Parameters
+    ----------
+    metadata : Metadata
+        What the file says.
+    spec : scene.File
+        What the scene says, which wins.
+    path : object
+        Name of the map in messages.
+
     Attributes
     ----------
     sizes : (L_x, L_y)
@@ -25,9 +34,11 @@ class MapUnits:
     sizes_unit : str, optional
         Of plain sizes.
     are_named : bool
+        Whether heights and sizes have units.
     lacks : dict
         {key of [surface]: why it has to be given}
     notes : list of str
+        What to know of the sizes, a line each.
     """
 
     def __init__(self, metadata: Metadata, spec: Any, path: object) -> None:

@@ -119,6 +119,7 @@ def prepare(topography: Topography, spec: Any, comm: Any) -> Topography:
 
 
 def _cropped(topography: Topography, spec: Any) -> Topography:
+    """Keep a part of the map. Raises SceneError where that is not within it."""
     ends = []
     for axis in (0, 1):
         step = topography.sizes[axis] / topography.n[axis]

@@ -10,7 +10,7 @@ import numpy as np
 from ..parallel.comm import SerialComm
 from ..parallel.guard import on_rank_0
 from ..util.errors import SceneError
-from .slabs import own_slabs, with_neighbours
+from .slabs import with_neighbours
 from .topography import Topography
 
 
@@ -232,8 +232,7 @@ def outliers(topography: Topography, typical: float) -> int:
     beside = np.ones((3, 3))
     beside[1, 1] = 0
     total = 0
-    for start, stop in own_slabs(topography, SerialComm()):
-        z = with_neighbours(topography, start, stop, "reflect")
+    for _, z in with_neighbours(topography, SerialComm(), "reflect"):
         out = np.abs(z - median_filter(z, footprint=beside)) > DOUBT.outlying * typical
         total += int(np.count_nonzero(out[1:-1, 1:-1]))
     return total
@@ -265,6 +264,7 @@ class _Differences:
 
 
 def _looked_at(topography: Topography) -> MapQuality:
+    """Measure what tells how good a map is, from some of its rows. On one process."""
     n_x, n_y = topography.n
 
     def row(i: int) -> np.ndarray:

@@ -32,12 +32,11 @@ def resampled(
     Topography
         Of which those rows can be read that this rank has of the surface.
     """
+    rows_read = row_starts(topography.n[0], comm.size)
     columns = row_starts(n[1], comm.size)
-    starts = nominal_part(grid_of(n, topography.sizes, comm, free)).starts
-    turned = _turned(
-        topography.rows, row_starts(topography.n[0], comm.size), columns, free[1], comm
-    )
-    rows = _turned(turned, columns, starts, free[0], comm)
+    rows_wanted = nominal_part(grid_of(n, topography.sizes, comm, free)).starts
+    turned = _turned(topography.rows, rows_read, columns, free[1], comm)
+    rows = _turned(turned, columns, rows_wanted, free[0], comm)
     return topography.after(f"resampled to {n[0]} x {n[1]} points", n=n, rows=rows)
 
 
@@ -69,6 +68,7 @@ def _turned(rows: Rows, before: np.ndarray, after: np.ndarray, ends: bool, comm:
 
 
 def _series(z: np.ndarray, n: int, ends: bool) -> np.ndarray:
+    """Resample rows to n points by their Fourier series, in cosines along an axis that ends."""
     from scipy.fft import dct, idct
     from scipy.signal import resample
 

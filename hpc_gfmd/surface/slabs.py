@@ -1,5 +1,6 @@
 """Passes over a height map: every rank reads a share of the rows, a few at a time."""
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -43,22 +44,25 @@ def own_slabs(topography: Any, comm: Any) -> list[tuple[int, int]]:
     return pieces[starts[comm.rank] : starts[comm.rank + 1]]
 
 
-def with_neighbours(topography: Any, start: int, stop: int, mode: Any) -> np.ndarray:
-    """Read rows with the points around them.
+def with_neighbours(topography: Any, comm: Any, mode: Any) -> Iterator[tuple[int, np.ndarray]]:
+    """Read this rank's share of a height map, a piece at a time, with the points around each.
 
     Parameters
     ----------
     topography : Topography
-    start, stop : int
-        The rows start <= i < stop.
+    comm : Comm
     mode : str
         What numpy.pad puts where the map ends.
 
-    Returns
-    -------
-    ndarray, shape (stop - start + 2, n_y + 2)
+    Yields
+    ------
+    start : int
+        First row of the piece.
+    around : ndarray, shape (rows + 2, n_y + 2)
+        The piece, which is around[1:-1, 1:-1], and a point more on each side.
     """
-    begin = max(start - 1, 0)
-    end = min(stop + 1, topography.n[0])
-    outside = (begin - start + 1, stop + 1 - end)
-    return np.pad(topography.rows(begin, end), (outside, (1, 1)), mode)
+    for start, stop in own_slabs(topography, comm):
+        begin = max(start - 1, 0)
+        end = min(stop + 1, topography.n[0])
+        outside = (begin - start + 1, stop + 1 - end)
+        yield start, np.pad(topography.rows(begin, end), (outside, (1, 1)), mode)

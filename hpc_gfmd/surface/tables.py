@@ -177,6 +177,8 @@ def _is_label(table: np.ndarray, is_whole_line: bool, place: str) -> bool:
 
 
 def _with_both(heights: np.ndarray, of_lines: np.ndarray, of_columns: np.ndarray) -> Matrix:
+    """Make the matrix of heights whose first line and column are coordinates. Raises ValueError
+    where these do not rise evenly."""
     for values, place in ((of_columns, "line"), (of_lines, "column")):
         if not changes_evenly(values, 2):
             raise ValueError(f"the coordinates in its first {place} do not rise evenly: {HINT}")

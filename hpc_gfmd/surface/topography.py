@@ -74,7 +74,19 @@ class Topography:
     notes: tuple[str, ...] = ()
 
     def after(self, step: str, **changes: Any) -> Self:
-        """Return a copy with other fields, and one line more of what was done to the heights."""
+        """Return a copy after a step of preparation.
+
+        Parameters
+        ----------
+        step : str
+            What was done to the heights, one line more of `prepared`.
+        **changes
+            Fields to replace.
+
+        Returns
+        -------
+        Topography
+        """
         return replace(self, prepared=(*self.prepared, step), **changes)
 
     def on_form(self, radii: tuple[float, ...]) -> Self:

@@ -22,6 +22,10 @@ def within(
     open_low : bool
         Whether `low` itself is left out.
 
+    Returns
+    -------
+    ndarray of float64
+
     Raises
     ------
     SceneError

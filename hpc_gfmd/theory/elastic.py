@@ -74,8 +74,20 @@ class HertzLine:
 
 
 class Westergaard:
-    """z = A cos(2 pi x/L) under the mean pressure p0; beyond p_full = pi E* A/L contact is full and
-    stays so.
+    """A wave z = A cos(2 pi x/L) pressed flat: Westergaard's solution.
+
+    Beyond p_full = pi E* A/L contact is full and stays so.
+
+    Parameters
+    ----------
+    p0 : float or array
+        Mean pressure, >= 0.
+    A : float or array
+        Amplitude of the wave, half of its height from valley to peak.
+    L : float or array
+        Its length.
+    E_star : float or array
+        Effective modulus, in the unit of p0.
 
     Attributes
     ----------

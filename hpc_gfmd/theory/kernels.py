@@ -25,6 +25,11 @@ def energy_fraction(x: np.ndarray, gamma: float) -> np.ndarray:
         sqrt(2) p0/(E* g).
     gamma : float
         Coefficient of the linear term.
+
+    Returns
+    -------
+    ndarray
+        In the shape of x.
     """
     a = erf(x)
     return a * (gamma + (1 - gamma) * a * a)
@@ -58,6 +63,11 @@ def compliance_kernel(x: np.ndarray, gamma: float, printed: bool) -> np.ndarray:
     ----------
     x, gamma, printed
         As of `gap_kernel`.
+
+    Returns
+    -------
+    ndarray
+        In the shape of x.
     """
     x = np.minimum(x, X_ZERO)
     return np.exp(-x * x) * (2 * gamma + _SECOND_TERM[printed] * (1 - gamma) * erf(x) ** 2)

@@ -55,6 +55,11 @@ def least_squares(
         Standard errors, shape (runs,), or covariance matrix, shape (runs, runs).
     bounds : pair of numbers or of arrays, shape (k,)
 
+    Returns
+    -------
+    Fit
+        The best of all starts.
+
     Raises
     ------
     SceneError

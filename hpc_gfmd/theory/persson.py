@@ -94,6 +94,10 @@ def g_rms_lam_s_over_h_rms(hurst: float, eps_f: float) -> float:
     ----------
     hurst, eps_f : float
         As of `mean_gap`.
+
+    Returns
+    -------
+    float
     """
     return 2 * np.pi * float(eps_f) / SlopeProfile.self_affine(hurst, eps_f).h_rms
 
@@ -275,6 +279,8 @@ def _gap(profile: SlopeProfile, p_star: np.ndarray, gamma: float, printed: bool)
 
 
 def _length(profile: SlopeProfile, eps_f: float, unit: str) -> float:
+    """Return the length that gaps are in units of, for g_rms = 1. Raises SceneError for an unknown
+    unit."""
     if unit == "h_rms":
         return profile.h_rms
     if unit == "g_rms_lam_s":
@@ -283,12 +289,15 @@ def _length(profile: SlopeProfile, eps_f: float, unit: str) -> float:
 
 
 def _pressure(p_star: ArrayLike, name: str = "p_star") -> np.ndarray:
+    """Return pressures as an array. Raises SceneError where one is negative."""
     return within(name, p_star, 0, np.inf)
 
 
 def _positive(name: str, value: ArrayLike) -> float:
+    """Return a number. Raises SceneError where it is not greater than 0."""
     return float(within(name, value, 0, np.inf, open_low=True))
 
 
 def _gamma(gamma: ArrayLike) -> float:
+    """Return gamma. Raises SceneError where it is not from 0 to 1.5."""
     return float(within("gamma", gamma, 0, 1.5))

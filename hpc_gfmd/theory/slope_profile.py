@@ -60,6 +60,10 @@ class SlopeProfile:
         eps_f : float
             q_l/q_s, from 1e-100 to 1.
 
+        Returns
+        -------
+        SlopeProfile
+
         Raises
         ------
         SceneError
@@ -93,6 +97,10 @@ class SlopeProfile:
             about _SAMPLES pieces (error of order 1/_SAMPLES^4).
         area : float
             Normalises C by h_rms^2 = area/(2 pi)^2 int C d^2q.
+
+        Returns
+        -------
+        SlopeProfile
 
         Raises
         ------
@@ -165,6 +173,7 @@ class SlopeProfile:
         return np.array(integrals).reshape(loads.shape)
 
     def _log_g_at(self, y: float) -> float:
+        """Return ln g of all waves up to y = ln(q/q_l)."""
         i = min(int(np.searchsorted(self.y, y, side="right")), self.beta.size) - 1
         d = y - self.y[i]
         grown = d * exprel(self.beta[i] * d) / self.inverse_rate[i] if d > 0 else 1.0

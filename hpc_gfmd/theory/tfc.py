@@ -232,6 +232,8 @@ def extrapolate(
 
 
 def _part(table: Table, observable: str, p_star: float) -> Table:
+    """Return the part of a table for an observable and a pressure. Raises SceneError where there is
+    none."""
     names = sorted({part["observable"] for part in table["tables"]})
     if observable not in names:
         raise SceneError(f"observable: found {observable!r}, allowed: {', '.join(names)}")
@@ -247,6 +249,7 @@ def _part(table: Table, observable: str, p_star: float) -> Table:
 
 
 def _notes(table: Table, part: Table, hurst: float, tabulated: list[float]) -> Iterator[str]:
+    """Yield what to know of an extrapolation with a part of a table, a line each."""
     if hurst not in tabulated:
         yield (
             "coefficients interpolated in H between the tabulated"

@@ -96,6 +96,10 @@ def ratios(eps_t: float, eps_f: float, eps_c: float) -> dict[str, float]:
     eps_t, eps_f, eps_c : float
         Thermodynamic, fractal and continuum ratio.
 
+    Returns
+    -------
+    dict of float
+
     Raises
     ------
     SceneError
@@ -116,6 +120,11 @@ def term(row: Mapping[str, Any], i: str, eps: Any) -> Any:
         Letter of the term, of TERMS.
     eps : float or ndarray
         Its ratio.
+
+    Returns
+    -------
+    float or ndarray
+        In the shape of eps.
     """
     return row[f"C_{i}"] * eps ** row[f"alpha_{i}"]
 
@@ -129,6 +138,10 @@ def slopes(row: Mapping[str, Any], eps: Mapping[str, Any]) -> dict[str, Any]:
         A row of a coefficient table.
     eps : mapping
         Ratios by the letters of their terms.
+
+    Returns
+    -------
+    dict of float or ndarray
     """
     derivatives: dict[str, Any] = {"limit": 1.0}
     for i, ratio in eps.items():
@@ -147,6 +160,11 @@ def sigma_of_terms(row: Mapping[str, Any], eps: Mapping[str, float]) -> float:
         there, otherwise its "sigma".
     eps : mapping
         Ratios by the letters of their terms.
+
+    Returns
+    -------
+    float
+        One standard deviation.
     """
     names = row.get("names", COEFFICIENTS)
     derivatives = slopes(row, eps) | {"limit": 0.0}

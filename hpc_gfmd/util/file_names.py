@@ -43,6 +43,7 @@ def require_decoded(argument: str) -> None:
 
 
 def _not_in_locale(key: str, name: str) -> SceneError:
+    """Return the error of a name that the locale cannot write; key: of the scene."""
     text = one_line(name.encode("ascii", "backslashreplace").decode())
     encoding = sys.getfilesystemencoding()
     return SceneError(

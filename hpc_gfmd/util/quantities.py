@@ -139,6 +139,7 @@ def _in_si(unit: str, dimension: str) -> float | None:
 
 @cache
 def _registry() -> Any:
+    """Make the table of units of pint, which takes a while to import."""
     import pint
 
     return pint.UnitRegistry()

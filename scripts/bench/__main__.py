@@ -1,9 +1,9 @@
-"""`python scripts/bench ITEM`, from any folder, also under mpirun."""
+"""Run a measurement from any folder, also under mpirun: `python scripts/bench ITEM`."""
 
 import sys
 from pathlib import Path
 
-if not __package__:  # started by its path
+if not __package__:  # run by its path
     sys.path[0] = str(Path(__file__).resolve().parents[1])
 
 from bench.command import make_parser

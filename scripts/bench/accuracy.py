@@ -1,8 +1,8 @@
-"""Time and FFT pairs of the solvers against the true errors of what they return.
+"""Time and FFT pairs of the solvers against the true errors of their solutions.
 
-What is reported is the true error of the result, not what was asked. The default solver is asked
-for accuracies, the other for residuals, as the paper does. Of a solver that
-takes longer than the budget, or that does not converge, no tighter ones are tried.
+The errors are those of the result, not what was requested. An accuracy is requested of the default
+solver, a residual of the other one, as in the paper. When a solver exceeds the time budget or does
+not converge, tighter requests are skipped.
 """
 
 import json
@@ -10,10 +10,11 @@ import tomllib
 from functools import partial
 from itertools import product, starmap
 from pathlib import Path
+from typing import NamedTuple
 
 from hpc_gfmd import GfmdError
 
-from .contacts import Case
+from .contacts import RoughContact
 from .pictures import Panel, group, picture
 from .report import Report
 from .timing import in_turn, summary
@@ -21,25 +22,49 @@ from .timing import in_turn, summary
 CODES = Path(__file__).with_name("codes.toml")
 
 
+class Measurement(NamedTuple):
+    """A solver's way to solve one contact.
+
+    Attributes
+    ----------
+    head : dict
+        What was requested, and the errors of the solution.
+    press : function
+        Solves again and returns (row, pressure).
+    rows : list of dict
+        Rows of all solves so far.
+    """
+
+    head: dict
+    press: partial
+    rows: list
+
+
 def run(args):
-    """Measure all cases; args: of command.py."""
+    """Measure all contacts and draw the largest grid."""
     report = Report("accuracy", args.out)
-    for case in starmap(Case, product(args.n, args.p_star, args.hurst)):
-        _one_case(case, args, report)
+    for contact in starmap(RoughContact, product(args.n, args.p_star, args.hurst)):
+        _measure(contact, args, report)
     report.finish()
     if report.path:
         draw(report.path, report.rows, args.peers)
 
 
 def draw(path, rows, peers):
-    """Draw the errors of the largest grid against time and pairs beside `path`.
+    """Draw time and FFT pairs against the largest error of area, gap and pressure.
 
-    peers: a file of rows that `bench peers` has written, "" for none; in the picture of pairs only.
+    Parameters
+    ----------
+    path : Path
+        The pictures are written beside this file.
+    rows : list of dict
+        Rows of this measurement; those of the largest grid are drawn.
+    peers : str
+        File of rows of `bench peers`, which the picture of FFT pairs shows, too; "" for none.
     """
     largest = max(row["n"] for row in rows)
     rows = [row for row in rows if row["n"] == largest]
     keys = "solver", "start", "precision"
-    # error: the worst of area, gap, pressure
     for name, cost, drawn in (
         ("accuracy", "seconds_min", rows),
         ("accuracy-pairs", "fft_pairs", rows + rows_of_peers(peers, rows)),
@@ -52,51 +77,62 @@ def draw(path, rows, peers):
 
 
 def rows_of_peers(path, rows):
-    """Return rows of other codes on the same surfaces and loads, whose FFT pairs follow from their
-    iterations; their errors are those of the pressure."""
+    """Return rows of other codes on the same contacts.
+
+    Their FFT pairs follow from their iterations, and their errors are those of the pressure.
+
+    Parameters
+    ----------
+    path : str
+        File of rows of `bench peers`; "" for none.
+    rows : list of dict
+        Rows of our solvers.
+    """
     if not path:
         return []
-    each = tomllib.loads(CODES.read_text())["pairs_per_iteration"]
-    same = {(row["n"], row["hurst"], row["p_star"]) for row in rows}
-    found = []
+    pairs_per_iteration = tomllib.loads(CODES.read_text())["pairs_per_iteration"]
+    our_contacts = {(row["n"], row["hurst"], row["p_star"]) for row in rows}
+    peer_rows = []
     for line in Path(path).read_text().splitlines():
         row = json.loads(line)
         code = row["code"]
-        if code in each and (row["n"], row["hurst"], row["p_star"]) in same and "error" in row:
-            pairs = each[code] * row["iterations"]
-            head = {key: row[key] for key in ("hurst", "p_star", "error")}
-            found.append(
-                head | {"solver": code, "start": "cold", "precision": "double", "fft_pairs": pairs}
-            )
-    return found
+        is_ours = (row["n"], row["hurst"], row["p_star"]) in our_contacts
+        if code in pairs_per_iteration and is_ours and "error" in row:
+            peer_row = {key: row[key] for key in ("hurst", "p_star", "error")}
+            peer_row |= {"solver": code, "start": "cold", "precision": "double"}
+            peer_row["fft_pairs"] = pairs_per_iteration[code] * row["iterations"]
+            peer_rows.append(peer_row)
+    return peer_rows
 
 
-def _one_case(case, args, report):
+def _measure(contact, args, report):
+    """Report all solvers on one contact; their repeated solves take turns."""
     try:
-        case.reference  # noqa: B018
+        contact.reference  # noqa: B018
     except GfmdError as error:
         report.note(str(error))
         return
-    found = []  # (what is reported, what solves again, rows of all solves)
+    measurements = []
     for precision, solver, start in product(args.precision, args.solvers, args.start):
-        case.press(precision=precision, accuracy=0.1)  # compiles and plans
-        for asked in sorted(args.accuracy, reverse=True):
+        contact.press(precision=precision, accuracy=0.1)  # compiles and plans
+        for requested in sorted(args.accuracy, reverse=True):
             press = partial(
-                case.press,
+                contact.press,
                 precision=precision,
                 name=solver,
                 nested=start == "nested",
                 max_iterations=args.max_iterations,
-                **{"accuracy" if solver == "bpx" else "residual": asked},
+                **{"accuracy" if solver == "bpx" else "residual": requested},
             )
             row, pressure = press()
-            head = {"n": case.n, "hurst": case.hurst, "precision": precision, "solver": solver}
-            head |= {"start": start, "asked": asked} | case.errors(row, pressure)
-            found.append((head, press, [row]))
+            head = {"n": contact.n, "hurst": contact.hurst}
+            head |= {"precision": precision, "solver": solver, "start": start, "asked": requested}
+            head |= contact.errors(row, pressure)
+            measurements.append(Measurement(head, press, [row]))
             if row["seconds"] > args.budget or row["status"] != "converged":
                 break
-    quick = [one for one in found if one[-1][0]["seconds"] < args.budget]
-    for _, press, rows in in_turn(quick, args.repeats - 1):
-        rows.append(press()[0])
-    for head, _, rows in found:
-        report.add(**head, **summary(rows))
+    fast = [m for m in measurements if m.rows[0]["seconds"] < args.budget]
+    for measurement in in_turn(fast, args.repeats - 1):
+        measurement.rows.append(measurement.press()[0])
+    for measurement in measurements:
+        report.add(**measurement.head, **summary(measurement.rows))

@@ -1,9 +1,9 @@
-"""The half-space with free edges as most codes discretise it: a pressure that is constant on the
-cell around each grid point.
+"""The half-space with free edges as most codes discretise it: the pressure is constant on the cell
+around each grid point.
 
-Love's solution for the displacement in the middle of one cell by the pressure on another, in place
-of the band-limited Green's function of bodies/free.py. For comparisons on equal terms only, on one
-rank, with both axes free.
+The displacement in the middle of a cell by the pressure on another one is Love's solution, in place
+of the band-limited Green's function of bodies/free.py. It serves comparisons on equal terms only,
+on one rank and with both axes free.
 """
 
 from dataclasses import dataclass
@@ -21,34 +21,36 @@ from hpc_gfmd.scene import SolverTable
 
 
 @lru_cache(1)
-def by_cells(case):
-    """Return the pressure of the contact by this discretisation, far more accurate than any that is
+def by_cells(contact):
+    """Return the pressure of a RoughContact in this discretisation, far more accurate than what is
     measured."""
     sweep = make_sweep(
-        partial(case.build, SerialComm()),
+        partial(contact.build, SerialComm()),
         SolverTable(precision="double", residual=1e-9),
         body=Cells((True, True)),
     )
-    return np.array(sweep.solve(Load("pressure", case.p_star)).field("pressure"))
+    return np.array(sweep.solve(Load("pressure", contact.p_star)).field("pressure"))
 
 
 @dataclass(frozen=True)
 class Cells(Free):
-    """See bodies/free.py: nothing but S between two points is different."""
+    """The body of bodies/free.py with another compliance S between two points."""
 
     def make_multipliers(self, grid, fft, q):
         table = _table(grid, fft)
         table[0, 0, 0] = 0  # the rigid translation
-        found, length = images(*self._shape(grid)[:-1]), np.sqrt(grid.cell_points)
-        modes = length * np.concatenate(table)[: found.modes[1] + 1, : found.modes[0] + 1].T
+        body_images = images(*self._shape(grid)[:-1])
+        length = np.sqrt(grid.cell_points)
+        last_x, last_y = body_images.modes
+        modes = length * np.concatenate(table)[: last_y + 1, : last_x + 1].T
         S = np.divide(1, modes, out=np.zeros_like(modes), where=modes > 0)
-        made = Coupled(grid, fft, q, found, matrices_of(found, S, fft.dtype))
-        made.factors = *made.factors[:-1], table
-        return made
+        multipliers = Coupled(grid, fft, q, body_images, matrices_of(body_images, S, fft.dtype))
+        multipliers.factors = *multipliers.factors[:-1], table
+        return multipliers
 
 
 def _table(grid, fft):
-    """Make K of the periodic cell: S less what `Coupled` adds to it."""
+    """Return K of the periodic cell: the inverse of S less what `Coupled` adds to it."""
     out = np.zeros((fft.K, fft.W, grid.n[0] // 2 + 1), fft.dtype)
     cell = [k * s / grid.a for k, s in zip(grid.n, grid.spacings)]
     half = [s / grid.a / 2 for s in grid.spacings]
@@ -67,12 +69,24 @@ def _table(grid, fft):
 
 
 def love(x, y, a, b):
-    """Compute S at distances x, y from the middle of a cell of 2a x 2b under pressure 1, all over
-    the root of its area."""
+    """Return the compliance S of a cell under unit pressure (Love's solution).
+
+    Parameters
+    ----------
+    x, y : ndarray
+        Distances from the middle of the cell along the axes, of any lengths (m,) and (n,).
+    a, b : float
+        Half the sides of the cell.
+
+    Returns
+    -------
+    ndarray, shape (m, n)
+        Displacement over the root of the cell's area.
+    """
     signs = product((1, -1), repeat=2)
     return sum(s * t * _corner(x[:, None] + s * a, y + t * b) for s, t in signs) / np.pi
 
 
 def _corner(x, y):
-    """Integrate 1/r over the rectangle between the origin and (x, y)."""
+    """Return the integral of 1/r over the rectangle between the origin and (x, y)."""
     return x * np.arcsinh(y / np.abs(x)) + y * np.arcsinh(x / np.abs(y))

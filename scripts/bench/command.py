@@ -11,35 +11,37 @@ ITEMS = tomllib.loads(Path(__file__).with_name("items.toml").read_text())
 
 
 def make_parser():
-    """Make the parser of all measurements."""
+    """Return the parser of all measurements, with the options of items.toml."""
     parser = Parser(
         prog="bench",
-        description="Measure speed: alternating, warmed up. Compare numbers of one call only.",
+        description="Measure speed: runs alternate after a warm-up. Compare only the numbers of"
+        " one call.",
     )
     parser.set_defaults(main=main)
-    items = parser.add_subparsers(metavar="ITEM", required=True, parser_class=Parser)
+    subparsers = parser.add_subparsers(metavar="ITEM", required=True, parser_class=Parser)
     for item, options in ITEMS.items():
         text = options["help"]
-        part = items.add_parser(item, help=text, description=text)
+        subparser = subparsers.add_parser(item, help=text, description=text)
         for name, default in options.items():
             if name == "help":
                 continue
-            several = isinstance(default, list)
-            part.add_argument(
+            is_list = isinstance(default, list)
+            subparser.add_argument(
                 f"--{name}",
                 default=default,
-                type=type(default[0] if several else default),
-                nargs="*" if several else None,
+                type=type(default[0] if is_list else default),
+                nargs="*" if is_list else None,
                 help=f"default {default}",
             )
-        part.add_argument("-o", "--out", metavar="DIR", help="write tables, rows and pictures here")
-        part.set_defaults(item=item)
+        subparser.add_argument(
+            "-o", "--out", metavar="DIR", help="write tables, rows and pictures to this folder"
+        )
+        subparser.set_defaults(item=item)
     return parser
 
 
 def main(args):
-    """Measure one item: run(args) of the file of that name. Raises SceneError for arguments that
-    make no sense."""
+    """Call run(args) in the file of args.item. Raises SceneError for arguments out of range."""
     from hpc_gfmd.parallel.world import world
 
     if not args.n or min(args.n) < 8 or any(n % 4 for n in args.n):

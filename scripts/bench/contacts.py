@@ -1,5 +1,5 @@
-"""The contacts that are measured: self-affine surfaces of the paper's kind, pressed as a user does,
-and the errors of what comes out."""
+"""The contacts that are measured: self-affine surfaces like those of the paper, solved with
+hpc_gfmd.solve, and the true errors of the solutions."""
 
 import time
 import warnings
@@ -12,13 +12,29 @@ import hpc_gfmd
 from hpc_gfmd.scene import Scene
 from hpc_gfmd.surface import build_surface
 
-WORST = 1e-6  # estimated error of the pressure that a reference may have
+LARGEST_REFERENCE_ERROR = 1e-6  # estimated error of the pressure that a reference may have
 
 
 @dataclass(frozen=True)
-class Case:
-    """n x n points, p* = p/(E* g_rms); E* = 1, g_rms = 1 (where the surface ends, of what it is cut
-    out of), a cell of size 1 x 1. hardness: the largest pressure over E* g_rms; 0: none."""
+class RoughContact:
+    """A self-affine surface of size 1 x 1 and its load, with E* = 1 and g_rms = 1.
+
+    Attributes
+    ----------
+    n : int
+        Points along an axis.
+    p_star : float
+        p/(E* g_rms).
+    hurst : float
+        Hurst exponent.
+    boundary : str
+        "periodic" or "free". With free edges g_rms is that of the periodic surface from which the
+        heights are cut out.
+    hardness : float
+        Largest pressure over E* g_rms; 0 for an elastic body.
+    seed : int
+        Seed of the surface.
+    """
 
     n: int
     p_star: float
@@ -29,7 +45,7 @@ class Case:
 
     @property
     def table(self):
-        """Return [surface] of a scene."""
+        """Return the table [surface] of a scene."""
         return {
             "kind": "self-affine",
             "hurst": self.hurst,
@@ -42,30 +58,42 @@ class Case:
         }
 
     def scene(self, **tables):
-        """Make the scene; tables: others than surface and load."""
+        """Return the scene; **tables are those beside [surface] and [load]."""
         return Scene.from_dict({"surface": self.table, "load": {"p_star": self.p_star}} | tables)
 
     def build(self, comm, dtype, threads=1):
-        """Make the wall as solvers take it, each rank its rows."""
+        """Return the surface as solvers take it, each rank with its rows. Collective."""
         return build_surface(self.scene().surface, comm, dtype, threads)
 
     @cached_property
     def surface(self):
-        """Make the wall, peaks up."""
+        """The surface as hpc_gfmd.make_surface returns it, peaks up."""
         return hpc_gfmd.make_surface(**self.table)
 
     def press(self, **settings):
-        """Return numbers of hpc_gfmd.solve, all of the call timed, and the pressure; settings: of
-        solve."""
-        usual = {"pressure": self.p_star, "hardness": self.hardness or None}
-        begun, cpu = time.perf_counter(), time.process_time()
+        """Solve the contact with hpc_gfmd.solve and time the whole call.
+
+        Parameters
+        ----------
+        **settings
+            Arguments of hpc_gfmd.solve.
+
+        Returns
+        -------
+        row : dict
+            Times and numbers of the solution.
+        pressure : ndarray, shape (n, n)
+        """
+        defaults = {"pressure": self.p_star, "hardness": self.hardness or None}
+        wall_begin = time.perf_counter()
+        cpu_begin = time.process_time()
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", hpc_gfmd.NotConverged)
-            solution = hpc_gfmd.solve(self.surface, fields=["pressure"], **usual | settings)
+            solution = hpc_gfmd.solve(self.surface, fields=["pressure"], **defaults | settings)
         pressure = np.asarray(solution.pressure)
         row = {
-            "seconds": time.perf_counter() - begun,
-            "cpu_seconds": time.process_time() - cpu,
+            "seconds": time.perf_counter() - wall_begin,
+            "cpu_seconds": time.process_time() - cpu_begin,
             "status": solution.status,
             "iterations": solution.iterations,
             "fft_pairs": solution.fft_pairs,
@@ -77,33 +105,42 @@ class Case:
         return row, pressure
 
     def at_area(self, a_r):
-        """Return the same surface at the load at which about a share a_r of it touches."""
+        """Return the same surface at a load with about this contact area."""
         row, _ = self.press(pressure=None, a_r=a_r)
         return replace(self, p_star=float(f"{row['p_star']:.3g}"))
 
     @cached_property
     def reference(self):
-        """Solve far tighter than any that is measured. Raises GfmdError where that fails."""
+        """The row and the pressure of a solution far more accurate than those that are measured.
+
+        Raises
+        ------
+        GfmdError
+            If the solver does not reach that accuracy.
+        """
         row, pressure = self.press(precision="double", residual=1e-9)
-        if not row["estimates"][2] < WORST:
+        if not row["estimates"][2] < LARGEST_REFERENCE_ERROR:
             raise hpc_gfmd.GfmdError(
                 f"reference of {self}: {row['status']} at an estimated error of the pressure of"
-                f" {row['estimates'][2]:.1e}, allowed: below {WORST:g}"
+                f" {row['estimates'][2]:.1e}, allowed: below {LARGEST_REFERENCE_ERROR:g}"
             )
         return row, pressure
 
     def errors(self, row, pressure):
-        """Return the true relative errors of a solution."""
-        known, wanted = self.reference
-        found = {
-            "area_error": abs(row["a_r"] / known["a_r"] - 1),
-            "gap_error": abs(row["gap_mean"] / known["gap_mean"] - 1) if known["gap_mean"] else 0.0,
-            "pressure_error": distance(pressure, wanted),
+        """Return the true relative errors of a solution, as returned by `press`."""
+        exact_row, exact_pressure = self.reference
+        gap_error = 0.0
+        if exact_row["gap_mean"]:
+            gap_error = abs(row["gap_mean"] / exact_row["gap_mean"] - 1)
+        errors = {
+            "area_error": abs(row["a_r"] / exact_row["a_r"] - 1),
+            "gap_error": gap_error,
+            "pressure_error": distance(pressure, exact_pressure),
         }
-        return found | {"error": max(found.values())}
+        return errors | {"error": max(errors.values())}
 
 
-def distance(pressure, wanted):
-    """Return the relative L2 distance of two fields."""
-    difference = np.subtract(pressure, wanted, dtype=np.float64)
-    return float(np.linalg.norm(difference) / np.linalg.norm(wanted))
+def distance(pressure, exact_pressure):
+    """Return the L2 norm of the difference of two fields over that of the second one."""
+    difference = np.subtract(pressure, exact_pressure, dtype=np.float64)
+    return float(np.linalg.norm(difference) / np.linalg.norm(exact_pressure))

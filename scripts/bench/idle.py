@@ -1,5 +1,8 @@
-"""The time of a solve in which fewer threads work than there are, by part, measured where work is
-shared out: every piece of work tells when it begins and ends."""
+"""The time of a solve in which some threads are idle, by part.
+
+It is measured where the package shares work out among threads: every piece of work records when it
+begins and ends.
+"""
 
 import sys
 import time
@@ -11,48 +14,49 @@ from hpc_gfmd.operators.multilevel import Multilevel
 from hpc_gfmd.parallel import threads as shared_out
 from hpc_gfmd.solvers import solver_class
 
-# where a solve is: outside of iterations; in one; in the sweep over the coarse levels
+# Parts of a solve: everything outside of the iterations; an iteration; in it, the sweep over the
+# coarse levels.
 SET_UP = "set-up"
 ITERATION = "iteration"
 COARSE_LEVELS = "coarse levels"
 
 
 class IdleWatch:
-    """Measures, from here on, when all of a process's threads work.
+    """Measures from its creation on when all threads of the process work.
 
     Parameters
     ----------
-    now : function
-        A clock.
+    clock : function
+        Returns the time in seconds.
 
     Attributes
     ----------
     threads : int
-        That work has been shared out to, at most.
+        Largest number of threads among which work has been shared out.
     """
 
-    def __init__(self, now=time.perf_counter):
-        self.now = now
+    def __init__(self, clock=time.perf_counter):
+        self.clock = clock
         self.threads = 1
-        self._place = SET_UP
-        self._entered = now()
-        self._begun = self._entered
+        self._part = SET_UP
+        self._entered = clock()
         self._clear()
         self._watch_method(solver_class("auto"), "step", ITERATION)
         self._watch_method(Multilevel, "sweep", COARSE_LEVELS)
         self._watch_pieces()
 
     def take(self):
-        """Return what has been measured since the last time.
+        """Return the seconds since the last call, and start again from zero.
 
         Returns
         -------
         dict
-            Seconds in which not all threads worked: "python" between the passes of an iteration,
-            "hand_overs" of work in an iteration, "coarse_levels" in the sweep over these, "set_up"
-            in all else; "all_threads": seconds in which all worked.
+            Seconds in which some thread was idle: "python" between the passes of an iteration,
+            "hand_overs" while work is handed to threads in an iteration, "coarse_levels" in the
+            sweep over the coarse levels, "set_up" in everything else. "all_threads": seconds in
+            which all threads worked.
         """
-        self._leave(self._place)
+        self._enter(self._part)
         seconds = {
             "python": self._elapsed[ITERATION] - self._shared[ITERATION],
             "hand_overs": self._shared[ITERATION] - self._full[ITERATION],
@@ -64,70 +68,70 @@ class IdleWatch:
         return seconds
 
     def _clear(self):
-        places = (SET_UP, ITERATION, COARSE_LEVELS)
-        self._elapsed = dict.fromkeys(places, 0.0)  # seconds in a place
-        self._shared = dict.fromkeys(places, 0.0)  # of these, while work is shared out
-        self._full = dict.fromkeys(places, 0.0)  # of these, while all threads work
+        parts = (SET_UP, ITERATION, COARSE_LEVELS)
+        self._elapsed = dict.fromkeys(parts, 0.0)  # seconds in a part
+        self._shared = dict.fromkeys(parts, 0.0)  # of these, while work is shared out
+        self._full = dict.fromkeys(parts, 0.0)  # of these, while all threads work
 
-    def _leave(self, place):
-        """Book the time since the last change of place; returns the place that is left."""
-        left = self._place
-        time_now = self.now()
-        self._elapsed[left] += time_now - self._entered
+    def _enter(self, part):
+        """Enter a part of the solve and return the part that is left, after adding up its time."""
+        previous_part = self._part
+        time_now = self.clock()
+        self._elapsed[previous_part] += time_now - self._entered
         self._entered = time_now
-        self._place = place
-        return left
+        self._part = part
+        return previous_part
 
-    def _watch_method(self, owner, name, place):
+    def _watch_method(self, owner, name, part):
         method = getattr(owner, name)
 
         @wraps(method)
         def watched(*args, **kwargs):
-            came_from = self._leave(place)
+            previous_part = self._enter(part)
             try:
                 return method(*args, **kwargs)
             finally:
-                self._leave(came_from)
+                self._enter(previous_part)
 
         setattr(owner, name, watched)
 
     def _watch_pieces(self):
-        """Put a stopwatch around every piece of work, wherever the package shares work out."""
+        """Time every piece of work, wherever the package shares work out."""
         original = shared_out.on_threads
 
         def on_threads(threads, work, pieces, scratch=None):
-            ends = []  # (time, +1 where a piece begins, -1 where it ends)
+            changes = []  # (time, +1 where a piece begins, -1 where it ends)
 
             def timed(*piece):
-                begun = self.now()
+                begin = self.clock()
                 try:
                     return work(*piece)
                 finally:
-                    ends.append((begun, 1))
-                    ends.append((self.now(), -1))
+                    changes.append((begin, 1))
+                    changes.append((self.clock(), -1))
 
-            begun = self.now()
+            begin = self.clock()
             try:
                 return original(threads, timed, pieces, scratch)
             finally:
                 self.threads = max(self.threads, threads)
-                self._shared[self._place] += self.now() - begun
-                self._full[self._place] += seconds_at_work(ends, self.threads)
+                self._shared[self._part] += self.clock() - begin
+                self._full[self._part] += seconds_at_work(changes, self.threads)
 
         for name, module in list(sys.modules.items()):
             if name.startswith(f"{hpc_gfmd.__name__}.") and hasattr(module, "on_threads"):
                 module.on_threads = on_threads
 
 
-def seconds_at_work(ends, threads):
-    """Return how long so many threads worked at the same time.
+def seconds_at_work(changes, threads):
+    """Return how long at least so many threads worked at the same time.
 
     Parameters
     ----------
-    ends : list of (float, int)
+    changes : list of (float, int)
         Times at which a piece of work begins (1) and ends (-1), in any order.
     threads : int
-        Number that is looked for, or more.
+        Number of threads.
 
     Returns
     -------
@@ -136,7 +140,7 @@ def seconds_at_work(ends, threads):
     """
     seconds = 0.0
     working = 0
-    for (begin, change), (end, _) in pairwise(sorted(ends)):
+    for (begin, change), (end, _) in pairwise(sorted(changes)):
         working += change
         if working >= threads:
             seconds += end - begin

@@ -1,9 +1,10 @@
-"""Passes of the default solver while it solves, copies and whole transforms in turn with them, on
-one core and on more: time and bytes of a point, share of a copy's bandwidth.
+"""The passes of the default solver during a solve, with copies and whole transforms in turn with
+them, on one core and on several.
 
-Counted are the bytes of the fields that a pass has to read or write at least once; what stays in
-cache between the parts of a pass, and lines that the memory system reads before they are
-overwritten, are not, neither here nor for the copy. Cores: ranks of one solve.
+Reported are time and bytes per point, and the share of a copy's bandwidth. The bytes are those of
+the fields that a pass has to read or write at least once. Neither data that stay in cache between
+the parts of a pass nor lines that the memory system reads before they are overwritten count, for
+the copy no more than for the passes. Cores are the ranks of one solve.
 """
 
 import time
@@ -20,65 +21,79 @@ from hpc_gfmd.parallel.coarsening import levels
 from hpc_gfmd.parallel.grid import Grid
 from hpc_gfmd.solvers import solver_class
 
-from .contacts import Case
+from .contacts import RoughContact
 from .report import Report
-from .timing import Stopwatch, measured, ratio, seconds, serve
+from .timing import Stopwatch, ratio, run_workers, seconds, serve
 
-ITERATIONS = 16  # after which the contact is begun anew: what is iterated is not a solution
+ITERATIONS = 16  # after which the contact starts anew: a converged solution is no typical iterate
 
 
 def run(args):
-    """Report one row per pass, copy and transform, and number of cores; args: of command.py."""
+    """Report a row for each pass, copy and transform and each number of cores."""
     report = Report("kernels", args.out)
     for n, precision in product(args.n, args.precision):
-        of = {"n": n, "precision": precision, "p_star": args.p_star}
-        jobs = {k: (k, of | {"clock": args.clock}) for k in args.ranks}
-        for cores, rounds in measured("kernels", jobs, args.repeats).items():
-            series = {what: [row[what] for row in rounds] for what in rounds[0]}
-            _add(report, series, of | {"cores": cores})
+        contact = {"n": n, "precision": precision, "p_star": args.p_star}
+        jobs = {k: (k, contact | {"clock": args.clock}) for k in args.ranks}
+        for cores, rounds in run_workers("kernels", jobs, args.repeats).items():
+            times = {part: [row[part] for row in rounds] for part in rounds[0]}
+            _add(report, times, contact | {"cores": cores})
     report.finish()
 
 
-def _add(report, series, of):
-    moved = field_passes([level.n for level in levels(Grid((of["n"], of["n"])))])
-    moved |= {"iteration": sum(moved.values()), "copy": 2.0}
-    for what, taken in series.items():
-        ns = 1e9 * min(taken) / of["n"] ** 2
+def _add(report, times, contact):
+    """Report the times of every part, {part: seconds of each repetition}."""
+    n = contact["n"]
+    fields = field_passes([level.n for level in levels(Grid((n, n)))])
+    fields |= {"iteration": sum(fields.values()), "copy": 2.0}
+    for part, series in times.items():
+        ns = 1e9 * min(series) / n**2
         row = {
-            "ms_min": 1e3 * min(taken),
-            "ms_median": 1e3 * float(np.median(taken)),
+            "ms_min": 1e3 * min(series),
+            "ms_median": 1e3 * float(np.median(series)),
             "ns_per_point": ns,
-            "iteration_over_this": ratio(series["iteration"], taken),
+            "iteration_over_this": ratio(times["iteration"], series),
         }
-        if what in moved:
-            nbytes = np.dtype(of["precision"]).itemsize * moved[what]
-            share = moved[what] / moved["copy"] * ratio(series["copy"], taken)
+        if part in fields:
+            nbytes = np.dtype(contact["precision"]).itemsize * fields[part]
+            share = fields[part] / fields["copy"] * ratio(times["copy"], series)
             row |= {"bytes_per_point": nbytes, "gb_per_s": nbytes / ns, "share_of_copy": share}
-        report.add(**of, what=what, repeats=len(taken), **row)
+        report.add(**contact, what=part, repeats=len(series), **row)
 
 
 def field_passes(shapes):
-    """Return {pass: fields read or written}, in fields of the fine grid; shapes: (n_x, n_y) of all
-    levels, finest first."""
+    """Return how many fields of the fine grid each pass reads and writes.
+
+    Parameters
+    ----------
+    shapes : list of (int, int)
+        (n_x, n_y) of all levels, finest first.
+
+    Returns
+    -------
+    dict of float
+        Fields by the name of the pass.
+    """
     share = [n_x * n_y / (shapes[0][0] * shapes[0][1]) for n_x, n_y in shapes]
-    first, coarser = (share[1] if len(share) > 1 else 1.0), sum(share[2:])
+    level_1 = share[1] if len(share) > 1 else 1.0
+    coarser = sum(share[2:])
     d = 0.5  # the last step, in bfloat16
     spectrum = 1 + 2 / shapes[0][1]  # n_y/2 + 1 complex columns
     return {
         # read g, p, d and z of level 1; write d and the row spectra
-        "search + rows": 2 + 2 * d + first + spectrum,
+        "search + rows": 2 + 2 * d + level_1 + spectrum,
         "columns": 2 * spectrum,
         # read row spectra, g, p, d; write g, p; write p, theta and x on level 1
-        "update + rows": spectrum + 4 + d + 3 * first,
+        "update + rows": spectrum + 4 + d + 3 * level_1,
         # level 1: restrict p and theta, then read p, theta, x, write z; coarser ones: write and
         # read p and theta both ways, z
-        "sweep": 6 * first + 8 * coarser,
+        "sweep": 6 * level_1 + 8 * coarser,
     }
 
 
-def watch_passes(now=time.perf_counter):
-    """Return a stopwatch of the passes of all solvers from here on."""
-    watch, solver = Stopwatch(now), solver_class("auto")
+def watch_passes(clock=time.perf_counter):
+    """Return a Stopwatch that times the passes of all default solvers from now on."""
+    watch = Stopwatch(clock)
+    solver = solver_class("auto")
     watch.watch(solver, "_search", "search + rows")
     watch.watch(Elastic, "pressure_columns", "columns")
     watch.watch(solver, "_update", "update + rows")
@@ -87,50 +102,77 @@ def watch_passes(now=time.perf_counter):
 
 
 def worker(comm, n, precision, p_star, clock):
-    """Return what measures the seconds of everything on the slowest rank."""
-    dtype, now = np.dtype(precision), getattr(time, clock)
-    surface = Case(n, p_star).build(comm, dtype)
+    """Return a function that times an iteration, its passes, a copy and whole transforms.
+
+    Parameters
+    ----------
+    comm : SerialComm or MpiComm
+        The ranks of the solve. Collective.
+    n, precision, p_star
+        Grid points along an axis, "single" or "double", and load.
+    clock : str
+        Name of a function of the module time.
+    """
+    dtype = np.dtype(precision)
+    read_clock = getattr(time, clock)
+    surface = RoughContact(n, p_star).build(comm, dtype)
     h = surface.h
     solver = solver_class("auto")(Problem(surface.grid, h, p_star), {})
-    watch = watch_passes(now)
-    # not zeros: those have no memory of their own yet
+    watch = watch_passes(read_clock)
+    # Ones, not zeros: the system gives zeros no memory before they are written.
     source, target = np.ones((2, *h.shape), dtype)
-    others = {"copy": lambda: np.copyto(target, source)} | bare_pairs((n, n), dtype, comm)
-    left = 0
+    references = {"copy": lambda: np.copyto(target, source)} | bare_pairs((n, n), dtype, comm)
+    iterations_left = 0
 
     def measure():
-        nonlocal left
-        if left == 0:
+        nonlocal iterations_left
+        if iterations_left == 0:
             solver.start(np.maximum(h - h.dtype.type(h.mean()), 0))
             solver.step()  # the first one is a plain projected gradient
-            left = ITERATIONS
-        left -= 1
+            iterations_left = ITERATIONS
+        iterations_left -= 1
         watch.take()
-        whole = seconds(solver.step, comm, now)
-        parts = {part: float(comm.max([spent])[0]) for part, spent in watch.take().items()}
-        found = {name: seconds(run, comm, now) for name, run in others.items()}
-        return parts | {"iteration": whole} | found
+        iteration = seconds(solver.step, comm, read_clock)
+        passes = {name: float(comm.max([elapsed])[0]) for name, elapsed in watch.take().items()}
+        reference_times = {name: seconds(run, comm, read_clock) for name, run in references.items()}
+        return passes | {"iteration": iteration} | reference_times
 
     return measure
 
 
 def bare_pairs(n, dtype, comm):
-    """Return {name: function} of mpi4py-fft's transforms forward and back as planned by default,
-    and FFTW's alone on one rank. Raises GfmdError where it is missing."""
+    """Return {name: function} of transforms forward and back by other libraries.
+
+    "PFFT" is mpi4py-fft as it plans by default; "FFTW 2-D", on one rank only, is FFTW alone.
+
+    Parameters
+    ----------
+    n : (int, int)
+        Grid points.
+    dtype : numpy.dtype
+        Of the field.
+    comm : SerialComm or MpiComm
+        Ranks that share the field. Collective.
+
+    Raises
+    ------
+    GfmdError
+        If mpi4py-fft is missing.
+    """
     try:
         from mpi4py import MPI
         from mpi4py_fft import PFFT, fftw
     except ImportError as error:
         raise hpc_gfmd.GfmdError(f"mpi4py-fft cannot be imported: {error}") from None
     pfft = PFFT(comm.mpi if comm.size > 1 else MPI.COMM_SELF, n, dtype=dtype)
-    found = {"PFFT": (pfft.forward, pfft.backward)}
+    pairs = {"PFFT": (pfft.forward, pfft.backward)}
     if comm.size == 1:
         x = fftw.aligned(n, dtype=dtype)
         q = fftw.aligned((n[0], n[1] // 2 + 1), dtype=np.result_type(dtype, np.complex64))
         flags = (fftw.FFTW_MEASURE,)
         forward = fftw.rfftn(x, None, (0, 1), 1, flags, q)
-        found["FFTW 2-D"] = forward, fftw.irfftn(q, n, (0, 1), 1, flags, output_array=x)
-    for transforms in found.values():
+        pairs["FFTW 2-D"] = forward, fftw.irfftn(q, n, (0, 1), 1, flags, output_array=x)
+    for transforms in pairs.values():
         for transform in transforms:
             transform.input_array[...] = 0
 
@@ -138,7 +180,7 @@ def bare_pairs(n, dtype, comm):
         for transform in pair:
             transform(normalize=False)
 
-    return {name: partial(run, *pair) for name, pair in found.items()}
+    return {name: partial(run, *pair) for name, pair in pairs.items()}
 
 
 if __name__ == "__main__":

@@ -1,21 +1,24 @@
-"""A performance model: measured speed of one core, the memory bandwidth of a node, and a network,
-put together with what every rank has and sends by the code's own account (runs/decomposition.py).
+"""A performance model of a cluster.
 
-An FFT pair on one grid, with everything that goes along with it, takes on the rank that has most
+It combines the measured speed of one core, the memory bandwidth of a node and a network with the
+points and messages of every rank, which the code itself counts (runs/decomposition.py). The time of
+an FFT pair on one grid, with everything that belongs to an iteration, is the sum of four parts on
+the rank that has most to do:
 
-    compute      what the interpreter takes, and N log2 N times one core's time, of which the
-                 memory's part grows as its bandwidth is shared; levels gathered on it come on top
-    transpose    bytes to other nodes over its share of the node's link, overhead and latency of
-                 their messages; what is within the node is read where it stands; two meetings of
-                 the ranks of a node
-    levels       halo and gathered rows: bytes over the link, the program's work and a latency for
-                 each message
+    compute      the interpreter, and N log2 N times the time of one core, whose share that waits
+                 for memory grows as the bandwidth of the node is shared; the coarse levels that are
+                 gathered on one rank come on top
+    transpose    bytes to other nodes over the rank's share of the node's link, with an overhead and
+                 a latency for each message; data within the node are read in place; two barriers
+                 among the ranks of a node
+    levels       halo rows and gathered rows: bytes over the link, and the program's work and a
+                 latency for each message
     reductions   a latency for each stage
 
-and a solve such pairs on the finest grid and a few on every grid of the nested start. Nothing
-overlaps, as nothing does in the code. Not in the model: surface generation, reading and writing,
-contention in the network, and ranks that wait for each other. It is too fast: on 16 cores a solve
-took 1.1 to 1.6 times what it says (docs/clusters.md).
+A solve takes several such pairs on the finest grid and a few on every grid of the nested start.
+Nothing overlaps, as in the code. The model ignores the generation of surfaces, input and output,
+contention in the network and waiting for slower ranks. It is optimistic: on 16 cores a solve took
+1.1 to 1.6 times the predicted time (docs/clusters.md).
 """
 
 from dataclasses import dataclass
@@ -28,24 +31,46 @@ from hpc_gfmd.runs.decomposition import Share, share_of
 
 from .kernels import field_passes
 
-START_AND_END = 2  # pairs on the finest grid beside its iterations: first pressure, certificate
-# bytes per second: a link of 100 Gbit/s, what P3DFFT reached of such a one on 26 nodes
-# (docs/clusters.md), and one of 200 Gbit/s
+START_AND_END = 2  # pairs on the finest grid beside the iterations: first pressure, certificate
+# Bytes per second of a node's link: 100 Gbit/s, what P3DFFT reached with such a link on 26 nodes
+# (docs/clusters.md), and 200 Gbit/s.
 CLUSTERS = (12.5e9, 7e9, 25e9)
 
 
 @dataclass(frozen=True)
 class Machine:
-    """What the model takes for granted.
+    """The costs that the model assumes.
 
-    work: seconds per point and log2 N of an FFT pair on one core; levels: share of it in the
-    levels; pairs, coarse_pairs: on the finest grid and on each coarser one; itemsize: bytes of a
-    real number; call: seconds of a pair in the interpreter; bandwidth_alone: of one core with the
-    memory to itself; cores: of a node, a rank each; bandwidth: of its memory in bytes per second
-    (one socket with eight channels of DDR4-3200, as STREAM finds); barrier: seconds of a stage of a
-    meeting of ranks of a node; halo: that the program takes to send and place the rows of a message
-    (both as 16 ranks found); latency: seconds until a message is there; overhead: that a rank is
-    busy with each; link: bytes per second of a node each way.
+    Attributes
+    ----------
+    work : float
+        Seconds per point and log2 N of an FFT pair on one core.
+    levels : float
+        Share of `work` in the levels of the preconditioner.
+    pairs, coarse_pairs : float
+        FFT pairs on the finest grid, and on each coarser one.
+    itemsize : int
+        Bytes of a real number.
+    call : float
+        Seconds of a pair in the interpreter.
+    bandwidth_alone : float
+        Bytes per second of one core that has the memory to itself.
+    cores : int
+        Cores of a node, with one rank each.
+    bandwidth : float
+        Memory bandwidth of a node (bytes per second): one socket with eight channels of DDR4-3200,
+        as STREAM measures it.
+    barrier : float
+        Seconds of one stage of a barrier within a node, measured on 16 ranks.
+    halo : float
+        Seconds that the program takes to send and store the rows of a message, measured on 16
+        ranks.
+    latency : float
+        Seconds until a message arrives.
+    overhead : float
+        Seconds that each message keeps a rank busy.
+    link : float
+        Bytes per second that a node sends and receives at the same time.
     """
 
     work: float
@@ -65,54 +90,68 @@ class Machine:
 
     @classmethod
     def of(cls, row, small):
-        """Make it of a row of scaling.py on one rank; small: a row of a grid whose points take no
-        time."""
-        call = small["seconds_min"] / _pairs(small)[1].sum()
-        points, pairs = _pairs(row)
+        """Return the machine that matches measured times.
+
+        Parameters
+        ----------
+        row : dict
+            A row of scaling.py on one rank.
+        small : dict
+            The same on a grid so small that its points take no time.
+        """
+        call = small["seconds_min"] / _points_and_pairs(small)[1].sum()
+        points, pairs = _points_and_pairs(row)
         work = (row["seconds_min"] - call * pairs.sum()) / (points * np.log2(points) * pairs).sum()
-        itemsize = 4 if row["precision"] == "single" else 8
-        coarse = pairs[1] if len(pairs) > 1 else 0.0
-        share = row["share_levels"]
-        return cls(work, share, pairs[0], coarse, itemsize, call, row["copy_bandwidth"])
+        return cls(
+            work=work,
+            levels=row["share_levels"],
+            pairs=pairs[0],
+            coarse_pairs=pairs[1] if len(pairs) > 1 else 0.0,
+            itemsize=4 if row["precision"] == "single" else 8,
+            call=call,
+            bandwidth_alone=row["copy_bandwidth"],
+        )
 
     @property
     def bytes_per_point(self):
-        """Count the bytes that an FFT pair moves between memory and caches for each point."""
+        """Bytes that an FFT pair moves between memory and caches for each point."""
         return self.itemsize * sum(field_passes([(2**k, 2**k) for k in range(14, -1, -1)]).values())
 
 
-def _pairs(row):
-    """Count the points of every grid, and the FFT pairs on it."""
+def _points_and_pairs(row):
+    """Return the points of every grid of a solve, and the FFT pairs on it."""
     points = np.array([share.points for share in _shares(row["n"], 1)], float)
-    pairs = min(row["iterations"] + START_AND_END, row["fft_pairs"])
-    coarse = (row["fft_pairs"] - pairs) * points[0] / max(points[1:].sum(), 1)
-    return points, np.array([pairs, *[coarse] * (len(points) - 1)])
+    fine_pairs = min(row["iterations"] + START_AND_END, row["fft_pairs"])
+    coarse_pairs = (row["fft_pairs"] - fine_pairs) * points[0] / max(points[1:].sum(), 1)
+    return points, np.array([fine_pairs, *[coarse_pairs] * (len(points) - 1)])
 
 
 @cache
 def _shares(n, ranks, itemsize=4, per_node=1):
-    """Find what rank 0 has of a grid and of all coarser ones of the nested start."""
+    """Return what rank 0 has of a grid and of all coarser grids of the nested start."""
     finest = share_of((n, n), np.float32 if itemsize == 4 else np.float64, ranks, per_node=per_node)
     return [finest, *(Share(grid, finest.dtype) for grid in finest.grids)]
 
 
 def _pair(share, machine):
-    """Predict the seconds of the parts of an FFT pair on a grid: compute; transpose; levels and
-    reductions."""
-    here = len(share.grid.comm.node_ranks)  # ranks of its node with a part in the grid
+    """Predict the seconds of an FFT pair on a grid: compute, transpose, levels and reductions."""
+    ranks_of_node = len(share.grid.comm.node_ranks)  # those with a part of the grid
     alone = machine.work * np.log2(share.grid.cell_points)
     memory = machine.bytes_per_point / machine.bandwidth_alone
-    crowded = machine.bytes_per_point * here / machine.bandwidth
-    gathered = max(share.level_points - share.points / 3, 0.0)
-    compute = share.points * (max(alone - memory, 0.0) + max(memory, crowded))
-    compute += machine.call + gathered * 3 * machine.levels * alone
-    (nbytes, messages), (level_bytes, level_messages) = share.layout.traffic(), share.level_traffic
-    transpose = nbytes * here / machine.link + messages * machine.overhead
+    shared_memory = machine.bytes_per_point * ranks_of_node / machine.bandwidth
+    gathered_points = max(share.level_points - share.points / 3, 0.0)
+    compute = share.points * (max(alone - memory, 0.0) + max(memory, shared_memory))
+    compute += machine.call + gathered_points * 3 * machine.levels * alone
+
+    nbytes, messages = share.layout.traffic()
+    transpose = nbytes * ranks_of_node / machine.link + messages * machine.overhead
     transpose += 2 * share.layout.K * machine.latency * (messages > 0)
-    transpose += 2 * machine.barrier * stages(here)
-    others = level_bytes / machine.link + level_messages * machine.halo
-    others += (level_messages + share.reduction_traffic[1]) * machine.latency
-    return np.array([compute, transpose, others])
+    transpose += 2 * machine.barrier * stages(ranks_of_node)
+
+    level_bytes, level_messages = share.level_traffic
+    levels = level_bytes / machine.link + level_messages * machine.halo
+    levels += (level_messages + share.reduction_traffic[1]) * machine.latency
+    return np.array([compute, transpose, levels])
 
 
 def _solve(n, ranks, machine):
@@ -123,14 +162,29 @@ def _solve(n, ranks, machine):
 
 
 def predict(n, nodes, machine):
-    """Return one row of the model: seconds of a solve, efficiency against one full node, the share
-    of transposes and of messages of the levels and reductions, and the part of the bandwidth of the
-    nodes' memory that is used; None beyond the slab limit of one row for each rank."""
+    """Predict a solve on full nodes of a cluster.
+
+    Parameters
+    ----------
+    n : int
+        Points along an axis.
+    nodes : int
+        Number of nodes.
+    machine : Machine
+        Costs.
+
+    Returns
+    -------
+    dict or None
+        Seconds, efficiency against one full node (of_one_node), the shares of transposes and of
+        the messages of levels and reductions (share_others), and the part of the nodes' memory
+        bandwidth that is used. None if there are more ranks than rows.
+    """
     if nodes * machine.cores > n:
         return None
     parts = _solve(n, nodes * machine.cores, machine)
     one_node = _solve(n, machine.cores, machine)
-    moved = n * n * machine.bytes_per_point * (machine.pairs + machine.coarse_pairs / 3)
+    moved_bytes = n * n * machine.bytes_per_point * (machine.pairs + machine.coarse_pairs / 3)
     return {
         "n": n,
         "nodes": nodes,
@@ -139,5 +193,5 @@ def predict(n, nodes, machine):
         "of_one_node": float(one_node.sum() / (parts.sum() * nodes)),
         "share_transpose": float(parts[1] / parts.sum()),
         "share_others": float(parts[2] / parts.sum()),
-        "of_bandwidth": float(moved / nodes / machine.bandwidth / parts.sum()),
+        "of_bandwidth": float(moved_bytes / nodes / machine.bandwidth / parts.sum()),
     }

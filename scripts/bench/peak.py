@@ -1,12 +1,14 @@
-"""The highest memory of a process. Also read by peer_worker.py, which has no package around it."""
+"""The peak memory of a process. peer_worker.py imports it, too, without the package around it."""
 
 import resource
 from pathlib import Path
 
 
 def peak_mib():
-    """Return the highest resident memory of this process so far (MiB). What getrusage tells counts
-    the process that started this one, too, and is taken where there is no /proc."""
+    """Return the largest resident memory of this process so far in MiB.
+
+    getrusage, which also counts the parent before exec, is used only where there is no /proc.
+    """
     status = Path("/proc/self/status")
     if not status.exists():
         return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**10

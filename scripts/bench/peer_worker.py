@@ -1,13 +1,16 @@
-"""Codes that solve the same contact, each in its own way; started by peers.py with the Python that
-has the code. Answers lines of JSON:
+"""Codes that solve the same contact.
 
-    {"heights": path.npy, "pressure": p0, "kind": "Aspher", ...}   plan for this surface (float64,
-        n x n, peaks up, of size 1 x 1, E* = 1) with a class of this file and settings of it;
-        "hardness": of an elastic - perfectly plastic body
-    {"tolerance": t, "pressure_to": path.npy}   solve from scratch; answers seconds, cpu_seconds,
-        iterations, status, peak_mib
+peers.py starts this file with the Python in which a code is installed. It answers lines of JSON:
 
-Planning and compilation are never inside of the times.
+    {"heights": path.npy, "pressure": p0, "kind": "Aspher", ...}
+        Plan for a surface (float64, n x n, peaks up, of size 1 x 1, E* = 1) with a class of this
+        file and its settings; "hardness" is that of an elastic, perfectly plastic body. The answer
+        has the versions of the code.
+    {"tolerance": t, "pressure_to": path.npy}
+        Solve from scratch and save the pressure. The answer has seconds, cpu_seconds, iterations,
+        status and peak_mib.
+
+The times contain neither planning nor compilation.
 """
 
 import json
@@ -28,8 +31,11 @@ MAX_ITERATIONS = 20000
 
 
 class Ours:
-    """hpc_gfmd.solve, all of it. Asked for a residual: only the pressure is wanted, as of the
-    others; `accuracy` goes on until area and mean gap are as good."""
+    """This package: the whole of hpc_gfmd.solve.
+
+    A residual is requested, because only the pressure is compared; with `accuracy` the solver would
+    continue until area and mean gap are as accurate.
+    """
 
     packages = ("hpc-gfmd", "numba", "mpi4py-fft")
 
@@ -41,8 +47,8 @@ class Ours:
         self.solve(0.5)
 
     def solve(self, tolerance):
-        found = self.press(residual=tolerance, **self.settings)
-        return np.asarray(found.pressure), found.iterations, found.status
+        solution = self.press(residual=tolerance, **self.settings)
+        return np.asarray(solution.pressure), solution.iterations, solution.status
 
     @staticmethod
     def pressure(field):
@@ -50,7 +56,7 @@ class Ours:
 
 
 class Aspher:
-    """solve_nested, ASPHER's fastest for this problem; settings: others of its arguments."""
+    """ASPHER with solve_nested, its fastest solver for this problem."""
 
     packages = ("aspher",)
 
@@ -64,7 +70,7 @@ class Aspher:
             "max_iter": MAX_ITERATIONS,
             "light_result": True,
         } | settings
-        self.solve(1e-2)  # FFTW keeps the plans
+        self.solve(1e-2)  # makes the plans of FFTW
 
     def solve(self, tolerance):
         import aspher
@@ -78,7 +84,7 @@ class Aspher:
 
 
 class Tamaas:
-    """PolonskyKeerRey with the pressure as its variable; with a hardness KatoSaturated."""
+    """Tamaas with PolonskyKeerRey in the pressure, or KatoSaturated with a hardness."""
 
     packages = ("tamaas",)
 
@@ -87,11 +93,14 @@ class Tamaas:
 
         tm.initialize(1)
         tm.set_log_level(tm.LogLevel.error)
-        self.tm, self.p0, self.heights = tm, p0, np.ascontiguousarray(heights)
+        self.tm = tm
+        self.p0 = p0
+        self.heights = np.ascontiguousarray(heights)
         self.hardness = hardness
         self.model = tm.Model(tm.model_type.basic_2d, [1.0, 1.0], list(heights.shape))
-        self.model.E, self.model.nu = 1.0, 0.0
-        self.solve(1e-1, 3)
+        self.model.E = 1.0
+        self.model.nu = 0.0
+        self.solve(1e-1, max_iterations=3)
 
     def solve(self, tolerance, max_iterations=MAX_ITERATIONS):
         self.model.traction[...] = 0
@@ -100,17 +109,20 @@ class Tamaas:
             solver = self.tm.KatoSaturated(self.model, self.heights, tolerance, self.hardness)
         else:
             solver = self.tm.PolonskyKeerRey(self.model, self.heights, tolerance)
-        solver.max_iter, solver.dump_freq = max_iterations, 10 * max_iterations
-        left = solver.solve(self.p0)
-        return None, None, "converged" if left <= tolerance else "not converged"
+        solver.max_iter = max_iterations
+        solver.dump_freq = 10 * max_iterations
+        error = solver.solve(self.p0)
+        return None, None, "converged" if error <= tolerance else "not converged"
 
     def pressure(self, _):
         return np.asarray(self.model.traction).reshape(self.heights.shape)
 
 
 class ContactMechanicsPK:
-    """constrained_conjugate_gradients: Polonsky and Keer at a given force. Its three tolerances are
-    tied to one relative number."""
+    """ContactMechanics with the conjugate gradients of Polonsky and Keer at a given force.
+
+    One relative tolerance sets its three tolerances.
+    """
 
     packages = ("ContactMechanics", "SurfaceTopography", "NuMPI", "muGrid")
 
@@ -124,7 +136,9 @@ class ContactMechanicsPK:
         substrate = kind((n, n), 1.0, (1.0, 1.0))
         surface = Topography(heights, (1.0, 1.0), periodic=not free)
         self.system = make_system(interaction="hardwall", substrate=substrate, surface=surface)
-        self.h_rms, self.p0, self.force = heights.std(), p0, p0 / n**2  # force per pixel
+        self.h_rms = heights.std()
+        self.p0 = p0
+        self.force = p0 / n**2  # per pixel
         self.hardness = {"hardness": hardness / n**2} if hardness else {}
         substrate.evaluate_disp(np.ones((n, n)))
 
@@ -140,13 +154,13 @@ class ContactMechanicsPK:
         return result.jac, int(result.nit), "converged" if result.success else "not converged"
 
     def pressure(self, forces):
-        points = math.isqrt(np.size(forces))  # with free edges also those beyond the surface
+        points = math.isqrt(np.size(forces))  # with free edges they reach beyond the surface
         return np.asarray(forces).reshape(points, points)[: self.n, : self.n] * self.n**2
 
 
 class ContactMechanicsCCG(ContactMechanicsPK):
-    """Constrained conjugate gradients without restart (Bugnicourt et al.) in the pixel forces, at a
-    given mean force."""
+    """ContactMechanics with the conjugate gradients without restart of Bugnicourt et al., in the
+    pixel forces at a given mean force."""
 
     def solve(self, tolerance):
         from NuMPI.Optimization import CCGWithoutRestart
@@ -167,24 +181,38 @@ KINDS = {
 }
 
 
-def about(kind):
-    """Return versions of a code, and how it was built, as scripts/bench-peers-setup left it."""
-    there = {found.name: found.version for found in distributions()}
-    built = Path(sys.prefix) / "build.json"
-    flags = json.loads(built.read_text()) if built.exists() else {}
+def versions_of(kind):
+    """Return the versions of a code's packages and its build flags.
+
+    scripts/bench-peers-setup stores the flags.
+    """
+    installed = {package.name: package.version for package in distributions()}
+    path = Path(sys.prefix) / "build.json"
+    flags = json.loads(path.read_text()) if path.exists() else {}
     return {
-        "code_versions": {name: there.get(name, "?") for name in kind.packages},
+        "code_versions": {name: installed.get(name, "?") for name in kind.packages},
         "built": flags.get(kind.packages[0], ""),
     }
 
 
 def solve(code, tolerance, pressure_to):
-    """Solve once and write the pressure."""
-    begun, cpu = time.perf_counter(), time.process_time()
+    """Solve once, save the pressure and return the numbers of the solve.
+
+    Parameters
+    ----------
+    code : object
+        Of a class in KINDS.
+    tolerance : float
+        In the meaning of the code.
+    pressure_to : str
+        File of the pressure.
+    """
+    wall_begin = time.perf_counter()
+    cpu_begin = time.process_time()
     result, iterations, status = code.solve(tolerance)
     answer = {
-        "seconds": time.perf_counter() - begun,
-        "cpu_seconds": time.process_time() - cpu,
+        "seconds": time.perf_counter() - wall_begin,
+        "cpu_seconds": time.process_time() - cpu_begin,
         "iterations": iterations,
         "status": status,
         "peak_mib": peak_mib(),
@@ -195,19 +223,20 @@ def solve(code, tolerance, pressure_to):
 
 def main():
     """Answer until standard input ends."""
-    answers = os.fdopen(os.dup(1), "w")  # what the codes print must not mix with the answers
+    answers = os.fdopen(os.dup(1), "w")  # apart from the output of the codes
     os.dup2(2, 1)
     code = None
     for line in sys.stdin:
-        asked = json.loads(line)
+        question = json.loads(line)
         try:
-            if "heights" in asked:
-                kind, heights = KINDS[asked.pop("kind")], np.load(asked.pop("heights"))
-                code = kind(heights, asked.pop("pressure"), **asked)
-                answer = about(kind)
+            if "heights" in question:
+                kind = KINDS[question.pop("kind")]
+                heights = np.load(question.pop("heights"))
+                code = kind(heights, question.pop("pressure"), **question)
+                answer = versions_of(kind)
             else:
-                answer = solve(code, **asked)
-        except Exception as error:  # whatever goes wrong in there is the caller's to report
+                answer = solve(code, **question)
+        except Exception as error:  # whatever fails in a code, peers.py reports it
             answer = {"error": f"{type(error).__name__}: {error}"}
         print(json.dumps(answer), file=answers, flush=True)
 

@@ -1,13 +1,13 @@
-"""This package and other codes: time and memory at equal true error of the pressure field, on the
-same surfaces, one thread each.
+"""Time and memory of this package and other codes at equal true error of the pressure field, on the
+same surfaces and with one thread each.
 
-A code's tolerance says little about its error, so every code is first given the loosest tolerance
-at which its true error (relative L2 norm of the pressure against a reference solved far tighter) is
-below the same target. Then all run in turn.
+The tolerance of a code says little about its error. Every code is therefore first given the loosest
+tolerance at which its true error (relative L2 norm of the pressure against a far more accurate
+reference) meets a common target. Then all codes take turns.
 
-With free edges the others take the pressure as constant on the cells of grid points, we as
-band-limited: two discretisations of one contact. Each code is judged by the exact solution of its
-own.
+With free edges the other codes take the pressure as constant on the cells around grid points, this
+package as band-limited: two discretisations of one contact. Each code is compared with the exact
+solution of its own discretisation.
 """
 
 import os
@@ -19,23 +19,29 @@ from contextlib import ExitStack, closing
 from dataclasses import asdict, replace
 from itertools import product
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from hpc_gfmd import GfmdError, SceneError
 
 from .cells import by_cells
-from .contacts import Case, distance
+from .contacts import RoughContact, distance
 from .report import Report
 from .timing import Process, in_turn, ratio, summary
 
 CODES = tomllib.loads(Path(__file__).with_name("codes.toml").read_text())
-TRIES = 25
+MAX_TRIES = 25  # tolerances of a search
 
 
 def peers_python():
-    """Find the interpreter of the environment that scripts/bench-peers-setup makes. Raises
-    SceneError where there is none."""
+    """Return the interpreter of the environment that scripts/bench-peers-setup makes.
+
+    Raises
+    ------
+    SceneError
+        If there is no such environment.
+    """
     root = os.environ.get("HPC_GFMD_PEERS") or Path(__file__).resolve().parents[2] / ".venv-peers"
     python = Path(root) / "bin" / "python"
     if not python.exists():
@@ -47,22 +53,62 @@ def peers_python():
 
 
 class Code(Process):
-    """A process that solves with one code; known: the exact pressure of its discretisation."""
+    """A process that solves contacts with one code.
 
-    def __init__(self, name, folder, known):
-        self.ours, self.path, self.known = name in CODES["ours"], folder / f"{name}.npy", known
-        python = sys.executable if self.ours else peers_python()
+    Parameters
+    ----------
+    name : str
+        Key of codes.toml.
+    folder : Path
+        Folder for the pressure.
+    exact_pressure : ndarray
+        Exact solution in the discretisation of the code.
+
+    Attributes
+    ----------
+    is_ours : bool
+        Whether it is this package.
+    """
+
+    def __init__(self, name, folder, exact_pressure):
+        self.is_ours = name in CODES["ours"]
+        self._pressure_path = folder / f"{name}.npy"
+        self._exact_pressure = exact_pressure
+        python = sys.executable if self.is_ours else peers_python()
         super().__init__(name, [python, Path(__file__).with_name("peer_worker.py")])
 
     def solve(self, tolerance):
-        """Return the numbers of one solve, with its true error."""
-        answer = self.ask(tolerance=tolerance, pressure_to=str(self.path))
-        return answer | {"error": distance(np.load(self.path), self.known)}
+        """Solve once and return the numbers of the solve with its true error."""
+        answer = self.ask(tolerance=tolerance, pressure_to=str(self._pressure_path))
+        return answer | {"error": distance(np.load(self._pressure_path), self._exact_pressure)}
+
+
+class Contender(NamedTuple):
+    """A code that meets the target.
+
+    Attributes
+    ----------
+    code : Code
+        Its process.
+    settings : dict
+        Name, options, version and tolerance.
+    rows : list of dict
+        Rows of its solves.
+    """
+
+    code: Code
+    settings: dict
+    rows: list
 
 
 def run(args):
-    """Compare all codes on all surfaces; args: of command.py. Raises SceneError for a code that is
-    not known or not there."""
+    """Compare all codes on all contacts.
+
+    Raises
+    ------
+    SceneError
+        For codes that are unknown or not installed, and for a wrong boundary or hardness.
+    """
     if args.boundary not in ("periodic", "free"):
         raise SceneError(f"--boundary: found {args.boundary!r}, allowed: periodic, free")
     free = args.boundary == "free"
@@ -74,69 +120,96 @@ def run(args):
         if name not in allowed:
             raise SceneError(f"--codes: found {name!r}, allowed: {', '.join(allowed)}")
         peers_python()
+    chosen = {name: allowed[name] for name in codes}
     report = Report("peers", args.out)
     report.note(
         f"relative L2 error of the pressure field <= asked; {args.boundary}, H = {args.hurst},"
-        " L/lam_l = 2, lam_s/a = 2, seed 1; slower: median over runs in turn of the time over that"
-        " of our faster precision"
+        " L/lam_l = 2, lam_s/a = 2, seed 1; over_ours: median over runs in turn of the time over"
+        " that of our faster precision"
     )
     for n in args.n:
-        some = Case(n, 1.0, args.hurst, args.boundary, args.hardness)
-        loads = [some.at_area(a_r).p_star for a_r in args.a_r] if free else args.p_star
+        surface = RoughContact(n, 1.0, args.hurst, args.boundary, args.hardness)
+        loads = [surface.at_area(a_r).p_star for a_r in args.a_r] if free else args.p_star
         for p_star, error in product(loads, args.error):
-            chosen = {name: allowed[name] for name in codes}
-            _one_case(replace(some, p_star=p_star), chosen, error, args, report)
+            _compare(replace(surface, p_star=p_star), chosen, error, args, report)
     report.finish()
 
 
-def _one_case(case, others, error, args, report):
-    row, known = case.reference
-    head = asdict(case) | {"a_r": row["a_r"], "asked": error}
-    found = []  # (Code, what is reported, rows of all solves)
+def _compare(contact, other_codes, error, args, report):
+    """Report our codes and others on one contact at one target of the error."""
+    reference_row, reference_pressure = contact.reference
+    head = asdict(contact) | {"a_r": reference_row["a_r"], "asked": error}
+    contenders = []
     with ExitStack() as stack:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
-        np.save(folder / "heights.npy", case.surface.heights)
-        surface = {"heights": str(folder / "heights.npy"), "pressure": case.p_star}
-        if case.hardness:
-            surface["hardness"] = case.hardness
-        for name, its in (CODES["ours"] | others).items():
-            ours = name in CODES["ours"]
-            exact = known if ours or case.boundary != "free" else by_cells(case)
-            code = stack.enter_context(closing(Code(name, folder, exact)))
-            options = its | {"boundary": case.boundary} if ours else its
-            of = {"code": name, "options": options}
+        np.save(folder / "heights.npy", contact.surface.heights)
+        surface = {"heights": str(folder / "heights.npy"), "pressure": contact.p_star}
+        if contact.hardness:
+            surface["hardness"] = contact.hardness
+        for name, options in (CODES["ours"] | other_codes).items():
+            is_ours = name in CODES["ours"]
+            if is_ours:
+                options = options | {"boundary": contact.boundary}
+            on_cells = contact.boundary == "free" and not is_ours
+            exact_pressure = by_cells(contact) if on_cells else reference_pressure
+            code = stack.enter_context(closing(Code(name, folder, exact_pressure)))
+            settings = {"code": name, "options": options}
             try:
-                of |= code.ask(**surface, **options)
-                of["version"] = next(iter(of["code_versions"].values()))
-                of["tolerance"], rows = _loosest(code.solve, error, args.budget)
-                found.append((code, of, rows))
+                settings |= code.ask(**surface, **options)
+                settings["version"] = next(iter(settings["code_versions"].values()))
+                settings["tolerance"], row = _loosest(code.solve, error, args.budget)
+                contenders.append(Contender(code, settings, [row]))
             except GfmdError as failure:
                 report.note(str(failure))
-                report.add(**head, **of, status="not reached")
-        quick = [one for one in found if one[-1][0]["seconds"] < args.budget / 2]
-        for code, of, rows in in_turn(quick, args.repeats):
-            rows.append(code.solve(of["tolerance"]))
-    ours = [rows for code, _, rows in found if code.ours]
-    for _, of, rows in found:
-        slower = {}
-        for key in ("seconds", "cpu_seconds") if ours else ():
-            times = [[row[key] for row in some] for some in (rows, *ours)]
-            slower[f"{key}_over_ours"] = ratio(times[0], min(times[1:], key=np.median))
-        worst = {"error": max(row["error"] for row in rows)}
-        report.add(**head, **of, **summary(rows) | worst | slower)
+                report.add(**head, **settings, status="not reached")
+        fast = [c for c in contenders if c.rows[0]["seconds"] < args.budget / 2]
+        for contender in in_turn(fast, args.repeats):
+            contender.rows.append(contender.code.solve(contender.settings["tolerance"]))
+    our_rows = [contender.rows for contender in contenders if contender.code.is_ours]
+    for contender in contenders:
+        row = summary(contender.rows) | {"error": max(row["error"] for row in contender.rows)}
+        row |= _times_over_ours(contender.rows, our_rows)
+        report.add(**head, **contender.settings, **row)
+
+
+def _times_over_ours(rows, our_rows):
+    """Return the median times of rows over those of the fastest of our codes, {} without ours."""
+    ratios = {}
+    for key in ("seconds", "cpu_seconds") if our_rows else ():
+        our_times = [[row[key] for row in series] for series in our_rows]
+        fastest = min(our_times, key=np.median)
+        ratios[f"{key}_over_ours"] = ratio([row[key] for row in rows], fastest)
+    return ratios
 
 
 def _loosest(solve, target, budget):
-    """Return a tolerance whose error is at most the target, hardly tighter than it has to be, with
-    the solve that showed it: from loose ones on, proportionally to the error. Raises GfmdError
-    where there is none."""
-    begun, tolerance, lowest = time.perf_counter(), 0.3, np.inf
-    for _ in range(TRIES):
+    """Return a tolerance whose error just meets a target, and the row of the solve that shows it.
+
+    The search starts from a loose tolerance and tightens it in proportion to the error.
+
+    Parameters
+    ----------
+    solve : function
+        solve(tolerance) returns a row with "error".
+    target : float
+        Largest error.
+    budget : float
+        Seconds after which the search ends.
+
+    Raises
+    ------
+    GfmdError
+        If no tolerance meets the target within the budget.
+    """
+    begin = time.perf_counter()
+    tolerance = 0.3
+    smallest_error = np.inf
+    for _ in range(MAX_TRIES):
         row = solve(tolerance)
         if row["error"] <= target:
-            return tolerance, [row]
-        lowest = min(lowest, row["error"])
-        if time.perf_counter() - begun > budget:
+            return tolerance, row
+        smallest_error = min(smallest_error, row["error"])
+        if time.perf_counter() - begin > budget:
             break
         tolerance *= float(np.clip(0.7 * target / row["error"], 0.2, 0.6))
-    raise GfmdError(f"an error of {lowest:.1e} at the lowest, wanted: {target:g}")
+    raise GfmdError(f"found an error of {smallest_error:.1e} at best, allowed: {target:g}")

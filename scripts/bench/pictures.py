@@ -1,4 +1,4 @@
-"""Pictures of rows: lines of those that share some values."""
+"""Pictures of rows: lines through the rows that share some values."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -14,8 +14,21 @@ LABELS = {
 
 
 class Panel(NamedTuple):
-    """y over x of some rows, a line for those that share the values of the keys; scale: of both
-    axes."""
+    """A plot of one column of rows against another.
+
+    Attributes
+    ----------
+    rows : sequence of dict
+        The data.
+    keys : sequence of str
+        Columns that tell lines apart.
+    x, y : str
+        Columns of the axes.
+    title : str
+        Title of the panel.
+    scale : str
+        "log" or "linear", of both axes.
+    """
 
     rows: Sequence[dict]
     keys: Sequence[str]
@@ -26,7 +39,7 @@ class Panel(NamedTuple):
 
 
 def picture(path, panels):
-    """Draw panels into a file."""
+    """Draw panels into a file, at most five beside each other."""
     columns = min(len(panels), 5) or 1
     lines = -(-len(panels) // columns)
     fig = Figure((4 * columns, 4 * lines), layout="constrained")
@@ -36,11 +49,13 @@ def picture(path, panels):
     for k, panel in enumerate(panels, 1):
         ax = fig.add_subplot(lines, columns, k)
         for name, rows in group(panel.rows, *panel.keys).items():
-            points = [row[panel.x] for row in rows], [row[panel.y] for row in rows]
+            x = [row[panel.x] for row in rows]
+            y = [row[panel.y] for row in rows]
             label = ", ".join(map(str, name))
-            (handles[label],) = ax.plot(*points, ".-", color=colours[name], label=label)
-        x, y = (LABELS.get(name, name) for name in (panel.x, panel.y))
-        ax.set(xlabel=x, ylabel=y, title=panel.title, yscale=panel.scale)
+            (handles[label],) = ax.plot(x, y, ".-", color=colours[name], label=label)
+        ax.set_xlabel(LABELS.get(panel.x, panel.x))
+        ax.set_ylabel(LABELS.get(panel.y, panel.y))
+        ax.set(title=panel.title, yscale=panel.scale)
         if not isinstance(panel.rows[0][panel.x], str):
             ax.set_xscale(panel.scale)
     if len({panel.keys for panel in panels}) == 1:  # all have the same lines
@@ -52,8 +67,8 @@ def picture(path, panels):
 
 
 def group(rows, *keys):
-    """Return the rows that share the values of the keys."""
-    found = {}
+    """Return {values of the keys: rows that share them}, in the order of the rows."""
+    groups = {}
     for row in rows:
-        found.setdefault(tuple(row[key] for key in keys), []).append(row)
-    return found
+        groups.setdefault(tuple(row[key] for key in keys), []).append(row)
+    return groups

@@ -1,60 +1,73 @@
-"""A solve in one process, as in a notebook: the first one, those that follow on the same surface,
-on threads, the share of the time that is outside of the solver's passes, and the time in which
-fewer threads work than there are, by part (idle.py), as shares of the time of one thread.
+"""A solve in one process, as in a notebook.
 
-Other codes beside it: `python scripts/bench peers --n 64 128 256 512 1024 2048 4096 --error 1e-3`.
+Measured are the first solve, the following ones on the same surface, the same on threads, the share
+of the time that is spent outside of the solver's passes, and the time in which some threads are
+idle, by part (idle.py), as a share of the time of one thread.
+
+For other codes: `python scripts/bench peers --n 64 128 256 512 1024 2048 4096 --error 1e-3`.
 """
 
 from itertools import product
 
-from .contacts import Case
+from .contacts import RoughContact
 from .idle import IdleWatch
 from .kernels import watch_passes
 from .peak import peak_mib
 from .report import Report
-from .timing import measured, serve, summary
+from .timing import run_workers, serve, summary
 
 PARTS = "python", "hand_overs", "coarse_levels", "set_up"
 
 
 def run(args):
-    """Report every size; all numbers of threads in turn. args: of command.py."""
+    """Report every size and precision; the numbers of threads take turns."""
     report = Report("process", args.out)
     for n, precision in product(args.n, args.precision):
-        of = {"n": n, "precision": precision, "p_star": args.p_star}
-        jobs = {threads: (1, of | {"threads": threads}) for threads in args.threads}
-        alone = None
-        for threads, rows in measured("process", jobs, args.repeats, 2).items():
-            found = summary(rows)
-            cores_seconds = found["seconds_min"] * threads
-            alone = alone or cores_seconds
-            quickest = min(rows, key=lambda row: row["seconds"])
-            short = {f"short_{part}": quickest[part] / alone for part in PARTS}
-            short["short_in_all"] = sum(short.values())
-            found = {key: value for key, value in found.items() if key not in PARTS}
-            report.add(**of, threads=threads, efficiency=alone / cores_seconds, **short, **found)
+        contact = {"n": n, "precision": precision, "p_star": args.p_star}
+        jobs = {threads: (1, contact | {"threads": threads}) for threads in args.threads}
+        serial_seconds = None
+        for threads, rows in run_workers("process", jobs, args.repeats, warm_ups=2).items():
+            row = summary(rows)
+            core_seconds = row["seconds_min"] * threads
+            serial_seconds = serial_seconds or core_seconds
+            fastest = min(rows, key=lambda row: row["seconds"])
+            idle_shares = {f"short_{part}": fastest[part] / serial_seconds for part in PARTS}
+            idle_shares["short_in_all"] = sum(idle_shares.values())
+            row = {key: value for key, value in row.items() if key not in PARTS}
+            efficiency = serial_seconds / core_seconds
+            report.add(**contact, threads=threads, efficiency=efficiency, **idle_shares, **row)
     report.finish()
 
 
 def worker(comm, n, p_star, boundary="periodic", **settings):
-    """Return what presses the same surface once more; settings: of hpc_gfmd.solve."""
-    case = Case(n, p_star, boundary=boundary)
-    case.surface  # noqa: B018 (made here, outside of the times)
-    cold = case.press(**settings)[0]["seconds"]
+    """Return a function that solves the same contact once more and returns its times.
+
+    Parameters
+    ----------
+    comm : SerialComm
+        This process.
+    n, p_star, boundary
+        See RoughContact.
+    **settings
+        Arguments of hpc_gfmd.solve.
+    """
+    contact = RoughContact(n, p_star, boundary=boundary)
+    contact.surface  # noqa: B018 (made before anything is timed)
+    cold_seconds = contact.press(**settings)[0]["seconds"]
     watch = watch_passes()
     idle = IdleWatch()
 
     def measure():
         watch.take()
         idle.take()
-        row, _ = case.press(**settings)
-        short = idle.take()
-        del row["p_star"]  # as given
+        row, _ = contact.press(**settings)
+        idle_seconds = idle.take()
+        del row["p_star"]  # it is among the arguments
         return (
             row
-            | {part: short[part] for part in PARTS}
+            | {part: idle_seconds[part] for part in PARTS}
             | {
-                "cold_seconds": cold,
+                "cold_seconds": cold_seconds,
                 "outside_passes": 1 - sum(watch.take().values()) / row["seconds"],
                 "peak_mib": peak_mib(),
             }

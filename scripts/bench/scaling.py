@@ -1,5 +1,5 @@
-"""Strong and weak scaling of a whole solve under mpirun, where its time goes, and what model.py
-makes of it on a cluster."""
+"""Strong and weak scaling of a whole solve under mpirun, the share of its parts, and what model.py
+predicts from it for a cluster."""
 
 import time
 from dataclasses import replace
@@ -15,21 +15,24 @@ from hpc_gfmd.driver.warmup import compile_once
 from hpc_gfmd.operators.multilevel import Multilevel
 from hpc_gfmd.parallel.comm import MpiComm
 
-from .contacts import Case
+from .contacts import RoughContact
 from .model import CLUSTERS, Machine, predict
 from .pictures import Panel, picture
 from .report import Report
-from .timing import Stopwatch, measured, seconds, serve, summary
+from .timing import Stopwatch, run_workers, seconds, serve, summary
 
 ACCURACY = 1e-2
-SMALL = 32  # points along an axis: what a solve takes there is the interpreter's
-COPIED = 2**26  # bytes: far more than caches hold
-WARM_UP = 4  # solves of a process: until then the system still finds it large pages
+SMALL = 32  # points along an axis of a grid whose solve takes no time but the interpreter's
+COPIED_BYTES = 2**26  # far more than caches hold
+WARM_UPS = 4  # solves of a process before the system has given it large pages
 
 
 def run(args):
-    """Measure every n on all ranks (strong), on threads of one rank, and the smallest n grown with
-    sqrt(ranks) (weak), all of a size in turn; then predict larger machines. args: of command.py."""
+    """Measure strong scaling for every n, weak scaling from the smallest n, then run the model.
+
+    Strong scaling is measured on all ranks and on threads of one rank. For weak scaling n grows
+    with sqrt(ranks). The runs of one size take turns.
+    """
     report = Report("scaling", args.out)
     ranks = [(k, 1) for k in args.ranks]
     threads = [(1, t) for t in args.threads if t > 1]
@@ -43,8 +46,11 @@ def run(args):
 
 
 def _add(report, kind, sizes, precision, args):
-    """Report the solves of some sizes by (ranks, threads); efficiency: time of a point, a pair and
-    a core of the first over that."""
+    """Report the solves of {(ranks, threads): n}.
+
+    The efficiency is the time for a point, an FFT pair and a core in the first of them over that in
+    each of them.
+    """
     jobs = {
         (ranks, threads): (
             ranks,
@@ -52,51 +58,51 @@ def _add(report, kind, sizes, precision, args):
         )
         for (ranks, threads), n in sizes.items()
     }
-    first = None
-    for (ranks, threads), rows in measured("scaling", jobs, args.repeats, WARM_UP).items():
+    first_cost = None
+    for (ranks, threads), rows in run_workers("scaling", jobs, args.repeats, WARM_UPS).items():
         row = summary(rows)
         cost = row["seconds_min"] * ranks * threads / (row["n"] ** 2 * row["fft_pairs"])
-        first = first or cost
-        report.add(kind=kind, efficiency=first / cost, **row)
+        first_cost = first_cost or cost
+        report.add(kind=kind, efficiency=first_cost / cost, **row)
 
 
 def _grown(n, ranks):
-    """Find the multiple of 4 nearest above n sqrt(ranks) that has small prime factors: others are
-    slow to transform."""
+    """Return the next multiple of 4 from n sqrt(ranks) that has small prime factors: transforms of
+    other lengths are slow."""
     return 4 * next_fast_len(round(n * ranks**0.5 / 4), real=True)
 
 
 def _predict(report, args):
-    """Report what the model makes of one core of this machine on clusters."""
-    of = {"precision": args.precision[0], "p_star": args.p_star, "threads": 1, "n": SMALL}
-    small = summary(measured("scaling", {1: (1, of)}, args.repeats, WARM_UP)[1])
-    alone = {"kind": "strong", "ranks": 1, "threads": 1, "precision": args.precision[0]}
-    rows = [row for row in report.rows if alone.items() <= row.items()]
-    serial = max(rows, key=lambda row: row["n"])
-    machine = Machine.of(serial, small)
+    """Report what the model predicts for clusters from one core of this machine."""
+    settings = {"precision": args.precision[0], "p_star": args.p_star, "threads": 1, "n": SMALL}
+    small = summary(run_workers("scaling", {1: (1, settings)}, args.repeats, WARM_UPS)[1])
+    serial = {"kind": "strong", "ranks": 1, "threads": 1, "precision": args.precision[0]}
+    serial_rows = [row for row in report.rows if serial.items() <= row.items()]
+    largest = max(serial_rows, key=lambda row: row["n"])
+    machine = Machine.of(largest, small)
     model = Report("scaling-model", args.out)
     model.note(str(machine))
-    for link, n, nodes in product(CLUSTERS, (2**15, 2**17), range(11)):
-        if said := predict(n, 2**nodes, replace(machine, link=link)):
-            model.add(**said)
+    for link, n, doublings in product(CLUSTERS, (2**15, 2**17), range(11)):
+        if row := predict(n, 2**doublings, replace(machine, link=link)):
+            model.add(**row)
     model.finish()
     if report.path:
         keys = "kind", "n", "threads", "precision"
         panels = [
-            Panel(report.rows, keys, "ranks", what, scale="linear")
-            for what in ("efficiency", "share_messages")
+            Panel(report.rows, keys, "ranks", column, scale="linear")
+            for column in ("efficiency", "share_messages")
         ]
         panels.append(Panel(model.rows, ("n", "link_gb_per_s"), "nodes", "seconds", "by the model"))
         picture(report.path.with_suffix(".png"), panels)
 
 
 def worker(comm, n, precision, p_star, threads):
-    """Return what solves once."""
-    case = Case(n, p_star)
-    scene = case.scene(solver={"precision": precision, "accuracy": ACCURACY})
+    """Return a function that solves one contact and returns its times. Collective."""
+    contact = RoughContact(n, p_star)
+    scene = contact.scene(solver={"precision": precision, "accuracy": ACCURACY})
     compile_once(comm, scene, lambda contact: None)
-    sweep = make_sweep(partial(case.build, comm, threads=threads), scene.solver)
-    source, target = np.ones((2, COPIED // 4), np.float32)
+    sweep = make_sweep(partial(contact.build, comm, threads=threads), scene.solver)
+    source, target = np.ones((2, COPIED_BYTES // 4), np.float32)
     watch = Stopwatch()
     watch.watch(Multilevel, "sweep", "levels")
     for method in ("_allreduce", "bcast", "exchange", "alltoall_bytes", "barrier"):
@@ -106,13 +112,14 @@ def worker(comm, n, precision, p_star, threads):
         sweep.starter.forget()
         comm.barrier()
         watch.take()
-        begun, cpu = time.perf_counter(), time.process_time()
-        step = sweep.solve(Load("pressure", p_star * sweep.surface.g_rms))
+        wall_begin = time.perf_counter()
+        cpu_begin = time.process_time()
+        load = sweep.solve(Load("pressure", p_star * sweep.surface.g_rms))
         comm.barrier()
-        spent = time.perf_counter() - begun
+        elapsed = time.perf_counter() - wall_begin
         parts = watch.take()
-        shares = comm.sum([parts["levels"], parts["messages"]]) / comm.size / spent
-        levels, messages = shares.tolist()
+        shares = comm.sum([parts["levels"], parts["messages"]]) / comm.size / elapsed
+        share_levels, share_messages = shares.tolist()
         return {
             "n": n,
             "ranks": comm.size,
@@ -120,13 +127,13 @@ def worker(comm, n, precision, p_star, threads):
             "precision": precision,
             "p_star": p_star,
             "accuracy": ACCURACY,
-            "seconds": spent,
-            "cpu_seconds": time.process_time() - cpu,
-            "copy_bandwidth": 2 * COPIED / seconds(lambda: np.copyto(target, source), comm),
-            "share_levels": levels,
-            "share_messages": messages,
-            "iterations": step.iterations,
-            "fft_pairs": step.fft_pairs,
+            "seconds": elapsed,
+            "cpu_seconds": time.process_time() - cpu_begin,
+            "copy_bandwidth": 2 * COPIED_BYTES / seconds(lambda: np.copyto(target, source), comm),
+            "share_levels": share_levels,
+            "share_messages": share_messages,
+            "iterations": load.iterations,
+            "fft_pairs": load.fft_pairs,
         }
 
     return measure

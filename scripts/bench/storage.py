@@ -1,4 +1,5 @@
-"""Writing a field into the result file against a raw write of the same bytes in the same run."""
+"""Writing a field to the result file, compared with raw writes of the same bytes in the same
+run."""
 
 import os
 import tempfile
@@ -15,36 +16,38 @@ from hpc_gfmd.parallel.world import world
 from .report import Report
 from .timing import in_turn, ratio, seconds
 
-RAW, ONE = "raw", "raw, one file"
+RAW_EACH = "raw"
+RAW_SHARED = "raw, one file"
 
 
 def run(args):
-    """Write single precision fields of n x n points in a temporary folder; on all ranks. args: of
-    command.py.
+    """Write single precision fields of n x n points in a temporary folder. Collective.
 
-    Everything is synced to the disk, into files that are not there yet. raw: every rank writes a
-    file of its own; "raw, one file": all their rows into the same one.
+    All files are new and synced to the disk. "raw": every rank writes a file; "raw, one file": all
+    ranks write their rows into one file.
     """
     comm = world()
     report = Report("storage", args.out, comm)
     with tempfile.TemporaryDirectory(dir=args.folder) if comm.rank == 0 else nullcontext() as name:
-        place = Path(comm.bcast(name))
+        folder = Path(comm.bcast(name))
         for n in args.n:
-            taken = _measure(comm, place, n, args.repeats)
-            for way, spent in taken.items():
+            times = _measure(comm, folder, n, args.repeats)
+            for way, series in times.items():
                 gb = 4e-9 * n * n
-                row = {"gb": gb, "seconds": min(spent), "gb_per_s": gb / min(spent)}
-                row |= {f"times {raw}": ratio(spent, taken[raw]) for raw in (RAW, ONE)}
+                row = {"gb": gb, "seconds": min(series), "gb_per_s": gb / min(series)}
+                row |= {f"times {raw}": ratio(series, times[raw]) for raw in (RAW_EACH, RAW_SHARED)}
                 report.add(n=n, way=way, **row)
         comm.barrier()
     report.finish()
 
 
-def _measure(comm, place, n, repeats):
-    """Return {way: seconds} of one size."""
+def _measure(comm, folder, n, repeats):
+    """Return {way to write: seconds} for one size."""
     start, stop = row_starts(n, comm.size)[comm.rank : comm.rank + 2].tolist()
     data = np.random.default_rng(comm.rank).standard_normal((stop - start, n), dtype=np.float32)
-    own, one, result = place / f"raw-{comm.rank}", place / "raw", place / "result.h5"
+    raw_of_rank = folder / f"raw-{comm.rank}"
+    raw_shared = folder / "raw"
+    result = folder / "result.h5"
 
     def write_raw(path, offset):
         descriptor = os.open(path, os.O_WRONLY | os.O_CREAT)
@@ -53,16 +56,16 @@ def _measure(comm, place, n, repeats):
         os.fsync(descriptor)
         os.close(descriptor)
 
-    runs = {
-        RAW: lambda: write_raw(own, 0),
-        ONE: lambda: write_raw(one, 4 * n * start),
+    ways = {
+        RAW_EACH: lambda: write_raw(raw_of_rank, 0),
+        RAW_SHARED: lambda: write_raw(raw_shared, 4 * n * start),
         f"result file, {io_way(comm, result)}": lambda: write_file(
             comm, result, (n, n), (start, stop), {"field": data}
         ),
     }
-    taken = {way: [] for way in runs}
-    for way in in_turn(runs, repeats + 1):  # the first round is a warm-up
-        for path in (own, one, result):
+    times = {way: [] for way in ways}
+    for way in in_turn(ways, repeats + 1):  # the first round is a warm-up
+        for path in (raw_of_rank, raw_shared, result):
             path.unlink(missing_ok=True)
-        taken[way].append(seconds(runs[way], comm))
-    return {way: spent[1:] for way, spent in taken.items()}
+        times[way].append(seconds(ways[way], comm))
+    return {way: series[1:] for way, series in times.items()}

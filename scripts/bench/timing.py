@@ -1,4 +1,4 @@
-"""Times that can be compared: of functions and processes that take turns, after a warm-up."""
+"""Comparable times of functions and processes, which take turns after a warm-up."""
 
 import json
 import os
@@ -15,73 +15,113 @@ from hpc_gfmd.parallel.world import world
 from hpc_gfmd.util.errors import GfmdError
 
 SCRIPTS = str(Path(__file__).resolve().parents[1])
-# seconds between two looks of a rank that waits: those that measure need the core that it takes
-PAUSE = 2e-2
+# Seconds between two polls of an idle rank: the worker that measures needs the core.
+POLL_INTERVAL = 2e-2
 
 
 def in_turn(names, repeats):
-    """Yield all names in so many rounds, every other one backwards (A B B A), so that a drift of
-    the machine's speed hits all alike."""
+    """Yield all names in each of several rounds, in the order A B, B A, A B.
+
+    A drift of the machine's speed then affects all of them alike.
+    """
+    names = list(names)
     for k in range(repeats):
-        yield from list(names)[:: 1 if k % 2 == 0 else -1]
+        yield from names if k % 2 == 0 else reversed(names)
 
 
 def ratio(a, b):
-    """Return the median of a/b, of two series that were taken in turn."""
+    """Return the median of a/b for two series that were taken in turn."""
     return float(np.median([x / y for x, y in zip(a, b)]))
 
 
 def summary(rows):
-    """Return the last row with the times of all in place of its own."""
-    found = dict(rows[-1])
+    """Return the last row with the minimum and the median of the times of all rows."""
+    summarised = dict(rows[-1])
     for key in ("seconds", "cpu_seconds"):
-        found.pop(key)
-        found[f"{key}_min"] = min(row[key] for row in rows)
-        found[f"{key}_median"] = float(np.median([row[key] for row in rows]))
-    return found | {"repeats": len(rows)}
+        summarised.pop(key)
+        summarised[f"{key}_min"] = min(row[key] for row in rows)
+        summarised[f"{key}_median"] = float(np.median([row[key] for row in rows]))
+    return summarised | {"repeats": len(rows)}
 
 
-def seconds(run, comm, now=time.perf_counter):
-    """Return the seconds of run() on the slowest rank, by the clock `now`."""
+def seconds(run, comm, clock=time.perf_counter):
+    """Return the seconds that run() takes on the slowest rank. Collective."""
     comm.barrier()
-    begun = now()
+    begin = clock()
     run()
-    return float(comm.max([now() - begun])[0])
+    return float(comm.max([clock() - begin])[0])
 
 
 class Stopwatch:
-    """Adds up seconds by name, by the clock `now`; time of inner parts is not counted in outer
-    ones."""
+    """Adds up the seconds spent in methods, by name.
 
-    def __init__(self, now=time.perf_counter):
-        self.now, self.inner = now, 0.0
+    The time of a watched method that is called inside another one counts for the inner one only.
+
+    Attributes
+    ----------
+    clock : function
+        Returns the time in seconds.
+    seconds : dict of float
+        Seconds by name since the last call of `take`.
+    """
+
+    def __init__(self, clock=time.perf_counter):
+        self.clock = clock
         self.seconds = {}
+        self._inner_seconds = 0.0
 
     def watch(self, owner, method, name):
-        """Time a method of an object or of all objects of a class from here on."""
+        """Time a method from now on.
+
+        Parameters
+        ----------
+        owner : object or type
+            One object, or a class: then the method is timed for all its objects.
+        method : str
+            Name of the method.
+        name : str
+            Key of its seconds; several methods can share one.
+        """
         function = getattr(owner, method)
         self.seconds.setdefault(name, 0.0)
 
         def timed(*args, **kwargs):
-            before, begun = self.inner, self.now()
-            self.inner = 0.0
+            outer_inner_seconds = self._inner_seconds
+            begin = self.clock()
+            self._inner_seconds = 0.0
             try:
                 return function(*args, **kwargs)
             finally:
-                spent = self.now() - begun
-                self.seconds[name] += spent - self.inner
-                self.inner = before + spent
+                elapsed = self.clock() - begin
+                self.seconds[name] += elapsed - self._inner_seconds
+                self._inner_seconds = outer_inner_seconds + elapsed
 
         setattr(owner, method, timed)
 
     def take(self):
-        """Return the seconds since the last time."""
-        found, self.seconds = self.seconds, dict.fromkeys(self.seconds, 0.0)
-        return found
+        """Return the seconds by name since the last call, and start again from zero."""
+        taken = self.seconds
+        self.seconds = dict.fromkeys(taken, 0.0)
+        return taken
 
 
 class Process:
-    """A program that answers each line of JSON with one. Raises GfmdError where it fails."""
+    """A program that answers each line of JSON on its input with a line of JSON.
+
+    Parameters
+    ----------
+    name : str
+        What error messages call it.
+    command : sequence
+        Program and arguments.
+    **environment : str
+        Additional environment variables.
+
+    Raises
+    ------
+    GfmdError
+        If the program cannot be started.
+    """
 
     def __init__(self, name, command, **environment):
         self.name = name
@@ -98,11 +138,11 @@ class Process:
         except OSError as error:
             raise GfmdError(f"{name}: {error}") from None
 
-    def ask(self, **what):
-        """Return the answer."""
+    def ask(self, **question):
+        """Send a question and return the answer. Raises GfmdError if the program fails."""
         try:
-            print(json.dumps(what), file=self._process.stdin, flush=True)
-        except OSError:  # it has ended: how, will be found
+            print(json.dumps(question), file=self._process.stdin, flush=True)
+        except OSError:  # the program has ended; its last words are read below
             pass
         line = next((line for line in self._process.stdout if line.startswith("{")), None)
         answer = json.loads(line) if line else {"error": self._last_words()}
@@ -111,23 +151,46 @@ class Process:
         return answer
 
     def close(self):
-        """Let it end."""
+        """Close the program's input and wait until it ends."""
         self._process.communicate()
 
     def _last_words(self):
-        """Return the end of what the program itself says: mpirun adds advice between lines of
-        dashes."""
+        """Return the last error message of the program.
+
+        mpirun appends advice between lines of dashes, which is left out.
+        """
         self._process.wait()
         self._errors.seek(0)
-        said = self._errors.read()
-        own = said.partition("-----")[0].strip() or said.strip("- \n")
-        return own.splitlines()[-1] if own else "it died without a word"
+        output = self._errors.read()
+        message = output.partition("-----")[0].strip() or output.strip("- \n")
+        return message.splitlines()[-1] if message else "the process ended without a message"
 
 
-def measured(item, jobs, repeats, warm=1):
-    """Return what worker(**arguments) of a file here finds on some ranks, so many times, all in
-    turn; jobs: (ranks, arguments) of each; warm: times before. Raises GfmdError."""
-    found = {name: [] for name in jobs}
+def run_workers(item, jobs, repeats, warm_ups=1):
+    """Run the workers of an item in turn and return what they measured.
+
+    Parameters
+    ----------
+    item : str
+        File of this folder with a `worker`, which `serve` runs.
+    jobs : dict
+        (number of ranks, arguments of the worker) by any key.
+    repeats : int
+        Measurements of each worker.
+    warm_ups : int
+        Measurements before those, which do not count.
+
+    Returns
+    -------
+    dict of list
+        Rows of each worker, by the keys of jobs.
+
+    Raises
+    ------
+    GfmdError
+        If a worker fails.
+    """
+    rows = {name: [] for name in jobs}
     with ExitStack() as stack:
         workers = {}
         for name, (ranks, arguments) in jobs.items():
@@ -135,28 +198,35 @@ def measured(item, jobs, repeats, warm=1):
             command = [*launcher, sys.executable, "-m", f"bench.{item}", json.dumps(arguments)]
             process = Process(f"{item} on {ranks} ranks", command, PYTHONPATH=SCRIPTS)
             workers[name] = stack.enter_context(closing(process))
-            for _ in range(warm):
+            for _ in range(warm_ups):
                 process.ask()
         for name in in_turn(jobs, repeats):
-            found[name].append(workers[name].ask())
-    return found
+            rows[name].append(workers[name].ask())
+    return rows
 
 
 def serve(worker):
-    """Be such a worker: print what worker(comm, **arguments)() returns on rank 0, as often as asked
-    on standard input. Collective."""
+    """Act as a worker: measure once for each line on the standard input. Collective.
+
+    Parameters
+    ----------
+    worker : function
+        worker(comm, **arguments) prepares everything and returns a function that measures once;
+        the rows that this returns are printed as JSON on rank 0.
+    """
     comm = world()
     measure = worker(comm, **json.loads(sys.argv[1]))
-    while _asked(comm):
+    while _is_asked(comm):
         row = measure()
         if comm.rank == 0:
             print(json.dumps(row), flush=True)
 
 
-def _asked(comm):
-    more = comm.rank == 0 and bool(sys.stdin.readline())
+def _is_asked(comm):
+    """Wait for a line on rank 0; return False at the end of the input."""
+    has_line = comm.rank == 0 and bool(sys.stdin.readline())
     if comm.size > 1:
-        met = comm.mpi.Ibarrier()
-        while not met.Test():
-            time.sleep(PAUSE)
-    return comm.max([more])[0] > 0
+        request = comm.mpi.Ibarrier()
+        while not request.Test():
+            time.sleep(POLL_INTERVAL)
+    return comm.max([has_line])[0] > 0

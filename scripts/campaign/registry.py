@@ -63,7 +63,7 @@ def single(rng, z, sizes=None, low=1e-3, high=1.0, **others):
 
 
 def load_of_area(z, a_r, sizes=None, steps=18):
-    """Find the p* that gives about this share of points in contact, by so many steps of bisection."""
+    """Return the p* at which about a share a_r of the points touches, by bisection."""
     contact = Contact(z, sizes or square_pixels(z.shape))
     low, high = 1e-7, 50.0
     for _ in range(steps):

@@ -96,7 +96,7 @@ class Contact:
         p*)."""
         if hardness is not None:
             return self._yielding(p_star, hardness)
-        K, h, D, N = self.K, self.h, self.D, self.N
+        h, D, N = self.h, self.D, self.N
         if start is None:
             p = self._projected(1.0 * D, p_star, 12)
         else:
@@ -131,11 +131,9 @@ class Contact:
             if not C.any():
                 C = D & (g <= g[D].min())
         p, g = np.where(C, np.maximum(p, 0), 0), np.where(C, 0, np.where(D, np.maximum(g, 0), g))
-        fresh = p_star * (N / h.size) + self.times(K, g - h)
         p_rms, gap_mean = np.sqrt(np.sum(p * p) / N), g[D].mean()
-        # The fresh pressure has the rounding errors of the heights' transform.
         kkt = max(
-            np.sqrt(np.sum((fresh - p) ** 2) / N) / p_rms,
+            self._violation(p, g, C, np.zeros_like(C), p_star),
             abs(p.sum() / (N * p_star) - 1),
             float(count > 0),
         )
@@ -193,20 +191,36 @@ class Contact:
         p = np.where(yielded, hardness, np.where(elastic, np.clip(p, 0, hardness), 0))
         exact = np.where(elastic, 0, np.where(yielded, np.minimum(g, 0), np.maximum(g, 0)))
         exact = np.where(D, exact, g)
-        fresh = p_star * (N / h.size) + self.times(self.K, exact - h)
         p_rms, gap_mean = np.sqrt(np.sum(p * p) / N), np.maximum(exact[D], 0).mean()
-        violated = np.sqrt(np.sum((fresh - p) ** 2) / N) / p_rms
-        if elastic.any():
-            # the same in gaps, which rounding errors of K h do not spoil where the body is soft
-            penetration = np.sqrt(np.mean(g[elastic] ** 2)) * self.K.max()
-            violated = min(violated, penetration / np.sqrt(np.mean(p[elastic] ** 2)))
-        kkt = max(violated, abs(p.sum() / (N * p_star) - 1), float(count > 0))
+        kkt = max(
+            self._violation(p, exact, elastic, yielded, p_star),
+            abs(p.sum() / (N * p_star) - 1),
+            float(count > 0),
+        )
         ties_in = int(np.sum(elastic & (p < TIE * p_rms)))
         is_open = D & ~elastic & ~yielded
         ties_out = int(np.sum(is_open & (exact < TIE * max(gap_mean, 1e-6 * h.max()))))
         touching = int(elastic.sum() + yielded.sum())
         field = p[D].reshape(self.shape)
         return Truth(field, touching, float(gap_mean), ties_in, ties_out, float(kkt), rounds)
+
+    def _violation(self, p, g, elastic, yielded, p_star):
+        """Return the relative violation (L2) of p = p0 + K (g - h) or, where it is less, that of
+        the signs of the gap S p + h times the stiffest K.
+
+        Without rounding the second is never less than the first. Rounding errors of K h spoil the
+        first where p is small, those of S p the second where nearly all is closed.
+        """
+        size = np.linalg.norm(p)
+        fresh = p_star * (self.N / self.h.size) + self.times(self.K, g - self.h)
+        in_pressure = np.linalg.norm(fresh - p) / size
+        if not elastic.any():
+            return in_pressure
+        gap = self.times(self.S, p) + (self.h - self.h[elastic].mean())
+        gap -= gap[elastic].mean()
+        allowed = np.where(elastic, 0, np.where(yielded, np.minimum(gap, 0), np.maximum(gap, 0)))
+        wrong_gap = np.linalg.norm((gap - allowed)[self.D])
+        return min(in_pressure, wrong_gap * self.K.max() / size)
 
     def _with_yielded(self, elastic, yielded, p, p_star, hardness, inner):
         """Find pressure and gap where these points are elastic, those yield, and the others are
@@ -270,12 +284,14 @@ class Contact:
         p = np.where(C, p + (load - p.sum()) / n_c, carried)
         if n_c > 1:
             u = self.times(self.S, p)
-            b = np.where(C, -(u + self.h), 0)
+            h = self.h - self.h[C].mean()
+            b = np.where(C, -(u + h), 0)
             b = np.where(C, b - b.sum() / n_c, 0)
-            rounding = EPS * np.hypot(np.linalg.norm(self.h[C]), np.linalg.norm(u[C]))
+            rounding = EPS * np.hypot(np.linalg.norm(h[C]), np.linalg.norm(u[C]))
             p = p + _conjugate_gradients(apply, precondition, b, 4 * n_c, inner, rounding)
             p = np.where(C, p + (N * p_star - p.sum()) / n_c, carried)
-        g = self.times(self.S, p) + self.h
+        # The depth that the points in contact have in common is left out of every sum.
+        g = self.times(self.S, p) + (self.h - self.h[C].mean())
         g -= g[C].mean()
         return p, g
 

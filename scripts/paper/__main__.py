@@ -1,10 +1,10 @@
-"""`python scripts/paper ITEM`: figures and tables of the paper, alone and under mpirun."""
+"""Make figures and tables of the paper, also under mpirun: `python scripts/paper ITEM`."""
 
 import sys
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
-if not __package__:  # started by its path
+if not __package__:  # run by its path
     sys.path[0] = str(Path(__file__).resolve().parents[1])
 
 from hpc_gfmd import SceneError, on_rank_0, world
@@ -19,15 +19,15 @@ from paper.solve import run_missing
 
 OF_PAPER = [name for name, text in TEXTS.items() if "question" not in text]
 DESCRIPTION = (
-    "Reproduce figures and tables of the paper: solve the contacts that are missing, tabulate,"
-    " draw. Works the same alone and under mpirun/srun; what is finished is kept, so the same"
-    " command continues. Exit code 1: a contact could not be solved, 3: one did not reach its"
-    " accuracy."
+    "Reproduce figures and tables of the paper: solve the contacts that are missing, tabulate and"
+    " draw them, in one process or under mpirun/srun. Finished contacts are kept, so the same"
+    " command resumes an interrupted run. Exit code 1: a contact could not be solved; 3: one did"
+    " not reach its accuracy."
 )
 
 
 def make_parser() -> ArgumentParser:
-    """Make the parser of the command line."""
+    """Return the parser of the command line."""
     parser = Parser(prog="python scripts/paper", description=DESCRIPTION)
     add = parser.add_argument
     add(
@@ -48,14 +48,16 @@ def make_parser() -> ArgumentParser:
         metavar="DIR",
         help="folder of runs, tables and pictures (default: study-LEVEL)",
     )
-    add("--report", action="store_true", help="write the report, which all does anyway")
-    add("--list", action="store_true", help="list what there is")
-    add("--plan", action="store_true", help="say what would be solved, and stop")
+    add("--report", action="store_true", help="write the report (always written for all)")
+    add("--list", action="store_true", help="list all items")
+    add("--plan", action="store_true", help="print what would be solved, and stop")
     only = parser.add_mutually_exclusive_group()
-    only.add_argument("--only-run", action="store_true", help="solve, but do not tabulate and draw")
-    only.add_argument("--no-run", action="store_true", help="tabulate and draw what is there")
-    only.add_argument("--redraw", action="store_true", help="draw the tables (CSV) that are there")
-    add("--part", metavar="I/K", help="solve the I-th of K shares only; several jobs may share DIR")
+    only.add_argument("--only-run", action="store_true", help="only solve")
+    only.add_argument(
+        "--no-run", action="store_true", help="only tabulate and draw stored contacts"
+    )
+    only.add_argument("--redraw", action="store_true", help="only draw the existing tables (CSV)")
+    add("--part", metavar="I/K", help="solve only the I-th of K shares; jobs can share DIR")
     add(
         "--reference",
         metavar="FILE.json",
@@ -79,7 +81,7 @@ def make_parser() -> ArgumentParser:
 
 
 def main(args: Namespace) -> int:
-    """Solve, tabulate and draw. Raises SceneError for names, levels and shares that are none."""
+    """Solve, tabulate and draw; return the exit code. Raises SceneError for wrong arguments."""
     comm = world()
     if args.list:
         for name, text in TEXTS.items() if comm.rank == 0 else ():
@@ -105,8 +107,8 @@ def _publish(args, items, store):
     tables: dict[str, Rows] = {}
     for name in items:
         tables[name] = publish(STUDIES[name], store, args.level, args.redraw)
-        said = as_csv(tables[name]).strip() or "nothing stored yet"
-        print(f"\n{name}: {TEXTS[name]['title']}\n{said}", flush=True)
+        text = as_csv(tables[name]).strip() or "nothing stored yet"
+        print(f"\n{name}: {TEXTS[name]['title']}\n{text}", flush=True)
     if args.report or "all" in args.item:
         for name in OF_PAPER:
             tables.setdefault(name, publish(STUDIES[name], store, args.level, args.redraw))
@@ -120,10 +122,11 @@ def _publish(args, items, store):
 
 
 def _items(args):
+    """Return the requested items, each once."""
     allowed = f"allowed: all, {', '.join(TEXTS)}"
     if not args.item:
         raise SceneError(f"ITEM: not given, {allowed}")
-    items = [one for name in args.item for one in (OF_PAPER if name == "all" else [name])]
+    items = [item for name in args.item for item in (OF_PAPER if name == "all" else [name])]
     if unknown := set(items) - set(TEXTS):
         raise SceneError(f"ITEM: found {', '.join(sorted(unknown))}, {allowed}")
     if args.threads != "auto" and not (args.threads.isdecimal() and int(args.threads) > 0):
@@ -132,11 +135,12 @@ def _items(args):
 
 
 def _part(args):
+    """Return (I, K) of --part I/K, None without it."""
     if args.part is None:
         return None
     part, _, parts = args.part.partition("/")
-    whole = part.isdecimal() and parts.isdecimal() and 1 <= int(part) <= int(parts)
-    if not (whole and (args.only_run or args.plan)):
+    is_valid = part.isdecimal() and parts.isdecimal() and 1 <= int(part) <= int(parts)
+    if not (is_valid and (args.only_run or args.plan)):
         raise SceneError(
             f"--part: found {args.part!r}, allowed: I/K, whole numbers 1 <= I <= K, with --only-run"
         )

@@ -1,5 +1,5 @@
-"""What is solved: surfaces and their loads, in series at three levels of effort, and the store of
-what is there."""
+"""The surfaces and loads to solve, in series at three levels of effort, and the store of those that
+are solved."""
 
 import gzip
 import json
@@ -18,17 +18,29 @@ from .rows import Rows
 CATALOGUE = tomllib.loads(Path(__file__).with_name("catalogue.toml").read_text(encoding="utf-8"))
 LEVELS = ("quick", "desk", "paper")
 SURFACE = ("hurst", "L_over_lam_l", "lam_l_over_lam_s", "lam_s_over_a", "seed", "accuracy")
-DIGITS = 9  # of a number that tells runs apart
+DIGITS = 9  # significant digits by which the numbers of two runs are compared
 
 
 @dataclass(frozen=True)
 class Case:
-    """A self-affine surface in the cell of side 1 with g_rms = 1 and E_star = 1, and a sweep over
-    p_star.
+    """A self-affine surface in a cell of side 1 with g_rms = 1 and E_star = 1, and its loads.
 
-    The ratios are those of the paper: L/lam_l = 1/eps_t, lam_l/lam_s = 1/eps_f, lam_s/a = 1/eps_c.
-    Cases that differ in lam_s_over_a alone are the same surface on another grid. observables,
-    distributions: what is wanted of every load beyond what all have, by the names of a scene.
+    Cases that differ in lam_s_over_a alone are the same surface on different grids.
+
+    Attributes
+    ----------
+    hurst : float
+        Hurst exponent H.
+    L_over_lam_l, lam_l_over_lam_s, lam_s_over_a : float
+        Ratios of the paper: 1/eps_t, 1/eps_f and 1/eps_c.
+    seed : int
+        Seed of the realisation.
+    p_star : tuple of float
+        Loads p/(E* g_rms).
+    accuracy : float
+        Requested of the solver.
+    observables, distributions : tuple of str
+        Results of every load beyond those of all cases, by their names in a scene.
     """
 
     hurst: float
@@ -43,34 +55,42 @@ class Case:
 
     @property
     def n(self) -> int:
-        """Count the points along an axis."""
+        """Points along an axis."""
         return round(self.L_over_lam_l * self.lam_l_over_lam_s * self.lam_s_over_a)
 
     @property
     def eps(self) -> dict[str, float]:
-        """Invert the ratios: {"eps_t": ..., "eps_f": ..., "eps_c": ...}."""
+        """The inverse ratios: {"eps_t": ..., "eps_f": ..., "eps_c": ...}."""
         ratios = (self.L_over_lam_l, self.lam_l_over_lam_s, self.lam_s_over_a)
         return {f"eps_{i}": 1 / ratio for i, ratio in zip("tfc", ratios)}
 
     @property
     def surface(self) -> dict[str, Any]:
-        """Tell what cases share that can be one sweep."""
+        """The columns that cases share if they can be solved in one sweep."""
         return {name: getattr(self, name) for name in SURFACE}
 
     @property
     def cost(self) -> int:
-        """Count grid points times loads."""
+        """Grid points times loads."""
         return self.n**2 * len(self.p_star)
 
     @property
     def keys(self) -> list[tuple[float, ...]]:
-        """Tell the loads from others, as key_of does for what is stored."""
+        """The keys of its loads, as `key_of` makes them for stored runs."""
         return [key_of(self.surface | {"p_star": p}) for p in self.p_star]
 
     def is_in(self, stored: dict[tuple, dict], key: tuple) -> bool:
-        """Tell whether a load is stored with all that is wanted of it."""
-        wanted = {*self.observables, *(f"{name}_distribution" for name in self.distributions)}
-        return key in stored and wanted <= set(stored[key])
+        """Return whether a load is stored with all its observables and distributions.
+
+        Parameters
+        ----------
+        stored : dict
+            {key: run} of a Store.
+        key : tuple
+            One of `keys`.
+        """
+        columns = {*self.observables, *(f"{name}_distribution" for name in self.distributions)}
+        return key in stored and columns <= set(stored[key])
 
     def __str__(self):
         return (
@@ -81,66 +101,107 @@ class Case:
 
 
 def key_of(run: dict) -> tuple[float, ...]:
-    """Tell a stored run from others: by the surface, the accuracy and the load."""
+    """Return what identifies a stored run: its surface, accuracy and load."""
     return tuple(float(f"{run[name]:.{DIGITS}g}") for name in (*SURFACE, "p_star"))
 
 
 def series(name: str, level: str, hurst: Iterable[float] | None = None) -> list[Case]:
-    """List the cases of a series of the catalogue, of some H or of all. Raises SceneError."""
+    """Return the cases of a series of the catalogue.
+
+    Parameters
+    ----------
+    name : str
+        Key of [series].
+    level : str
+        One of LEVELS.
+    hurst : iterable of float, optional
+        Hurst exponents; those of the series by default.
+
+    Raises
+    ------
+    SceneError
+        If there is no such level.
+    """
     if level not in LEVELS:
         raise SceneError(f"--level: found {level!r}, allowed: {', '.join(LEVELS)}")
-    one, cases = CATALOGUE["series"][name], []
-    wanted: Any = {what: tuple(one.get(what, ())) for what in ("observables", "distributions")}
-    usual = level if level in one["loads"] else "all"
-    for L, F, C, seeds, *only in one[level]:
-        for H in hurst or one["hurst"]:
-            if only and H not in only[0]:
+    entry = CATALOGUE["series"][name]
+    results: Any = {key: tuple(entry.get(key, ())) for key in ("observables", "distributions")}
+    default_loads = level if level in entry["loads"] else "all"
+    cases = []
+    for L, F, C, seeds, *exceptions in entry[level]:
+        for H in hurst or entry["hurst"]:
+            if exceptions and H not in exceptions[0]:
                 continue
-            loads = tuple(one["loads"][only[1] if len(only) > 1 else usual])
-            cases += [Case(H, L, F, C, seed, loads, **wanted) for seed in range(1, seeds + 1)]
+            loads_name = exceptions[1] if len(exceptions) > 1 else default_loads
+            loads = tuple(entry["loads"][loads_name])
+            cases += [Case(H, L, F, C, seed, loads, **results) for seed in range(1, seeds + 1)]
     return cases
 
 
 def cases_of(item: str, level: str) -> list[Case]:
-    """List the cases of a figure or table."""
-    one = CATALOGUE["items"][item]
-    return [case for name in one["series"] for case in series(name, level, one.get("hurst"))]
+    """Return the cases that a figure or table needs at a level."""
+    entry = CATALOGUE["items"][item]
+    return [case for name in entry["series"] for case in series(name, level, entry.get("hurst"))]
 
 
 def merged(cases: list[Case]) -> list[Case]:
-    """Join cases that share a surface to one sweep over all their loads, cheapest first."""
-    alike, whole = defaultdict(list), []
+    """Return the cases with one sweep over all loads for each surface, cheapest first."""
+    by_surface = defaultdict(list)
     for case in cases:
-        alike[*case.surface.values()].append(case)
-    for part in alike.values():
+        by_surface[*case.surface.values()].append(case)
+    sweeps = []
+    for same_surface in by_surface.values():
         union: Any = {
-            name: tuple(sorted({x for case in part for x in getattr(case, name)}))
+            name: tuple(sorted({x for case in same_surface for x in getattr(case, name)}))
             for name in ("p_star", "observables", "distributions")
         }
-        whole.append(replace(part[0], **union))
-    return sorted(whole, key=lambda case: (case.cost, *case.surface.values()))
+        sweeps.append(replace(same_surface[0], **union))
+    return sorted(sweeps, key=lambda case: (case.cost, *case.surface.values()))
 
 
 def share(cases: list[Case], part: int, parts: int) -> list[Case]:
-    """Choose the part-th (from 1) of `parts` shares of about equal cost.
+    """Return one of several shares of the cases of about equal cost.
 
-    It depends on nothing but the cases: shares of jobs that start at different times are disjoint
-    and together complete.
+    The shares depend on the cases alone: those of jobs that start at different times are disjoint
+    and complete.
+
+    Parameters
+    ----------
+    cases : list of Case
+        All cases.
+    part : int
+        Number of the share, from 1.
+    parts : int
+        Number of shares.
     """
-    load, mine = [0] * parts, []
+    costs = [0] * parts
+    chosen = []
     for case in reversed(merged(cases)):
-        least = load.index(min(load))
-        load[least] += case.cost
-        if least == part - 1:
-            mine.append(case)
-    return mine
+        cheapest_part = costs.index(min(costs))
+        costs[cheapest_part] += case.cost
+        if cheapest_part == part - 1:
+            chosen.append(case)
+    return chosen
 
 
 class Store:
-    """The lines of all runs*.jsonl in a folder, packed (.gz) or not: one JSON line per surface
-    and load, appended when it is finished and never changed.
+    """The runs in a folder: one JSON line per surface and load in files runs*.jsonl or .jsonl.gz.
 
-    part: write runs-<part>.jsonl, so that several jobs can share the folder.
+    Lines are appended when a load is solved and never change.
+
+    Parameters
+    ----------
+    folder : str or Path
+        The folder.
+    part : int, optional
+        Write to runs-<part>.jsonl, so that several jobs can share the folder.
+
+    Attributes
+    ----------
+    folder : Path
+        The folder.
+    path : Path
+        File to which runs are appended.
     """
 
     def __init__(self, folder, part=None):
@@ -148,43 +209,46 @@ class Store:
         self.path = self.folder / ("runs.jsonl" if part is None else f"runs-{part}.jsonl")
 
     def stored(self) -> dict[tuple, dict]:
-        """Read {key: run}, one that was stored twice once, with the columns of both.
+        """Return {key: run} of all files.
 
-        A line that is torn, or no run, is left out.
+        A run that was stored twice has the columns of both lines. Lines that are incomplete or no
+        runs are skipped.
         """
-        found: dict[tuple, dict] = {}
+        runs: dict[tuple, dict] = {}
         for path in sorted(self.folder.glob("runs*.jsonl*")):
             content = path.read_bytes()
             content = gzip.decompress(content) if path.suffix == ".gz" else content
             for line in content.split(b"\n"):
                 try:
                     run = json.loads(line)
-                    found[key_of(run)] = found.get(key_of(run), {}) | run
+                    runs[key_of(run)] = runs.get(key_of(run), {}) | run
                 except (ValueError, TypeError, KeyError):
                     continue
-        return found
+        return runs
 
     def runs_of(self, cases: list[Case]) -> Rows:
-        """Read the runs that these cases ask for, with all that they ask for."""
+        """Return the stored runs of these cases that have all their results, each once."""
         stored = self.stored()
         keys = (key for case in cases for key in case.keys if case.is_in(stored, key))
         return [stored[key] for key in dict.fromkeys(keys)]
 
     def missing(self, cases: list[Case]) -> list[Case]:
-        """List the sweeps that are left to solve, cheapest first."""
-        stored, todo = self.stored(), []
+        """Return the sweeps that are not stored yet, cheapest first."""
+        stored = self.stored()
+        unsolved = []
         for case in cases:
             loads = zip(case.p_star, case.keys)
-            left = tuple(p for p, key in loads if not case.is_in(stored, key))
-            todo += [replace(case, p_star=left)] if left else []
-        return merged(todo)
+            missing_loads = tuple(p for p, key in loads if not case.is_in(stored, key))
+            if missing_loads:
+                unsolved.append(replace(case, p_star=missing_loads))
+        return merged(unsolved)
 
     def append(self, runs: Rows) -> None:
-        """Add runs, which are on the disk when this returns. Raises OSError."""
+        """Append runs and sync them to the disk. Raises OSError."""
         text = "".join(json.dumps(run, allow_nan=False) + "\n" for run in runs).encode()
         with open(self.path, "ab+") as file:
             file.seek(max(0, file.tell() - 1))
-            torn = file.read() not in (b"", b"\n")  # a torn line stays alone
-            file.write(b"\n" + text if torn else text)
+            is_torn = file.read() not in (b"", b"\n")  # the last line is incomplete
+            file.write(b"\n" + text if is_torn else text)
             file.flush()
             os.fsync(file.fileno())

@@ -1,7 +1,7 @@
-"""The pictures: data with error bars beside theory; as counted filled, edge-corrected open.
+"""Pictures of data with error bars beside theory.
 
-Colours tell H, marks tell what else differs. A panel is a matplotlib Axes; all panels of a picture
-share one legend.
+Filled marks are areas as counted, open marks edge-corrected ones. The colour shows H, the mark any
+other ratio. A panel is a matplotlib Axes; all panels of a picture share one legend.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -18,7 +18,7 @@ from hpc_gfmd.theory import elastic, persson
 from .rows import PRESSURES, Rows, by_hurst, groups, low_high
 
 MARKS = "osD^v<>P"
-PALETTE = 48  # colours of a picture, as many as show no difference
+PALETTE = 48  # colours of a PNG file: more make no visible difference
 LABELS = {
     "eps_c": r"$\epsilon_c = a/\lambda_s$",
     "eps_f": r"$\epsilon_f = \lambda_s/\lambda_l$",
@@ -35,76 +35,147 @@ LABELS = {
     "hurst": "$H$",
 }
 TITLES = {"low": r"$p^* = 0.01/\sqrt{2}$", "high": r"$p^* = 0.5/\sqrt{2}$"}
-WIDEST = 0.5  # eps_f up to which theory is drawn
-CLOSED = 1e-5  # gap/h_rms below which theory is not drawn
+LARGEST_EPS_F = 0.5  # up to which theory is drawn
+SMALLEST_GAP = 1e-5  # gap/h_rms from which theory is drawn
 
 
 @contextmanager
-def panels(path: Path, columns: int, lines: int = 1, **how: Any) -> Iterator[Any]:
-    """Yield the Axes of a picture, which is written at the end.
+def panels(path: Path, columns: int, lines: int = 1, **settings: Any) -> Iterator[Any]:
+    """Yield the panels of a picture, which is written at the end.
 
-    how: of Figure.subplots. One panel is an Axes, others an array (columns,) or (lines, columns).
+    Parameters
+    ----------
+    path : Path
+        File of the picture.
+    columns, lines : int
+        Numbers of panels.
+    **settings
+        Arguments of Figure.subplots.
+
+    Yields
+    ------
+    Axes or ndarray of Axes
+        One panel, or an array (columns,) or (lines, columns).
     """
     with figure(path, 2.0 + 2.4 * columns, 0.6 + 2.4 * lines) as fig:
-        axes = fig.subplots(lines, columns, squeeze=False, **how)
+        axes = fig.subplots(lines, columns, squeeze=False, **settings)
         yield axes if lines > 1 else axes[0] if columns > 1 else axes[0, 0]
         legend(fig, "outside right upper")
     Image.open(path).quantize(PALETTE).save(path, optimize=True)
 
 
 def colour(hurst: float) -> Any:
-    """Choose the colour of a Hurst exponent, the same in all pictures."""
+    """Return the colour of a Hurst exponent, the same in all pictures."""
     return shade(0.9 * hurst)
 
 
-def of_h(hurst: float) -> dict[str, Any]:
-    """Choose colour and label of a Hurst exponent."""
+def hurst_style(hurst: float) -> dict[str, Any]:
+    """Return the colour and the label of a Hurst exponent, for Axes.plot."""
     return {"color": colour(hurst), "label": f"$H = {hurst:g}$"}
 
 
-def named(ax: Any, x: str, y: str, **settings: Any) -> None:
-    """Name the axes of a panel after columns; settings: of Axes.set."""
+def label_axes(ax: Any, x: str, y: str, **settings: Any) -> None:
+    """Label the axes of a panel.
+
+    Parameters
+    ----------
+    ax : Axes
+        The panel.
+    x, y : str
+        Columns, or texts.
+    **settings
+        Arguments of Axes.set.
+    """
     ax.set(**{"xlabel": LABELS.get(x, x), "ylabel": LABELS.get(y, y)} | settings)
 
 
-def points(
-    ax: Any, rows: Rows, x: str, y: str, mark: str = "o", hollow: bool = False, **how: Any
+def draw_points(
+    ax: Any, rows: Rows, x: str, y: str, mark: str = "o", is_open: bool = False, **style: Any
 ) -> None:
-    """Draw columns with the error bars that they have; rows without y are left out.
+    """Draw one column against another, with error bars where there are standard errors.
 
-    how: of Axes.errorbar, such as color, label, linestyle.
+    Parameters
+    ----------
+    ax : Axes
+        The panel.
+    rows : list of dict
+        The data; rows without y are skipped.
+    x, y : str
+        Columns.
+    mark : str
+        Marker.
+    is_open : bool
+        Whether the marks are open.
+    **style
+        Arguments of Axes.errorbar, such as color, label, linestyle.
     """
     rows = [row for row in rows if row.get(y) is not None]
     if rows:
-        bars = ([row.get(f"{name}_se") or 0.0 for row in rows] for name in (y, x))
-        usual = {"linestyle": "", "linewidth": 0.8, "markersize": 4, "capsize": 2, "zorder": 3}
+        defaults = {"linestyle": "", "linewidth": 0.8, "markersize": 4, "capsize": 2, "zorder": 3}
         ax.errorbar(
-            *([row[name] for row in rows] for name in (x, y)),
-            *(bar if any(bar) else None for bar in bars),
+            [row[x] for row in rows],
+            [row[y] for row in rows],
+            yerr=_error_bars(rows, y),
+            xerr=_error_bars(rows, x),
             marker=mark,
-            markerfacecolor="white" if hollow else how.get("color"),
-            **usual | how,
+            markerfacecolor="white" if is_open else style.get("color"),
+            **defaults | style,
         )
 
 
-def both_areas(ax: Any, rows: Rows, x: str, y: str, mark: str = "o") -> None:
-    """Draw y as counted, filled, and edge-corrected, open, for each H."""
-    for hurst, part in by_hurst(rows).items():
-        points(ax, part, x, y, mark, **of_h(hurst))
-        points(ax, part, x, f"{y}_edge", mark, hollow=True, color=colour(hurst))
+def _error_bars(rows, column):
+    bars = [row.get(f"{column}_se") or 0.0 for row in rows]
+    return bars if any(bars) else None
 
 
-def both_theories(ax: Any, color: Any, curve: Callable[[bool], tuple]) -> None:
-    """Draw curve(printed), corrected (solid) and as printed (dashed)."""
+def draw_both_areas(ax: Any, rows: Rows, x: str, y: str, mark: str = "o") -> None:
+    """Draw y for each H: as counted with filled marks, edge-corrected with open ones.
+
+    Parameters
+    ----------
+    ax : Axes
+        The panel.
+    rows : list of dict
+        The data.
+    x, y : str
+        Columns; y_edge is the edge-corrected one.
+    mark : str
+        Marker.
+    """
+    for hurst, family in by_hurst(rows).items():
+        draw_points(ax, family, x, y, mark, **hurst_style(hurst))
+        draw_points(ax, family, x, f"{y}_edge", mark, is_open=True, color=colour(hurst))
+
+
+def draw_both_theories(ax: Any, color: Any, curve: Callable[[bool], tuple]) -> None:
+    """Draw Persson's theory, corrected (solid) and as printed (dashed).
+
+    Parameters
+    ----------
+    ax : Axes
+        The panel.
+    color : color
+        Of both lines.
+    curve : function
+        curve(printed) returns x and y.
+    """
     for printed, style, name in ((False, "-", "corrected"), (True, "--", "as printed")):
         ax.plot(*curve(printed), color=color, linestyle=style, linewidth=1)
         ax.plot([], [], linestyle=style, label=f"Persson, {name}", **THEORY)
 
 
-def key(ax: Any, label: str, mark: str, face: str = "0.35") -> None:
-    """Explain a mark in the legend."""
-    how = {"color": "0.35", "linestyle": "", "markersize": 4}
-    ax.plot([], [], marker=mark, markerfacecolor=face, label=label, **how)
+def explain_mark(ax: Any, label: str, mark: str, face: str = "0.35") -> None:
+    """Add a mark to the legend.
+
+    Parameters
+    ----------
+    ax : Axes
+        A panel of the picture.
+    label, mark, face : str
+        Text, marker and colour of its face.
+    """
+    style = {"color": "0.35", "linestyle": "", "markersize": 4}
+    ax.plot([], [], marker=mark, markerfacecolor=face, label=label, **style)
 
 
 def two_pressures(
@@ -116,51 +187,74 @@ def two_pressures(
     base: int = 2,
     logarithmic: bool = False,
 ) -> None:
-    """Draw y against a ratio at the low and the high pressure of the paper.
+    """Draw a column against a ratio at the low and the high pressure of the paper.
 
-    Marks tell lam_l/lam_s where it is not the abscissa. theory: function (ax, p_star, H of the
-    rows, range of x) that draws lines; base: of the abscissa.
+    The marks show lam_l/lam_s where it is not the abscissa.
+
+    Parameters
+    ----------
+    rows : list of dict
+        The data.
+    path : Path
+        File of the picture.
+    x : str
+        "eps_c", "eps_f" or "eps_t".
+    y : str
+        Column.
+    theory : function, optional
+        theory(ax, p_star, list of H, range of x) draws lines.
+    base : int
+        Base of the logarithmic abscissa.
+    logarithmic : bool
+        Whether the ordinate is logarithmic.
     """
     series = "lam_s_over_a" if x == "eps_f" else "lam_l_over_lam_s"
     marks = dict(zip(sorted({row[series] for row in rows}), MARKS))
     with panels(path, 2) as axes:
         for ax, (pressure, part) in zip(axes, low_high(rows).items()):
-            for member, family in groups(part, series).items():
-                both_areas(ax, family, x, y, marks[member])
+            for ratio, family in groups(part, series).items():
+                draw_both_areas(ax, family, x, y, marks[ratio])
             ax.set_xscale("log", base=base)
             if theory and part:
-                span = [of(row[x] for row in part) for of in (min, max)]
+                span = min(row[x] for row in part), max(row[x] for row in part)
                 theory(ax, PRESSURES[pressure], list(by_hurst(part)), span)
-            named(ax, x, y, title=TITLES[pressure], yscale="log" if logarithmic else "linear")
+            label_axes(ax, x, y, title=TITLES[pressure], yscale="log" if logarithmic else "linear")
         if any(f"{y}_edge" in row for row in rows):
-            key(axes[0], "as counted", "o")
-            key(axes[0], "edge-corrected", "o", "white")
-        for member, mark in marks.items():
+            explain_mark(axes[0], "as counted", "o")
+            explain_mark(axes[0], "edge-corrected", "o", "white")
+        for ratio, mark in marks.items():
             if len(marks) > 1:
-                key(axes[0], f"$\\lambda_l/\\lambda_s = {member:g}$", mark)
+                explain_mark(axes[0], f"$\\lambda_l/\\lambda_s = {ratio:g}$", mark)
 
 
-def kappa_lines(ax: Any, p_star: float, *_unused: object) -> None:
-    """Draw Persson's kappa and, at low load, that of Bush, Gibson and Thomas."""
+def draw_kappa_theory(ax: Any, p_star: float, *_unused: object) -> None:
+    """Draw Persson's kappa and, at low loads, that of Bush, Gibson and Thomas."""
     ax.axhline(float(persson.kappa(p_star)), label="Persson", **THEORY)
     if p_star < 0.1:
         ax.axhline(elastic.KAPPA_BGT, linestyle=":", label="BGT", **THEORY)
 
 
-def gap_lines(unit: str, widest: Sequence[float] = ()) -> Callable:
-    """Make a function for two_pressures: the mean gap of Persson's theory in a unit, over the range
-    of eps_f of the data or over `widest`."""
+def gap_theory(unit: str, eps_f_range: Sequence[float] = ()) -> Callable:
+    """Return a function for `two_pressures` that draws the mean gap of Persson's theory.
+
+    Parameters
+    ----------
+    unit : str
+        "h_rms" or "g_rms_lam_s".
+    eps_f_range : sequence of two float
+        Range of the lines; about that of the data by default.
+    """
 
     def draw(ax, p_star, hursts, span):
-        low, high = widest or (span[0] / 2, span[1] * 2)
-        eps_f = np.geomspace(low, min(high, WIDEST), 25)
+        low, high = eps_f_range or (span[0] / 2, span[1] * 2)
+        eps_f = np.geomspace(low, min(high, LARGEST_EPS_F), 25)
         for H in hursts:
 
             def curve(printed, H=H):
                 gap = (persson.mean_gap(p_star, H, e, printed=printed, unit=unit) for e in eps_f)
                 return eps_f, [float(x) for x in gap]
 
-            both_theories(ax, colour(H), curve)
+            draw_both_theories(ax, colour(H), curve)
 
     return draw
 
@@ -172,25 +266,36 @@ def pressure_against_gap(rows: Rows, path: Path) -> None:
         for (eps_f, hurst), part in groups(rows, "eps_f", "hurst").items():
             color = shade(-np.log10(eps_f) / 4)
             label = f"$\\epsilon_f = 1/{1 / eps_f:g}$"
-            points(ax, part, "gap_over_h_rms", "p_star", color=color, label=label)
+            draw_points(ax, part, "gap_over_h_rms", "p_star", color=color, label=label)
 
             def curve(printed, H=hurst, e=eps_f):
                 gap = persson.mean_gap(p_star, H, e, printed=printed)
-                return np.ma.masked_less(gap, CLOSED), p_star
+                return np.ma.masked_less(gap, SMALLEST_GAP), p_star
 
-            both_theories(ax, color, curve)
+            draw_both_theories(ax, color, curve)
             ax.set(title=f"$H = {hurst:g}$")
-        named(ax, "gap_over_h_rms", "p_star", yscale="log")
+        label_axes(ax, "gap_over_h_rms", "p_star", yscale="log")
 
 
 def areas(rows: Rows, path: Path, specs: Sequence[tuple]) -> None:
-    """Draw one panel for each (x, y, function of p_star that gives the theory's y, settings)."""
+    """Draw contact areas with Persson's theory.
+
+    Parameters
+    ----------
+    rows : list of dict
+        The data.
+    path : Path
+        File of the picture.
+    specs : sequence of tuple
+        (x, y, theory, settings) of each panel: columns, function of p_star that returns y, and
+        arguments of Axes.set.
+    """
     loads = [row["p_star"] for row in rows] or [1e-3, 1]
     p_star = np.geomspace(min(loads) / 1.5, max(loads) * 1.2, 80)
     with panels(path, len(specs)) as axes:
         for ax, (x, y, theory, settings) in zip(np.atleast_1d(axes), specs):
-            both_areas(ax, rows, x, y)
-            at = 1 / p_star if x == "p_inverse" else p_star
-            ax.plot(at, theory(p_star), label="Persson", **THEORY)
-            key(ax, "edge-corrected", "o", "white")
-            named(ax, x, y, **settings)
+            draw_both_areas(ax, rows, x, y)
+            abscissa = 1 / p_star if x == "p_inverse" else p_star
+            ax.plot(abscissa, theory(p_star), label="Persson", **THEORY)
+            explain_mark(ax, "edge-corrected", "o", "white")
+            label_axes(ax, x, y, **settings)

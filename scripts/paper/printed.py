@@ -1,4 +1,4 @@
-"""What the paper prints: the numbers of its text and captions, and its coefficient tables."""
+"""The numbers that the paper prints: those of its text and captions, and its coefficients."""
 
 import json
 from pathlib import Path
@@ -9,12 +9,27 @@ from hpc_gfmd.theory.tfc_fit import term
 
 from .rows import near
 
-PRINTED = {"low": 0.007, "high": 0.353}  # the two pressures as the paper rounds them
+PRINTED = {"low": 0.007, "high": 0.353}  # the two values of p_star as the paper rounds them
 NUMBERS = json.loads(Path(__file__).with_name("paper_numbers.json").read_text(encoding="utf-8"))
 
 
 def of_hurst(name: str, hurst: float, *keys: str) -> Any:
-    """Look up what the paper gives for a Hurst exponent: of_hurst("area_high", 0.8), or None."""
+    """Return a number of the paper for a Hurst exponent, such as of_hurst("area_high", 0.8).
+
+    Parameters
+    ----------
+    name : str
+        Entry of paper_numbers.json.
+    hurst : float
+        Hurst exponent.
+    *keys : str
+        Keys inside of the entry.
+
+    Returns
+    -------
+    object or None
+        The entry; None if the paper has none for this exponent.
+    """
     table = NUMBERS[name]
     for key in keys:
         table = table[key]
@@ -22,9 +37,16 @@ def of_hurst(name: str, hurst: float, *keys: str) -> Any:
 
 
 def coefficients(observable: str, pressure: str, hurst: float) -> Any:
-    """Look up the row of a printed coefficient table, {"C_c": ..., "alpha_t": ...}, or None.
+    """Return a row of the printed coefficient tables, {"C_c": ..., "alpha_t": ...}, or None.
 
-    pressure: "low" or "high".
+    Parameters
+    ----------
+    observable : str
+        "kappa" or "gap_over_h_rms".
+    pressure : str
+        "low" or "high".
+    hurst : float
+        Hurst exponent.
     """
     for table in tfc.paper_table()["tables"]:
         if (table["observable"], table["p_star"]) == (observable, PRINTED[pressure]):
@@ -33,10 +55,18 @@ def coefficients(observable: str, pressure: str, hurst: float) -> Any:
 
 
 def correction(row: dict, eps: dict) -> float:
-    """Sum the three terms of eq. tfc with printed coefficients; eps: with eps_t, eps_f, eps_c."""
+    """Return the sum of the three terms of eq. tfc with the coefficients of a row.
+
+    Parameters
+    ----------
+    row : dict
+        Coefficients and exponents, as `coefficients` returns them.
+    eps : dict
+        eps_t, eps_f and eps_c.
+    """
     return sum(term(row, i, eps[f"eps_{i}"]) for i in "cft")
 
 
-def at(pressure: str, hurst: float) -> str:
-    """Name a family of runs as the paper would: "H = 0.8, p* = 0.353"."""
+def family_label(pressure: str, hurst: float) -> str:
+    """Return the name of a family of runs with the paper's numbers: "H = 0.8, p* = 0.353"."""
     return f"H = {hurst:g}, p* = {PRINTED[pressure]}"

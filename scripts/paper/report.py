@@ -1,7 +1,7 @@
 """Tables (CSV), pictures (PNG) and pages (Markdown) beside the runs, and the report of all items.
 
-All numbers come from the rows of the items, or from small computations made while the report is
-written; those of the paper from paper_numbers.json and its coefficient tables.
+All numbers come from the rows of the items or from small computations made for the report, those of
+the paper from paper_numbers.json and its coefficient tables.
 """
 
 import json
@@ -15,7 +15,7 @@ from .items.tables import our_table
 from .rows import Rows, as_csv, read_csv, table
 from .study import Study
 
-SAYS = {"paper": "claim", "ours": "we find", "why": "remark"}
+TITLES = {"paper": "claim", "ours": "we find", "why": "remark"}  # of columns of a comparison
 PAGE = """# {title}
 
 {about}
@@ -24,7 +24,7 @@ PAGE = """# {title}
 
 *{caption}*
 
-{found}
+{comparisons}
 
 All numbers: [{name}.csv]({name}.csv); ± is one standard error. Made by `python scripts/paper {name} --level {level}`.
 """
@@ -32,7 +32,7 @@ ERRATA = """# Errata of the paper
 
 What is printed, what is right, and what shows it: a small computation, or the runs of the figures.
 
-{found}
+{errata}
 
 Made by `python scripts/paper all`.
 """
@@ -50,14 +50,28 @@ All numbers follow from the runs kept in this folder: `python scripts/paper all 
   several grids are compared surface by surface.
 - Theory: Persson with gamma = 0.42, never scaled.
 
-{found}
+{items}
 """
 
 
 def publish(study: Study, store: Store, level: str, redraw: bool = False) -> Rows:
-    """Write table, picture and page of what is stored for an item; returns the rows, [] of none.
+    """Write table, picture and page of an item from its stored runs.
 
-    redraw: take the table that is there.
+    Parameters
+    ----------
+    study : Study
+        The item.
+    store : Store
+        The runs, and the folder of the files.
+    level : str
+        Level of effort.
+    redraw : bool
+        Whether to read the rows from the existing table instead.
+
+    Returns
+    -------
+    list of dict
+        Its rows; empty if nothing is stored.
     """
     path = store.folder / study.name
     if redraw:
@@ -76,15 +90,31 @@ def publish(study: Study, store: Store, level: str, redraw: bool = False) -> Row
 def _page(study, rows, level):
     text = TEXTS[study.name]
     lines = list(study.compare(rows))
-    columns = {says: f"{{{key}}}" for key, says in SAYS.items() if any(line[key] for line in lines)}
+    columns = {
+        title: f"{{{key}}}" for key, title in TITLES.items() if any(line[key] for line in lines)
+    }
     about = text.get("question") or f"The paper: {text['paper']}."
-    found = lines and table(lines, columns)
-    return PAGE.format(**text, name=study.name, about=about, found=found or "", level=level)
+    comparisons = table(lines, columns) if lines else ""
+    return PAGE.format(**text, name=study.name, about=about, comparisons=comparisons, level=level)
 
 
 def report(store: Store, level: str, tables: dict[str, Rows]) -> Path:
-    """Write README.md, which leads to the pages of all items, and errata.md; {item: rows} are the
-    paper's. Returns the path of the first."""
+    """Write README.md, which links the pages of all items, and errata.md.
+
+    Parameters
+    ----------
+    store : Store
+        The runs, and the folder of the files.
+    level : str
+        Level of effort.
+    tables : dict
+        {item: rows} of the items of the paper.
+
+    Returns
+    -------
+    Path
+        README.md.
+    """
     runs = list(store.stored().values())
     items = [
         text | {"link": f"[{name}]({name}.md)" if (store.folder / f"{name}.md").is_file() else name}
@@ -96,24 +126,24 @@ def report(store: Store, level: str, tables: dict[str, Rows]) -> Path:
         minutes=sum(run["wall_seconds"] for run in runs) / 60,
         accuracy=max((run["accuracy"] for run in runs), default=0),
         poor=sum(run["status"] != "converged" for run in runs),
-        found=table(items, {"page": "{link}", "what": "{title}", "paper, literature": "{paper}"}),
+        items=table(items, {"page": "{link}", "what": "{title}", "paper, literature": "{paper}"}),
     )
     path = store.folder / "README.md"
     write_whole(path, head)
     columns = {"": "{number}", "printed": "{printed}", "right": "{right}", "shown by": "{shown}"}
-    errata = ERRATA.format(found=table(errata_rows(tables), columns))
+    errata = ERRATA.format(errata=table(errata_rows(tables), columns))
     write_whole(path.with_name("errata.md"), errata)
     return path
 
 
 def coefficients(store: Store, level: str) -> str:
-    """Write our table of coefficients, for `hpc-gfmd tfc --table`, as JSON."""
-    found = our_table(store.runs_of(cases_of("table5", level)), level)
-    return json.dumps(found, indent=1, allow_nan=False) + "\n"
+    """Return our table of coefficients, for `hpc-gfmd tfc --table`, as JSON."""
+    tables = our_table(store.runs_of(cases_of("table5", level)), level)
+    return json.dumps(tables, indent=1, allow_nan=False) + "\n"
 
 
 def write_whole(path: Path, text: str) -> None:
-    """Write a file so that it is there complete or not at all. Raises OSError."""
+    """Write a file atomically: it is complete or unchanged. Raises OSError."""
     part = path.with_name(f".{path.name}.part")
     part.write_text(text, encoding="utf-8")
     os.replace(part, path)

@@ -1,4 +1,4 @@
-"""Rows, which are dicts: choosing among them, and writing them as text."""
+"""Rows, which are dicts: functions that choose among them and write them as text."""
 
 import csv
 import io
@@ -12,72 +12,83 @@ from string import Formatter
 from typing import Any
 
 Rows = list[dict]
-CELL = 115  # characters of a cell of a table that readers take in
+CELL_WIDTH = 115  # characters of a table cell that can be read at a glance
 PRESSURES = {"low": 0.01 / 2**0.5, "high": 0.5 / 2**0.5}  # p_star; printed as 0.007 and 0.353
 
 
 def near(a: float, b: float) -> bool:
-    """Tell whether two pressures or ratios are the same but for rounding."""
+    """Return whether two pressures or ratios are equal except for rounding."""
     return abs(a - b) <= 1e-6 * abs(b)
 
 
 def where(rows: Rows, **columns: Any) -> Rows:
-    """Choose the rows whose columns have these values."""
+    """Return the rows whose columns have these values."""
     return [row for row in rows if all(row[name] == value for name, value in columns.items())]
 
 
 def groups(rows: Rows, *columns: str) -> dict[Any, Rows]:
-    """Sort rows by the values of a column (of several: by tuples): {value: rows}."""
-    of = itemgetter(*columns)
-    return {key: list(part) for key, part in groupby(sorted(rows, key=of), of)}
+    """Return {value: rows} by the values of a column, or by tuples of those of several columns."""
+    value_of = itemgetter(*columns)
+    ordered = sorted(rows, key=value_of)
+    return {value: list(members) for value, members in groupby(ordered, value_of)}
 
 
 def at_load(rows: Rows, p_star: float) -> Rows:
-    """Choose the rows at a pressure."""
+    """Return the rows at a pressure."""
     return [row for row in rows if near(row["p_star"], p_star)]
 
 
 def low_high(rows: Rows) -> dict[str, Rows]:
-    """Choose the rows at the two pressures of the paper."""
+    """Return the rows at the two pressures of the paper: {"low": rows, "high": rows}."""
     return {name: at_load(rows, p) for name, p in PRESSURES.items()}
 
 
 def by_hurst(rows: Rows) -> dict[float, Rows]:
-    """Sort rows by H."""
+    """Return {H: rows}."""
     return groups(rows, "hurst")
 
 
 def families(rows: Rows) -> Iterator[tuple[str, float, Rows]]:
     """Yield (name of the pressure, H, rows) for both pressures of the paper and every H."""
-    for pressure, part in low_high(rows).items():
-        for hurst, family in by_hurst(part).items():
+    for pressure, rows_at_pressure in low_high(rows).items():
+        for hurst, family in by_hurst(rows_at_pressure).items():
             yield pressure, hurst, family
 
 
 def finest(rows: Rows, ratio: str) -> Any:
-    """Choose the row with the smallest value of eps_c, eps_f or eps_t; None of no rows."""
+    """Return the row with the smallest eps_c, eps_f or eps_t; None without rows."""
     return min(rows, key=itemgetter(ratio), default=None)
 
 
 def coarsest(rows: Rows, ratio: str) -> Any:
-    """Choose the row with the largest value of a ratio; None of no rows."""
+    """Return the row with the largest eps_c, eps_f or eps_t; None without rows."""
     return max(rows, key=itemgetter(ratio), default=None)
 
 
 def longest(rows: Rows, ratio: str, column: str = "lam_l_over_lam_s") -> Rows:
-    """Choose the rows that share the value of `column` which has most values of `ratio`."""
+    """Return the longest series along a ratio.
+
+    Parameters
+    ----------
+    rows : list of dict
+        Rows of several series.
+    ratio : str
+        Column along which a series runs; the one with most different values is the longest.
+    column : str
+        Column whose value the rows of a series share.
+    """
     series = {row[column]: where(rows, **{column: row[column]}) for row in rows}
     return max(series.values(), key=lambda part: len({row[ratio] for row in part}), default=[])
 
 
 def fine_half(rows: Rows) -> Rows:
-    """Choose the finer half of the eps_f, where the paper's power laws are meant to hold."""
+    """Return the rows of the finer half of the eps_f, where the paper's power laws should hold."""
     octaves = sorted({row["eps_f"] for row in rows})
     return [row for row in rows if row["eps_f"] <= octaves[len(octaves) // 2]] if octaves else []
 
 
 def quoted(value: Any, sigma: float | None = None) -> str:
-    """Write a number with its uncertainty in two digits, "2.060 ± 0.012"; "-" for None."""
+    """Return a number with its standard error in two digits, "2.060 ± 0.012"; "-" for None."""
     if value is None:
         return "-"
     if not sigma or not sigma > 0:
@@ -88,7 +99,9 @@ def quoted(value: Any, sigma: float | None = None) -> str:
     return f"{value:.3g} ± {sigma:.2g}"
 
 
-class _Filled(Formatter):
+class _RowFormatter(Formatter):
+    """Formats the templates of `filled`: fields are (name, row)."""
+
     def get_field(self, name: str, args: Any, row: Any) -> Any:
         return (name, row), name
 
@@ -105,27 +118,48 @@ class _Filled(Formatter):
 
 
 def filled(template: str, row: dict) -> str:
-    """Fill a template with the columns of a row.
+    """Return a template filled with the columns of a row.
 
-    `{kappa:.3g}` as str.format; `{kappa:±}` with its standard error, column kappa_se; `{eps_f:1/}`
-    its inverse, "1/16". "-" for None, nothing for a column that is not there.
+    Parameters
+    ----------
+    template : str
+        `{kappa:.3g}` is as in str.format, `{kappa:±}` appends the standard error (column kappa_se),
+        `{eps_f:1/}` is the inverse, "1/16". None becomes "-", a missing column the empty string.
+    row : dict
+        The columns.
     """
-    return _Filled().vformat(template, (), row)
+    return _RowFormatter().vformat(template, (), row)
 
 
-def each(template: str, rows: Rows, separator: str = ", ") -> str:
-    """Fill a template with every row, in one line."""
+def filled_with_each(template: str, rows: Rows, separator: str = ", ") -> str:
+    """Return a template filled with every row (`filled`), joined in one line."""
     return separator.join(filled(template, row) for row in rows)
 
 
-def saying(paper: str, ours: str, why: str = "", **row: Any) -> dict:
-    """Make a line "paper says / we find / why", its parts filled with the columns of a row."""
-    return {k: filled(v, row) for k, v in (("paper", paper), ("ours", ours), ("why", why))}
+def comparison(paper: str, ours: str, why: str = "", **row: Any) -> dict:
+    """Return a line "claim / we find / remark" of a page.
+
+    Parameters
+    ----------
+    paper, ours, why : str
+        Templates of the claim, our result and a remark (see `filled`).
+    **row
+        Columns that fill them.
+    """
+    return {"paper": filled(paper, row), "ours": filled(ours, row), "why": filled(why, row)}
 
 
 def table(rows: Rows, columns: dict[str, str]) -> str:
-    """Write a Markdown table; columns: {title: template of its cells}. A long cell goes on in the
-    lines below, from one of its commas or semicolons on."""
+    """Return a Markdown table.
+
+    Parameters
+    ----------
+    rows : list of dict
+        Its rows.
+    columns : dict of str
+        {title: template of the cells}. A long cell continues in the next line after a comma or
+        semicolon.
+    """
     lines = [list(columns), ["---"] * len(columns)]
     for row in rows:
         cells = [filled(cell, row) for cell in columns.values()]
@@ -135,14 +169,14 @@ def table(rows: Rows, columns: dict[str, str]) -> str:
 
 
 def _broken(cell):
-    # it breaks after a comma and the like that is not in brackets
+    # Glue words together except after commas and the like that are not in brackets.
     glued = re.sub(r" (?=[^()]*\))|(?<![,;:.]) ", "\0", cell)
-    parts = textwrap.wrap(glued, CELL, break_long_words=False, break_on_hyphens=False)
+    parts = textwrap.wrap(glued, CELL_WIDTH, break_long_words=False, break_on_hyphens=False)
     return [part.replace("\0", " ") for part in parts] or [""]
 
 
 def as_csv(rows: Rows) -> str:
-    """Write rows as CSV; nothing where a row lacks a column."""
+    """Return rows as CSV; a cell is empty where a row lacks the column."""
     text = io.StringIO()
     columns = dict.fromkeys(name for row in rows for name in row)
     writer = csv.DictWriter(text, columns, lineterminator="\n")
@@ -152,7 +186,7 @@ def as_csv(rows: Rows) -> str:
 
 
 def read_csv(text: str) -> Rows:
-    """Read what as_csv wrote; an empty cell is None."""
+    """Return the rows of a CSV text of `as_csv`; an empty cell is None."""
     return [
         {name: _value(cell) for name, cell in row.items()}
         for row in csv.DictReader(io.StringIO(text))
@@ -160,7 +194,7 @@ def read_csv(text: str) -> Rows:
 
 
 def _value(cell):
-    for of in (int, float):
+    for number_type in (int, float):
         with suppress(ValueError):
-            return of(cell)
+            return number_type(cell)
     return {"True": True, "False": False, "": None}.get(cell, cell)

@@ -1,4 +1,4 @@
-"""Solve what is missing, cheapest first, and store it as soon as it is finished. Collective."""
+"""Solve the missing loads, cheapest first, and store each sweep once it is finished. Collective."""
 
 import time
 from collections.abc import Callable
@@ -15,8 +15,8 @@ from .cases import Case, Store, merged
 from .rows import Rows
 
 LARGE = 2**15  # points along an axis from which a surface is solved in low memory
-ALWAYS = ("a_r", "a_r_corrected", "gap_over_h_rms", "gap_over_g_rms_lam_s")
-KEPT = (
+OBSERVABLES = ("a_r", "a_r_corrected", "gap_over_h_rms", "gap_over_g_rms_lam_s")
+COLUMNS = (  # of a load in the result file
     *("p_star", "a_r", "gap_over_h_rms", "gap_over_g_rms_lam_s"),
     *("a_r_error", "gap_error", "pressure_error", "status", "iterations", "fft_pairs"),
     *("wall_seconds", "precision"),
@@ -31,45 +31,74 @@ def run_missing(
     say: Callable[[str], object] = print,
     dry: bool = False,
 ) -> int:
-    """Solve the loads of these cases that are not stored; dry: only say what would be solved.
+    """Solve the loads of these cases that are not stored. Collective.
 
-    say(text) prints on rank 0. A case that cannot be solved is reported and left out. A signal ends
-    the run; what is finished is kept, and the sweep that was interrupted is continued by the same
-    command. Returns the exit code: 0, 1 (a case failed), 3 (a load did not reach its accuracy), 130
-    or 143. Raises GfmdError where the folder cannot be read or written.
+    A case that cannot be solved is reported and skipped. A signal ends the run: finished loads are
+    kept, and the same command resumes the interrupted sweep.
+
+    Parameters
+    ----------
+    cases : list of Case
+        The cases.
+    store : Store
+        Where runs are stored.
+    comm : SerialComm or MpiComm
+        The ranks.
+    threads : int or "auto"
+        Threads of each rank.
+    say : function
+        Prints a line; called on rank 0 only.
+    dry : bool
+        Whether to print only what would be solved.
+
+    Returns
+    -------
+    int
+        Exit code: 0, 1 (a case failed), 3 (a load did not reach its accuracy), 130 or 143 (a
+        signal).
+
+    Raises
+    ------
+    GfmdError
+        If the folder cannot be read or written.
     """
-    speak = say if comm.rank == 0 else lambda text: None
-    todo, plan = on_rank_0(comm, f"reading {store.folder}", lambda: _plan(cases, store))
-    speak(plan)
-    if dry or not todo:
+    report = say if comm.rank == 0 else lambda text: None
+    unsolved, plan = on_rank_0(comm, f"reading {store.folder}", lambda: _plan(cases, store))
+    report(plan)
+    if dry or not unsolved:
         return 0
     folder = store.folder / "solving"
     on_rank_0(comm, f"making {folder}", lambda: folder.mkdir(parents=True, exist_ok=True))
-    begun, done, worst = time.monotonic(), 0, 0
-    for index, case in enumerate(todo):
+    begin = time.monotonic()
+    cost_done = 0
+    exit_code = 0
+    for index, case in enumerate(unsolved):
         try:
             code = _solve(case, store, folder, comm, threads)
         except GfmdError as error:
             if store.path.name in str(error):
                 raise
-            worst = 1
-            speak(f"FAILED  {case}: {error}")
+            exit_code = 1
+            report(f"FAILED  {case}: {error}")
             continue
         if code > 3:
-            speak("stopped; what is finished is kept: the same command continues")
+            report("stopped: finished loads are kept, the same command resumes")
             return code
-        worst = worst or code
-        done += case.cost
-        passed = time.monotonic() - begun
-        left = passed / done * sum(case.cost for case in todo[index + 1 :])
-        speak(f"{index + 1}/{len(todo)}  {case}; {passed:.0f} s so far, about {left:.0f} s to go")
-    with suppress(OSError):  # another rank was first, or another job still solves
+        exit_code = exit_code or code
+        cost_done += case.cost
+        elapsed = time.monotonic() - begin
+        cost_left = sum(case.cost for case in unsolved[index + 1 :])
+        report(
+            f"{index + 1}/{len(unsolved)}  {case}; {elapsed:.0f} s so far, about"
+            f" {elapsed / cost_done * cost_left:.0f} s to go"
+        )
+    with suppress(OSError):  # another rank was first, or another job is still solving
         folder.rmdir()
-    return worst
+    return exit_code
 
 
 def _solve(case, store, folder, comm, threads):
-    """Solve a case and store its loads; returns the exit code of the run."""
+    """Solve a case, store its loads and return the exit code of the run."""
     text = _scene(case, threads)
     scene = folder / f"{crc32(text.encode()):08x}.toml"
     out = scene.with_suffix(".h5")
@@ -77,27 +106,33 @@ def _solve(case, store, folder, comm, threads):
     result = hpc_gfmd.run(scene, out=out, quiet=True, comm=comm)
     if result.exit_code <= 3:
 
-        def keep():
+        def store_runs():
             store.append(_runs_of(case, out, comm.size))
             scene.unlink()
             out.unlink()
 
-        on_rank_0(comm, str(store.path), keep)
+        on_rank_0(comm, str(store.path), store_runs)
     return result.exit_code
 
 
 def _plan(cases, store):
-    """Say what is left to solve; how long it takes follows from what is stored."""
-    todo, runs = store.missing(cases), store.stored().values()
-    whole, left = (sum(len(case.p_star) for case in part) for part in (merged(cases), todo))
-    text = f"{whole} loads, {whole - left} of them stored"
-    if todo:
-        text += f"; to solve: {left} on {len(todo)} surfaces, up to n = {max(c.n for c in todo)}"
-        seconds = sum(run["wall_seconds"] for run in runs) / 60
+    """Return the sweeps that are not stored, and a line about them.
+
+    The time that they need is estimated from the stored runs.
+    """
+    unsolved = store.missing(cases)
+    runs = store.stored().values()
+    n_loads = sum(len(case.p_star) for case in merged(cases))
+    n_unsolved = sum(len(case.p_star) for case in unsolved)
+    text = f"{n_loads} loads, {n_loads - n_unsolved} of them stored"
+    if unsolved:
+        largest = max(case.n for case in unsolved)
+        text += f"; to solve: {n_unsolved} on {len(unsolved)} surfaces, up to n = {largest}"
+        minutes = sum(run["wall_seconds"] for run in runs) / 60
         points = sum(run["n"] ** 2 for run in runs)
         if points:
-            text += f", about {seconds / points * sum(case.cost for case in todo):.1f} minutes"
-    return todo, text
+            text += f", about {minutes / points * sum(case.cost for case in unsolved):.1f} minutes"
+    return unsolved, text
 
 
 def _scene(case, threads):
@@ -110,7 +145,7 @@ def _scene(case, threads):
             "solver": solver,
             "output": {
                 "fields": [],
-                "observables": [*ALWAYS, *case.observables],
+                "observables": [*OBSERVABLES, *case.observables],
                 "distributions": list(case.distributions),
             },
             "machine": {"threads": threads},
@@ -119,19 +154,21 @@ def _scene(case, threads):
 
 
 def _runs_of(case, path, ranks):
-    """Read the loads of a result file: dimensionless numbers, lengths in units of the cell."""
+    """Return the runs of a result file: dimensionless numbers, lengths in units of the cell."""
     runs: Rows = []
     for solution, p_star in zip(hpc_gfmd.load(path), case.p_star, strict=True):
         step = solution.result.steps[0]
         run = case.surface | {"n": case.n} | case.eps
-        run |= {name: step[name] for name in KEPT} | {"p_star": p_star}
+        run |= {name: step[name] for name in COLUMNS} | {"p_star": p_star}
         run |= {"h_rms": solution.h_rms, "g_rms": solution.g_rms, "ranks": ranks}
         run |= {"lam_s": 1 / (case.L_over_lam_l * case.lam_l_over_lam_s)}
         run |= {"a_r_edge": step["a_r_corrected"], "kappa": step["a_r"] / p_star}
         run |= {"kappa_edge": step["a_r_corrected"] / p_star, "version": hpc_gfmd.__version__}
         run |= {name: step.get(name) for name in case.observables}
         for name in case.distributions:
-            found = solution.distributions.get(name)
-            run[f"{name}_distribution"] = found and {k: v.tolist() for k, v in found.items()}
+            histogram = solution.distributions.get(name)
+            run[f"{name}_distribution"] = histogram and {
+                key: values.tolist() for key, values in histogram.items()
+            }
         runs.append(run)
     return runs

@@ -1,4 +1,4 @@
-"""What a figure or table of the paper, or a question beyond it, is to this program."""
+"""The type of an item: a figure or table of the paper, or a question beyond it."""
 
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -8,11 +8,20 @@ from .rows import Rows
 
 
 class Study(NamedTuple):
-    """One item, from its runs to the comparison with what is printed; its texts and the surfaces
-    that it needs are in catalogue.toml.
+    """An item from its runs to the comparison with the paper.
 
-    tabulate: makes rows of the runs and the level. draw: writes the picture of rows to a path.
-    compare: makes lines "paper says / we find / why" of rows (rows.saying).
+    catalogue.toml holds its texts and the surfaces that it needs.
+
+    Attributes
+    ----------
+    name : str
+        Name on the command line and of its files.
+    tabulate : function
+        tabulate(runs, level) returns the rows.
+    draw : function
+        draw(rows, path) writes the picture.
+    compare : function
+        compare(rows) yields lines "claim / we find / remark" (rows.comparison).
     """
 
     name: str

@@ -78,3 +78,26 @@ def test_a_start_makes_no_difference():
     assert warm.contact == again.contact
     assert np.abs(warm.pressure - again.pressure).max() < TOLERANCE * again.pressure.max()
     assert cold.contact < warm.contact
+
+
+@pytest.mark.parametrize(
+    ("name", "index", "p_star", "hardness"),
+    [("plastic_cantor", 4, 2e-5, 4e-5), ("target_area_bricks", 2, 1e-10, None)],
+)
+def test_heights_far_above_the_indentation_do_not_spoil_the_truth(name, index, p_star, hardness):
+    wall = families.make(name, 2311, index)
+    contact = Contact(wall.heights, wall.physical_sizes)
+    assert contact.solve(p_star, hardness=hardness).kkt < TOLERANCE
+
+
+def test_a_pressure_that_is_no_solution_violates_the_conditions():
+    contact = Contact(families.make("self_affine", 5, 0).heights, (1.0, 1.0))
+    truth = contact.solve(0.05)
+    p = contact.on_cell(truth.pressure)
+    touching = p > 0
+    gap = contact.times(contact.S, p) + contact.h
+    gap = np.where(touching, 0, gap - gap[touching].mean())
+    nothing_yields = np.zeros_like(touching)
+    assert contact._violation(p, gap, touching, nothing_yields, 0.05) < TOLERANCE
+    for wrong in (1.001 * p, np.where(p > 0.5 * p.max(), p, 0)):
+        assert contact._violation(wrong, gap, touching, nothing_yields, 0.05) > 1e-4

@@ -1,4 +1,4 @@
-"""What every law of attraction promises. A new file in hpc_gfmd/laws is tested by being there."""
+"""The contract of laws of attraction; new files in hpc_gfmd/laws are tested automatically."""
 
 import numpy as np
 import pytest
@@ -27,7 +27,7 @@ def made(name):
 
 
 @every_law
-def test_energy_is_the_work_in_contact_and_nothing_far_away(name):
+def test_energy_in_contact_and_far_away(name):
     law = made(name)
     assert law.energy(0.0) == pytest.approx(-WORK)
     assert law.energy(100 * RANGE) == pytest.approx(0, abs=1e-4 * WORK)
@@ -48,20 +48,21 @@ def test_attraction_pulls_and_falls_with_the_gap(name):
 
 @every_law
 def test_derivatives_agree(name):
-    """By the integrals, because a curvature may jump: by no more than half an interval then."""
+    """Integrals of derivatives are compared, since the curvature may jump; a jump within an
+    interval is an error of half of it."""
     law = made(name)
     g = np.linspace(0, 12 * RANGE, 400_001)
     for function, derivative in ((law.energy, law.traction), (law.traction, law.curvature)):
         middle = derivative((g[1:] + g[:-1]) / 2)
-        grown = np.cumsum(middle) * (g[1] - g[0])
+        integral = np.cumsum(middle) * (g[1] - g[0])
         jump = np.abs(middle).max() * (g[1] - g[0])
-        missing = np.abs(function(g)[1:] - function(0.0) - grown).max()
-        assert missing < 1e-5 * abs(function(0.0)) + jump
+        error = np.abs(function(g)[1:] - function(0.0) - integral).max()
+        assert error < 1e-5 * abs(function(0.0)) + jump
 
 
 @every_law
-def test_the_range_is_one(name):
-    """Most of the work is done within three ranges, and a good part of it within one."""
+def test_range_is_the_length_scale(name):
+    """At least half of the work is done within one range, and 95 % within three."""
     law = made(name)
     assert -law.energy(3 * RANGE) < 0.05 * WORK
     assert -law.energy(RANGE) < 0.5 * WORK
@@ -69,27 +70,27 @@ def test_the_range_is_one(name):
 
 @every_law
 @pytest.mark.parametrize(("dtype", "tolerance"), [(np.float32, 2e-5), (np.float64, 1e-12)])
-def test_kernels_see_the_same_law(name, dtype, tolerance):
+def test_kernels_agree_with_numpy(name, dtype, tolerance):
     law = made(name)
     g = np.linspace(0, 30 * RANGE, 5001).astype(dtype)
-    found = [np.empty_like(g) for _ in range(3)]
-    of_each_point(in_precision(law, np.dtype(dtype)), g, *found)
+    in_kernel = [np.empty_like(g) for _ in range(3)]
+    of_each_point(in_precision(law, np.dtype(dtype)), g, *in_kernel)
     exact = g.astype(float)
-    for values, function in zip(found, (law.energy, law.traction, law.curvature), strict=True):
-        right = function(exact)
+    for values, function in zip(in_kernel, (law.energy, law.traction, law.curvature), strict=True):
+        exact_values = function(exact)
         jumps = np.abs(np.abs(exact / RANGE - 1) - 0.1) < 1e-5  # of the ramp's curvature
-        wrong = np.abs(values - right)[~jumps]
-        assert (wrong <= tolerance * np.abs(right[~jumps]) + 1e-6 * tolerance * WORK).all()
+        errors = np.abs(values - exact_values)[~jumps]
+        assert (errors <= tolerance * np.abs(exact_values[~jumps]) + 1e-6 * tolerance * WORK).all()
 
 
 @every_law
-def test_units(name):
-    """In other units it is the same law."""
-    law = made(name)
-    other = scaled(made(name), 5.0, 0.1)
-    g = gaps_of(law)
-    assert np.allclose(other.traction(g / 0.1) * 5.0, law.traction(g))
-    assert np.allclose(other.energy(g / 0.1) * 5.0 * 0.1, law.energy(g))
+def test_scaling_to_other_units(name):
+    """A law in other units has the same energies and tractions."""
+    in_si = made(name)
+    in_other_units = scaled(made(name), 5.0, 0.1)
+    g = gaps_of(in_si)
+    assert np.allclose(in_other_units.traction(g / 0.1) * 5.0, in_si.traction(g))
+    assert np.allclose(in_other_units.energy(g / 0.1) * 5.0 * 0.1, in_si.energy(g))
 
 
 class Bump(Law):

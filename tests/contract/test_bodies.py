@@ -1,4 +1,4 @@
-"""What every elastic body promises. A new file in hpc_gfmd/bodies is tested by being there."""
+"""The contract of elastic bodies; new files in hpc_gfmd/bodies are tested automatically."""
 
 import numpy as np
 import pytest
@@ -22,16 +22,16 @@ GRIDS = [
     ((2, 2), (1.0, 3.0)),
     ((48, 40), (1.0, 1.0)),
 ]
-# eigenvalue of S over the sum of squares on the levels, of any field: of what solvers leave it is
-# less
+# largest eigenvalue of S relative to the sum of squares on the levels; residuals of solvers have
+# smaller ratios
 LARGEST = 2.25
 every_body = pytest.mark.parametrize("body", BODIES)
 every_grid = pytest.mark.parametrize(("n", "sizes"), GRIDS)
 
 
 @every_body
-def test_is_a_value(body):
-    """Equal bodies are one key; so are their tables."""
+def test_equal_bodies_have_equal_hashes(body):
+    """They are keys of cached tables."""
     assert hash(body) == hash(type(body)(**vars(body)))
     assert body == type(body)(**vars(body))
 
@@ -39,8 +39,8 @@ def test_is_a_value(body):
 @every_body
 @every_grid
 def test_symmetric_positive_and_bounded(body, n, sizes):
-    """K is symmetric, costs nothing for a rigid translation, and is positive for everything else;
-    no wave is stiffer or softer than the body says, and the shortest is as stiff as it says."""
+    """K is symmetric, zero for rigid translations and positive otherwise, with eigenvalues within
+    the bounds of the body."""
     grid = Grid(n, sizes)
     if grid.N > 400:
         return
@@ -53,7 +53,7 @@ def test_symmetric_positive_and_bounded(body, n, sizes):
     if grid.N == 4:
         return
     smallest, largest = body.bounds(grid)
-    # K of a body that ends is that of a half-space to within 20 %
+    # eigenvalues with free edges are those of a half-space to within 20 %
     assert smallest * 0.8 <= values[1]
     assert values[-1] <= largest * 1.02
     assert body.scale(grid) * SQRT2 <= largest * (1 + 1e-12)
@@ -64,8 +64,7 @@ def test_symmetric_positive_and_bounded(body, n, sizes):
 @every_grid
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
 def test_compliance_is_the_inverse(body, n, sizes, dtype):
-    """S K u = u less its mean, K S p likewise; and the energies <u, K u> and <p, S p> are what they
-    are said to be."""
+    """S K u = u less its mean; <u, K u> and <p, S p> are the energies that the operator returns."""
     grid = Grid(n, sizes)
     tolerance = 2e3 * float(np.finfo(dtype).eps)
     elastic = Elastic(grid, body, dtype)
@@ -82,13 +81,13 @@ def test_compliance_is_the_inverse(body, n, sizes, dtype):
 
 @every_body
 def test_near_stiffness(body):
-    """K between neighbours, as the operator has it."""
+    """K between neighbours agrees with the operator."""
     grid = Grid((48, 40))
     u = np.zeros(grid.n)
     p = grid.empty(np.float64)
     u[5, 7] = 1
     stiffness_times(Elastic(grid, body, np.float64), u, p)
-    mean = float(body.stiffness(np.zeros(1), grid.a)[0]) / grid.N  # which load control leaves out
+    mean = float(body.stiffness(np.zeros(1), grid.a)[0]) / grid.N  # missing in load control
     near = body.near(grid)
     assert near[0] > 0
     assert near == pytest.approx(
@@ -100,50 +99,51 @@ def test_near_stiffness(body):
 
 @every_body
 def test_short_waves_see_a_half_space(body):
-    """Whatever is below or beside, a wave much shorter than that is pressed as on a half-space: K
-    -> |q|/2."""
+    """K -> |q|/2 for waves much shorter than the dimensions of the body."""
     q = np.array([1.0, 3.0])
     assert body.stiffness(q, 1e-3) == pytest.approx(q / 2, rel=1e-2)
 
 
 @every_body
-def test_table_and_on_the_fly(body):
-    """The table of a radial K multiplies as the body itself does, on every rank's part of it."""
+def test_table_of_multipliers_agrees_with_the_body(body):
+    """A table of K on the local columns multiplies as the body itself does."""
     grid = Grid((24, 20))
     fft = grid.fft(np.float64)
     q = body.waves(grid, grid.q_x, grid.column_tables(fft)[0])
     table = Body.make_multipliers(body, grid, fft, q)
-    own = body.multipliers(grid, fft)
+    on_the_fly = body.multipliers(grid, fft)
     block = np.random.default_rng(2).standard_normal((fft.W, 2 * 24)).view(complex)
     for inverse in (False, True):
-        one = block.copy()
-        other = block.copy()
-        assert table.multiply(one, 0, inverse) == pytest.approx(
-            own.multiply(other, 0, inverse), rel=1e-12
+        by_table = block.copy()
+        by_body = block.copy()
+        assert table.multiply(by_table, 0, inverse) == pytest.approx(
+            on_the_fly.multiply(by_body, 0, inverse), rel=1e-12
         )
-        assert np.allclose(one, other, rtol=1e-12, atol=1e-15)
+        assert np.allclose(by_table, by_body, rtol=1e-12, atol=1e-15)
 
 
-def test_one_body_for_every_scene():
-    """Every scene means one body, or none that there is."""
+def test_exactly_one_body_serves_a_material():
+    """One body class accepts each material; unsupported boundaries are refused."""
     elastic = {"base": "elastic", "base_E": 2.0, "base_nu": 0.3}
     layer = {"thickness": 0.3, "nu1": 0.4}
-    for wanted in ({}, layer, layer | {"base": "frictionless"}, layer | elastic):
-        material = Material(**wanted)
-        found = [cls.of(material, (False, False)) for cls in body_classes().values()]
-        assert len(list(filter(None, found))) == 1
-    for wanted in (layer, layer | elastic):
+    for keys in ({}, layer, layer | {"base": "frictionless"}, layer | elastic):
+        material = Material(**keys)
+        matching = [cls.of(material, (False, False)) for cls in body_classes().values()]
+        assert len(list(filter(None, matching))) == 1
+    for keys in (layer, layer | elastic):
         with pytest.raises(SceneError, match="allowed: with periodic boundaries"):
-            body_of(Material(**wanted), (True, False))
+            body_of(Material(**keys), (True, False))
 
 
 @every_body
 @pytest.mark.parametrize(
     ("n", "sizes"), [((16, 16), (1.0, 1.0)), ((15, 12), (1.0, 0.7)), ((20, 20), (1.0, 1.0))]
 )
-def test_norm_of_a_pressure(body, n, sizes):
-    """<r, S r> of a field of zero mean is bounded by its squares on the levels: what the
-    certificate's errors rest on."""
+def test_norm_of_pressures_is_bounded_by_levels(body, n, sizes):
+    """<r, S r> of fields with zero mean is bounded by their squares on the levels.
+
+    The errors of the certificate rest on this bound.
+    """
     grid = Grid(n, sizes)
     S = np.linalg.pinv(matrix(body, grid), rcond=1e-9)
     hierarchy = levels(grid)

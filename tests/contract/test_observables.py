@@ -1,5 +1,5 @@
-"""What every observable and distribution promises. A new file in hpc_gfmd/contact is tested by
-being there."""
+"""The contract of observables and distributions; new files in hpc_gfmd/contact are tested
+automatically."""
 
 from math import isfinite
 
@@ -24,9 +24,10 @@ from hpc_gfmd.scene import Scene
 
 every_observable = pytest.mark.parametrize("name", all_observables())
 every_distribution = pytest.mark.parametrize("name", all_distributions())
-ATTRIBUTE_BYTES = 2**16 - 512  # that HDF5 takes
-# where all observables but these exist, and where all distributions do
+ATTRIBUTE_BYTES = 2**16 - 512  # limit of HDF5
+# FREE with HARD has all observables but MISSING, PERIODIC all distributions
 OF_ATTRACTION = {"attraction", "separation_work", "stability", "stickiness"}
+OF_ATTRACTION |= {"unique", "a_r_other_branch"}
 MISSING = {"gap_bound"} | OF_ATTRACTION
 FREE = rough((1, 8, 4), boundary="free")
 HARD = {"hardness": 0.5}
@@ -45,7 +46,7 @@ WITHOUT = {
 
 
 def run(surface, output, out="x.h5", loads=(0.05, 0.1), material=()):
-    """A run of a scene that asks for this output."""
+    """The RunResult of a scene with this [output]."""
     tables = {"surface": surface, "material": dict(material), "load": {"p_star": list(loads)}}
     return run_scene(Scene.from_dict(tables | {"output": output}), out=out, quiet=True)
 
@@ -59,7 +60,7 @@ def contact():
 
 @pytest.fixture(scope="module")
 def results(tmp_path_factory):
-    """Of all observables, and of all distributions."""
+    """Results with all observables, and with all distributions."""
     folder = tmp_path_factory.mktemp("observables")
     everything = {"observables": list(all_observables())}
     assert run(FREE, everything, folder / "numbers.h5", material=HARD).exit_code == 0
@@ -69,15 +70,15 @@ def results(tmp_path_factory):
 
 
 @every_observable
-def test_a_finite_number(name, contact):
-    """Dents leave the error of the gap alone without a bound; the surfaces do not attract."""
+def test_observables_are_finite_numbers(name, contact):
+    """Dents exclude a bound of the gap; adhesive observables need adhesion."""
     value = all_observables()[name](contact)
     assert (value is None) == (name in MISSING)
     assert value is None or (isfinite(value) and value == float(value))
 
 
 @every_distribution
-def test_small_and_finite(name):
+def test_distributions_are_small_and_finite(name):
     arrays = all_distributions()[name](sweep_of(PERIODIC, accuracy=1e-3).solve(0.05))
     for array in arrays.values():
         assert array.ndim == 1
@@ -100,18 +101,21 @@ def test_written_and_shown(results):
 
 
 @every_observable
-def test_alone(name):
-    """It stands beside the cheap ones, and no other."""
+def test_single_observables_add_no_others(name):
+    """Steps hold the requested observable beside the default ones."""
     (_, step) = run(rough((1, 8, 2), boundary="free"), {"observables": [name]}, material=HARD).steps
-    kept = {*default_observables(), *observables_named([name])}
-    asked = {*duality.OBSERVABLES} - {"gap_bound"} if name in duality.OBSERVABLES else set()
+    cheap = {*default_observables(), *observables_named([name])}
+    duality_observables = (
+        {*duality.OBSERVABLES} - {"gap_bound"} if name in duality.OBSERVABLES else set()
+    )
     assert (
-        set(step) & set(all_observables()) == kept - {*duality.OBSERVABLES} - OF_ATTRACTION | asked
+        set(step) & set(all_observables())
+        == cheap - {*duality.OBSERVABLES} - OF_ATTRACTION | duality_observables
     )
 
 
-def test_each_number_of_a_result_is_defined(results, cli):
-    """Its meaning and its unit, in the program and on one page."""
+def test_every_number_has_a_definition_and_a_unit(results, cli):
+    """In the package and on the page of `help observables`."""
     page = cli.prints("help observables --markdown")
     surface = {"unit": "m", "pressure_unit": "Pa"}
     for name in {*results[0].steps[1], *all_observables()}:
@@ -119,15 +123,14 @@ def test_each_number_of_a_result_is_defined(results, cli):
         assert said_of(name, surface, all_numbers())["units"]
         assert f"| `{name}` | " in page
     names = "stiffness", "patch_largest", "a_r", "energy"
-    found = [said_of(name, surface, all_numbers())["units"] for name in names]
-    assert found == ["Pa/m", "m^2", "1", "Pa m"]
+    units = [said_of(name, surface, all_numbers())["units"] for name in names]
+    assert units == ["Pa/m", "m^2", "1", "Pa m"]
 
 
 @every_observable
 @pytest.mark.parametrize("case", DEGENERATE)
 def test_degenerate_contacts(name, case):
-    """A number, or None where the quantity does not exist, never NaN, on flat walls, profiles and
-    in full contact."""
+    """Flat walls, profiles and full contact give numbers or None, never NaN."""
     made = sweep_of(DEGENERATE[case], duality=True)
     for p in (0.05, 0.06):
         value = all_observables()[name](made.solve(p))
@@ -136,13 +139,14 @@ def test_degenerate_contacts(name, case):
 
 
 @every_observable
-def test_with_an_attraction(name):
-    """A finite number, but where only the convex problem has one; None where nothing touches."""
+def test_observables_with_adhesion(name):
+    """Finite numbers, except where only the convex problem has one; None without contact."""
     wall = rough((1, 8, 4), g_rms=1.0)
     adhesion = {"adhesion": {"work": 0.002, "range": 0.02}}
     made = sweep_of(wall, duality=True, layer=adhesion, accuracy=1e-3)
     value = all_observables()[name](made.solve(0.05))
     missing = {"a_plastic", "approach", "stiffness", "gap_bound", "pressure_bound"}
+    missing |= {"unique", "a_r_other_branch"}  # load.unique
     assert value is None if name in missing else isfinite(value)
     apart = all_observables()[name](made.solve(-0.05))
     assert apart is None or isfinite(apart)
@@ -151,22 +155,24 @@ def test_with_an_attraction(name):
 @every_distribution
 @pytest.mark.parametrize("case", DEGENERATE)
 def test_degenerate_distributions(name, case):
-    """Finite numbers, or None where there is nothing to count."""
+    """Finite numbers, or None without anything to count."""
     arrays = all_distributions()[name](sweep_of(DEGENERATE[case]).solve(0.05))
     assert arrays is None or all(
         len(array) and np.isfinite(array).all() for array in arrays.values()
     )
 
 
-def test_one_point():
-    found = hpc_gfmd.solve([[1.0]], 0.1, distributions=list(all_distributions())).distributions
-    assert {"pressure", "patches", "gap_autocorrelation"} <= found.keys()
-    assert "gap" not in found
+def test_distributions_of_one_point():
+    distributions = hpc_gfmd.solve(
+        [[1.0]], 0.1, distributions=list(all_distributions())
+    ).distributions
+    assert {"pressure", "patches", "gap_autocorrelation"} <= distributions.keys()
+    assert "gap" not in distributions
 
 
 @pytest.mark.parametrize("boundary", ["free", ["periodic", "free"]])
-def test_of_surfaces_that_end(boundary):
-    """Counts as ever."""
+def test_counts_with_free_edges(boundary):
+    """Counted observables and distributions exist with free edges, too."""
     counts = {
         "observables": ["patches", "perimeter", "percolation"],
         "distributions": ["pressure", "gap", "patches"],
@@ -178,25 +184,25 @@ def test_of_surfaces_that_end(boundary):
 
 @pytest.mark.parametrize("accuracy", [1e-1, 1e-3])
 @pytest.mark.parametrize("p_star", [0.02, 0.2, 1.0])
-def test_bounds_hold_without_any_estimate(p_star, accuracy):
-    """Of the true errors, and they do not say more than is so by orders of magnitude."""
+def test_bounds_of_true_errors(p_star, accuracy):
+    """Bounds by the duality gap hold, and are not larger by orders of magnitude."""
     exact = sweep_of(rough(), **EXACT).solve(p_star)
-    found = sweep_of(rough(), duality=True, accuracy=accuracy).solve(p_star)
-    wrong = [
-        np.linalg.norm(found.field("pressure")[:] - exact.field("pressure")[:])
+    solved = sweep_of(rough(), duality=True, accuracy=accuracy).solve(p_star)
+    errors = [
+        np.linalg.norm(solved.field("pressure")[:] - exact.field("pressure")[:])
         / np.linalg.norm(exact.field("pressure")[:]),
-        abs(found.gap_mean / exact.gap_mean - 1),
+        abs(solved.gap_mean / exact.gap_mean - 1),
     ]
-    for true, bound in zip(wrong, (duality.pressure_bound(found), duality.gap_bound(found))):
-        assert bound is None or true < bound < 300 * accuracy
-    assert accuracy > 1e-2 or duality.pressure_bound(found)
+    for error, bound in zip(errors, (duality.pressure_bound(solved), duality.gap_bound(solved))):
+        assert bound is None or error < bound < 300 * accuracy
+    assert accuracy > 1e-2 or duality.pressure_bound(solved)
 
 
 def test_duality_gap_only_on_request():
-    """It costs half an FFT pair; without it the certificate has all the rest."""
-    plain, asked = (
-        sweep_of(FREE, duality=wanted, accuracy=1e-3).solve(0.1) for wanted in (False, True)
+    """It costs half an FFT pair."""
+    plain, with_duality = (
+        sweep_of(FREE, duality=requested, accuracy=1e-3).solve(0.1) for requested in (False, True)
     )
     assert plain.certificate.duality_gap is None
-    assert asked.certificate.duality_gap > 0
-    assert asked.fft_pairs == plain.fft_pairs + 0.5
+    assert with_duality.certificate.duality_gap > 0
+    assert with_duality.fft_pairs == plain.fft_pairs + 0.5

@@ -1,4 +1,4 @@
-"""What every solver promises. A new file in hpc_gfmd/solvers is tested by being there, here and on
+"""The contract of solvers; new files in hpc_gfmd/solvers are tested automatically, here and on
 grids of any shape in tests/physics/test_oracle.py."""
 
 from dataclasses import replace
@@ -26,6 +26,7 @@ def problem_of(p0=0.1):
 
 
 def started(name, problem, options=()):
+    """A solver at its cold start."""
     solver = solver_class(name)(problem, dict(options))
     solver.start(cold_gap(problem))
     return solver
@@ -40,39 +41,39 @@ def started(name, problem, options=()):
     ],
 )
 def test_same_certified_solution(name, options, surface, p_star):
-    """Without a start from coarse grids, which is another solver's."""
+    """Without nested starts, in which another solver works on coarse grids."""
     wanted = solve_scene(surface, p_star, **EXACT)
-    how = {"name": name, "options": options, "residual": 1e-9, "nested": False}
-    found = solve_scene(surface, p_star, **EXACT | how)
-    assert found.status == "converged"
-    assert found.certificate.residual < 1e-9
-    assert found.gap_mean == pytest.approx(wanted.gap_mean, rel=1e-6)
-    # and by another way than the program's own certificate
-    g = field(found, "gap")
-    p = field(found, "pressure")
+    settings = {"name": name, "options": options, "residual": 1e-9, "nested": False}
+    solved = solve_scene(surface, p_star, **EXACT | settings)
+    assert solved.status == "converged"
+    assert solved.certificate.residual < 1e-9
+    assert solved.gap_mean == pytest.approx(wanted.gap_mean, rel=1e-6)
+    # conditions of the solution, checked without the certificate
+    g = field(solved, "gap")
+    p = field(solved, "pressure")
     assert relative(p, field(wanted, "pressure")) < 1e-6
     assert np.array_equal(p > 0, field(wanted, "pressure") > 0)
     assert g.min() >= 0
     assert p.min() >= 0
     assert not (g * p).any()
-    assert p.mean() == pytest.approx(found.p_mean, rel=1e-7)
+    assert p.mean() == pytest.approx(solved.p_mean, rel=1e-7)
 
 
 @every_solver
 @pytest.mark.parametrize("accuracy", [1e-2, 1e-5])
 def test_accuracy(name, accuracy):
     wanted = solve_scene(SURFACE, 0.1, **EXACT)
-    found = solve_scene(SURFACE, 0.1, name=name, accuracy=accuracy)
-    assert found.status == "converged"
-    assert max(found.certificate.errors) < accuracy
-    assert found.gap_mean == pytest.approx(wanted.gap_mean, rel=accuracy)
-    assert relative(field(found, "pressure"), field(wanted, "pressure")) < accuracy
-    assert abs(found.contact_points / wanted.contact_points - 1) <= accuracy
+    solved = solve_scene(SURFACE, 0.1, name=name, accuracy=accuracy)
+    assert solved.status == "converged"
+    assert max(solved.certificate.errors) < accuracy
+    assert solved.gap_mean == pytest.approx(wanted.gap_mean, rel=accuracy)
+    assert relative(field(solved, "pressure"), field(wanted, "pressure")) < accuracy
+    assert abs(solved.contact_points / wanted.contact_points - 1) <= accuracy
 
 
 @every_solver
 def test_single_precision(name):
-    """As far as it goes; beyond that it stagnates."""
+    """Solvers converge as far as single precision allows, and stagnate beyond."""
     wanted = solve_scene(SURFACE, 0.1, **EXACT)
     single = solve_scene(SURFACE, 0.1, name=name, residual=1e-3, precision="single")
     assert single.g.dtype == np.float32
@@ -85,8 +86,7 @@ def test_single_precision(name):
 
 @every_solver
 def test_progress_and_pairs(name):
-    """Progress tells what the state is; an iteration costs at least one FFT pair, and all are
-    counted."""
+    """Progress describes the state; an iteration costs at least one FFT pair."""
     solver = started(name, problem_of())
     for _ in range(20):
         before = solver.pairs
@@ -113,19 +113,19 @@ def test_pairs_per_iteration(name):
 
 
 @every_solver
-def test_the_pressure_is_that_of_the_gap(name):
-    """After many steps p still is p0 + K (g - h)."""
+def test_pressure_follows_the_gap_over_many_steps(name):
+    """After 50 steps p is still p0 + K (g - h)."""
     solver = started(name, problem_of())
     for _ in range(50):
         solver.step()
-    kept = solver.p.copy()
+    followed = solver.p.copy()
     fresh = np.empty_like(solver.p)
     certify(solver.problem_now, solver.g, fresh)
-    assert np.abs(kept - fresh).max() < 1e-9 * np.abs(fresh).max()
+    assert np.abs(followed - fresh).max() < 1e-9 * np.abs(fresh).max()
 
 
 @every_solver
-def test_another_load(name):
+def test_continuation_at_another_load(name):
     solver = started(name, problem_of(0.1))
     target = StoppingCriterion(residual=1e-8)
     assert drive(solver, target)[0] == "converged"
@@ -139,8 +139,8 @@ def test_another_load(name):
 
 
 @every_solver
-def test_stops(name):
-    """At max_iterations, when told to, and with NaN: never as converged."""
+def test_reasons_to_stop(name):
+    """max_iterations, an interrupt and NaN; never converged."""
     problem = problem_of()
     solver = started(name, problem)
     assert drive(solver, StoppingCriterion(residual=1e-13, max_iterations=3))[0] == "max_iterations"
@@ -174,7 +174,7 @@ def test_options_are_checked(name, options, message):
         solver_class(name)(problem_of(), options)
 
 
-def test_no_faster_than_stable():
-    """At the stability limit of gfmd and with little damping, the fastest mode still dies out."""
+def test_gfmd_converges_at_its_stability_limit():
+    """With little damping, the fastest mode still decays."""
     solver = started("gfmd", problem_of(0.353), {"dt": 1.0})
     assert drive(solver, StoppingCriterion(residual=1e-6, max_iterations=200))[0] == "converged"

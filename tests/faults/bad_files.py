@@ -1,6 +1,6 @@
-"""Ten hostile files that must be refused: {name: (how they are made, words of the message)}.
+"""Hostile files that must be refused: {name: (function that makes one, words of the message)}.
 
-What else may be wrong with a file is found by changing bytes at random (test_readers.py).
+Other defects are found by random changes of bytes (test_readers.py).
 """
 
 import pickle
@@ -19,7 +19,7 @@ HUGE = 10**6
 
 
 class Trap:
-    """Unpickled, it makes a file."""
+    """An object that creates a file when it is unpickled."""
 
     def __init__(self, path):
         self.path = str(path)
@@ -29,7 +29,7 @@ class Trap:
 
 
 def h5(path, fill):
-    """An HDF5 file that fill(file) fills; beside it one that no map may reach."""
+    """Make an HDF5 file with fill(file), and elsewhere.h5, which no reader may open."""
     with h5py.File(path.with_name("elsewhere.h5"), "w") as file:
         file["surface"] = Z
     with h5py.File(path, "w") as file:
@@ -37,12 +37,12 @@ def h5(path, fill):
 
 
 def cut(path, data, keep):
-    """The first part of a file."""
+    """Write the first part of some data."""
     path.write_bytes(data[: int(keep * len(data))])
 
 
 def archive(path, **shapes):
-    """A .npz of arrays that claim these shapes, and have no numbers."""
+    """Make a .npz archive of arrays with these shapes in their headers but without numbers."""
     with zipfile.ZipFile(path, "w") as file:
         for name, shape in shapes.items():
             with file.open(f"{name}.npy", "w") as array:
@@ -52,7 +52,7 @@ def archive(path, **shapes):
 
 
 def claims(path, shape):
-    """A .npy file whose header promises `shape` and that holds 48 numbers."""
+    """Make a .npy file with `shape` in its header and 48 numbers."""
     with open(path, "wb") as file:
         np.lib.format.write_array_header_1_0(
             file, {"descr": "<f8", "fortran_order": False, "shape": shape}
@@ -61,17 +61,17 @@ def claims(path, shape):
 
 
 def trap(path):
-    """A pickle under the name of an array."""
+    """Make a pickle with the name of an array."""
     path.write_bytes(pickle.dumps(Trap(path.with_name("trapped"))))
 
 
 def linked(path):
-    """A map that lies in another file."""
+    """Make a file whose map is a link to another file."""
     h5(path, lambda file: put(file, "surface", "external link"))
 
 
 def half_a_netcdf(path):
-    """Part of a sound map."""
+    """Make a truncated map."""
     cut(path, seeds("netcdf", path.parent)[0].read_bytes(), 0.67)
 
 
@@ -85,45 +85,45 @@ HEIGHT_MAPS = {
 
 
 def sound(path):
-    """A sound result file, as bytes."""
-    made, other = seeds("result", path.parent)
-    data = made.read_bytes()
-    made.unlink()
-    other.unlink()
+    """Make a sound result file and return its bytes."""
+    plain, compressed = seeds("result", path.parent)
+    data = plain.read_bytes()
+    plain.unlink()
+    compressed.unlink()
     path.write_bytes(data)
     return data
 
 
 def edit(path, change):
-    """A sound result, changed by h5py."""
+    """Make a sound result and change it with change(file)."""
     sound(path)
     with h5py.File(path, "r+", locking=False) as file:
         change(file)
 
 
 def foreign(path):
-    """HDF5 of another program."""
+    """Make an HDF5 file of another program."""
     with h5py.File(path, "w") as file:
         file["surface"] = Z
 
 
 def one_bit(path):
-    """One bit of a number flipped."""
+    """Make a result with one bit of a number flipped."""
     data = sound(path)
     place = data.index(np.float64(0.25).tobytes()) + 3
     path.write_bytes(data[:place] + bytes([data[place] ^ 1]) + data[place + 1 :])
 
 
 def moved_out(file):
-    """The gap in another file."""
-    with h5py.File("elsewhere.h5", "w") as other:
-        other["surface"] = FIELD
+    """Move the gap to another file."""
+    with h5py.File("elsewhere.h5", "w") as elsewhere:
+        elsewhere["surface"] = FIELD
     del file["steps/0000/gap"]
     file["steps/0000/gap"] = h5py.ExternalLink("elsewhere.h5", "/surface")
 
 
 def huge(file):
-    """A field of 1e6 x 1e6 points, as the surface says, none of which is there."""
+    """Replace the gap by a field of 1e6 x 1e6 points without numbers."""
     file["surface"].attrs.modify("n", [HUGE, HUGE])
     checksum = file["steps/0000/gap"].attrs[CHECKSUM]
     del file["steps/0000/gap"]

@@ -1,4 +1,4 @@
-"""What tests of faults share: a small disk, and the run to which nothing happens."""
+"""Fixtures of the tests of faults: a small disk, and results of undisturbed runs."""
 
 import os
 import shutil
@@ -12,7 +12,7 @@ from hpc_gfmd.output.read import read_result
 
 
 def pytest_collection_modifyitems(items):
-    """scripts/test runs these beside all others."""
+    """Mark the tests of this folder, which scripts/test runs in the background."""
     for item in items:
         if Path(__file__).parent in item.path.parents:
             item.add_marker(pytest.mark.faults)
@@ -20,8 +20,7 @@ def pytest_collection_modifyitems(items):
 
 @pytest.fixture
 def small_disk(tmp_path):
-    """small_disk(bytes): a tmpfs of that size, mounted on a folder; skips where that is not
-    allowed."""
+    """small_disk(bytes) mounts a tmpfs of that size and returns its folder, or skips the test."""
     mounted = []
 
     def mount(size, folder=tmp_path / "disk"):
@@ -42,17 +41,19 @@ def small_disk(tmp_path):
 
 @pytest.fixture(scope="session")
 def undisturbed(tmp_path_factory):
-    """undisturbed(ranks, **how): the result of the run to which nothing happens; how: as for
-    jobs.write_scene."""
-    made = {}
+    """undisturbed(ranks, **settings) returns the result of a run without faults.
 
-    def result(ranks, **how):
-        key = (ranks, str(how))
-        if key not in made:
-            path = write_scene(tmp_path_factory.mktemp("undisturbed"), **how)
+    settings: arguments of jobs.write_scene.
+    """
+    results = {}
+
+    def result(ranks, **settings):
+        key = (ranks, str(settings))
+        if key not in results:
+            path = write_scene(tmp_path_factory.mktemp("undisturbed"), **settings)
             job = call("run scene.toml -q", ranks, path.parent)
             assert job.code == 0, job.err
-            made[key] = read_result(path)
-        return made[key]
+            results[key] = read_result(path)
+        return results[key]
 
     return result

@@ -1,5 +1,4 @@
-"""Jobs whose processes can be killed, watched and counted: nothing of them may be left, and none
-may hang."""
+"""Jobs whose processes can be killed and counted: none may be left over, and none may hang."""
 
 import contextlib
 import io
@@ -21,20 +20,36 @@ from hpc_gfmd.commands.cli import main
 from hpc_gfmd.output.folder import is_held, partial_folder
 from hpc_gfmd.output.read import read_result
 
-MARK = "HPC_GFMD_TEST_JOB"  # in the environment of all processes of a job
+MARK = "HPC_GFMD_TEST_JOB"  # variable in the environment of all processes of a job
 SABOTAGE = Path(__file__).with_name("sabotage.py")
-PATIENCE = 300.0  # seconds that an undisturbed job may take here, where others compute as well
-# seconds from a fault to the end of the last process; the machine of the tests may be busy
-AT_ONCE = 60.0
+PATIENCE = 300.0  # seconds that an undisturbed job may take on a busy machine
+AT_ONCE = 60.0  # seconds from a fault to the end of the last process on a busy machine
 
 needs_mpi = pytest.mark.skipif(bool(mpi_harness.missing()), reason="mpirun or mpi4py is missing")
 
 
 class Job:
-    """`mpirun -n ranks python -m hpc_gfmd` with these words (ranks None: without mpirun), started
-    in the folder cwd.
+    """A running `hpc-gfmd`, perhaps under mpirun.
 
-    fault: words for sabotage.py, which then starts the program; wrapped: command put before it all.
+    Parameters
+    ----------
+    words : str
+        Its arguments.
+    ranks : int, optional
+        Number of ranks; without mpirun by default.
+    cwd : Path, optional
+        Folder in which it runs.
+    fault : str, optional
+        Arguments of sabotage.py, which then starts the program.
+    wrapped : sequence of str
+        Command that starts it all.
+
+    Attributes
+    ----------
+    hit : float
+        Time of the fault.
+    code, out, err
+        Exit code and output, after `end`.
     """
 
     def __init__(self, words, ranks=None, cwd=None, fault=None, wrapped=()):
@@ -52,10 +67,11 @@ class Job:
             text=True,
             env=mpi_harness.environment(**{MARK: self.mark}),
         )
-        self.begun = self.hit = time.monotonic()
+        self.begun = time.monotonic()
+        self.hit = self.begun
 
     def pids(self):
-        """All processes of the job that live, that of mpirun or the program first."""
+        """Return the living processes of the job, that of mpirun or the program first."""
         pids = []
         for folder in Path("/proc").iterdir():
             try:
@@ -69,7 +85,7 @@ class Job:
         return sorted(pids, key=lambda pid: (pid != self.process.pid, pid))
 
     def ranks(self):
-        """The processes that compute."""
+        """Return the processes that compute."""
         return [
             pid
             for pid in self.pids()
@@ -78,7 +94,7 @@ class Job:
         ]
 
     def kill(self, sign, *pids):
-        """Send a signal; the time of the fault."""
+        """Send a signal to some processes, or to the first one, and note the time of the fault."""
         self.hit = time.monotonic()
         for pid in pids or (self.process.pid,):
             try:
@@ -87,17 +103,16 @@ class Job:
                 pass
 
     def wait_for(self, happened, patience=PATIENCE):
-        """Until happened() is true; returns whether that was before the job ended."""
+        """Wait until happened() is true; return whether that was before the end of the job."""
         while not happened():
             if self.process.poll() is not None:
                 return False
-            assert time.monotonic() - self.begun < patience, "nothing happened"
+            assert time.monotonic() - self.begun < patience, "it did not happen in time"
             time.sleep(0.002)
         return True
 
     def end(self, patience=AT_ONCE):
-        """Wait for the end of all processes; sets code, out, err. Fails if that takes too
-        long."""
+        """Wait for the end of all processes and set code, out, err; fail if it takes too long."""
         try:
             self.out, self.err = self.process.communicate(
                 timeout=max(patience - (time.monotonic() - self.hit), 0.1)
@@ -121,36 +136,38 @@ class Job:
         return self
 
     def one_line(self):
-        """What the job said on stderr: one line, once, no traceback. (mpirun may add lines of its
-        own.)"""
+        """Return the only line of hpc-gfmd on stderr, which has no traceback.
+
+        mpirun may add lines.
+        """
         lines = [line for line in self.err.splitlines() if line.startswith("hpc-gfmd:")]
         assert len(lines) == 1, self.err
         assert "Traceback" not in self.err or "internal error" in lines[0], self.err
         return lines[0]
 
     def says(self, pattern):
-        """The one line matches."""
+        """Assert that the line on stderr matches."""
         assert re.search(pattern, self.one_line()), self.one_line()
 
 
 def command_of(pid):
-    """The command line of a process, as bytes with nulls; nothing of one that is gone."""
+    """Return the command line of a process, with nulls between words; empty if it has ended."""
     try:
         return Path(f"/proc/{pid}/cmdline").read_bytes()
     except OSError:
         return b""
 
 
-def run(words, ranks=None, cwd=None, **how):
-    """A job from its start to its end."""
-    return Job(words, ranks, cwd, **how).end(PATIENCE)
+def run(words, ranks=None, cwd=None, **settings):
+    """Run a job to its end and return it."""
+    return Job(words, ranks, cwd, **settings).end(PATIENCE)
 
 
 EIGHT = [round(0.02 * 1.2**i, 6) for i in range(8)]
 
 
 def write_scene(folder=Path(), lam=32, loads=EIGHT[:5], residual=1e-8, fields=("gap",)):
-    """scene.toml of a sweep, most loads of which start from the one before."""
+    """Write scene.toml of a sweep and return the path of its result."""
     (folder / "scene.toml").write_text(
         scene_text(
             (2, lam, 2),
@@ -162,31 +179,35 @@ def write_scene(folder=Path(), lam=32, loads=EIGHT[:5], residual=1e-8, fields=("
     return folder / "out.h5"
 
 
-def nothing_wrong(path, wanted, rel=0.0):
-    """What can be read is right: a file under its final name is complete, finished steps are those
-    of the undisturbed run, within a relative tolerance where the run has gone on.
+def assert_sound(path, expected, rel=0.0):
+    """Assert that what can be read is right and return the number of finished steps.
 
-    Returns how many steps there are."""
+    A file under its final name is complete. Finished steps are those of the undisturbed run, within
+    a relative tolerance after a restart.
+    """
     if path.exists():
         result = read_result(path)
-        assert result.indices == wanted.indices
-        assert_same_steps(result, wanted, rel)
-        return len(wanted.steps)
+        assert result.indices == expected.indices
+        assert_same_steps(result, expected, rel)
+        return len(expected.steps)
     if (partial_folder(path) / "head.h5").exists():
         begun = time.monotonic()
         while is_held(partial_folder(path)) and time.monotonic() - begun < 5:
-            time.sleep(0.01)  # a process that was killed gives back its files last
+            time.sleep(0.01)  # a killed process releases its files last
         result = read_result(path)
         assert result.status == "interrupted", result.status
-        assert_same_steps(result, wanted, rel)
+        assert_same_steps(result, expected, rel)
         return len(result.steps)
     return 0
 
 
-def goes_on(path, wanted, ranks, kept=0):
-    """What is there is right, so many loads at least, and so is what comes of them in the end: by
-    the same command, which removes no finished load; no temporary files are left then."""
-    assert nothing_wrong(path, wanted) >= kept
+def assert_resumes(path, expected, ranks, kept=0):
+    """Assert that the same command resumes a run, with the right result.
+
+    At least `kept` loads are finished before; none of the finished ones is solved again, and no
+    temporary files are left in the end.
+    """
+    assert assert_sound(path, expected) >= kept
     begun = (partial_folder(path) / "head.h5").exists()
     loads = [*partial_folder(path).glob("step-[0-9]*.h5")] if begun else []
     job = call("run scene.toml", ranks, path.parent)
@@ -195,11 +216,11 @@ def goes_on(path, wanted, ranks, kept=0):
         rf"resuming .*: {len(loads)} loads? (is|are) finished", job.out
     ), job.out
     assert names(path.parent) == ["out.h5", "scene.toml"]
-    nothing_wrong(path, wanted, rel=1e-6)
+    assert_sound(path, expected, rel=1e-6)
 
 
 def call(words, ranks=None, cwd="."):
-    """As `run`, in this process where one is enough (ranks None): much faster."""
+    """Do the same as `run`, but within this process if ranks is None, which is much faster."""
     if ranks:
         return run(words, ranks, cwd)
     job = Job.__new__(Job)

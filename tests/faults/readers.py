@@ -1,5 +1,4 @@
-"""Every reader of files as a target for fuzzing: a file is read, or refused in one line; nothing
-else may happen."""
+"""Every reader of files as a target of fuzzing: a file is read, or refused in one line."""
 
 import faulthandler
 import os
@@ -15,17 +14,16 @@ from hpc_gfmd.surface.topography import open_topography
 from hpc_gfmd.theory import tfc
 from hpc_gfmd.util.errors import GfmdError
 
-MOST_POINTS = 2**20  # of a field that is read; larger ones are left to the check of the memory
-# of the child that tries a file, and characters of a message
-SECONDS = 1
-BYTES = 8 * 2**30
-LONGEST = 1500
-# a file made to crash the HDF5 library is the library's matter
+LARGEST_FIELD = 2**20  # points of a field that is read
+SECONDS = 1  # CPU time of the child that reads a file
+BYTES = 8 * 2**30  # its address space
+LONGEST_MESSAGE = 1500  # characters
+# Files that may crash the HDF5 library, which is not our concern.
 HDF5 = "hdf5", "netcdf", "result", "checkpoint"
 
 
 def read_scene(path):
-    """A scene file; what it becomes survives a round trip."""
+    """Read a scene file; the scene survives a round trip."""
     scene = load_scene(path)
     assert Scene.from_toml(scene.to_toml()) == scene
     assert len(scene.identity()) == 64
@@ -33,44 +31,43 @@ def read_scene(path):
 
 
 def read_heights(path):
-    """A height map, all rows of it."""
+    """Read all rows of a height map."""
     spec = File(kind="file", path=str(path))
     n = open_topography(spec).n
-    rows = max(1, min(64, MOST_POINTS // n[1]))
-    for start in range(0, n[0] if n[0] * n[1] <= MOST_POINTS else 0, rows):
+    rows = max(1, min(64, LARGEST_FIELD // n[1]))
+    for start in range(0, n[0] if n[0] * n[1] <= LARGEST_FIELD else 0, rows):
         z = open_topography(spec).rows(start, min(start + rows, n[0]))
         assert z.dtype == "f8"
         assert z.shape == (min(rows, n[0] - start), n[1])
 
 
 def read_results(path):
-    """A result file as `show` prints it, as JSON, with its fields, and with its scene as `restart`
-    would want it."""
+    """Read a result file as `show` does, as text and JSON, with its fields and its scene."""
     result = read_result(path)
     assert as_text(result)
     as_json(as_dict(result))
     for fields in result.fields:
         for stored in fields.values():
-            if stored.shape[0] * stored.shape[1] <= MOST_POINTS:
+            if stored.shape[0] * stored.shape[1] <= LARGEST_FIELD:
                 assert stored.read(0, stored.shape[0]).shape == stored.shape
     Scene.from_toml(result.scene_toml)
 
 
 def read_state(path):
-    """A checkpoint and its arrays."""
+    """Read a checkpoint and its arrays."""
     checkpoint = read_checkpoint(path, "abc")
     for field in checkpoint.fields[0].values():
-        if field.shape[0] * field.shape[1] <= MOST_POINTS:
+        if field.shape[0] * field.shape[1] <= LARGEST_FIELD:
             field.read()
 
 
 def read_runs(path):
-    """A table of runs and the fit to it."""
+    """Read a table of runs and fit it."""
     tfc.fit_tfc(**tfc.read_runs(path), terms=("t",), alpha={})
 
 
 def read_coefficients(path):
-    """A table of coefficients and a correction by it."""
+    """Read a table of coefficients and apply it."""
     tfc.extrapolate(2.0, "kappa", 0.5, 0.007, 0.5, 0.001, 0.5, table=tfc.read_table(path))
 
 
@@ -87,8 +84,10 @@ READERS = {  # target: (reader, extension of its files)
 
 
 def outcome(target, path):
-    """ "read" or "refused"; anything else raises, and what a file does to the HDF5 library ends the
-    process."""
+    """Return "read" or "refused".
+
+    Anything else raises; a crash of the HDF5 library ends the process.
+    """
     try:
         READERS[target][0](Path(path))
     except GfmdError as error:
@@ -96,25 +95,27 @@ def outcome(target, path):
     else:
         return "read"
     assert message.isprintable(), ascii(message)
-    assert 0 < len(message) < LONGEST, message
+    assert 0 < len(message) < LONGEST_MESSAGE, message
     return "refused"
 
 
 def outcome_apart(target, path):
-    """As `outcome`, in a fork, or "crashed": the HDF5 library takes the process with it."""
+    """Return `outcome` in a fork, or "crashed" if the HDF5 library ended it."""
     outcome_in_child = _in_a_fork(lambda: outcome(target, path))
     assert outcome_in_child is not None or target in HDF5, f"{path} ends the process that reads it"
     return outcome_in_child or "crashed"
 
 
 def _in_a_fork(function):
-    """What a function returns, a text or nothing, or None if its process died. Raises
-    AssertionError with what it raised."""
+    """Call a function in a fork and return its text ("" for None), or None if the process died.
+
+    Raises AssertionError if the function raises.
+    """
     read_end, write_end = os.pipe()
     child = os.fork()
     if child == 0:
         faulthandler.disable()
-        for fatal in (
+        for fatal in (  # a fuzzer's handler would wait for ever
             signal.SIGABRT,
             signal.SIGSEGV,
             signal.SIGBUS,
@@ -122,7 +123,7 @@ def _in_a_fork(function):
             signal.SIGILL,
             signal.SIGALRM,
         ):
-            signal.signal(fatal, signal.SIG_DFL)  # a fuzzer's handler would wait for ever
+            signal.signal(fatal, signal.SIG_DFL)
         resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
         resource.setrlimit(resource.RLIMIT_AS, (BYTES, BYTES))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))

@@ -1,7 +1,7 @@
 """Run the program with a fault in it: `python sabotage.py FAULT RANK [ARGUMENT] -- run scene.toml`.
 
-The fault happens on one rank only (-1: on all), by replacing a function of the program; the program
-itself has no hooks for this.
+The fault happens on one rank only (-1: on all). A function of the program is replaced for it; the
+program has no hooks for faults.
 """
 
 import os
@@ -14,32 +14,33 @@ from pathlib import Path
 
 
 def main(fault, rank, *rest):
-    """Prepare the fault, then run the command line."""
-    cut = rest.index("--")
+    """Prepare the fault and run the command line."""
+    end = rest.index("--")
     from hpc_gfmd.parallel.world import world
 
     if int(rank) in (-1, world().rank):
-        FAULTS[fault](*rest[:cut])
+        FAULTS[fault](*rest[:end])
     from hpc_gfmd.commands.cli import main as program
 
-    return program(list(rest[cut + 1 :]))
+    return program(list(rest[end + 1 :]))
 
 
 def after(function, count, then):
-    """A function that is called as before, the count-th time with then(function, args) instead."""
-    calls = [0]
+    """Return a function whose count-th call is replaced by then(function, args)."""
+    calls = 0
 
-    def called(*args, **named):
-        calls[0] += 1
-        if calls[0] == int(count):
+    def counted(*args, **named):
+        nonlocal calls
+        calls += 1
+        if calls == int(count):
             return then(lambda: function(*args, **named), args)
         return function(*args, **named)
 
-    return called
+    return counted
 
 
 def raised(place, name, error):
-    """A fault: the count-th call of a function raises this error."""
+    """Return a fault: the count-th call of a function raises an error."""
 
     def fault(count=1):
         def fail(_, __):
@@ -52,8 +53,7 @@ def raised(place, name, error):
 
 
 def nan(count, value="nan"):
-    """A NaN or an infinity in the pressure of this rank, in the middle of a solve, in every
-    precision."""
+    """Put a nan or an infinity into the pressure of this rank in the middle of a solve."""
     from hpc_gfmd.solvers.bpx import Bpx
 
     def spoil(go_on, args):
@@ -66,7 +66,7 @@ def nan(count, value="nan"):
 
 
 def limit(mebibytes):
-    """So much more address space than now, once the program has begun to solve."""
+    """Limit the additional address space once the program makes the surface."""
     from hpc_gfmd.runs import simulation
 
     def shrink(go_on, _):
@@ -79,7 +79,7 @@ def limit(mebibytes):
 
 
 def slow(seconds):
-    """Every sync to the disk takes so long: a run is mostly writing."""
+    """Delay every sync to the disk, so that a run mostly writes."""
     fsync = os.fsync
 
     def late(descriptor):
@@ -90,28 +90,30 @@ def slow(seconds):
 
 
 def hold(function, text, flag):
-    """A function of parallel/h5.py, _write or sync, that does not get on when the file's name
-    has this text; a file says when."""
+    """Block a function of parallel/h5.py, _write or sync, for files with this text in their names.
+
+    The file `flag` is created when it blocks.
+    """
     from hpc_gfmd.parallel import h5
 
-    before = getattr(h5, function)
+    original = getattr(h5, function)
 
-    def called(what, *args, **named):
-        if not named and text in (str(what) if function == "sync" else what.file.filename):
+    def blocking(target, *args, **named):
+        if not named and text in (str(target) if function == "sync" else target.file.filename):
             Path(flag).touch()
             time.sleep(60)
-        return before(what, *args, **named)
+        return original(target, *args, **named)
 
-    setattr(h5, function, called)
+    setattr(h5, function, blocking)
 
 
 def unreserved():
-    """Disk space is promised that is not there, as by file systems that cannot reserve it."""
+    """Reserve no disk space, as on file systems that cannot."""
     os.posix_fallocate = lambda *_: None
 
 
 def vanish(folder):
-    """A folder, when the third load is about to be written."""
+    """Delete a folder when the third load is about to be written."""
     from hpc_gfmd.output.record import RunFile
 
     RunFile.write_step = after(
@@ -120,7 +122,7 @@ def vanish(folder):
 
 
 def lag(seconds, flag):
-    """Nothing happens for a while before the run begins to listen to signals; a file says when."""
+    """Delay the run before it listens to signals; the file FLAG-PID is created then."""
     from hpc_gfmd.runs import simulation
 
     def wait(go_on, _):
@@ -132,8 +134,8 @@ def lag(seconds, flag):
 
 
 FAULTS = {fault.__name__: fault for fault in (nan, limit, slow, hold, unreserved, vanish, lag)} | {
-    # while the surface is made, in the middle of a solve, of one that allocates, and while the rows
-    # of this rank are written
+    # an error while the surface is made, in the middle of a solve, in an allocation, and while the
+    # rows of this rank are written
     "surface": raised("runs.simulation", "build_surface", RuntimeError("sabotage")),
     "solve": raised("solvers.bpx:Bpx", "step", RuntimeError("sabotage")),
     "no_memory": raised("solvers.bpx:Bpx", "step", MemoryError("Unable to allocate 7.00 TiB")),

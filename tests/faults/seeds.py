@@ -1,4 +1,4 @@
-"""Valid files of every kind, small, from which fuzzing begins."""
+"""Small valid files of every kind, from which fuzzing starts."""
 
 import io
 import json
@@ -21,7 +21,7 @@ STEP = result_files.STEP | {"gap_mean": 0.1}
 
 
 def seeds(target, folder):
-    """Make the seeds of a target in `folder`, a list of paths."""
+    """Make the seeds of a target in a folder and return their paths."""
     return _MAKERS[target](Path(folder))
 
 

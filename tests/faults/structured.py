@@ -1,4 +1,4 @@
-"""Result files, height maps and links in them that are valid HDF5 and otherwise anything."""
+"""Result files that are valid HDF5 with any content."""
 
 import h5py
 import numpy as np
@@ -58,7 +58,7 @@ results = st.fixed_dictionaries(
 
 
 def put(group, name, kind):
-    """A dataset or link of some kind, perhaps to elsewhere.h5, which none may reach."""
+    """Make a dataset or link of some kind, perhaps to elsewhere.h5, which no reader may open."""
     if kind in SIMPLE:
         group[name] = SIMPLE[kind]
     elif kind in MADE:
@@ -72,8 +72,7 @@ def put(group, name, kind):
 
 
 def write_result(path, content):
-    """A result file with the `content` that `results` gives: attributes changed after they were
-    written, fields of any kind."""
+    """Write a result file with content from `results`: changed attributes, fields of any kind."""
     head = {"format": FORMAT, "format_version": FORMAT_VERSION, "scene": SCENE.read_text()}
     with h5py.File(path, "w") as file:
         file["real"] = FIELD
@@ -90,15 +89,15 @@ def write_result(path, content):
 
 
 def check_result(content):
-    """Write it into the current folder and read it."""
+    """Write a result file with some content to the current folder and read it."""
     with h5py.File("elsewhere.h5", "w") as file:
         file["surface"] = FIELD
     write_result("any.h5", content)
-    found = outcome("result", "any.h5")
+    result = outcome("result", "any.h5")
     kinds = set(content["fields"].values())
     bad = kinds & {"external", "virtual", "external link", "complex", "text", "field"}
     if bad and not content["left_out"]:
-        assert found == "refused", kinds  # a field without its checksum, too
+        assert result == "refused", kinds  # "field" has no checksum
 
 
 def _set(group, attributes, changes):

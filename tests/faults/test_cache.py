@@ -1,4 +1,4 @@
-"""Caches that are stale, damaged or cannot be written: made again, never used, never an error."""
+"""Caches that are stale, damaged or not writable are never used and never an error."""
 
 import errno
 import importlib.util
@@ -31,11 +31,13 @@ def square(x):
 
 @pytest.fixture
 def compiled(tmp_path, monkeypatch):
-    """compiled(): (3 * 2.0, hits of the cache) by a small kernel, imported anew; .module(): all
-    kernels of the file; .files(): what is kept."""
+    """compiled() imports a small kernel and returns (3 * 2.0, number of cache hits).
+
+    compiled.module() imports all kernels of the file; compiled.files() lists the cache.
+    """
     numba = pytest.importorskip("numba")
     cache = tmp_path / "cache"
-    # numba reads its variables anew where one has changed
+    # numba reads all its variables again when one has changed
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(cache))
     monkeypatch.setattr(numba.config, "CACHE_DIR", str(cache))
     (tmp_path / "small.py").write_text(KERNELS)
@@ -60,8 +62,8 @@ DAMAGE = {
     "empty": lambda data: b"",
     "noise": lambda data: b"\xcc" * len(data),
     "one bit": lambda data: data[:-50] + bytes([data[-50] ^ 4]) + data[-49:],
-    "valid, of nothing": lambda data: pickle.dumps((b"", b"")),
-    "as numba keeps it, without a checksum": lambda data: data[32:],
+    "valid but empty": lambda data: pickle.dumps((b"", b"")),
+    "as numba writes it, without a checksum": lambda data: data[32:],
 }
 
 
@@ -79,7 +81,7 @@ def test_a_damaged_kernel_is_compiled_again(damage, compiled):
 
 
 def test_code_of_another_kernel_or_signature_is_not_run(compiled):
-    """Whatever the names of the files are."""
+    """Even if the files of the cache are exchanged."""
     arguments = 2.0, 3, 1j
     for x in arguments:
         assert (compiled.module().triple(x), compiled.module().square(x)) == (3 * x, x * x)
@@ -92,25 +94,25 @@ def test_code_of_another_kernel_or_signature_is_not_run(compiled):
             assert (compiled.module().triple(x), compiled.module().square(x)) == (3 * x, x * x)
 
 
-def test_the_source_has_changed(compiled, tmp_path):
+def test_changed_sources_are_compiled_again(compiled, tmp_path):
     assert compiled() == (6.0, 0)
     (tmp_path / "small.py").write_text(KERNELS.replace("3 * x", "7 * x"))
     assert compiled() == (14.0, 0)
     assert compiled() == (14.0, 1)
 
 
-@pytest.mark.parametrize("how", ["no folder", "no room", "disk full", "folder of another"])
-def test_a_cache_that_cannot_be_written_is_none(how, compiled, monkeypatch, tmp_path):
+@pytest.mark.parametrize("reason", ["no folder", "no room", "disk full", "no permission"])
+def test_a_cache_that_cannot_be_written(reason, compiled, monkeypatch, tmp_path):
     def fails(*_, **__):
-        raise OSError(errno.ENOSPC, how)
+        raise OSError(errno.ENOSPC, reason)
 
-    if how == "no folder":
+    if reason == "no folder":
         (tmp_path / "cache").write_text("a file where the folder should be")
-    elif how == "no room":
+    elif reason == "no room":
         monkeypatch.setattr(
             shutil, "disk_usage", lambda _: shutil._ntuple_diskusage(10**9, 10**9, 0)
         )
-    elif how == "disk full":
+    elif reason == "disk full":
         monkeypatch.setattr(os, "replace", fails)
     else:
         monkeypatch.setattr(os, "makedirs", fails)
@@ -120,8 +122,7 @@ def test_a_cache_that_cannot_be_written_is_none(how, compiled, monkeypatch, tmp_
 
 
 def test_other_sources_have_another_folder_and_few_are_kept(compiled, monkeypatch, tmp_path):
-    """A function that is compiled into a kernel may live in another file, which numba does not look
-    at."""
+    """A kernel may contain a function of another file, at which numba does not look."""
     import numba
 
     from hpc_gfmd.kernels import cache
@@ -138,8 +139,7 @@ def test_other_sources_have_another_folder_and_few_are_kept(compiled, monkeypatc
     assert users == numba.config.CACHE_DIR
 
 
-def test_only_what_was_kept_comes_back(tmp_path):
-    """Whatever happens to the bytes of a file."""
+def test_changed_bytes_are_detected(tmp_path):
     original = bytes(range(256)) * 3
     path = tmp_path / "file"
     keep(path, original)
@@ -171,7 +171,7 @@ print(hpc_gfmd.solve(wall, 0.1, accuracy=1e-2).a_r.hex())
 
 @pytest.mark.slow
 def test_a_solve_with_all_caches_damaged(tmp_path):
-    """The number is that of an empty cache, and of what is damaged nothing is used."""
+    """The result is that with an empty cache."""
     env = environment(HPC_GFMD_CACHE=str(tmp_path / "cache"))
     env.pop("NUMBA_CACHE_DIR", None)
     expected = python(None, ["-c", SOLVE], env)
@@ -186,8 +186,8 @@ def test_a_solve_with_all_caches_damaged(tmp_path):
 
 
 @pytest.mark.parametrize("content", [b"", b"[]", b"\xff\xfe", b"null", b"1e-30"])
-def test_a_bad_note_of_the_speed_of_this_machine(content, tmp_path, monkeypatch):
-    """`plan` measures again."""
+def test_a_bad_record_of_the_speed_of_this_machine(content, tmp_path, monkeypatch):
+    """`plan` measures the speed again."""
     from hpc_gfmd.runs import timing
 
     monkeypatch.setenv("HPC_GFMD_CACHE", str(tmp_path))
@@ -212,8 +212,8 @@ for name in ("HOME", "USER", "LOGNAME", "HPC_GFMD_CACHE", "XDG_CACHE_HOME", "NUM
 
 
 @pytest.mark.parametrize("home", [None, "relative"])
-def test_without_a_home_nothing_is_kept(home, monkeypatch):
-    """As in a container whose user has no name: all works, and nothing is written."""
+def test_no_cache_without_a_home(home, monkeypatch):
+    """As in a container whose user has no entry in the password file."""
     from hpc_gfmd.util.caches import cache_folder
 
     for name in ("HPC_GFMD_CACHE", "XDG_CACHE_HOME"):
@@ -250,15 +250,15 @@ print([main(command.split()) for command in {commands}])
     assert sorted(path.name for path in tmp_path.iterdir()) == files
 
 
-def test_kept_code_calls_no_copy_of_a_piece():
-    """It would be another one than that of code just compiled, with other last bits."""
+def test_pieces_of_kernels_are_inlined():
+    """Otherwise cached code might call another copy of a piece, with other rounding errors."""
     from hpc_gfmd.kernels.multilevel import restrict_row
 
     assert restrict_row.targetoptions["forceinline"]
 
 
-def test_kernels_that_are_not_to_be_compiled(tmp_path):
-    """numba's switch for debugging would have Python call FFTW by an address."""
+def test_numba_without_compilation_is_refused(tmp_path):
+    """With numba's switch for debugging Python would call FFTW by an address."""
     completed = python(None, ["-c", SOLVE], environment(NUMBA_DISABLE_JIT="1"))
     assert completed.returncode == 1
     assert "NUMBA_DISABLE_JIT" in completed.stderr.splitlines()[-1]

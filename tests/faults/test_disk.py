@@ -1,19 +1,18 @@
-"""Disks that are full, read-only or gone: one line, a code that is not 0, and what was finished
-before is continued afterwards."""
+"""Full, read-only or missing disks: one line, a nonzero exit code, and a restart afterwards."""
 
 import subprocess
 from pathlib import Path
 
 import pytest
-from faults.jobs import call, goes_on, needs_mpi, run, write_scene
+from faults.jobs import assert_resumes, call, needs_mpi, run, write_scene
 from result_files import names
 
 SEVERAL = pytest.param(2, id="two ranks", marks=[pytest.mark.slow, needs_mpi])
 FIELDS = {"fields": ["gap", "pressure", "displacement"]}
-FULL = {  # when: KiB of the disk, of the scene, fault, what the message names
+FULL = {  # when: (KiB of the disk, arguments of write_scene, fault, words of the message)
     "at start": (4, {}, None, "output.path: cannot write to|writing .*head.h5: No space left"),
     "during a field write": (300, FIELDS, None, r"step-0000\.h5: No space"),
-    # where the space could not be reserved: HDF5 and MPI meet the full disk, on several ranks in a
+    # if the space cannot be reserved, HDF5 and MPI meet the full disk, on several ranks in a
     # collective write
     "in the middle of a write": (
         300,
@@ -21,7 +20,7 @@ FULL = {  # when: KiB of the disk, of the scene, fault, what the message names
         "unreserved -1",
         r"writing .*step-0000\.h5: (No space left on device|.*write failed)",
     ),
-    "while the result is put together": (
+    "while the result is assembled": (
         1568,
         {},
         None,
@@ -42,20 +41,20 @@ FULL = {  # when: KiB of the disk, of the scene, fault, what the message names
     ],
 )
 def test_full(small_disk, undisturbed, when, ranks):
-    """No result, nothing half-written; with more space all goes on."""
-    size, how, fault, message = FULL[when]
-    to_the_end = when == "while the result is put together"
+    """No result and no partial files are left; with more space the run resumes."""
+    size, settings, fault, message = FULL[when]
+    at_the_end = when == "while the result is assembled"
     disk = small_disk(size * 1024)
-    path = write_scene(disk, **how)
-    asked = "run scene.toml -q", ranks, disk
-    # this process may know plans of other tests
-    job = run(*asked, fault=fault) if fault or to_the_end else call(*asked)
+    path = write_scene(disk, **settings)
+    command = "run scene.toml -q", ranks, disk
+    # In a new process at the end, because this one may have FFTW plans of other tests.
+    job = run(*command, fault=fault) if fault or at_the_end else call(*command)
     assert job.code == 1 or (job.code, when) == (2, "at start"), job.err
     job.says(message)
     assert not path.exists()
     assert not list(disk.rglob("*.tmp"))
     subprocess.run(["mount", "-o", "remount,size=64m", disk], check=True)
-    goes_on(path, undisturbed(ranks, **how), ranks)
+    assert_resumes(path, undisturbed(ranks, **settings), ranks)
 
 
 def test_export(small_disk, undisturbed):
@@ -77,13 +76,13 @@ def test_read_only(small_disk, ranks):
 
 
 @pytest.mark.parametrize("ranks", [None, SEVERAL])
-@pytest.mark.parametrize("what", ["folder/out.h5.partial", "folder"])
-def test_folder_vanished(what, ranks):
-    """When the third load is about to be written; nothing can be left then, but nothing hangs."""
+@pytest.mark.parametrize("folder", ["folder/out.h5.partial", "folder"])
+def test_folder_vanished(folder, ranks):
+    """It vanishes when the third load is about to be written: the run ends and does not hang."""
     Path("folder").mkdir()
     path = write_scene(Path("folder"))
     words = f"run {path.parent}/scene.toml -q -o {path}"
-    job = run(words, ranks, fault=f"vanish 0 {what}")
+    job = run(words, ranks, fault=f"vanish 0 {folder}")
     assert job.code == 1
     job.says(r"step-0002\.h5: No such file or directory")
     assert not path.exists()

@@ -1,5 +1,4 @@
-"""Bad files of every kind: one line that says what is wrong, exit code 2, nothing written, nothing
-executed."""
+"""Bad files of every kind: a single line, exit code 2, no files written, no code executed."""
 
 import zipfile
 
@@ -16,8 +15,7 @@ from hpc_gfmd.surface.topography import open_topography
 
 @pytest.fixture
 def refused(tmp_path, cli):
-    """refused(*args, code=2): the line on stderr of a command in the folder of the bad file;
-    nothing else is written."""
+    """refused(*args, code=2) runs a command and returns its line on stderr; it writes no files."""
 
     def run(*args, code=2):
         before = sorted(tmp_path.rglob("*"))
@@ -56,8 +54,7 @@ def test_result_file(fault, tmp_path, refused):
 
 
 def test_a_large_map_in_one_chunk_is_unpacked_once(tmp_path):
-    """Rows are read a few at a time; the chunk is kept, whatever happens to the file after the
-    first of them."""
+    """Rows are read a few at a time from the unpacked chunk, even if the file changes."""
     z = np.arange(2048.0 * 640).reshape(2048, 640)
     path = tmp_path / "z.h5"
     h5(
@@ -68,7 +65,7 @@ def test_a_large_map_in_one_chunk_is_unpacked_once(tmp_path):
     )
     topography = open_topography(File(kind="file", path=str(path)))
     assert np.array_equal(topography.rows(0, 64), z[:64])
-    with open(path, "r+b") as file:  # what is packed there cannot be unpacked again
+    with open(path, "r+b") as file:  # the chunk cannot be unpacked again
         file.seek(4000)
         file.write(bytes(path.stat().st_size - 5000))
     for i in range(64, 2048, 64):
@@ -88,8 +85,8 @@ def test_sound_height_maps_of_every_kind(array, tmp_path):
         assert np.array_equal(topography.rows(1, 4), np.asarray(array, dtype=float)[1:4])
 
 
-def test_of_an_archive_one_array_is_unpacked(tmp_path):
-    """Beside it may be what claims to be anything."""
+def test_one_array_of_an_archive_is_unpacked(tmp_path):
+    """Other arrays may claim any size."""
     archive(tmp_path / "z.npz", unit=(10**9,), other=(10**6, 10**6))
     with zipfile.ZipFile(tmp_path / "z.npz", "a") as file, file.open("z.npy", "w") as array:
         np.save(array, Z)
@@ -107,9 +104,9 @@ def test_soft_links_within_the_file_are_followed(tmp_path):
     assert np.array_equal(open_topography(File(kind="file", path="z.h5")).rows(0, 8), Z)
 
 
-def test_packed_netcdf_is_unpacked_and_missing_points_are_not_numbers():
-    """The conventions of NetCDF: height = scale_factor times number + add_offset, _FillValue where
-    there is none."""
+def test_packed_netcdf_and_missing_points():
+    """By the conventions of NetCDF height = scale_factor * number + add_offset; _FillValue marks
+    missing points."""
     from scipy.io import netcdf_file
 
     from hpc_gfmd.util.errors import SceneError
@@ -133,9 +130,9 @@ def test_packed_netcdf_is_unpacked_and_missing_points_are_not_numbers():
         write("odd.nc", scale_factor="much")
 
 
-@pytest.mark.parametrize("left", ["cut", "garbled", "numbers"])
-def test_a_bad_checkpoint_is_never_used(left, tmp_path, capfd, monkeypatch):
-    """The load begins anew, and ends as if nothing had been there."""
+@pytest.mark.parametrize("damage", ["cut", "garbled", "numbers"])
+def test_a_bad_checkpoint_is_never_used(damage, tmp_path, capfd, monkeypatch):
+    """The load starts again, and ends as if there had been no checkpoint."""
     from hpc_gfmd.parallel.interrupt import Interrupt
     from hpc_gfmd.runs.simulation import restart, run_scene
     from hpc_gfmd.scene import Scene
@@ -147,13 +144,13 @@ def test_a_bad_checkpoint_is_never_used(left, tmp_path, capfd, monkeypatch):
     assert run_scene(stopped, out="out.h5", quiet=True).status == "interrupted"
     path = tmp_path / "out.h5.partial" / "checkpoint.h5"
     data = path.read_bytes()
-    if left == "cut":
+    if damage == "cut":
         cut(path, data, 0.7)
     else:
         with h5py.File(path) as file:
             place = (
                 file["steps/0000/gap"].id.get_offset() + 64
-                if left == "numbers"
+                if damage == "numbers"
                 else data.index(b"OHDR") + 30
             )
         path.write_bytes(data[:place] + b"\x55" * 64 + data[place + 64 :])

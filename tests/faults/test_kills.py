@@ -1,4 +1,4 @@
-"""kill -9 at any moment: what can be read is right, and the run goes on from where it was."""
+"""kill -9 at any moment: what can be read is right, and the run can be resumed."""
 
 import random
 import signal
@@ -6,7 +6,7 @@ import time
 from pathlib import Path
 
 import pytest
-from faults.jobs import Job, goes_on, needs_mpi, write_scene
+from faults.jobs import Job, assert_resumes, needs_mpi, write_scene
 
 from hpc_gfmd.output.folder import partial_folder
 
@@ -18,8 +18,8 @@ TARGETS = {
     "all ranks": lambda job: job.ranks(),
     "mpirun": lambda job: [],
 }
-# where one rank is held, while the others go on as far as they can: it, function of parallel/h5.py,
-# file; loads that are kept
+# {where: (rank that is blocked, function of parallel/h5.py, file, finished loads)}; the other ranks
+# continue as far as they can
 HELD = {
     "in a collective write": (1, "_write", "step-0002.h5", 2),
     "before a file gets its name": (0, "sync", "step-0002.h5.tmp", 2),
@@ -42,7 +42,7 @@ HELD = {
     ],
 )
 def test_held(undisturbed, where, target):
-    """Killed where that is being written."""
+    """Processes are killed while a rank is blocked."""
     rank, function, file, kept = HELD[where]
     path = write_scene()
     job = Job("run scene.toml -q", RANKS, fault=f"hold {rank} {function} {file} held")
@@ -52,12 +52,12 @@ def test_held(undisturbed, where, target):
     assert job.code != 0
     assert any(path.parent.rglob("*.tmp"))
     Path("held").unlink()
-    goes_on(path, undisturbed(RANKS), RANKS, kept)
+    assert_resumes(path, undisturbed(RANKS), RANKS, kept)
 
 
 @pytest.mark.slow
 def test_at_random_moments(tmp_path, undisturbed):
-    """From the start to after the end."""
+    """Between the start and a moment after the end."""
     dice = random.Random(1)
     duration = 2.0
     for moment in range(MOMENTS):
@@ -72,4 +72,4 @@ def test_at_random_moments(tmp_path, undisturbed):
         target = list(TARGETS)[moment % 3]
         job.kill(signal.SIGKILL, *TARGETS[target](job))
         job.end()
-        goes_on(path, undisturbed(RANKS), RANKS)
+        assert_resumes(path, undisturbed(RANKS), RANKS)

@@ -1,5 +1,4 @@
-"""Parts of the installation that are not there: not needed, or one line that says what to
-install."""
+"""Missing parts of the installation: they are not needed, or one line names what to install."""
 
 import subprocess
 import sys
@@ -12,7 +11,7 @@ SCENE = "[surface]\nkind = 'wave'\namplitude = 0.1\nn = [8, 8]\n[load]\npressure
 
 
 def without(folder, *modules):
-    """An environment in which Python cannot import some modules."""
+    """Return an environment in which Python cannot import some modules."""
     for module in modules:
         (folder / "gone").mkdir(exist_ok=True)
         text = f"raise ModuleNotFoundError({f'No module named {module}'!r}, name={module!r})\n"
@@ -54,7 +53,7 @@ def test_a_missing_package(module, command, words, code, folder):
     assert words in run.stderr
 
 
-ELSEWHERE = """
+NOT_LINUX = """
 import builtins, io, os, random, signal, sys
 
 import numpy
@@ -67,14 +66,14 @@ for module, names in {
     for name in names.split():
         delattr(module, name)
 sys.modules.update(fcntl=None, resource=None)
-found = io.open
+original_open = io.open
 
-def opened(path, *rest, **more):
+def open_without_proc(path, *rest, **more):
     if str(path).startswith(("/proc", "/sys")):
         raise FileNotFoundError(path)
-    return found(path, *rest, **more)
+    return original_open(path, *rest, **more)
 
-io.open = builtins.open = opened
+io.open = builtins.open = open_without_proc
 from hpc_gfmd.commands.cli import main
 
 calls = "run scene.toml,plan scene.toml,info,export contact.h5 --to npz,show contact.h5"
@@ -83,9 +82,9 @@ for line in calls.split(","):
 """
 
 
-def test_what_only_linux_has_is_not_needed(folder):
+def test_features_of_linux_are_not_needed(folder):
     completed = subprocess.run(
-        [sys.executable, "-c", ELSEWHERE],
+        [sys.executable, "-c", NOT_LINUX],
         env=environment(),
         cwd=folder,
         capture_output=True,

@@ -1,10 +1,9 @@
-"""What goes wrong on one rank only: all ranks end, one line says why, and nothing is sold as
-good."""
+"""Faults on one rank: all ranks end, one line names the reason, and no wrong result is left."""
 
 import json
 
 import pytest
-from faults.jobs import Job, call, goes_on, needs_mpi, nothing_wrong, run, write_scene
+from faults.jobs import Job, assert_resumes, assert_sound, call, needs_mpi, run, write_scene
 
 from hpc_gfmd.output.folder import partial_folder
 from hpc_gfmd.output.read import read_result
@@ -12,7 +11,7 @@ from hpc_gfmd.output.read import read_result
 pytestmark = needs_mpi
 RANKS = 2
 INTERNAL = "internal error on rank 1: RuntimeError: sabotage"
-EXCEPTIONS = {  # where: fault, number of ranks, message
+EXCEPTIONS = {  # where: (fault, number of ranks, message)
     "while the surface is made": ("surface 1", RANKS, INTERNAL),
     "in the middle of a solve": ("solve 1 20", RANKS, INTERNAL),
     "in the writer": ("write 1 6", RANKS, r"writing .*\.h5: sabotage"),
@@ -36,14 +35,13 @@ def test_exception(undisturbed, where):
     assert job.code == 1, (job.code, job.err)
     job.says(message)
     assert not path.exists()
-    goes_on(path, undisturbed(ranks), ranks)
+    assert_resumes(path, undisturbed(ranks), ranks)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("value", "precision"), [("nan", "double"), ("-inf", "single")])
 def test_not_a_number(value, precision):
-    """In the middle of the second load, on one rank: that load is nonfinite, the others are what
-    they are."""
+    """A nan on one rank in the middle of the second load: only that load is nonfinite."""
     path = write_scene(loads=[0.02, 0.024, 0.2, 0.24], residual=1e-4)
     words = f"run scene.toml --set solver.precision={precision}"
     job = run(words, RANKS, fault=f"nan 1 12 {value}")
@@ -61,7 +59,7 @@ def test_not_a_number(value, precision):
 @pytest.mark.slow
 @pytest.mark.parametrize("ranks", [None, RANKS])
 def test_address_space(ranks):
-    """ulimit -v is reached while the run gets its memory."""
+    """ulimit -v is reached while the run allocates its memory."""
     path = write_scene(lam=256, loads=[0.1])
     job = run("run scene.toml", ranks, fault="limit -1 8")
     assert job.code not in (0, 3), job.err
@@ -71,7 +69,7 @@ def test_address_space(ranks):
 
 @pytest.mark.slow
 def test_memory_limit_at_start():
-    """ulimit -v is known before anything is computed."""
+    """ulimit -v is checked before anything is computed."""
     path = write_scene(lam=2048, loads=[0.1])
     wrapped = ["bash", "-c", 'ulimit -v 3000000; exec "$@"', "-"]
     job = run("run scene.toml", wrapped=wrapped)
@@ -83,14 +81,12 @@ def test_memory_limit_at_start():
 
 @pytest.mark.slow
 def test_two_runs(undisturbed):
-    """The second one is refused and the first one does not notice."""
+    """A second run is refused and does not disturb the first one."""
     path = write_scene()
-    first = Job("run scene.toml", RANKS, fault="slow -1 0.1")
-    assert first.wait_for((partial_folder(path) / "step-0001.h5").exists)
-    second = run("run scene.toml", RANKS)
-    third = run("restart out.h5")
-    for job in (second, third):
+    running = Job("run scene.toml", RANKS, fault="slow -1 0.1")
+    assert running.wait_for((partial_folder(path) / "step-0001.h5").exists)
+    for job in (run("run scene.toml", RANKS), run("restart out.h5")):
         assert job.code == 2, job.err
         job.says("another run is writing this file")
-    assert first.end(60).code == 0
-    nothing_wrong(path, undisturbed(RANKS))
+    assert running.end(60).code == 0
+    assert_sound(path, undisturbed(RANKS))

@@ -1,5 +1,5 @@
-"""Whatever a file holds, it is read or refused in one line: changed bytes, valid HDF5 of odd
-content, and all that ever went wrong."""
+"""Any file is read or refused in one line: changed bytes, valid HDF5 of odd content, and files that
+once caused errors."""
 
 import hashlib
 from pathlib import Path
@@ -12,12 +12,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 REGRESSIONS = sorted(p for p in (Path(__file__).parent / "regressions").glob("*/*") if p.is_file())
-EXAMPLES = {
-    "scene": 150,
-    "npy": 100,
-    "coefficients": 60,
-    "runs": 60,
-}  # of changed bytes; the others, HDF5 all, in a child each
+# Numbers of changed files. Other targets, which are all HDF5, are read in a child process each.
+EXAMPLES = {"scene": 150, "npy": 100, "coefficients": 60, "runs": 60}
 quick = settings(
     deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
 )
@@ -33,15 +29,15 @@ EDITS = st.lists(
 
 
 def changed(data, edits):
-    """`data` with some bytes set, cut out, inserted or repeated elsewhere."""
+    """Return data with some bytes set, cut out, inserted or repeated elsewhere."""
     data = bytearray(data)
-    for what, where, new in edits:
+    for kind, where, new in edits:
         place = int(where * len(data))
-        if what == "set":
+        if kind == "set":
             data[place : place + len(new)] = new
-        elif what == "cut":
+        elif kind == "cut":
             del data[place : place + 8 * new[0]]
-        elif what == "insert":
+        elif kind == "insert":
             data[place:place] = new
         else:
             data[place:place] = data[: new[0]]
@@ -66,7 +62,7 @@ def test_changed_bytes(target, tmp_path):
 
 @pytest.mark.parametrize("target", READERS)
 def test_the_seeds_are_read(target, tmp_path):
-    """And not changed: not even the time of a file in the folder."""
+    """They are read without any change, even of their times."""
     outcomes = []
     for path in seeds(target, tmp_path):
         before = hashlib.sha256(path.read_bytes()).digest(), path.stat().st_mtime_ns
@@ -82,7 +78,7 @@ def test_valid_hdf5_of_any_content(content):
 
 
 @pytest.mark.parametrize("path", REGRESSIONS, ids=lambda p: f"{p.parent.name}-{p.name}")
-def test_what_once_went_wrong(path, tmp_path):
+def test_regressions(path, tmp_path):
     target = path.parent.name
     copy = tmp_path / f"any{READERS[target][1]}"
     copy.write_bytes(path.read_bytes())

@@ -1,5 +1,4 @@
-"""MPI-IO that cannot open a file: rank 0 writes for all, a note says why, and the result is the
-same."""
+"""If MPI-IO cannot open a file, rank 0 writes for all with a note, and the result is the same."""
 
 import os
 import shutil
@@ -13,7 +12,7 @@ from hpc_gfmd.parallel.h5 import reading
 
 pytestmark = needs_mpi
 RANKS = 2
-# /dev/shm of the processes of the job alone
+# what the processes of the job see as /dev/shm
 PLACES = {
     "full": "size=64k tmpfs /dev/shm; head -c 64k /dev/zero >/dev/shm/full",
     "read-only": "ro tmpfs /dev/shm",
@@ -27,7 +26,7 @@ def is_written_by_rank_0(path):
 
 @pytest.mark.parametrize("place", PLACES)
 def test_without_shared_memory(place, undisturbed):
-    """As in containers; Open MPI opens no file there, MPICH does."""
+    """As in containers, where Open MPI cannot open files but MPICH can."""
     if os.getuid() != 0 or not shutil.which("unshare"):
         pytest.skip("only root can mount another /dev/shm")
     script = f'mount -t tmpfs -o {PLACES[place]}; exec "$@"'
@@ -45,7 +44,7 @@ def test_without_shared_memory(place, undisturbed):
 
 @pytest.mark.parametrize("name", ["ufs:out.h5", "2026-01-01T12:30:00.h5"])
 def test_a_colon_in_the_path(name, undisturbed, tmp_path):
-    """What is before one is the kind of a file system to ROMIO, which would write another file."""
+    """ROMIO takes the text before it as the type of a file system and would write another file."""
     write_scene()
     job = run(f"run scene.toml -o {name}", RANKS)
     assert job.code == 0, job.err

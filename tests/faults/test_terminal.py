@@ -1,5 +1,5 @@
-"""mpirun on a terminal: rank 0 draws a bar though its own standard error is a pipe, and Ctrl-C says
-how to go on."""
+"""mpirun on a terminal: rank 0 draws a progress bar although its standard error is a pipe, and
+Ctrl-C prints how to resume."""
 
 import os
 import select
@@ -17,8 +17,10 @@ termios = pytest.importorskip("termios")
 
 
 def on_terminal(command, shown, env):
-    """Run a command on a terminal of its own and press Ctrl-C when it has shown some text; returns
-    (all that it showed, exit code)."""
+    """Run a command on a new terminal and press Ctrl-C once it has shown some text.
+
+    Returns its output and exit code.
+    """
     pid, terminal = pty.fork()
     if pid == 0:
         os.execvpe(command[0], command, env)
@@ -62,5 +64,5 @@ def test_ctrl_c(ranks):
 
 
 def mpi_version():
-    """What mpirun says of itself."""
+    """Return the output of mpirun --version."""
     return os.popen("mpirun --version").read()

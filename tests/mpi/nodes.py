@@ -1,5 +1,7 @@
-"""One machine as if it were several: ranks on other nodes have no memory in common, and send each
-other everything. What they send is counted."""
+"""Pretend that one machine has several nodes, and count what ranks send.
+
+Ranks on different nodes share no memory and exchange everything by messages.
+"""
 
 import numpy as np
 
@@ -12,13 +14,19 @@ NODES = {
     "pairs": lambda rank: rank // 2,
     "in turn": lambda rank: rank % 2,
 }
-# ranks of a node, None: all, where they are dealt out in their order
+# Ranks of a node (None: all) for those NODES that are filled in the order of the ranks.
 PER_NODE = {"one": None, "each its own": 1, "pairs": 2}
 
 
 class CountingComm(MpiComm):
-    """sent: bytes and messages to other ranks, those of parts of it counted, too; a reduction is
-    log2(ranks) messages, as in a tree."""
+    """Counts the bytes and messages that this rank sends.
+
+    Attributes
+    ----------
+    sent : ndarray of int
+        Bytes and messages, including those of communicators derived from this one. A reduction
+        counts as log2(ranks) messages, as in a tree.
+    """
 
     def __init__(self, mpi, parent=None):
         super().__init__(mpi, parent)
@@ -39,7 +47,7 @@ class CountingComm(MpiComm):
 
 
 def sent_in_a_step(sweep):
-    """(bytes, messages) of this rank in one more iteration of a sweep on a CountingComm."""
+    """Return the (bytes, messages) that this rank sends in one iteration on a CountingComm."""
     sent = sweep.surface.grid.comm.sent
     before = sent.copy()
     sweep.starter.solver.step()
@@ -47,12 +55,12 @@ def sent_in_a_step(sweep):
 
 
 def on_pretended_nodes(comm, node_of, monkeypatch):
-    """The communicator of all ranks, each on the node that node_of(rank) says. Collective."""
+    """Return a CountingComm of all ranks, with each rank on node node_of(rank). Collective."""
     monkeypatch.setattr(
         communicators, "same_machine", lambda mpi: mpi.Split(node_of(comm.rank), mpi.Get_rank())
     )
-    made = CountingComm(comm.mpi)
-    assert list(made.node_ranks) == [
+    counting = CountingComm(comm.mpi)
+    assert list(counting.node_ranks) == [
         rank for rank in range(comm.size) if node_of(rank) == node_of(comm.rank)
     ]
-    return made
+    return counting

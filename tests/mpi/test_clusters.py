@@ -1,8 +1,8 @@
-"""Clusters of masks on slabs, against a walk from point to point over the unfolded plane."""
+"""Clusters of masks on slabs against a walk from point to point over the unfolded plane."""
 
 import numpy as np
 import pytest
-from counted import found, masks, walk
+from counted import clusters_of, masks, walk
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -13,21 +13,21 @@ pytestmark = pytest.mark.mpi
 
 @pytest.mark.parametrize("points", [1, 30, 2**20])
 def test_any_mask(comm, monkeypatch, points):
-    """Strips of one row, of a few rows, of all, which are joined as the rows of several ranks
-    are."""
+    """With strips of one row, of a few rows and of all rows, which are joined like those of
+    ranks."""
     monkeypatch.setattr(clusters, "STRIP_POINTS", points)
 
     @settings(max_examples=60, derandomize=True, deadline=None, database=None)
     @given(mask=masks, periodic=st.tuples(st.booleans(), st.booleans()), corners=st.booleans())
     def check(mask, periodic, corners):
-        assert found(comm, mask, periodic, corners) == walk(mask, periodic, corners)
+        assert clusters_of(comm, mask, periodic, corners) == walk(mask, periodic, corners)
 
     check()
 
 
-def steps(n, along):
-    """Points of a closed way on n x n points that goes around the cell along[0] and along[1]
-    times."""
+def path_around(n, along):
+    """Return the mask of a closed path that winds along[0] and along[1] times around a cell of
+    n x n points."""
     mask = np.zeros((n, n), bool)
     for t in np.linspace(0, 1, 40 * n, endpoint=False):
         mask[tuple(int(n * t * k) % n for k in along)] = True
@@ -35,8 +35,10 @@ def steps(n, along):
 
 
 @pytest.mark.parametrize("along", [(1, 0), (0, 1), (1, 1), (1, 2), (3, 1)])
-def test_ways_around_the_cell(comm, along):
-    """Also ways that go around twice: whoever only looks whether a cluster meets its own image
-    modulo 2 misses those."""
-    mask = steps(24, along)
-    assert found(comm, mask, corners=True) == ([int(mask.sum())], (along[0] > 0, along[1] > 0))
+def test_paths_around_the_cell(comm, along):
+    """Including paths that wind twice, which a test of the winding number modulo 2 would miss."""
+    mask = path_around(24, along)
+    assert clusters_of(comm, mask, corners=True) == (
+        [int(mask.sum())],
+        (along[0] > 0, along[1] > 0),
+    )

@@ -1,4 +1,4 @@
-"""What is counted on slabs is what one process counts, to the last point; and it is in the file."""
+"""Patches, perimeters and distributions on slabs equal those of one process exactly."""
 
 import numpy as np
 import pytest
@@ -30,25 +30,24 @@ def test_same_numbers(comm, n, share):
 def test_same_distributions(comm, n, name):
     g, q = random_fields(n, seed=n[0])
     h = np.random.default_rng(1).random(n)
-    on_ranks, wanted = (
+    on_ranks, alone = (
         all_distributions()[name](contact_of(g, q, (1.0, 1.3), world, h, (3.0, 0.2)))
         for world in (comm, None)
     )
-    assert on_ranks.keys() == wanted.keys()
+    assert on_ranks.keys() == alone.keys()
     exact = {"edges", "density"}
-    for name, array in on_ranks.items():
-        assert array == pytest.approx(
-            wanted[name], rel=0 if name in exact else 1e-11, abs=0 if name in exact else 1e-14
-        ), name
-        assert all(np.array_equal(array, other) for other in comm.allgather(array))
+    for key, array in on_ranks.items():
+        tolerances = {"rel": 0, "abs": 0} if key in exact else {"rel": 1e-11, "abs": 1e-14}
+        assert array == pytest.approx(alone[key], **tolerances), key
+        assert all(np.array_equal(array, of_rank) for of_rank in comm.allgather(array))
 
 
 @pytest.mark.parametrize(
     ("n", "nominal"),
     [((40, 30), (20, 15)), ((64, 15), (31, 15)), ((9, 48), (9, 17)), ((4, 8), (2, 4))],
 )
-def test_surfaces_that_end(comm, n, nominal):
-    """What lies beyond the surface does not count, and nothing touches across its edges."""
+def test_free_edges(comm, n, nominal):
+    """Points beyond the surface do not count, and points at opposite edges are no neighbours."""
     g, q = random_fields(n, share=0.5)
     part = tuple(slice(0, k) for k in nominal)
     periodic = tuple(a == b for a, b in zip(n, nominal, strict=True))
@@ -59,11 +58,9 @@ def test_surfaces_that_end(comm, n, nominal):
         gap_percolates = walk(~touching, periodic, corners)[1]
         assert all_observables()[f"patches{end}"](contact) == len(sizes)
         assert all_observables()[f"patch_largest{end}"](contact) == max(sizes)
-        for kind, wanted in (("contact", contact_percolates), ("gap", gap_percolates)):
-            assert (
-                tuple(all_observables()[f"{kind}_percolates_{axis}{end}"](contact) for axis in "xy")
-                == wanted
-            )
+        for kind, expected in (("contact", contact_percolates), ("gap", gap_percolates)):
+            names = [f"{kind}_percolates_{axis}{end}" for axis in "xy"]
+            assert tuple(all_observables()[name](contact) for name in names) == expected
     levels = np.unique(g[part])[::-1]
     for axis in (0, 1):
         around = tuple(periodic[k] and k != axis for k in (0, 1))

@@ -1,5 +1,5 @@
-"""Low memory at small loads: rounding errors of the heights' transforms are not taken for pressure
-out of contact."""
+"""Low memory at small loads, where rounding errors of the heights' transforms must not be mistaken
+for pressure out of contact."""
 
 from dataclasses import replace
 
@@ -16,27 +16,27 @@ P_STAR = 0.002
 RESIDUAL = 2e-4
 
 
-def solved(comm):
-    """The sweep and its step at a small load, in single precision and low memory."""
-    how = {"residual": RESIDUAL, "precision": "single", "low_memory": True, "max_iterations": 60}
-    sweep = sweep_of(rough((2, 32, 2)), comm=comm, **how)
+def solve(comm):
+    """Return a sweep and its contact at a small load, in single precision and low memory."""
+    solver = {"residual": RESIDUAL, "precision": "single", "low_memory": True}
+    sweep = sweep_of(rough((2, 32, 2)), comm=comm, max_iterations=60, **solver)
     return sweep, sweep.solve(P_STAR * sweep.surface.g_rms)
 
 
 def test_small_loads(comm):
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(grid, "SMALL", 0)  # transforms are given back, small or not
-        sweep, step = solved(comm)
+        patch.setattr(grid, "SMALL", 0)  # plans are released even on small grids
+        sweep, step = solve(comm)
     assert (step.status, step.certificate.precision) == ("converged", "float64")
     assert step.certificate.residual < RESIDUAL
-    # those of the certificate have given their memory back
+    # the plans of the certificate are released
     assert [fft.dtype for fft in sweep.surface.grid.planned()] == [np.float32]
-    assert step.contact_points == solved(SerialComm())[1].contact_points
+    assert step.contact_points == solve(SerialComm())[1].contact_points
 
 
-def test_single_precision_alone_does_not_get_there(monkeypatch):
+def test_single_precision_alone_does_not_converge(monkeypatch):
     blind = replace(working_surface.CALIBRATION, noise=np.inf)
     monkeypatch.setattr(working_surface, "CALIBRATION", blind)
-    _, step = solved(SerialComm())
+    _, step = solve(SerialComm())
     assert step.status != "converged"
     assert step.certificate.residual > RESIDUAL

@@ -1,5 +1,4 @@
-"""What ranks send in an iteration is what was planned for each of them, to the byte; and how they
-agree before it."""
+"""Ranks send the planned bytes in an iteration; reductions and memory checks."""
 
 import os
 
@@ -26,8 +25,8 @@ def test_counted(comm, n_over, boundary, monkeypatch):
     monkeypatch.setattr(hierarchy, "RANK_POINTS", 256)
     if comm.size == 1:
         return
-    how = {"comm": CountingComm(comm.mpi), "accuracy": 1e-2, "precision": "single"}
-    sweep = sweep_of(rough(n_over, boundary=boundary), **how)
+    solver = {"accuracy": 1e-2, "precision": "single"}
+    sweep = sweep_of(rough(n_over, boundary=boundary), comm=CountingComm(comm.mpi), **solver)
     sweep.solve(0.1 * sweep.surface.g_rms)
     share = Share(sweep.surface.grid, sweep.dtype)
     assert sent_in_a_step(sweep) == share.traffic
@@ -35,22 +34,20 @@ def test_counted(comm, n_over, boundary, monkeypatch):
 
 
 def test_reduce(comm):
-    """In the order of the ranks; one message for each doubling of their number is all that a rank
-    gets."""
+    """It joins in the order of the ranks, with at most log2(ranks) messages for a rank."""
     joined = []
 
-    def join(one, next_one):
+    def join(ranks, next_ranks):
         joined.append(comm.rank)
-        return one + next_one
+        return ranks + next_ranks
 
-    found = comm.reduce([comm.rank], join)
-    assert found == (list(range(comm.size)) if comm.rank == 0 else None)
+    result = comm.reduce([comm.rank], join)
+    assert result == (list(range(comm.size)) if comm.rank == 0 else None)
     assert len(joined) <= stages(comm.size)
 
 
 def test_memory_of_a_machine(comm, monkeypatch):
-    """One machine that is too small is an error on all ranks, with its need: that of all ranks on
-    it."""
+    """Too little memory on a machine is an error on all ranks that names what they need."""
     scene = Scene.from_dict({"surface": rough((1, 16, 2)), "load": {"p_star": [0.1]}})
     monkeypatch.setattr(capacity, "available_gib", lambda: 0.1)
     with pytest.raises(

@@ -1,5 +1,4 @@
-"""Ranks of one node transpose in memory that they have in common, others by messages: whoever is
-beside whom, all is as on one rank."""
+"""Ranks of a node transpose in shared memory, others by messages; results are those of one rank."""
 
 import errno
 import gc
@@ -22,7 +21,7 @@ on_nodes = pytest.mark.parametrize("nodes", NODES)
 
 @pytest.fixture
 def machines(comm, nodes, monkeypatch):
-    """The communicator of all ranks, as if they were on these nodes."""
+    """Return the communicator of all ranks, as if they were on these nodes."""
     return (
         comm
         if comm is None or comm.size == 1
@@ -32,7 +31,7 @@ def machines(comm, nodes, monkeypatch):
 
 @on_nodes
 def test_transforms(machines):
-    """Odd sizes, ranks without rows, ranks without columns; threads."""
+    """Odd sizes, ranks without rows, ranks without columns, threads."""
     for n in [(3, 16), (201, 301), (40, 2), (2, 1)]:
         for threads in (1, 2):
             assert_same_on_slabs(machines, n, threads=threads)
@@ -40,8 +39,7 @@ def test_transforms(machines):
 
 @on_nodes
 def test_messages_are_those_between_nodes(machines, nodes):
-    """Counted as planned, for the solver's whole iteration; none of a transpose where all ranks
-    have a node in common."""
+    """An iteration sends the planned messages; transposes within a node need none."""
     sweep = sweep_of(rough((2, 32, 4)), comm=machines, accuracy=1e-2, precision="single")
     sweep.solve(0.1 * sweep.surface.g_rms)
     if machines.size == 1:
@@ -53,28 +51,28 @@ def test_messages_are_those_between_nodes(machines, nodes):
     held = [fft.blocks, *(a for scratch in fft._scratch for a in scratch)]
     assert sum(a.nbytes for a in held) == share.layout.bytes + share.layout.scratch_bytes
     if nodes in PER_NODE:
-        how = {"per_node": PER_NODE[nodes] or machines.size}
-        planned = share_of(sweep.surface.grid.n, sweep.dtype, machines.size, machines.rank, **how)
+        n = sweep.surface.grid.n
+        per_node = PER_NODE[nodes] or machines.size
+        planned = share_of(n, sweep.dtype, machines.size, machines.rank, per_node=per_node)
         assert planned.traffic == share.traffic
         assert planned.layout.scratch_bytes == share.layout.scratch_bytes
-        # what `plan` says
-        most = busiest(sweep.surface.grid.n, sweep.dtype, machines.size, **how)
-        assert (
-            list(machines.max(share.traffic)) == np.max([m.traffic for m in most], axis=0).tolist()
-        )
+        # the numbers of `hpc-gfmd plan`
+        shares = busiest(n, sweep.dtype, machines.size, per_node=per_node)
+        largest = np.max([busy.traffic for busy in shares], axis=0)
+        assert list(machines.max(share.traffic)) == largest.tolist()
 
 
-def test_no_memory_in_common(comm, monkeypatch):
-    """Where a rank may not open what another one has made, as in another container, all is sent."""
+def test_no_shared_memory(comm, monkeypatch):
+    """If a rank cannot open the memory of another, as in another container, all data are sent."""
     if comm.size == 1:
         return
     real = os.readlink
     monkeypatch.setattr(
         os, "readlink", lambda path: real("/proc/self/exe") if comm.rank == 1 else real(path)
     )
-    made = MpiComm(comm.mpi)
-    assert list(made.node_ranks) == [comm.rank]
-    assert_same_on_slabs(made, (31, 37))
+    separate = MpiComm(comm.mpi)
+    assert list(separate.node_ranks) == [comm.rank]
+    assert_same_on_slabs(separate, (31, 37))
 
 
 def test_too_much_memory_is_an_error_on_all_ranks(comm, monkeypatch):
@@ -91,9 +89,8 @@ def test_too_much_memory_is_an_error_on_all_ranks(comm, monkeypatch):
     comm.barrier()
 
 
-def test_memory_goes_with_the_grid(comm):
-    """No descriptor or mapping is left of a grid that is no longer used, and ranks need not meet
-    for that."""
+def test_memory_is_released_with_the_grid(comm):
+    """Without communication, no descriptor or mapping of an unused grid remains."""
     if comm.size == 1:
         return
 

@@ -1,5 +1,5 @@
-"""hpc_gfmd.solve with a communicator: the numbers of one process, fields by rows, one file, errors
-on all ranks."""
+"""hpc_gfmd.solve with a communicator: numbers of one process, fields by rows, one file, errors on
+all ranks."""
 
 import runpy
 import sys
@@ -23,7 +23,7 @@ NAMES = ("patches", "percolation", "stiffness")
 @pytest.mark.parametrize("heights", [Z, Z[:, :1] * np.ones(20), Z[:3]])
 def test_as_one_process(comm, heights):
     together, alone = (
-        hpc_gfmd.solve(heights, LOADS, comm=each, boundary="periodic") for each in (comm, None)
+        hpc_gfmd.solve(heights, LOADS, comm=world, boundary="periodic") for world in (comm, None)
     )
     for spread, alone_solution in zip(together, alone, strict=True):
         rows = slice(*spread.rows)
@@ -45,7 +45,7 @@ def test_as_one_process(comm, heights):
         assert spread.observables["patches"] == alone_solution.observables["patches"]
 
 
-def test_wrong_on_one_rank_is_wrong_on_all(comm):
+def test_wrong_arguments_on_one_rank_are_an_error_on_all(comm):
     mine = Z if comm.rank == 0 else Z[:12]
     for arguments in (
         {"heights": mine, "pressure": 1.0},

@@ -1,4 +1,4 @@
-"""Transforms and the elastic operator on slabs, against those of the whole field on one rank."""
+"""Transforms and the elastic operator on slabs against those of the whole field on one rank."""
 
 import numpy as np
 import pytest
@@ -10,8 +10,8 @@ from hpc_gfmd.parallel import halo
 
 pytestmark = pytest.mark.mpi
 
-# thin (ranks without rows), few columns (ranks without columns), odd, prime, rectangular, more than
-# one pass
+# Thin grids (ranks without rows), grids of few columns (ranks without columns), odd, prime and
+# rectangular ones, and some of more than one pass.
 GRIDS = [
     (1, 1),
     (1, 8),
@@ -32,15 +32,15 @@ GRIDS = [
 @pytest.mark.parametrize(("dtype", "tolerance"), [(np.float64, 1e-13), (np.float32, 1e-5)])
 @pytest.mark.parametrize("body", [HALF_SPACE, Layer(0.1, 0.3, "bonded")], ids=["", "by a table"])
 def test_stiffness_and_compliance(comm, n, dtype, tolerance, body):
-    """Of which physics/test_oracle.py has the numbers on one rank."""
+    """physics/test_oracle.py compares the values on one rank with dense linear algebra."""
     assert_same_on_slabs(comm, n, dtype, tolerance, body)
 
 
 @pytest.mark.parametrize(("n", "lost"), [(1, 0), (2, 0), (7, 0), (24, 0), (24, 5)])
 @pytest.mark.parametrize("case", range(4))
 def test_windows(comm, n, lost, case):
-    """Any rows of a ring, owned by any ranks or (the last ones) by nobody: `fill` takes them, `add`
-    is its transpose."""
+    """`rows_of` returns any rows of a ring from the ranks that own them, and `add` is its
+    transpose; the last `lost` rows have no owner and are zero."""
     random = np.random.default_rng(case)
     starts = np.append(0, np.sort(random.integers(0, n - lost + 1, comm.size)))
     starts[-1] = n - lost

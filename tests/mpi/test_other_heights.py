@@ -1,4 +1,4 @@
-"""A run goes on with the heights that it began with, or it is refused."""
+"""A restart needs the heights with which the run began, and is refused with others."""
 
 import shutil
 from pathlib import Path
@@ -24,7 +24,7 @@ SCENE = tomli_w.dumps(
         "machine": {"wall_seconds": 1e-9},
     }
 )
-GO_ON = "restart contact.h5 --set machine.wall_seconds=1000"
+RESTART = "restart contact.h5 --set machine.wall_seconds=1000"
 PARTIAL = "contact.h5.partial"
 
 
@@ -40,16 +40,17 @@ def test_one_checksum_for_any_number_of_ranks(comm):
     lifted = z.copy()
     swapped = z[::-1].copy()
     lifted[-1, -1] = np.nextafter(lifted[-1, -1], 9)
-    others = [checksum_of(x, comm) for x in (lifted, swapped, z.reshape(8, 9))] + [
-        checksum_of(z, comm, (1.0, 2.0))
-    ]
-    assert len({whole, *others}) == 5
+    changed = [checksum_of(x, comm) for x in (lifted, swapped, z.reshape(8, 9))]
+    changed.append(checksum_of(z, comm, (1.0, 2.0)))
+    assert len({whole, *changed}) == 5
 
 
 @pytest.fixture
 def begun(comm, shared_path, monkeypatch, capfd):
-    """A run on heights z, stopped in its first load; begun(z, words): exit code and stderr of a
-    command with z as the heights."""
+    """begun(z, words) runs a command with heights z and returns its exit code and stderr.
+
+    The time limit of the scene stops the run in its first load.
+    """
     if comm is None:
         return None
     monkeypatch.setattr(Interrupt, "require_time", lambda self: None)
@@ -69,39 +70,40 @@ def begun(comm, shared_path, monkeypatch, capfd):
 
 
 @pytest.mark.parametrize(
-    ("other", "checkpoint"),
+    ("change", "checkpoint"),
     [
         (lambda z: 2 * z, True),
-        (lambda z: 2 * z, False),  # only the head knows
+        (lambda z: 2 * z, False),  # only head.h5 has a checksum
         (lambda z: z[:-1], False),
         (lambda z: z.reshape(8, 18), True),
     ],
 )
-def test_other_heights_are_refused_and_the_right_ones_go_on(comm, begun, other, checkpoint):
+def test_other_heights_are_refused_and_the_right_ones_resume(comm, begun, change, checkpoint):
     z = random_heights((12, 12))
     z[0, 0] += 0.1
     assert begun(z, "run scene.toml -q")[0] == 143
     if comm.rank == 0 and not checkpoint:
         Path(PARTIAL, "checkpoint.h5").unlink()
-    code, err = begun(other(z), GO_ON)
+    code, err = begun(change(z), RESTART)
     assert code == 2
     assert err.count("\n") == (comm.rank == 0)
     assert comm.rank or "other heights" in err
-    goes_on_as_if_undisturbed(begun, z)
+    assert_resumes(begun, z)
 
 
-def goes_on_as_if_undisturbed(begun, z):
+def assert_resumes(begun, z):
+    """Resume the run and compare its gaps with those of an uninterrupted run."""
     words = "run scene.toml -q -o whole.h5 --set machine.wall_seconds=1000"
-    assert begun(z, GO_ON)[0] == begun(z, words)[0] == 0
-    found = []
+    assert begun(z, RESTART)[0] == begun(z, words)[0] == 0
+    gaps = []
     for name in ("contact.h5", "whole.h5"):
         with h5py.File(name) as file:
-            found.append([step.attrs["gap_mean"] for step in file["steps"].values()])
-    assert found[0] == pytest.approx(found[1], rel=2e-3)
+            gaps.append([step.attrs["gap_mean"] for step in file["steps"].values()])
+    assert gaps[0] == pytest.approx(gaps[1], rel=2e-3)
 
 
 def test_the_gap_of_other_heights_does_no_harm(comm, begun):
-    """It is a start as any other."""
+    """It is only a start for the solver."""
     z = random_heights((12, 12))
     for heights, name in ((2 * z, "other.partial"), (z, PARTIAL)):
         assert begun(heights, "run scene.toml -q")[0] == 143
@@ -109,4 +111,4 @@ def test_the_gap_of_other_heights_does_no_harm(comm, begun):
             shutil.move(PARTIAL, name)
     if comm.rank == 0:
         shutil.copy("other.partial/checkpoint.h5", PARTIAL)
-    goes_on_as_if_undisturbed(begun, z)
+    assert_resumes(begun, z)

@@ -1,4 +1,4 @@
-"""An item of the paper on several ranks stores what it stores alone."""
+"""An item of the paper stores the same runs on several ranks as on one."""
 
 import pytest
 from paper.cases import Case, Store
@@ -12,22 +12,21 @@ CASES = [
     Case(0.3, 2, 8, 3, 2, (0.02,)),
     Case(0.3, 2, 8, 1.5, 2, (0.02,)),
 ]
-PERSONAL = {"wall_seconds", "ranks", "a_r_error", "gap_error", "pressure_error"}
+DIFFERENT = {"wall_seconds", "ranks", "a_r_error", "gap_error", "pressure_error"}
 
 
 def test_same_lines(comm, shared_path):
     assert run_missing(CASES, Store(shared_path / "ranks"), comm, say=lambda text: None) == 1
     comm.barrier()
-    found = list(Store(shared_path / "ranks").stored().values())
-    own = Store(shared_path / f"alone-{comm.rank}")
-    run_missing(CASES, own, SerialComm(), say=lambda text: None)
-    wanted = list(own.stored().values())
-    assert len(found) == len(wanted) == 3
-    for ours, alone in zip(found, wanted, strict=True):
-        assert ours["ranks"] == comm.size
-        for name in alone.keys() - PERSONAL:
-            assert ours[name] == (
-                pytest.approx(alone[name], rel=2e-5)
-                if isinstance(alone[name], float)
-                else alone[name]
-            ), name
+    runs = list(Store(shared_path / "ranks").stored().values())
+    store_alone = Store(shared_path / f"alone-{comm.rank}")
+    run_missing(CASES, store_alone, SerialComm(), say=lambda text: None)
+    runs_alone = list(store_alone.stored().values())
+    assert len(runs) == len(runs_alone) == 3
+    for run, run_alone in zip(runs, runs_alone, strict=True):
+        assert run["ranks"] == comm.size
+        for name in run_alone.keys() - DIFFERENT:
+            expected = run_alone[name]
+            if isinstance(expected, float):
+                expected = pytest.approx(expected, rel=2e-5)
+            assert run[name] == expected, name

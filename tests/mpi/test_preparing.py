@@ -1,5 +1,5 @@
-"""What is done to a height map before it is pressed: the same on any number of ranks, and what it
-says it is."""
+"""Preparation of height maps: detrending, filling, cropping, resampling, notes, on any number of
+ranks."""
 
 from itertools import product
 
@@ -25,8 +25,10 @@ BOWL = 5 + 3 * X - 2 * Y + X * X - X * Y + 4 * Y * Y
 
 @pytest.fixture
 def prepared(comm):
-    """prepared(z, **keys): the heights after the keys of [surface], of all ranks, the Topography,
-    and what was done."""
+    """prepared(z, **keys) prepares heights by keys of [surface].
+
+    It returns the heights of all ranks, the Topography and the list of steps.
+    """
 
     def call(z, boundary="periodic", **keys):
         comm.barrier()
@@ -43,18 +45,18 @@ def prepared(comm):
 
 def test_detrended(prepared):
     z = random_heights(N)
-    for what, trend in (("mean", 5.0), ("tilt", PLANE), ("curvature", BOWL)):
-        bare, with_it = (prepared(heights, detrend=what)[0] for heights in (z, z + trend))
-        assert np.allclose(with_it, bare, atol=1e-11)
-        assert np.allclose(prepared(bare, detrend=what)[0], bare, atol=1e-12)
+    for kind, trend in (("mean", 5.0), ("tilt", PLANE), ("curvature", BOWL)):
+        bare, with_trend = (prepared(heights, detrend=kind)[0] for heights in (z, z + trend))
+        assert np.allclose(with_trend, bare, atol=1e-11)
+        assert np.allclose(prepared(bare, detrend=kind)[0], bare, atol=1e-12)
         assert abs(bare.mean()) < 1e-13
     left = prepared(z, detrend="tilt")[0]
     assert abs(np.sum(left * (X - X.mean()))) + abs(np.sum(left * (Y - Y.mean()))) < 1e-11
 
 
 def test_harmonic_functions_come_back(prepared):
-    """x y and a plane are harmonic, on the grid too: holes in them are filled with what was there,
-    as long as the edge is known."""
+    """x y and planes are harmonic on the grid, too: holes inside of them are filled exactly, points
+    at the edge with means of their neighbours."""
     z = 3 + 2 * X - Y + 4 * X * Y
     holes = z.copy()
     holes[3:9, 4:8] = np.nan
@@ -110,15 +112,15 @@ def test_window(prepared):
 
 
 def test_resampled(prepared, comm):
-    """A Fourier series is the same on any grid that resolves it; on a coarser one its short waves
-    are gone."""
+    """A Fourier series is the same on any grid that resolves it, and loses its short waves on a
+    coarser one."""
 
     def series(n, short):
         x, y = np.meshgrid(*(2 * np.pi * np.arange(k) / k for k in n), indexing="ij")
         return 1 + np.cos(2 * x - y) + np.sin(x) * np.cos(2 * y) + short * np.cos(5 * x)
 
     def cosines(n):
-        """Heights whose mirror images go on with them, in the middle of each point."""
+        """Return cosines that continue smoothly in their mirror images (free edges)."""
         x, y = (np.pi * (np.arange(k) + 0.5) / k for k in n)
         return np.cos(3 * x)[:, None] * np.cos(y) + np.cos(5 * x)[:, None]
 
@@ -151,8 +153,8 @@ ALL = {"crop": (0, 0, 1, 1), "detrend": "curvature", "flip": True, "mirror": Tru
     ],
 )
 def test_the_same_heights_on_any_number_of_ranks(boundary, keys, comm, monkeypatch):
-    """To the bit, through all that reads them."""
-    monkeypatch.setattr(slabs, "ROWS", 2)  # so that all ranks read
+    """Heights agree to the bit."""
+    monkeypatch.setattr(slabs, "ROWS", 2)  # every rank reads
     keys = keys | {"boundary": boundary, "fill": "harmonic", "physical_sizes": SIZES}
     spec = File(kind="file", path="z.npy", **keys)
     for n in ((6, 8), (2, 16), (34, 20)):
@@ -161,7 +163,7 @@ def test_the_same_heights_on_any_number_of_ranks(boundary, keys, comm, monkeypat
         if comm.rank == 0:
             np.save("z.npy", z)
         comm.barrier()
-        together, alone = (build_surface(spec, each, np.float64) for each in (comm, SerialComm()))
+        together, alone = (build_surface(spec, world, np.float64) for world in (comm, SerialComm()))
         assert together.checksum == alone.checksum
         comm.barrier()
     assert "mirror" not in keys or together.prepared == (
@@ -174,7 +176,7 @@ def test_the_same_heights_on_any_number_of_ranks(boundary, keys, comm, monkeypat
     )
 
 
-def test_another_file_on_some_rank(comm):
+def test_different_files_on_ranks(comm):
     path = f"{comm.rank}.npy"
     np.save(path, np.zeros((4 + comm.rank, 4)))
     if comm.size > 1:
@@ -182,8 +184,8 @@ def test_another_file_on_some_rank(comm):
             build_surface(File(kind="file", path=path, physical_sizes=SIZES), comm, np.float64)
 
 
-def test_what_is_noted(comm):
-    """Each doubt where there is reason for it, and none otherwise; on any number of ranks."""
+def test_notes(comm):
+    """Suspicious heights get a note, others none, on any number of ranks."""
     x, y = np.meshgrid(np.arange(48) / 48, np.arange(40) / 40, indexing="ij")
     smooth = 1e-2 * sum(np.cos(2 * np.pi * (k * x + (3 - k) * y) + k * k) for k in range(1, 4))
     rough = 1e-2 * np.cos(np.arange(48 * 40) ** 2 * 0.7).reshape(48, 40)

@@ -1,5 +1,4 @@
-"""Bad scenes on any number of ranks: exit code 2, one line on stderr, once, nothing written, no
-hang."""
+"""Bad scenes on any number of ranks: exit code 2, a single line on stderr, no files, no hang."""
 
 from pathlib import Path
 
@@ -35,7 +34,7 @@ surface={kind = "file", physical_sizes = [1, 1], path = "flat.npy"} ; load={p_st
 
 @pytest.fixture
 def scene(comm, shared_path):
-    """In the current folder, beside height maps whose last row is bad."""
+    """Write a scene and several bad height maps to the current folder."""
     if comm is not None and comm.rank == 0:
         Path("scene.toml").write_text(GOOD)
         Path("text.npy").write_text("no heights")
@@ -60,17 +59,19 @@ def scene(comm, shared_path):
 def test_refused(comm, scene, overrides, named, cli):
     before = sorted(Path.cwd().iterdir())
     comm.barrier()
-    sets = [part for one in overrides.split(" ; ") for part in ("--set", one)] if overrides else []
-    done = cli("run", scene if overrides else "gone.toml", *sets)
-    assert done.code == 2
-    assert done.err.count("\n") == (comm.rank == 0)
-    assert comm.rank > 0 or named in done.err
+    words = []
+    for override in overrides.split(" ; ") if overrides else ():
+        words += ["--set", override]
+    outcome = cli("run", scene if overrides else "gone.toml", *words)
+    assert outcome.code == 2
+    assert outcome.err.count("\n") == (comm.rank == 0)
+    assert comm.rank > 0 or named in outcome.err
     comm.barrier()
     assert sorted(Path.cwd().iterdir()) == before
 
 
 def test_by_mpirun(mpirun, tmp_path):
-    """The same from outside: what a user and a job script see."""
+    """Through mpirun, as a user and a job script see it."""
     (tmp_path / "scene.toml").write_text(GOOD)
     run = mpirun("run", "scene.toml", "--set", "surface.perids=[3, 3]", cwd=tmp_path)
     assert run.returncode == 2

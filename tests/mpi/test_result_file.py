@@ -1,4 +1,4 @@
-"""The result file on any number of ranks: empty slabs, MPI-IO or not, restart, agreed errors."""
+"""The result file on any number of ranks: empty slabs, with and without MPI-IO, restart, errors."""
 
 from types import SimpleNamespace
 
@@ -19,7 +19,7 @@ SURFACE = {"n": [7, 5], "physical_sizes": [1.0, 2.0], "h_rms": 0.5}
 
 
 def slab(comm, n_x, empty=()):
-    """Rows of this rank; the ranks in `empty` own none."""
+    """Return the rows of this rank; the ranks in `empty` own none."""
     owners = [rank for rank in range(comm.size) if rank not in empty]
     cuts = np.linspace(0, n_x, len(owners) + 1).astype(int)
     start = 0
@@ -45,7 +45,7 @@ def layouts(comm, n_x):
 
 
 def with_and_without_mpi(monkeypatch):
-    """HDF5 as it is, then one that says it was built without MPI."""
+    """Run the loop body with HDF5 as it is, then as if it were built without MPI."""
     yield
     monkeypatch.setattr(h5py, "get_config", lambda: type("Serial", (), {"mpi": False}))
     yield
@@ -66,9 +66,9 @@ def round_trip(comm, shared_path, n, rows, compressed, dtype):
     padded = field((n[0], n[1] + 3))[:, : n[1]]
     fields = {"pressure": padded, "gap": field(n[::-1], "float32").T}  # neither is contiguous
     local = {name: whole[mine] for name, whole in fields.items()}
-    how = {"compressed": compressed, "dtype": dtype}
-    for index in (0, 1):  # the second one goes on
-        with RunFile(comm, path, n, rows, HEAD, SURFACE | {"n": list(n)}, **how) as run:
+    options = {"compressed": compressed, "dtype": dtype}
+    for index in (0, 1):  # the second run resumes the first
+        with RunFile(comm, path, n, rows, HEAD, SURFACE | {"n": list(n)}, **options) as run:
             assert list(run.finished) == list(range(index))
             run.update(height_field=local["gap"], setup_seconds=1.5)
             run.write_step(index, {"p_star": 0.1 * (index + 1), "status": "converged"}, local)
@@ -80,11 +80,9 @@ def round_trip(comm, shared_path, n, rows, compressed, dtype):
                 run.finish("converged")
         comm.barrier()
     result = read_result(path)
-    assert (result.status, result.scene_toml, result.surface["n"]) == (
-        "converged",
-        HEAD["scene"],
-        list(n),
-    )
+    assert result.status == "converged"
+    assert result.scene_toml == HEAD["scene"]
+    assert result.surface["n"] == list(n)
     assert [step["p_star"] for step in result.steps] == [0.1, 0.2]
     assert result.head["versions"] == '{"numpy": "2"}'
     assert result.head["setup_seconds"] == 1.5
@@ -93,10 +91,10 @@ def round_trip(comm, shared_path, n, rows, compressed, dtype):
     assert result.head["io"] == ("mpio" if comm.size > 1 and h5py.get_config().mpi else "serial")
     for step in result.fields:
         for name, whole in (fields | {"heights": fields["gap"]}).items():
-            wanted = whole.astype(dtype or whole.dtype)
-            assert step[name].dtype == wanted.dtype
-            assert np.array_equal(step[name].read(0, n[0]), wanted)
-            assert np.array_equal(step[name].slab(comm, rows), wanted[mine])
+            expected = whole.astype(dtype or whole.dtype)
+            assert step[name].dtype == expected.dtype
+            assert np.array_equal(step[name].read(0, n[0]), expected)
+            assert np.array_equal(step[name].slab(comm, rows), expected[mine])
     with h5py.File(path, "r") as file:
         assert (file["steps/0001/gap"].compression == "gzip") == compressed
     assert not run.partial.exists()
@@ -104,7 +102,7 @@ def round_trip(comm, shared_path, n, rows, compressed, dtype):
 
 
 def test_the_same_file_on_any_number_of_ranks(comm, shared_path):
-    """Groups, attributes, types, values and coordinates; but for times and who wrote it."""
+    """Groups, attributes, types, values and coordinates agree, except for times and ranks."""
     n = (7, 5)
     of_this_run = {"start_time", "end_time", "ranks", "io", "record"}
     whole = field(n)
@@ -156,13 +154,13 @@ def test_the_same_file_on_any_number_of_ranks(comm, shared_path):
 
 
 def stored(path, name):
-    """The numbers of a field in a file, and their checksum."""
+    """Return the numbers of a field in a file and their checksum."""
     with h5py.File(path, "r", locking=False) as file:
         return file[name][:], int(file[name].attrs["checksum"])
 
 
 def test_many_pieces(comm, shared_path, monkeypatch):
-    """Slabs larger than one call may write, with a different number of calls on every rank."""
+    """Slabs larger than a single write, with different numbers of writes on the ranks."""
     n = (60, 50)
     whole = field((60, 50))
     path = shared_path / "pieces.h5"
@@ -177,24 +175,24 @@ def test_many_pieces(comm, shared_path, monkeypatch):
             assert np.array_equal(numbers, whole)
             checksums.add(checksum)
             comm.barrier()
-    # a copy of itself, by all ranks
+    # a copy of the field, made by all ranks
     h5.write_file(comm, path, n, rows, {"c": h5.Stored(path, "a/b", n, whole.dtype, *checksums)})
     assert np.array_equal(stored(path, "c")[0], whole)
     monkeypatch.setattr(h5, "PIECE_BYTES", 2**26)
     h5.write_file(SerialComm(), shared_path / f"alone-{comm.rank}.h5", n, (0, 60), {"a/b": whole})
-    # whatever the ranks and pieces
+    # for any ranks and pieces
     assert checksums == {stored(shared_path / f"alone-{comm.rank}.h5", "a/b")[1]}
 
 
 def test_damage_on_one_rank_stops_all(comm, shared_path):
-    """In the numbers of the last rows, as they are or packed."""
+    """Damage in the last rows, with and without compression."""
     whole = field((40, 30))
     rows = slab(comm, 40)
     path = shared_path / "damaged.h5"
     for compressed in (False, True):
         h5.write_file(comm, path, (40, 30), rows, {"u": whole[slice(*rows)]}, compressed=compressed)
-        field_there = h5.Stored(path, "u", (40, 30), whole.dtype, stored(path, "u")[1])
-        assert np.array_equal(field_there.slab(comm, rows), whole[slice(*rows)])
+        stored_field = h5.Stored(path, "u", (40, 30), whole.dtype, stored(path, "u")[1])
+        assert np.array_equal(stored_field.slab(comm, rows), whole[slice(*rows)])
         comm.barrier()
         if comm.rank == 0:
             with h5py.File(path) as file:
@@ -211,15 +209,15 @@ def test_damage_on_one_rank_stops_all(comm, shared_path):
         with pytest.raises(
             GfmdError, match="inflate" if compressed else "the numbers of u are damaged"
         ):
-            field_there.slab(comm, rows)
+            stored_field.slab(comm, rows)
         comm.barrier()
 
 
 def test_errors_are_agreed(comm, shared_path, monkeypatch):
-    """What fails on one rank fails on all, and what was there before is untouched."""
+    """An error on one rank is raised on all, and existing files stay as they are."""
     rows = slab(comm, 7)
     n = (7, 5)
-    last = comm.rank == comm.size - 1
+    is_last = comm.rank == comm.size - 1
     good = field(n)[slice(*rows)]
     with pytest.raises(SceneError, match=r"folder .* does not exist"):
         RunFile(comm, shared_path / "missing" / "a.h5", n, rows, HEAD, SURFACE)
@@ -227,8 +225,8 @@ def test_errors_are_agreed(comm, shared_path, monkeypatch):
         with RunFile(comm, shared_path / "agreed.h5", n, rows, HEAD, SURFACE) as run:
             run.write_step(0, {}, {"gap": good})
             with pytest.raises(GfmdError, match="points in rows"):
-                run.write_step(1, {}, {"gap": good[:, :3] if last else good})
-            fields = {"gap": SimpleNamespace(dtype=good.dtype) if last else good}
+                run.write_step(1, {}, {"gap": good[:, :3] if is_last else good})
+            fields = {"gap": SimpleNamespace(dtype=good.dtype) if is_last else good}
             with pytest.raises(GfmdError, match="not subscriptable"):
                 h5.write_file(comm, run.partial / "step-0001.h5", n, rows, fields)
             comm.barrier()

@@ -1,4 +1,4 @@
-"""The answer does not depend on the number of ranks: areas, gaps, pressures, surfaces, files."""
+"""Areas, gaps, pressures, surfaces and files do not depend on the number of ranks."""
 
 from math import inf
 
@@ -30,7 +30,7 @@ def test_rough(comm, surface, pressure):
     "n", [(3, 16), (5, 12), (7, 11), (2, 40), (40, 2), (40, 3), (67, 71), (130, 128)]
 )
 def test_any_grid(comm, n):
-    """Ranks without rows or columns, odd and prime numbers of points, a rectangular cell."""
+    """Grids with ranks without rows or columns, odd and prime sizes, a rectangular cell."""
     z = random_heights(n, seed=4)
     steps = []
     for world in (comm, SerialComm()):
@@ -84,8 +84,8 @@ def test_a_gap_that_closes(comm, boundary):
         {"kind": "sphere", "radius": 3.0, "n": [5, 33]},
     ],
 )
-def test_surfaces_that_end(comm, surface, boundary):
-    """Ranks that have nothing but the outside of a surface, or only a few rows of it."""
+def test_free_edges(comm, surface, boundary):
+    """Some ranks have only points outside of the surface, or only a few rows of it."""
     if "radius" in surface:
         sides = boundary if isinstance(boundary, list) else [boundary] * 2
         surface = surface | {"radius": [3.0 if side == "free" else inf for side in sides]}
@@ -96,14 +96,14 @@ def test_surfaces_that_end(comm, surface, boundary):
     "solver",
     [{"precision": "single"}, {"precision": "single", "low_memory": True}, {"nested": False}],
 )
-def test_ways_to_solve_a_surface_that_ends(comm, solver):
+def test_solver_settings_with_free_edges(comm, solver):
     # large enough for coarse grids that are spread over the ranks
     pair = sweeps(comm, rough((2, 32, 4), boundary="free"), accuracy=1e-3, **solver)
-    on_ranks, wanted = (sweep.solve(0.1) for sweep in pair)
+    on_ranks, alone = (sweep.solve(0.1) for sweep in pair)
     assert on_ranks.status == "converged"
-    assert on_ranks.contact_points == pytest.approx(wanted.contact_points, rel=1e-3)
-    assert on_ranks.gap_mean == pytest.approx(wanted.gap_mean, rel=1e-3)
-    assert on_ranks.approach == pytest.approx(wanted.approach, rel=1e-4)
+    assert on_ranks.contact_points == pytest.approx(alone.contact_points, rel=1e-3)
+    assert on_ranks.gap_mean == pytest.approx(alone.gap_mean, rel=1e-3)
+    assert on_ranks.approach == pytest.approx(alone.approach, rel=1e-4)
 
 
 @pytest.mark.parametrize("name", solver_names())
@@ -126,15 +126,15 @@ def test_analytic_surfaces(comm, surface):
 
 @pytest.mark.parametrize("file", ["z.npy", "z.h5"])
 def test_height_map(comm, shared_path, file):
-    """A file is read by every rank and solved as the array is."""
+    """A file, which every rank reads, gives the solution of the array."""
     n = (37, 30)
     path = shared_path / file
     z = random_heights(n, seed=5)
     if comm.rank == 0 and file == "z.npy":
         np.save(path, z)
     elif comm.rank == 0:
-        with h5py.File(path, "w") as made:
-            made["a/heights"] = z
+        with h5py.File(path, "w") as file_out:
+            file_out["a/heights"] = z
     comm.barrier()
     surface = {
         "kind": "file",
@@ -155,20 +155,21 @@ def test_height_map_is_read_slab_by_slab(comm, shared_path, monkeypatch):
     if comm.rank == 0:
         np.save(path, random_heights(n))
     comm.barrier()
-    asked = []
+    rows_read = []
     monkeypatch.setattr(
-        topography, "checked", lambda z, start, *_, **__: asked.append((start, start + len(z))) or z
+        topography,
+        "checked",
+        lambda z, start, *_, **__: rows_read.append((start, start + len(z))) or z,
     )
-    made = sweep_of(
-        {"kind": "file", "path": str(path), "physical_sizes": [1, 1]}, comm=comm
-    ).surface
-    assert asked[-1][1] == made.rows[1]
-    assert max(stop - start for start, stop in asked) <= 66  # with neighbours
+    table = {"kind": "file", "path": str(path), "physical_sizes": [1, 1]}
+    surface = sweep_of(table, comm=comm).surface
+    assert rows_read[-1][1] == surface.rows[1]
+    assert max(stop - start for start, stop in rows_read) <= 66  # with neighbours
 
 
 @pytest.mark.parametrize("side", [7, 17])
 def test_uncertain_points_of_slabs(comm, side):
-    """The same points are uncertain wherever slabs end."""
+    """The same points are uncertain whatever the slabs."""
     n = (2 * side, 2 * side)
     x, y = np.divmod(np.arange(n[0] * n[1]).reshape(n), n[1])
     g = np.where((x < side) == (y < side), 0.0, 3.0)

@@ -1,5 +1,4 @@
-"""Grids so large, or limits so low, that coarse levels and coarse grids are spread over the ranks:
-as on one rank."""
+"""Coarse levels and coarse grids that are spread over the ranks, with large grids or low limits."""
 
 from dataclasses import replace
 
@@ -15,15 +14,15 @@ LARGE = rough((2, 300, 2), seed=5)  # 1200 x 1200
 
 
 def spread_levels(sweep):
-    """Levels of the preconditioner and grids of the nested start, beside the finest, that no rank
-    holds as a whole."""
+    """Return the number of distributed levels of the preconditioner, and of distributed coarse
+    grids of the nested start."""
     grids = len([coarse for coarse in sweep.working.nested().grids if coarse.comm.size > 1])
     # a rank may have no part in the last ones
     return sweep.starter.solver.levels.distributed, int(sweep.surface.grid.comm.max([grids])[0])
 
 
 def compare_all(comm, surface, loads, **solver):
-    """Solve loads on all ranks and on one; returns the sweep on all."""
+    """Compare loads on all ranks with those on one process; return the sweep on all ranks."""
     pair = sweeps(comm, surface, **solver)
     for p_star in loads:
         steps = [sweep.solve(p_star * sweep.surface.g_rms) for sweep in pair]
@@ -33,14 +32,14 @@ def compare_all(comm, surface, loads, **solver):
 
 
 def test_large_grid(comm):
-    """One load, from coarser grids."""
+    """One load with a nested start."""
     sweep = compare_all(comm, LARGE, [0.1], accuracy=1e-2, precision="double")
     assert spread_levels(sweep) == (3, 3 if comm.size > 1 else 0)
 
 
 @every_size
 def test_small_limits(comm, surface, monkeypatch):
-    """The same paths on small grids, where answers can be exact."""
+    """The same code on small grids, where solutions can be exact."""
     monkeypatch.setattr(hierarchy, "COARSEST_POINTS", 16)
     monkeypatch.setattr(hierarchy, "RANK_POINTS", 64)
     small = replace(nested.CALIBRATION, rank_points=64, coarsest=8)

@@ -1,5 +1,5 @@
-"""Ranks with threads: to the last bit what they find with one, also where coarse grids and levels
-are on fewer of the ranks."""
+"""Several threads per rank give the results of one to the bit, also where coarse grids and levels
+are on fewer ranks."""
 
 from dataclasses import replace
 
@@ -48,13 +48,13 @@ CASES = {
         for name in solver_names()
     },
 }
-WITHOUT_GRIDS = ("low memory",)  # none is left
+WITHOUT_GRIDS = ("low memory",)  # coarse grids are not kept
 
 
 @pytest.fixture
 def small(monkeypatch):
-    """Limits so low that small grids have several passes, blocks, and levels and grids on some of
-    the ranks."""
+    """Lower the limits, so that small grids have several passes and blocks, and levels and grids
+    on some ranks only."""
     for module, name, value in (
         (hierarchy, "COARSEST_POINTS", 64),
         (hierarchy, "RANK_POINTS", 1024),
@@ -66,8 +66,8 @@ def small(monkeypatch):
         monkeypatch.setattr(module, name, value)
 
 
-def solved(comm, case, threads):
-    """Of every load: all numbers and fields; and how many ranks have a part in the grids."""
+def solve(comm, case, threads):
+    """Return all numbers and fields of every load, and the smallest number of ranks of a grid."""
     surface, load, solver = CASES[case]
     scene = Scene.from_dict(
         {"surface": surface, "load": load, "solver": solver, "machine": {"threads": threads}}
@@ -91,16 +91,16 @@ def solved(comm, case, threads):
 
 @pytest.mark.parametrize("case", CASES)
 def test_same_with_threads(comm, case, small):
-    if comm.size > 2:  # nothing new, and many threads for a small machine
+    if comm.size > 2:  # nothing new, and too many threads for a small machine
         return
-    (on_one_thread, fewest), (on_several, _) = (
-        solved(comm, case, threads) for threads in (1, 4 - comm.size)
+    (on_one_thread, fewest_ranks), (on_several, _) = (
+        solve(comm, case, threads) for threads in (1, 4 - comm.size)
     )
     # rank 0 is alone with the coarsest grid
-    assert comm.rank > 0 or fewest == (case not in WITHOUT_GRIDS)
-    for (numbers, fields), (numbers_there, fields_there) in zip(
+    assert comm.rank > 0 or fewest_ranks == (case not in WITHOUT_GRIDS)
+    for (numbers, fields), (threaded_numbers, threaded_fields) in zip(
         on_one_thread, on_several, strict=True
     ):
-        assert numbers_there == numbers
-        for wanted, other in zip(fields, fields_there, strict=True):
-            assert np.array_equal(other, wanted)
+        assert threaded_numbers == numbers
+        for one_thread_field, threaded_field in zip(fields, threaded_fields, strict=True):
+            assert np.array_equal(threaded_field, one_thread_field)

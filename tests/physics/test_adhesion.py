@@ -1,4 +1,4 @@
-"""Contacts whose surfaces attract each other: against closed forms, minimisers, and themselves."""
+"""Adhesive contacts against closed forms, a minimiser of the energy, and conservation laws."""
 
 import adhesive
 import numpy as np
@@ -15,21 +15,23 @@ LAWS = ["exponential", "cubic", "dugdale"]
 
 
 def ball_retracted(tabor, forces, law="exponential", n=128):
-    """A ball of radius 1 in a cell of size 1; forces over pi w R; JKR's contact without load has a
-    radius of 0.12."""
+    """Retract a ball of radius 1 in a cell of size 1; return the solutions and the JKR theory.
+
+    Forces are over pi w R. The JKR contact without load has a radius of 0.12.
+    """
     w = 0.12**3 * 2 / (9 * np.pi)
     reach = np.cbrt(w**2) / tabor
     ball = hpc_gfmd.make_surface(
         "sphere", radius=1.0, n=(n, n), physical_sizes=(1.0, 1.0), boundary="free"
     )
-    found = hpc_gfmd.solve(
+    solutions = hpc_gfmd.solve(
         ball,
         force=[float(force * np.pi * w) for force in forces],
         adhesion={"work": w, "range": float(reach), "law": law},
         branch="retraction",
         fields=(),
     )
-    return found, JohnsonKendallRoberts(1.0, w)
+    return solutions, JohnsonKendallRoberts(1.0, w)
 
 
 @pytest.mark.parametrize(
@@ -43,28 +45,31 @@ def ball_retracted(tabor, forces, law="exponential", n=128):
     ],
 )
 def test_pull_off_of_a_ball(tabor, law, holds, comes_off):
-    """From 2 to 3/2 pi w R, by Tabor's parameter."""
+    """The pull-off force decreases from 2 to 3/2 pi w R as Tabor's parameter grows."""
     if law == "dugdale":
         assert maugis_pull_off(1.157 * tabor) == pytest.approx(-(holds + comes_off) / 2, rel=1e-3)
-    found, _ = ball_retracted(tabor, [0.5, 0.0, -1.2, -1.5, -holds, -comes_off, -2.2], law)
-    assert [one.status for one in found] == ["converged"] * 5 + ["separated"] * 2
-    assert found[-1].a_r == 0
-    assert found.pull_off == found[4].p
+    solutions, _ = ball_retracted(tabor, [0.5, 0.0, -1.2, -1.5, -holds, -comes_off, -2.2], law)
+    assert [solution.status for solution in solutions] == ["converged"] * 5 + ["separated"] * 2
+    assert solutions[-1].a_r == 0
+    assert solutions.pull_off == solutions[4].p
 
 
-def test_contact_of_a_ball_is_that_of_jkr_where_the_range_is_short():
-    found, jkr = ball_retracted(3.0, [2.0, 0.0], n=256)
-    for solution, force in zip(found, [2.0, 0.0], strict=True):
+def test_contact_of_a_ball_with_a_short_range_is_that_of_jkr():
+    solutions, jkr = ball_retracted(3.0, [2.0, 0.0], n=256)
+    for solution, force in zip(solutions, [2.0, 0.0], strict=True):
         radius = np.sqrt(solution.a_r / np.pi)
         assert radius == pytest.approx(jkr.radius(force * np.pi * jkr.w), rel=0.05)
 
 
 def wave_retracted(loads, ell, n=512):
-    """Johnson's wave with alpha = 0.3; loads over p_full; ell: process zone over the wavelength."""
+    """Retract Johnson's wave with alpha = 0.3; return the solutions and the exact theory.
+
+    Loads are over p_full; ell is the process zone over the wavelength.
+    """
     work = (0.3 * np.pi) ** 2 / 2
     z = np.cos(2 * np.pi * np.arange(n) / n)[:, None]
     adhesion = {"work": work, "range": float(np.sqrt(ell * work))}
-    found = hpc_gfmd.solve(
+    solutions = hpc_gfmd.solve(
         z,
         [float(load * np.pi) for load in loads],
         physical_sizes=(1.0, 1.0 / n),
@@ -72,7 +77,7 @@ def wave_retracted(loads, ell, n=512):
         branch="retraction",
         fields=(),
     )
-    return found, AdhesiveWave(work)
+    return solutions, AdhesiveWave(work)
 
 
 @pytest.mark.parametrize(
@@ -80,11 +85,11 @@ def wave_retracted(loads, ell, n=512):
     [(0.08, 0.090, 0.092, 0.448), (0.02, 0.0940, 0.0955, 0.476)],
 )
 def test_wave(ell, holds, comes_off, area):
-    """The shorter the range, the nearer to Johnson's."""
-    found, exact = wave_retracted([0.2, 0.0, -0.06, -0.08, -holds, -comes_off], ell)
-    assert [one.status for one in found] == ["converged"] * 5 + ["separated"]
-    assert found[0].a_r == pytest.approx(area, abs=0.006)
-    assert found[0].a_r < exact.a_r(0.2 * exact.p_full)
+    """The shorter the range, the closer the results are to Johnson's."""
+    solutions, exact = wave_retracted([0.2, 0.0, -0.06, -0.08, -holds, -comes_off], ell)
+    assert [solution.status for solution in solutions] == ["converged"] * 5 + ["separated"]
+    assert solutions[0].a_r == pytest.approx(area, abs=0.006)
+    assert solutions[0].a_r < exact.a_r(0.2 * exact.p_full)
     assert exact.pull_off / exact.p_full < -holds
 
 
@@ -93,10 +98,10 @@ def test_wave(ell, holds, comes_off, area):
 
 @pytest.mark.parametrize("law", LAWS)
 def test_energy_is_that_of_a_minimiser(law):
-    """L-BFGS-B on the same energy, from the same side."""
+    """L-BFGS-B minimises the same energy from the same side."""
     wall = adhesive.wall(points=4, waves=4)
     adhesion = adhesive.attraction(0.3, 0.1, law)
-    found = hpc_gfmd.solve(wall, p_star=adhesive.LOAD, adhesion=adhesion, residual=1e-9)
+    solution = hpc_gfmd.solve(wall, p_star=adhesive.LOAD, adhesion=adhesion, residual=1e-9)
     n = wall.heights.shape
     q = [2 * np.pi * np.fft.fftfreq(k, 8.0 / k) for k in n]
     K = np.hypot(q[0][:, None], q[1]) / 2
@@ -111,7 +116,7 @@ def test_energy_is_that_of_a_minimiser(law):
         total = 0.5 * np.mean((g - h) * w) + adhesive.LOAD * np.mean(g) + np.mean(phi.energy(g))
         return total, ((w + adhesive.LOAD + phi.traction(g)) / g.size).ravel()
 
-    start = found.gap.ravel() + 1e-3
+    start = solution.gap.ravel() + 1e-3
     best = minimize(
         lambda g: [1e4 * x for x in energy(g)],
         start,
@@ -120,17 +125,18 @@ def test_energy_is_that_of_a_minimiser(law):
         bounds=[(0, None)] * start.size,
         options={"maxiter": 20000, "maxfun": 40000, "ftol": 1e-16, "gtol": 1e-12, "maxcor": 30},
     )
-    own, _ = energy(found.gap.ravel())
-    assert own == pytest.approx(best.fun / 1e4, rel=1e-8)
-    assert own <= best.fun / 1e4 + 1e-10 * abs(own)
-    assert found.a_r == pytest.approx(np.mean(best.x <= 0), abs=2 / start.size)
+    solver_energy, _ = energy(solution.gap.ravel())
+    assert solver_energy == pytest.approx(best.fun / 1e4, rel=1e-8)
+    assert solver_energy <= best.fun / 1e4 + 1e-10 * abs(solver_energy)
+    assert solution.a_r == pytest.approx(np.mean(best.x <= 0), abs=2 / start.size)
 
 
 # -- branches
 
 
 def test_the_branches_agree_where_the_contact_is_unique():
-    wall, adhesion = adhesive.wall(), adhesive.attraction(1.0, 0.02)
+    wall = adhesive.wall()
+    adhesion = adhesive.attraction(1.0, 0.02)
     approach = hpc_gfmd.solve(wall, adhesive.LOAD, adhesion=adhesion, residual=1e-7)
     retraction = adhesive.retracted(wall, adhesion, residual=1e-7)
     assert retraction.a_r == approach.a_r
@@ -138,9 +144,10 @@ def test_the_branches_agree_where_the_contact_is_unique():
     assert 0.1 < approach.value("stability") < 1
 
 
-def test_the_branches_differ_where_it_is_not():
-    """What is pulled apart holds on; the gap is larger on approach, at every point."""
-    wall, adhesion = adhesive.wall(), adhesive.attraction(3.0, 0.1)
+def test_the_branches_differ_where_the_contact_is_not_unique():
+    """On retraction more points stay in contact; on approach the gap is larger at every point."""
+    wall = adhesive.wall()
+    adhesion = adhesive.attraction(3.0, 0.1)
     approach = hpc_gfmd.solve(wall, adhesive.LOAD, adhesion=adhesion)
     retraction = adhesive.retracted(wall, adhesion)
     assert retraction.a_r > 1.2 * approach.a_r
@@ -150,28 +157,63 @@ def test_the_branches_differ_where_it_is_not():
         assert solution.value("stability") > 0
 
 
-def test_a_load_that_pulls_on_approach_separates():
-    found = hpc_gfmd.solve(adhesive.wall(4, 4), -0.01, adhesion=adhesive.attraction(1.0, 0.1))
-    assert found.status == "separated"
-    assert found.a_r == 0
-    assert found.pressure.max() == 0
-    assert found.value("gap_mean") is None
-    assert "separated" in found.note
+@pytest.mark.parametrize(
+    ("kappa", "reach", "agree"), [(1.0, 0.02, 1), (1.0, 0.1, 1), (3.0, 0.1, 0)]
+)
+@pytest.mark.parametrize("branch", ["approach", "retraction"])
+def test_the_other_branch_on_request(kappa, reach, agree, branch):
+    wall = adhesive.wall()
+    settings = {"adhesion": adhesive.attraction(kappa, reach), "branch": branch, "fields": ()}
+    loads = [adhesive.LOAD] if branch == "approach" else [8.0, 1.0, 0.3, adhesive.LOAD]
+    plain = hpc_gfmd.solve(wall, loads, **settings)
+    solutions = hpc_gfmd.solve(wall, loads, **settings, unique=True)
+    assert [solution.a_r for solution in solutions] == [solution.a_r for solution in plain]
+    assert solutions[-1].fft_pairs > plain[-1].fft_pairs + 3
+    solution = solutions[-1]
+    area_of_other_branch = solution.value("a_r_other_branch")
+    assert solution.value("unique") == agree
+    assert ("not unique" in (solution.note or "")) == (not agree)
+    if agree:
+        assert area_of_other_branch == pytest.approx(solution.a_r, rel=2e-3)
+    elif branch == "approach":
+        assert area_of_other_branch > 1.2 * solution.a_r
+    else:
+        assert area_of_other_branch < solution.a_r / 1.2
+    assert plain[-1].value("unique") is None
+
+
+def test_the_branches_agree_where_nothing_adheres():
+    wall = adhesive.wall(4, 4)
+    adhesion = adhesive.attraction(1.0, 0.1)
+    solutions = hpc_gfmd.solve(wall, [-0.005, -2.0], adhesion=adhesion, unique=True)
+    assert [solution.status for solution in solutions] == ["separated", "separated"]
+    assert [solution.value("unique") for solution in solutions] == [0, 1]
+    assert solutions[0].value("a_r_other_branch") > 0
+    assert solutions[1].value("a_r_other_branch") == 0
+
+
+def test_a_tensile_load_separates_on_approach():
+    solution = hpc_gfmd.solve(adhesive.wall(4, 4), -0.01, adhesion=adhesive.attraction(1.0, 0.1))
+    assert solution.status == "separated"
+    assert solution.a_r == 0
+    assert solution.pressure.max() == 0
+    assert solution.value("gap_mean") is None
+    assert "separated" in solution.note
 
 
 def test_no_load_at_all():
-    """Attraction alone pulls the bodies together."""
-    found = hpc_gfmd.solve(adhesive.wall(4, 4), 0.0, adhesion=adhesive.attraction(1.0, 0.1))
-    assert found.status == "converged"
-    assert found.a_r > 0
-    assert found.pressure.mean() == pytest.approx(found.value("attraction"), rel=1e-3)
+    """Attraction alone brings the bodies into contact."""
+    solution = hpc_gfmd.solve(adhesive.wall(4, 4), 0.0, adhesion=adhesive.attraction(1.0, 0.1))
+    assert solution.status == "converged"
+    assert solution.a_r > 0
+    assert solution.pressure.mean() == pytest.approx(solution.value("attraction"), rel=1e-3)
 
 
 # -- balances
 
 
 @pytest.mark.parametrize(
-    "how",
+    "settings",
     [
         {},
         {"boundary": "free"},
@@ -185,54 +227,57 @@ def test_no_load_at_all():
     ],
 )
 @pytest.mark.parametrize("law", LAWS)
-def test_every_kind_of_contact(how, law):
-    """The wall bears the load and the attraction; the numbers are those of an exact solution."""
+def test_every_kind_of_contact(settings, law):
+    """The contact carries the load and the attraction; results are those of a tight solve."""
     z = adhesive.wall(4, 4).heights
     adhesion = adhesive.attraction(0.5, 0.1, law)
     sizes = {"physical_sizes": (8.0, 8.0)}
-    found = hpc_gfmd.solve(z, 0.1, adhesion=adhesion, **sizes, **how)
-    assert found.status == "converged"
-    assert found.pressure.mean() == pytest.approx(0.1 + found.value("attraction"), rel=3e-3)
-    exact_how = {"precision": "double", "residual": 1e-9}
-    others = {key: x for key, x in how.items() if key not in ("accuracy", "precision")}
-    exact = hpc_gfmd.solve(z, 0.1, adhesion=adhesion, **sizes, **others, **exact_how)
-    accuracy = how.get("accuracy", 1e-3)
-    assert found.a_r == pytest.approx(exact.a_r, rel=accuracy)
-    assert found.gap.mean() == pytest.approx(exact.gap.mean(), rel=accuracy)
-    error = np.linalg.norm(found.pressure - exact.pressure) / np.linalg.norm(exact.pressure)
+    solution = hpc_gfmd.solve(z, 0.1, adhesion=adhesion, **sizes, **settings)
+    assert solution.status == "converged"
+    assert solution.pressure.mean() == pytest.approx(0.1 + solution.value("attraction"), rel=3e-3)
+    exact_settings = {key: x for key, x in settings.items() if key not in ("accuracy", "precision")}
+    exact_settings |= {"precision": "double", "residual": 1e-9}
+    exact = hpc_gfmd.solve(z, 0.1, adhesion=adhesion, **sizes, **exact_settings)
+    accuracy = settings.get("accuracy", 1e-3)
+    assert solution.a_r == pytest.approx(exact.a_r, rel=accuracy)
+    assert solution.gap.mean() == pytest.approx(exact.gap.mean(), rel=accuracy)
+    error = np.linalg.norm(solution.pressure - exact.pressure) / np.linalg.norm(exact.pressure)
     assert error < accuracy
 
 
 def test_work_is_the_integral_of_the_load_over_the_gap():
     """d(separation work) = p d(gap) along a branch."""
-    wall, adhesion = adhesive.wall(), adhesive.attraction(0.3, 0.05)
+    wall = adhesive.wall()
+    adhesion = adhesive.attraction(0.3, 0.05)
     loads = np.linspace(0.04, 0.06, 11)
-    found = hpc_gfmd.solve(wall, list(loads), adhesion=adhesion, residual=1e-6, fields=())
-    work = found.values("separation_work")
-    gaps = found.values("gap_mean")
-    done = np.sum((loads[1:] + loads[:-1]) / 2 * np.diff(gaps))
-    assert work[-1] - work[0] == pytest.approx(done, rel=1e-2)
+    solutions = hpc_gfmd.solve(wall, list(loads), adhesion=adhesion, residual=1e-6, fields=())
+    work = solutions.values("separation_work")
+    gaps = solutions.values("gap_mean")
+    integral = np.sum((loads[1:] + loads[:-1]) / 2 * np.diff(gaps))
+    assert work[-1] - work[0] == pytest.approx(integral, rel=1e-2)
 
 
-def test_range_that_the_grid_does_not_resolve_is_said():
+def test_a_range_that_the_grid_does_not_resolve_is_noted():
     wall = adhesive.wall(4, 4)
-    found = hpc_gfmd.solve(wall, adhesive.LOAD, adhesion=adhesive.attraction(3.0, 0.02))
-    assert "not resolved" in found.note
-    assert "hysteresis is the grid's" in found.note
+    solution = hpc_gfmd.solve(wall, adhesive.LOAD, adhesion=adhesive.attraction(3.0, 0.02))
+    assert "not resolved" in solution.note
+    assert "hysteresis is the grid's" in solution.note
     fine = hpc_gfmd.solve(wall, adhesive.LOAD, adhesion=adhesive.attraction(0.3, 0.1))
     assert "resolved" not in (fine.note or "")
 
 
-def test_weak_attraction_is_none():
-    """Numbers go over into those without; `stickiness` says when."""
+def test_weak_attraction_changes_nothing():
+    """Results tend to those without attraction; `stickiness` shows when."""
     wall = adhesive.wall()
     plain = hpc_gfmd.solve(wall, adhesive.LOAD)
-    for kappa, least, most in ((1e-4, 0.0, 1e-3), (3.0, 0.03, 1.0)):
+    for kappa, low, high in ((1e-4, 0.0, 1e-3), (3.0, 0.03, 1.0)):
         adhesion = adhesive.attraction(kappa, 0.02)
-        found = hpc_gfmd.solve(wall, adhesive.LOAD, adhesion=adhesion, observables=["stickiness"])
-        assert least < found.observable("stickiness") < most
+        solution = hpc_gfmd.solve(
+            wall, adhesive.LOAD, adhesion=adhesion, observables=["stickiness"]
+        )
+        assert low < solution.observable("stickiness") < high
         if kappa < 1e-3:
-            assert found.a_r == pytest.approx(plain.a_r, rel=2e-3)
-            assert found.value("stability") > 0.99
+            assert solution.a_r == pytest.approx(plain.a_r, rel=2e-3)
+            assert solution.value("stability") > 0.99
         else:
-            assert found.a_r > 1.03 * plain.a_r
+            assert solution.a_r > 1.03 * plain.a_r

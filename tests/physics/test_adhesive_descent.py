@@ -1,4 +1,4 @@
-"""The steps of the solver with an attraction: the energy never rises, whatever the attraction."""
+"""Steps of the solver with an attraction never raise the energy."""
 
 import adhesive
 import numpy as np
@@ -11,7 +11,7 @@ from hpc_gfmd.solvers.bpx import Bpx
 
 
 def energy(problem, g):
-    """The mean energy of a gap."""
+    """Return the mean energy of a gap."""
     q = [2 * np.pi * np.fft.fftfreq(k) for k in problem.grid.n]
     K = np.hypot(q[0][:, None], q[1]) / 2
     u = g - problem.heights

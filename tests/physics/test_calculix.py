@@ -1,5 +1,5 @@
-"""Two blocks of CalculiX, with the written law between them, show its pressure, closure and
-temperature jump."""
+"""The exported interface law between two blocks in CalculiX: pressure, closure and temperature
+jump."""
 
 import os
 import re
@@ -12,10 +12,10 @@ import pytest
 import hpc_gfmd
 
 SIDE = 0.01  # of the cubes, m
-MODULUS = 1e15  # Pa: the blocks are as good as rigid
-CONDUCTIVITY = 1e9  # W/(m K): they have one temperature each
+MODULUS = 1e15  # Pa: the blocks are practically rigid
+CONDUCTIVITY = 1e9  # W/(m K): the temperature of each block is uniform
 PRESSURE = 37e6
-OF_BODIES = 60.0, 240.0  # conductivities of the law, whose harmonic mean is 96
+CONDUCTIVITIES = 60.0, 240.0  # of the two bodies in the law; their harmonic mean is 96
 JUMP = 100.0  # K
 
 ccx = shutil.which("ccx")
@@ -35,7 +35,7 @@ def law():
 
 
 def deck(interaction, load):
-    """Two cubes on each other, the lower one held at the bottom."""
+    """Return the input of two stacked cubes, of which the lower one is fixed at the bottom."""
     corners = [(i * SIDE, j * SIDE, k * SIDE) for k in (0, 1) for j in (0, 1) for i in (0, 1)]
     nodes = [*corners, *((x, y, z + SIDE) for x, y, z in corners)]
     lines = ["*NODE", *(f"{n},{x!r},{y!r},{z!r}" for n, (x, y, z) in enumerate(nodes, 1))]
@@ -58,11 +58,13 @@ def deck(interaction, load):
 
 
 def run(folder, text):
-    """Run CalculiX; return the last pressures, closure (m) and heat flow (W)."""
+    """Run CalculiX and return the final pressures, closure (m) and heat flow (W)."""
     assert ccx, "CalculiX is not installed: apt-get install calculix-ccx"
     (folder / "blocks.inp").write_text(text)
-    done = subprocess.run([ccx, "blocks"], cwd=folder, capture_output=True, text=True, timeout=120)
-    assert done.returncode == 0, done.stdout[-2000:]
+    process = subprocess.run(
+        [ccx, "blocks"], cwd=folder, capture_output=True, text=True, timeout=120
+    )
+    assert process.returncode == 0, process.stdout[-2000:]
     printed = (folder / "blocks.dat").read_text()
 
     def rows(title):
@@ -76,7 +78,7 @@ def run(folder, text):
 
 
 def test_pressure_and_closure(law, tmp_path):
-    hpc_gfmd.write_law(law, tmp_path / "law.inp", conductivity=OF_BODIES)
+    hpc_gfmd.write_law(law, tmp_path / "law.inp", conductivity=CONDUCTIVITIES)
     text = deck(["*INCLUDE,INPUT=law.inp"], ["*DLOAD", f"2,P2,{PRESSURE}"])
     pressures, closure, _ = run(tmp_path, text)
     np.testing.assert_allclose(pressures, PRESSURE, rtol=1e-4)
@@ -84,9 +86,12 @@ def test_pressure_and_closure(law, tmp_path):
 
 
 def test_temperature_jump(law, tmp_path):
-    """The thermal part of CalculiX 2.20 knows the pressure of a node of an exponential behaviour
-    alone: that takes the place of the table, and the load makes the pressure."""
-    hpc_gfmd.write_law(law, tmp_path / "law.inp", conductivity=OF_BODIES)
+    """The conductance at the pressure of the load.
+
+    The thermal part of CalculiX 2.20 needs an exponential behaviour to find the pressure of a node,
+    which therefore replaces the table here.
+    """
+    hpc_gfmd.write_law(law, tmp_path / "law.inp", conductivity=CONDUCTIVITIES)
     written = (tmp_path / "law.inp").read_text()
     behaviour = "*SURFACE BEHAVIOR,PRESSURE-OVERCLOSURE=EXPONENTIAL\n1E-6,1E6\n*GAP"
     exponential, count = re.subn(r"\*SURFACE BEHAVIOR.*?\*GAP", behaviour, written, flags=re.DOTALL)

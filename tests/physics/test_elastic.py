@@ -1,4 +1,4 @@
-"""Closed elastic solutions: known numbers, the energy relation, limits."""
+"""Closed-form elastic solutions: known numbers, the energy relation, limits."""
 
 import numpy as np
 import pytest
@@ -23,13 +23,15 @@ def test_hertz():
 
 
 def test_westergaard_numbers():
-    a, length, e_star = 0.3, 2.0, 1.5
+    a = 0.3
+    length = 2.0
+    e_star = 1.5
     full = np.pi * e_star * a / length
     for share in (0.01, 0.25, 0.7, 0.999):
         wave = Westergaard(share * full, a, length, e_star)
         assert wave.p_full == pytest.approx(full)
         assert wave.a_r == pytest.approx(2 / np.pi * np.arcsin(np.sqrt(share)))
-        # a_r L/2 on either side
+        # the contact reaches to a_r L/2 on either side
         mean = quad(wave.pressure, -wave.a_r, wave.a_r, epsabs=1e-10)[0] / length
         assert mean == pytest.approx(share * full, rel=1e-7)
         assert wave.pressure(0) == pytest.approx(wave.peak_pressure)
@@ -52,7 +54,8 @@ def test_westergaard_energy_relation():
 
 
 def test_westergaard_without_load_and_beyond_full_contact():
-    free, closed = Westergaard(0.0), Westergaard(5.0)
+    free = Westergaard(0.0)
+    closed = Westergaard(5.0)
     assert (free.a_r, free.gap_mean, free.energy, free.peak_pressure) == (0, 1, 0, 0)
     assert free.compliance == np.inf
     assert (closed.a_r, closed.gap_mean, closed.compliance) == (1, 0, 0)
@@ -61,6 +64,6 @@ def test_westergaard_without_load_and_beyond_full_contact():
 
 
 def test_refused():
-    for bad in (lambda: Hertz(-1, 1), lambda: Westergaard(np.nan), lambda: Westergaard(1, 0)):
+    for make in (lambda: Hertz(-1, 1), lambda: Westergaard(np.nan), lambda: Westergaard(1, 0)):
         with pytest.raises(SceneError, match=r"found .*allowed"):
-            bad()
+            make()

@@ -1,4 +1,4 @@
-"""Flat tops all touch at light loads, which deform hardly anything; a seam does not spoil that."""
+"""Flat tops of equal height all touch at light loads, which hardly deform them."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,7 @@ import hpc_gfmd
 @pytest.mark.parametrize("n", [64, 65, 205])
 @pytest.mark.parametrize("p_star", [1e-7, 1.8e-6, 1e-5])
 def test_a_checkerboard(n, p_star):
-    """Along one row and one column of an odd number of squares two of a kind meet."""
+    """With an odd number of squares, equal squares are neighbours across the periodic boundary."""
     squares = np.indices((n, n)).sum(axis=0) % 2.0
     solution = hpc_gfmd.solve(
         squares, p_star=p_star, boundary="periodic", fields=("pressure", "gap")

@@ -1,4 +1,4 @@
-"""Hertz's contact in a large cell, a_c^3 = 3 R F/(4 E*)."""
+"""Hertz's contact in a large periodic cell, a_c^3 = 3 R F/(4 E*)."""
 
 from math import pi, sqrt
 
@@ -35,7 +35,7 @@ def test_hertz(R, E_star, L, share):
 
 
 def test_the_peak_is_the_contact():
-    """Peaks are up: a bump touches at its top, a dent at its rim."""
+    """Peaks point up: a bump touches at its top, a dent does not touch at its bottom."""
     x = (np.arange(32) - 16) / 32
     bump = np.exp(-20 * (x[:, None] ** 2 + x**2))
     up, down = (hpc_gfmd.solve(z, 1e-2) for z in (bump, -bump))

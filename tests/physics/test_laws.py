@@ -1,4 +1,4 @@
-"""What holds on any surface: thermodynamics, history, units, symmetries."""
+"""Laws that hold on any surface: thermodynamics, reversibility, symmetries."""
 
 import numpy as np
 import pytest
@@ -26,14 +26,13 @@ def numbers(step):
 
 
 def exact(z, p, E_star=1.0, sizes=(1.0, 1.0)):
-    found = hpc_gfmd.solve(z, p, E_star, sizes, **EXACT)
-    assert found.status == "converged"
-    return found
+    solution = hpc_gfmd.solve(z, p, E_star, sizes, **EXACT)
+    assert solution.status == "converged"
+    return solution
 
 
 def test_energy_is_the_work_of_the_pressure():
-    """dU = -p d(gap) along a sweep, to the second order of the load step; areas and energies rise,
-    the gap falls."""
+    """dU = -p d(gap) along a sweep, up to the second order of the load step."""
     defects = []
     for points in (8, 16):
         sweep = sweep_of(SURFACE, **EXACT)
@@ -47,8 +46,7 @@ def test_energy_is_the_work_of_the_pressure():
         assert (np.diff(area) >= 0).all()
         work = -(loads[1:] + loads[:-1]) / 2 * np.diff(gap)
         defects.append(np.abs(work.sum() / (U[-1] - U[0]) - 1))
-        # the enthalpy bounds from both sides: U(p2) - U(p1) lies between p1 and p2 times the change
-        # of the gap
+        # U(p2) - U(p1) lies between p1 and p2 times the change of the gap.
         assert (-loads[:-1] * np.diff(gap) <= np.diff(U) * (1 + 1e-8)).all()
         assert (np.diff(U) <= -loads[1:] * np.diff(gap) * (1 + 1e-8)).all()
     assert defects[1] < 0.35 * defects[0] + 1e-6
@@ -57,8 +55,8 @@ def test_energy_is_the_work_of_the_pressure():
 
 @pytest.mark.parametrize("sizes", [(1.0, 1.0), (1.0, 2.5)])
 def test_more_load_is_more_contact(sizes):
-    """Barber (1974): with the load no point leaves the contact, at none the pressure falls, and the
-    contact gets stiffer."""
+    """With the load no point leaves the contact, the pressure falls nowhere, and the contact gets
+    stiffer (Barber 1974)."""
     steps = hpc_gfmd.solve(
         random_heights((24, 20), 3),
         p_star=np.geomspace(1e-3, 3.0, 25),
@@ -71,75 +69,78 @@ def test_more_load_is_more_contact(sizes):
         assert (after.pressure >= before.pressure - 1e-8 * after.p).all()
         assert (after.gap <= before.gap + 1e-8 * before.gap.max()).all()
     stiffness = steps.values("stiffness")
-    known = np.isfinite(stiffness)  # none once contact is full
-    assert known.sum() > 10
-    assert (
-        np.diff(stiffness[known]) >= -1e-9 * stiffness[known][1:]
-    ).all()  # the same where no point has come into contact
-    assert stiffness[known][-1] > 100 * stiffness[known][0]
-    p, gap = steps.values("p")[known], steps.values("gap_mean")[known]
-    secants, stiffness = -np.diff(p) / np.diff(gap), stiffness[known]
-    assert (
-        secants >= stiffness[:-1] * (1 - 1e-3)
-    ).all()  # it lies between the tangents at both ends
+    is_open = np.isfinite(stiffness)  # there is no stiffness in full contact
+    stiffness = stiffness[is_open]
+    assert len(stiffness) > 10
+    # It is the same where no point has come into contact.
+    assert (np.diff(stiffness) >= -1e-9 * stiffness[1:]).all()
+    assert stiffness[-1] > 100 * stiffness[0]
+    p = steps.values("p")[is_open]
+    gap = steps.values("gap_mean")[is_open]
+    # A secant lies between the tangents at its ends.
+    secants = -np.diff(p) / np.diff(gap)
+    assert (secants >= stiffness[:-1] * (1 - 1e-3)).all()
     assert (secants <= stiffness[1:] * (1 + 1e-3)).all()
 
 
 def test_loading_equals_unloading_and_warm_equals_cold():
     def results(loads, fresh=False):
-        sweep, found = sweep_of(SURFACE, **EXACT), {}
+        sweep = sweep_of(SURFACE, **EXACT)
+        by_load = {}
         for p in loads:
             if fresh:
                 sweep = sweep_of(SURFACE, nested=False, **EXACT)
             step = sweep.solve(p)
-            found[p] = step.gap_mean, step.contact_points, field(step, "pressure")
-        return found
+            by_load[p] = step.gap_mean, step.contact_points, field(step, "pressure")
+        return by_load
 
     cold = results(LOADS, fresh=True)
-    for found in (results(LOADS), results(LOADS[::-1])):
+    for warm in (results(LOADS), results(LOADS[::-1])):
         for p in LOADS:
-            assert found[p][0] == pytest.approx(cold[p][0], rel=1e-9)
-            assert found[p][1] == cold[p][1]
-            assert relative(found[p][2], cold[p][2]) < 1e-9
+            assert warm[p][0] == pytest.approx(cold[p][0], rel=1e-9)
+            assert warm[p][1] == cold[p][1]
+            assert relative(warm[p][2], cold[p][2]) < 1e-9
 
 
 @pytest.mark.parametrize("n", [(32, 32), (27, 32), (15, 21)])
 def test_translation_transposition_reflection(n):
-    z, sizes = random_heights(n, seed=8), (1.0, 1.4)
-    true = exact(z, 2.0, sizes=sizes)
+    z = random_heights(n, seed=8)
+    sizes = (1.0, 1.4)
+    original = exact(z, 2.0, sizes=sizes)
     moved = exact(np.roll(z, (5, 3), (0, 1)), 2.0, sizes=sizes)
-    assert relative(moved.gap, np.roll(true.gap, (5, 3), (0, 1))) < 1e-9
+    assert relative(moved.gap, np.roll(original.gap, (5, 3), (0, 1))) < 1e-9
     turned = exact(z.T, 2.0, sizes=sizes[::-1])
-    assert relative(turned.pressure, true.pressure.T) < 1e-9
+    assert relative(turned.pressure, original.pressure.T) < 1e-9
     mirrored = exact(z[::-1], 2.0, sizes=sizes)
-    assert relative(mirrored.pressure, true.pressure[::-1]) < 1e-9
+    assert relative(mirrored.pressure, original.pressure[::-1]) < 1e-9
     raised = exact(z + 100.0, 2.0, sizes=sizes)
-    assert relative(raised.pressure, true.pressure) < 1e-9
+    assert relative(raised.pressure, original.pressure) < 1e-9
 
 
 @pytest.mark.parametrize("n", [(1, 24), (24, 1), (24, 5), (1, 17), (2, 24)])
 def test_one_dimensional(n):
-    """A profile is the wall that repeats it, whatever the number of repetitions; so is a cell of
-    two periods."""
+    """A profile has the solution of the surface that repeats it, and a cell of two periods that of
+    one."""
     m = max(n)
     profile = random_heights((m, 1), seed=9)[:, 0]
-    one = exact(profile[:, None], 1.0, sizes=(1.0, 1.0))
+    single = exact(profile[:, None], 1.0, sizes=(1.0, 1.0))
     z = np.broadcast_to(profile[:, None], (m, min(n)))
     z = z if n[0] == m else z.T
-    found = exact(z, 1.0)
-    pressure = found.pressure if n[0] == m else found.pressure.T
-    assert relative(pressure, np.broadcast_to(one.pressure, pressure.shape)) < 1e-9
+    solution = exact(z, 1.0)
+    pressure = solution.pressure if n[0] == m else solution.pressure.T
+    assert relative(pressure, np.broadcast_to(single.pressure, pressure.shape)) < 1e-9
     twice = exact(np.tile(profile[:, None], (2, 1)), 1.0, sizes=(2.0, 1.0))
-    assert relative(twice.pressure[:m], one.pressure) < 1e-9
+    assert relative(twice.pressure[:m], single.pressure) < 1e-9
 
 
 def test_finer_grids_have_the_same_surface():
-    """The same seed with smaller a: the same heights where grids share points, h_rms, g_rms; and
-    the area converges from above."""
+    """With the same seed and a smaller a, heights agree at shared points, and the area converges
+    from above."""
     coarse, middle, fine = (heights_of(rough((2, 8, k))) for k in (2, 4, 8))
     assert np.abs(middle[::2, ::2] - coarse + coarse.mean() - middle[::2, ::2].mean()).max() < 1e-10
     assert np.abs(fine[::2, ::2] - middle + middle.mean() - fine[::2, ::2].mean()).max() < 1e-10
-    areas, corrected = [], []
+    areas = []
+    corrected = []
     for k in (2, 4, 8, 16):
         step = numbers(solve_scene(rough((2, 8, k)), 0.05))
         areas.append(step["a_r"])
@@ -149,27 +150,30 @@ def test_finer_grids_have_the_same_surface():
 
 
 def test_realised_roughness():
-    """h_rms and g_rms are those of the heights, by the definition in the spectrum; both norms
-    agree."""
+    """h_rms and g_rms are those of the heights and their spectrum, whichever is prescribed."""
     for n_over, hurst in (((2, 16, 2), 0.8), ((1, 15, 3.0), 0.0), ((3, 4, 4), 1.0)):
         surface = rough(n_over, hurst=hurst, physical_sizes=[2.0, 2.0])
         h_rms = sweep_of(surface | {"g_rms": 0.3}).surface.h_rms
         z = heights_of(surface | {"g_rms": 0.3})
-        power, q = np.abs(np.fft.fft2(z) / z.size) ** 2, wave_numbers(z.shape, (2.0, 2.0))
+        power = np.abs(np.fft.fft2(z) / z.size) ** 2
+        q = wave_numbers(z.shape, (2.0, 2.0))
         g_rms = np.sqrt(np.sum(q**2 * power))
         assert g_rms == pytest.approx(0.3, rel=1e-10)
         assert h_rms == pytest.approx(np.std(z), rel=1e-10)
         assert np.abs(heights_of(surface | {"h_rms": h_rms}) - z).max() < 1e-10
-        k, low, high = q / np.pi, n_over[0], n_over[0] * n_over[1]
+        k = q / np.pi
+        low = n_over[0]
+        high = n_over[0] * n_over[1]
         band = (k >= low * (1 - 1e-9)) & (k <= high * (1 + 1e-9))
         assert power[~band & (k > 0)].max(initial=0) < 1e-24 * power.max()
         assert (power[band] > 0).mean() > 0.99  # both ends included
 
 
 def test_spectrum_follows_the_exponent():
-    """Mean power ~ q^(-2-2H), flat below the roll-off."""
+    """The mean power is proportional to q^(-2-2H), and constant below the roll-off."""
     for hurst in (0.0, 0.5, 1.0):
-        power, k = np.zeros((128, 128)), wave_numbers((128, 128)) / (2 * np.pi)
+        power = np.zeros((128, 128))
+        k = wave_numbers((128, 128)) / (2 * np.pi)
         for seed in range(8):
             z = heights_of(rough((1, 64, 2), hurst=hurst, seed=seed, lam_l_over_lam_r=4))
             power += np.abs(np.fft.fft2(z)) ** 2

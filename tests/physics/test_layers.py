@@ -1,5 +1,5 @@
-"""Layers of finite thickness: the compliance against elasticity solved anew, contacts against a
-dense oracle and both limits."""
+"""Layers of finite thickness: the compliance against the equations of elasticity, contacts against
+dense linear algebra and both limits."""
 
 import numpy as np
 import oracle
@@ -17,31 +17,32 @@ LAYERS = [
     (0.3, "frictionless"),
     (0.5, "frictionless"),
 ]
-# what a coating lies on: Young's modulus over E* of the coating, Poisson's ratio
+# Coatings: (nu, base), the base as (Young's modulus over E* of the coating, Poisson's ratio).
 BASES = [(0.3, (0.05, 0.2)), (0.5, (0.7, 0.5)), (0.0, (30.0, 0.1))]
 every_layer = pytest.mark.parametrize(("nu", "base"), LAYERS)
 every_body = pytest.mark.parametrize(("nu", "base"), LAYERS + BASES)
 
 
 def material(nu, base, t, E_star=1.0):
-    """[material] of a layer or a coating."""
-    given = {"E_star": E_star, "thickness": t, "nu1": nu}
+    """Return the table [material] of a layer or a coating."""
+    table = {"E_star": E_star, "thickness": t, "nu1": nu}
     if isinstance(base, str):
-        return given | {"base": base}
-    return given | {"base": "elastic", "base_E": base[0] * E_star, "base_nu": base[1]}
+        return table | {"base": base}
+    return table | {"base": "elastic", "base_E": base[0] * E_star, "base_nu": base[1]}
 
 
 def softness(q, t, nu, base):
-    """Deflection of a layer under p = cos(q x) over that of a half-space, from the equations of
-    plane strain.
+    """Return the deflection of a layer under p = cos(q x) over that of a half-space.
 
-    Airy's function [(A + B z) cosh q z + (C + D z) sinh q z] cos q x with z from the base, and (A +
-    B z) exp q z cos q x in an elastic base; sigma_zz = -q^2 phi, sigma_xz = q phi' sin, 2 G u_x =
-    [...] and 2 G u_z = [...] by Hooke's law, for G = 1/2 and E* = E/(1 - nu^2) = 2 G/(1 - nu).
+    It solves the equations of plane strain with Airy's function [(A + B z) cosh q z + (C + D z)
+    sinh q z] cos q x, z from the base upwards, and (A + B z) exp q z cos q x in an elastic base.
+    sigma_zz = -q^2 phi and sigma_xz = q phi' sin q x; u_x and u_z follow from Hooke's law with
+    G = 1/2 and E* = E/(1 - nu^2) = 2 G/(1 - nu).
     """
 
     def rows(z, nu, elastic_base=False):
-        c, s = np.cosh(q * z), np.sinh(q * z)
+        c = np.cosh(q * z)
+        s = np.sinh(q * z)
         phi = np.array([c, z * c, s, z * s])
         d1 = np.array([q * s, c + q * z * s, q * c, s + q * z * c])
         d2 = np.array([q * q * c, 2 * q * s + q * q * z * c, q * q * s, 2 * q * c + q * q * z * s])
@@ -50,15 +51,16 @@ def softness(q, t, nu, base):
         )
         if elastic_base:  # exp = cosh + sinh
             phi, d1, d2, d3 = (d[:2] + d[2:] for d in (phi, d1, d2, d3))
-        # 2G eps_xx = (1 - nu) sxx - nu szz with sxx = phi'', szz = -q^2 phi: u_x = int eps_xx; 2G
-        # (du_z/dx + du_x/dz) = 2 sxz
+        # 2G eps_xx = (1 - nu) sxx - nu szz with sxx = phi'' and szz = -q^2 phi; u_x is the integral
+        # of eps_xx. 2G (du_z/dx + du_x/dz) = 2 sxz.
         u_x = ((1 - nu) * d2 + nu * q * q * phi) / q  # times sin q x
         du_x = ((1 - nu) * d3 + nu * q * q * d1) / q
         sxz = q * d1  # times sin q x
         u_z = (du_x - 2 * sxz) / q  # times cos q x: du_z/dx = -q u_z sin
         return np.array([phi, sxz, u_x, u_z])
 
-    below, top = rows(0.0, nu), rows(t, nu)
+    below = rows(0.0, nu)
+    top = rows(t, nu)
     if isinstance(base, str):
         fixed = below[[3, 2 if base == "bonded" else 1]]
     else:
@@ -66,10 +68,11 @@ def softness(q, t, nu, base):
         under = rows(0.0, base[1], True) / np.array([[1], [1], [twice_G], [twice_G]])
         fixed = np.hstack([below, -under])
     surface = np.zeros((2, fixed.shape[1]))
-    surface[:, :4] = top[1], -q * q * top[0]
+    surface[0, :4] = top[1]
+    surface[1, :4] = -q * q * top[0]
     A = np.vstack([fixed, surface])
-    found = np.linalg.solve(A, np.append(np.zeros(len(A) - 1), -1.0))  # sigma_zz = -1 on top
-    deflection = -(top[3] @ found[:4])  # downwards, 2 G = 1
+    coefficients = np.linalg.solve(A, np.append(np.zeros(len(A) - 1), -1.0))  # sigma_zz = -1 on top
+    deflection = -(top[3] @ coefficients[:4])  # downwards, 2 G = 1
     return deflection / (2 / q * (1 - nu))  # S of the half-space is 2/(E* q)
 
 
@@ -83,7 +86,7 @@ def test_compliance_is_that_of_elasticity(nu, base, qt):
 
 @every_layer
 def test_uniform_pressure(nu, base):
-    """The oedometric modulus (bonded), or E* (frictionless), over the thickness; E* = 1."""
+    """K is the oedometric modulus (bonded) or E* = 1 (frictionless) over the thickness."""
     modulus = (1 - nu) ** 2 / (1 - 2 * nu) if base == "bonded" else 1.0
     assert Layer(0.4, nu, base).stiffness(np.zeros(1), 0.1)[0] == pytest.approx(
         modulus * 0.1 / 0.4, rel=1e-6
@@ -94,7 +97,7 @@ def test_uniform_pressure(nu, base):
 def test_against_the_oracle(nu, base):
     surface = rough((1, 4, 4), seed=3, physical_sizes=[2.5, 2.5])
     step = sweep_of(surface, E_star=3.0, layer=material(nu, base, 0.2, 3.0), **EXACT).solve(0.4)
-    wanted = oracle.solve(
+    exact = oracle.solve(
         heights_of(surface),
         0.4,
         3.0,
@@ -102,20 +105,20 @@ def test_against_the_oracle(nu, base):
         lambda q: softness(q, 0.2, nu, base) if q * 0.2 < 15 else 1.0,
     )
     assert step.status == "converged"
-    assert step.contact_points / step.N == wanted.a_r
-    assert step.gap_mean == pytest.approx(wanted.gap_mean, rel=1e-6)
-    assert relative(field(step, "pressure"), wanted.pressure) < 1e-6
-    assert np.ptp(field(step, "displacement") - wanted.displacement) < 1e-6 * np.ptp(wanted.gap)
+    assert step.contact_points / step.N == exact.a_r
+    assert step.gap_mean == pytest.approx(exact.gap_mean, rel=1e-6)
+    assert relative(field(step, "pressure"), exact.pressure) < 1e-6
+    assert np.ptp(field(step, "displacement") - exact.displacement) < 1e-6 * np.ptp(exact.gap)
 
 
 @pytest.mark.parametrize("nu", [0.0, 0.3])
 def test_thin_layers_are_springs(nu):
-    """Winkler: p = (M/t) times how far the heights would be inside the layer."""
-    surface, p = rough((2, 8, 4)), 0.2
+    """As in Winkler's foundation p = (M/t) times the penetration of the undeformed heights."""
+    surface = rough((2, 8, 4))
     z = heights_of(surface)
     t = 0.01 / 64
     spring = (1 - nu) ** 2 / (1 - 2 * nu) / t
-    p *= spring * z.std()
+    p = 0.2 * spring * z.std()
     depth = np.linspace(0, np.ptp(z), 200001)
     loads = np.array([np.maximum(d - (z.max() - z), 0).mean() for d in depth[::200]])
     d = np.interp(p / spring, loads, depth[::200])
@@ -126,19 +129,20 @@ def test_thin_layers_are_springs(nu):
 
 
 @pytest.mark.parametrize(
-    ("nu", "base", "t"), [*((*one, 4.0) for one in LAYERS + BASES), (0.4, (1 - 0.4**2, 0.4), 0.02)]
+    ("nu", "base", "t"),
+    [*((*layer, 4.0) for layer in LAYERS + BASES), (0.4, (1 - 0.4**2, 0.4), 0.02)],
 )
 def test_thick_layers_are_half_spaces(nu, base, t):
-    """So are coatings of the same material."""
+    """So are coatings of the material of the base."""
     surface = rough((2, 8, 4))
-    wanted = solve_scene(surface, 0.1, **EXACT)
-    found = sweep_of(surface, layer=material(nu, base, t), **EXACT).solve(wanted.p_mean)
-    assert found.gap_mean == pytest.approx(wanted.gap_mean, rel=1e-9)
-    assert relative(field(found, "pressure"), field(wanted, "pressure")) < 1e-9
+    half_space = solve_scene(surface, 0.1, **EXACT)
+    contact = sweep_of(surface, layer=material(nu, base, t), **EXACT).solve(half_space.p_mean)
+    assert contact.gap_mean == pytest.approx(half_space.gap_mean, rel=1e-9)
+    assert relative(field(contact, "pressure"), field(half_space, "pressure")) < 1e-9
 
 
 def test_limits_of_coatings():
-    """A stiff base is a rigid one; long waves, and thin coatings, have the base alone."""
+    """A stiff base acts as a rigid one; under a thin coating only the base deforms."""
     q = np.geomspace(1e-2, 30, 50)
 
     def K(base, t=0.3):
@@ -150,7 +154,7 @@ def test_limits_of_coatings():
 
 
 def test_the_approach_in_low_memory():
-    """Their mean is part of it when the heights themselves are not kept."""
+    """It depends on the mean height, although low memory does not keep the heights."""
     ways = ({"low_memory": low, "accuracy": 1e-5, "precision": "double"} for low in (True, False))
     low, plain = (
         sweep_of(rough((2, 16, 4)), layer={"thickness": 0.05, "nu1": 0.3}, **way).solve(0.1)

@@ -1,5 +1,5 @@
-"""Every solver against solutions that share no code with it: dense linear algebra, and heights
-made to order."""
+"""Every solver against independent solutions: dense linear algebra, manufactured solutions and
+Polonsky-Keer."""
 
 import numpy as np
 import oracle
@@ -39,20 +39,21 @@ def test_oracle_satisfies_its_equations():
     ("n", "sizes"), [*GRIDS, ((2, 2), (1.0, 3.0)), ((13, 1), (1.0, 1.0)), ((17, 23), (3.0, 3.0))]
 )
 def test_stiffness(n, sizes):
-    """K, column by column: that of every wave, the shortest of even numbers of points included."""
-    wanted = oracle.stiffness(n, sizes) * Grid(n, sizes).a
-    assert np.abs(matrix(HALF_SPACE, Grid(n, sizes)) - wanted).max() < 1e-12
+    """K agrees column by column, also for the shortest wave of an even number of points."""
+    expected = oracle.stiffness(n, sizes) * Grid(n, sizes).a
+    assert np.abs(matrix(HALF_SPACE, Grid(n, sizes)) - expected).max() < 1e-12
 
 
-def assert_exact(found, exact, tolerance):
-    """A solution is the exact one; displacements up to a constant."""
-    assert found.status == "converged"
-    assert found.a_r == exact.a_r
-    assert found.gap_mean == pytest.approx(exact.gap_mean, rel=tolerance)
-    assert relative(found.pressure, exact.pressure) < tolerance
-    assert relative(found.gap, exact.gap) < tolerance
-    shift, z = found.displacement - exact.displacement, exact.displacement - exact.gap
-    assert np.abs(shift - shift.mean()).max() < tolerance * np.ptp(z)
+def assert_exact(solution, exact, tolerance):
+    """Compare a solution with the exact one; displacements may differ by a constant."""
+    assert solution.status == "converged"
+    assert solution.a_r == exact.a_r
+    assert solution.gap_mean == pytest.approx(exact.gap_mean, rel=tolerance)
+    assert relative(solution.pressure, exact.pressure) < tolerance
+    assert relative(solution.gap, exact.gap) < tolerance
+    difference = solution.displacement - exact.displacement
+    z = exact.displacement - exact.gap
+    assert np.abs(difference - difference.mean()).max() < tolerance * np.ptp(z)
 
 
 @pytest.mark.parametrize("load", [0.03, 0.4, 2.0])
@@ -66,24 +67,29 @@ def assert_exact(found, exact, tolerance):
 def test_every_solver(name, n, sizes, tolerance, load):
     z = random_heights(n, seed=sum(n))
     exact = oracle.solve(z, load, 2.0, sizes)
-    found = hpc_gfmd.solve(
+    solution = hpc_gfmd.solve(
         z, load, 2.0, sizes, **EXACT | {"name": name, "residual": 1e-2 * tolerance}
     )
-    assert_exact(found, exact, tolerance)
+    assert_exact(solution, exact, tolerance)
 
 
 def manufactured(n, sizes, seed=0):
-    """Heights that have a solution made to order, and that solution: p >= 0 and g >= 0 with
-    disjoint supports, smooth where they are positive, about a third of the points in contact."""
+    """Return heights and their exact solution, which is chosen first.
+
+    p >= 0 and g >= 0 have disjoint supports and are smooth where they are positive; two fifths of
+    the points are in contact.
+    """
     rng = np.random.default_rng(seed)
     x, y = np.meshgrid(np.arange(n[0]) / n[0], np.arange(n[1]) / n[1], indexing="ij")
     s = np.zeros(n)
     for _ in range(6):
-        k, phase = rng.integers(-3, 4, 2) * (np.array(n) > 1), rng.uniform(0, 2 * np.pi)
+        k = rng.integers(-3, 4, 2) * (np.array(n) > 1)
+        phase = rng.uniform(0, 2 * np.pi)
         s += rng.standard_normal() * np.cos(2 * np.pi * (k[0] * x + k[1] * y) + phase)
-    k = int(0.6 * s.size)
-    s -= np.sort(s, axis=None)[k : k + 2].mean()  # no point is at zero
-    p, g = np.maximum(s, 0), 0.05 * np.maximum(-s, 0)
+    n_open = int(0.6 * s.size)
+    s -= np.sort(s, axis=None)[n_open : n_open + 2].mean()  # no point is at zero
+    p = np.maximum(s, 0)
+    g = 0.05 * np.maximum(-s, 0)
     q = wave_numbers(n, sizes)
     q[0, 0] = np.inf
     u = np.fft.ifft2(np.fft.fft2(p - p.mean()) * 2 / (3.0 * q)).real
@@ -102,10 +108,10 @@ def manufactured(n, sizes, seed=0):
     ],
 )
 @pytest.mark.parametrize("seed", [0, 1])
-def test_made_to_order(n, sizes, seed):
+def test_manufactured_solution(n, sizes, seed):
     z, exact = manufactured(n, sizes, seed)
-    found = hpc_gfmd.solve(z, exact.pressure.mean(), 3.0, sizes, **EXACT | {"residual": 1e-12})
-    assert_exact(found, exact, 1e-10)
+    solution = hpc_gfmd.solve(z, exact.pressure.mean(), 3.0, sizes, **EXACT | {"residual": 1e-12})
+    assert_exact(solution, exact, 1e-10)
 
 
 @pytest.mark.parametrize(
@@ -113,45 +119,45 @@ def test_made_to_order(n, sizes, seed):
     [(0.05, 1e9, 0.0), (0.05, 0.6, 0.03), (0.05, 0.3, 0.1), (0.2, 0.5, 0.29), (0.4, 0.402, 0.9)],
 )
 def test_with_a_hardness(load, hardness, yields):
-    """p = 0 where the gap is open, the hardness where there is a dent; without end it is
-    elastic."""
+    """p = 0 where the gap is open, and p = hardness in dents; a huge hardness changes nothing."""
     surface = hpc_gfmd.make_surface(**rough((2, 16, 2), hurst=0.9))
     exact = oracle.solve_yielding(surface.heights, load, hardness)
-    found = hpc_gfmd.solve(
+    solution = hpc_gfmd.solve(
         surface,
         load,
         hardness=hardness,
         **EXACT,
         fields=["pressure", "gap", "plastic", "displacement"],
     )
-    assert found.status == "converged"
-    assert found.a_r == exact.a_r
-    assert found.value("a_plastic") == np.mean(exact.gap < 0) >= yields
-    assert found.gap_mean == pytest.approx(exact.gap_mean, rel=1e-9)
-    assert found.value("energy") == pytest.approx(exact.energy, rel=1e-9)
-    assert relative(found.pressure, exact.pressure) < 1e-9
-    assert relative(found.gap - found.plastic, exact.gap) < 1e-9
-    assert relative(found.displacement - found.plastic, exact.displacement) < 1e-9
-    assert found.gap.min() == 0
-    assert found.pressure.max() <= hardness
-    assert not (found.gap * found.pressure).any()
+    assert solution.status == "converged"
+    assert solution.a_r == exact.a_r
+    assert solution.value("a_plastic") == np.mean(exact.gap < 0) >= yields
+    assert solution.gap_mean == pytest.approx(exact.gap_mean, rel=1e-9)
+    assert solution.value("energy") == pytest.approx(exact.energy, rel=1e-9)
+    assert relative(solution.pressure, exact.pressure) < 1e-9
+    assert relative(solution.gap - solution.plastic, exact.gap) < 1e-9
+    assert relative(solution.displacement - solution.plastic, exact.displacement) < 1e-9
+    assert solution.gap.min() == 0
+    assert solution.pressure.max() <= hardness
+    assert not (solution.gap * solution.pressure).any()
     if not yields:
         elastic = hpc_gfmd.solve(surface, load, **EXACT)
-        assert relative(found.pressure, elastic.pressure) < 1e-12
-        assert found.fft_pairs == elastic.fft_pairs
+        assert relative(solution.pressure, elastic.pressure) < 1e-12
+        assert solution.fft_pairs == elastic.fft_pairs
     for accuracy in (1e-2, 1e-5):
-        rough_one = hpc_gfmd.solve(surface, load, hardness=hardness, accuracy=accuracy)
-        area, gap, pressure = rough_one.errors
-        assert max(rough_one.errors) < accuracy
-        assert abs(rough_one.a_r - exact.a_r) <= area * exact.a_r
-        assert abs(rough_one.gap_mean - exact.gap_mean) <= gap * exact.gap_mean
-        assert relative(rough_one.pressure, exact.pressure) <= pressure
+        solution_to_accuracy = hpc_gfmd.solve(surface, load, hardness=hardness, accuracy=accuracy)
+        area, gap, pressure = solution_to_accuracy.errors
+        assert max(solution_to_accuracy.errors) < accuracy
+        assert abs(solution_to_accuracy.a_r - exact.a_r) <= area * exact.a_r
+        assert abs(solution_to_accuracy.gap_mean - exact.gap_mean) <= gap * exact.gap_mean
+        assert relative(solution_to_accuracy.pressure, exact.pressure) <= pressure
 
 
 @pytest.mark.parametrize("n", [(10, 9), (1, 20)])
 def test_both_oracles_agree(n):
     z = random_heights(n)
-    dense, iterated = (which.solve(z, 0.4, 2.0, (1.0, 1.5)) for which in (oracle, polonsky_keer))
+    dense = oracle.solve(z, 0.4, 2.0, (1.0, 1.5))
+    iterated = polonsky_keer.solve(z, 0.4, 2.0, (1.0, 1.5))
     assert iterated.a_r == dense.a_r
     assert iterated.gap_mean == pytest.approx(dense.gap_mean, rel=1e-9)
     assert relative(iterated.pressure, dense.pressure) < 1e-9
@@ -161,9 +167,9 @@ def test_both_oracles_agree(n):
 @pytest.mark.parametrize("name", solver_names())
 @pytest.mark.parametrize(("n", "p_star"), [((64, 64), 0.02), ((96, 80), 0.2), ((64, 128), 0.8)])
 def test_pressures_of_polonsky_and_keer(name, n, p_star):
-    """On grids with many levels, by a method that goes the other way: from pressures to gaps."""
+    """On grids with many levels, by a method that iterates on pressures instead of gaps."""
     z = 1e-3 * random_heights(n, seed=n[1])
     g_rms = hpc_gfmd.solve(z, 1.0).g_rms
     exact = polonsky_keer.solve(z, p_star * g_rms)
-    found = hpc_gfmd.solve(z, p_star * g_rms, name=name, residual=1e-10, precision="double")
-    assert_exact(found, exact, 1e-7)
+    solution = hpc_gfmd.solve(z, p_star * g_rms, name=name, residual=1e-10, precision="double")
+    assert_exact(solution, exact, 1e-7)

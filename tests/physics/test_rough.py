@@ -1,5 +1,4 @@
-"""Rough contacts whose kappa = a_r/p* is known: H, lam_l/lam_s, with and without the edge
-correction."""
+"""Rough contacts with a known kappa = a_r/p*, with and without the edge correction."""
 
 import numpy as np
 import pytest
@@ -22,9 +21,9 @@ CASES = [  # hurst, lam_l/lam_s, seeds, kappa, its uncertainty, edge-corrected k
 
 
 def mean_and_error(contacts, *names):
-    """The means of observables over contacts of several surfaces, and the errors of the means."""
-    found = [[all_observables()[name](contact) for name in names] for contact in contacts]
-    return np.mean(found, axis=0), np.std(found, axis=0, ddof=1) / np.sqrt(len(found))
+    """Return the means of observables over contacts of several surfaces, and their errors."""
+    values = [[all_observables()[name](contact) for name in names] for contact in contacts]
+    return np.mean(values, axis=0), np.std(values, axis=0, ddof=1) / np.sqrt(len(values))
 
 
 @pytest.mark.parametrize(("hurst", "ratio", "seeds", "kappa", "sigma", "corrected"), CASES)
@@ -42,50 +41,48 @@ def test_kappa(hurst, ratio, seeds, kappa, sigma, corrected):
 
 @pytest.mark.parametrize(("hurst", "p_star"), [(0.3, 0.03), (0.8, 0.2), (0.8, 0.353553)])
 def test_the_published_curve(hurst, p_star):
-    """Other surfaces on a fine grid, edge-corrected, are where the reference data say that the
-    limit of fine grids lies."""
+    """Edge-corrected areas and gaps of other surfaces on a fine grid agree with the reference
+    data, which are limits of fine grids."""
     contacts = (
         solve_scene(rough((4, 16, 8), hurst=hurst, seed=seed), p_star, accuracy=1e-3)
         for seed in (101, 102, 103)
     )
-    found = mean_and_error(contacts, "a_r_corrected", "gap_over_h_rms")
+    measured = mean_and_error(contacts, "a_r_corrected", "gap_over_h_rms")
     limits = reference.contact_area, reference.mean_gap
-    for value, spread, limit in zip(*found, limits, strict=True):
+    for value, spread, limit in zip(*measured, limits, strict=True):
         expected, sigma = limit(p_star, hurst, 1 / 16)
-        assert (
-            abs(value - expected) < 3 * np.hypot(spread, sigma) + 0.01 * expected
-        )  # the correction leaves up to a per cent there
+        discretisation = 0.01 * expected  # what the edge correction leaves
+        assert abs(value - expected) < 3 * np.hypot(spread, sigma) + discretisation
         assert spread < 0.03 * expected
 
 
-@pytest.mark.parametrize(("p_star", "most"), [(0.007, 11.0), (0.353, 8.0)])
-def test_pairs_do_not_grow_with_the_grid(p_star, most):
-    """Everything counted, FFT pairs to 1e-3: means of three surfaces (measured at 512: 10.0 and
-    7.3).
+@pytest.mark.parametrize(("p_star", "allowed_pairs"), [(0.007, 11.0), (0.353, 8.0)])
+def test_pairs_do_not_grow_with_the_grid(p_star, allowed_pairs):
+    """Mean FFT pairs of three surfaces for an accuracy of 1e-3 (measured at n = 512: 10.0 and 7.3).
 
-    At p* = 0.007 256 x 256 points take 14: single points are more than 1e-3 of the contact area
-    there.
+    At p* = 0.007 a grid of 256 x 256 points takes 14, because a single point is more than 1e-3 of
+    the contact area.
     """
     means = []
     for points in (128, 512):
-        found = [
+        pairs = [
             solve_scene(rough((2, points // 4, 2), seed=seed), p_star, accuracy=1e-3).fft_pairs
             for seed in (1, 2, 3)
         ]
-        means.append(np.mean(found))
-    assert means[1] <= most
+        means.append(np.mean(pairs))
+    assert means[1] <= allowed_pairs
     assert means[1] <= means[0] + 1
 
 
 def test_heights_in_single_precision_are_rounded_once():
-    """Their transforms are in double precision; in low memory they are not, and errors are a few
-    times larger."""
+    """Heights are transformed in double precision except in low memory, where rounding errors are a
+    few times larger."""
     spec = scene_of("surface.lam_l_over_lam_s = 32").surface
     exact = build_surface(spec, SerialComm(), np.float64).h
     unit = np.finfo(np.float32).eps * exact
-    once, saving = (
+    once, in_low_memory = (
         build_surface(spec, SerialComm(), np.float32, low_memory=low_memory).h
         for low_memory in (False, True)
     )
     assert (np.abs(once - exact) <= 0.51 * unit).all()
-    assert np.abs(once - exact).max() < np.abs(saving - exact).max() < 20 * unit.max()
+    assert np.abs(once - exact).max() < np.abs(in_low_memory - exact).max() < 20 * unit.max()

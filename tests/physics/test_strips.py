@@ -1,4 +1,4 @@
-"""Surfaces of a few points across: the long axis alone has coarser grids."""
+"""Surfaces a few points wide, whose coarser grids differ along the long axis only."""
 
 import numpy as np
 import pytest
@@ -11,18 +11,24 @@ import hpc_gfmd
     ("n", "p_star"), [((3, 3000), 0.02), ((3000, 2), 0.02), ((4, 20000), 1e-3), ((2, 50000), 1e-3)]
 )
 def test_a_long_strip(n, p_star):
-    """Random walks along the strip, an independent one in each line: few pairs to the solution. At
-    the small load the start from coarse grids has much energy, and is better than none all the
-    same."""
-    random, along = np.random.default_rng(0), int(np.argmax(n))
+    """An independent random walk in each line takes few FFT pairs.
+
+    At the small load the start from coarse grids has a high energy but still saves iterations.
+    """
+    random = np.random.default_rng(0)
+    along = int(np.argmax(n))
     z = np.cumsum(random.standard_normal(n), axis=along)
     z = z - np.linspace(np.zeros(min(n)), np.take(z, -1, along), max(n), axis=along)
-    truth = Contact(z, np.divide(n, min(n)))
-    exact = truth.solve(p_star)
-    found = hpc_gfmd.solve(z, p_star * truth.g_rms, physical_sizes=tuple(np.divide(n, min(n))))
-    assert found.status == "converged"
-    assert found.fft_pairs < 40
-    wrong = exact.errors(
-        round(found.a_r * z.size), found.gap_mean / truth.height_unit, found.pressure / truth.g_rms
+    exact_contact = Contact(z, np.divide(n, min(n)))
+    exact = exact_contact.solve(p_star)
+    solution = hpc_gfmd.solve(
+        z, p_star * exact_contact.g_rms, physical_sizes=tuple(np.divide(n, min(n)))
     )
-    assert max(wrong) < 1e-3
+    assert solution.status == "converged"
+    assert solution.fft_pairs < 40
+    errors = exact.errors(
+        round(solution.a_r * z.size),
+        solution.gap_mean / exact_contact.height_unit,
+        solution.pressure / exact_contact.g_rms,
+    )
+    assert max(errors) < 1e-3

@@ -1,5 +1,4 @@
-"""The stiffness -dp/d(mean gap): against dense linear algebra, against differences of tight solves,
-at the ends of the load curve."""
+"""The stiffness -dp/d(mean gap) against dense linear algebra, differences of solves, and limits."""
 
 import numpy as np
 import oracle
@@ -18,16 +17,16 @@ stiffness, conductance = (all_observables()[name] for name in ("stiffness", "con
 
 
 def contacts():
-    """Sets of points in contact on grids of all shapes: scattered, in patches, a single one, all
-    but one, a line, a profile."""
+    """Yield sets of contact points on grids of all shapes: scattered, in patches, a single point,
+    all but one, a line, a profile."""
     rng = np.random.default_rng(3)
     for n in ((2, 5), (9, 9), (16, 22), (25, 13), (40, 1)):
         for share in (0.02, 0.2, 0.6, 0.95):
             yield rng.random(n) < share
             yield (z := random_heights(n, rng.integers(99))) > np.quantile(z, 1 - share)
-        one = np.zeros(n, bool)
-        one[n[0] // 2, n[1] // 3] = True
-        yield from (one, ~one)
+        single = np.zeros(n, bool)
+        single[n[0] // 2, n[1] // 3] = True
+        yield from (single, ~single)
     line = np.zeros((24, 20), bool)
     line[:, 7] = True
     yield line
@@ -36,22 +35,22 @@ def contacts():
 @pytest.mark.parametrize("sizes", [(1.0, 1.0), (1.0, 0.3)])
 @pytest.mark.parametrize("dtype", [np.float64, np.float32])
 def test_dense_oracle(dtype, sizes):
-    """To the accuracy asked for and to its own estimate, which hold with much to spare."""
+    """Errors are within the requested accuracy and within the estimate."""
     rounding = 1e-12  # of the oracle
-    tried = 0
+    count = 0
     for contact in contacts():
         if contact.all() or not contact.any():
             continue
         grid = Grid(contact.shape, sizes)
-        wanted = oracle.compliance(contact, sizes) / grid.a
+        expected = oracle.compliance(contact, sizes) / grid.a
         for accuracy in (1e-2, 1e-3, 1e-6, 1e-12):
-            found = tangent(grid, HALF_SPACE, contact, dtype, accuracy)
-            error = abs(found.compliance / wanted - 1)
+            result = tangent(grid, HALF_SPACE, contact, dtype, accuracy)
+            error = abs(result.compliance / expected - 1)
             assert error < max(accuracy, 16 * np.finfo(dtype).eps) + rounding
-            assert error < found.error + rounding
-            assert found.pairs <= 6 - 2 * np.log10(accuracy)
-        tried += 1
-    assert tried > 40
+            assert error < result.error + rounding
+            assert result.pairs <= 6 - 2 * np.log10(accuracy)
+        count += 1
+    assert count > 40
 
 
 @pytest.mark.parametrize("p_star", [0.01, 0.1, 0.6])
@@ -64,8 +63,7 @@ def test_dense_oracle(dtype, sizes):
     ],
 )
 def test_difference_of_solves(name, boundary, p_star):
-    """Between two loads so close that no point changes sides the gap is a straight line; the unit
-    is that of the scene."""
+    """Between loads so close that no point changes sides the gap is linear; units of the scene."""
     surface = rough((1, 16, 2), seed=2, g_rms=0.3, physical_sizes=[2.0, 2.0], boundary=boundary)
     sweep = sweep_of(surface, 5.0, **EXACT | {"residual": 1e-10})
     p = p_star * 5.0 * sweep.surface.g_rms
@@ -78,7 +76,7 @@ def test_difference_of_solves(name, boundary, p_star):
 
 
 def test_ends_of_the_load_curve():
-    """One point, and none."""
+    """Contacts of one point and of none."""
     top = solve_scene({"kind": "sphere", "radius": 1.0, "n": [32, 32]}, 1e-6, **EXACT)
     assert top.contact_points == 1
     point = np.zeros((32, 32), bool)
@@ -94,9 +92,11 @@ def test_ends_of_the_load_curve():
     "discs", [[(0.5, 0.5, 0.2)], [(0.3, 0.3, 0.1), (0.7, 0.6, 0.15), (0.3, 0.8, 0.05)]]
 )
 def test_conductance_of_discs(discs):
-    """Holm's 2 k a each, with what the flow through one does to the others (Greenwood 1966); in a
-    periodic cell the images (Bonsall and Maradudin's sums over the square lattice) share the flow.
-    As the contact stays the same the approach is in proportion to the load."""
+    """Each disc conducts Holm's 2 k a, reduced by its neighbours (Greenwood 1966).
+
+    In a periodic cell the images reduce it, too (Bonsall and Maradudin's sums over the square
+    lattice). The contact of flat discs stays the same, so the approach is proportional to the load.
+    """
     n = 192
     x = (np.arange(n) + 0.5) / n
     inside = [np.hypot(x[:, None] - X, x - Y) < a for X, Y, a in discs]
@@ -117,7 +117,7 @@ def test_conductance_of_discs(discs):
 
 
 def test_conductance_of_hertz():
-    """2 k a of its circle; a strip and a layer have none."""
+    """It is 2 k a for a circle; a strip and a layer have none."""
     ball = {"kind": "sphere", "radius": 10.0, "n": [256, 256], "physical_sizes": [2.0, 2.0]}
     sweep = sweep_of(ball | {"boundary": "free"}, accuracy=1e-4)
     contact = sweep.solve(4 / 30 * 0.5**3 / 4)
@@ -127,13 +127,13 @@ def test_conductance_of_hertz():
     assert conductance(strip) is conductance(layer) is None
 
 
-def test_no_number_where_it_is_not_found(monkeypatch):
+def test_no_stiffness_if_the_iteration_fails(monkeypatch):
     contact = solve_scene(SURFACE, 0.05, accuracy=1e-3)
     monkeypatch.setattr(tangent_module, "MAX_STEPS", 3)
     assert stiffness(contact) is None
 
 
-def test_counted():
+def test_its_fft_pairs_are_counted():
     contact = solve_scene(SURFACE, 0.05, accuracy=1e-3)
     before = contact.fft_pairs
     assert stiffness(contact) > 0

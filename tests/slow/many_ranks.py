@@ -1,7 +1,10 @@
-"""Run under mpirun: python many_ranks.py LAM_L_OVER_LAM_S PER_NODE FOLDER. Solves a rough contact
-on all ranks, as if so many of them shared a node, compares it with the one that one rank alone left
-in the folder, and counts the messages of one more iteration. Rank 0 prints what it found as
-JSON."""
+"""Compare a contact on many ranks with that of one rank, and count the messages of an iteration.
+
+Run under mpirun: python many_ranks.py LAM_L_OVER_LAM_S PER_NODE FOLDER
+
+PER_NODE ranks share a pretended node. One rank alone saves its fields in the folder, with which
+more ranks compare theirs. Rank 0 prints the numbers as JSON.
+"""
 
 import json
 import sys
@@ -19,12 +22,13 @@ P_STAR = 0.05
 
 
 def main(lam_l_over_lam_s, per_node, folder):
+    """Solve, save or compare the fields, and print the numbers."""
     comm = world()
     if comm.size > 1:
         comm = on_pretended_nodes(comm, lambda rank: rank // per_node, pytest.MonkeyPatch())
     sweep = sweep_of(rough((2, lam_l_over_lam_s, 2)), comm=comm, **EXACT)
     step = sweep.solve(P_STAR * sweep.surface.g_rms)
-    found = {
+    numbers = {
         "n": sweep.surface.grid.n[0],
         "status": step.status,
         "contact": step.contact_points,
@@ -36,19 +40,19 @@ def main(lam_l_over_lam_s, per_node, folder):
     if comm.size == 1:
         np.savez(folder / "alone.npz", **fields)
     else:
-        alone, mine = np.load(folder / "alone.npz"), slice(*sweep.surface.rows)
+        alone = np.load(folder / "alone.npz")
+        mine = slice(*sweep.surface.rows)
         for name, values in fields.items():
             whole = alone[name]
-            found[name] = float(
-                comm.max([np.abs(values - whole[mine]).max(initial=0) / np.abs(whole).max()])[0]
-            )
-        found["messages"] = messages(sweep, comm, per_node)
+            error = np.abs(values - whole[mine]).max(initial=0) / np.abs(whole).max()
+            numbers[name] = float(comm.max([error])[0])
+        numbers["messages"] = messages(sweep, comm, per_node)
     if comm.rank == 0:
-        print(json.dumps(found))
+        print(json.dumps(numbers))
 
 
 def messages(sweep, comm, per_node):
-    """[bytes, messages] counted, and planned for so many ranks on a node, of every rank."""
+    """Return the counted and the planned [bytes, messages] of every rank."""
     counted = sent_in_a_step(sweep)
     planned = share_of(sweep.surface.grid.n, sweep.dtype, comm.size, comm.rank, per_node=per_node)
     return comm.allgather([counted, planned.traffic])

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# mpich_alone.sh COMMAND...: run a command where MPICH is the only MPI of this Debian, in a mount namespace of its own, so that
-# nobody else sees it: its programs have the names mpirun, mpicc, h5pcc, and Open MPI's library is empty. As root.
+# mpich_alone.sh COMMAND...: run a command as if MPICH were the only MPI of this Debian. In a separate mount namespace, which other
+# processes do not see, its programs are named mpirun, mpicc and h5pcc, and the library of Open MPI is empty. Needs root.
 exec unshare --mount --propagation private bash -c '
 set -e
 alternatives=$(mktemp -d)
 cp -a /etc/alternatives/. "$alternatives"
 for link in "$alternatives"/*; do
-    [ -L "$link" ] || continue  # a README lies among them
+    [ -L "$link" ] || continue  # such as a README
     target=$(readlink "$link")
     case $target in
         *.openmpi) if [ -e "${target%.openmpi}.mpich" ]; then ln -sfn "${target%.openmpi}.mpich" "$link"; else rm "$link"; fi ;;

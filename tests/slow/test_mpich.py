@@ -1,5 +1,5 @@
-"""A machine whose only MPI is Debian's MPICH, which mpi4py's wheel does not know: set up as on any
-other, with the same results."""
+"""Set-up and results on a machine with Debian's MPICH alone, which the wheel of mpi4py does not
+support."""
 
 import os
 import shutil
@@ -29,25 +29,25 @@ pytestmark = [
 
 @pytest.fixture(scope="module")
 def clone(tmp_path_factory):
-    """A clone that scripts/setup has set up with MPICH alone: compiles for some minutes."""
+    """A clone in which scripts/setup has run with MPICH alone, which compiles for some minutes."""
     folder = tmp_path_factory.mktemp("mpich")
     listed = subprocess.check_output(["git", "ls-files", "-z"], cwd=ROOT).split(b"\0")[:-1]
     for name in map(os.fsdecode, listed):
         (folder / "clone" / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy2(ROOT / name, folder / "clone" / name)
-    done = subprocess.run(
+    process = subprocess.run(
         [ALONE, folder / "clone" / "scripts" / "setup"],
         env=os.environ | {"XDG_CACHE_HOME": str(folder / "cache")},
         capture_output=True,
         text=True,
     )
-    assert done.returncode == 0, done.stderr
-    assert "compiling mpi4py" in done.stderr
+    assert process.returncode == 0, process.stderr
+    assert "compiling mpi4py" in process.stderr
     return folder / "clone"
 
 
 def fields(path):
-    """{(load, field): numbers} of a result file."""
+    """Return {(load, field): numbers} of a result file."""
     with h5py.File(path, "r") as file:
         return {
             (load, name): file[f"steps/{load}/{name}"][...]
@@ -63,7 +63,7 @@ def test_the_same_on_1_to_4_ranks(clone, tmp_path):
     results = []
     for ranks in (1, 2, 3, 4):
         path = tmp_path / f"{ranks}.h5"
-        done = subprocess.run(
+        process = subprocess.run(
             [ALONE, "mpirun", "-n", str(ranks), clone / ".venv/bin/hpc-gfmd"]
             + ["run", "scene.toml", "-o", path],
             cwd=tmp_path,
@@ -71,9 +71,9 @@ def test_the_same_on_1_to_4_ranks(clone, tmp_path):
             capture_output=True,
             text=True,
         )
-        assert done.returncode == 0, done.stderr
-        assert f"{ranks} rank" in done.stdout
+        assert process.returncode == 0, process.stderr
+        assert f"{ranks} rank" in process.stdout
         results.append(fields(path))
-    for found in results[1:]:
+    for on_ranks in results[1:]:
         for key, numbers in results[0].items():
-            assert np.abs(found[key] - numbers).max() <= 1e-11 * np.abs(numbers).max(), key
+            assert np.abs(on_ranks[key] - numbers).max() <= 1e-11 * np.abs(numbers).max(), key

@@ -1,4 +1,4 @@
-"""The job scripts of slurm/ under a real Slurm of one machine."""
+"""The job scripts of slurm/ under a real Slurm on this machine."""
 
 import os
 import shutil
@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-CAN = (
+CAN_RUN = (
     os.geteuid() == 0
     and shutil.which("mpirun")
     and (shutil.which("slurmctld") or shutil.which("apt-get"))
@@ -16,14 +16,14 @@ CAN = (
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not CAN, reason="needs root, mpirun, and Slurm or apt-get to install it")
+@pytest.mark.skipif(not CAN_RUN, reason="needs root, mpirun, and Slurm or apt-get to install it")
 @pytest.mark.parametrize("part", ["mpirun", "srun", "array", "scaling", "chain", "startup"])
 def test_jobs_of_one_machine(part):
-    done = subprocess.run(
+    process = subprocess.run(
         [ROOT / "scripts" / "slurm-test", part],
         capture_output=True,
         text=True,
         timeout=1800,
         check=False,
     )
-    assert done.returncode == 0, done.stdout + done.stderr
+    assert process.returncode == 0, process.stdout + process.stderr

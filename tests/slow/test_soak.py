@@ -1,4 +1,4 @@
-"""Two hundred load steps: memory, descriptors and files stay what they are."""
+"""Two hundred loads: memory, descriptors and files do not grow."""
 
 import json
 import os
@@ -11,39 +11,38 @@ from faults.jobs import Job, run
 
 from hpc_gfmd.output.read import read_result
 
-STEPS, N = 200, 256
+STEPS = 200
+N = 256
 SCENE = scene_text(
     (2, N // 4, 2),
     np.geomspace(0.005, 1.0, STEPS).round(6).tolist(),
     solver={"name": "gfmd", "accuracy": 1e-7, "precision": "double"},
     output={"path": "soak.h5", "fields": ["gap"]},
 )
-WARM = 0.25  # of the run, before which nothing is compared
-GROWTH_MB = 8.0  # of the memory of a rank afterwards; a field has 0.5 MB
+WARM = 0.25  # share of the run after which the memory must not grow
+GROWTH_MB = 8.0  # allowed growth of the memory of a rank; a field has 0.5 MB
 
 
 def sample(pid):
-    """(resident MB, open descriptors) of a process; None once it is gone."""
+    """Return (resident MB, open descriptors) of a process, None if it has ended."""
     try:
         with open(f"/proc/{pid}/status") as file:
-            resident = (
-                next(int(line.split()[1]) for line in file if line.startswith("VmRSS")) / 1024
-            )
-        return resident, len(os.listdir(f"/proc/{pid}/fd"))
+            kib = next(int(line.split()[1]) for line in file if line.startswith("VmRSS"))
+        return kib / 1024, len(os.listdir(f"/proc/{pid}/fd"))
     except (OSError, StopIteration):
         return None
 
 
 def watch(job, folder):
-    """Sample all ranks until the run ends: {pid: [(resident, descriptors, finished steps)]}."""
+    """Sample all ranks until the run ends; return {pid: [(MB, descriptors, finished loads)]}."""
     samples = {}
     while job.process.poll() is None:
         time.sleep(0.1)
         partial = folder / "soak.h5.partial"
-        done = len(list(partial.glob("step-*.h5"))) if partial.is_dir() else 0
+        finished = len(list(partial.glob("step-*.h5"))) if partial.is_dir() else 0
         for pid in job.ranks():
-            if found := sample(pid):
-                samples.setdefault(pid, []).append((*found, done))
+            if taken := sample(pid):
+                samples.setdefault(pid, []).append((*taken, finished))
     return samples
 
 
@@ -57,10 +56,9 @@ def test_soak(ranks, tmp_path, monkeypatch):
     job = Job("run soak.toml -q", ranks, tmp_path)
     samples = watch(job, tmp_path)
     assert job.end(3600).code == 0, job.err
-    samples = {
-        pid: own for pid, own in samples.items() if len(own) > 1
-    }  # what a rank starts is seen once, if at all
-    assert len(samples) == (ranks or 1)
+    # A child process of a rank appears at most once.
+    series_of_ranks = [series for series in samples.values() if len(series) > 1]
+    assert len(series_of_ranks) == (ranks or 1)
 
     result = read_result(tmp_path / "soak.h5")
     assert [step["status"] for step in result.steps] == ["converged"] * STEPS
@@ -72,10 +70,11 @@ def test_soak(ranks, tmp_path, monkeypatch):
     left = [p for p in (tmp_path / "tmp").rglob("*") if p.is_file()]
     assert left == []
 
-    for own in samples.values():
-        warm = [s for s in own if WARM * STEPS <= s[2] < STEPS]
+    for series in series_of_ranks:
+        warm = [taken for taken in series if WARM * STEPS <= taken[2] < STEPS]
         assert len(warm) > 20
-        resident, descriptors = [s[0] for s in warm], [s[1] for s in warm]
+        resident = [taken[0] for taken in warm]
+        descriptors = [taken[1] for taken in warm]
         third = len(warm) // 3
         assert np.median(resident[-third:]) - np.median(resident[:third]) < GROWTH_MB
         assert max(descriptors) - min(descriptors) <= 4  # the file being written

@@ -1,5 +1,5 @@
-"""The order of the folders, read from the source: every import goes down it, none runs in a circle;
-numba, MPI and matplotlib stay in their folders; files are small."""
+"""Rules of imports, read from the source: folders import from lower floors only, without cycles;
+numba, MPI and matplotlib are imported by few folders; files are short."""
 
 import ast
 import re
@@ -13,7 +13,7 @@ import hpc_gfmd
 ROOT = Path(hpc_gfmd.__file__).parent
 FILES = sorted(ROOT.rglob("*.py"))
 LONGEST = 510  # lines
-FLOORS = (  # from the top down: a folder imports from those below its own floor, and from itself
+FLOORS = (  # from the top; a folder imports from lower floors and from itself
     ("commands",),
     ("runs",),
     ("driver",),
@@ -30,12 +30,12 @@ ALLOWED_IN = {  # module: folders or files that may import it
     "mpi4py": ("parallel/", "commands/info.py"),
     "matplotlib": ("plotting/",),
 }
-HEAVY = ("numpy", "scipy", "h5py", "numba", "matplotlib")  # not for the scene
+HEAVY = ("numpy", "scipy", "h5py", "numba", "matplotlib")  # not imported by scene/
 LEVEL = {folder: -k for k, floor in enumerate(FLOORS) for folder in floor}
 
 
 def imports(path):
-    """Full names of all modules that a file imports anywhere in it, for type checkers included."""
+    """Full names of everything that a file imports, including imports for type checkers."""
     package = ["hpc_gfmd", *path.relative_to(ROOT).parts[:-1]]
     for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, ast.Import):
@@ -47,9 +47,9 @@ def imports(path):
 
 
 def imported(path, modules):
-    """The modules among these that a file imports, or imports something from."""
-    found = {f if f in modules else f.rpartition(".")[0] for f in imports(path)}
-    return found & modules - {module(path)}
+    """The given modules that a file imports, or imports names from."""
+    names = {f if f in modules else f.rpartition(".")[0] for f in imports(path)}
+    return names & modules - {module(path)}
 
 
 def name(path):
@@ -61,58 +61,62 @@ def module(path):
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
-def test_the_rules_are_about_what_there_is():
+def test_rules_cover_all_folders():
     folders = {path.name for path in ROOT.iterdir() if (path / "__init__.py").exists()}
     assert folders == {folder for floor in FLOORS for folder in floor}
-    everything = set().union(*map(set, map(imports, FILES)))
-    assert all(
-        any(found.partition(".")[0] == module for found in everything) for module in ALLOWED_IN
-    )
+    packages = {entry.partition(".")[0] for path in FILES for entry in imports(path)}
+    assert packages >= set(ALLOWED_IN)
     assert len([path for path in ROOT.iterdir() if path.is_file()]) <= 8
 
 
 @pytest.mark.parametrize("path", FILES)
-def test_file(path):
-    here, found = name(path), set(imports(path))
-    for other, places in ALLOWED_IN.items():
-        if any(f == other or f.startswith(other + ".") for f in found):
-            assert here.startswith(places), f"{here} imports {other}"
-    folder = here.partition("/")[0]
-    ours = {f.split(".")[1] for f in found if f.startswith("hpc_gfmd.")} & set(LEVEL)
+def test_imports_and_length_of_a_file(path):
+    file_name = name(path)
+    imported_names = set(imports(path))
+    for library, places in ALLOWED_IN.items():
+        if any(entry.partition(".")[0] == library for entry in imported_names):
+            assert file_name.startswith(places), f"{file_name} imports {library}"
+    folder = file_name.partition("/")[0]
+    of_package = [entry.split(".") for entry in imported_names if entry.startswith("hpc_gfmd.")]
     if folder in LEVEL:
-        wrong = {f for f in ours if LEVEL[f] >= LEVEL[folder] and f != folder}
-        assert not wrong, f"{here} imports {wrong}, which is not below it"
-    if here.startswith("scene/"):
-        assert not {f for f in found if f.partition(".")[0] in HEAVY}
+        folders = {parts[1] for parts in of_package} & set(LEVEL) - {folder}
+        not_below = [entry for entry in folders if LEVEL[entry] >= LEVEL[folder]]
+        assert not not_below, f"{file_name} imports {not_below}, which are not below it"
+    if file_name.startswith("scene/"):
+        assert not {entry for entry in imported_names if entry.partition(".")[0] in HEAVY}
     assert len(path.read_text().splitlines()) <= LONGEST
 
 
-def test_no_circle():
+def test_no_import_cycles():
     modules = {module(path) for path in FILES}
     graph = {module(path): imported(path, modules) for path in FILES}
-    TopologicalSorter(graph).prepare()  # raises CycleError, which names them
+    TopologicalSorter(graph).prepare()  # raises CycleError, which names the modules
 
 
-def test_only_bodies_know_a_stiffness():
-    """Whoever needs a step length, a weight or a bound asks the body: no other file looks at the
-    shortest wave or multiplies by |q|."""
+def test_only_bodies_depend_on_the_stiffness():
+    """Step lengths, weights and bounds come from the body: other files neither use the shortest
+    wave nor multiply by |q|."""
     words = ("q_nyquist", "_multiply_by_q", "_by_table", "halfspace.HalfSpace")
     places = ("bodies/", "kernels/spectral.py", "parallel/coarsening.py", "parallel/grid.py")
-    knowing = {name(path) for path in FILES if any(word in path.read_text() for word in words)}
-    assert not {f for f in knowing if not f.startswith(places)}
-    assert any(f.startswith("bodies/") for f in knowing)
+    using = {name(path) for path in FILES if any(word in path.read_text() for word in words)}
+    assert not {file_name for file_name in using if not file_name.startswith(places)}
+    assert any(file_name.startswith("bodies/") for file_name in using)
 
 
-def test_the_developers_page():
-    """Its floors are these, and every file and name that it points to is there."""
+def test_floors_on_the_developer_page():
     page = (ROOT.parent / "docs" / "developer.md").read_text()
-    floors = page.partition("```text\n")[2].partition("```")[0].splitlines()
+    lines = page.partition("```text\n")[2].partition("```")[0].splitlines()
     folders = {folder for floor in FLOORS for folder in floor}
-    drawn = [set(line[:22].split()) & folders for line in floors]
+    drawn = [set(line[:22].split()) & folders for line in lines]
     assert drawn == [set(floor) for floor in FLOORS]
-    chain = page.partition("## One solve")[2].partition("\n## ")[0]
-    assert 10 < chain.count("\n| ") <= 22
-    for file, names in re.findall(r"`([\w/]+\.py)(?:: ([\w., ]+))?`", page):
+
+
+def test_names_on_the_developer_page_exist():
+    """Files, and functions and classes in them."""
+    page = (ROOT.parent / "docs" / "developer.md").read_text()
+    mentioned = re.findall(r"`([\w/]+\.py)(?:: ([\w., ]+))?`", page)
+    assert mentioned
+    for file, names in mentioned:
         places = [path for path in (ROOT / file, ROOT.parent / file) if path.exists()]
         assert places, file
         for word in re.findall(r"\w+", names):

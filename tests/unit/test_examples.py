@@ -1,4 +1,4 @@
-"""Every example runs, on a small grid, without a warning, and leaves its pictures."""
+"""Examples run on small grids without warnings and save their pictures."""
 
 import ast
 import runpy
@@ -13,22 +13,23 @@ from scipy import ndimage
 
 FOLDER = Path(__file__).parents[2] / "examples"
 SMALL = {"sphere": 48, "wave": 64, "measured": 64, "tfc": 64, "rough_ball": 128}
-POINTS = 96  # of the others
+POINTS = 96  # along an axis of all other examples
 MPI = "mpi_script"  # see tests/mpi
-OPTIONAL = "leak_map"  # it needs a package that nothing else does
-ALONE = "measured"  # it imports SurfaceTopography, which initialises MPI: this process must not
+OPTIONAL = "leak_map"  # needs reynoldsflow
+ALONE = "measured"  # in a new process, since SurfaceTopography initialises MPI
 EXAMPLES = sorted(FOLDER.glob("*.py"))
 
 
 def run(path, monkeypatch):
+    """Global variables of an example after it ran on a small grid."""
     plt.switch_backend("Agg")
     monkeypatch.setattr(sys, "argv", [str(path), str(SMALL.get(path.stem, POINTS))])
-    found = runpy.run_path(str(path), run_name="__main__")
+    variables = runpy.run_path(str(path), run_name="__main__")
     plt.close("all")
-    return found
+    return variables
 
 
-def test_in_a_process_of_its_own(tmp_path):
+def test_example_with_surface_topography(tmp_path):
     script = FOLDER / f"{ALONE}.py"
     assert "a_r = " in printed("-W", "error:::__main__", script, SMALL[ALONE], MPLBACKEND="Agg")
     for name in ("measured.png", "measured_patches.png", "measured.h5"):
@@ -40,15 +41,17 @@ def test_in_a_process_of_its_own(tmp_path):
 def test_example(path, tmp_path, monkeypatch):
     if path.stem == OPTIONAL:
         pytest.importorskip("reynoldsflow")
-    found = run(path, monkeypatch)
+    variables = run(path, monkeypatch)
     assert (tmp_path / f"{path.stem}.png").read_bytes().startswith(b"\x89PNG")
     if path.stem == "leak":
-        check_flow(found["flow"])
+        check_flow(variables["flow"])
 
 
 def check_flow(flow):
-    """Layers in series, layers in parallel, a wall; and Keller's identity: the flow along x times
-    that along y through what is inverse is 1, without flow through the sides (mirrored)."""
+    """Flow through layers in series and in parallel and a wall; Keller's identity.
+
+    The flow along x times that along y through the inverse gap is 1, with mirrored sides.
+    """
     rng = np.random.default_rng(1)
     gap = np.tile(1 + rng.random((24, 1)), 24)
     assert flow(gap) == pytest.approx(24 / (gap[:, 0] ** -3).sum())
@@ -60,7 +63,7 @@ def check_flow(flow):
 
 
 @pytest.mark.parametrize("path", EXAMPLES)
-def test_is_short_says_what_it_shows_and_has_a_picture(path):
+def test_examples_are_short_and_documented(path):
     tree = ast.parse(path.read_text())
     assert sum(isinstance(node, ast.stmt) for node in ast.walk(tree)) <= 30
     assert ast.get_docstring(tree)

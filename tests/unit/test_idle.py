@@ -1,4 +1,4 @@
-"""The instrument of `scripts/bench process`: when all threads of a process work."""
+"""The instrument of `scripts/bench process`: times in which all threads of a process work."""
 
 import sys
 import time
@@ -14,7 +14,7 @@ from hpc_gfmd.solvers import solver_class
 
 
 def test_seconds_at_work():
-    """Of two threads: from 1 to 2 and from 4 to 5 both work."""
+    """Two threads work at the same time from 1 to 2 and from 4 to 5."""
     pieces = [(0, 2), (1, 3), (4, 6), (3, 5)]
     ends = [(time, change) for piece in pieces for time, change in zip(piece, (1, -1))]
     assert [seconds_at_work(ends, count) for count in (1, 2, 3)] == [6, 2, 0]
@@ -23,7 +23,7 @@ def test_seconds_at_work():
 
 @pytest.fixture
 def watch(monkeypatch):
-    """What is put around the package's functions goes with the test."""
+    """An IdleWatch whose wrappers around functions of the package are removed after the test."""
     for owner, name in ((solver_class("auto"), "step"), (Multilevel, "sweep")):
         monkeypatch.setattr(owner, name, getattr(owner, name))
     for module in (grid, threads):
@@ -34,8 +34,7 @@ def watch(monkeypatch):
     return IdleWatch()
 
 
-def test_parts_add_up_to_the_time_of_a_solve(watch):
-    """In which all threads work, and in which they do not."""
+def test_parts_sum_to_the_time_of_a_solve(watch):
     wall = np.random.default_rng(1).standard_normal((64, 64)) * 1e-3
     outer_begin = time.perf_counter()
     watch.take()

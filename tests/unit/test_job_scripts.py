@@ -1,5 +1,5 @@
-"""The functions of the job scripts that do not need a Slurm: a launcher's exit code is not trusted,
-the result is looked for."""
+"""Functions of the job scripts that work without Slurm: exit codes follow from the files of a run,
+not from the launcher."""
 
 import os
 import shutil
@@ -11,12 +11,12 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 pytestmark = pytest.mark.skipif(shutil.which("bash") is None, reason="needs bash")
-# what stands for mpirun: leaves what a run does, and returns a code
+# stand-ins for mpirun: leave the files of a run and return an exit code
 LAUNCHERS = {
     "finished": "touch out.h5; exit 0",
     "less accurate": "touch out.h5; exit 3",
     "interrupted": "mkdir out.h5.partial; exit 0",
-    "interrupted, with a result of before": "touch out.h5; mkdir out.h5.partial; exit 0",
+    "interrupted, with an older result": "touch out.h5; mkdir out.h5.partial; exit 0",
     "lost": "exit 0",
     "refused": "exit 2",
     "stopped": "mkdir out.h5.partial; exit 143",
@@ -26,7 +26,7 @@ CODES = dict(zip(LAUNCHERS, (0, 3, 143, 143, 1, 2, 143), strict=True))
 
 @pytest.mark.parametrize("function", ["run scene.toml -o out.h5", "solve scene.toml out.h5"])
 @pytest.mark.parametrize("kind", LAUNCHERS)
-def test_the_result_counts_not_what_the_launcher_returns(kind, function, tmp_path):
+def test_exit_codes_follow_from_files(kind, function, tmp_path):
     mpirun = tmp_path / "mpirun"
     mpirun.write_text(f"#!/bin/bash\necho started >>log\n{LAUNCHERS[kind]}\n")
     mpirun.chmod(0o755)
@@ -40,8 +40,8 @@ def test_the_result_counts_not_what_the_launcher_returns(kind, function, tmp_pat
     script = f"source {ROOT}/slurm/launch.sh; {function}"
 
     def code():
-        done = subprocess.run(["bash", "-c", script], cwd=tmp_path, env=env, capture_output=True)
-        return done.returncode
+        command = ["bash", "-c", script]
+        return subprocess.run(command, cwd=tmp_path, env=env, capture_output=True).returncode
 
     assert code() == CODES[kind]
     if function.startswith("solve") and kind in ("finished", "less accurate"):
@@ -63,14 +63,14 @@ def test_the_result_counts_not_what_the_launcher_returns(kind, function, tmp_pat
         ("", ""),
     ],
 )
-def test_where_a_run_writes(words, path, tmp_path):
+def test_output_path_of_a_command(words, path, tmp_path):
     (tmp_path / "scene.toml").write_text("output.path = 'of scene.h5'\n")
     (tmp_path / "plain.toml").write_text("[load]\npressure = 1\n")
-    done = subprocess.run(
+    completed = subprocess.run(
         [sys.executable, ROOT / "scripts" / "output-path", *words.split()],
         cwd=tmp_path,
         capture_output=True,
         text=True,
         check=True,
     )
-    assert done.stdout == f"{path}\n"
+    assert completed.stdout == f"{path}\n"

@@ -1,5 +1,4 @@
-"""What is published agrees with itself: one version, links that lead somewhere, an archive with all
-that the tests need."""
+"""Published files are consistent: one version, working links, a complete source archive."""
 
 import configparser
 import json
@@ -38,7 +37,7 @@ def test_one_version(path):
 
 
 def test_one_description():
-    """What codemeta.json says is what setup.cfg and CITATION.cff say."""
+    """codemeta.json agrees with setup.cfg and CITATION.cff."""
     codemeta = json.loads(text("codemeta.json"))
     config = configparser.ConfigParser()
     config.read(ROOT / "setup.cfg", encoding="utf-8")
@@ -58,8 +57,7 @@ def test_one_description():
 @pytest.mark.skipif(
     not (ROOT / ".pre-commit-config.yaml").exists(), reason="not in the source archive"
 )
-def test_what_is_checked_before_a_commit():
-    """Is what scripts/test checks before the tests."""
+def test_hooks_run_the_checks_of_scripts_test():
     hooks = text(".pre-commit-config.yaml")
     script = text("scripts/test")
     for check in ("ruff check", "ruff format --check", "mypy"):
@@ -68,7 +66,7 @@ def test_what_is_checked_before_a_commit():
 
 
 @pytest.mark.parametrize("path", ["README.md", "CHANGELOG.md", "CONTRIBUTING.md"])
-def test_links_lead_somewhere(path):
+def test_links_to_files_work(path):
     links = LINK.findall(text(path))
     assert links
     assert [link for link in links if not (ROOT / link).exists()] == []
@@ -76,7 +74,7 @@ def test_links_lead_somewhere(path):
 
 @pytest.fixture(scope="module")
 def archive(tmp_path_factory):
-    """The source archive as a build makes it: {path in the repository: content}."""
+    """Files of the built source archive: {path in the repository: content}."""
     folder = tmp_path_factory.mktemp("dist")
     subprocess.run(
         [sys.executable, "-c", f"import backend; backend.build_sdist({str(folder)!r})"],
@@ -99,11 +97,11 @@ def test_the_published_readme_has_no_links_into_the_repository(archive):
     published = archive["PKG-INFO"].decode()
     assert LINK.findall(text("README.md"))
     assert LINK.findall(published) == []
-    assert "## In numbers" in published
+    assert "hpc-gfmd run" in published
 
 
-def test_the_source_archive_has_the_repository(archive):
-    """All that git has but what makes no sense without it; nothing that was made here."""
+def test_source_archive_contains_the_repository(archive):
+    """All files of git but hidden ones, and no generated files."""
     listed = subprocess.run(
         ["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=False
     ).stdout.split("\n")[:-1]

@@ -1,5 +1,5 @@
-"""Every block of Python, every `hpc-gfmd` command and every table of a scene on the pages works,
-and what stands below a block is what it prints: numbers to the digits shown."""
+"""Code on the pages works: Python blocks, `hpc-gfmd` commands and scenes. Output shown below a
+block agrees with what it prints, numbers to the digits shown."""
 
 import re
 import shlex
@@ -25,14 +25,14 @@ NEEDED = {"surface": WALL, "material": {"E_star": "2 GPa"}, "load": {"pressure":
 
 
 def blocks(page):
-    """[(language, source, what it prints or "")] of a page."""
+    """[(language, source, output shown below or "")] of a page."""
     return BLOCK.findall(page.read_text(encoding="utf-8"))
 
 
 PAGES = [
     page
     for page in (ROOT / "README.md", *sorted(DOCS.glob("*.md")), *sorted(DOCS.glob("howto/*.md")))
-    if page.stem != "developer"  # its files are dropped in by test_plugins.py
+    if page.stem != "developer"  # its code is in test_plugins.py
     and any(
         kind in ("python", "toml") or (kind == "" and COMMAND.search(source))
         for kind, source, _ in blocks(page)
@@ -45,26 +45,28 @@ SCAN = blocks(DOCS / "tutorial.md")[-1][1]  # the script at its end makes scan.x
 
 
 def agree(shown, printed):
-    """Whether words are the same and numbers within one unit of the last digit that is shown;
-    `...` stands for anything."""
+    """Whether words are equal and numbers agree within one unit of the last digit shown.
+
+    `...` stands for any text.
+    """
     words = NUMBER.split(shown)
     gaps = [r"\s+".join(map(re.escape, re.split(r"\s+", part))) for part in words]
     pattern = r"\s*([-+]?[\d.]+(?:e[-+]?\d+)?)\s*".join(gaps).replace(r"\.\.\.", ".*?")
-    found = re.search(pattern, printed, re.DOTALL)
-    return found is not None and all(
+    match = re.search(pattern, printed, re.DOTALL)
+    return match is not None and all(
         abs(float(x) - float(y)) <= 1.001 * last_digit(x)
-        for x, y in zip(NUMBER.findall(shown), found.groups(), strict=True)
+        for x, y in zip(NUMBER.findall(shown), match.groups(), strict=True)
     )
 
 
 def last_digit(number):
-    """0.01 of 3.14, 100 of 1.5e3."""
+    """The value of the last digit: 0.01 for 3.14, 100 for 1.5e3."""
     digits, _, power = number.partition("e")
     return 10.0 ** (int(power or 0) - len(digits.partition(".")[2]))
 
 
 @pytest.mark.parametrize(
-    ("shown", "printed", "same"),
+    ("shown", "printed", "agrees"),
     [
         ("a_r = 3.14 %", "x\na_r = 3.138 %\n", True),
         ("a_r = 3.14 %", "a_r = 3.16 %", False),
@@ -75,13 +77,13 @@ def last_digit(number):
         ("2 MPa", "4 MPa", False),
     ],
 )
-def test_agree(shown, printed, same):
-    assert agree(shown, printed) is same
+def test_agree(shown, printed, agrees):
+    assert agree(shown, printed) is agrees
 
 
 def run(folder, *arguments):
-    """What a process prints, errors as well."""
-    done = subprocess.run(
+    """The output and errors of `python arguments`, which has to succeed."""
+    completed = subprocess.run(
         [sys.executable, *arguments],
         cwd=folder,
         env=environment(MPLBACKEND="Agg", COLUMNS="100", HPC_GFMD_PROGRESS="log"),
@@ -89,18 +91,19 @@ def run(folder, *arguments):
         stderr=subprocess.STDOUT,
         text=True,
     )
-    assert done.returncode == 0, done.stdout
-    return done.stdout
+    assert completed.returncode == 0, completed.stdout
+    return completed.stdout
 
 
 @pytest.mark.parametrize("page", PAGES)
-def test_a_page(page, tmp_path):
-    """Blocks of Python share one process, commands follow each other; a page is read from above."""
+def test_code_of_a_page(page, tmp_path):
+    """Python blocks share one process, and commands run one after another."""
     (tmp_path / "scan.py").write_text(SCAN)
     run(tmp_path, "scan.py")
-    if page.stem != "tutorial":  # which makes it
+    if page.stem != "tutorial":  # it makes the scene
         (tmp_path / "scene.toml").write_text(SCENE)
-    program, wanted = [], []
+    program = []
+    wanted = []
     for kind, source, shown in blocks(page):
         if kind == "python":
             program.append(source + f"\nprint('block {len(wanted)}')\n")

@@ -1,5 +1,4 @@
-"""Somebody with a measured surface: from the file of the instrument to numbers, a picture and a
-distribution, as the README says."""
+"""The examples of the README with a measured surface: from an instrument's file to results."""
 
 import re
 from pathlib import Path
@@ -19,13 +18,13 @@ README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
 PYTHON, TOML = (
     re.search(f"```{language}\n(.*?)```", README, re.DOTALL)[1] for language in ("python", "toml")
 )
-LOAD, MODULUS = "20 MPa", "2 GPa"  # that stand in both
+LOAD = "20 MPa"
+MODULUS = "2 GPa"  # as in the README
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    """With a scan as microscopes make them: a part of a rough surface, not periodic, tilted, in the
-    instrument's format."""
+    """A folder with scan.x3p, a tilted and not periodic part of a rough surface."""
     folder = tmp_path_factory.mktemp("stranger")
     shape = rough((2, 16, 4), seed=3, g_rms=0.1, physical_sizes=(2 * SIZE, 2 * SIZE))
     wall = hpc_gfmd.make_surface(**shape)
@@ -36,12 +35,12 @@ def folder(tmp_path_factory):
     return folder
 
 
-def test_six_lines_of_python(folder):
+def test_python_example(folder):
     (folder / "six.py").write_text(PYTHON)
-    (first,) = printed("six.py", cwd=folder).splitlines()
+    (output_line,) = printed("six.py", cwd=folder).splitlines()
     scan = hpc_gfmd.read_surface(folder / "scan.x3p", detrend="tilt", boundary="free")
     solution = hpc_gfmd.solve(scan, LOAD, MODULUS)
-    area = float(re.fullmatch(r"a_r = ([\d.]+) %", first)[1]) / 100
+    area = float(re.fullmatch(r"a_r = ([\d.]+) %", output_line)[1]) / 100
     assert area == pytest.approx(solution.a_r, rel=1e-2)
     assert 0.01 < area < 0.5
     assert (folder / "pressure.png").read_bytes().startswith(b"\x89PNG")
@@ -50,17 +49,17 @@ def test_six_lines_of_python(folder):
     assert {"$x$ (µm)", "$y$ (µm)"} <= set(texts)
 
 
-def test_a_scene_of_eight_lines(folder):
+def test_scene_example(folder):
     (folder / "scene.toml").write_text(TOML)
-    told = printed("-m", "hpc_gfmd", "run", "scene.toml", cwd=folder)
+    output = printed("-m", "hpc_gfmd", "run", "scene.toml", cwd=folder)
     plotted = printed("-m", "hpc_gfmd", "plot", "contact.h5", cwd=folder)
     pictures = re.findall(r"^\S+\.png$", plotted, re.M)
     assert len(pictures) == 2
     assert all((folder / name).is_file() for name in pictures)
     (solution,) = hpc_gfmd.load(folder / "contact.h5")
     error = solution.a_r_error + solution.a_r_discretisation
-    assert with_error(100 * solution.a_r, error) in told
-    assert "[MPa]" in told
+    assert with_error(100 * solution.a_r, error) in output
+    assert "[MPa]" in output
     python = hpc_gfmd.solve(
         hpc_gfmd.read_surface(folder / "scan.x3p", detrend="tilt", boundary="free"), LOAD, MODULUS
     )
@@ -87,9 +86,9 @@ results["new"].export("pressure.gwy", fields=["pressure"])
 """
 
 
-def test_twelve_lines_from_scans_with_outliers_and_holes(folder):
-    """Through SurfaceTopography's pipeline into a sweep, a table, an overlay of two samples and a
-    file of Gwyddion; no unit is typed but those of load and modulus."""
+def test_script_for_scans_with_outliers_and_holes(folder):
+    """A pipeline of SurfaceTopography, a sweep, a table, a plot of two samples and a GWY file;
+    units are only needed for load and modulus."""
     assert len(SCRIPT.strip().splitlines()) <= 12
     scan = hpc_gfmd.read_surface(folder / "scan.x3p", detrend="tilt", boundary="free")
     for name, scale in (("new", 1), ("worn", 0.5)):
@@ -102,9 +101,9 @@ def test_twelve_lines_from_scans_with_outliers_and_holes(folder):
     (folder / "twelve.py").write_text(SCRIPT)
     printed("twelve.py", cwd=folder)
     table = np.genfromtxt(folder / "numbers.csv", delimiter=",", names=True)
-    wanted = hpc_gfmd.solve(scan, ["5 MPa", "20 MPa"], "2 GPa")  # with the plane of least squares
+    wanted = hpc_gfmd.solve(scan, ["5 MPa", "20 MPa"], "2 GPa")
     assert table["p"] == pytest.approx([5e6, 20e6])
-    assert table["a_r"] == pytest.approx([one.a_r for one in wanted], rel=0.1)
+    assert table["a_r"] == pytest.approx([solution.a_r for solution in wanted], rel=0.1)
     assert (folder / "both.png").read_bytes().startswith(b"\x89PNG")
     written = (folder / "pressure.gwy").read_bytes()
     assert written.count(b"GwyDataField") == 2

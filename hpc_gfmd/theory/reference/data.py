@@ -102,6 +102,7 @@ class Reference:
 
 
 def _within(name: str, wanted: ArrayLike, nodes: np.ndarray) -> np.ndarray:
+    """Return numbers within the table's nodes. Raises SceneError for others."""
     low = float(nodes.min())
     high = float(nodes.max())
     return np.clip(within(name, wanted, low * (1 - ROUNDING), high * (1 + ROUNDING)), low, high)
@@ -115,6 +116,7 @@ def _weights(x: float, nodes: np.ndarray) -> np.ndarray:
 
 
 def _persson(quantity: str, p_star: np.ndarray, hurst: float, eps_f: float) -> np.ndarray:
+    """Return Persson's area or gap, of which the table has the ratio."""
     return (
         persson.contact_area(p_star)
         if quantity == "a_r"

@@ -1,6 +1,7 @@
-"""The errata of the paper (errata.toml), each shown by a function of its name here.
+"""The errata of the paper.
 
-It takes {item: rows} and says how our numbers show the erratum, "" while they do not reach so far.
+errata.toml lists them. A function of the same name in a file of this folder takes {item: rows} and
+returns a text that shows the erratum with our numbers, or "" if they do not suffice.
 """
 
 import tomllib
@@ -14,7 +15,7 @@ SHOWS = {**vars(formulas), **vars(area), **vars(gap)}
 
 
 def errata_rows(tables: dict[str, Rows]) -> Rows:
-    """List the errata that {item: rows} show, numbered."""
+    """Return the errata that can be shown with the rows of the items, {item: rows}, numbered."""
     rows: Rows = []
     for name, texts in ERRATA.items():
         try:
@@ -22,7 +23,7 @@ def errata_rows(tables: dict[str, Rows]) -> Rows:
         except (ValueError, TypeError, IndexError):
             if all(tables.values()):
                 raise
-            continue  # some item has no rows yet
+            continue  # an item has no rows yet
         if shown:
             rows.append(texts | {"number": len(rows) + 1, "shown": shown})
     return rows

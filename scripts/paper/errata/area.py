@@ -1,10 +1,22 @@
-"""Errata of what the paper says about the contact area, each shown by the rows of our items."""
+"""Errata of the paper's statements about the contact area, shown with the rows of our items."""
 
 from typing import Any
 
 from ..items import kappa
 from ..printed import NUMBERS, coefficients, correction, of_hurst
-from ..rows import PRESSURES, Rows, by_hurst, coarsest, each, finest, longest, low_high, near, where
+from ..rows import (
+    PRESSURES,
+    Rows,
+    by_hurst,
+    coarsest,
+    filled,
+    filled_with_each,
+    finest,
+    longest,
+    low_high,
+    near,
+    where,
+)
 
 SLOPE = NUMBERS["slope"]
 
@@ -14,43 +26,46 @@ def area_is_half_kappa(tables: dict[str, Rows]) -> Any:
     best = [finest(rows, "eps_c") for h, rows in high.items() if of_hurst("area_high", h)]
     if len(best) < len(NUMBERS["area_high"]):
         return ""
-    found = [
+    areas = [
         row | {"a_r": row["kappa_edge"] * PRESSURES["high"], "half": row["kappa_edge"] / 2}
         for row in best
     ]
-    ours = each("a_r = {a_r:.3f}, kappa/2 = {half:.3f} at H = {hurst:g}", found)
+    ours = filled_with_each("a_r = {a_r:.3f}, kappa/2 = {half:.3f} at H = {hurst:g}", areas)
     return f"edge-corrected on the finest grid: {ours}"
 
 
 def exponent_of_the_grid(tables: dict[str, Rows]) -> Any:
-    known = [row for row in tables["fig1"] if row.get("kappa_alpha") is not None]
-    last = {
-        (row["hurst"], row["p_star"]): row for row in sorted(known, key=lambda row: -row["eps_c"])
+    rows = [row for row in tables["fig1"] if row.get("kappa_alpha") is not None]
+    finest_rows = {
+        (row["hurst"], row["p_star"]): row for row in sorted(rows, key=lambda row: -row["eps_c"])
     }
     template = "{kappa_alpha:±} (H = {hurst:g}, p* = {p_star:.3f}, around eps_c = {eps_c:1/})"
-    return last and "finest local exponents: " + each(template, [last[key] for key in sorted(last)])
+    ordered = [finest_rows[key] for key in sorted(finest_rows)]
+    return ordered and f"finest local exponents: {filled_with_each(template, ordered)}"
 
 
 def terms_do_not_add(tables: dict[str, Rows]) -> Any:
-    parts, fractal = [], []
+    steps_of_hurst = []
+    fractal = []
     for hurst, rows in by_hurst(low_high(tables["fig1"])["low"]).items():
         coarse, fine = (
             {row["lam_l_over_lam_s"]: row["kappa"] for row in rows if near(row["eps_c"], eps_c)}
             for eps_c in (0.5, 0.25)
         )
-        both = sorted(coarse.keys() & fine.keys())
-        steps = [f"{coarse[f] - fine[f]:.3f} at eps_f = 1/{f:g}" for f in both]
+        shared = sorted(coarse.keys() & fine.keys())
+        steps = [f"{coarse[f] - fine[f]:.3f} at eps_f = 1/{f:g}" for f in shared]
         if len(steps) > 1:
-            parts.append(f"H = {hurst:g}: {', '.join(steps)}")
+            steps_of_hurst.append(f"H = {hurst:g}: {', '.join(steps)}")
     for hurst, rows in by_hurst(low_high(tables["fig2"])["low"]).items():
         raw, edge = (
             coarsest(rows, "eps_f")[name] - finest(rows, "eps_f")[name]
             for name in kappa.OBSERVABLES
         )
-        fractal += [f"{raw:.2f} and {edge:.2f} (H = {hurst:g})"] if raw else []
-    return parts and (
-        f"kappa(eps_c = 1/2) - kappa(1/4): {'; '.join(parts)}. Fall of kappa along the eps_f series"
-        f" at eps_c = 1/2, as counted and edge-corrected: {', '.join(fractal)}"
+        if raw:
+            fractal.append(f"{raw:.2f} and {edge:.2f} (H = {hurst:g})")
+    return steps_of_hurst and (
+        f"kappa(eps_c = 1/2) - kappa(1/4): {'; '.join(steps_of_hurst)}. Fall of kappa along the"
+        f" eps_f series at eps_c = 1/2, as counted and edge-corrected: {', '.join(fractal)}"
     )
 
 
@@ -64,23 +79,26 @@ def six_percent(_tables: object) -> str:
         total = correction(coefficients("kappa", "low", claim["hurst"]), claim)
         limit = of_hurst("kappa_tfc", claim["hurst"]) or SLOPE["high"]
         n = 1 / (claim["eps_c"] * claim["eps_f"] * claim["eps_t"])
-        at = each("H = {hurst:g}, eps_c = {eps_c:1/}, eps_f = {eps_f:1/}", [claim])
-        parts.append(f"{at} (n = {n:.0f}): {total:.3f}, {total / limit:.0%} of {limit:g}")
+        system = filled("H = {hurst:g}, eps_c = {eps_c:1/}, eps_f = {eps_f:1/}", claim)
+        parts.append(f"{system} (n = {n:.0f}): {total:.3f}, {total / limit:.0%} of {limit:g}")
     return "; ".join(parts)
 
 
 def grid_needed(tables: dict[str, Rows]) -> Any:
-    hurst, ours, terms = NUMBERS["eps_c_needed"]["hurst"], [], []
+    hurst = NUMBERS["eps_c_needed"]["hurst"]
+    ours = []
+    terms = []
     for name, table in (("kappa", "fig1"), ("kappa_edge", "fig1"), ("gap_over_h_rms", "fig4")):
         low = [row for row in low_high(tables[table])["low"] if near(row["hurst"], hurst)]
         rows = longest(low, "eps_c")
         if len(rows) < 2:
             return ""
-        coarse, fine = coarsest(rows, "eps_c"), finest(rows, "eps_c")
+        coarse = coarsest(rows, "eps_c")
+        fine = finest(rows, "eps_c")
         ours.append(coarse[name] / fine[name] - 1)
         if row := coefficients(name, "low", hurst):
-            whole = of_hurst("kappa_tfc", hurst) if name == "kappa" else coarse[name]
-            terms.append(row["C_c"] * 0.5 ** row["alpha_c"] / whole)
+            total = of_hurst("kappa_tfc", hurst) if name == "kappa" else coarse[name]
+            terms.append(row["C_c"] * 0.5 ** row["alpha_c"] / total)
     return (
         "continuum terms at eps_c = 1/2 by the paper's tables: {:.1%} of kappa, {:.1%} of the gap;"
         " ours, against the finest grid: kappa {:+.1%} as counted, {:+.1%} edge-corrected, gap"
@@ -90,7 +108,7 @@ def grid_needed(tables: dict[str, Rows]) -> Any:
 
 def spread_over_hurst(tables: dict[str, Rows]) -> Any:
     low = low_high(where(tables["table5"], area="ours"))["low"]
-    ours = each("{kappa_tfc:±} (H = {hurst:g})", low)
+    ours = filled_with_each("{kappa_tfc:±} (H = {hurst:g})", low)
     text = (
         f"{SLOPE['high']:g} and {SLOPE['low']:g} differ by {SLOPE['high'] / SLOPE['low'] - 1:.1%}"
     )

@@ -1,46 +1,61 @@
-"""Green's function molecular dynamics on a small surface, with the signs as printed or as they
-should be."""
+"""Green's function molecular dynamics on a small surface, with the printed or the right signs."""
 
 import numpy as np
 
 HURST = 0.8
-N_SMALL, STEPS = 32, 400
-DT, ETA = 0.25, 0.08  # time step and damping: stable and slightly underdamped
+N_SMALL = 32  # points along an axis
+STEPS = 400
+DT = 0.25  # time step; with ETA the dynamics are stable and slightly underdamped
+ETA = 0.08  # damping
 Q = np.hypot(*np.meshgrid(*2 * [np.fft.fftfreq(N_SMALL, 1 / N_SMALL)], indexing="ij"))
 
 
 def small_surface() -> np.ndarray:
-    """Make a small self-affine surface, h_rms = 1, mean 0, peaks up."""
+    """Return a small self-affine surface with h_rms = 1 and mean 0, peaks up."""
     noise = np.fft.fft2(np.random.default_rng(1).standard_normal(Q.shape))
-    keep = (Q >= 2) & (N_SMALL / 4 >= Q)
-    z = np.fft.ifft2(np.where(keep, noise / np.maximum(Q, 1) ** (1 + HURST), 0)).real
+    has_waves = (Q >= 2) & (N_SMALL / 4 >= Q)
+    z = np.fft.ifft2(np.where(has_waves, noise / np.maximum(Q, 1) ** (1 + HURST), 0)).real
     return z / z.std()
 
 
 def gfmd(damping: int = -1, load: int = -1, lifted: bool = False, steps: int = STEPS) -> dict:
-    """Run the paper's dynamics on a small surface, in units E* = 2, cell 2 pi, as its pseudocode
-    but for the two signs.
+    """Run the paper's pseudocode on a small surface at p* = 0.1; units: E* = 2, cell of 2 pi.
 
-    damping, load: -1 is right, +1 is printed. lifted: start at h_max instead of touching. Returns
-    {"gap": mean gap/h_rms of every step, "speed": largest change of a displacement in every step,
-    "a_r"}.
+    Parameters
+    ----------
+    damping, load : int
+        Signs of these terms: -1 is right, +1 is printed.
+    lifted : bool
+        Whether to start at h_max instead of touching.
+    steps : int
+        Number of time steps.
+
+    Returns
+    -------
+    dict
+        gap: mean gap/h_rms of every step; speed: largest change of a displacement in every step;
+        a_r.
     """
     z = small_surface()
     h = z.max() - z
     q_max = Q.max()
     p = 0.1 * np.sqrt(np.sum(Q**2 * np.abs(np.fft.fft2(z) / z.size) ** 2)) * 2  # p* = 0.1
-    now = np.full_like(h, h.max() if lifted else 0.0)
-    old, gap, speed = now.copy(), [], []
+    u = np.full_like(h, h.max() if lifted else 0.0)
+    u_old = u.copy()
+    gap = []
+    speed = []
     for _ in range(steps):
-        u, before = np.fft.fft2(now), np.fft.fft2(old)
-        force = -Q * u
+        U = np.fft.fft2(u)
+        U_old = np.fft.fft2(u_old)
+        force = -Q * U
         force[0, 0] += load * p * z.size
-        force += damping * ETA * q_max * (u - before) / DT
+        force += damping * ETA * q_max * (U - U_old) / DT
         with np.errstate(over="ignore", invalid="ignore"):
-            new = np.maximum(np.fft.ifft2(2 * u - before + force * DT**2 / q_max * 4).real, -h)
-            speed.append(float(np.abs(new - now).max()))
-        old, now = now, new
-        gap.append(float(np.mean(now + h)))
+            u_new = np.maximum(np.fft.ifft2(2 * U - U_old + force * DT**2 / q_max * 4).real, -h)
+            speed.append(float(np.abs(u_new - u).max()))
+        u_old = u
+        u = u_new
+        gap.append(float(np.mean(u + h)))
         if not speed[-1] < 1e12:
             break
-    return {"gap": gap, "speed": speed, "a_r": float(np.mean(now <= -h))}
+    return {"gap": gap, "speed": speed, "a_r": float(np.mean(u <= -h))}

@@ -1,5 +1,4 @@
-"""Errata of the paper's formulas and of its algorithm, each shown by a small computation made here
-and now."""
+"""Errata of the paper's formulas and of its algorithm, each shown by a small computation."""
 
 import numpy as np
 from scipy.integrate import quad
@@ -11,7 +10,7 @@ from ..rows import PRESSURES
 from .dynamics import HURST as H
 from .dynamics import N_SMALL, gfmd, small_surface
 
-EPS_F = 1 / 1024  # of the examples, at H
+EPS_F = 1 / 1024  # of the examples
 GRID = 16  # lam_s/a that the text recommends for H = 0
 
 
@@ -25,16 +24,16 @@ def parseval(_tables: object) -> str:
 
 
 def height_scale(_tables: object) -> str:
-    # of C = q^(-2-2H) from q_l = 1 to q_s, in units A_0/(2 pi) = 1
-    whole, slope = (_moment(power, EPS_F) for power in (2, 4))
+    # C = q^(-2-2H) from q_l = 1 to q_s, in units A_0/(2 pi) = 1
+    height, slope = (_moment(power, EPS_F) for power in (2, 4))
     printed = (1 - EPS_F ** (2 * H)) / H
     printed_slope = EPS_F ** (-2 + 2 * H) * (1 - EPS_F ** (2 - 2 * H)) / (2 - 2 * H)
     stated = np.sqrt(H / (1 - H)) * EPS_F**H * 2 * np.pi
     ratio, from_printed = (
-        2 * np.pi * EPS_F * np.sqrt(square) for square in (slope / whole, printed_slope / printed)
+        2 * np.pi * EPS_F * np.sqrt(square) for square in (slope / height, printed_slope / printed)
     )
     return (
-        f"H = {H:g}, eps_f = 1/{1 / EPS_F:g}: the integral is {whole / printed:.6f} of the printed"
+        f"H = {H:g}, eps_f = 1/{1 / EPS_F:g}: the integral is {height / printed:.6f} of the printed"
         f" height, {slope / printed_slope:.6f} of the printed slope; g_rms lam_s/h_rms is"
         f" {ratio:.5f}, as printed {from_printed:.5f}, by the paper's own relation {stated:.5f}"
     )
@@ -46,8 +45,8 @@ def slope_relation(_tables: object) -> str:
         for eps_f in (1 / 16, EPS_F):
             power = np.sqrt(hurst / (1 - hurst)) * eps_f**hurst
             leading = 2 * np.pi * (power if hurst else 1 / np.sqrt(-2 * np.log(eps_f)))
-            off = persson.g_rms_lam_s_over_h_rms(hurst, eps_f) / leading - 1
-            parts.append(f"{off:+.2%} (H = {hurst:g}, 1/{1 / eps_f:g})")
+            difference = persson.g_rms_lam_s_over_h_rms(hurst, eps_f) / leading - 1
+            parts.append(f"{difference:+.2%} (H = {hurst:g}, 1/{1 / eps_f:g})")
     return "exact over leading order: " + ", ".join(parts)
 
 
@@ -61,7 +60,9 @@ def short_wave_height(_tables: object) -> str:
 
 
 def scaling(_tables: object) -> str:
-    s, q_old, u = 2.0, 3.0, 1.0
+    s = 2.0
+    q_old = 3.0
+    u = 1.0
     q_new = q_old / s
     needed = q_new * u  # (E*/2) q u, in units of E*/2
     # p_old has this one mode
@@ -73,7 +74,8 @@ def scaling(_tables: object) -> str:
 
 
 def stiffness(_tables: object) -> str:
-    p_star, h = 0.05, 1e-4
+    p_star = 0.05
+    h = 1e-4
     low, high = (float(persson.mean_gap(p, H, EPS_F)) for p in (p_star * (1 - h), p_star * (1 + h)))
     slope = (high - low) / (2 * h * p_star)
     return (
@@ -83,7 +85,9 @@ def stiffness(_tables: object) -> str:
 
 
 def missing_factor(_tables: object) -> str:
-    hurst, eps_f, parts = 0.8, 1 / 256, []
+    hurst = 0.8
+    eps_f = 1 / 256
+    parts = []
     for gamma in (1.0, persson.GAMMA):
         for p_star in PRESSURES.values():
             direct = gap_from_energy(p_star, hurst, eps_f, gamma)
@@ -99,24 +103,28 @@ def missing_factor(_tables: object) -> str:
 
 
 def damping_sign(_tables: object) -> str:
-    good, bad = (_range(gfmd(damping=sign)["speed"]) for sign in (-1, +1))
-    return f"{N_SMALL} × {N_SMALL} points: largest speed {good} with the minus, {bad} as printed"
+    right, printed = (_range(gfmd(damping=sign)["speed"]) for sign in (-1, +1))
+    return (
+        f"{N_SMALL} × {N_SMALL} points: largest speed {right} with the minus, {printed} as printed"
+    )
 
 
 def load_sign(_tables: object) -> str:
-    good, bad = gfmd(load=-1), gfmd(load=+1)
+    right = gfmd(load=-1)
+    printed = gfmd(load=+1)
     return (
-        f"mean gap/h_rms from {good['gap'][0]:.2f} to {good['gap'][-1]:.3f} with the minus (a_r ="
-        f" {good['a_r']:.3f}), to {bad['gap'][-1]:.3g} as printed (a_r = {bad['a_r']:g})"
+        f"mean gap/h_rms from {right['gap'][0]:.2f} to {right['gap'][-1]:.3f} with the minus (a_r ="
+        f" {right['a_r']:.3f}), to {printed['gap'][-1]:.3g} as printed (a_r = {printed['a_r']:g})"
     )
 
 
 def start(_tables: object) -> str:
-    touching, above = gfmd()["gap"], gfmd(lifted=True)["gap"]
-    steps = [_settled(gap, touching[-1]) for gap in (touching, above)]
+    touching = gfmd()["gap"]
+    lifted = gfmd(lifted=True)["gap"]
+    steps = [_settling_steps(gap, touching[-1]) for gap in (touching, lifted)]
     return (
         f"steps until the mean gap is within 1 % of the last: {steps[0]} from touching, {steps[1]}"
-        f" from h_max; the same mean gap to {abs(above[-1] / touching[-1] - 1):.0e}"
+        f" from h_max; the same mean gap to {abs(lifted[-1] / touching[-1] - 1):.0e}"
     )
 
 
@@ -142,8 +150,17 @@ def inverted_ratio(_tables: object) -> str:
 
 
 def gap_from_energy(p_star: float, hurst: float, eps_f: float, gamma: float) -> float:
-    """Compute gap/h_rms = ∫ (dU/dp)/p dp from p_star up (eq. gap), integrated by parts, with the
-    energy of eq. elasticEnergy."""
+    """Return gap/h_rms = ∫ (dU/dp)/p dp from p_star up (eq. gap) by quadrature.
+
+    It is integrated by parts, with the energy U of eq. elasticEnergy.
+
+    Parameters
+    ----------
+    p_star, hurst, eps_f : float
+        Pressure, Hurst exponent and lam_s/lam_l.
+    gamma : float
+        Correction factor of the theory.
+    """
 
     def energy(p):
         return float(persson.elastic_energy(p, hurst, eps_f, gamma))
@@ -160,7 +177,7 @@ def gap_from_energy(p_star: float, hurst: float, eps_f: float, gamma: float) -> 
 
 
 def _moment(power, eps_f, from_q=1.0):
-    """Integrate q^power C dq/q of C = q^(-2-2H) up to q_s = 1/eps_f by quadrature."""
+    """Return the integral of q^power C dq/q with C = q^(-2-2H) up to q_s = 1/eps_f."""
     return quad(
         lambda y: np.exp((power - 2 - 2 * H) * y),
         np.log(from_q),
@@ -174,6 +191,7 @@ def _range(speed):
     return f"goes from {max(speed[:20]):.2g} to {speed[-1]:.1e} in {len(speed)} steps"
 
 
-def _settled(gap, last):
-    off = np.flatnonzero(np.abs(np.array(gap) / last - 1) > 0.01)
-    return int(off[-1]) + 2 if off.size else 1
+def _settling_steps(gap, limit):
+    """Return the number of steps after which the gap stays within 1 % of a limit."""
+    outside = np.flatnonzero(np.abs(np.array(gap) / limit - 1) > 0.01)
+    return int(outside[-1]) + 2 if outside.size else 1

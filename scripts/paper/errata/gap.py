@@ -1,47 +1,53 @@
-"""Errata of what the paper says about the mean gap, each shown by the rows of our items."""
+"""Errata of the paper's statements about the mean gap, shown with the rows of our items."""
 
 from typing import Any
 
 from hpc_gfmd.theory import persson
 
 from ..items import gap
-from ..printed import PRINTED, at, coefficients, correction, of_hurst
+from ..printed import PRINTED, coefficients, correction, family_label, of_hurst
 from ..rows import Rows, by_hurst, families, fine_half, finest, low_high, where
 
 GAP = "gap_over_h_rms"
 
 
-def _printed(tables):
-    """Yield the families of figure 6 for which the paper's tables have coefficients, with the gap
-    that these make as column "table"."""
+def _families_with_table(tables):
+    """Yield the families of figure 6 for which the paper's tables have coefficients.
+
+    Column "table" is the gap that follows from these.
+    """
     for pressure, hurst, rows in families(tables["fig6"]):
         if row := coefficients(GAP, pressure, hurst):
-            yield pressure, hurst, [one | {"table": correction(row, one)} for one in rows]
+            yield pressure, hurst, [run | {"table": correction(row, run)} for run in rows]
 
 
 def caption_pressure(tables: dict[str, Rows]) -> Any:
-    parts, low = [], low_high(tables["fig6"])["low"]
-    for pressure, hurst, rows in _printed(tables):
+    low = low_high(tables["fig6"])["low"]
+    parts = []
+    for pressure, hurst, rows in _families_with_table(tables):
+        if pressure == "low":
+            continue
         row = finest(rows, "eps_f")
-        for other in where(low, hurst=hurst, eps_f=row["eps_f"]) if pressure == "high" else []:
+        for low_row in where(low, hurst=hurst, eps_f=row["eps_f"]):
             parts.append(
                 f"H = {hurst:g}: table {row['table']:.3f}; ours {row[GAP]:.4f} at 0.353,"
-                f" {other[GAP]:.3f} at 0.007"
+                f" {low_row[GAP]:.3f} at 0.007"
             )
     return "; ".join(parts)
 
 
 def gap_tables(tables: dict[str, Rows]) -> Any:
     parts = [
-        f"{gap.span([row['table'] / row[GAP] for row in fine_half(rows)])} ({at(pressure, hurst)})"
-        for pressure, hurst, rows in _printed(tables)
+        f"{gap.span([row['table'] / row[GAP] for row in fine_half(rows)])}"
+        f" ({family_label(pressure, hurst)})"
+        for pressure, hurst, rows in _families_with_table(tables)
     ]
     return parts and "printed sum over our gap, finer half of the eps_f: " + ", ".join(parts)
 
 
 def tables_against_captions(tables: dict[str, Rows]) -> Any:
     parts = []
-    for pressure, hurst, rows in _printed(tables):
+    for pressure, hurst, rows in _families_with_table(tables):
         if pressure == "high":
             ratios = [row["table"] / row["persson_printed"] for row in fine_half(rows)]
             caption = of_hurst("theory_factor_h_rms", hurst)
@@ -66,11 +72,12 @@ def sign_of_exponents(tables: dict[str, Rows]) -> Any:
 
 
 def realised_slope(tables: dict[str, Rows]) -> Any:
-    parts, same = [], ("hurst", "p_star", "eps_f", "eps_t", "eps_c")
+    keys = ("hurst", "p_star", "eps_f", "eps_t", "eps_c")
+    parts = []
     for hurst, rows in by_hurst(low_high(tables["fig6"])["low"]).items():
         row = finest(rows, "eps_f")
-        for other in where(tables["fig7"], **{name: row[name] for name in same}):
-            realised = row[GAP] / other["gap_over_g_rms_lam_s"]
+        for row_of_fig7 in where(tables["fig7"], **{name: row[name] for name in keys}):
+            realised = row[GAP] / row_of_fig7["gap_over_g_rms_lam_s"]
             exact = persson.g_rms_lam_s_over_h_rms(hurst, row["eps_f"])
             parts.append(f"{realised / exact - 1:+.1%} (H = {hurst:g})")
     return parts and (

@@ -1,4 +1,4 @@
-"""Distributions of pressure, gap and patch size, over many surfaces, beside Persson's theory."""
+"""Distributions of pressure, gap and patch size over many surfaces, with Persson's theory."""
 
 from collections.abc import Iterator
 from itertools import product
@@ -12,57 +12,72 @@ from hpc_gfmd.theory import persson
 
 from ..cases import CATALOGUE
 from ..estimates import power_law
-from ..pictures import named, of_h, panels, points
-from ..rows import Rows, at_load, by_hurst, groups, quoted, saying, where
+from ..pictures import draw_points, hurst_style, label_axes, panels
+from ..rows import Rows, at_load, by_hurst, comparison, groups, quoted, where
 from ..study import Study
 
 LOADS = CATALOGUE["series"]["distributions"]["loads"]["all"]
-# of what: (its unit and the power of it, edges of bins in it, its label, range of the densities)
+# {kind: (unit, its power, edges of bins in it, label, range of the densities in the picture)}
 KINDS = {
     "pressure": ("g_rms", 1, np.arange(0, 4.0001, 0.05), r"$p/(E^* g_\mathrm{rms})$", (1e-4, 5)),
     "gap": ("h_rms", 1, np.geomspace(1e-3, 8, 40), r"$g/h_\mathrm{rms}$", (1e-5, 20)),
     "patches": ("lam_s", 2, np.geomspace(1 / 16, 65536, 41), r"$A/\lambda_s^2$", (1e-7, 10)),
 }
-POWER_LAW = (1.0, 100.0)  # patches, in lam_s^2, whose sizes may follow a power law
+POWER_LAW = (1.0, 100.0)  # range of patch sizes, in lam_s^2, in which a power law is fitted
 
 
 def means(runs: Rows, level: str) -> Rows:
-    """Average over surfaces: a row for each H, p_star, kind and bin.
+    """Average the distributions over surfaces.
 
-    low, high, density (integrates to 1), density_se, surfaces. Of pressure: of points in contact,
-    in units of E* g_rms; of gap: of points that do not touch, in units of h_rms; of patches: number
-    of patches, in units of lam_s^2. Surfaces count as they have points or patches.
+    Parameters
+    ----------
+    runs : list of dict
+        Runs with distributions.
+    level : str
+        Unused.
+
+    Returns
+    -------
+    list of dict
+        A row for each H, p_star, kind and bin: low, high, density (its integral is 1), density_se,
+        surfaces. Kinds: pressure of points in contact in units of E* g_rms, gap of open points in
+        units of h_rms, number of patches by area in units of lam_s^2.
     """
     rows = []
     for (hurst, part), p_star, (kind, (unit, power, edges, *_)) in product(
         by_hurst(runs).items(), LOADS, KINDS.items()
     ):
-        found = [
+        densities = [
             _binned(run[f"{kind}_distribution"], run[unit] ** power, edges)
             for run in at_load(part, p_star)
             if run[f"{kind}_distribution"]
         ]
-        if len(found) > 1:
+        if len(densities) > 1:
             head = {"hurst": hurst, "p_star": p_star, "kind": kind}
             names = ("low", "high", "density", "density_se")
-            bins = np.stack([edges[:-1], edges[1:], np.mean(found, axis=0), sem(found)], axis=1)
+            mean = np.mean(densities, axis=0)
+            bins = np.stack([edges[:-1], edges[1:], mean, sem(densities)], axis=1)
             rows += [
-                head | dict(zip(names, one)) | {"surfaces": len(found)}
-                for one in bins.tolist()
-                if one[2] > 0
+                head | dict(zip(names, values)) | {"surfaces": len(densities)}
+                for values in bins.tolist()
+                if values[2] > 0
             ]
     return rows
 
 
-def _binned(found, unit, edges):
-    """Compute the density in other bins, in units of `unit`; it is even within each of its own."""
-    own, density = np.array(found["edges"]) / unit, np.array(found["density"]) * unit
-    below = np.append(0.0, np.cumsum(density * np.diff(own)))
-    return np.diff(np.interp(edges, own, below)) / np.diff(edges)
+def _binned(histogram, unit, edges):
+    """Return the density of a stored histogram in other bins, in units of `unit`.
+
+    The density is taken as constant within each stored bin.
+    """
+    stored_edges = np.array(histogram["edges"]) / unit
+    density = np.array(histogram["density"]) * unit
+    cumulative = np.append(0.0, np.cumsum(density * np.diff(stored_edges)))
+    return np.diff(np.interp(edges, stored_edges, cumulative)) / np.diff(edges)
 
 
 def middles(rows: Rows) -> Rows:
-    """Add the middles of bins as column "at"."""
+    """Return the rows with the middles of their bins as column "at"."""
 
     def middle(low, high, kind, **_):
         return (low + high) / 2 if kind == "pressure" else (low * high) ** 0.5
@@ -71,7 +86,7 @@ def middles(rows: Rows) -> Rows:
 
 
 def patch_exponent(rows: Rows) -> tuple[float | None, float | None]:
-    """Fit tau of n(A) ~ A^-tau to the bins of POWER_LAW; (tau, standard error)."""
+    """Fit n(A) ~ A^-tau to the bins in POWER_LAW; return tau and its standard error."""
     part = [
         row
         for row in middles(rows)
@@ -85,40 +100,54 @@ def patch_exponent(rows: Rows) -> tuple[float | None, float | None]:
 
 
 def theory(p_star: float, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Compute Persson's P(p) of points in contact, means over bins (units of E* g_rms)."""
+    """Return Persson's distribution of the pressure of points in contact, averaged over bins.
+
+    Parameters
+    ----------
+    p_star : float
+        Mean pressure.
+    low, high : ndarray
+        Edges of the bins (units of E* g_rms).
+    """
     inside = np.mean(persson.pressure_distribution(np.linspace(low, high, 17), p_star), axis=0)
     return inside / float(persson.contact_area(p_star))
 
 
 def findings(rows: Rows) -> Iterator[dict]:
-    """Compare pressure with theory, and find the exponents of the patch sizes."""
+    """Compare the pressures with theory and report the exponents of the patch sizes."""
     for (hurst, p_star), part in groups(rows, "hurst", "p_star").items():
-        pressure, patches = where(part, kind="pressure"), where(part, kind="patches")
+        pressure = where(part, kind="pressure")
+        patches = where(part, kind="patches")
         if pressure and patches:
             names = ("low", "high", "density")
             low, high, density = np.array([[row[name] for name in names] for row in pressure]).T
-            apart = np.sum(np.abs(density - theory(p_star, low, high)) * (high - low)) / 2
-            yield saying(
+            excess = np.abs(density - theory(p_star, low, high))
+            difference = np.sum(excess * (high - low)) / 2
+            yield comparison(
                 f"H = {hurst:g}, p* = {p_star:.3g}",
-                f"{apart:.1%} of the contact is at other pressures than in Persson's theory; patch"
-                f" sizes as A^-tau with tau = {quoted(*patch_exponent(patches))}",
+                f"{difference:.1%} of the contact is at other pressures than in Persson's theory;"
+                f" patch sizes as A^-tau with tau = {quoted(*patch_exponent(patches))}",
                 f"{pressure[0]['surfaces']} surfaces, patches of {POWER_LAW[0]:g} to"
                 f" {POWER_LAW[1]:g} lam_s²",
             )
 
 
 def draw(rows: Rows, path: Path) -> None:
-    """Draw a line for each kind, a column for each load; line: Persson's P(p)."""
-    known = middles([row for row in rows if row["density"] > 2 * row["density_se"]])
+    """Draw a row of panels for each kind and a column for each load, with Persson's P(p)."""
+    significant = middles([row for row in rows if row["density"] > 2 * row["density_se"]])
     with panels(path, len(LOADS), len(KINDS), sharey="row", sharex="row") as axes:
-        for line, (kind, (*_, label, span)) in zip(axes, KINDS.items()):
+        for axes_of_kind, (kind, (*_, label, span)) in zip(axes, KINDS.items()):
+            rows_of_kind = where(significant, kind=kind)
             scale = "linear" if kind == "pressure" else "log"
-            for ax, p_star in zip(line, LOADS):
-                for hurst, part in by_hurst(at_load(where(known, kind=kind), p_star)).items():
-                    points(ax, part, "at", "density", "", linestyle="-", **of_h(hurst))
-                named(ax, label, "", yscale="log", xscale=scale, ylim=span)
-            line[0].set_ylabel("density")
-        low, high = KINDS["pressure"][2][:-1], KINDS["pressure"][2][1:]
+            for ax, p_star in zip(axes_of_kind, LOADS):
+                for hurst, part in by_hurst(at_load(rows_of_kind, p_star)).items():
+                    style = hurst_style(hurst) | {"linestyle": "-"}
+                    draw_points(ax, part, "at", "density", "", **style)
+                label_axes(ax, label, "", yscale="log", xscale=scale, ylim=span)
+            axes_of_kind[0].set_ylabel("density")
+        edges = KINDS["pressure"][2]
+        low = edges[:-1]
+        high = edges[1:]
         for ax, p_star in zip(axes[0], LOADS):
             ax.plot((low + high) / 2, theory(p_star, low, high), label="Persson", **THEORY)
             ax.set(title=f"$p^* = {p_star:.3g}$")

@@ -8,14 +8,14 @@ from hpc_gfmd.theory import elastic, persson
 from ..estimates import average
 from ..pictures import areas, pressure_against_gap
 from ..printed import NUMBERS
-from ..rows import Rows, by_hurst, each, groups, saying
+from ..rows import Rows, by_hurst, comparison, filled_with_each, groups
 from ..study import Study
 from .gap import span, with_theory
 
-LOW = 0.1  # p* up to which the area is called linear
-NEAR_FULL = 0.5  # p* from which the contact is nearly full
-HIGHEST = 0.25  # p* from which on it is "the highest" that the paper excepts
-AREAS = (
+LOW = 0.1  # p* up to which the area is proportional to the load
+NEAR_FULL = 0.5  # p* above which the contact is nearly full
+HIGHEST = 0.25  # p* from which a load belongs to "the highest" that the paper excludes
+AREAS = (  # (x, y, theory, settings) of pictures.areas
     ("p_star", "a_r", persson.contact_area, {"xscale": "log", "yscale": "log"}),
     ("p_star", "kappa", persson.kappa, {"xscale": "log"}),
 )
@@ -24,15 +24,17 @@ OPEN_AREA = (("p_inverse", "open_area", persson.noncontact_area, OPEN),)
 
 
 def contact_area(runs: Rows, level: str) -> Rows:
-    """Average a_r and kappa, as counted and edge-corrected; add Persson's a_r."""
+    """Average a_r and kappa, as counted and edge-corrected, and add Persson's a_r."""
     rows = average(runs, "a_r", "a_r_edge", "kappa", "kappa_edge")
     return [row | {"persson": float(persson.contact_area(row["p_star"]))} for row in rows]
 
 
 def open_area(runs: Rows, level: str) -> Rows:
-    """Average 1 - a_r, as counted and edge-corrected; add Persson's, and 1/p* as p_inverse."""
-    names = {"open_area": "a_r", "open_area_edge": "a_r_edge"}
-    rows = average([run | {k: 1 - run[v] for k, v in names.items()} for run in runs], *names)
+    """Average 1 - a_r, as counted and edge-corrected, and add Persson's, and 1/p* as p_inverse."""
+    with_open_area = [
+        run | {"open_area": 1 - run["a_r"], "open_area_edge": 1 - run["a_r_edge"]} for run in runs
+    ]
+    rows = average(with_open_area, "open_area", "open_area_edge")
     for row in rows:
         theory = float(persson.noncontact_area(row["p_star"]))
         row |= {"p_inverse": 1 / row["p_star"], "persson": theory}
@@ -40,25 +42,26 @@ def open_area(runs: Rows, level: str) -> Rows:
 
 
 def slope(rows: Rows) -> Iterator[dict]:
-    """Compare the slope at low pressure, and how little H matters."""
+    """Compare the slope at low pressures and the influence of H."""
     low = by_hurst([row for row in rows if row["p_star"] <= LOW])
     if not low:
         return
-    at = [min(part, key=lambda row: abs(row["p_star"] - 0.01)) for part in low.values()]
+    light = [min(part, key=lambda row: abs(row["p_star"] - 0.01)) for part in low.values()]
     loads = [[row["a_r_edge"] for row in part] for part in groups(rows, "p_star").values()]
     spread = [max(part) / min(part) - 1 for part in loads]
-    said = NUMBERS["slope"]
-    yield saying(
-        f"slope {said['low']:g} to {said['high']:g}, Persson theory {said['theory']:g}",
-        f"as counted {each('{kappa:±} (H = {hurst:g})', at)}; edge-corrected"
-        f" {each('{kappa_edge:±} (H = {hurst:g})', at)}; theory {persson.KAPPA_LOW_LOAD:.3f} (BGT"
+    claim = NUMBERS["slope"]
+    counted = filled_with_each("{kappa:±} (H = {hurst:g})", light)
+    edge = filled_with_each("{kappa_edge:±} (H = {hurst:g})", light)
+    yield comparison(
+        f"slope {claim['low']:g} to {claim['high']:g}, Persson theory {claim['theory']:g}",
+        f"as counted {counted}; edge-corrected {edge}; theory {persson.KAPPA_LOW_LOAD:.3f} (BGT"
         f" {elastic.KAPPA_BGT:.3f})",
         "ours are at finite eps_f, eps_t, eps_c; the limits are in table 5",
     )
-    yield saying(
+    yield comparison(
         f"a_r between H near 0 and near 1 differs by at most {NUMBERS['area_spread_in_hurst']:.0%}",
         f"edge-corrected: {max(spread):.0%} at most over all loads, {min(spread):.1%} at least",
-        f"the paper's own slopes differ by {said['high'] / said['low'] - 1:.0%}",
+        f"the paper's own slopes differ by {claim['high'] / claim['low'] - 1:.0%}",
     )
 
 
@@ -70,7 +73,7 @@ def near_full_contact(rows: Rows) -> Iterator[dict]:
         if p_star > NEAR_FULL
     ]
     if parts:
-        yield saying(
+        yield comparison(
             "close to full contact Persson theory is closer to the simulations than at low loads",
             f"1 - a_r edge-corrected over theory: {'; '.join(parts)}",
             "the ratio of the small open areas is a sharper test than that of the areas, near 1",
@@ -78,8 +81,9 @@ def near_full_contact(rows: Rows) -> Iterator[dict]:
 
 
 def theory_within(rows: Rows) -> Iterator[dict]:
-    """Compare p* against gap at one H with theory, without the highest loads."""
-    within, parts = NUMBERS["theory_within"]["curves"], []
+    """Compare p* against the gap at one H with theory, without the highest loads."""
+    within = NUMBERS["theory_within"]["curves"]
+    parts = []
     chosen = [row for row in rows if row["p_star"] < HIGHEST]
     for name, label in (("persson", "corrected"), ("persson_printed", "as printed")):
         if ratios := [row[f"over_{name}"] for row in chosen if row[f"over_{name}"]]:
@@ -89,7 +93,7 @@ def theory_within(rows: Rows) -> Iterator[dict]:
                 f" {span(ratios)}"
             )
     if parts:
-        yield saying(
+        yield comparison(
             f"H = {{hurst:g}}: theory within {within:.0%} over almost the whole range, except for"
             " the highest p*",
             "; ".join(parts),

@@ -1,4 +1,4 @@
-"""What takes the images of a surface that ends out of a periodic cell."""
+"""The correction that removes periodic images from displacements of surfaces with free edges."""
 
 import numpy as np
 import pytest
@@ -26,15 +26,15 @@ SURFACES = [
 
 
 def made(n, sizes, free):
-    """The Images of a surface, sizes of its cell and of the surface in it, in their unit."""
+    """(Images, sizes of the cell, sizes of the surface in it) in the unit of lengths."""
     shape = Free(free)._shape(grid_of(n, sizes, SerialComm(), free=free))
     return images(*shape[:-1]), *shape[:2]
 
 
-def products(found: Images, parity, x, y, cell):
-    """The modes of a parity at points (x, y) from the middle, (points, modes)."""
+def mode_values(image_modes: Images, parity, x, y, cell):
+    """Values of the modes of a parity at points (x, y) from the middle, (points, modes)."""
     values = []
-    for z, modes, length, sign in zip((x, y), found.modes, cell, parity):
+    for z, modes, length, sign in zip((x, y), image_modes.modes, cell, parity):
         k = np.arange(0 if sign > 0 else 1, modes + 1)
         function = np.cos if sign > 0 else np.sin
         values.append(
@@ -45,11 +45,11 @@ def products(found: Images, parity, x, y, cell):
     return np.einsum("pi,pj->pij", *values)
 
 
-def matrix(found: Images, parity):
-    """T of a parity over pairs (k_x, k_y)."""
-    T = found.T[parity]
-    shape = tuple(k + (sign > 0) for k, sign in zip(found.modes, parity))
-    index = found.stacked(np.arange(shape[0] * shape[1]).reshape(shape))
+def matrix(image_modes: Images, parity):
+    """The matrix T of a parity over pairs (k_x, k_y)."""
+    T = image_modes.T[parity]
+    shape = tuple(k + (sign > 0) for k, sign in zip(image_modes.modes, parity))
+    index = image_modes.stacked(np.arange(shape[0] * shape[1]).reshape(shape))
     out = np.zeros((shape[0] * shape[1],) * 2)
     for numbers, block in zip(index, T):
         out[np.ix_(numbers, numbers)] = block
@@ -58,8 +58,8 @@ def matrix(found: Images, parity):
 
 @pytest.mark.parametrize("cell", [(1.0, 1.0), (1.3, 0.8)])
 def test_kernel_makes_free_space_periodic(cell, monkeypatch):
-    """1/(pi r) less it goes on periodically, has the mean 0, and does not know how the sum was
-    split."""
+    """1/(pi r) less the kernel is periodic, has zero mean, and does not depend on the width with
+    which the sum is split."""
     X, Y = cell
     x = np.linspace(0.05, X / 2, 7)
     y = np.linspace(0, Y / 2, 5)
@@ -81,7 +81,7 @@ def test_kernel_makes_free_space_periodic(cell, monkeypatch):
 
 @pytest.mark.parametrize("q", [0.0, 0.3, 5.0])
 def test_kernel_of_a_wave(q):
-    """Free space less the sum over the waves along the axis, to which long cells converge."""
+    """The kernel is the limit of long cells less the sum over waves in the cell."""
     x = np.array([0.0, 0.1, 0.6])
     X = 1.0
 
@@ -91,47 +91,45 @@ def test_kernel_of_a_wave(q):
         sums = [np.sum(4 / np.hypot(k, q) * np.cos(k * d)) / length for d in (0.1, 0.6, 0.35)]
         return np.subtract(sums[:2], sums[2])
 
-    c = kernel_of_wave(np.append(x, 0.35), X, q)
+    kernel_values = kernel_of_wave(np.append(x, 0.35), X, q)
     wanted = in_a_cell(40, 400_001) - in_a_cell(X, 200_000)
-    assert c[1:3] - c[3] == pytest.approx(wanted, abs=2e-3)
-    assert c[0] == pytest.approx(kernel_of_wave(np.array([1e-7]), X, q)[0], rel=1e-6)
+    assert kernel_values[1:3] - kernel_values[3] == pytest.approx(wanted, abs=2e-3)
+    assert kernel_values[0] == pytest.approx(kernel_of_wave(np.array([1e-7]), X, q)[0], rel=1e-6)
 
 
 @pytest.mark.parametrize(("n", "sizes", "free"), SURFACES)
 def test_modes_are_the_kernel_on_the_surface(n, sizes, free):
-    """Between all its points, corners too, but for a constant; by waves where one axis is
-    periodic."""
-    found, cell, inside = made(n, sizes, free)
+    """Between points of the surface, corners included, up to a constant; where one axis is
+    periodic, the kernel is summed over waves."""
+    image_modes, cell, inside = made(n, sizes, free)
     rng = np.random.default_rng(4)
-    z = rng.uniform(-1, 1, (2, 2, 30))  # many near the edges, where it is worst
-    here, there = 0.5 * np.sign(z) * (1 - z**2) * np.array(inside)[:, None]
-    here[:, 0] = np.array(inside) / 2
-    there[:, 0] = -np.array(inside) / 2
-    found_c = np.zeros(30)
-    for parity in found.T:
-        one, other = (products(found, parity, *at, cell).reshape(30, -1) for at in (here, there))
-        found_c += np.sum(one @ matrix(found, parity) * other, axis=1)
+    z = rng.uniform(-1, 1, (2, 2, 30))  # many near the edges, where the error is largest
+    edge = np.array(inside)[:, None] / 2
+    point, other_point = edge * np.sign(z) * (1 - z**2)
+    point[:, 0] = np.array(inside) / 2
+    other_point[:, 0] = -np.array(inside) / 2
+    sums = np.zeros(30)
+    for parity in image_modes.T:
+        at_first = mode_values(image_modes, parity, *point, cell).reshape(30, -1)
+        at_second = mode_values(image_modes, parity, *other_point, cell).reshape(30, -1)
+        sums += np.sum(at_first @ matrix(image_modes, parity) * at_second, axis=1)
+    distance = point - other_point
     if all(free):
-        wanted = np.array([kernel(abs(x[:1]), abs(x[1:]), *cell)[0, 0] for x in (here - there).T])
+        wanted = np.array([kernel(abs(x[:1]), abs(x[1:]), *cell)[0, 0] for x in distance.T])
     else:
-        along = int(free[1])
-        x, y = (here - there)[:: 1 if along == 0 else -1]
-        X = cell[along]
-        Y = cell[1 - along]
-        last = found.modes[1 - along]
-        wanted = (
-            sum(
-                (1 if k == 0 else 2)
-                * kernel_of_wave(abs(x), X, 2 * np.pi * k / Y)
-                * np.cos(2 * np.pi * k * y / Y)
-                for k in range(last + 1)
-            )
-            / Y
-        )
-        assert (
-            abs(kernel_of_wave(np.array([inside[along]]), X, 2 * np.pi * (last + 1) / Y))[0] < 1e-6
-        )
-    difference = found_c - wanted
+        free_axis = int(free[1])
+        x = distance[free_axis]
+        y = distance[1 - free_axis]
+        X = cell[free_axis]
+        Y = cell[1 - free_axis]
+        highest = image_modes.modes[1 - free_axis]
+        wanted = np.zeros(30)
+        for k in range(highest + 1):
+            q = 2 * np.pi * k / Y
+            wanted += (1 if k == 0 else 2) / Y * kernel_of_wave(abs(x), X, q) * np.cos(q * y)
+        q = 2 * np.pi * (highest + 1) / Y
+        assert abs(kernel_of_wave(np.array([inside[free_axis]]), X, q))[0] < 1e-6
+    difference = sums - wanted
     assert np.ptp(difference) < 5e-7
     if all(free):
-        assert difference.mean() == pytest.approx(-found.constant, abs=1e-6)
+        assert difference.mean() == pytest.approx(-image_modes.constant, abs=1e-6)

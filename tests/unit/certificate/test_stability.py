@@ -1,4 +1,4 @@
-"""The stability of an equilibrium against the eigenvalue of dense matrices."""
+"""The stability of an equilibrium against the smallest eigenvalue of dense matrices."""
 
 from dataclasses import replace
 
@@ -19,7 +19,7 @@ P0 = 0.05
 
 
 def wall(work, reach, name="exponential", dtype=np.float64):
-    """A random smooth wall, heights of order 1 and in grid spacings, with an attraction."""
+    """The Problem of a smooth random wall with attraction; heights of order one grid spacing."""
     z = np.fft.fft2(np.random.default_rng(1).standard_normal((N, N)))
     q = np.hypot(*np.meshgrid(np.fft.fftfreq(N), np.fft.fftfreq(N), indexing="ij"))
     z = np.fft.ifft2(z * np.exp(-((8 * q) ** 2))).real
@@ -34,7 +34,7 @@ def begun(problem):
 
 
 def solved(problem):
-    """A solver at an equilibrium."""
+    """A solver at equilibrium."""
     solver = begun(problem)
     for _ in range(500):
         solver.step()
@@ -43,12 +43,12 @@ def solved(problem):
     return solver
 
 
-def stability(solver, **how):
-    return stability_of(solver.problem, solver.g, solver.p, solver.levels, **how)
+def stability(solver, **options):
+    return stability_of(solver.problem, solver.g, solver.p, solver.levels, **options)
 
 
 def dense(solver):
-    """K and the curvature of the energy on open points, and the least eigenvalue."""
+    """(open points, K and the curvature of the energy there, smallest eigenvalue)."""
     is_open = ~((solver.g <= 0) & (solver.p > 0)).ravel()
     K = oracle.stiffness(solver.grid.n, (N, N))[np.ix_(is_open, is_open)]
     curvature = solver.problem.attraction.curvature(solver.g).ravel()[is_open]
@@ -57,43 +57,44 @@ def dense(solver):
 
 @pytest.mark.parametrize("name", ["exponential", "cubic", "dugdale"])
 @pytest.mark.parametrize("work", [0.003, 0.02])
-def test_is_the_eigenvalue(name, work):
+def test_stability_is_the_smallest_eigenvalue(name, work):
     solver = solved(wall(work, 0.4, name))
     is_open, K, curvature, exact = dense(solver)
-    found = stability(solver, tolerance=1e-7)
-    assert found.value == pytest.approx(exact, abs=2e-5)
-    assert found.lowest <= found.value
-    assert found.mode is not None
-    e = found.mode.ravel()[is_open]
+    result = stability(solver, tolerance=1e-7)
+    assert result.value == pytest.approx(exact, abs=2e-5)
+    assert result.lowest <= result.value
+    assert result.mode is not None
+    e = result.mode.ravel()[is_open]
     assert (e @ (K @ e + curvature * e)) / (e @ K @ e) == pytest.approx(exact, abs=1e-4)
-    assert found.mode.sum() > 0
+    assert result.mode.sum() > 0
 
 
 @pytest.mark.parametrize("enough", [0.05, 0.3, 0.6, 2.0])
-def test_a_rough_answer_is_on_the_safe_side(enough):
+def test_early_stops_give_bounds(enough):
     solver = solved(wall(0.05, 0.4))
     *_, exact = dense(solver)
-    found = stability(solver, enough=enough)
-    assert found.lowest <= exact + 1e-6
-    assert found.value >= exact - 1e-6
+    result = stability(solver, enough=enough)
+    assert result.lowest <= exact + 1e-6
+    assert result.value >= exact - 1e-6
 
 
-def test_single_precision():
+def test_stability_in_single_precision():
     double, single = (solved(wall(0.05, 0.4, dtype=dtype)) for dtype in (np.float64, np.float32))
     assert stability(single).value == pytest.approx(stability(double).value, abs=0.05)
 
 
-def test_beyond_the_range_there_is_nothing_to_lose():
-    found = stability(solved(wall(1e-3, 1e-3, "cubic")))
-    assert found.value == pytest.approx(1, abs=0.2)
-    assert found.value <= 1
+def test_stability_out_of_range_is_one():
+    result = stability(solved(wall(1e-3, 1e-3, "cubic")))
+    assert result.value == pytest.approx(1, abs=0.2)
+    assert result.value <= 1
 
 
-def test_the_certificate_is_one_of_the_equilibrium():
-    """The duality gap bounds the distance to the contact with the same attraction at each point;
-    over the stability, to first order, that to the equilibrium."""
+def test_duality_gap_bounds_the_distance_to_the_equilibrium():
+    """The duality gap bounds the distance to the contact with fixed attraction; divided by the
+    stability, it bounds the distance to the equilibrium to first order."""
     problem = wall(0.05, 0.4)
-    exact, rough = solved(problem), begun(problem)
+    exact = solved(problem)
+    rough = begun(problem)
     K = oracle.stiffness(problem.grid.n, (N, N))
     for _ in range(200):
         rough.step()
@@ -101,7 +102,8 @@ def test_the_certificate_is_one_of_the_equilibrium():
         distance = np.sqrt(e @ K @ e)
         if distance < 1e-3 * np.sqrt(exact.uKu):
             break
-    g, p = rough.g.copy(), np.empty_like(rough.p)
+    g = rough.g.copy()
+    p = np.empty_like(rough.p)
     certificate = certify(problem, g, p, rough.levels, dual=True)
     wall_load = problem.p0 + certificate.attraction
     bound = np.sqrt(2 * certificate.duality_gap * wall_load * certificate.gap_mean * N * N)
@@ -110,7 +112,7 @@ def test_the_certificate_is_one_of_the_equilibrium():
 
 
 def settled(solver, p0):
-    """Whether a solver goes on to an equilibrium at a load, and does not come apart."""
+    """Whether a solver reaches an equilibrium at a load; otherwise the bodies separate."""
     solver.continue_at(p0)
     for _ in range(3000):
         solver.step()
@@ -119,22 +121,24 @@ def settled(solver, p0):
     return not solver.is_separated
 
 
-def test_near_a_jump_nothing_is_certified_that_is_not_there():
-    """A state that was an equilibrium, at a load beyond the one at which the contact is lost, has a
-    small residual and a stability above 0; but there is no equilibrium any more."""
+def test_lost_equilibria_are_not_certified():
+    """Just beyond the load at which the contact is lost, a former equilibrium has a small residual
+    and positive stability, although there is no equilibrium nearby."""
     problem = wall(0.05, 0.4)
-    held, lost = 0.01, -0.1
+    held = 0.01
+    lost = -0.1
     solver = solved(replace(problem, p0=held))
-    kept = solver.g.copy()
+    held_gap = solver.g.copy()
     while held - lost > 1e-6:
         middle = (held + lost) / 2
-        solver.start(kept.copy())
+        solver.start(held_gap.copy())
         if settled(solver, middle):
-            held, kept = middle, solver.g.copy()
+            held = middle
+            held_gap = solver.g.copy()
         else:
             lost = middle
     solver.p0 = held
-    solver.start(kept.copy())
+    solver.start(held_gap.copy())
     assert settled(solver, held + 1e-4)
     before = solver.g.copy()
     K = oracle.stiffness(solver.grid.n, (N, N))
@@ -143,14 +147,14 @@ def test_near_a_jump_nothing_is_certified_that_is_not_there():
         solver.start(before.copy())
         solver.continue_at(held + 1e-4 - change)
         distance = solver.progress().estimate.distance
-        found = stability_of(solver.problem_now, solver.g, solver.p, solver.levels)
-        assert found.value > 0
-        s = stability_up_to_equilibrium(solver.problem_now, solver.g, found, distance)
+        result = stability_of(solver.problem_now, solver.g, solver.p, solver.levels)
+        assert result.value > 0
+        s = stability_up_to_equilibrium(solver.problem_now, solver.g, result, distance)
         solver.after_stability()
-        there = settled(solver, held + 1e-4 - change)
+        is_settled = settled(solver, held + 1e-4 - change)
         if s > 0:
             certain += 1
             e = (solver.g - before).ravel()
-            assert there
+            assert is_settled
             assert np.sqrt(e @ K @ e) <= distance / s
     assert 2 <= certain <= 5

@@ -1,4 +1,4 @@
-"""The command line as a user or a job script sees it: exit codes, names, messages."""
+"""Commands as a user or a job script runs them: exit codes, files, messages."""
 
 import errno
 import re
@@ -90,11 +90,11 @@ def test_imports_are_light(statement, absent):
     assert printed("-c", code) == "[]\n"
 
 
-def test_interrupted(cli, folder, monkeypatch):
-    """Exit code 143, then the same command or restart; time that does not even reach the first load
-    is a mistake, not one more part of the run."""
+def test_interrupted_runs_are_resumed(cli, folder, monkeypatch):
+    """Exit code 143; the same command and `restart` resume. A wall time too short for any load is
+    refused."""
     in_no_time = "run scene.toml --set machine.wall_seconds=1e-9"
-    assert "more than the" in cli.refused(in_no_time)
+    assert "machine.wall_seconds" in cli.refused(in_no_time)
     assert not (folder / "contact.h5.partial").exists()
     with monkeypatch.context() as patched:
         patched.setattr(Interrupt, "require_time", lambda self: None)
@@ -105,10 +105,11 @@ def test_interrupted(cli, folder, monkeypatch):
         shown = cli.prints("show contact.h5")
         assert "interrupted" in shown
         assert "no finished load step yet" in shown
-        assert cli("restart contact.h5").code == 143  # the limit is part of the stored scene
+        assert cli("restart contact.h5").code == 143  # the wall time is part of the stored scene
     assert "machine.wall_seconds" in cli.refused("restart contact.h5")
     assert (folder / "contact.h5.partial" / "checkpoint.h5").exists()
-    assert "resuming an interrupted run: 0 loads" in cli.prints("run scene.toml")
+    log = cli.prints("run scene.toml")
+    assert all(words in log for words in ("resuming", "0 loads"))
     assert cli("restart contact.h5").code == 2  # complete
 
 
@@ -138,8 +139,8 @@ run scene.toml -o here.txt | output.path
 run scene.toml --set machine.memory_gib=1e-6 | GiB
 """),
 )
-def test_wrong_input(cli, folder, args, named):
-    """Exit code 2 and one line on stderr that names the key; nothing is written."""
+def test_wrong_input_is_refused(cli, folder, args, named):
+    """The error is one line that names the key; nothing is written."""
     assert named in cli.refused(args)
     assert [p.name for p in folder.iterdir()] == ["scene.toml"]
 
@@ -156,8 +157,8 @@ def test_plan(cli, folder):
 @pytest.mark.parametrize(
     "keys", ['unit = "um"', "physical_sizes = [1.0, 3.0]\ncrop = [0.0, 0.0, 0.5, 3.0]"]
 )
-def test_plan_of_a_map_that_ends(cli, tmp_path, keys):
-    """The cell is that of the lengths that the map has when it is pressed, whoever says them."""
+def test_plan_of_a_map_with_free_edges(cli, tmp_path, keys):
+    """The cell follows from the sizes after cropping, from the file or the scene."""
     np.savez("z.npz", surface=np.random.default_rng(0).random((40, 20)), physical_sizes=[1.0, 3.0])
     scene = (
         f'[surface]\nkind = "file"\npath = "z.npz"\nboundary = "free"\n{keys}\n[load]\np_star ='
@@ -170,12 +171,12 @@ def test_plan_of_a_map_that_ends(cli, tmp_path, keys):
 
 
 def test_info(cli):
-    told = cli.prints("info")
-    assert all(word in told for word in ("numpy", "FFT", "MPI", "HDF5", "cores"))
+    text = cli.prints("info")
+    assert all(word in text for word in ("numpy", "FFT", "MPI", "HDF5", "cores"))
 
 
 def test_python_interface(folder):
-    for _ in range(2):  # the second time the module of this name has been imported
+    for _ in range(2):  # in the second call all modules are imported already
         run = hpc_gfmd.run("scene.toml", quiet=True)
     assert (run.status, run.exit_code, len(run.steps)) == ("converged", 0, 2)
 
@@ -192,9 +193,8 @@ def test_python_interface(folder):
         (ModuleNotFoundError("No module named 'gwyfile'", name="gwyfile"), 1, "show gwyfile"),
     ],
 )
-def test_what_is_no_mistake_of_the_program(error, code, words, monkeypatch, cli):
-    """Too little memory, whoever notices it: NumPy, or the system where a file is mapped; what
-    may not be read; and a library that is broken."""
+def test_errors_of_the_system_are_one_line(error, code, words, monkeypatch, cli):
+    """Too little memory, noticed by NumPy or the system; missing permissions; broken libraries."""
 
     def fail(_):
         raise error

@@ -1,4 +1,4 @@
-"""Completion: the script that `--print-completion` prints knows commands, options and files."""
+"""The script of `--print-completion` completes commands, options and files."""
 
 import shutil
 import subprocess
@@ -8,7 +8,7 @@ from mpi_harness import printed
 
 
 def completed(script, words):
-    """What bash offers for the last of some words."""
+    """What bash offers as completions of the last word."""
     line = " ".join(words)
     program = f"""
         source {script}
@@ -18,10 +18,10 @@ def completed(script, words):
         _shtab_hpc_gfmd
         printf '%s\\n' "${{COMPREPLY[@]}}"
     """
-    done = subprocess.run(
+    process = subprocess.run(
         ["bash", "-c", program], capture_output=True, text=True, check=True, timeout=30
     )
-    return done.stdout.split()
+    return process.stdout.split()
 
 
 @pytest.mark.skipif(not shutil.which("bash"), reason="no bash")

@@ -1,5 +1,4 @@
-"""`hpc-gfmd init` writes scenes that run, `hpc-gfmd help scene` says all there is to say of
-them."""
+"""`hpc-gfmd init` writes scenes that run; `hpc-gfmd help scene` lists every key."""
 
 import re
 import tomllib
@@ -19,7 +18,7 @@ ANALYTIC = [kind for kind in KINDS if kind != "file"]
 
 
 @pytest.mark.parametrize("kind", ANALYTIC)
-def test_a_scene_of_every_kind_runs(tmp_path, kind, cli):
+def test_scenes_of_all_kinds_run(tmp_path, kind, cli):
     size = "surface.lam_l_over_lam_s=8" if kind == "self-affine" else "surface.n=[16, 16]"
     assert cli.prints("init", kind, "--set", size) == "scene.toml: hpc-gfmd run scene.toml\n"
     assert cli.prints("run scene.toml -q") == ""
@@ -27,31 +26,31 @@ def test_a_scene_of_every_kind_runs(tmp_path, kind, cli):
 
 
 @pytest.mark.parametrize("kind", ANALYTIC)
-def test_every_key_stands_in_it_and_is_one(kind):
+def test_scene_file_holds_every_key(kind):
     lines = compose(kind, Path("scene.toml"))[0].splitlines()
     of_kind = [section for section in sections() if section.kind in ("", kind)]
     table = ""
-    known = {f"{s.table}.{key.name}" for s in of_kind for key in s.keys}
+    missing_keys = {f"{s.table}.{key.name}" for s in of_kind for key in s.keys}
     for line in lines[1:]:
         table = (re.match(r"\[(\w+)\]", line) or [None, table])[1]
-        if found := re.match(r"(?:# )?(\w+) = .*  # \S", line):
-            known.remove(f"{table}.{found[1]}")
-            tomllib.loads(line.removeprefix("# "))  # what is commented out may be used as it stands
-    assert not known
+        if match := re.match(r"(?:# )?(\w+) = .*  # \S", line):
+            missing_keys.remove(f"{table}.{match[1]}")
+            tomllib.loads(line.removeprefix("# "))  # keys that are commented out are valid, too
+    assert not missing_keys
     assert max(map(len, lines)) < 150
 
 
 def tilted(sizes=(240.0, 160.0)):
-    """A map that may say its sizes, in nm."""
+    """Write map.npz, a tilted height map with a hole; sizes: stored in nm, or None."""
     x = np.linspace(0, 1, 24)
     z = np.random.default_rng(1).normal(size=(24, 16)) + 40 * x[:, None]
     z[3, 4] = np.nan
     np.savez("map.npz", z=z, **({"physical_sizes": sizes, "unit": "nm"} if sizes else {}))
 
 
-def test_a_map_is_read_and_its_scene_runs_as_init_wrote_it(tmp_path, cli):
+def test_scene_of_a_height_map_runs_unchanged(tmp_path, cli):
     tilted()
-    written, missing, about = compose("map.npz", Path("scene.toml"))
+    written, missing, notes = compose("map.npz", Path("scene.toml"))
     assert not missing
     for words in (
         "24 x 16 points, 240 nm x 160 nm, heights in nm",
@@ -60,7 +59,7 @@ def test_a_map_is_read_and_its_scene_runs_as_init_wrote_it(tmp_path, cli):
         "opposite edges",
         "E_star = 1 is taken",
     ):
-        assert words in "".join(about)
+        assert words in "".join(notes)
     for line in (
         "24 x 16 points",
         'path = "map.npz"',
@@ -99,20 +98,19 @@ def spiky(z):
         (np.round(40 * PERIODIC), {}, False),
     ],
 )
-def test_what_the_heights_show(z, chosen, outliers):
-    """Outliers, steps and rounded heights mislead it neither in one direction nor in the other."""
+def test_boundary_and_detrending_are_detected(z, chosen, outliers):
+    """Outliers, steps and rounded heights change neither choice."""
     np.savez("map.npz", z=z, physical_sizes=[1.0, 1.0], unit="um")
-    text, _, about = compose("map.npz", Path("a.toml"))
+    text, _, notes = compose("map.npz", Path("a.toml"))
     surface = tomllib.loads(text)["surface"]
     assert {key: surface[key] for key in ("boundary", "detrend") if key in surface} == chosen
-    assert outliers in (None, any("points stand out" in line for line in about))
+    assert outliers in (None, any("points stand out" in line for line in notes))
 
 
-def test_what_nobody_says_is_not_invented(cli):
+def test_unknown_sizes_and_units_are_not_invented(cli):
     tilted(sizes=None)
-    assert "before it runs it needs surface.physical_sizes and surface.unit" in cli.prints(
-        "init map.npz"
-    )
+    text = cli.prints("init map.npz")
+    assert all(key in text for key in ("surface.physical_sizes", "surface.unit"))
     complaint = cli.refused("run scene.toml --set surface.detrend=none --set surface.fill=none")
     for lack in ("physical_sizes: not given", "unit: not given", "path: found nan"):
         assert f"surface.{lack}" in complaint  # all at once
@@ -122,7 +120,7 @@ def test_what_nobody_says_is_not_invented(cli):
     )[1]
 
 
-def test_nothing_is_overwritten_and_nothing_unknown_is_taken(tmp_path, cli):
+def test_existing_files_and_unknown_names_are_refused(tmp_path, cli):
     (tmp_path / "scene.toml").write_text("mine")
     tilted()
     for arguments, words in (
@@ -145,25 +143,25 @@ def test_nothing_is_overwritten_and_nothing_unknown_is_taken(tmp_path, cli):
     assert (scene.solver.residual, scene.output.path) == (0.2, "x.h5")
     assert scene.output.fields == ("pressure", "gap")
     cylinder = ("surface.radius=[1.0,inf]", 'surface.boundary=["free","periodic"]')
-    for what in ("sphere", "map.npz"):
-        written = tomllib.loads(compose(what, Path("a.toml"), cylinder)[0])
+    for surface in ("sphere", "map.npz"):
+        written = tomllib.loads(compose(surface, Path("a.toml"), cylinder)[0])
         assert written["surface"]["radius"] == [1, np.inf]
 
 
-def test_help_has_every_key_with_what_it_is():
-    said = text()
+def test_help_describes_every_key():
+    help_text = text()
     page = markdown()
     for table, field in Scene.model_fields.items():
         models = KINDS.values() if table == "surface" else [field.annotation]
         for model in models if table != "title" else ():
             for key, item in model.model_fields.items():
-                assert f"\n  {key} " in said
+                assert f"\n  {key} " in help_text
                 if key != "kind":
                     assert f"| `{key}` | {item.description} | " in page
                     assert item.json_schema_extra["allowed"] in page
 
 
-def test_help_on_what_there_is_and_is_not(cli):
+def test_help_on_single_topics(cli):
     with refused(r"nearest: solver\.accuracy"):
         text("solver.acuracy")
     with refused(r"help scene: found friction, not modelled"):

@@ -1,4 +1,4 @@
-"""`hpc-gfmd law`: the law of a scene as a table, as JSON and in files."""
+"""`hpc-gfmd law`: the interface law of a scene as a table, as JSON and in files."""
 
 import json
 
@@ -26,31 +26,31 @@ def test_files_and_table(scene, cli, tmp_path):
     law = hpc_gfmd.read_law(paths[0])
     for path in paths[1:]:
         of_elements = hpc_gfmd.read_law(path)
-        at = np.geomspace(0.02, 0.3, 5)
+        pressures = np.geomspace(0.02, 0.3, 5)
         np.testing.assert_allclose(
-            of_elements("gap_mean", at), law("gap_mean", at), rtol=1e-3, atol=1e-3
+            of_elements("gap_mean", pressures), law("gap_mean", pressures), rtol=1e-3, atol=1e-3
         )
     data = json.loads(cli.prints("law", scene, *RANGE, "--json"))
     assert data["law"]["a_r"] == pytest.approx(law.values["a_r"].tolist())
 
 
-def test_plain_text_and_existing_files_are_refused(scene, cli, tmp_path):
-    kept = tmp_path / "law.csv"
-    kept.write_text("mine")
-    assert "--force" in cli.refused("law", scene, *RANGE, "-o", kept)
-    assert kept.read_text() == "mine"
+def test_existing_files_and_bad_arguments_are_refused(scene, cli, tmp_path):
+    existing = tmp_path / "law.csv"
+    existing.write_text("mine")
+    assert "--force" in cli.refused("law", scene, *RANGE, "-o", existing)
+    assert existing.read_text() == "mine"
     assert ".csv" in cli.refused("law", scene, *RANGE, "-o", tmp_path / "law.txt")
     assert "start" in cli.refused("law", scene, "--from", "1 nm", "--to", "1 MPa")
     assert "conductivity" in cli.refused("law", scene, *RANGE, "--conductivity", "-1")
 
 
 @pytest.mark.mpi
-def test_ranks_find_the_same_law(scene, mpirun, cli, ranks):
+def test_ranks_compute_the_same_law(scene, mpirun, cli, ranks):
     data = json.loads(cli.prints("law", scene, *RANGE, "--json"))
-    done = mpirun("law", scene, *RANGE, "--json")
-    assert done.returncode == 0, done.stderr
+    completed = mpirun("law", scene, *RANGE, "--json")
+    assert completed.returncode == 0, completed.stderr
     for name, values in data["law"].items():
         if not name.endswith("_error"):
             np.testing.assert_allclose(
-                json.loads(done.stdout)["law"][name], values, rtol=2e-3, atol=1e-6
+                json.loads(completed.stdout)["law"][name], values, rtol=2e-3, atol=1e-6
             )

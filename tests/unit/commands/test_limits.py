@@ -1,4 +1,4 @@
-"""`hpc-gfmd show --tfc`: a result with its corrections to the thermodynamic, fractal and continuum
+"""`hpc-gfmd show --tfc`: corrections of a result to the thermodynamic, fractal and continuum
 limits."""
 
 import json
@@ -29,17 +29,18 @@ def result_of(surface=SURFACE, **step):
 
 
 def kappa_of(result, table="paper"):
+    """The corrected kappa of the first step."""
     return to_limits(result, table)["steps"][0]["kappa"]
 
 
-def test_the_paper_s_example():
-    found = kappa_of(result_of())
-    assert found["extrapolated"] == pytest.approx(2.0160, abs=5e-5)  # eq. tfcArea
-    assert found["extrapolated_sigma"] == pytest.approx(2.2e-3)
-    assert found["value"] - found["extrapolated"] == pytest.approx(
-        sum(found[f"correction_{i}"] for i in "tfc")
+def test_example_of_the_paper():
+    kappa = kappa_of(result_of())
+    assert kappa["extrapolated"] == pytest.approx(2.0160, abs=5e-5)  # eq. tfcArea
+    assert kappa["extrapolated_sigma"] == pytest.approx(2.2e-3)
+    assert kappa["value"] - kappa["extrapolated"] == pytest.approx(
+        sum(kappa[f"correction_{i}"] for i in "tfc")
     )
-    assert "no uncertainties" in " ".join(found["notes"])
+    assert "no uncertainties" in " ".join(kappa["notes"])
 
 
 def test_uncertainty_of_the_coefficients_is_added(tmp_path):
@@ -49,35 +50,35 @@ def test_uncertainty_of_the_coefficients_is_added(tmp_path):
             row["sigma"] = {"C_c": 0.01}
     path = tmp_path / "mine.json"
     path.write_text(json.dumps(table))
-    found = kappa_of(result_of(), str(path))
-    assert found["correction_sigma"] == pytest.approx(0.01 * 0.5**0.67)
-    assert found["extrapolated_sigma"] == pytest.approx(
-        (2.2e-3**2 + found["correction_sigma"] ** 2) ** 0.5
+    kappa = kappa_of(result_of(), str(path))
+    assert kappa["correction_sigma"] == pytest.approx(0.01 * 0.5**0.67)
+    assert kappa["extrapolated_sigma"] == pytest.approx(
+        (2.2e-3**2 + kappa["correction_sigma"] ** 2) ** 0.5
     )
 
 
-def test_what_is_not_covered_is_refused():
-    """In the words of theory.tfc."""
+def test_pressures_outside_the_table_are_not_corrected():
+    """The reason is the message of theory.tfc."""
     result = result_of(p_star=0.1)
-    found = kappa_of(result)
-    assert "extrapolated" not in found
-    assert "p_star: found 0.1" in found["refused"]
+    kappa = kappa_of(result)
+    assert "extrapolated" not in kappa
+    assert "p_star: found 0.1" in kappa["refused"]
     assert "not corrected" in limits_text(to_limits(result, "paper"))
 
 
-def test_a_step_that_did_not_converge_says_so():
+def test_loads_without_convergence_are_marked():
     result = replace(result_of(status="stagnated"), indices=[3])
     assert "step 3: NOT CONVERGED" in limits_text(to_limits(result, "paper"))
     assert "NOT CONVERGED" not in limits_text(to_limits(result_of(), "paper"))
 
 
-def test_other_surfaces_have_no_limits():
+def test_other_surfaces_are_refused():
     ratios = dict.fromkeys(("eps_t", "eps_f", "eps_c"), float("nan"))
     with refused("'wave'"):
         to_limits(result_of({"kind": "wave"} | ratios))
 
 
-def test_command(monkeypatch, cli):
+def test_show_with_tfc(monkeypatch, cli):
     monkeypatch.setattr("hpc_gfmd.output.read.read_result", lambda path: result_of())
     tables = cli.data("show x.h5 --tfc paper")
     assert tables["tfc"]["table"] == "paper"

@@ -1,4 +1,4 @@
-"""Output that cannot be printed stops no solve, and exit code 0 means that the result is there."""
+"""Broken output streams stop no solve, and exit code 0 means that the result is complete."""
 
 import io
 import os
@@ -17,8 +17,8 @@ from hpc_gfmd.output.read import read_result
 
 SCENE = scene_text(title="Fl\u00e4che \u0394")
 ASCII = {"PYTHONIOENCODING": "ascii", "LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
-HOW = {
-    "a pipe that nobody reads": "2>/dev/full | true",
+REDIRECTIONS = {
+    "a closed pipe": "2>/dev/full | true",
     "all closed": "<&- >&- 2>&-",
     "full disk": ">/dev/full 2>&-",
     "an ASCII terminal": "",
@@ -26,9 +26,9 @@ HOW = {
 
 
 def shell(folder, before, args, after, env=None):
-    """Exit code, output and errors of a command of ours at the head of a shell's line."""
+    """(exit code, stdout, stderr) of `before hpc-gfmd args after`, as a line of bash."""
     command = shlex.join([*before, sys.executable, "-m", "hpc_gfmd", *args])
-    done = subprocess.run(
+    completed = subprocess.run(
         ["bash", "-c", f"{command} {after}; exit ${{PIPESTATUS[0]}}"],
         cwd=folder,
         env=environment(**(env or {})),
@@ -37,13 +37,13 @@ def shell(folder, before, args, after, env=None):
         timeout=120,
         check=False,
     )
-    return done.returncode, done.stdout, done.stderr
+    return completed.returncode, completed.stdout, completed.stderr
 
 
-@pytest.mark.parametrize("how", HOW)
-def test_a_run_nobody_can_hear(folder, how):
+@pytest.mark.parametrize("stream", REDIRECTIONS)
+def test_run_with_broken_streams(folder, stream):
     code, out, err = shell(
-        folder, [], ["run", "scene.toml"], HOW[how], ASCII if "ASCII" in how else {}
+        folder, [], ["run", "scene.toml"], REDIRECTIONS[stream], ASCII if "ASCII" in stream else {}
     )
     assert code == 0, err
     assert err == ""
@@ -51,7 +51,7 @@ def test_a_run_nobody_can_hear(folder, how):
         "converged"
     ] * 2
     assert not (folder / "contact.h5.partial").exists()
-    if "ASCII" in how:
+    if "ASCII" in stream:
         assert out.startswith("Fl\\xe4che \\u0394: 32 x 32 points")
         assert "converged" in out
 
@@ -61,7 +61,7 @@ def test_a_run_nobody_can_hear(folder, how):
     "after",
     ["| true", *(pytest.param(lost, marks=pytest.mark.slow) for lost in (">&-", ">/dev/full"))],
 )
-def test_ranks_nobody_can_hear(folder, after):
+def test_ranks_with_broken_streams(folder, after):
     code, _, err = shell(folder, ["mpirun", "-n", "2"], ["run", "scene.toml"], after, ASCII)
     assert code == 0, err
     assert read_result(folder / "contact.h5").status == "converged"
@@ -75,9 +75,8 @@ def test_ranks_nobody_can_hear(folder, after):
         ("show --json out.h5", "| exec 0<&-", ""),
     ],
 )
-def test_what_is_printed_is_the_result(folder, args, after, word):
-    """A command whose result is what it prints fails where that cannot be written; a reader of a
-    pipe that has had enough is no reason to complain."""
+def test_commands_that_print_results_fail_without_output(folder, args, after, word):
+    """Exit code 1 where the printed result is lost, without a message where a pipe was closed."""
     complete(folder / "out.h5")
     code, _, err = shell(folder, [], args.split(), after)
     assert code == 1
@@ -85,7 +84,7 @@ def test_what_is_printed_is_the_result(folder, args, after, word):
     assert err.count("\n") == bool(word)
 
 
-def test_a_complaint_that_cannot_be_printed(folder):
+def test_exit_code_of_an_error_without_stderr(folder):
     assert shell(folder, [], ["run", "gone.toml"], "2>&-")[0] == 2
 
 
@@ -107,7 +106,7 @@ class Broken(io.StringIO):
 @pytest.mark.parametrize(
     "error", [BrokenPipeError(), OSError(28, "No space left on device"), ValueError("closed")]
 )
-def test_a_run_from_python(folder, monkeypatch, error):
+def test_run_from_python_with_broken_streams(folder, monkeypatch, error):
     monkeypatch.setenv("HPC_GFMD_PROGRESS", "bar")
     monkeypatch.setattr(sys, "stdout", Broken(error))
     monkeypatch.setattr(sys, "stderr", None)
@@ -127,9 +126,8 @@ def test_a_run_from_python(folder, monkeypatch, error):
         ("init höhe.npy", "arguments"),
     ],
 )
-def test_names_that_the_locale_lacks(words, key, tmp_path):
-    """One line that says so, not that there is no such file; in a locale that has them all goes
-    well."""
+def test_file_names_outside_the_locale_are_refused(words, key, tmp_path):
+    """The message names the locale's encoding instead of reporting a missing file."""
     np.save(tmp_path / "höhe.npy", np.eye(8))
     load = "[load]\npressure = 0.1\n"
     (tmp_path / "surface.toml").write_text(
@@ -141,7 +139,7 @@ def test_names_that_the_locale_lacks(words, key, tmp_path):
         "utf-8",
     )
     before = sorted(os.listdir(tmp_path))
-    done = python(None, ["-m", "hpc_gfmd", *words.split()], environment(**ASCII), tmp_path)
-    assert (done.returncode, done.stderr.count("\n")) == (2, 1), done.stderr
-    assert all(word in done.stderr for word in (key, "ascii", "PYTHONUTF8=1"))
+    completed = python(None, ["-m", "hpc_gfmd", *words.split()], environment(**ASCII), tmp_path)
+    assert (completed.returncode, completed.stderr.count("\n")) == (2, 1), completed.stderr
+    assert all(word in completed.stderr for word in (key, "ascii", "PYTHONUTF8=1"))
     assert sorted(os.listdir(tmp_path)) == before

@@ -1,4 +1,4 @@
-"""`hpc-gfmd persson` and `hpc-gfmd tfc` as a user sees them."""
+"""`hpc-gfmd persson` and `hpc-gfmd tfc`: output, fits and refused arguments."""
 
 import numpy as np
 import pytest
@@ -30,7 +30,7 @@ def test_tfc(cli):
 
 
 def test_tfc_fits(cli, tmp_path):
-    """A planted law comes back from a table of runs."""
+    """A fit of a table of runs recovers a planted law."""
     t, f, c = np.random.default_rng(2).choice([0.5, 0.25, 0.125, 0.0625], (3, 36))
     value = 1.95 + 0.04 * t + 3 * f**0.7 + 0.3 * c**0.9
     lines = ["eps_t,eps_f,eps_c,value", *map("{},{},{},{}".format, t, f, c, value)]
@@ -41,7 +41,7 @@ def test_tfc_fits(cli, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("command", "options", "says"),
+    ("command", "options", "words"),
     rows("""
 persson | --hurst 2 | hurst: found
 persson | --eps-f nan | eps_f: found
@@ -57,6 +57,6 @@ fit | --eps-t 1 --table ours | tfc: found --eps-t, --table, allowed: without --f
 tfc | --value 2 --sigma -1 | sigma
 """),
 )
-def test_refused_in_one_line(command, options, says, cli):
-    begin = {"persson": PERSSON, "tfc": TFC, "fit": "tfc --fit /nowhere.csv"}
-    assert says in cli.refused(f"{begin[command]} {options}")
+def test_wrong_options_are_refused(command, options, words, cli):
+    commands = {"persson": PERSSON, "tfc": TFC, "fit": "tfc --fit /nowhere.csv"}
+    assert words in cli.refused(f"{commands[command]} {options}")

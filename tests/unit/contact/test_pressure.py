@@ -1,4 +1,4 @@
-"""The pressure in contact and the contact area, against the fields."""
+"""Contact pressure and contact area of a solution against its fields."""
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ import hpc_gfmd
         {"precision": "double"},
     ],
 )
-def test_numbers_are_those_of_the_fields(arguments):
+def test_numbers_follow_from_the_fields(arguments):
     z = 0.1 * random_heights((24, 32), seed=5)
     solution = hpc_gfmd.solve(z, 0.05, **arguments)
     touching = solution.pressure > 0
@@ -29,7 +29,7 @@ def test_numbers_are_those_of_the_fields(arguments):
 
 
 def test_hertz_pressures_of_a_ball():
-    """Largest pressure 3/2 of the mean, which is F/(pi a^2) with a^3 = 3 F R/(4 E*)."""
+    """The largest pressure is 3/2 of the mean F/(pi a^2), a^3 = 3 F R/(4 E*)."""
     n = 128
     x = (np.arange(n) + 0.5) / n - 0.5
     z = -(x[:, None] ** 2 + x**2) / 2  # R = 1

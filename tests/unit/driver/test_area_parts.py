@@ -1,5 +1,5 @@
-"""The parts of the search for an area: bounds, points in the order of their change of sides, the
-load that one point carries."""
+"""Parts of the search for an area: brackets, the order in which points change sides, the load of a
+single contact point."""
 
 from math import copysign, inf
 
@@ -18,29 +18,31 @@ ROOT = 0.3
 
 
 @pytest.mark.parametrize(
-    ("function", "most"),
+    ("function", "most_steps"),
     [
         (lambda x: x - ROOT, 4),
         (lambda x: (x - ROOT) ** 3, 60),
-        (lambda x: (x - ROOT) * (100 if x < ROOT else 1), 60),  # a gap, and a pressure
-        (lambda x: copysign(inf, x - ROOT), 60),  # the side alone is known
+        # slopes of a gap and of a pressure
+        (lambda x: (x - ROOT) * (100 if x < ROOT else 1), 60),
+        (lambda x: copysign(inf, x - ROOT), 60),  # only the side is known
     ],
 )
-def test_bounds_meet_at_the_zero(function, most):
+def test_bracket_converges_to_the_root(function, most_steps):
     bracket = Bracket()
     for x in (-1.0, 2.0):
         bracket.add(Bound(x, 0.0, function(x)), is_low=function(x) < 0)
-    meet, steps = 1e-12, 0
-    while bracket.high.x - bracket.low.x > 2.5 * meet:
-        x = bracket.between(meet)
+    resolution = 1e-12
+    steps = 0
+    while bracket.high.x - bracket.low.x > 2.5 * resolution:
+        x = bracket.between(resolution)
         assert bracket.low.x < x < bracket.high.x
         bracket.add(Bound(x, 0.0, function(x)), is_low=function(x) < 0)
         steps += 1
-        assert steps <= most
-    assert bracket.low.x - meet <= ROOT <= bracket.high.x + meet
+        assert steps <= most_steps
+    assert bracket.low.x - resolution <= ROOT <= bracket.high.x + resolution
 
 
-def test_a_bound_that_contradicts_is_dropped():
+def test_contradicting_bounds_are_dropped():
     bracket = Bracket()
     bracket.add(Bound(1.0, 0.0, -1.0), is_low=True)
     bracket.add(Bound(0.5, 0.0, 1.0), is_low=False)
@@ -50,8 +52,8 @@ def test_a_bound_that_contradicts_is_dropped():
 
 
 @pytest.mark.parametrize("free", [(False, False), (True, False)])
-def test_points_in_the_order_of_their_change_of_sides(free):
-    """Against all values, sorted."""
+def test_order_in_which_points_change_sides(free):
+    """Ranks agree with sorting all points."""
     sweep = sweep_over(random_heights((24, 20), seed=1), free=free, accuracy=1e-3)
     contact = sweep.solve(Load("a_r", 0.2))
     solver = sweep.starter.solver
@@ -65,8 +67,8 @@ def test_points_in_the_order_of_their_change_of_sides(free):
 
 @pytest.mark.parametrize("body", [HALF_SPACE, Layer(thickness=0.1, nu=0.3, base="bonded")])
 @pytest.mark.parametrize("n", [(16, 16), (200, 100), (1, 300)])
-def test_how_far_a_point_is_pressed_down_by_a_pressure_on_it(body, n):
-    """Against the sum over all waves."""
+def test_point_compliance(body, n):
+    """The displacement by a pressure on the same point agrees with the sum over all modes."""
     grid = Grid(n, (1.0, n[1] / n[0] if n[0] > 1 else 1.0))
     q_x, q_y = (2 * np.pi * np.fft.fftfreq(k) * grid.a / s for k, s in zip(n, grid.spacings))
     q = np.hypot(q_x[:, None], q_y).ravel()[1:]
@@ -75,8 +77,8 @@ def test_how_far_a_point_is_pressed_down_by_a_pressure_on_it(body, n):
 
 
 @pytest.mark.parametrize("height", [3.0, 50.0])
-def test_the_load_that_one_point_carries(height):
-    """Below it one point touches, a little above more do."""
+def test_load_of_a_single_contact_point(height):
+    """At this load one point is in contact, at 1.2 times this load more are."""
     z = random_heights((32, 32), seed=2)
     z[3, 5] = z.max() + height
     sweep = sweep_over(z, accuracy=1e-4)

@@ -1,5 +1,5 @@
-"""The loop over iterations: when it asks for the certificate, and how a load ends. The solver's
-progress and the certificates are scripted."""
+"""The loop over iterations with scripted solvers and certificates: when it asks for a certificate,
+and the status of a load."""
 
 from dataclasses import dataclass, field
 from types import SimpleNamespace
@@ -16,7 +16,7 @@ from hpc_gfmd.driver.search import LoadSearch
 from hpc_gfmd.solvers.base import Progress
 
 ACCURACY = 1e-3
-PAIRS = 1.0  # of a certificate
+PAIRS = 1.0  # FFT pairs of a certificate
 
 
 @dataclass
@@ -50,7 +50,7 @@ class Scripted:
 
 @pytest.fixture
 def certified(monkeypatch):
-    """certified(error): what the certificate finds is error(solver)."""
+    """certified(error) makes certificates with the error error(solver)."""
 
     def script(error):
         def certificate_of(solver, criterion):
@@ -69,15 +69,15 @@ def halving(iterations):
 CRITERION = StoppingCriterion(accuracy=ACCURACY, max_iterations=200)
 
 
-def test_ends_with_the_first_certificate_where_the_solver_is_right(certified):
+def test_correct_estimates_need_one_certificate(certified):
     certified(lambda solver: halving(solver.iterations))
     outcome = drive(Scripted(halving), CRITERION)
     assert (outcome.status, outcome.pairs) == ("converged", PAIRS)
     assert max(outcome.certificate.errors) < ACCURACY
 
 
-def test_a_refusal_lowers_the_threshold_by_what_was_missed(certified):
-    """A solver that believes to be 8 times nearer than it is costs one certificate more."""
+def test_refusals_lower_the_threshold(certified):
+    """Estimates that are 8 times too small cost one more certificate."""
     certified(lambda solver: 8 * halving(solver.iterations))
     solver = Scripted(halving)
     outcome = drive(solver, CRITERION)
@@ -86,20 +86,20 @@ def test_a_refusal_lowers_the_threshold_by_what_was_missed(certified):
     assert solver.iterations == refused_at + 3  # halvings
 
 
-def test_a_step_without_an_estimate_asks_for_nothing(certified):
+def test_steps_without_an_estimate_need_no_certificate(certified):
     certified(lambda solver: halving(solver.iterations))
     outcome = drive(Scripted(lambda k: halving(k) if k % 4 == 0 else None), CRITERION)
     assert (outcome.status, outcome.pairs) == ("converged", PAIRS)
 
 
-def test_stagnates_where_the_certificate_comes_no_nearer(certified):
+def test_constant_certificates_are_stagnation(certified):
     certified(lambda solver: 2 * ACCURACY)
     outcome = drive(Scripted(halving), CRITERION)
     assert outcome.status == "stagnated"
     assert outcome.pairs <= PAIRS * (CALIBRATION.refusals + 2)
 
 
-def test_stagnates_where_the_solver_comes_no_nearer(certified):
+def test_constant_estimates_are_stagnation(certified):
     certified(lambda solver: 1.0)
     solver = Scripted(lambda k: max(halving(k), 10 * ACCURACY), patience=20)
     outcome = drive(solver, CRITERION)
@@ -107,8 +107,8 @@ def test_stagnates_where_the_solver_comes_no_nearer(certified):
     assert 20 < solver.iterations < 40
 
 
-def test_what_cannot_be_attained_is_not_waited_for(certified, monkeypatch):
-    """Errors of the working precision: the load ends at once, as not as accurate as asked."""
+def test_unattainable_accuracy_stops_at_once(certified, monkeypatch):
+    """Errors that the working precision does not allow to reduce are stagnation."""
 
     def certificate_of(solver, criterion):
         errors = (0.0, 0.0, 5 * ACCURACY)
@@ -119,23 +119,23 @@ def test_what_cannot_be_attained_is_not_waited_for(certified, monkeypatch):
 
 
 @pytest.mark.parametrize(("meets", "status"), [(False, "max_iterations"), (True, "converged")])
-def test_most_iterations(certified, meets, status):
-    """The solution may be accurate enough although the solver did not believe it."""
+def test_max_iterations(certified, meets, status):
+    """A final certificate may accept a solution whose estimate was too large."""
     certified(lambda solver: 0.1 * ACCURACY if meets else 1.0)
     solver = Scripted(lambda k: 1.0, patience=1000)
     outcome = drive(solver, CRITERION)
     assert (outcome.status, solver.iterations) == (status, CRITERION.max_iterations)
 
 
-def test_numbers_that_are_not_finite(certified):
+def test_nonfinite_progress(certified):
     certified(lambda solver: np.nan)
     solver = Scripted(halving, finite=lambda iterations: iterations < 3)
     assert drive(solver, CRITERION).status == "nonfinite"
     assert solver.iterations == 3
 
 
-def test_is_stopped_by_the_watch(certified):
-    """Also where the solution happens to be accurate: whoever stops wants to go on."""
+def test_interrupts(certified):
+    """Interrupted loads are not certified, even if they are accurate."""
     certified(lambda solver: 0.0)
     solver = Scripted(lambda k: 1.0)
     outcome = drive(solver, CRITERION, lambda iterations, progress: iterations == 7)
@@ -143,7 +143,7 @@ def test_is_stopped_by_the_watch(certified):
 
 
 class Doubling(LoadSearch):
-    """Finds that the load has to be doubled, by a certificate, so many times."""
+    """A search that doubles the load after a number of certificates."""
 
     def __init__(self, times):
         self.times = times
@@ -163,8 +163,8 @@ class Doubling(LoadSearch):
         return True
 
 
-def test_a_search_is_led_by_certificates(certified):
-    """Each new load has the refusals of its own."""
+def test_searches_follow_certificates(certified):
+    """Refusals are counted per load."""
     times = CALIBRATION.refusals + 3
     certified(lambda solver: 0.1 * ACCURACY)
     solver = Scripted(halving)
@@ -184,7 +184,7 @@ def test_a_search_goes_on_where_iterations_help_no_more(certified, error, status
     assert solver.p0 == pytest.approx(0.8 if status == "converged" else 0.1)
 
 
-def test_bodies_that_come_apart_are_not_iterated(certified):
+def test_separated_bodies_are_not_iterated(certified):
     solver = Scripted(halving)
     solver.is_separated = True
     assert drive(solver, CRITERION).status == "separated"

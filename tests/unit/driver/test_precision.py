@@ -1,4 +1,4 @@
-"""In which precision a load is solved: what is said beforehand is what a sweep does."""
+"""The precision of loads: rules, and agreement of the forecast with a sweep."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,8 @@ from hpc_gfmd.driver.load import Load
 from hpc_gfmd.driver.precision import few_points, first_precision, precisions, too_little, too_soft
 from hpc_gfmd.scene import Scene, SolverTable
 
-SINGLE, DOUBLE = np.dtype(np.float32), np.dtype(np.float64)
+SINGLE = np.dtype(np.float32)
+DOUBLE = np.dtype(np.float64)
 
 
 @pytest.mark.parametrize(
@@ -21,20 +22,20 @@ SINGLE, DOUBLE = np.dtype(np.float32), np.dtype(np.float64)
         ({"accuracy": 1e-1, "precision": "double"}, DOUBLE),
     ],
 )
-def test_the_first_precision(settings, dtype):
+def test_first_precision(settings, dtype):
     assert first_precision(SolverTable(**settings)) == dtype
 
 
-def test_few_points_that_touch_need_double():
-    """A point more or less is an error of the area."""
+def test_few_contact_points_need_double():
+    """One point more or less is an error of the area."""
     assert few_points(64**2, 1e-3, 1e-3)
     assert not few_points(4096**2, 0.1, 1e-3)
-    assert not few_points(64**2, 1e-3, None)  # a residual has no such error
+    assert not few_points(64**2, 1e-3, None)  # a residual does not depend on it
     assert few_points(1000, 0.4, 1e-3) <= too_little(SolverTable(accuracy=1e-3), 1000, 0.4)
 
 
 @pytest.mark.parametrize("p_star", [[0.3, 0.2], [0.3, 1e-4, 0.3]])
-def test_what_is_said_beforehand_is_what_is_done(p_star):
+def test_forecast_agrees_with_a_sweep(p_star):
     surface = rough((2, 32, 2))
     solver = {"accuracy": 2e-3}
     scene = Scene.from_dict({"surface": surface, "load": {"p_star": p_star}, "solver": solver})

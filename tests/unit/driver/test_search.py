@@ -1,4 +1,4 @@
-"""The search for a load on curves that are known in closed form, in place of contacts."""
+"""The search for a load on curves in closed form instead of contacts."""
 
 from dataclasses import dataclass
 from math import exp, inf, log
@@ -17,7 +17,7 @@ HEIGHTS = HeightStatistics(10_000, 1, 1, top=3.0, lowest=0.0, steepness=1.0, alo
 
 @dataclass
 class CurveSearch(SecantSearch):
-    """For a value y of the mean pressure p0 that `curve` gives."""
+    """A search for curve(p0) = y, p0 the mean pressure."""
 
     usual = 1.0
     curve: object = None
@@ -36,7 +36,7 @@ class CurveSearch(SecantSearch):
 
 
 class Solver:
-    """Is solved at once at any load."""
+    """A solver that records its loads and needs no iterations."""
 
     iterations = 0
 
@@ -49,8 +49,8 @@ class Solver:
         self.loads.append(p0)
 
 
-def found(curve, target, start, steps=False):
-    """The loads that a search goes through, which ends with one that meets the target."""
+def loads_of_search(curve, target, start):
+    """All loads of a search, of which the last has to meet the target."""
     search = CurveSearch(target, TOLERANCE, True, HEIGHTS, HEIGHTS, x=log(start), curve=curve)
     solver = Solver(search.p0)
     certificate = SimpleNamespace()
@@ -68,35 +68,43 @@ def found(curve, target, start, steps=False):
     off=st.floats(-4.0, 4.0),
 )
 def test_powers_of_the_load(exponent, scale, p0, off):
-    """Straight lines of any slope: a secant has them as soon as it is near."""
-    curve = lambda p: scale * p**exponent  # noqa: E731
-    loads = found(curve, curve(p0), p0 * exp(off))
+    """A secant in logarithms is exact for powers."""
+
+    def curve(p):
+        return scale * p**exponent
+
+    loads = loads_of_search(curve, curve(p0), p0 * exp(off))
     assert loads[-1] == pytest.approx(p0, rel=2 * TOLERANCE / exponent)
     assert len(loads) < 3 + abs(off) / log(2) + 8
 
 
 @settings(max_examples=60, deadline=None)
 @given(p0=st.floats(1e-4, 0.9), off=st.floats(-3.0, 3.0))
-def test_a_curve_that_saturates(p0, off):
-    curve = lambda p: p / (p + 0.1)  # noqa: E731
-    found(curve, curve(p0), p0 * exp(off))
+def test_saturating_curve(p0, off):
+    def curve(p):
+        return p / (p + 0.1)
+
+    loads_of_search(curve, curve(p0), p0 * exp(off))
 
 
-def test_a_plateau_is_crossed():
-    """Where a value hardly rises the next load is twice as far away."""
-    curve = lambda p: 0.2 + 1e-4 * log(p) if p < 0.5 else p  # noqa: E731
-    loads = found(curve, 0.8, 0.01)
+def test_plateaus_are_crossed():
+    """Steps are doubled where the value hardly rises."""
+
+    def curve(p):
+        return 0.2 + 1e-4 * log(p) if p < 0.5 else p
+
+    loads = loads_of_search(curve, 0.8, 0.01)
     assert loads[-1] == pytest.approx(0.8, rel=2 * TOLERANCE)
 
 
-def test_goes_on_where_a_stopped_run_was():
+def test_search_resumes_at_a_given_load():
     search = CurveSearch(0.3, TOLERANCE, True, HEIGHTS, HEIGHTS, curve=lambda p: p)
     search.begin_at(0.123)
     assert search.p0 == pytest.approx(0.123, rel=1e-12)
 
 
 @given(p0=st.floats(1e-6, 0.999), closes_at=st.sampled_from([1.0, inf]))
-def test_the_variable_of_a_search_stands_for_its_load(p0, closes_at):
+def test_search_variable_maps_to_the_load(p0, closes_at):
     search = CurveSearch(0.3, TOLERANCE, True, HEIGHTS, HEIGHTS, closes_at=closes_at)
     search.x = search.x_of(p0)
     assert search.p0 == pytest.approx(p0, rel=1e-9)

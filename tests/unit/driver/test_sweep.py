@@ -1,5 +1,5 @@
-"""Which way a load of a sweep takes: from the load before, from coarser grids, closed at once, or
-from a gap that is stored; and what is known from the loads before."""
+"""Loads of a sweep: starts from the previous load, from coarser grids, in full contact or from a
+stored gap."""
 
 from dataclasses import replace
 
@@ -20,11 +20,12 @@ P = 0.05  # p*
 
 @pytest.fixture
 def nested_starts(monkeypatch):
-    """How often a contact is started from coarser grids."""
-    starts, start = [], Nested.start
+    """Loads p0 that were started from coarser grids."""
+    starts = []
+    start = Nested.start
 
     def counted(nested, problem, *more):
-        if problem.grid.n == (32, 32):  # the finest
+        if problem.grid.n == (32, 32):  # the finest grid
             starts.append(problem.p0)
         return start(nested, problem, *more)
 
@@ -41,7 +42,7 @@ def nested_starts(monkeypatch):
         (0.99 / WARM_DOWN, False),
     ],
 )
-def test_a_load_that_is_near_starts_from_the_one_before(nested_starts, ratio, is_near):
+def test_near_loads_start_from_the_previous_one(nested_starts, ratio, is_near):
     sweep = sweep_of(SURFACE, **EXACT)
     g_rms = sweep.surface.g_rms
     sweep.solve(P * g_rms)
@@ -53,20 +54,21 @@ def test_a_load_that_is_near_starts_from_the_one_before(nested_starts, ratio, is
     assert contact.contact_points == alone.contact_points
 
 
-@pytest.mark.parametrize("asked", [{"pressure": [0.1, 0.11]}, {"a_r": [0.1, 0.12]}])
-def test_after_a_load_that_failed_the_next_one_starts_afresh(asked):
+@pytest.mark.parametrize("table", [{"pressure": [0.1, 0.11]}, {"a_r": [0.1, 0.12]}])
+def test_loads_after_a_failure_start_afresh(table):
     sweep = sweep_of(SURFACE, accuracy=1e-6)
-    failing, fine = sweep.loads(LoadTable(**asked))
+    failing, fine = sweep.loads(LoadTable(**table))
     criterion = sweep.starter.criterion
     sweep.starter.criterion = replace(criterion, max_iterations=1)
     assert sweep.solve(failing).status == "max_iterations"
     sweep.starter.criterion = criterion
-    contact, alone = sweep.solve(fine), sweep_of(SURFACE, accuracy=1e-6).solve(fine)
+    contact = sweep.solve(fine)
+    alone = sweep_of(SURFACE, accuracy=1e-6).solve(fine)
     assert contact.certificate == alone.certificate
     assert (contact.iterations, contact.pairs) == (alone.iterations, alone.pairs)
 
 
-def test_full_contact_takes_no_iteration():
+def test_full_contact_needs_no_iteration():
     sweep = sweep_of(SURFACE, **EXACT)
     closes = sweep.solve(Load("a_r", 1.0))
     assert (closes.iterations, closes.contact_points) == (0, closes.N)
@@ -75,13 +77,13 @@ def test_full_contact_takes_no_iteration():
     assert above.gap_mean == 0
     below = sweep.solve(0.9 * closes.p_mean)
     assert below.contact_points < below.N
-    # p = p0 + K u, u = -h: nothing but the mean pressure is different
+    # p = p0 + K u with u = -h: only the mean pressure differs
     change = field(above, "pressure") - field(closes, "pressure")
     assert np.ptp(change) < 1e-12 * above.p_mean
 
 
-def test_a_stored_gap_is_a_start(nested_starts):
-    """In any precision; iterations and pairs of before count."""
+def test_start_from_a_stored_gap(nested_starts):
+    """The gap keeps its precision; earlier iterations and pairs are counted."""
     sweep = sweep_of(SURFACE, **EXACT)
     p_mean = P * sweep.surface.g_rms
     stopped = sweep.solve(p_mean, lambda iterations, progress: iterations == 3)
@@ -97,39 +99,44 @@ def test_a_stored_gap_is_a_start(nested_starts):
     assert contact.iterations > stopped.iterations
     assert contact.pairs > stopped.pairs
     single = sweep_of(SURFACE, accuracy=1e-3).solve(p_mean, unfinished=unfinished)
-    assert single.g.dtype == np.float64  # as the run that was stopped
+    assert single.g.dtype == np.float64  # as in the stopped run
 
 
 @pytest.mark.parametrize("quantity", ["a_r", "gap_mean", "approach"])
-def test_a_search_goes_on_at_its_load(quantity):
-    """The pressure that was nearly found is not searched for anew."""
+def test_stopped_searches_resume_at_their_load(quantity):
+    """The pressure reached so far is the start."""
     boundary = "free" if quantity == "approach" else "periodic"
-    make = lambda: sweep_of(rough((2, 8, 2), boundary=boundary), accuracy=1e-4)  # noqa: E731
-    given = make().solve(P)
+    surface = rough((2, 8, 2), boundary=boundary)
+
+    def make():
+        return sweep_of(surface, accuracy=1e-4)
+
+    by_pressure = make().solve(P)
     value = {
-        "a_r": given.contact_points / given.N,
-        "gap_mean": given.gap_mean,
-        "approach": given.approach,
+        "a_r": by_pressure.contact_points / by_pressure.N,
+        "gap_mean": by_pressure.gap_mean,
+        "approach": by_pressure.approach,
     }[quantity]
     load = Load(quantity, value)
     whole = make().solve(load)
     unfinished = Unfinished(whole.g.copy(), whole.p_mean, whole.iterations, 0.0)
-    again = make().solve(load, unfinished=unfinished)
-    assert again.status == "converged"
-    assert again.p_mean == pytest.approx(whole.p_mean, rel=1e-3)
-    assert again.pairs < 0.7 * whole.pairs
+    resumed = make().solve(load, unfinished=unfinished)
+    assert resumed.status == "converged"
+    assert resumed.p_mean == pytest.approx(whole.p_mean, rel=1e-3)
+    assert resumed.pairs < 0.7 * whole.pairs
 
 
-def test_once_in_double_always_in_double():
+def test_sweeps_stay_in_double_precision():
     sweep = sweep_of(rough((2, 16, 2)), accuracy=4e-3)
     g_rms = sweep.surface.g_rms
     dtypes = [sweep.solve(p * g_rms).g.dtype for p in (0.3, 1e-4, 0.3)]
     assert dtypes == [np.float32, np.float64, np.float64]
 
 
-def test_heights_that_change_while_a_run_goes_on(tmp_path):
-    """They are read again where a load needs more than single precision."""
-    path, z = tmp_path / "z.npy", random_heights((32, 32))
+def test_heights_that_change_during_a_run_are_refused(tmp_path):
+    """They are read again when a load needs double precision."""
+    path = tmp_path / "z.npy"
+    z = random_heights((32, 32))
     np.save(path, z)
     surface = {"kind": "file", "path": str(path), "physical_sizes": [1, 1]}
     sweep = sweep_of(surface, accuracy=1e-2)
@@ -139,13 +146,14 @@ def test_heights_that_change_while_a_run_goes_on(tmp_path):
         sweep.solve(1e-4 * sweep.surface.g_rms)
 
 
-def test_a_load_is_solved_again_as_it_was():
-    """What is asked for is not changed by solving it."""
+def test_solving_a_load_does_not_change_it():
+    """A Load can be solved twice."""
     sweep = sweep_over(random_heights((32, 32)), accuracy=1e-4)
     load = Load("gap_mean", 0.5 * sweep.surface.h_rms)
-    first, second = sweep.solve(load).p_mean, sweep.solve(load).p_mean
+    first_pressure = sweep.solve(load).p_mean
+    second_pressure = sweep.solve(load).p_mean
     assert load.search is None
-    assert first == pytest.approx(second, rel=1e-2)  # 204.8 points are met to one point
+    assert first_pressure == pytest.approx(second_pressure, rel=1e-2)
 
 
 def test_low_memory_refuses_other_solvers():

@@ -1,22 +1,22 @@
-"""The passes of the default solver against what they mean, written down once more in NumPy."""
+"""The passes of the default solver against NumPy."""
 
 import numpy as np
 import pytest
+from sides import sides
 from transfers import SIZES, interpolated, restricted, whole
 
 from hpc_gfmd.bodies.halfspace import HalfSpace
 from hpc_gfmd.kernels import bpx
-from hpc_gfmd.kernels.bfloat16 import Decoded, decode, encode, encoded
-from hpc_gfmd.kernels.jit import kernel
+from hpc_gfmd.kernels.bfloat16 import Decoded, encoded
 from hpc_gfmd.operators.elastic import reader
 from hpc_gfmd.operators.multilevel import Multilevel
 from hpc_gfmd.parallel.grid import Grid
 
-with_a_hardness = pytest.mark.parametrize("hardness", [None, 0.4])
+with_and_without_hardness = pytest.mark.parametrize("hardness", [None, 0.4])
 
 
 def state(random, n, hardness, dtype=float):
-    """With a hardness some points have a dent, g < 0."""
+    """Random g, p and encoded last step d; with a hardness some points have a dent, g < 0."""
     g = random.standard_normal(n).astype(dtype)
     g[(g < 0) & ((g > -1) | (hardness is None))] = 0
     p = random.standard_normal(n).astype(dtype)
@@ -24,21 +24,15 @@ def state(random, n, hardness, dtype=float):
     return g, p, d
 
 
-def sides(g, p, hardness):
-    """Where there is elastic contact, where a point yields, and p less the hardness there."""
-    yields = (g < 0) | ((g <= 0) & (p >= hardness)) if hardness else np.zeros(g.shape, bool)
-    return (g <= 0) & (p > 0) & ~yields, yields, p - yields * (hardness or 0)
-
-
 @pytest.mark.parametrize("n", SIZES)
-@with_a_hardness
+@with_and_without_hardness
 @pytest.mark.parametrize("coupling", [0.0, 1.1])
 @pytest.mark.parametrize(
     ("dtype", "rough", "rounding"), [(np.float64, 1e-7, 1e-12), (np.float32, 1 / 128, 1e-4)]
 )
 def test_projected_step(random, n, coupling, hardness, dtype, rough, rounding):
     g, p, d = state(random, n, hardness, dtype)
-    t, m = whole(n)
+    transfer, m = whole(n)
     z_coarse = random.standard_normal(m)
     padded = z_coarse[np.arange(-1, m[0] + 1) % m[0]].copy()
     a = 0.7
@@ -46,9 +40,9 @@ def test_projected_step(random, n, coupling, hardness, dtype, rough, rounding):
     compliance = 0.6
     closed, yields, r = sides(g, p, hardness)
     z = compliance * (r + coupling * interpolated(z_coarse, n))
-    d[g > 1] = clipped_of(dtype)  # the last time: no step for the next one
-    last = np.where(g > 1, 0, Decoded(d)[:]).astype(float)
-    v = g - a * z - b * last
+    d[g > 1] = clipped_of(dtype)  # clipped in the last step: counts as no step now
+    last_step = np.where(g > 1, 0, Decoded(d)[:]).astype(float)
+    v = g - a * z - b * last_step
     through = a * compliance * (hardness or np.inf)
     opens = np.maximum(v, 0) + np.minimum(v + through, 0)
     dents = np.minimum(v, 0) + np.maximum(v - through, 0)
@@ -57,53 +51,32 @@ def test_projected_step(random, n, coupling, hardness, dtype, rough, rounding):
     work = np.zeros((2, n[1] + 1), dtype)
     step = tuple(dtype(number) for number in (a, b, coupling, compliance))
     limit = hardness and dtype(hardness)
-    found, deeper = bpx.projected_step(
-        g, p, d, x, 0, n[0], padded.astype(dtype), t.tables, step, limit, n, work
+    work_of_solver, deeper = bpx.projected_step(
+        g, p, d, x, 0, n[0], padded.astype(dtype), transfer.tables, step, limit, n, work
     )
     assert np.allclose(x, wanted, rtol=rough, atol=rounding)
     clipped = (wanted == -g) & ~closed
     assert np.array_equal(x[clipped], -g[clipped])  # to the bit
-    # what `update_state` takes it for
+    # the same step after decoding
     assert np.array_equal(np.where(np.isinf(Decoded(d)[:]), -g, Decoded(d)[:]), x)
     assert hardness or np.all(g + x >= 0)
     grown = np.sum(np.maximum(-(g + x), 0) - np.maximum(-g, 0), dtype=float)
     work_done = np.vdot(p.astype(float), x) + (hardness or 0) * grown
-    assert found == pytest.approx(work_done, abs=10 * rounding)
+    assert work_of_solver == pytest.approx(work_done, abs=10 * rounding)
     assert deeper == pytest.approx(grown, abs=10 * rounding)
 
 
 def clipped_of(dtype):
-    """Minus infinity as it is stored."""
+    """The encoded minus infinity, which marks a clipped step."""
     return encoded([-np.inf], dtype)[0]
 
 
-@kernel
-def stored_and_read(number):
-    return encode(number), decode(encode(number))
-
-
-@pytest.mark.parametrize(("dtype", "rough"), [(np.float32, 1 / 128), (np.float64, 1e-7)])
-def test_storage_of_the_last_step(random, dtype, rough):
-    """In kernels as in NumPy; 16 bits make nothing larger, and infinity stays what it is."""
-    numbers = np.concatenate(
-        [random.standard_normal(999) * 10.0 ** random.integers(-30, 30, 999), [0, -np.inf, np.inf]]
-    ).astype(dtype)
-    halves = encoded(numbers, dtype)
-    read = Decoded(halves)[:]
-    assert halves.itemsize == numbers.itemsize // 2
-    found = np.transpose([stored_and_read(number) for number in numbers])
-    assert np.array_equal(found, [halves, read])
-    assert np.allclose(read, numbers, rtol=rough, atol=0)
-    assert dtype == np.float64 or np.all(np.abs(read) <= np.abs(numbers))
-    assert read[-2:].tolist() == [-np.inf, np.inf]
-
-
 @pytest.mark.parametrize("n", SIZES)
-@with_a_hardness
+@with_and_without_hardness
 @pytest.mark.parametrize("s", [1.0, 0.5, 0.0])
 def test_update(random, n, hardness, s):
-    """New state, sums, and the restriction of p and x on F and of the indicator of A; one
-    or several passes."""
+    """New state, sums, and restrictions of p and x on free points and of the contact, in one or
+    several passes."""
     for longest in (n[0], 2):
         grid = Grid(n)
         levels_of = Multilevel(grid, HalfSpace(), np.float64, longest)
@@ -116,7 +89,7 @@ def test_update(random, n, hardness, s):
         new_g = g + s * e
         new_p = p + s * x
         fft = grid.fft(np.float64)
-        fft.forward_rows(reader(x / n[1]))  # back as rows alone
+        fft.forward_rows(reader(x / n[1]))  # transformed back by rows alone
         sums = levels_of.update(g, p, d, s, fft.rows, hardness)
         closed, yields, r = sides(new_g, new_p, hardness)
         free = ~closed
@@ -136,8 +109,8 @@ def test_update(random, n, hardness, s):
         ]
         assert np.array(sums) == pytest.approx(np.array(wanted), rel=1e-11, abs=1e-11)
         m = levels_of.hierarchy.levels[1].n
-        found = np.zeros((3, *m))
+        restricted_fields = np.zeros((3, *m))
         for row in range(levels_of.fields[0].shape[1]):
-            found[:, (row - 1) % m[0]] += levels_of.fields[0][:, row]
-        for field, fine in zip(found, (r * free, 1.0 * closed, x * free), strict=True):
+            restricted_fields[:, (row - 1) % m[0]] += levels_of.fields[0][:, row]
+        for field, fine in zip(restricted_fields, (r * free, 1.0 * closed, x * free), strict=True):
             assert np.allclose(field, restricted(fine, m), atol=1e-12)

@@ -1,8 +1,8 @@
-"""Kernels of the certificate and of the cheap observables against what they mean, written down once
-more in NumPy."""
+"""Kernels of the certificate and of cheap observables against NumPy."""
 
 import numpy as np
 import pytest
+from sides import sides
 
 from hpc_gfmd.kernels import certify
 
@@ -15,9 +15,7 @@ def test_kkt_residuals(random, hardness):
     p = np.empty((6, 5))
     sums, extremes = certify.kkt_residuals(g, p, x, 0.2, hardness, g.shape, 0, 6)
     fresh = 0.2 + x
-    yields = (g < 0) | ((g <= 0) & (fresh >= hardness)) if hardness else np.zeros(g.shape, bool)
-    closed = (g <= 0) & (fresh > 0) & ~yields
-    r = fresh - yields * (hardness or 0)
+    closed, yields, r = sides(g, fresh, hardness)
     gap = np.where(yields, 0, g)
     wanted = (
         *(np.sum(r[~closed] ** power) for power in (1, 2, 4)),
@@ -39,16 +37,67 @@ def test_kkt_residuals(random, hardness):
 def test_uncertain_points(random):
     g = np.maximum(random.standard_normal((40, 50)), 0)
     p = random.standard_normal((40, 50))
-    takes = np.where(g > 0, g / 0.7, np.abs(p))
+    distance = np.where(g > 0, g / 0.7, np.abs(p))
     contact = (g <= 0) & (p > 0)
-    tied = takes < 0.05
-    takes = np.where(g > 0, np.maximum(takes - np.maximum(p, 0), 0), takes) ** 2
+    tied = distance < 0.05
+    distance = np.where(g > 0, np.maximum(distance - np.maximum(p, 0), 0), distance) ** 2
     counts = np.zeros((2, certify.BINS))
     certify.count_uncertain(g, p, g.shape, 0.7, 0.05, 0.1, 0.5, 0.0, counts)
     edges = 0.5 * 2.0 ** (-np.arange(certify.BINS + 1) / certify.PER_OCTAVE)
-    for side, found in zip((contact, ~contact), counts, strict=True):
-        t = takes[side & ~tied & (takes <= 0.5)]
-        binned = t[t > 0.1**2]
-        assert found[-1] == np.sum(t <= 0.1**2) > 0
+    for side, counted in zip((contact, ~contact), counts, strict=True):
+        distances_of_side = distance[side & ~tied & (distance <= 0.5)]
+        binned = distances_of_side[distances_of_side > 0.1**2]
+        assert counted[-1] == np.sum(distances_of_side <= 0.1**2) > 0
         wanted = [np.sum((binned > low) & (binned <= high)) for high, low in zip(edges, edges[1:])]
-        assert np.array_equal(found[:-1], wanted[:-1])
+        assert np.array_equal(counted[:-1], wanted[:-1])
+
+
+@pytest.mark.parametrize("shape", [(6, 5), (4, 3)])
+def test_displacement_rows(random, shape):
+    """u = g - h on the surface, and u = g beyond it, less a level."""
+    g = random.standard_normal((6, 5))
+    h = random.standard_normal(shape)
+    initial_gap = np.zeros_like(g)
+    initial_gap[: shape[0], : shape[1]] = h
+    x = np.empty((3, 5))
+    certify.displacement_rows(g, h, x, 2, 5, 0.7)
+    assert np.allclose(x, (g - initial_gap - 0.7)[2:5], rtol=1e-14)
+
+
+@pytest.mark.parametrize("inside", [(40, 50), (30, 20)])
+def test_count_heights(random, inside):
+    """Open points and dents per bin, and points with g <= 0 and g < 0."""
+    g = random.standard_normal((40, 50))
+    g[np.abs(g) < 0.3] = 0
+    tiny = 2.0 ** (-certify.BINS / certify.PER_OCTAVE)
+    g[0, :2] = tiny, -tiny  # below the lower end of the bins
+    counts = np.zeros((2, certify.BINS + 1))
+    certify.count_heights(g, inside, 1.5, counts)
+    surface = g[: inside[0], : inside[1]]
+    edges = 1.5 * 2.0 ** (-np.arange(certify.BINS + 1) / certify.PER_OCTAVE)
+    edges[-1] = 0
+    for row, heights in zip(counts, (surface[surface > 0], -surface[surface < 0]), strict=True):
+        wanted = [
+            np.sum((heights > low) & (heights <= high)) for high, low in zip(edges, edges[1:])
+        ]
+        assert np.array_equal(row[:-1], wanted)
+        assert row[-2] > 0
+    assert counts[:, -1].tolist() == [np.sum(surface <= 0), np.sum(surface < 0)]
+
+
+@pytest.mark.parametrize("hardness", [None, 0.4])
+@pytest.mark.parametrize("inside", [(6, 5), (4, 3)])
+def test_dual_rows(random, hardness, inside):
+    """The change to the admissible pressure, and its work on the gap out of dents."""
+    g = random.standard_normal((6, 5))
+    g[np.abs(g) < 0.5] = 0
+    p = random.standard_normal((6, 5))
+    surface = np.zeros(g.shape, bool)
+    surface[: inside[0], : inside[1]] = True
+    closed, yields, _ = sides(g, p, hardness)
+    elastic = np.where(surface & closed, 0.9 * p + 0.05, 0)
+    admissible = elastic + np.where(surface & yields, hardness or 0, 0)
+    x = np.empty((4, 5))
+    work = certify.dual_rows(g, p, x, 0.9, 0.05, hardness, inside, 1, 5)
+    assert np.allclose(x, (admissible - p)[1:5], rtol=1e-14, atol=1e-15)
+    assert work == pytest.approx(np.sum((elastic * g)[1:5]), abs=1e-14)

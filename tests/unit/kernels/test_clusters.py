@@ -7,11 +7,11 @@ from hpc_gfmd.kernels.clusters import join
 
 
 def by_search(nodes, edges):
-    """Clusters as sets, places of their nodes in the unfolded plane, and axes that are wrapped."""
-    beside = {node: [] for node in range(nodes)}
+    """(clusters as sets, positions of nodes in the unfolded plane, axes that are wrapped)."""
+    neighbours = {node: [] for node in range(nodes)}
     for a, b, x, y in edges:
-        beside[a].append((b, np.array([x, y])))
-        beside[b].append((a, -np.array([x, y])))
+        neighbours[a].append((b, np.array([x, y])))
+        neighbours[b].append((a, -np.array([x, y])))
     place = {}
     clusters = []
     wraps = np.zeros(2, bool)
@@ -21,7 +21,7 @@ def by_search(nodes, edges):
         place[start] = np.zeros(2, int)
         members = [start]
         for a in members:
-            for b, crossed in beside[a]:
+            for b, crossed in neighbours[a]:
                 if b not in place:
                     place[b] = place[a] + crossed
                     members.append(b)
@@ -39,7 +39,7 @@ def test_join(count, seed):
         [random.integers(0, nodes, (count, 2)), random.integers(-1, 2, (count, 2))], axis=1
     )
     if seed == 0:
-        edges[:, 2] = 0  # nothing crosses the borders along x
+        edges[:, 2] = 0  # no edge crosses the border along x
     parent = np.arange(nodes)
     shift = np.zeros((nodes, 2), int)
     wraps = np.zeros(2, bool)
@@ -49,7 +49,7 @@ def test_join(count, seed):
         map(frozenset, clusters)
     )
     assert wraps.tolist() == wrapped.tolist()
-    if not wrapped.any():  # otherwise the shift depends on the way
+    if not wrapped.any():  # otherwise the shift depends on the path
         for node in range(nodes):
             root = parent[node]
             assert shift[node].tolist() == (place[node] - place[root]).tolist()

@@ -7,20 +7,20 @@ from hpc_gfmd.kernels import lowmodes
 
 N = (16, 12)
 M = (4, 3)
-MIDDLE = (5.5, 4.0)  # of the surface, in points
+MIDDLE = (5.5, 4.0)  # of the surface, in grid points
 NORM = np.outer(*(np.where(np.arange(m) > 0, 2.0, np.sqrt(2)) for m in M)) / 2
 SHIFTS = [np.exp(2j * np.pi * middle / n * np.arange(m)) for middle, n, m in zip(MIDDLE, N, M)]
 
 
 def products(k, j):
-    """cos cos, cos sin, sin cos and sin sin of a mode about the middle, orthonormal."""
+    """Orthonormal products cos cos, cos sin, sin cos, sin sin of a mode about the middle."""
     x, y = (2 * np.pi * w / n * (np.arange(n) - m) for w, n, m in zip((k, j), N, MIDDLE))
     return [
         NORM[k, j] * 2 * np.outer(f(x), g(y)) for f in (np.cos, np.sin) for g in (np.cos, np.sin)
     ]
 
 
-def test_parts_are_integrals_over_the_cell(random):
+def test_split_gives_integrals_over_the_cell(random):
     u = random.standard_normal(N)
     parts = np.zeros((4, *M))
     lowmodes.split(np.fft.fft2(u)[:, : M[1]].copy(), *SHIFTS, NORM, parts)

@@ -1,5 +1,4 @@
-"""Levels, what is restricted to them and interpolated from them, and the preconditioner as a
-matrix."""
+"""Transfers between levels, the sweep of the preconditioner and its products, against NumPy."""
 
 import numpy as np
 import pytest
@@ -15,28 +14,28 @@ from hpc_gfmd.parallel.grid import Grid
 
 @pytest.mark.parametrize("n", SIZES)
 def test_transfers_are_adjoint(random, n):
-    """<R x, y> N/N_1 = <x, P y>, and both are what they are called."""
-    t, m = whole(n)
+    """<R x, y> N/N_1 = <x, P y>, with R and P as in the reference matrices."""
+    transfer, m = whole(n)
     x = random.standard_normal(n)
     y = random.standard_normal(m)
     fine = np.zeros((1, n[0] + 2, n[1]))
     coarse = np.zeros((1, m[0] + 2, m[1]))
     fine[0, 1:-1] = x
-    for rows in t.passes(3):
-        multilevel.restrict_level(fine, coarse, t.tables, *rows, np.empty((2, n[1])))
+    for rows in transfer.passes(3):
+        multilevel.restrict_level(fine, coarse, transfer.tables, *rows, np.empty((2, n[1])))
     R = coarse[0, 1:-1].copy()
     R[0] += coarse[0, -1]
     R[-1] += coarse[0, 0]
     assert np.allclose(R, restricted(x, m), atol=1e-13)
     Py = np.zeros((1, n[0] + 2, n[1]))
-    rt = np.zeros((2, n[0] + 2, n[1]))
+    restricted_fields = np.zeros((2, n[0] + 2, n[1]))
     multilevel.smooth_level(
-        rt,
+        restricted_fields,
         y[np.arange(-1, m[0] + 1) % m[0]].copy(),
         Py[0],
         1.0,
         4.0,
-        t.tables,
+        transfer.tables,
         tuple(map(np.ones, n)),
         *(0, n[0]),
         np.empty((2, max(n[1], m[1]))),
@@ -46,7 +45,7 @@ def test_transfers_are_adjoint(random, n):
 
 
 def by_matrices(grid, r, theta, level=0):
-    """M' r by the recursion z_l = r_l/(weight_l + c theta_l) + P z_(l+1), from a level on."""
+    """M' r from a level on: z_l = r_l/(weight_l + c theta_l) + P z_(l+1)."""
     hierarchy = levels(grid)
     z = r / (HalfSpace().weights(grid)[level] + DAMPING * theta)
     if level + 1 < len(hierarchy):
@@ -57,7 +56,7 @@ def by_matrices(grid, r, theta, level=0):
 
 
 def swept(grid, p, closed):
-    """M' p on level 1 by the solver's own sweep, and the sum <p, M' p>."""
+    """(M' p on level 1, <p, M' p>) by the sweep of the solver."""
     sweep = Multilevel(grid, HalfSpace(), np.float64, max(grid.n[0], 1))
     g = np.where(closed, 0.0, 1.0)
     sweep.restrict(g, np.where(closed, 1.0, p))
@@ -72,8 +71,8 @@ def test_sweep(random, n):
     p = np.where(closed, 0, random.standard_normal(n))
     m = levels(grid)[1].n
     wanted = by_matrices(grid, restricted(p, m), restricted(closed, m), 1)
-    found, energy = swept(grid, p, closed)
-    assert np.allclose(found, wanted, atol=1e-12)
+    swept_pressure, energy = swept(grid, p, closed)
+    assert np.allclose(swept_pressure, wanted, atol=1e-12)
     assert energy == pytest.approx(np.vdot(p, interpolated(wanted, n)), abs=1e-11)
 
 
@@ -83,8 +82,10 @@ def test_sweep(random, n):
     [((16, 16), (8, 8)), ((30, 12), (15, 12)), ((14, 20), (7, 10)), ((16, 8), (16, 8))],
 )
 def test_norm_of_the_test_pressure(random, n, nominal, coarsest_points):
-    """|v|^2 and <v, S r> by sums over levels, v = t N/n - s: of the indicators of contact and
-    surface as they are, level by level."""
+    """|w|^2, |v|^2 and <v, w> by sums over levels.
+
+    v = t - share s and w = r - missing t, with the indicators t of contact and s of the surface.
+    """
     grid = Grid(n, nominal=nominal)
     sweep = Multilevel(grid, HalfSpace(), np.float64, n[0], coarsest_points)
     s = np.zeros(n)
@@ -95,7 +96,7 @@ def test_norm_of_the_test_pressure(random, n, nominal, coarsest_points):
     p = np.where(t > 0, 1.0, r)
     sweep.restrict(g, p)
     _, _, _, *products = sweep.sweep()
-    found = sweep.test_products(r.sum(), np.vdot(r, r), t.sum(), *products)
+    sums = sweep.test_products(r.sum(), np.vdot(r, r), t.sum(), *products)
 
     share = t.sum() / s.sum()
     missing = r.sum() / t.sum()
@@ -107,6 +108,6 @@ def test_norm_of_the_test_pressure(random, n, nominal, coarsest_points):
             v, w = (restricted(x, level.n) for x in (v, w))
         products = np.vdot(w, w), np.vdot(v, v), np.vdot(v, w)
         wanted += softness * grid.cell_points / v.size * np.array(products)
-    # what is beyond the surface counts on the finest level, too
+    # points beyond the surface contribute on the finest level
     wanted[2] -= share * r[s == 0].sum()
-    assert found == pytest.approx(wanted, rel=1e-9, abs=1e-9)
+    assert sums == pytest.approx(wanted, rel=1e-9, abs=1e-9)

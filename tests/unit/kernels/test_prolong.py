@@ -6,16 +6,16 @@ import pytest
 from hpc_gfmd.kernels import prolong
 
 
-def prolonged(u, p, h, compliance, stencil, parts=1, most=np.inf):
-    """prolong_gap of whole coarse fields u, p to the grid of h, in a number of slabs."""
+def prolonged(u, p, h, compliance, stencil, parts=1, deepest=np.inf):
+    """The gap by prolong_gap from coarse fields u, p on the grid of h, in `parts` slabs."""
     n_x, n_y = h.shape
     m_x, m_y = u.shape
     step = 2 if m_x != n_x else 1
     bounds = np.linspace(0, n_x, parts + 1).astype(int)
     out = []
     for start, stop in zip(bounds, bounds[1:]):
-        first = -(-start // step)
-        last = -(-stop // step)
+        first_coarse = -(-start // step)
+        last_coarse = -(-stop // step)
 
         def cut(a, i, k, width):
             return tuple(
@@ -24,17 +24,17 @@ def prolonged(u, p, h, compliance, stencil, parts=1, most=np.inf):
             )
 
         g = np.empty((stop - start, n_y))
-        coarse = [cut(a, first, last, prolong.HALO) for a in (u, p)]
+        coarse = [cut(a, first_coarse, last_coarse, prolong.HALO) for a in (u, p)]
         prolong.prolong_gap(
             *coarse,
             cut(h, start, stop, prolong.SWEEPS),
             g,
             (start, n_x),
-            (first, m_x),
+            (first_coarse, m_x),
             (m_x != n_x, m_y != n_y),
             compliance,
             stencil,
-            most,
+            deepest,
             h.shape,
         )
         out.append(g)
@@ -42,17 +42,18 @@ def prolonged(u, p, h, compliance, stencil, parts=1, most=np.inf):
 
 
 def interpolated(a, n, near, far):
-    """Rows of a at even places, and between them the mean of four rows with these weights (two of
-    them the nearest)."""
+    """Rows of a at even positions, weighted means of four rows between them.
+
+    near: weight of the two nearest rows; far: of the two rows beyond.
+    """
     if len(a) == n:
         return a
     between = near * (a + np.roll(a, -1, 0)) + far * (np.roll(a, 1, 0) + np.roll(a, -2, 0))
     return np.stack([a, between], 1).reshape(-1, a.shape[1])[:n]
 
 
-def test_interpolation_of_a_displacement():
-    """Without contact cubic interpolation is all: exact for points on the coarse grid, and of
-    fourth order between them."""
+def test_cubic_interpolation_without_contact():
+    """Interpolation is exact at points of the coarse grid and of fourth order between them."""
     errors = []
     for n in (32, 64):
         x = np.arange(n) / n
@@ -81,10 +82,12 @@ def test_interpolation_of_a_displacement():
         ((10, 1), (5, 1)),
     ],
 )
-@pytest.mark.parametrize("most", [np.inf, 0.3])
-def test_local_relaxation(random, n, m, most):
-    """prolong_gap does what its formula says, in any number of slabs; its gap is never negative,
-    and 0 where heights poke through."""
+@pytest.mark.parametrize("deepest", [np.inf, 0.3])
+def test_local_relaxation(random, n, m, deepest):
+    """prolong_gap follows its formula in any number of slabs.
+
+    Gaps are never negative, and 0 where heights would penetrate.
+    """
     u = random.standard_normal(m)
     p = random.standard_normal(m)
     h = random.standard_normal(n)
@@ -94,7 +97,7 @@ def test_local_relaxation(random, n, m, most):
     P = interpolated(interpolated(p, n[0], 0.5, 0.0).T, n[1], 0.5, 0.0).T
 
     def projected(v):
-        return np.maximum(v, np.minimum(v + most, -w))
+        return np.maximum(v, np.minimum(v + deepest, -w))
 
     v = projected(np.zeros(n))
     for _ in range(prolong.SWEEPS):
@@ -111,9 +114,9 @@ def test_local_relaxation(random, n, m, most):
                 + stencil[3] * (np.roll(rows, 1, 1) + np.roll(rows, -1, 1))
             )
         )
-    g = prolonged(u, p, h, compliance, stencil, most=most)
+    g = prolonged(u, p, h, compliance, stencil, deepest=deepest)
     assert np.allclose(g, w + v, atol=1e-13)
-    assert np.isfinite(most) or g.min() == 0
+    assert np.isfinite(deepest) or g.min() == 0
     assert (g == 0).any()
     for parts in (2, 3, 5):
-        assert np.array_equal(prolonged(u, p, h, compliance, stencil, parts, most), g)
+        assert np.array_equal(prolonged(u, p, h, compliance, stencil, parts, deepest), g)

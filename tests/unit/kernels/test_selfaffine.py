@@ -1,4 +1,4 @@
-"""Random spectra: of real fields, within their band, from uniform and independent numbers."""
+"""Random self-affine spectra: symmetry, band limits, uniform and independent random numbers."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ import pytest
 from hpc_gfmd.kernels.selfaffine import self_affine
 
 
-def test_random_spectrum_is_that_of_a_real_field():
+def test_spectrum_of_a_real_field_within_its_band():
     n = 8
     whole = np.zeros((n, n), complex)
     for k_y in range(n):
@@ -22,8 +22,10 @@ def test_random_spectrum_is_that_of_a_real_field():
 
 
 def test_random_numbers_are_uniform():
-    """Real and imaginary parts over |k|^-(1+H) fill (-1, 1) evenly, and neighbouring seeds and
-    modes are independent."""
+    """Real and imaginary parts over |k|^-(1+H) are uniform in (-1, 1).
+
+    Neighbouring seeds and modes are independent.
+    """
     parts = []
     for seed in (0, 1):
         block = np.zeros((100, 256), complex)

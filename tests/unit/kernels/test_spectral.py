@@ -8,11 +8,12 @@ from hpc_gfmd.kernels import spectral
 W = 3
 N_X = 10
 Q_X = 2 * np.pi * np.fft.fftfreq(N_X)
-Q_Y = np.array([[0.1, 0.7, 1.3], [0.0, 0.4, 0.9]])  # of two blocks
+Q_Y = np.array([[0.1, 0.7, 1.3], [0.0, 0.4, 0.9]])  # two blocks
 WEIGHT = np.array([[2.0, 2.0, 1.0], [1.0, 2.0, 0.0]])
 
 
 def complex_columns(random, dtype):
+    """Random complex columns of one block."""
     parts = random.standard_normal((2, W, N_X)).astype(dtype)
     return parts[0] + 1j * parts[1]
 
@@ -22,7 +23,7 @@ def complex_columns(random, dtype):
 @pytest.mark.parametrize("block", [0, 1])
 @pytest.mark.parametrize(("dtype", "rounding"), [(np.float64, 1e-14), (np.float32, 1e-6)])
 def test_multiply(random, inverse, tabulated, block, dtype, rounding):
-    """By K = |q|/2 or a table of it, and by 1/K, which is 0 where K is."""
+    """Multiplication by K = |q|/2 or a table of K, and by 1/K, which is 0 where K = 0."""
     columns = complex_columns(random, dtype)
     K = np.hypot(Q_X, Q_Y[..., None]) / 2
     if tabulated:
@@ -49,7 +50,7 @@ def test_multiply(random, inverse, tabulated, block, dtype, rounding):
 
 @pytest.mark.parametrize("dtype", [np.complex64, np.complex128])
 def test_spectrum_sums(random, dtype):
-    """Parseval: mean square and mean square slope of a real field without its mean."""
+    """Mean square and mean square slope of a real field without its mean, by Parseval."""
     n = (12, 9)
     h = random.standard_normal(n)
     columns = np.fft.rfft2(h).T.copy().astype(dtype) / h.size

@@ -1,12 +1,9 @@
-"""Row and column transforms of a slab against numpy.fft, and what kernels move memory by."""
+"""Row and column transforms of a slab against numpy.fft."""
 
 import numpy as np
 import pytest
 
-from hpc_gfmd.kernels.jit import kernel, points_inside
-from hpc_gfmd.kernels.lines import WIDTH, move_line
 from hpc_gfmd.kernels.transforms import load_columns, load_rows, store_columns, store_rows
-from hpc_gfmd.kernels.views import view_fields
 from hpc_gfmd.parallel.grid import Grid
 
 SIZES = [(8, 8), (30, 70), (9, 33), (64, 2), (2, 64), (1, 5)]
@@ -16,7 +13,7 @@ precisions = pytest.mark.parametrize(
 
 
 def blocks_of(fft):
-    """The spectra of all rows, (n_x, n_c), as they stand in the blocks."""
+    """The spectra of all rows, (n_x, n_c), collected from the blocks."""
     blocks = [
         fft.blocks[fft.n_loc * j0 : fft.n_loc * j1].reshape(fft.n_loc, j1 - j0)
         for j0, j1 in zip(fft.edges, fft.edges[1:])
@@ -27,7 +24,7 @@ def blocks_of(fft):
 @pytest.mark.parametrize("n", SIZES)
 @precisions
 def test_rows(random, n, dtype, rounding):
-    """Rows go to their places in the blocks as numpy.fft.rfft has them, and come back n_y-fold."""
+    """Blocks hold numpy.fft.rfft of the rows; the inverse returns n_y times the rows."""
     fft = Grid(n).fft(dtype)
     real, spectra = fft.rows[0]
     u = random.standard_normal(n).astype(dtype)
@@ -45,7 +42,7 @@ def test_rows(random, n, dtype, rounding):
 @pytest.mark.parametrize("n", SIZES)
 @precisions
 def test_columns(random, n, dtype, rounding):
-    """Columns of every block are those of numpy.fft.fft, and come back n_x-fold."""
+    """Columns of every block agree with numpy.fft.fft; the inverse returns them times n_x."""
     fft = Grid(n).fft(dtype)
     spectra = np.fft.rfft(random.standard_normal(n), axis=1).astype(fft.blocks.dtype)
     for j0, j1 in zip(fft.edges, fft.edges[1:]):
@@ -60,56 +57,3 @@ def test_columns(random, n, dtype, rounding):
     assert np.allclose(blocks_of(fft), n[0] * spectra, atol=1000 * rounding)
     load_columns(columns, 0, False)
     assert not columns[0].any()
-
-
-@kernel
-def moved_line(target, i, source, j):
-    move_line(target, i, source, j)
-
-
-def test_move_line(random):
-    source = random.random(3 * WIDTH)
-    target = np.zeros(3 * WIDTH)
-    moved_line(target, 5, source, 3)
-    assert np.array_equal(target[5 : 5 + WIDTH], source[3 : 3 + WIDTH])
-    assert not target[:5].any()
-    assert not target[5 + WIDTH :].any()
-
-
-@kernel
-def doubled_view(flat, begin, fields, rows, n):
-    view = view_fields(flat, begin, fields, rows, n)
-    total = 0.0
-    for c in range(view.shape[0]):
-        for i in range(view.shape[1]):
-            for j in range(view.shape[2]):
-                view[c, i, j] *= 2
-                total += (c + 1) * view[c, i, j]
-    return total
-
-
-@pytest.mark.parametrize("dtype", [np.float64, np.float32])
-def test_view_fields(random, dtype):
-    """A view is the same memory, in NumPy's order."""
-    flat = random.random(40).astype(dtype)
-    wanted = flat.copy()
-    wanted[5:29] *= 2
-    view = wanted[5:29].reshape(2, 3, 4)
-    assert doubled_view(flat, 5, 2, 3, 4) == pytest.approx(
-        view[0].sum(dtype=float) + 2 * view[1].sum(dtype=float), rel=1e-6
-    )
-    assert np.array_equal(flat, wanted)
-
-
-@kernel
-def counted_inside(shape, inside):
-    count = 0
-    for i in range(shape[0]):
-        for _ in range(points_inside(i, inside)):
-            count += 1
-    return count
-
-
-@pytest.mark.parametrize("inside", [(4, 6), (2, 5), (0, 6), (3, 0)])
-def test_points_inside(inside):
-    assert counted_inside((4, 6), inside) == inside[0] * inside[1]

@@ -1,4 +1,4 @@
-"""Points that yield: the proximal map against a search for the least energy of a point."""
+"""Yielding points: the proximal map against a brute-force minimum of a point's energy."""
 
 import numpy as np
 import pytest
@@ -21,7 +21,7 @@ def is_at_contact(w, g, d, hardness):
     return at_contact(w, g, d, hardness, 0.0)
 
 
-def test_without_a_hardness():
+def test_no_point_yields_without_a_hardness():
     assert called(0.0, 5.0, -2.0, LENGTH, None) == (0.0, 0.0, 0.0)
     assert called(0.0, 5.0, 2.0, LENGTH, None) == (0.0, 0.0, 2.0)
 
@@ -35,15 +35,16 @@ def test_which_points_yield(g, p, yielded):
 
 
 @pytest.mark.parametrize("p", [0.3, 1.2])
-@pytest.mark.parametrize("r_step", [-3.0, -0.5, -0.2, 0.0, 0.1, 0.25, 0.5, 2.0])
-def test_landing_is_a_proximal_map(p, r_step):
-    """The least (w - g + length p_full)^2/(2 length) + H max(-w, 0), from g = 0: v is where the
-    step with r, p less H where the point yields, ends."""
+@pytest.mark.parametrize("r", [-3.0, -0.5, -0.2, 0.0, 0.1, 0.25, 0.5, 2.0])
+def test_landing_is_a_proximal_map(p, r):
+    """w minimises (w - g + length p)^2/(2 length) + H max(-w, 0) for g = 0.
+
+    v is the end of the step with r, the pressure less H where the point yields.
+    """
     _, yielded, _ = called(0.0, p, 0.0, LENGTH, H)
-    r = r_step
     v = -LENGTH * r
     _, _, w = called(0.0, p, v, LENGTH, H)
-    pressure = r + yielded * H  # the whole pressure of a step with this r
+    pressure = r + yielded * H  # total pressure of a step with this r
     candidates = np.linspace(-3, 3, 600001)
     energy = (candidates + LENGTH * pressure) ** 2 / (2 * LENGTH) + H * np.maximum(-candidates, 0)
     assert w == pytest.approx(candidates[energy.argmin()], abs=2e-5)

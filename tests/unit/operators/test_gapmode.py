@@ -1,5 +1,4 @@
-"""The gap mode, the deflation vector of the preconditioner: at small loads it spares a quarter of
-the FFT pairs."""
+"""The gap mode, the deflation vector of the preconditioner: it saves FFT pairs at small loads."""
 
 from dataclasses import replace
 
@@ -16,8 +15,8 @@ N = (144, 160)
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
-def test_fewer_pairs(boundary, monkeypatch):
-    """Means of three surfaces: 9.5 and 10.2, not 13.8 and 15.5."""
+def test_gap_mode_saves_pairs_at_small_loads(boundary, monkeypatch):
+    """Means over three surfaces: 9.5 (periodic) and 10.2 (free) instead of 13.8 and 15.5."""
     means = []
     usual = deflation.CALIBRATION
     for fewest in (usual.fewest, np.inf):
@@ -28,8 +27,8 @@ def test_fewer_pairs(boundary, monkeypatch):
     assert means[0] < 0.8 * means[1]
 
 
-def test_where_there_is_none():
-    """Small grids, nothing in contact, everything in contact."""
+def test_gap_mode_is_off_for_small_grids_and_extreme_areas():
+    """It is off on small grids, without contact and in full contact."""
     mode = Multilevel(Grid(N), HALF_SPACE, np.float64, N[0]).gap_mode
     assert [mode.wanted(share) for share in (0.0, 1e-4, 0.1, 0.5, 1.0)] == [
         False,
@@ -38,5 +37,5 @@ def test_where_there_is_none():
         True,
         False,
     ]
-    assert (mode.find(np.full((18, 20), 0.1)) == 0).all()  # M has it
+    assert (mode.find(np.full((18, 20), 0.1)) == 0).all()  # a constant mode is in M
     assert not Multilevel(Grid((96, 96)), HALF_SPACE, np.float64, 96).gap_mode.wanted(0.1)

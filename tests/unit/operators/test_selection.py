@@ -1,4 +1,4 @@
-"""The n-th smallest number of a field, against a sorted copy."""
+"""The n-th smallest number of a field against a sorted copy."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,7 @@ from hpc_gfmd.parallel.grid import Grid
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
 @pytest.mark.parametrize("scale", [1e-30, 1.0, 1e30])
-def test_every_rank_of_a_field_with_ties(dtype, scale):
+def test_all_orders_of_a_field_with_ties(dtype, scale):
     random = np.random.default_rng(0)
     grid = Grid((12, 10))
     field = (scale * np.round(random.standard_normal(grid.shape), 1)).astype(dtype)
@@ -19,7 +19,7 @@ def test_every_rank_of_a_field_with_ties(dtype, scale):
         assert nth_smallest(grid, field, n) == wanted[n - 1]
 
 
-def test_points_beyond_the_surface_do_not_count():
+def test_points_outside_the_surface_are_ignored():
     random = np.random.default_rng(0)
     grid = Grid((12, 10), nominal=(7, 6))
     field = random.standard_normal(grid.shape)

@@ -1,4 +1,4 @@
-"""The law of an interface: interpolation, and files that are read back."""
+"""The law of an interface: interpolation, and round trips through files."""
 
 import numpy as np
 import pytest
@@ -27,26 +27,26 @@ def power_law(pressures=7):
 
 def test_powers_are_interpolated_exactly():
     law = power_law()
-    at = np.geomspace(1e6, 1e9, 41)
-    np.testing.assert_allclose(law("a_r", at), 1e-9 * at, rtol=1e-12)
-    np.testing.assert_allclose(law("conductance", at), 1e-4 * at**0.95, rtol=1e-12)
+    pressures = np.geomspace(1e6, 1e9, 41)
+    np.testing.assert_allclose(law("a_r", pressures), 1e-9 * pressures, rtol=1e-12)
+    np.testing.assert_allclose(law("conductance", pressures), 1e-4 * pressures**0.95, rtol=1e-12)
     assert isinstance(law("a_r", 2e6), float)
 
 
-def test_interpolation_is_monotone_and_ends_where_values_end():
+def test_interpolation_is_monotone_and_stops_at_missing_values():
     p = np.array([1.0, 2.0, 4.0, 8.0, 16.0])
     at = np.geomspace(1, 16, 200)
     rising = interpolate(p, np.array([1.0, 1.1, 5.0, 5.2, 6.0]), at)
     assert (np.diff(rising) >= 0).all()
-    ends = interpolate(p, np.array([1.0, 2.0, 3.0, np.nan, np.nan]), at)
-    assert np.isfinite(ends[at <= 4]).all()
-    assert np.isnan(ends[at > 4.01]).all()
+    incomplete = interpolate(p, np.array([1.0, 2.0, 3.0, np.nan, np.nan]), at)
+    assert np.isfinite(incomplete[at <= 4]).all()
+    assert np.isnan(incomplete[at > 4.01]).all()
     closes = interpolate(p, np.array([3.0, 2.0, 1.0, 0.0, 0.0]), at)
     assert (closes[at < 7.99] >= 1 - 1e-12).all()
     assert (closes[at >= 8.01] == 0).all()
 
 
-def test_the_load_that_closes_a_seal():
+def test_sealing_pressure():
     law = power_law()
     assert law.sealing_pressure("x") == pytest.approx(1e8)
     with pytest.raises(SceneError, match="axis"):
@@ -64,7 +64,7 @@ def test_a_law_is_not_extrapolated(pressure):
         power_law()("gap", 1e7)
 
 
-def test_csv_is_read_back_to_the_bit(tmp_path):
+def test_csv_round_trip_is_exact(tmp_path):
     law = power_law()
     law.values["stiffness"][-1] = np.nan
     back = read_law(write_law(law, tmp_path / "law.csv"))
@@ -78,7 +78,7 @@ def test_csv_is_read_back_to_the_bit(tmp_path):
 
 
 @pytest.mark.parametrize("suffix", [".inp", ".i"])
-def test_tables_of_finite_elements_are_read_back(suffix, tmp_path):
+def test_finite_element_tables_round_trip(suffix, tmp_path):
     law = power_law()
     back = read_law(write_law(law, tmp_path / f"law{suffix}", conductivity=(50.0, 200.0)))
     for name in ("gap_mean", "conductance"):
@@ -89,7 +89,7 @@ def test_tables_of_finite_elements_are_read_back(suffix, tmp_path):
     assert (back.units["gap_mean"], back.units["conductance"]) == ("m", "1/m")
 
 
-def test_straight_lines_follow_the_law():
+def test_piecewise_linear_table_follows_the_law():
     law = power_law(3)
     pressure, closure = finite_element_table(law)
     assert (pressure[0], closure[0]) == (0, 0)
@@ -108,7 +108,7 @@ def test_straight_lines_follow_the_law():
         ({"path": "law.inp", "conductivity": (1.0, 2.0, 3.0)}, "conductivity"),
     ],
 )
-def test_what_cannot_be_written_is_refused(arguments, reason, tmp_path):
+def test_bad_arguments_write_no_file(arguments, reason, tmp_path):
     path = tmp_path / arguments.pop("path")
     with pytest.raises(SceneError, match=reason):
         write_law(power_law(), path, **arguments)

@@ -26,14 +26,15 @@ HEIGHTS = -np.arange(24.0).reshape(N)
 
 
 def field(step, name):
-    """Numbers of which each says where it belongs: step, i, j; the gap in the thousands."""
+    """A field whose numbers encode their step, i and j; the gap has 1000 added."""
     i, j = np.indices(N)
     return (1000.0 * (name == "gap") + 100 * step + 10 * i + j).astype("f4" if step else "f8")
 
 
-def write(path, loads=LOADS, units=UNITS, **how):
-    how |= {"about": all_numbers()}
-    with RunFile(SerialComm(), path, N, (0, N[0]), HEAD, SURFACE | units, **how) as run:
+def write(path, loads=LOADS, units=UNITS, **options):
+    """Write a result file with numbers of several types and two fields; options: of RunFile."""
+    options |= {"about": all_numbers()}
+    with RunFile(SerialComm(), path, N, (0, N[0]), HEAD, SURFACE | units, **options) as run:
         run.update(height_field=HEIGHTS)
         for step, p in enumerate(loads):
             attributes = {
@@ -83,15 +84,15 @@ def test_one_step_in_xarray(tmp_path, compressed):
 
 
 def test_all_steps_in_xarray(path):
-    """The numbers of all loads at the root, as `Solutions` give them, the fields in their steps."""
+    """The root holds the numbers of all loads, as in `Solutions`, and steps hold fields."""
     xarray = pytest.importorskip("xarray")
     solutions = hpc_gfmd.load(path)
-    with xarray.open_dataset(path) as found, solutions.to_xarray() as whole:
-        assert np.array_equal(found["load"], LOADS)
-        assert found.a_r.dims == ("load",)
-        assert (found.p.attrs["units"], whole.p.attrs["units"]) == ("Pa", "Pa")
-        assert whole.drop_vars(["pressure", "gap", "heights"]).equals(found)
-        assert list(found.spanning.values) == [True, False]
+    with xarray.open_dataset(path) as dataset, solutions.to_xarray() as whole:
+        assert np.array_equal(dataset["load"], LOADS)
+        assert dataset.a_r.dims == ("load",)
+        assert (dataset.p.attrs["units"], whole.p.attrs["units"]) == ("Pa", "Pa")
+        assert whole.drop_vars(["pressure", "gap", "heights"]).equals(dataset)
+        assert list(dataset.spanning.values) == [True, False]
         assert np.array_equal(whole.gap, [field(0, "gap"), field(1, "gap")])
         assert (whole.gap.dims, whole.heights.dims) == (("load", "x", "y"), ("x", "y"))
     table = solutions.to_dataframe()
@@ -105,7 +106,7 @@ def test_all_steps_in_xarray(path):
 
 
 def read_by_vtk(path, step):
-    """vtkHDFReader's image at a step, and its arrays as (x, y) by the positions of their points."""
+    """(image, {name: array over x and y}, times) that vtkHDFReader reads at a step."""
     reader = pytest.importorskip("vtkmodules.vtkIOHDF").vtkHDFReader()
     from vtkmodules.util.numpy_support import vtk_to_numpy
     from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
@@ -118,9 +119,9 @@ def read_by_vtk(path, step):
     reader.Update()
     image = reader.GetOutput()
     arrays = {}
-    places = np.array([image.GetPoint(k) for k in range(image.GetNumberOfPoints())])
-    i = np.rint(places[:, 0] / 0.5).astype(int)
-    j = np.rint(places[:, 1] / 0.25).astype(int)
+    points = np.array([image.GetPoint(k) for k in range(image.GetNumberOfPoints())])
+    i = np.rint(points[:, 0] / 0.5).astype(int)
+    j = np.rint(points[:, 1] / 0.25).astype(int)
     for k in range(image.GetPointData().GetNumberOfArrays()):
         array = image.GetPointData().GetArray(k)
         arrays[array.GetName()] = np.full(N, np.nan)
@@ -129,7 +130,7 @@ def read_by_vtk(path, step):
 
 
 @pytest.mark.parametrize("exported", [False, True])
-def test_paraview_sees_every_number_at_its_place(path, exported, cli):
+def test_paraview_reads_numbers_at_their_positions(path, exported, cli):
     if exported:
         path = Path(cli.prints("export out.h5 --to vtkhdf").strip())
     for step in (0, 1):
@@ -140,12 +141,12 @@ def test_paraview_sees_every_number_at_its_place(path, exported, cli):
         assert sorted(image.GetSpacing()) == [0.25, 0.5, 1]
         assert np.array_equal(arrays.pop("heights"), HEIGHTS)
         assert set(arrays) == {"pressure", "gap"}
-        for name, found in arrays.items():
-            assert np.array_equal(found, field(step, name))
+        for name, array in arrays.items():
+            assert np.array_equal(array, field(step, name))
 
 
 @pytest.mark.parametrize("exported", [False, True])
-def test_paraview_sees_a_single_load(tmp_path, exported, cli):
+def test_paraview_reads_a_single_load(tmp_path, exported, cli):
     path = write(tmp_path / "out.h5", LOADS[:1])
     if exported:
         path = Path(cli.prints("export out.h5 --to vtkhdf").strip())
@@ -156,36 +157,36 @@ def test_paraview_sees_a_single_load(tmp_path, exported, cli):
     assert np.array_equal(arrays["gap"], field(0, "gap"))
 
 
-def test_loads_that_do_not_rise_are_numbered_in_paraview(tmp_path):
+def test_paraview_numbers_loads_that_do_not_increase(tmp_path):
     assert read_by_vtk(write(tmp_path / "out.h5", (0.2, 0.1, 0.3)), 1)[2] == (0, 1, 2)
 
 
 def test_netcdf(path, cli):
     xarray = pytest.importorskip("xarray")
     cli.prints("export out.h5 --to netcdf")
-    with xarray.open_dataset(path.with_suffix(".nc"), engine="h5netcdf") as found:
-        assert dict(found.sizes) == {"load": 2, "x": 6, "y": 4}
-        assert np.array_equal(found["load"], LOADS)
-        assert np.array_equal(found.a_r, [0.2, 0.5])
-        assert list(found.note.values) == ["", "few points"]
+    with xarray.open_dataset(path.with_suffix(".nc"), engine="h5netcdf") as dataset:
+        assert dict(dataset.sizes) == {"load": 2, "x": 6, "y": 4}
+        assert np.array_equal(dataset["load"], LOADS)
+        assert np.array_equal(dataset.a_r, [0.2, 0.5])
+        assert list(dataset.note.values) == ["", "few points"]
         for name in ("pressure", "gap"):
-            assert np.array_equal(found[name], [field(0, name), field(1, name)])
-            assert found[name].dims == ("load", "x", "y")
-        assert np.array_equal(found.heights, HEIGHTS)
-        about = {name: found[name].attrs for name in ("gap_mean", "wall_seconds", "a_r", "p")}
-        assert [about[name]["units"] for name in about] == ["m", "s", "1", "Pa"]
-        assert "mean gap" in about["gap_mean"]["long_name"]
+            assert np.array_equal(dataset[name], [field(0, name), field(1, name)])
+            assert dataset[name].dims == ("load", "x", "y")
+        assert np.array_equal(dataset.heights, HEIGHTS)
+        names = ("gap_mean", "wall_seconds", "a_r", "p")
+        assert [dataset[name].attrs["units"] for name in names] == ["m", "s", "1", "Pa"]
+        assert "mean gap" in dataset.gap_mean.attrs["long_name"]
 
 
 def test_npz_and_csv(path, cli):
     assert cli.prints("export out.h5 --to npz -o a.npz") == "a.npz\n"
-    with np.load("a.npz") as found:
-        assert np.array_equal(found["gap"], [field(0, "gap"), field(1, "gap")])
-        assert np.array_equal(found["heights"], HEIGHTS)
-        assert not [name for name in found.files if "evil" in name]
-        assert np.array_equal(found["y"], np.arange(4) * 0.25)
-        assert np.array_equal(found["p"], LOADS)
-        assert list(found["status"]) == ["converged", "converged"]
+    with np.load("a.npz") as arrays:
+        assert np.array_equal(arrays["gap"], [field(0, "gap"), field(1, "gap")])
+        assert np.array_equal(arrays["heights"], HEIGHTS)
+        assert not [name for name in arrays.files if "evil" in name]
+        assert np.array_equal(arrays["y"], np.arange(4) * 0.25)
+        assert np.array_equal(arrays["p"], LOADS)
+        assert list(arrays["status"]) == ["converged", "converged"]
     assert cli.prints("export out.h5 --to csv") == "out.csv\n"
     lines = list(csv.DictReader(path.with_suffix(".csv").read_text().splitlines()))
     assert [(line["step"], float(line["a_r"]), line["note"]) for line in lines] == [
@@ -196,10 +197,10 @@ def test_npz_and_csv(path, cli):
 
 
 def test_channels_of_gwyddion_and_x3p(path, cli):
-    """Pressure in Pa and gap in m, read back; X3P holds one length."""
+    """GWY holds pressures and gaps with units; X3P holds a single length."""
     read = surface_topography().open_topography
     reader = read(cli.prints("export out.h5 --to gwy").strip())
-    # the pressures, which are in Pa, are no topographies
+    # pressures, in Pa, are no topographies
     assert [c.name for c in reader.channels] == ["gap, load 0", "heights, load 0", "gap, load 1"]
     gap = reader.topography(channel_index=2)
     assert np.array_equal(gap.heights(), field(1, "gap"))
@@ -209,29 +210,34 @@ def test_channels_of_gwyddion_and_x3p(path, cli):
     assert field(1, "pressure").T.astype("<f8").tobytes() in written
     hpc_gfmd.load(path)[1].export("gap.x3p", ["gap"])
     assert np.allclose(read("gap.x3p").topography().heights(), field(1, "gap"))
-    for how in ("", "--fields gap", "--fields pressure --step 0"):
-        assert "one field that is a length, of one load" in cli.refused(
-            f"export out.h5 --to x3p {how}"
-        )
+    for options in ("", "--fields gap", "--fields pressure --step 0"):
+        message = cli.refused(f"export out.h5 --to x3p {options}")
+        assert all(words in message for words in ("x3p", "length", "one load"))
     assert "found 7, allowed: 0, 1" in cli.refused("export out.h5 --to npz --step 7")
     with refused(r"allowed: one in .*gwy"):
         hpc_gfmd.load(path).export("gap.pdf")
 
 
-def test_an_export_that_is_killed_leaves_nothing(path, monkeypatch):
-    """Until it is complete it has no name."""
+def test_a_killed_export_leaves_no_file(path, monkeypatch):
+    """An incomplete file has no name."""
     try:
         os.close(os.open(path.parent, os.O_TMPFILE | os.O_RDWR))
     except OSError:
         pytest.skip("the file system has no files without a name")
-    seen = []
-    monkeypatch.setattr(export, "_pieces", lambda *_: seen.append(os.listdir(path.parent)) or ())
+    folder_contents = []
+
+    def no_pieces(*_):
+        folder_contents.append(os.listdir(path.parent))
+        return ()
+
+    monkeypatch.setattr(export, "_pieces", no_pieces)
     export.export(read_result(path), "netcdf", None, {})
-    assert set(map(tuple, seen)) == {("out.h5",)}
+    assert folder_contents
+    assert all(names == ["out.h5"] for names in folder_contents)
 
 
-def test_exports_that_are_refused(path, tmp_path, cli):
-    """One line each, and nothing is left behind; damaged fields are in test_result_file.py."""
-    for how in ("netcdf -o out.h5", "netcdf -o missing/a.nc", "pdf"):
-        cli.refused(f"export out.h5 --to {how}")
+def test_refused_exports_write_nothing(path, tmp_path, cli):
+    """Damaged fields are in test_result_file.py."""
+    for options in ("netcdf -o out.h5", "netcdf -o missing/a.nc", "pdf"):
+        cli.refused(f"export out.h5 --to {options}")
     assert os.listdir(tmp_path) == ["out.h5"]

@@ -1,5 +1,5 @@
-"""The result file on one process: what it holds, and what is refused as one. Round trips on any
-number of ranks are in tests/mpi/test_result_file.py."""
+"""The result file of one process: attributes, copies and damaged fields. Round trips on any number
+of ranks are in tests/mpi/test_result_file.py."""
 
 import h5py
 import numpy as np
@@ -11,17 +11,17 @@ from hpc_gfmd.output.read import read_result
 from hpc_gfmd.util.errors import GfmdError
 
 
-def test_attributes_of_all_kinds_survive(path):
-    known = {"p": 1, "flag": True, "text": "mu \u03bc", "words": ["a", "b"]}
-    known |= {"list": [1.0, 2.0], "numpy": np.float32(0.5)}
+def test_attributes_survive_a_round_trip(path):
+    attributes = {"p": 1, "flag": True, "text": "mu \u03bc", "words": ["a", "b"]}
+    attributes |= {"list": [1.0, 2.0], "numpy": np.float32(0.5)}
     with begin(path) as run:
-        run.write_step(0, known | {"nothing": None, "nan": np.nan, "escape": "a\x1b[31m\nb"})
+        run.write_step(0, attributes | {"nothing": None, "nan": np.nan, "escape": "a\x1b[31m\nb"})
         run.finish("x")
-    (found,) = read_result(path).steps
-    assert found.pop("escape").isprintable()
-    assert np.isnan(found.pop("nan"))
-    assert found == known
-    assert type(found["flag"]) is bool
+    (read,) = read_result(path).steps
+    assert read.pop("escape").isprintable()
+    assert np.isnan(read.pop("nan"))
+    assert read == attributes
+    assert type(read["flag"]) is bool
 
 
 def test_copies_made_by_h5py_are_read(path, tmp_path):
@@ -31,19 +31,19 @@ def test_copies_made_by_h5py_are_read(path, tmp_path):
         new.attrs.update(old.attrs)
         old.copy("surface", new)
         old.copy("steps", new)
-    found = read_result(copy)
-    assert (found.steps, found.surface) == ([STEP], SURFACE)
+    copied = read_result(copy)
+    assert (copied.steps, copied.surface) == ([STEP], SURFACE)
 
 
-def test_a_damaged_field_is_neither_read_nor_copied_nor_drawn_nor_exported(path, tmp_path, cli):
-    """Nobody would notice in the copy, which has a checksum of its own."""
+def test_damaged_fields_are_not_read_copied_drawn_or_exported(path, tmp_path, cli):
+    """A copy would get a new checksum, which would hide the damage."""
     content = bytearray(complete(path, 1).read_bytes())
     content[content.index(FIELD.tobytes()) + 13] ^= 1
     path.write_bytes(content)
     stored = read_result(path).fields[0]["gap"]
     damaged = "the numbers of steps/0000/gap are damaged"
     for _ in range(2):
-        # not all of them, so that nobody can tell
+        # parts of the field, whose checksum covers the whole, are read without a check
         assert np.array_equal(stored.read(3, 6), FIELD[3:])
         for start in (0, 2):
             assert stored.read(start, start + 2).shape == (2, 5)

@@ -1,4 +1,4 @@
-"""Pictures are made, show something, and say what is doubtful; statistics behind them are right."""
+"""Plots: files, units, statistics, theory curves and notes agree with the results drawn."""
 
 import re
 import tomllib
@@ -22,7 +22,7 @@ from hpc_gfmd.theory.elastic import Westergaard
 
 
 @pytest.fixture(autouse=True)
-def _coarse_pictures(monkeypatch):
+def _low_resolution(monkeypatch):
     monkeypatch.setitem(style.RC, "savefig.dpi", 60)
 
 
@@ -44,6 +44,10 @@ def write(
     spike=1.0,
     **attributes,
 ):
+    """Write a result file of random fields.
+
+    spike: factor of the largest pressure; attributes: replace numbers of every step.
+    """
     random = np.random.default_rng(1)
     surface = {
         "n": list(n),
@@ -76,20 +80,18 @@ def write(
 
 
 def ink(path):
-    """Share of the pixels that are not white."""
+    """Fraction of pixels that are not white."""
     image = matplotlib.image.imread(path)[..., :3]
     return float((image.min(axis=-1) < 0.99).mean())
 
 
-def test_pictures_lie_beside_the_file_or_in_a_new_folder(tmp_path, cli):
+def test_pictures_are_saved_beside_the_file_or_in_a_new_folder(tmp_path, cli):
     file = write("run.h5", status="stagnated")
     names = ["maps.png", "distributions.png", "curves.png"]
     made = plot_result(file)
     assert [str(path) for path in made] == [f"run_{name}" for name in names]
     assert all(ink(path) > 0.02 for path in made)
-    assert "! not converged: step 0, 1 (marked in the pictures)" in cli.prints(
-        "plot", file, "-o", "a"
-    )
+    assert "not converged: step 0, 1" in cli.prints("plot", file, "-o", "a")
     assert sorted(path.name for path in (tmp_path / "a").iterdir()) == sorted(names)
     (tmp_path / "file").write_text("")
     for place in ("no/b", "file"):
@@ -108,7 +110,7 @@ tiny_share = {fields = ["gap"], pressure_edges = [0.0, 1.0, 2.0], pressure_densi
 
 
 @pytest.mark.parametrize("name", UNUSUAL)
-def test_unusual_results_are_drawn_too(name):
+def test_unusual_results_are_drawn(name):
     made = plot_result(write("run.h5", **UNUSUAL[name]))
     assert len(made) == (1 if name == "no_field" else 3)
     assert all(ink(path) > 0.01 for path in made)
@@ -116,12 +118,12 @@ def test_unusual_results_are_drawn_too(name):
 
 @cache
 def solved(kind, units):
-    """Two loads on a wall of 64 points along x, in um and MPa or without units."""
+    """Solutions of two loads on a surface of 64 points along x, in um and MPa or without units."""
     L, heights, E_star = ("20 um", "0.2 um", "2 GPa") if units else (1.0, 0.01, 1.0)
-    how = {"p_star": [0.02, 0.2], "E_star": E_star}
+    options = {"p_star": [0.02, 0.2], "E_star": E_star}
     if kind == "measured":
         scan = np.random.default_rng(1).normal(size=(64, 48)) * (1e-8 if units else 1e-3)
-        return hpc_gfmd.solve(scan, physical_sizes=(L, L), **how)
+        return hpc_gfmd.solve(scan, physical_sizes=(L, L), **options)
     if kind == "wave":
         wall = make_surface(kind, n=(64, 64), physical_sizes=(L, L), amplitude=heights)
     elif kind == "sphere":
@@ -130,17 +132,17 @@ def solved(kind, units):
         boundary = "free" if kind == "free" else "periodic"
         wall = make_surface(**rough(physical_sizes=(L, L), boundary=boundary))
     if kind == "layer":
-        how |= {"thickness": "2 um" if units else 0.1, "nu": 0.3}
-    return hpc_gfmd.solve(wall, **how)
+        options |= {"thickness": "2 um" if units else 0.1, "nu": 0.3}
+    return hpc_gfmd.solve(wall, **options)
 
 
 def unit_of(label, solution):
-    """What the label of an axis says that one is, in the units of the solution."""
+    """The unit in an axis label, as a multiple of the solution's unit."""
     surface = solution.result.surface
     absolute = {"nm": 1e-9, "µm": 1e-6, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9}
-    found = re.search(r" \(([^$()]+)(?:\$\^\{(\d)\}\$)?\)$", label)
-    if found:
-        return absolute[found[1]] ** int(found[2] or 1)
+    match = re.search(r" \(([^$()]+)(?:\$\^\{(\d)\}\$)?\)$", label)
+    if match:
+        return absolute[match[1]] ** int(match[2] or 1)
     modulus = solution.p / solution.p_star / surface["g_rms"]
     relative = {
         "L_x": surface["physical_sizes"][0],
@@ -153,7 +155,7 @@ def unit_of(label, solution):
 
 
 def assert_readable(fig):
-    """Labels of ticks do not overlap, and all that was computed lies within its axes."""
+    """Require that tick labels do not overlap and that all data lie within their axes."""
     fig.canvas.draw()
     for ax in fig.axes:
         for axis, along in ((ax.xaxis, "x"), (ax.yaxis, "y")):
@@ -168,27 +170,29 @@ def assert_readable(fig):
             assert all(low < high for (_, low), (high, _) in zip(ends, ends[1:])), ax.get_title()
         for bar in ax.containers:
             x, y = bar.lines[0].get_xydata().T
-            (x0, x1), (y0, y1) = ax.get_xlim(), ax.get_ylim()
+            (x0, x1) = ax.get_xlim()
+            y0, y1 = ax.get_ylim()
             assert ((x0 < x) & (x < x1) & (y0 <= y) & (y < 0.98 * y1)).all()
 
 
 @pytest.mark.parametrize("units", [False, True])
 @pytest.mark.parametrize("kind", ["rough", "measured", "wave", "sphere", "free", "layer"])
-def test_what_is_drawn_is_what_was_computed(kind, units):
+def test_plots_show_the_computed_numbers(kind, units):
     solutions = solved(kind, units)
     fig = solutions.plot("maps")
     assert_readable(fig)
     images = [image for ax in fig.axes for image in ax.get_images()]
     for solution, shown in zip(solutions, (images[:3], images[3:])):
         size = solution.result.surface["physical_sizes"]
-        contact, pressure, gap = (np.ma.filled(one.get_array(), 0).T for one in shown)
+        contact, pressure, gap = (np.ma.filled(image.get_array(), 0).T for image in shown)
         assert (contact == solution.contact).all()
         for image, field, exact in zip(
             shown[1:], (pressure, gap), (solution.pressure, solution.gap)
         ):
             unit = unit_of(image.colorbar.ax.get_ylabel(), solution)
             assert field * unit == pytest.approx(exact, rel=1e-6)
-            bar, top = image.colorbar, exact.max() / unit
+            bar = image.colorbar
+            top = exact.max() / unit
             clipped = bar.extend == "max"
             words = "square root" if field is gap else f"max {top:.3g}" if clipped else ""
             assert bar.ax.get_title("left") == words
@@ -226,15 +230,15 @@ def test_what_is_drawn_is_what_was_computed(kind, units):
                 assert edges[0] * unit <= field.min() * (1 + 1e-6)
                 assert edges[-1] * unit == pytest.approx(field.max(), rel=0.2 if stored else 1e-6)
                 assert ax.get_xlim()[0] < np.median(field) / unit < edges[-1] <= ax.get_xlim()[1]
-                (y0, y1) = ax.get_ylim()
+                y0, y1 = ax.get_ylim()
                 assert y0 < values.min() <= values.max() < y1
 
 
 SYMBOLS = {"a_r$": "a_r", "kappa": "kappa", "langle": "gap_mean", "delta": "approach"}
 
 
-def test_pressures_of_a_wave_are_those_of_westergaard():
-    """To the points of the grid that one bin may have more or less."""
+def test_pressure_distribution_of_a_wave():
+    """Westergaard's distribution, up to single grid points per bin."""
     solutions = solved("wave", units=False)
     for ax in solutions.plot("distributions").axes[:1]:
         for solution, stairs in zip(solutions, ax.patches, strict=True):
@@ -254,91 +258,96 @@ def test_a_closed_gap_has_no_autocorrelation():
     closed = hpc_gfmd.solve(np.eye(8), a_r=1.0)
     closed.distribution("gap_autocorrelation")
     with np.errstate(all="raise"):
-        assert not plot(closed, "spectra").axes[0].get_lines()[1:]  # but for the axis
+        assert not plot(closed, "spectra").axes[0].get_lines()[1:]  # except for the axis
 
 
 @pytest.mark.parametrize("kind", ["wave", "rough"])
-def test_a_spectrum_is_drawn_whole(kind):
-    """That of a wave is a single point, in units of a profile."""
+def test_plot_of_spectra(kind):
+    """The spectrum of a wave is a single point, in units of a profile's spectrum."""
     solution = solved(kind, units=True)[0]
-    found = solution.distribution("heights_spectrum")
+    spectrum = solution.distribution("heights_spectrum")
     solution.distribution("pressure_autocorrelation")
     with refused("what: found 'spectra' of step 1, allowed: maps"):
         solved(kind, units=True).plot("spectra", step=1)
     ax = figures(solution.result)["spectra"].axes[0]
     assert_readable(ax.figure)
-    assert "A_p(r)/A_p(0)" in texts(ax.figure)
+    assert "A_p(r)/A_p(0)" in text_of(ax.figure)
     (line,) = ax.get_lines()
     q, power = line.get_data()
-    assert q == pytest.approx(found["q"][found["power"] > 1e-12 * found["power"].max()] * 1e-6)
+    assert q == pytest.approx(
+        spectrum["q"][spectrum["power"] > 1e-12 * spectrum["power"].max()] * 1e-6
+    )
     if kind == "wave":
         assert ax.get_ylabel() == "$C_z(q)$ (nm$^{2}$ µm)"
         assert power == pytest.approx([200**2 * 20 / 4])
         assert line.get_marker() == "."
 
 
-def test_units_are_those_of_the_scene_or_none():
+def test_units_of_plots():
     solutions = solved("rough", units=True)
-    assert "20 × 20 µm" in texts(solutions.plot("maps"))
-    for what, relative in (("maps", "/{L_x}"), ("curves", "p^* ="), ("distributions", "/(E^* g")):
-        fig = solutions.plot(what, dimensionless=True)
+    assert "20 × 20 µm" in text_of(solutions.plot("maps"))
+    for kind, relative in (("maps", "/{L_x}"), ("curves", "p^* ="), ("distributions", "/(E^* g")):
+        fig = solutions.plot(kind, dimensionless=True)
         assert_readable(fig)
-        assert relative in texts(fig)
+        assert relative in text_of(fig)
         assert not [ax for ax in fig.axes if re.search("[µM]", ax.get_xlabel() + ax.get_ylabel())]
 
 
-def test_one_panel_on_axes_of_ones_own():
+def test_plots_on_given_axes():
     solutions = solved("rough", units=True)
     left, right = matplotlib.figure.Figure().subplots(1, 2)
     assert solutions[1].plot("pressure", ax=left) is left.figure
     assert left.get_images()[0].get_array().count() == solutions[1].contact.sum()
     wave = solved("wave", units=False)
-    hpc_gfmd.plot(wave, "kappa", ax=right)  # which is not among its curves
+    hpc_gfmd.plot(wave, "kappa", ax=right)  # not among the curves of a wave
     assert right.containers[0].lines[0].get_ydata() == pytest.approx(wave.values("kappa"))
     with refused("ax: found 'maps' of 6 panels, allowed: one panel"):
         solutions.plot("maps", ax=left)
 
 
-def test_results_are_drawn_together():
-    soft, hard = solved("rough", units=True), solved("layer", units=True)
-    for given, names in (({"soft": soft, "hard": hard}, "soft hard"), ([soft, hard], "1: 2:")):
-        fig = hpc_gfmd.plot(given, "curves")
+def test_several_results_in_one_plot():
+    soft = solved("rough", units=True)
+    hard = solved("layer", units=True)
+    for results, names in (({"soft": soft, "hard": hard}, "soft hard"), ([soft, hard], "1: 2:")):
+        fig = hpc_gfmd.plot(results, "curves")
         assert_readable(fig)
         legend = [text.get_text() for text in fig.legends[0].get_texts()]
-        assert all(any(one.startswith(name) for one in legend) for name in names.split())
+        assert all(any(label.startswith(name) for label in legend) for name in names.split())
         ax = next(ax for ax in fig.axes if "langle" in ax.get_ylabel())
-        for bars, one in zip(ax.containers, (soft, hard), strict=True):
-            y = bars.lines[0].get_ydata() * unit_of(ax.get_ylabel(), one[0])
-            assert y == pytest.approx(one.values("gap_mean"))
+        for bars, solutions in zip(ax.containers, (soft, hard), strict=True):
+            y = bars.lines[0].get_ydata() * unit_of(ax.get_ylabel(), solutions[0])
+            assert y == pytest.approx(solutions.values("gap_mean"))
     with refused("what: found 'maps', allowed: curves"):
         hpc_gfmd.plot([soft, hard], "maps")
     with refused("results: found different units, allowed: the same"):
         hpc_gfmd.plot([soft, solved("rough", units=False)], "a_r")
 
 
-class Whole:
-    """A field in memory that looks like a stored one and remembers how much was read at once."""
+class ReadField:
+    """An array with the interface of a stored field that records the largest read."""
 
     def __init__(self, values):
-        self.values, self.shape, self.most = values, values.shape, 0
+        self.values = values
+        self.shape = values.shape
+        self.largest_read = 0
 
     def read(self, start, stop):
-        self.most = max(self.most, stop - start)
+        self.largest_read = max(self.largest_read, stop - start)
         return self.values[start:stop]
 
 
-def texts(fig):
-    return " | ".join(found.get_text() for found in fig.findobj(matplotlib.text.Text))
+def text_of(fig):
+    return " | ".join(artist.get_text() for artist in fig.findobj(matplotlib.text.Text))
 
 
 @pytest.mark.parametrize(
     ("suffix", "begins"), [("png", b"\x89PNG"), ("pdf", b"%PDF"), ("svg", b"<?xml")]
 )
-def test_the_suffix_says_the_format(suffix, begins):
+def test_suffix_selects_the_format(suffix, begins):
     file = write("run.h5", n=(8, 6))
-    (one,) = plot_result(file, f"one.{suffix}", "pressure", step=1)
-    assert one.read_bytes().startswith(begins)
-    assert one.name == f"one.{suffix}"
+    (single_path,) = plot_result(file, f"one.{suffix}", "pressure", step=1)
+    assert single_path.read_bytes().startswith(begins)
+    assert single_path.name == f"one.{suffix}"
     several = plot_result(file, f"all.{suffix}", ["gap", "contact"])
     assert [p.name for p in several] == [f"all_gap.{suffix}", f"all_contact.{suffix}"]
 
@@ -362,24 +371,23 @@ def test_figures_are_saved_at_print_resolution(monkeypatch):
         ("", "file", None),
     ],
 )
-def test_theory_stands_beside_its_own_surfaces_only(scene, kind, name):
+def test_theory_is_only_drawn_for_its_surfaces(scene, kind, name):
     file = write("run.h5", scene=scene, surface={"kind": kind})
     for picture in figures(file, ["curves", "distributions"]).values():
-        said = texts(picture)
-        assert {found for found in ("Persson", "Hertz", "Westergaard") if found in said} == (
+        text = text_of(picture)
+        assert {theory for theory in ("Persson", "Hertz", "Westergaard") if theory in text} == (
             {name} if name else set()
         )
-    assert r"\kappa" in texts(plot(file, "curves")) or kind in ("sphere", "wave")
+    assert r"\kappa" in text_of(plot(file, "curves")) or kind in ("sphere", "wave")
     layer = scene.replace("[load]", "[material]\nnu1 = 0.3\nthickness = 0.1\n[load]")
-    assert not name or name not in texts(
+    assert not name or name not in text_of(
         plot(write("layer.h5", scene=layer, surface={"kind": kind}), "curves")
     )
 
 
 @pytest.mark.parametrize("rolloff", [1, 4])
-def test_the_gap_of_theory_is_that_of_the_surface(rolloff):
-    """The line in the panel of the mean gap, in units of h_rms; with a roll-off against the
-    spectrum sampled finely."""
+def test_mean_gap_of_theory(rolloff):
+    """The line in units of h_rms agrees with theory for a finely sampled spectrum."""
     scene = SCENE.replace("lam_s_over_a", f"lam_l_over_lam_r = {rolloff}\nlam_s_over_a")
     picture = plot(
         write("run.h5", scene=scene, surface={"kind": "self-affine", "eps_f": 1 / 16}), "curves"
@@ -394,33 +402,33 @@ def test_the_gap_of_theory_is_that_of_the_surface(rolloff):
     wanted = persson.mean_gap_spectrum(q, spectrum, p_star * g_rms) / h_rms
     assert gap == pytest.approx(wanted, rel=1e-4)
     plain = persson.mean_gap(p_star, 0.8, 1 / 16)
-    apart = np.abs(gap / plain - 1).max()
-    assert apart < 1e-9 if rolloff == 1 else apart > 0.05
+    deviation = np.abs(gap / plain - 1).max()
+    assert deviation < 1e-9 if rolloff == 1 else deviation > 0.05
 
 
-def test_a_spike_does_not_take_the_colours_and_is_said():
-    for spike, said in ((1.0, False), (100.0, True)):
+def test_colours_ignore_a_spike_and_a_title_names_it():
+    for spike, is_noted in ((1.0, False), (100.0, True)):
         fig = plot(write(f"{spike}.h5", spike=spike), "pressure", step=0)
         (image,) = fig.axes[0].get_images()
         top = float(read_result(f"{spike}.h5").fields[0]["pressure"].read(0, 32).max())
-        assert (f"max {top:.3g}" in texts(fig)) == said
-        assert (image.norm.vmax < 0.1 * top) == said
-        assert (image.colorbar.extend == "max") == said
+        assert (f"max {top:.3g}" in text_of(fig)) == is_noted
+        assert (image.norm.vmax < 0.1 * top) == is_noted
+        assert (image.colorbar.extend == "max") == is_noted
 
 
-def test_one_touching_point_of_many_shows_on_its_ground():
+def test_single_contact_points_are_visible():
     pressure = np.zeros((400, 300))
     pressure[201, 33] = 1e-3
-    found = survey.survey({"pressure": Whole(pressure)}, 20)
-    assert np.count_nonzero(found.means["contact"]) == 1
-    assert found.means["pressure"].max() == 1e-3  # not thinned by what does not touch
+    surveyed = survey.survey({"pressure": ReadField(pressure)}, 20)
+    assert np.count_nonzero(surveyed.means["contact"]) == 1
+    assert surveyed.means["pressure"].max() == 1e-3  # not averaged with points out of contact
     ground = matplotlib.colors.to_rgb(style.GROUND)
     for colours, behind in ((style.PRESSURE_MAP, ground), (style.CONTACT_MAP, (1, 1, 1))):
         for shade in colours(np.linspace(0, 1, 20))[:, :3]:
             assert np.abs(shade - behind).max() > 0.35
 
 
-def test_a_window_is_drawn_with_all_its_points():
+def test_windows_show_all_grid_points():
     file = write("run.h5", surface=UNITS)
     for window in ((2.5e-6, 5e-6, 0, 2.5e-6), ("2.5um", "5 um", "0", "2500nm")):
         (image,) = plot(file, "gap", step=1, window=window).axes[0].get_images()
@@ -432,24 +440,24 @@ def test_a_window_is_drawn_with_all_its_points():
             plot(file, window=wrong)
 
 
-def test_what_is_left_out_is_said(cli):
+def test_loads_left_out_are_named(cli):
     file = write("run.h5", n=(8, 6), steps=9)
-    assert "5 of 9 loads not shown" in texts(plot(file))
-    assert "not shown" not in texts(plot(file, "curves"))
+    assert "5 of 9 loads" in text_of(plot(file))
+    assert "not shown" not in text_of(plot(file, "curves"))
     assert len(plot(file, "distributions", step=range(9)).axes[0].patches) == 9
     assert "shown: step 0, 3, 5, 8; left out: 1, 2, 4, 6, 7" in cli.prints(
         "plot", file, "-o", "a.png", "--what", "maps"
     )
-    assert "step 4" in texts(plot(file, step=4))
+    assert "step 4" in text_of(plot(file, step=4))
 
 
-def test_what_there_is_not_is_refused():
+def test_missing_results_and_steps_are_refused():
     with refused("nothing to draw"):
         plot_result(write("empty.h5", steps=0))
     with refused("result: found none, allowed: a result or several"):
         hpc_gfmd.plot([])
     file = write("run.h5", n=(8, 6), fields=())
-    for how, words in (
+    for options, words in (
         ({"what": "map"}, 'what: found .map., nearest: "maps", allowed: curves'),
         ({"what": "maps"}, "need output.fields"),
         ({"what": "curves", "step": 7}, "step: found 7, allowed: 0, 1"),
@@ -457,38 +465,47 @@ def test_what_there_is_not_is_refused():
         ({"what": "curves", "step": 0.5}, r"step: found 0\.5, allowed: 0, 1"),
     ):
         with refused(words):
-            plot(file, **how)
+            plot(file, **options)
 
 
 def test_heights_of_an_array():
     heights = np.random.default_rng(1).normal(size=(30, 20)) * 1e-8
     fig = height_map(heights, (3e-6, 2e-6), "m", "a scan")
-    assert all(words in texts(fig) for words in ("a scan: 30 × 20 points", "$z$ (nm)", "$x$ (µm)"))
+    assert all(
+        words in text_of(fig) for words in ("a scan: 30 × 20 points", "$z$ (nm)", "$x$ (µm)")
+    )
     assert fig._repr_png_().startswith(b"\x89PNG")
     surface = make_surface("wave", amplitude="20 nm", n=[16, 8], physical_sizes=["2 um", "1 um"])
-    assert "$z$ (nm)" in texts(surface.plot())
+    assert "$z$ (nm)" in text_of(surface.plot())
 
 
 def test_survey_reads_slabs_and_keeps_means(monkeypatch):
     monkeypatch.setattr(survey, "SLAB_BYTES", 8 * 47 * 10)
     noise = np.random.default_rng(2).normal(size=(101, 47))
-    pressure, gap = Whole(np.maximum(noise, 0)), Whole(np.maximum(-noise, 0))
-    found = survey.survey({"pressure": pressure, "gap": gap}, 16)
-    assert pressure.most <= 10
-    assert found.means["contact"].shape == (15, 16)
-    assert found.means["contact"][0, 0] == (noise[:7, :3] > 0).mean()
+    pressure = ReadField(np.maximum(noise, 0))
+    gap = ReadField(np.maximum(-noise, 0))
+    surveyed = survey.survey({"pressure": pressure, "gap": gap}, 16)
+    assert pressure.largest_read <= 10
+    assert surveyed.means["contact"].shape == (15, 16)
+    assert surveyed.means["contact"][0, 0] == (noise[:7, :3] > 0).mean()
     block = noise[98:, 45:]
-    assert found.means["pressure"][-1, -1] == pytest.approx(block[block > 0].mean())
-    assert found.means["gap"][3, 5] == pytest.approx(np.maximum(-noise[21:28, 15:18], 0).mean())
-    assert found.largest["pressure"] == noise.max()
+    assert surveyed.means["pressure"][-1, -1] == pytest.approx(block[block > 0].mean())
+    assert surveyed.means["gap"][3, 5] == pytest.approx(np.maximum(-noise[21:28, 15:18], 0).mean())
+    assert surveyed.largest["pressure"] == noise.max()
 
 
 def rough_sweep(seed=1, **arguments):
-    """A few loads on a small wall, in units."""
+    """Solutions of three loads on a small wall, with units."""
     wall = hpc_gfmd.make_surface(
-        "self-affine", hurst=0.8, L_over_lam_l=1, lam_l_over_lam_s=8, lam_s_over_a=2, seed=seed,
-        physical_sizes=("10 um", "10 um"), h_rms="20 nm",
-    )  # fmt: skip
+        "self-affine",
+        hurst=0.8,
+        L_over_lam_l=1,
+        lam_l_over_lam_s=8,
+        lam_s_over_a=2,
+        seed=seed,
+        physical_sizes=("10 um", "10 um"),
+        h_rms="20 nm",
+    )
     loads = [f"{p} MPa" for p in (30, 100, 300)]
     return hpc_gfmd.solve(wall, loads, "110 GPa", **arguments)
 
@@ -504,14 +521,14 @@ def rough_sweep(seed=1, **arguments):
         ("fft_pairs", 1.0),
     ],
 )
-def test_any_number_of_the_loads_is_a_curve(name, unit):
+def test_curves_of_any_observable(name, unit):
     sweep = rough_sweep(observables=["conductance", "critical_gap", "patches", "percolation"])
     (ax,) = sweep.plot(name).axes
     (line,) = (line for line in ax.lines if len(line.get_xdata()) == 3)
     np.testing.assert_allclose(line.get_ydata(), sweep.values(name) / unit)
 
 
-def test_many_results_are_their_mean_and_scatter():
+def test_many_results_are_drawn_as_mean_and_scatter():
     sweeps = [rough_sweep(seed, fields=()) for seed in range(8)]
     fig = hpc_gfmd.plot(sweeps, "a_r")
     (ax,) = fig.axes
@@ -526,7 +543,7 @@ def test_many_results_are_their_mean_and_scatter():
     assert len(fig.legends[0].get_texts()) <= 3
 
 
-def test_loads_by_force_have_an_axis_of_forces():
+def test_force_axis():
     z = -np.add.outer(np.linspace(-1, 1, 24) ** 2, np.linspace(-1, 1, 24) ** 2) * 1e-6
     ball = hpc_gfmd.prepare_surface(z, physical_sizes=("20 um", "20 um"), unit="m", boundary="free")
     sweep = hpc_gfmd.solve(ball, force=["1 mN", "2 mN"], E_star="100 GPa")
@@ -535,7 +552,7 @@ def test_loads_by_force_have_an_axis_of_forces():
     np.testing.assert_allclose(ax.lines[0].get_xdata(), [1, 2])
 
 
-def test_a_cylinder_stands_beside_hertz():
+def test_cylinder_with_hertz_theory():
     surface = {"kind": "sphere", "radius": [10.0, float("inf")], "n": [128, 2]}
     surface |= {"physical_sizes": [2.0, 0.03125], "boundary": ["free", "periodic"]}
     tables = {"surface": surface, "load": {"pressure": [1e-3, 5e-3]}}
@@ -548,7 +565,7 @@ def test_a_cylinder_stands_beside_hertz():
     np.testing.assert_allclose(sweep.a_r, expected, rtol=0.05)
 
 
-def test_what_yields_is_marked_in_maps():
+def test_maps_mark_yielding_points():
     sweep = rough_sweep(hardness="2 GPa")
     yielded = sweep[2].pressure >= 0.99999 * 2e9
     assert yielded.any()
@@ -556,3 +573,37 @@ def test_what_yields_is_marked_in_maps():
     mark = ax.images[-1].get_array()
     assert (mark.count() > 0) == yielded.any()
     np.testing.assert_array_equal(~np.ma.getmaskarray(mark).T, yielded)
+
+
+def test_a_loop_of_approach_and_retraction_with_its_pull_off():
+    """Lines of both branches over loads of both signs; the pull-off is marked."""
+    loads = {"approach": [0.0, 0.1, 0.3], "retraction": [0.3, 0.1, 0.0, -0.005, -0.5]}
+    wall = make_surface(
+        "self-affine",
+        hurst=0.8,
+        L_over_lam_l=2,
+        lam_l_over_lam_s=4,
+        lam_s_over_a=4,
+        g_rms=1.0,
+        physical_sizes=(8.0, 8.0),
+        seed=1,
+    )
+    adhesion = {"work": np.pi * 0.01, "range": 0.1}
+    sweeps = {
+        name: hpc_gfmd.solve(wall, pressures, adhesion=adhesion, branch=name, fields=())
+        for name, pressures in loads.items()
+    }
+    assert sweeps["retraction"][-1].status == "separated"
+    (ax,) = hpc_gfmd.plot(sweeps, "a_r").axes
+    for name, bars in zip(sweeps, ax.containers, strict=True):
+        held = [solution for solution in sweeps[name] if solution.status == "converged"]
+        line = bars.lines[0]
+        assert bars.get_label() == name
+        assert line.get_linestyle() == "-"
+        np.testing.assert_allclose(line.get_xdata(), [solution.p for solution in held])
+        np.testing.assert_allclose(line.get_ydata(), [solution.a_r for solution in held])
+    (mark,) = (line for line in ax.lines if line.get_label() == "pull-off")
+    np.testing.assert_allclose(mark.get_xdata(), sweeps["retraction"].pull_off)
+    assert sweeps["retraction"].pull_off == -0.005
+    assert ax.get_xscale() == "linear"
+    assert ax.get_xlim()[0] < -0.005

@@ -1,5 +1,4 @@
-"""What ranks have and send, for any number of them: nobody has more than its share, and nothing is
-padded."""
+"""Memory, points and messages of ranks, for any number of them: evenly shared, without padding."""
 
 import os
 import tracemalloc
@@ -17,12 +16,13 @@ RANKS = [1, 2, 3, 7, 16, 60, 64, 96, 256, 1000, 1024, 4096, 16384, 65536]
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
 @pytest.mark.parametrize("n", SIZES)
-def test_no_rank_has_more_than_its_share(n, dtype):
-    """In points to work on, in memory and in messages: a tenth of the slab or a MiB more at
-    most."""
+def test_ranks_share_work_evenly(n, dtype):
+    """Points, memory and messages of the busiest rank exceed the mean by at most a tenth of the
+    slab, or one MiB."""
     for ranks in [k for k in RANKS if k <= n]:
         for share in busiest((n, n), dtype, ranks):
-            itemsize, slab = share.dtype.itemsize, n * n / ranks
+            itemsize = share.dtype.itemsize
+            slab = n * n / ranks
             more = max(0.1 * slab, MIB / itemsize)
             assert share.points <= slab + n
             assert share.coarse_points <= slab / 3 + more, (ranks, share.grid.comm.rank)
@@ -40,30 +40,30 @@ def test_no_rank_has_more_than_its_share(n, dtype):
     ("n", "ranks"),
     [((48, 30), 1), ((64, 64), 5), ((300, 200), 7), ((7, 11), 9), ((1, 40), 3), ((256, 512), 16)],
 )
-def test_everything_has_one_owner(n, ranks):
-    """All ranks together have all rows, columns, levels and coarser grids once, and every message
-    that is sent is received."""
+def test_rows_columns_and_messages_match(n, ranks):
+    """Every row, column, level and coarser grid has one owner, and every message sent is
+    received."""
     shares = [share_of(n, np.float64, ranks, rank) for rank in range(ranks)]
     assert sum(share.points for share in shares) == n[0] * n[1]
     assert (
         sum(share.layout.columns_held[rank] for rank, share in enumerate(shares)) == n[1] // 2 + 1
     )
     assert sum(share.level_points for share in shares) == sum(
-        a.n[0] * a.n[1] for a in shares[0].hierarchy[1][1:]
+        level.n[0] * level.n[1] for level in shares[0].hierarchy[1][1:]
     )
     grids = [grid for share in shares for grid in share.grids]
     for size in {grid.n for grid in grids}:
         assert sum(grid.shape[0] for grid in grids if grid.n == size) == size[0]
-    for a, share in enumerate(shares):
-        for b, other in enumerate(shares):
-            for step, of_other in zip(share.hierarchy[0], other.hierarchy[0], strict=True):
+    for rank, share in enumerate(shares):
+        for other_rank, other_share in enumerate(shares):
+            for step, other_step in zip(share.hierarchy[0], other_share.hierarchy[0], strict=True):
                 for adding in (True, False):
-                    assert step.windows.sent_rows(adding).get(b, 0) == of_other.windows.sent_rows(
-                        not adding
-                    ).get(a, 0)
+                    sent = step.windows.sent_rows(adding).get(other_rank, 0)
+                    received = other_step.windows.sent_rows(not adding).get(rank, 0)
+                    assert sent == received
 
 
-def test_plan_says_it(tmp_path, cli, monkeypatch):
+def test_plan_shows_shares_and_messages(tmp_path, cli, monkeypatch):
     def planned(*args):
         return cli.data("plan scene.toml", *args)
 
@@ -79,10 +79,10 @@ def test_plan_says_it(tmp_path, cli, monkeypatch):
 
     def sent(per_node):
         shares = busiest((65536, 65536), np.float32, 4096, per_node)
-        return tuple(np.max([one.traffic for one in shares], axis=0))
+        return tuple(np.max([busy.traffic for busy in shares], axis=0))
 
     assert (plan["message_bytes_per_pair"], plan["messages_per_pair"]) == sent(48) < sent(1)
-    # By default as many share a node as this machine's cores are enough for, or as Slurm says.
+    # By default, ranks per node follow from this machine's cores or from Slurm.
     monkeypatch.setattr(os, "sched_getaffinity", lambda pid: set(range(12)))
     for environment, threads, per_node in (
         ({}, 3, 4),
@@ -101,8 +101,8 @@ def test_plan_says_it(tmp_path, cli, monkeypatch):
 
 
 @pytest.mark.parametrize("n", [2**24, 2**20])
-def test_a_plan_takes_no_memory(n):
-    """Not even as much as a table of an axis for each level."""
+def test_shares_of_large_grids_need_little_memory(n):
+    """Less than one table along an axis per level."""
     tracemalloc.start()
     try:
         share = share_of((n, n), np.float32, 1)

@@ -1,4 +1,4 @@
-"""Means and scatter of several results, in memory, as files and by the commands."""
+"""Means and scatter of several results, in memory, from files and by commands."""
 
 import numpy as np
 import pytest
@@ -10,6 +10,7 @@ LOADS = [0.05, 0.2]
 
 
 def solved(seed, loads=LOADS, **arguments):
+    """Solutions of a small wall; arguments: of hpc_gfmd.solve."""
     wall = hpc_gfmd.make_surface(
         "self-affine", hurst=0.8, L_over_lam_l=1, lam_l_over_lam_s=8, lam_s_over_a=2, seed=seed
     )
@@ -32,7 +33,7 @@ def test_mean_and_scatter_are_those_of_the_results(results):
     assert ensemble.load in ("p", "p_star")
 
 
-def test_it_is_shown_and_drawn(results):
+def test_table_and_plot(results):
     ensemble = hpc_gfmd.Ensemble(results)
     text = ensemble.table()
     assert len(text.splitlines()) == 2 + len(LOADS) + 1
@@ -42,7 +43,7 @@ def test_it_is_shown_and_drawn(results):
     assert len(ensemble.plot("a_r").axes) == 1
 
 
-def test_solve_many_makes_one():
+def test_ensemble_of_solve_many():
     walls = [
         hpc_gfmd.make_surface(
             "self-affine", hurst=0.8, L_over_lam_l=1, lam_l_over_lam_s=8, lam_s_over_a=2, seed=seed
@@ -53,9 +54,9 @@ def test_solve_many_makes_one():
     np.testing.assert_allclose(ensemble.results[1].a_r, solved(1).a_r)
 
 
-def test_files_are_shown_and_drawn_together(results, cli, tmp_path):
+def test_show_and_plot_several_files(results, cli, tmp_path):
     paths = [result.save(tmp_path / f"{k}.h5") for k, result in enumerate(results)]
-    assert "standard deviation over 3 results" in cli.prints("show", *paths)
+    assert "3 results" in cli.prints("show", *paths)
     data = cli.data("show", *paths)
     ensemble = hpc_gfmd.Ensemble(results)
     np.testing.assert_allclose(data["loads"]["a_r_std"], ensemble.std("a_r"))
@@ -66,7 +67,7 @@ def test_files_are_shown_and_drawn_together(results, cli, tmp_path):
     assert "one file" in cli.refused("plot", *paths, "--step", "0")
 
 
-def test_what_does_not_belong_together_is_refused(results):
+def test_results_that_do_not_match_are_refused(results):
     with pytest.raises(SceneError, match="two or more"):
         hpc_gfmd.Ensemble(results[:1])
     with pytest.raises(SceneError, match="2, 3 loads"):

@@ -1,4 +1,4 @@
-"""What a run says before it compiles."""
+"""Messages about compilation."""
 
 import numba
 import numpy as np
@@ -10,53 +10,54 @@ from hpc_gfmd.runs import in_memory
 
 
 @pytest.mark.parametrize(
-    ("kept", "said"),
+    ("existing", "words"),
     [
-        ("nothing", "compiling, once"),
-        ("of_make_surface.kernel", "compiling, once"),
-        ("update_passes.kernel", "compiling what this scene needs in addition"),
+        ("nothing", "once"),
+        ("of_make_surface.kernel", "once"),
+        ("update_passes.kernel", "in addition"),
     ],
 )
-def test_compiling_is_announced_once_and_only_if_something_is_compiled(
-    tmp_path, monkeypatch, kept, said
-):
+def test_compilation_is_announced_once(tmp_path, monkeypatch, existing, words):
     monkeypatch.setattr(cache, "folder", lambda: tmp_path)
-    (tmp_path / kept).touch()
-    told, functions = [], [numba.njit(lambda x, k=k: x + k) for k in range(2)]
-    with cache.on_first_compile(told.append):
-        assert not told
+    monkeypatch.setattr(cache, "TOLD_SECONDS", np.inf)  # no second message about the time
+    (tmp_path / existing).touch()
+    messages = []
+    functions = [numba.njit(lambda x, k=k: x + k) for k in range(2)]
+    with cache.on_first_compile(messages.append):
+        assert not messages
         assert [function(1) for function in functions] == [1, 2]
-    assert len(told) == 1
-    assert told[0].startswith(said)
-    with cache.on_first_compile(told.append):
+    assert len(messages) == 1
+    assert messages[0].startswith("compiling")
+    assert words in messages[0]
+    with cache.on_first_compile(messages.append):
         assert functions[0](2) == 2
-    assert len(told) == 1
+    assert len(messages) == 1
     with cache.on_first_compile(None):
         assert numba.njit(lambda x: -x)(1) == -1
 
 
-def test_it_is_said_if_nothing_can_be_kept(monkeypatch):
+def test_message_without_a_cache(monkeypatch):
     monkeypatch.setattr(cache, "folder", lambda: None)
-    told = []
-    with cache.on_first_compile(told.append):
+    messages = []
+    with cache.on_first_compile(messages.append):
         assert numba.njit(lambda x: x - 1)(1) == 0
-    assert len(told) == 1
-    assert "every" in told[0]
-    assert "HPC_GFMD_CACHE" in told[0]
+    assert len(messages) == 1
+    assert "every" in messages[0]
+    assert "HPC_GFMD_CACHE" in messages[0]
 
 
-def test_how_long_it_took_is_said(monkeypatch):
-    """After it, where that is long enough to be noticed."""
-    for least, count in ((0.0, 2), (np.inf, 1)):
-        monkeypatch.setattr(cache, "TOLD_SECONDS", least)
-        told = []
-        with cache.on_first_compile(told.append):
+def test_compilation_time_is_reported(monkeypatch):
+    """Only if it is longer than TOLD_SECONDS."""
+    for shortest, count in ((0.0, 2), (np.inf, 1)):
+        monkeypatch.setattr(cache, "TOLD_SECONDS", shortest)
+        messages = []
+        with cache.on_first_compile(messages.append):
             assert numba.njit(lambda x: x - 2)(1) == -1
-        assert len(told) == count
+        assert len(messages) == count
 
 
 @pytest.mark.parametrize("progress", [False, True])
-def test_a_solve_in_python_says_that_it_compiles(progress, monkeypatch, capsys):
+def test_solve_announces_compilation(progress, monkeypatch, capsys):
     """On standard error, with and without progress=True."""
     original = in_memory.sweep_of
 

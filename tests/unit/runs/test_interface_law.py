@@ -1,4 +1,4 @@
-"""A law of an interface follows the loads it is made of, from few of them."""
+"""Interface laws interpolate few loads within the requested error."""
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ def wall(seed=1):
 
 
 def formula(quantity):
-    """A sampler of one surface whose a_r is a function of the pressure, and the number of calls."""
+    """(sampler of one surface whose a_r is a function of pressure, list of pressures sampled)."""
     calls = []
 
     def sample(pressures):
@@ -31,7 +31,7 @@ def formula(quantity):
     return sample, calls
 
 
-def test_a_power_needs_five_loads():
+def test_power_laws_need_five_loads():
     sample, calls = formula(lambda p: p**0.9)
     curves = _Curves(["a_r"], 0.01)
     curves.refine(sample, 1.0, 1000.0)
@@ -39,7 +39,7 @@ def test_a_power_needs_five_loads():
 
 
 @pytest.mark.parametrize("error", [0.05, 0.01, 0.001])
-def test_the_law_deviates_by_less_than_asked(error):
+def test_deviation_is_below_the_requested_error(error):
     def saturating(p):
         return p / (1 + p) * (1 + 0.2 * np.tanh(3 * np.log(p / 7)))
 
@@ -55,7 +55,7 @@ def test_the_law_deviates_by_less_than_asked(error):
     assert len(calls) < 12 / error**0.5
 
 
-def test_a_jump_is_narrowed_down_to_the_error():
+def test_jumps_are_located_within_the_error():
     sample, _ = formula(lambda p: float(p < 3.7))
     curves = _Curves(["a_r"], 0.01)
     curves.refine(sample, 1.0, 10.0)
@@ -66,7 +66,7 @@ def test_a_jump_is_narrowed_down_to_the_error():
     assert np.log(first_tight / last_open) <= 0.01
 
 
-def test_the_law_of_a_wall_agrees_with_single_loads():
+def test_law_of_a_wall_agrees_with_single_loads():
     surface = wall()
     law = interface_law(surface, 0.01, 0.5, 0.02, E_star=1.0)
     for p in (0.02, 0.11, 0.37):
@@ -78,7 +78,7 @@ def test_the_law_of_a_wall_agrees_with_single_loads():
     assert law.gap_at_touch == pytest.approx(surface.heights.max() - surface.heights.mean())
 
 
-def test_a_scene_gives_the_law_of_its_surface(tmp_path):
+def test_law_of_a_scene(tmp_path):
     path = tmp_path / "scene.toml"
     path.write_text(scene_text((2, 8, 4)))
     of_scene = interface_law(path, 0.01, 0.5, 0.02)
@@ -91,7 +91,7 @@ def test_a_scene_gives_the_law_of_its_surface(tmp_path):
     assert of_scene.gap_at_touch == pytest.approx(of_heights.gap_at_touch)
 
 
-def test_the_law_of_several_walls_is_their_mean_with_scatter(tmp_path):
+def test_law_of_several_realisations(tmp_path):
     path = tmp_path / "scene.toml"
     path.write_text(scene_text((2, 8, 4)))
     law = interface_law(path, 0.02, 0.2, 0.05, quantities=["a_r", "gap_mean"], realisations=3)
@@ -101,7 +101,7 @@ def test_the_law_of_several_walls_is_their_mean_with_scatter(tmp_path):
     assert law.scatter["a_r"][0] == pytest.approx(np.std(areas, ddof=1), rel=0.1)
 
 
-def test_a_quantity_without_a_value_says_why():
+def test_missing_quantities_have_a_reason():
     law = interface_law(
         wall(), 0.05, 0.2, 0.05, quantities=["a_r", "conductance"], thickness=0.1, nu=0.3
     )
@@ -121,6 +121,6 @@ def test_a_quantity_without_a_value_says_why():
         ({"start": 0.1, "stop": 0.5, "realisations": 2}, "realisations"),
     ],
 )
-def test_what_makes_no_sense_is_refused(arguments, reason):
+def test_bad_arguments_are_refused(arguments, reason):
     with pytest.raises(SceneError, match=reason):
         interface_law(wall(), **arguments)

@@ -1,5 +1,5 @@
-"""Requests to stop are heard between two iterations, too, and signal handlers come back; who
-started this process can be said."""
+"""Signals and wall time stop a run before the first and between iterations; signal handlers are
+restored."""
 
 import os
 import signal
@@ -20,13 +20,12 @@ SCENE = {"surface": rough(), "load": {"p_star": [0.1, 0.3]}, "output": {"path": 
 
 
 def killing(function, n):
-    """The same, with a SIGTERM to this process before it is called for a grid of n x n points (that
-    of compiling has others)."""
+    """Wrap a function: before calls with a grid of n x n points, this process gets SIGTERM."""
 
-    def call(what, *args, **kwargs):
-        if getattr(what, "grid", what).n == (n, n):
+    def call(argument, *args, **kwargs):
+        if getattr(argument, "grid", argument).n == (n, n):
             os.kill(os.getpid(), signal.SIGTERM)
-        return function(what, *args, **kwargs)
+        return function(argument, *args, **kwargs)
 
     return call
 
@@ -34,9 +33,8 @@ def killing(function, n):
 @pytest.mark.parametrize(
     ("module", "name", "n"), [(selfaffine, "rms_of_columns", 64), (nested, "roughly_solved", 32)]
 )
-def test_stops_before_the_first_iteration(module, name, n, monkeypatch):
-    """No iteration on the finest grid, the exit code of a signal, and a restart that ends as if
-    nothing had happened."""
+def test_run_stops_before_the_first_iteration(module, name, n, monkeypatch):
+    """No iteration on the finest grid; the restart gives the uninterrupted result."""
     before = signal.getsignal(signal.SIGTERM)
     with monkeypatch.context() as patched:
         patched.setattr(module, name, killing(getattr(module, name), n))
@@ -45,16 +43,16 @@ def test_stops_before_the_first_iteration(module, name, n, monkeypatch):
     assert signal.getsignal(signal.SIGTERM) == before
     assert not Path("out.h5").exists()
     assert not Path("out.h5.partial/checkpoint.h5").exists()
-    again = restart("out.h5", quiet=True)
-    assert again.status == "converged"
+    resumed = restart("out.h5", quiet=True)
+    assert resumed.status == "converged"
     whole = run_scene(Scene.from_dict(SCENE), out="whole.h5", quiet=True)
-    for found, wanted in zip(again.steps, whole.steps, strict=True):
-        assert (found["a_r"], found["gap_mean"]) == (wanted["a_r"], wanted["gap_mean"])
+    for name in ("a_r", "gap_mean"):
+        assert [step[name] for step in resumed.steps] == [step[name] for step in whole.steps]
     assert read_result("out.h5").status == "converged"
 
 
-def test_only_the_run_itself_is_stopped():
-    """What a rank does on its own, such as compiling, must not end on one rank alone."""
+def test_only_the_communicator_of_the_run_is_stopped():
+    """Work of single ranks, such as compilation, must not stop on one rank alone."""
     comm = SerialComm()
     with Interrupt(comm) as interrupt:
         os.kill(os.getpid(), signal.SIGUSR1)
@@ -65,8 +63,8 @@ def test_only_the_run_itself_is_stopped():
     check(comm)
 
 
-def test_time_that_is_up_stops_after_an_iteration():
-    """So that a run gets on, however little time it has."""
+def test_deadline_stops_after_an_iteration():
+    """Runs make progress in any wall time."""
     comm = SerialComm()
     with Interrupt(comm, deadline=-1.0) as interrupt:
         check(comm)
@@ -74,7 +72,7 @@ def test_time_that_is_up_stops_after_an_iteration():
         assert interrupt.exit_code == 143
 
 
-def test_handlers_come_back():
+def test_signal_handlers_are_restored():
     def handler(number, frame):
         pass
 

@@ -1,4 +1,4 @@
-"""Loads that are given by what they do: in scenes, in calls, in results."""
+"""Loads prescribed by gap, area, force or approach: in scenes, solve and results."""
 
 import re
 
@@ -14,7 +14,7 @@ from hpc_gfmd.scene import Scene
 SI = {"physical_sizes": ["1 mm", "1 mm"], "h_rms": "1 um", "boundary": "free"}
 
 
-def test_accepted_and_written_as_given():
+def test_prescribed_loads_of_scenes():
     for table, data in [
         ({"gap_mean": ["50 nm", 0]}, tables({"physical_sizes": ["1 mm", "1 mm"], "h_rms": "1 um"})),
         ({"force": "5 mN"}, tables(SI, material={"E_star": "1 GPa"})),
@@ -31,8 +31,7 @@ def test_accepted_and_written_as_given():
 
 
 def test_run_plan_and_show(tmp_path, cli):
-    """The result has the pressure that was found and what was asked for; what cannot be had ends
-    with one line and exit code 2."""
+    """Results hold the prescribed value and the pressure; impossible values are refused."""
     (tmp_path / "scene.toml").write_text(scene_text(load={"gap_over_h_rms": [0.4, 0.3]}))
     assert cli.data("plan scene.toml")["loads"] == 2
     cli.prints("run scene.toml -q")
@@ -42,31 +41,31 @@ def test_run_plan_and_show(tmp_path, cli):
         assert step["gap_over_h_rms"] == pytest.approx(wanted, rel=1e-3)
         assert step["p"] == pytest.approx(step["p_star"])
     assert steps[0]["p"] < steps[1]["p"]
-    assert "asked: gap/h_rms" in cli.prints("show contact.h5")
+    assert "gap/h_rms" in cli.prints("show contact.h5")
     error = cli.refused("run scene.toml --set", "load={gap_over_h_rms = 30}", "-o", "never.h5")
     assert "load.gap_over_h_rms: found 30, allowed: below " in error
     assert not list(tmp_path.glob("never*"))
 
 
-def test_solve_takes_them():
-    """The same contacts by any name of their loads; a list gives a list."""
+def test_solve_with_prescribed_loads():
+    """All kinds of loads give the same contact; a list gives Solutions."""
     z = random_heights((48, 48), seed=2)
-    one = hpc_gfmd.solve(z, 0.3, boundary="free", E_star=2.0)
-    force = hpc_gfmd.solve(z, force=0.3, boundary="free", E_star=2.0)
-    assert force.a_r == one.a_r
+    by_pressure = hpc_gfmd.solve(z, 0.3, boundary="free", E_star=2.0)
+    by_force = hpc_gfmd.solve(z, force=0.3, boundary="free", E_star=2.0)
+    assert by_force.a_r == by_pressure.a_r
     for name in ("gap_mean", "a_r", "approach"):
-        value = one.observable("approach") if name == "approach" else getattr(one, name)
-        found = hpc_gfmd.solve(z, boundary="free", E_star=2.0, **{name: [value]})
-        assert len(found) == 1
+        value = by_pressure.value(name)
+        solutions = hpc_gfmd.solve(z, boundary="free", E_star=2.0, **{name: [value]})
+        assert len(solutions) == 1
         if name == "a_r":
-            # 13 points: many a pressure gives them
-            assert found[0].a_r == pytest.approx(value, abs=1.001 / z.size)
+            # a range of pressures gives the same 13 points
+            assert solutions[0].a_r == pytest.approx(value, abs=1.001 / z.size)
         else:
-            assert found[0].pressure.mean() == pytest.approx(0.3, rel=2e-2)
+            assert solutions[0].pressure.mean() == pytest.approx(0.3, rel=2e-2)
 
 
 def test_units_of_a_height_map(tmp_path, cli):
-    """Lengths and forces beside it have units where it has, and those of the result are SI."""
+    """Loads need units if the map has one; results are in SI units."""
     np.save("z.npy", random_heights((32, 32), seed=1))
     text = (
         'surface = {kind = "file", path = "z.npy", unit = "nm", physical_sizes = ["1 um", "1 um"],'

@@ -1,4 +1,4 @@
-"""Many surfaces in several processes: what comes out, in which order, and that nothing is left."""
+"""solve_many: results and their order, errors, and no processes left behind."""
 
 import os
 import signal
@@ -24,13 +24,13 @@ for found in hpc_gfmd.solve_many(itertools.repeat(wall), 0.01, processes=2):
 
 
 def workers(program):
-    """The processes that a program of this name has begun."""
+    """Command lines of the worker processes of a program."""
     lines = [path.read_bytes() for path in Path("/proc").glob("[0-9]*/cmdline") if path.exists()]
     return [line for line in lines if b"runs.many" in line and str(program).encode() in line]
 
 
-def test_the_same_as_one_by_one():
-    """In the order of the surfaces, errors in their places; few surfaces are made ahead."""
+def test_results_agree_with_single_solves():
+    """Results and errors are in the order of surfaces, of which few are made ahead."""
     walls = [hpc_gfmd.make_surface(**rough((1, 8, 2), seed=seed)) for seed in range(7)]
     walls[2] = np.full((8, 8), np.nan)
     made = []
@@ -38,17 +38,17 @@ def test_the_same_as_one_by_one():
         (made.append(wall) or wall for wall in walls), p_star=LOADS, processes=1, accuracy=1e-2
     )
     assert made == []
-    for k, (found, wall) in enumerate(zip(several, walls, strict=True)):
+    for k, (result, wall) in enumerate(zip(several, walls, strict=True)):
         assert len(made) <= k + 3
         if k == 2:
-            assert isinstance(found, hpc_gfmd.SceneError)
-            assert "found nan at (0, 0)" in str(found)
+            assert isinstance(result, hpc_gfmd.SceneError)
+            assert "found nan at (0, 0)" in str(result)
         else:
             wanted = hpc_gfmd.solve(wall, p_star=LOADS, accuracy=1e-2)
-            assert found.values("a_r").tolist() == wanted.values("a_r").tolist()
+            assert result.values("a_r").tolist() == wanted.values("a_r").tolist()
 
 
-def test_one_that_dies_and_one_that_does_not_converge(monkeypatch):
+def test_dying_and_unconverged_surfaces(monkeypatch):
     class Deadly(np.ndarray):
         def __reduce__(self):
             return os._exit, (3,)
@@ -56,23 +56,23 @@ def test_one_that_dies_and_one_that_does_not_converge(monkeypatch):
     surfaces = [random_heights((8, 8)), random_heights((8, 8)).view(Deadly)] * 2
     several = hpc_gfmd.solve_many(surfaces, 0.1, processes=1, max_iterations=1, accuracy=1e-9)
     with pytest.warns(hpc_gfmd.NotConverged, match="surface [02]: not converged") as warned:
-        found = list(several)
-    assert sum("surface" in str(one.message) for one in warned) == 2
-    assert [type(one).__name__ for one in found] == ["Solutions", "GfmdError"] * 2
-    assert "3" in str(found[1])  # exit code of the process
+        results = list(several)
+    assert sum("surface" in str(item.message) for item in warned) == 2
+    assert [type(item).__name__ for item in results] == ["Solutions", "GfmdError"] * 2
+    assert "3" in str(results[1])  # exit code of the process
 
 
 @pytest.mark.parametrize(
-    "how", [{"processes": 0}, {"processes": "all"}, {"threads": 2}, {"pressure": 0.2}]
+    "options", [{"processes": 0}, {"processes": "all"}, {"threads": 2}, {"pressure": 0.2}]
 )
-def test_refused(how):
-    name = next(iter(how))
+def test_bad_arguments_are_refused(options):
+    name = next(iter(options))
     with refused(f"{name}: found"):
-        hpc_gfmd.solve_many([], 0.1, **how)
+        hpc_gfmd.solve_many([], 0.1, **options)
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
-def test_nothing_is_left_of_a_program_that_is_stopped(tmp_path, number):
+def test_no_workers_survive_a_stopped_program(tmp_path, number):
     (tmp_path / "endless.py").write_text(ENDLESS)
     with subprocess.Popen(
         [sys.executable, "endless.py"], cwd=tmp_path, stdout=subprocess.PIPE, stderr=-3, text=True

@@ -1,4 +1,4 @@
-"""The memory of a plan, against what runs really take."""
+"""The forecast of memory against measurements."""
 
 import json
 import os
@@ -14,11 +14,12 @@ from hpc_gfmd.scene import Scene
 from hpc_gfmd.surface import cell_of
 
 PEAK = Path(__file__).with_name("peak.py")
-ABOVE = 0.25  # of what is taken, at most
-LIBRARIES_GIB = 0.1  # of files in the forecast, which peak.py leaves out
+ABOVE = 0.25  # largest relative excess of the forecast
+LIBRARIES_GIB = 0.1  # pages of files in the forecast, which peak.py leaves out
 
 
 def scene(n, p_star=(0.1,), threads=1, fields=(), observables=None, boundary="periodic", **solver):
+    """Tables of a scene with n x n points; solver: keys of [solver]."""
     output = {"fields": list(fields)} | ({"observables": observables} if observables else {})
     return {
         "surface": rough((2, n // 4, 2)) | {"boundary": boundary},
@@ -30,15 +31,15 @@ def scene(n, p_star=(0.1,), threads=1, fields=(), observables=None, boundary="pe
 
 
 def measured(table, ranks, folder):
-    """GiB on the rank that takes most, and the precisions of the loads."""
-    found = mpi_harness.json_of(
+    """(GiB on the largest rank, precisions of the loads)."""
+    output = mpi_harness.json_of(
         ranks if ranks > 1 else None, [PEAK, json.dumps(table), folder / f"{ranks}.h5"], timeout=600
     )
-    return found["gib"], found["precisions"]
+    return output["gib"], output["precisions"]
 
 
 def forecast(table, ranks, precision, threads):
-    """GiB on the largest rank, without files."""
+    """Forecast GiB on the largest rank, without pages of files."""
     scene = Scene.from_dict(table)
     n = scene.surface.n
     cell = cell_of(n, scene.surface.free, (1.0, 1.0))
@@ -47,10 +48,11 @@ def forecast(table, ranks, precision, threads):
 
 
 def check(table, ranks, folder, precision):
-    """Not less than what is taken; nor much more, with as many threads as run at once."""
+    """The forecast is at least the measured memory, and at most 25 % above it with the threads that
+    run at once."""
     if ranks > 1 and mpi_harness.missing():
         pytest.skip(f"{mpi_harness.missing()} is missing")
-    measured(table | {"surface": scene(64)["surface"]}, ranks, folder)  # compiles
+    measured(table | {"surface": scene(64)["surface"]}, ranks, folder)  # compiles kernels
     threads = table["machine"]["threads"]
     at_once = min(threads, max(1, len(os.sched_getaffinity(0)) // ranks))
     gib, precisions = measured(table, ranks, folder)
@@ -60,8 +62,8 @@ def check(table, ranks, folder, precision):
 
 
 FREE = {"boundary": "free", "low_memory": True, "precision": "single"}
-# where single precision cannot tell so few points apart, all is in double
-WAYS = {
+# few points in contact need double precision
+CASES = {
     "quick, few points": (scene(1024, [1e-4]), "float64"),
     "quick, free edges": (scene(1024, accuracy=1e-2, **FREE), "float32"),
     "small": (scene(1024), "float32"),
@@ -97,10 +99,10 @@ WAYS = {
         pytest.param(
             name, ranks, marks=() if name[:5] == "quick" and ranks == 1 else pytest.mark.slow
         )
-        for name in WAYS
+        for name in CASES
         for ranks in (1, 2)
     ],
 )
 def test_memory(name, ranks, tmp_path):
-    table, precision = WAYS[name]
+    table, precision = CASES[name]
     check(table, ranks, tmp_path, precision)

@@ -1,5 +1,4 @@
-"""The memory that a run may have: of the machine, of the control groups around it, of the
-process."""
+"""The memory available to a run (machine, control groups, process), and what a plan shows."""
 
 import re
 import resource
@@ -28,7 +27,8 @@ solver.precision = "double"
 LOW = 'load = {pressure = 0.1} ; solver = {precision = "single", low_memory = true}'
 
 
-def group(folder, limit, used, cached=0, version=2):
+def write_group(folder, limit, used, cached=0, version=2):
+    """Write the files of a control group, in bytes; cached: of `used`, file contents."""
     folder.mkdir(parents=True, exist_ok=True)
     names = ("max", "current") if version == 2 else ("limit_in_bytes", "usage_in_bytes")
     for name, value in zip(names, (limit, used), strict=True):
@@ -45,15 +45,15 @@ def assert_too_little(words):
     ("version", "top", "line"),
     [(2, "", "0::/system/job_7/step_0"), (1, "memory", "4:memory:/system/job_7/step_0")],
 )
-def test_the_tightest_control_group_counts(tmp_path, monkeypatch, version, top, line):
-    """That of a batch job is seldom the innermost one; file contents that are only cached do not
-    count as used."""
+def test_tightest_control_group_is_the_limit(tmp_path, monkeypatch, version, top, line):
+    """Limits of batch jobs are often in an outer group; cached files do not count as used."""
     root = tmp_path / "root"
-    outer, inner = root / top / "system/job_7", root / top / "system/job_7/step_0"
-    group(inner, "max" if version == 2 else 2**63 - 4096, GIB, version=version)
-    group(outer, GIB // 2, GIB // 4, GIB // 8, version=version)
-    (tmp_path / "own").write_text(f"3:cpu:/elsewhere\n{line}\n")
-    folders = machine.control_groups(root, tmp_path / "own")
+    outer = root / top / "system/job_7"
+    inner = root / top / "system/job_7/step_0"
+    write_group(inner, "max" if version == 2 else 2**63 - 4096, GIB, version=version)
+    write_group(outer, GIB // 2, GIB // 4, GIB // 8, version=version)
+    (tmp_path / "cgroup").write_text(f"3:cpu:/elsewhere\n{line}\n")
+    folders = machine.control_groups(root, tmp_path / "cgroup")
     assert inner in folders
     assert not any("elsewhere" in str(folder) for folder in folders)
     monkeypatch.setattr(machine, "control_groups", lambda: folders)
@@ -66,7 +66,7 @@ def test_no_control_groups(tmp_path):
     assert 0 < machine.available_gib() < 1e6
 
 
-def test_the_limit_of_the_process(monkeypatch):
+def test_limit_of_the_process(monkeypatch):
     assert machine.limit_gib() > 1
     monkeypatch.setattr(resource, "getrlimit", lambda _: (2 * GIB, 2 * GIB))
     assert 0 < machine.limit_gib() < 2
@@ -79,41 +79,41 @@ def test_ranks_share_the_points():
     assert few == pytest.approx(8 * many, rel=0.1)
 
 
-def test_a_scene_of_few_points_is_checked_in_double(monkeypatch):
+def test_scenes_of_few_points_need_memory_for_double(monkeypatch):
     scene = scene_of("load = {p_star = [1e-4]}")
     grid = Grid((1024, 1024))
-    asked = []
+    needed_gib = []
     monkeypatch.setattr(capacity, "available_gib", lambda: 0.0)
     for p_star in (0.1, 1e-4):
         scene = scene_of(f"load = {{p_star = [{p_star}]}}")
         with pytest.raises(SceneError) as error:
             capacity.require_memory(SerialComm(), scene, grid, 1)
-        asked.append(float(re.search(r"need ([\d.]+) GiB", str(error.value))[1]))
+        needed_gib.append(float(re.search(r"need ([\d.]+) GiB", str(error.value))[1]))
     wanted = [memory.memory_of(scene, grid.n, itemsize, 1) for itemsize in (4, 8)]
-    assert asked == pytest.approx(wanted, abs=0.01)
-    assert asked[0] < asked[1]
+    assert needed_gib == pytest.approx(wanted, abs=0.01)
+    assert needed_gib[0] < needed_gib[1]
 
 
-def test_low_memory_of_a_surface_without_a_spectrum_is_refused():
-    """By the run, in one line; the plan knows nothing of it."""
+def test_low_memory_needs_a_self_affine_surface():
+    """The run refuses other surfaces; the forecast does not check them."""
     scene = scene_of(f'surface = {{kind = "wave", amplitude = 0.01, n = [32, 32]}} ; {LOW}')
     assert memory.memory_of(scene, (32, 32), 4, 1) > 0
     with refused('solver.low_memory: found true, allowed: with surface.kind = "self-affine"'):
         run_scene(scene, comm=SerialComm(), quiet=True)
 
 
-def test_a_map_is_resampled_in_what_the_plan_has_for_it():
-    """A few rows of it are read at a time."""
+def test_resampling_stays_within_the_forecast():
+    """The map is read a few rows at a time."""
     np.save("z.npy", np.zeros((2048, 2048)))
     surface = '{kind = "file", path = "z.npy", physical_sizes = [1, 1], downsample = 8}'
     scene = scene_of(f"surface = {surface} ; load = {{pressure = 0.1}}")
-    for _ in range(2):  # at first there are imports
+    for _ in range(2):  # the first pass includes imports
         tracemalloc.start()
         build_surface(scene.surface, SerialComm(), np.float64)
-        most = tracemalloc.get_traced_memory()[1] / GIB
+        peak_gib = tracemalloc.get_traced_memory()[1] / GIB
         tracemalloc.stop()
     forecast = memory.memory_of(scene, (256, 256), 4, 1) - memory.PROCESS_GIB
-    assert most < 2 * forecast < 2048**2 * 8 / GIB
+    assert peak_gib < 2 * forecast < 2048**2 * 8 / GIB
 
 
 SURFACES = {
@@ -136,8 +136,7 @@ wave | pressure = 0.1 | float32
 """),
 )
 def test_precision_of_a_plan(surface, load, precision):
-    """What "auto" will do, as far as it is known; where it is not, as where rounding errors count,
-    the plan has both."""
+    """The choice of precision = "auto", and both forecasts if it depends on the solution."""
     scene = scene_of(f"surface = {SURFACES[surface]} ; load = {{{load}}}")
     plan = plan_of(scene, scene.surface.n, (1.0, 1.0), 4, 2, 1, 2)
     assert plan["precision"] == precision.split()
@@ -148,6 +147,6 @@ def test_precision_of_a_plan(surface, load, precision):
     assert plan["gib_per_node"] == pytest.approx(2 * plan["gib_per_rank"])
 
 
-def test_durations_are_read_by_people():
-    found = [duration(s) for s in (0.012, 0.346, 4.4, 111.0, 12345.0)]
-    assert found == ["0.012 s", "0.35 s", "4.4 s", "110 s", "12000 s"]
+def test_durations_have_two_digits():
+    texts = [duration(s) for s in (0.012, 0.346, 4.4, 111.0, 12345.0)]
+    assert texts == ["0.012 s", "0.35 s", "4.4 s", "110 s", "12000 s"]

@@ -1,5 +1,4 @@
-"""Whoever looks at a result, in whatever way, is told when it is less than was asked for, or says
-little."""
+"""Notes on poor convergence, few points and doubtful input appear in every view of a result."""
 
 import re
 import warnings
@@ -21,24 +20,24 @@ def z():
 
 @pytest.fixture
 def run(tmp_path, cli):
-    """run(p_star, accuracy, precision): (exit code, table of the run, `show`, `show --json`,
-    `plot`)."""
+    """run(p_star, accuracy, precision) solves a scene: (exit code, table of the run, `show`, `show
+    --json`, `plot`)."""
 
     def solve(p_star, accuracy=1e-3, precision="auto"):
         solver = {"accuracy": accuracy, "precision": precision}
         (tmp_path / "scene.toml").write_text(scene_text((2, 16, 2), p_star, solver=solver))
-        done = cli("run scene.toml")
+        completed = cli("run scene.toml")
         shown, plotted = (cli.prints(f"{command} contact.h5") for command in ("show", "plot"))
-        return done.code, done.out, shown, cli.data("show contact.h5"), plotted
+        return completed.code, completed.out, shown, cli.data("show contact.h5"), plotted
 
     return solve
 
 
-def test_a_step_that_is_not_converged_is_marked_everywhere(run):
+def test_unconverged_steps_are_marked_everywhere(run):
     code, table, shown, data, plotted = run([0.05, 0.4], 1e-9, "single")
     assert code == 3
     for text in (table, shown):
-        assert "! step 1: NOT CONVERGED (stagnated), less accurate than asked" in text
+        assert "! step 1: NOT CONVERGED (stagnated)" in text
     assert data["status"] == "stagnated"
     assert [step["status"] for step in data["steps"]] == ["stagnated"] * 2
     assert min(step["pressure_error"] for step in data["steps"]) > 1e-9
@@ -46,46 +45,43 @@ def test_a_step_that_is_not_converged_is_marked_everywhere(run):
 
 
 @pytest.mark.parametrize("accuracy", [1e-6, 1e-9, 1e-14])
-def test_single_precision_never_claims_what_it_cannot_give(z, accuracy):
-    with pytest.warns(NotConverged, match=r"not converged \(stagnated\): estimated errors"):
-        found = hpc_gfmd.solve(z, 0.1, accuracy=accuracy, precision="single")
-    assert found.status == "stagnated"
-    assert max(found.errors) > accuracy
+def test_single_precision_stagnates_at_high_accuracy(z, accuracy):
+    with pytest.warns(NotConverged, match=r"not converged \(stagnated\)"):
+        solution = hpc_gfmd.solve(z, 0.1, accuracy=accuracy, precision="single")
+    assert solution.status == "stagnated"
+    assert max(solution.errors) > accuracy
 
 
 @pytest.mark.parametrize("accuracy", [1e-3, 1e-6, 1e-9])
-def test_left_to_itself_the_precision_follows_the_accuracy(z, accuracy):
+def test_automatic_precision_follows_the_accuracy(z, accuracy):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        found = hpc_gfmd.solve(z, 0.1, accuracy=accuracy)
-    assert found.status == "converged"
-    assert max(found.errors) < accuracy
-    assert accuracy > 1e-4 or found.pressure.dtype == np.float64
+        solution = hpc_gfmd.solve(z, 0.1, accuracy=accuracy)
+    assert solution.status == "converged"
+    assert max(solution.errors) < accuracy
+    assert accuracy > 1e-4 or solution.pressure.dtype == np.float64
 
 
-def test_few_points_that_touch_are_told_everywhere(run):
+def test_few_contact_points_are_noted_everywhere(run):
     code, table, shown, data, plotted = run([1e-4])
     assert code == 0
     points = round(data["steps"][0]["a_r"] * 64**2)
     assert points < 20
     for text in (table, shown, plotted):
-        assert (
-            f"step 0: only {points} points touch: the area is known to {100 / points:.0f} % at best"
-            in text
-        )
-    assert data["steps"][0]["note"].startswith(f"only {points} points touch")
-    assert "fewer than 100 of the 64 x 64 points touch" in table  # before the run, from the scene
+        assert re.search(rf"step 0: .*\b{points} points.* {100 / points:.0f} %", text)
+    assert f"{points} points" in data["steps"][0]["note"]
+    assert "fewer than 100 of the 64 x 64 points" in table  # a note on the scene
 
 
-def test_a_gap_of_rounding_errors_and_full_contact_are_told_everywhere(run):
+def test_rounded_gaps_and_full_contact_are_noted_everywhere(run):
     _, table, shown, data, plotted = run([1.8948460, 3.0], 1e-3, "single")
     for text in (table, shown, plotted):
-        assert "step 0: the gap is all rounding at this load in single precision" in text
-        assert "step 1: full contact: every point touches, the gap is zero" in text
+        assert re.search(r"step 0: .*rounding .*single precision", text)
+        assert "step 1: full contact" in text
     assert [bool(step["note"]) for step in data["steps"]] == [True, True]
 
 
-def test_the_python_interface_has_the_same_notes(z):
+def test_notes_of_solutions(z):
     assert hpc_gfmd.solve(z, 0.1, boundary="periodic").note is None
     assert "points touch" in hpc_gfmd.solve(z, 1e-4).note
     assert "1 point touches" in hpc_gfmd.solve(z, 1e-9).note
@@ -94,49 +90,50 @@ def test_the_python_interface_has_the_same_notes(z):
 
 
 @pytest.mark.parametrize(("periods", "warned"), [([1, 0], 0), ([2, 0], 1), ([2, 2], 2)])
-def test_waves_of_a_few_points_are_warned_of(periods, warned):
-    found = Scene.from_dict(tables(WAVE | {"n": [12, 12], "periods": periods})).warnings()
-    assert len(found) == warned
-    assert all("points a period" in line for line in found)
+def test_coarse_waves_are_noted(periods, warned):
+    messages = Scene.from_dict(tables(WAVE | {"n": [12, 12], "periods": periods})).warnings()
+    assert len(messages) == warned
+    assert all("points a period" in line for line in messages)
 
 
 @pytest.mark.parametrize(
     ("scale", "load", "words"),
     [
-        (1e9, {"p_star": 0.1}, "g_rms = 1e+09: heights and sizes are probably in different units"),
-        (1e-2, {"pressure": 30, "E_star": 2}, "p = 15 E*: loads and moduli are probably in diff"),
+        (1e9, {"p_star": 0.1}, ["g_rms = 1e+09", "units"]),
+        (1e-2, {"pressure": 30, "E_star": 2}, ["p = 15 E*", "units"]),
     ],
 )
-def test_numbers_in_wrong_units_are_warned_of(z, scale, load, words):
-    with pytest.warns(UserWarning, match=re.escape(words)):
-        assert words in hpc_gfmd.solve(scale * z, **load).note
+def test_numbers_in_different_units_are_noted(z, scale, load, words):
+    with pytest.warns(UserWarning, match=re.escape(words[0])):
+        note = hpc_gfmd.solve(scale * z, **load).note
+    assert all(word in note for word in words)
 
 
-def test_steep_heights_are_told(z):
+def test_steep_heights_are_noted(z):
     note = hpc_gfmd.solve(3 * z, 0.1, boundary="periodic").note
-    assert note == "g_rms = 3: the theory is that of small slopes"
+    assert "g_rms = 3" in note
     assert hpc_gfmd.solve(0.01 * z, 1e-3, boundary="periodic").note is None
 
 
-def test_metals_that_would_yield_are_told(z):
-    """Their mean pressure in contact stands beside E*; rubber is not spoken of, nor a solid that
-    has a hardness."""
+def test_yielding_metals_are_noted(z):
+    """The note compares the mean contact pressure with E*; rubber and solids with a hardness have
+    none."""
     sizes = {"physical_sizes": ("1 mm", "1 mm"), "boundary": "periodic"}
     steel = hpc_gfmd.solve(1e-3 * z, "500 MPa", "110 GPa", **sizes)
     share = 110e9 / steel.value("contact_pressure_mean")
     assert share < 50
     assert f"E*/{share:.2g}" in steel.note
     assert "material.hardness" in steel.note
-    for others in ({"E_star": "5 MPa"}, {"E_star": "110 GPa", "hardness": "6 GPa"}):
-        load = "20 kPa" if "hardness" not in others else "500 MPa"
-        note = hpc_gfmd.solve(1e-3 * z, load, **others, **sizes).note
+    for material in ({"E_star": "5 MPa"}, {"E_star": "110 GPa", "hardness": "6 GPa"}):
+        load = "20 kPa" if "hardness" not in material else "500 MPa"
+        note = hpc_gfmd.solve(1e-3 * z, load, **material, **sizes).note
         assert "yield" not in (note or "")
     gentle = hpc_gfmd.solve(1e-6 * z, "0.5 MPa", "110 GPa", **sizes)
     assert "yield" not in (gentle.note or "")
 
 
-def test_notes_on_a_height_map_are_told_everywhere(z, tmp_path, cli):
-    """Heights in nm beside sizes in m; every load has the note, the table says it once."""
+def test_notes_on_height_maps_appear_once_everywhere(z, tmp_path, cli):
+    """Heights in nm beside sizes in m; the table collects the notes of all loads."""
     np.save("z.npy", 1e9 * z)
     (tmp_path / "s.toml").write_text(
         'surface = {kind = "file", path = "z.npy", physical_sizes = [1, 1]}\nload.p_star = [0.1,'
@@ -144,6 +141,5 @@ def test_notes_on_a_height_map_are_told_everywhere(z, tmp_path, cli):
     )
     log = cli.prints("run s.toml")
     for text in (log, cli.prints("show contact.h5")):
-        said = "steps 0, 1: g_rms = 1e+09: heights and sizes are probably in different units"
-        assert text.count(said) == 1
+        assert text.count("steps 0, 1: g_rms = 1e+09") == 1
     assert "note: g_rms" in log

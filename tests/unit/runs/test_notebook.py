@@ -1,5 +1,4 @@
-"""hpc_gfmd as in a notebook: lists of loads, solutions in memory and from files, what they say and
-what more is asked of them."""
+"""Solutions as used in notebooks: lists of loads, files and pickles, further observables, plots."""
 
 import pickle
 import signal
@@ -25,14 +24,16 @@ from hpc_gfmd.runs.simulation import run_scene
 from hpc_gfmd.runs.solution import LOST
 from hpc_gfmd.scene import Scene
 
-N, SIZES = (24, 20), ("12 um", "10 um")
+N = (24, 20)
+SIZES = ("12 um", "10 um")
 Z = 2e-8 * random_heights(N, 3)
 LOADS = ["10 MPa", "30 MPa", "200 MPa"]
 ROUGH = rough((2, 8, 4), physical_sizes=["1 um", "1 um"], g_rms=0.1)
 
 
-def solve(loads, z=Z, **how):
-    return hpc_gfmd.solve(z, loads, "5 GPa", SIZES, **how)
+def solve(loads, z=Z, **options):
+    """Solutions of a small map in SI units; options: of hpc_gfmd.solve."""
+    return hpc_gfmd.solve(z, loads, "5 GPa", SIZES, **options)
 
 
 @pytest.fixture(scope="module")
@@ -46,30 +47,32 @@ def saved(sweep):
     return hpc_gfmd.load("saved.h5")
 
 
-def same(one, other):
-    """All that two solutions say, to the bit."""
-    assert {k: v for k, v in one.result.steps[0].items() if v is not None} == {
-        k: v for k, v in other.result.steps[0].items() if v is not None
+def assert_same(solution, expected):
+    """Compare numbers and fields of two solutions to the last bit."""
+    assert {k: v for k, v in solution.result.steps[0].items() if v is not None} == {
+        k: v for k, v in expected.result.steps[0].items() if v is not None
     }
-    assert repr(one.result.surface) == repr(other.result.surface)  # of numbers that may be nan
+    assert repr(solution.result.surface) == repr(expected.result.surface)  # may contain nan
     for name in ("pressure", "gap", "heights", "contact"):
-        assert np.array_equal(getattr(one, name), getattr(other, name)), name
+        assert np.array_equal(getattr(solution, name), getattr(expected, name)), name
 
 
-def test_a_list_is_a_sweep_and_nothing_is_left_out(sweep):
-    assert [one.p for one in sweep] == [1e7, 3e7, 2e8]
-    assert sweep.a_r.tolist() == sweep.values("a_r").tolist() == sorted({one.a_r for one in sweep})
+def test_numbers_and_fields_of_a_list_of_loads(sweep):
+    assert [solution.p for solution in sweep] == [1e7, 3e7, 2e8]
+    areas = sweep.a_r.tolist()
+    assert areas == sweep.values("a_r").tolist() == [solution.a_r for solution in sweep]
+    assert areas == sorted(set(areas))
     assert (sweep.unit, sweep.h_rms, len(sweep.perimeter)) == ("m", sweep[0].h_rms, 3)
     assert {"a_r", "gap_error", "perimeter"} <= {*dir(sweep)} & {*dir(sweep[0])}
     assert sweep[0].distribution("pressure").units == {"edges": "Pa", "density": "1/Pa"}
-    with pytest.raises(AttributeError, match=r"stiffness: was not asked for: observable"):
+    with pytest.raises(AttributeError, match=r"stiffness: .*observable"):
         _ = sweep.stiffness
-    for one in sweep:
-        assert one.pressure.mean() == pytest.approx(one.p, rel=1e-3)
-        assert np.count_nonzero(one.contact) == one.a_r * Z.size
-        assert one.gap.mean() == pytest.approx(one.gap_mean)
-        assert np.allclose(one.displacement, one.gap + one.heights, atol=1e-15)
-        assert np.allclose(one.heights, Z - Z.max(), atol=1e-14)
+    for solution in sweep:
+        assert solution.pressure.mean() == pytest.approx(solution.p, rel=1e-3)
+        assert np.count_nonzero(solution.contact) == solution.a_r * Z.size
+        assert solution.gap.mean() == pytest.approx(solution.gap_mean)
+        assert np.allclose(solution.displacement, solution.gap + solution.heights, atol=1e-15)
+        assert np.allclose(solution.heights, Z - Z.max(), atol=1e-14)
     alone = solve(LOADS[1])
     assert isinstance(alone, hpc_gfmd.Solution)
     assert alone.a_r == sweep[1].a_r
@@ -77,8 +80,9 @@ def test_a_list_is_a_sweep_and_nothing_is_left_out(sweep):
 
 
 def stop_at(monkeypatch, number):
-    """Ctrl-C in the middle of a load."""
-    usual, calls = Sweep.solve, []
+    """Raise KeyboardInterrupt at the start of a load (counted from 1)."""
+    usual = Sweep.solve
+    calls = []
 
     def stopping(self, *arguments):
         calls.append(1)
@@ -90,22 +94,24 @@ def stop_at(monkeypatch, number):
 
 
 @pytest.mark.parametrize("fields", [("pressure", "gap", "heights"), ()])
-def test_what_was_finished_before_ctrl_c_is_kept(monkeypatch, sweep, fields):
+def test_finished_loads_survive_ctrl_c(monkeypatch, sweep, fields):
     stop_at(monkeypatch, 3)
     with pytest.raises(KeyboardInterrupt) as caught:
         solve(LOADS, fields=fields)
     assert isinstance(caught.value, hpc_gfmd.Interrupted)
-    kept = pickle.loads(pickle.dumps(caught.value)).solutions
-    assert [one.a_r for one in kept] == [one.a_r for one in sweep[:2]]
-    assert kept.status == "interrupted"
-    assert kept.notes == ("interrupted: loads 3 (pressure = 200 MPa) of 3 are missing",)
+    finished = pickle.loads(pickle.dumps(caught.value)).solutions
+    assert [solution.a_r for solution in finished] == [solution.a_r for solution in sweep[:2]]
+    assert finished.status == "interrupted"
+    (note,) = finished.notes
+    assert all(words in note for words in ("interrupted", "pressure = 200 MPa"))
     if fields:
-        assert all(np.array_equal(one.gap, whole.gap) for one, whole in zip(kept, sweep))
-        again = hpc_gfmd.load(kept.save("some.h5"))
-        assert (len(again), again.status) == (2, "interrupted")
+        for solution, uninterrupted in zip(finished, sweep):
+            assert np.array_equal(solution.gap, uninterrupted.gap)
+        loaded = hpc_gfmd.load(finished.save("some.h5"))
+        assert (len(loaded), loaded.status) == (2, "interrupted")
 
 
-def test_ctrl_c_before_anything_is_finished(monkeypatch):
+def test_ctrl_c_before_any_load_is_finished(monkeypatch):
     for loads in (LOADS, LOADS[0]):
         stop_at(monkeypatch, 1)
         with pytest.raises(KeyboardInterrupt) as caught:
@@ -114,8 +120,8 @@ def test_ctrl_c_before_anything_is_finished(monkeypatch):
         monkeypatch.undo()
 
 
-def test_it_is_what_a_run_writes():
-    """The same scene by its file and in memory: one result."""
+def test_solve_agrees_with_a_run():
+    """A scene file and solve give the same result and head."""
     wall = hpc_gfmd.make_surface(**ROUGH)
     fields = ["pressure", "gap", "heights"]
     scene = {
@@ -140,66 +146,67 @@ def test_it_is_what_a_run_writes():
         assert np.allclose(a.heights, b.heights, atol=1e-6 * a.h_rms)
 
 
-def test_saved_and_pickled(sweep, saved):
+def test_files_and_pickles_of_solutions(sweep, saved):
     assert saved.status == "converged"
-    for one, *others in zip(sweep, saved, pickle.loads(pickle.dumps(sweep)), strict=True):
-        for other in others:
-            same(one, other)
-            assert one.distributions.keys() == other.distributions.keys() == {"pressure"}
-            assert other.displacement == pytest.approx(one.displacement, abs=1e-15)
+    for solution, *copies in zip(sweep, saved, pickle.loads(pickle.dumps(sweep)), strict=True):
+        for copy in copies:
+            assert_same(solution, copy)
+            assert solution.distributions.keys() == copy.distributions.keys() == {"pressure"}
+            assert copy.displacement == pytest.approx(solution.displacement, abs=1e-15)
     again = pickle.loads(pickle.dumps(sweep[2]))
     assert again.observable("patches") == sweep[2].observable("patches")
-    with refused("a pickle of another version of hpc_gfmd"):
+    with refused("another version"):
         pickle.loads(pickle.dumps(replace(again.result, version=2)))
 
 
-def test_a_file_is_saved_again(sweep, saved):
+def test_parts_of_a_file_are_saved_again(sweep, saved):
     saved[1:].save("some.h5")
     again = hpc_gfmd.load("some.h5")
     assert len(again) == 2
-    same(again[1], sweep[2])
+    assert_same(again[1], sweep[2])
     sweep[0].save("one.h5")
-    same(hpc_gfmd.load("one.h5")[0], sweep[0])
+    assert_same(hpc_gfmd.load("one.h5")[0], sweep[0])
 
 
 @pytest.mark.parametrize("of_file", [False, True])
-def test_more_is_asked_later(sweep, saved, of_file):
-    """As if it had been asked for with the load."""
+def test_observables_computed_later(sweep, saved, of_file):
+    """They agree with those computed during the solve."""
     names = sorted(observable_names() - {"error_bounds", *duality.OBSERVABLES})
     spreads = sorted(all_distributions())
-    asked = solve(LOADS, observables=names, distributions=spreads)
-    for one, known in zip(saved if of_file else sweep, asked, strict=True):
-        for name, value in known.observables.items():
+    requested = solve(LOADS, observables=names, distributions=spreads)
+    for solution, with_request in zip(saved if of_file else sweep, requested, strict=True):
+        for name, value in with_request.observables.items():
             if not (of_file and name in LOST and value is None):
-                found = one.observable(name)
-                found = found[name] if isinstance(found, dict) else found
-                assert found == (value if value is None else pytest.approx(value, rel=1e-6)), name
-        assert one.observable("patches") == known.observables["patches"]
-        assert one.observable("spanning") == {
-            name: known.observables[name] for name in ("gap_spans_x", "gap_spans_y")
+                number = solution.observable(name)
+                number = number[name] if isinstance(number, dict) else number
+                assert number == (value if value is None else pytest.approx(value, rel=1e-6)), name
+        assert solution.observable("patches") == with_request.observables["patches"]
+        assert solution.observable("spanning") == {
+            name: with_request.observables[name] for name in ("gap_spans_x", "gap_spans_y")
         }
         for name in spreads:
-            found, wanted = one.distribution(name), known.distributions[name]
-            assert found.keys() == wanted.keys()
-            for what in wanted:
-                assert np.allclose(
-                    found[what], wanted[what], rtol=1e-4, atol=1e-9 * np.abs(wanted[what]).max()
-                ), (name, what)
-    assert set(all_observables()) <= set(asked[0].observables)
-    assert set(asked[0].distributions) == set(all_distributions())
+            computed = solution.distribution(name)
+            wanted = with_request.distributions[name]
+            assert computed.keys() == wanted.keys()
+            for key in wanted:
+                atol = 1e-9 * np.abs(wanted[key]).max()
+                assert np.allclose(computed[key], wanted[key], rtol=1e-4, atol=atol), (name, key)
+    assert set(all_observables()) <= set(requested[0].observables)
+    assert set(requested[0].distributions) == set(all_distributions())
 
 
 @pytest.mark.parametrize("boundary", ["periodic", ["free", "periodic"]])
-def test_the_patches_as_a_table(boundary):
-    """They add up to what the observables say; a square on the corner of the cell is one patch,
-    whose centre is the corner."""
+def test_patch_table(boundary):
+    """Sums agree with observables; a square across the corner of the cell is one patch, centred on
+    the corner."""
     solution = solve("30 MPa", boundary=boundary, observables=["patches", "perimeter"])
-    table, known = solution.patch_table(), solution.observables
-    assert len(table) == known["patches"]
-    assert table.area[0] == known["patch_largest"] == table.area.max()
+    table = solution.patch_table()
+    observables = solution.observables
+    assert len(table) == observables["patches"]
+    assert table.area[0] == observables["patch_largest"] == table.area.max()
     assert table.area.sum() == pytest.approx(solution.a_r * 120e-12)
     assert table.load.sum() == pytest.approx(solution.pressure.mean() * 120e-12, rel=1e-6)
-    assert table.perimeter.sum() == pytest.approx(known["perimeter"])
+    assert table.perimeter.sum() == pytest.approx(observables["perimeter"])
     assert table.attrs["units"]["load"] == "N"
     z = np.zeros((16, 16))
     z[np.ix_([-1, 0, 1], [-1, 0, 1])] = 1
@@ -208,31 +215,31 @@ def test_the_patches_as_a_table(boundary):
     assert min(table.x[0], 1 - table.x[0]) + min(table.y[0], 1 - table.y[0]) < 1e-9
 
 
-def test_what_is_not_there_is_said(saved):
+def test_missing_fields_and_observables_are_refused(saved):
     bare = solve(LOADS, fields=())
-    assert all(one.a_r > 0 and one.a_r_corrected > 0 for one in bare)
+    assert all(solution.a_r > 0 and solution.a_r_corrected > 0 for solution in bare)
     with refused(r'^pressure: not kept, allowed: fields = \["pressure", ...\]'):
         _ = bare[0].pressure
     bare.save("bare.h5")
-    one, *_ = hpc_gfmd.load("bare.h5")
-    saved[0].observable("spanning")  # of what its fields tell
-    for ask, words in [
-        (lambda: one.gap, r"^gap: not in .*bare.h5, allowed"),
-        (lambda: one.observable("patches"), "has no pressure and no gap"),
-        (lambda: one.observable("duality_gap"), "^duality_gap: not in"),
+    loaded, *_ = hpc_gfmd.load("bare.h5")
+    saved[0].observable("spanning")  # follows from the stored fields
+    for call, words in [
+        (lambda: loaded.gap, r"^gap: not in .*bare.h5, allowed"),
+        (lambda: loaded.observable("patches"), "has no pressure and no gap"),
+        (lambda: loaded.observable("duality_gap"), "^duality_gap: not in"),
         (lambda: saved[0].observable("duality_gap"), "^duality_gap: not in"),
         (lambda: saved[0].plastic, "^plastic: not in"),
         (
-            lambda: one.distribution("presure"),
+            lambda: loaded.distribution("presure"),
             '^distribution: found .presure., nearest: "pressure"',
         ),
-        (lambda: one.observable("pathces"), '^observable: found .pathces., nearest: "patches"'),
+        (lambda: loaded.observable("pathces"), '^observable: found .pathces., nearest: "patches"'),
     ]:
         with refused(words):
-            ask()
+            call()
 
 
-def test_an_interrupted_run(sweep, saved, tmp_path):
+def test_loading_an_interrupted_run(sweep, saved, tmp_path):
     folder = partial_folder(tmp_path / "stopped.h5")
     saved.save("stopped.h5")
     result = read_result("stopped.h5")
@@ -253,33 +260,31 @@ def test_an_interrupted_run(sweep, saved, tmp_path):
     assert np.array_equal(left[0].contact, sweep[1].contact)
 
 
-def test_another_file_is_not_overwritten(sweep, tmp_path):
+def test_saving_over_other_results(sweep, tmp_path):
     path = tmp_path / "out.h5"
     sweep.save(path)
-    with pytest.warns(
-        UserWarning, match=r"holds a result of this scene, which this run replaces"
-    ) as caught:
+    with pytest.warns(UserWarning, match=r"out\.h5.*replaces") as caught:
         sweep.save(path)
-    assert [one.filename for one in caught] == [__file__]
-    other = solve(LOADS, 2 * Z, distributions=["pressure"], observables=["perimeter"])
+    assert [warning.filename for warning in caught] == [__file__]
+    doubled = solve(LOADS, 2 * Z, distributions=["pressure"], observables=["perimeter"])
     with refused(r"another scene"):
-        other.save(path)
-    same(hpc_gfmd.load(path)[0], sweep[0])
+        doubled.save(path)
+    assert_same(hpc_gfmd.load(path)[0], sweep[0])
     with pytest.warns(UserWarning, match=r"overwritten"):
-        other.save(path, force=True)
-    same(hpc_gfmd.load(path)[0], other[0])
+        doubled.save(path, force=True)
+    assert_same(hpc_gfmd.load(path)[0], doubled[0])
     with refused(r"ends in .h5"):
         sweep.save("out.npz")
 
 
-def test_a_save_that_ctrl_c_ends_leaves_nothing(saved, tmp_path, monkeypatch):
+def test_ctrl_c_during_a_save_leaves_no_file(saved, tmp_path, monkeypatch):
     monkeypatch.setattr(h5, "_checksum", lambda *_: signal.raise_signal(signal.SIGINT))
     with pytest.raises(KeyboardInterrupt):
         saved.save("other.h5")
     assert [file.name for file in tmp_path.iterdir()] == ["saved.h5"]
 
 
-def test_it_says_what_it_is(sweep):
+def test_repr_and_html(sweep):
     assert repr(sweep[1]).startswith(f"<Solution: a_r = {100 * sweep[1].a_r:.0f} +- ")
     assert "%, p = 30 MPa, mean gap = " in repr(sweep[1])
     assert "\n" not in repr(sweep[1])
@@ -291,20 +296,19 @@ def test_it_says_what_it_is(sweep):
     )
 
 
-def test_who_did_not_converge_is_named():
+def test_warnings_name_unconverged_loads():
     with pytest.warns(hpc_gfmd.NotConverged) as caught:
-        found = hpc_gfmd.solve(
+        solutions = hpc_gfmd.solve(
             Z, [1e-4, 1e-2], physical_sizes=(12e-6, 10e-6), max_iterations=2, accuracy=1e-5
         )
-    assert [str(one.message)[:22] for one in caught] == [
-        "load 1: not converged ",
-        "load 2: not converged ",
-    ]
-    assert {one.filename for one in caught} == {__file__}
-    assert found.status == "max_iterations"
+    for number, warning in enumerate(caught, 1):
+        assert str(warning.message).startswith(f"load {number}: not converged")
+    assert len(caught) == 2
+    assert {warning.filename for warning in caught} == {__file__}
+    assert solutions.status == "max_iterations"
 
 
-def test_a_surface_that_was_made_knows_what_it_is():
+def test_made_surfaces_keep_unit_and_boundary():
     wall = hpc_gfmd.make_surface(
         "sphere", radius="1 mm", n=(32, 32), physical_sizes=("80 um", "80 um"), boundary="free"
     )
@@ -319,9 +323,8 @@ def test_a_surface_that_was_made_knows_what_it_is():
         hpc_gfmd.make_surface("sphere", radios=1.0)
 
 
-def test_mpi_is_left_to_others():
-    """FFTW comes with mpi4py-fft; MPI is not started for it, nor kept from who starts it
-    afterwards."""
+def test_solve_does_not_initialise_mpi():
+    """FFTW is loaded from mpi4py-fft without starting MPI, which can be started later."""
     pytest.importorskip("mpi4py_fft")
     code = (
         "import sys, numpy as np, hpc_gfmd; hpc_gfmd.solve(np.random.default_rng(1).normal(size=(8,"

@@ -1,6 +1,5 @@
-"""A run that was stopped, or died, and goes on: nothing finished is solved again, a load that was
-stopped in its middle goes on from its gap, and the answer is that of the run that was not
-disturbed."""
+"""Stopped and killed runs that are resumed: finished loads are not solved again, a stopped load
+continues from its gap, and results agree with an uninterrupted run."""
 
 import numpy as np
 import pytest
@@ -23,23 +22,26 @@ def pieces(monkeypatch, tmp_path):
 
 
 @pytest.mark.parametrize("solver", sorted(solver_names()))
-def test_stopped_and_dead(pieces, solver):
-    """Stopped in the middle of loads and at once, and dead without a word."""
-    asked = scene(solver, **TIGHT)
-    count = pieces.undisturbed(asked)
+def test_stopped_and_killed_runs(pieces, solver):
+    """Stopped at once and in the middle of loads, and killed without notice."""
+    stopped_scene = scene(solver, **TIGHT)
+    count = pieces.undisturbed(stopped_scene)
     part = count // 4
     for plan in (
         [(1, False), (1, False), (part, False), (part + 1, False)],
         [(count - 2, True)],
         [(2 * part, True), (part, True)],
     ):
-        pieces.run(asked, *plan)
+        pieces.run(stopped_scene, *plan)
         pieces.compare(rel=1e-6)
 
 
+ADHESION = {"adhesion": {"work": 0.0024, "range": 0.0125}}  # the last load pulls too much
+BRANCHES = {"approach": [0.0, 0.02, 0.1], "retraction": [0.3, 0.05, 0.0, -0.002, -0.2]}
+
 SWEEPS = {
     "each load": (scene("auto", **TIGHT), 1e-6),
-    "full contact that ends": (
+    "full contact with free edges": (
         scene("auto", {"gap_over_h_rms": [1e-5, 0, 0.1]}, boundary=["free", "periodic"]),
         2e-2,
     ),
@@ -54,26 +56,43 @@ SWEEPS = {
 
 
 @pytest.mark.parametrize("name", SWEEPS)
-def test_wherever_it_is_stopped(pieces, name):
-    """Or at least in five places."""
-    asked, rel = SWEEPS[name]
-    count = pieces.undisturbed(asked)
+def test_stops_at_any_point(pieces, name):
+    """At five points at least."""
+    stopped_scene, rel = SWEEPS[name]
+    count = pieces.undisturbed(stopped_scene)
     for point in range(1, count, max(1, count // 5)):
-        pieces.run(asked, (point, False))
+        pieces.run(stopped_scene, (point, False))
         pieces.compare(rel)
 
 
+@pytest.mark.parametrize("branch", BRANCHES)
+def test_branches_stop_at_any_point(pieces, branch):
+    """Inside loads and between them, where the last state is solved again."""
+    load = {"p_star": BRANCHES[branch], "branch": branch}
+    stopped_scene = scene("bpx", load, material=ADHESION, **TIGHT)
+    count = pieces.undisturbed(stopped_scene)
+    statuses = [step["status"] for step in read_result(pieces.whole).steps]
+    if branch == "retraction":
+        assert statuses == ["converged"] * 4 + ["separated"]
+    else:
+        assert set(statuses) == {"converged"}
+    for point in range(1, count, max(1, count // 8)):
+        pieces.run(stopped_scene, (point, False))
+        pieces.compare(1e-5)
+
+
 def test_finished_loads_are_not_solved_again(pieces, monkeypatch):
-    """And not written again."""
-    asked = scene("bpx")
-    pieces.chance.after = pieces.undisturbed(asked) // 2
-    pieces.chance.polled = 0
-    assert run_scene(asked, out=pieces.path, quiet=True).status == "interrupted"
+    """Their files are not written again either."""
+    stopped_scene = scene("bpx")
+    pieces.interrupt.after = pieces.undisturbed(stopped_scene) // 2
+    pieces.interrupt.polled = 0
+    assert run_scene(stopped_scene, out=pieces.path, quiet=True).status == "interrupted"
     folder = partial_folder(pieces.path)
     finished = read_partial(pieces.path).indices
     assert 0 < len(finished) < len(LOADS)
     files = {file: file.stat().st_mtime_ns for file in folder.glob("step-*.h5")}
-    solve, solved = Sweep.solve, []
+    solve = Sweep.solve
+    solved = []
 
     def counted(sweep, load, *more):
         solved.append(load.value)
@@ -81,53 +100,54 @@ def test_finished_loads_are_not_solved_again(pieces, monkeypatch):
         return solve(sweep, load, *more)
 
     monkeypatch.setattr(Sweep, "solve", counted)
-    pieces.chance.after = 10**9
-    assert run_scene(asked, out=pieces.path, quiet=True).status == "converged"
+    pieces.interrupt.after = 10**9
+    assert run_scene(stopped_scene, out=pieces.path, quiet=True).status == "converged"
     assert len(solved) == len(LOADS) - len(finished)
 
 
-def test_a_load_goes_on_from_its_gap(pieces):
-    """Iterations, pairs and seconds of both runs count; no coarser grid is solved again."""
-    asked = scene("bpx", [0.05], **TIGHT)
-    pieces.undisturbed(asked)
+def test_a_stopped_load_continues_from_its_gap(pieces):
+    """Iterations and pairs of both runs are counted; coarser grids are not solved again."""
+    stopped_scene = scene("bpx", [0.05], **TIGHT)
+    pieces.undisturbed(stopped_scene)
     (whole,) = read_result(pieces.whole).steps
-    pieces.run(asked, (whole["iterations"] // 2, False))
+    pieces.run(stopped_scene, (whole["iterations"] // 2, False))
     (step,) = read_result(pieces.path).steps
-    # one pair for the certificate of what was stopped, one for the first pressure, a few for the
-    # direction that is lost
+    # one pair for the certificate of the stopped load, one for the first pressure, a few since the
+    # search direction is lost
     assert whole["fft_pairs"] < step["fft_pairs"] < whole["fft_pairs"] + 12
     assert whole["iterations"] <= step["iterations"] < whole["iterations"] + 10
     assert step["gap_mean"] == pytest.approx(whole["gap_mean"], rel=1e-7)
 
 
-def test_a_load_in_double_goes_on_in_double(pieces, monkeypatch):
-    """A load that stagnates in single precision is solved again in double; stopped there, it does
-    not begin in single again."""
+def test_a_stopped_load_keeps_double_precision(pieces, monkeypatch):
+    """A load that stagnated in single precision and was stopped in double resumes in double."""
     from hpc_gfmd.driver import sweep
 
     monkeypatch.setattr(sweep, "first_precision", lambda _: np.dtype(np.float32))
-    asked = scene("bpx", [0.3], precision="auto", accuracy=None, residual=1e-8)
-    count = pieces.undisturbed(asked)
+    stopped_scene = scene("bpx", [0.3], precision="auto", accuracy=None, residual=1e-8)
+    count = pieces.undisturbed(stopped_scene)
     assert read_result(pieces.whole).steps[0]["fft_pairs"] > 40  # of both attempts
-    precisions, attempt = [], Sweep._attempt
+    precisions = []
+    attempt = Sweep._attempt
 
     def noted(self, *args):
         precisions.append(self.dtype.name)
         return attempt(self, *args)
 
-    pieces.chance.after, pieces.chance.polled = count, 0
-    assert run_scene(asked, out=pieces.path, quiet=True).status == "interrupted"
+    pieces.interrupt.after = count
+    pieces.interrupt.polled = 0
+    assert run_scene(stopped_scene, out=pieces.path, quiet=True).status == "interrupted"
     monkeypatch.setattr(Sweep, "_attempt", noted)
-    pieces.chance.after = 10**9
-    run_scene(asked, out=pieces.path, quiet=True)
+    pieces.interrupt.after = 10**9
+    run_scene(stopped_scene, out=pieces.path, quiet=True)
     assert precisions == ["float64"]
     pieces.compare(rel=1e-5)
 
 
-def test_the_scene_of_an_older_run_can_be_read(pieces):
-    """A key that scenes had, and that changed no result."""
-    asked = scene("bpx", [0.05])
-    pieces.undisturbed(asked)
+def test_scenes_with_a_former_key_are_read(pieces):
+    """machine.checkpoint_seconds no longer exists."""
+    old_scene = scene("bpx", [0.05])
+    pieces.undisturbed(old_scene)
     import h5py
 
     with h5py.File(pieces.whole, "r+") as file:

@@ -1,4 +1,4 @@
-"""Whatever hpc_gfmd.solve is given, it gives a solution or a SceneError of one line."""
+"""hpc_gfmd.solve: any arguments give a solution or a SceneError of one line."""
 
 import tomllib
 import warnings
@@ -99,7 +99,7 @@ a_r = 0.1 | load: found pressure and a_r
 
 
 @pytest.mark.parametrize(("arguments", "words"), REFUSED)
-def test_refused_in_one_line(arguments, words):
+def test_bad_arguments_are_refused_in_one_line(arguments, words):
     with pytest.raises(SceneError) as caught:
         hpc_gfmd.solve(**{"heights": Z, "pressure": 0.1} | arguments)
     message = str(caught.value)
@@ -131,7 +131,7 @@ ACCEPTED = [
 
 
 @pytest.mark.parametrize("arguments", ACCEPTED)
-def test_accepted(arguments):
+def test_accepted_arguments(arguments):
     assert hpc_gfmd.solve(**{"heights": Z, "pressure": 0.1} | arguments).status == "converged"
 
 
@@ -148,7 +148,7 @@ positive = st.floats(1e-100, 1e100)
 kinds = st.sampled_from(["f4", "f2", "i1", "u8", "?", "c8", "S3", "O"]).map(
     lambda kind: (10 * Z).astype(kind)
 )
-USUAL = {  # the values of each argument that make sense
+PLAUSIBLE = {  # plausible values of each argument
     "heights": st.just(Z)
     | kinds
     | st.floats(1e-120, 1e120).map(lambda s: Z * s)
@@ -167,29 +167,29 @@ USUAL = {  # the values of each argument that make sense
     "observables": st.just(["kappa", "stiffness"]),
     "name": st.sampled_from(["bpx", "gfmd"]),
 }
-changes = st.lists(st.sampled_from(list(USUAL)), max_size=3, unique=True).flatmap(
-    lambda keys: st.fixed_dictionaries({key: USUAL[key] | anything for key in keys})
+changes = st.lists(st.sampled_from(list(PLAUSIBLE)), max_size=3, unique=True).flatmap(
+    lambda keys: st.fixed_dictionaries({key: PLAUSIBLE[key] | anything for key in keys})
 )
 
 
 @settings(max_examples=250, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(changes, st.integers(1, 40))
-def test_any_arguments_give_a_solution_or_a_scene_error(changes, iterations):
-    found, refusal = None, ""
+def test_random_arguments_give_a_solution_or_a_refusal(changes, iterations):
+    result = None
+    refusal = ""
     arguments = {"heights": Z, "pressure": 0.1, "max_iterations": iterations} | changes
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
-            found = hpc_gfmd.solve(**arguments)
+            result = hpc_gfmd.solve(**arguments)
         except SceneError as error:
             refusal = str(error)
-    assert (found is None) == bool(refusal)
+    assert (result is None) == bool(refusal)
     assert refusal.isprintable()
-    # several for a list of loads
-    for one in [found] if isinstance(found, hpc_gfmd.Solution) else found or ():
-        if one.status == "converged":
-            assert all(
-                np.isfinite(field).all() for field in (one.pressure, one.gap, one.displacement)
-            )
-            assert 0 < one.a_r <= 1
-            assert one.pressure.mean(dtype=float) == pytest.approx(one.p, rel=0.5)
+    # lists of loads give several solutions
+    for solution in [result] if isinstance(result, hpc_gfmd.Solution) else result or ():
+        if solution.status == "converged":
+            for field in (solution.pressure, solution.gap, solution.displacement):
+                assert np.isfinite(field).all()
+            assert 0 < solution.a_r <= 1
+            assert solution.pressure.mean(dtype=float) == pytest.approx(solution.p, rel=0.5)

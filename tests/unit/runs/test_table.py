@@ -1,4 +1,4 @@
-"""The result table, and `show`."""
+"""The table of results, one-line summaries, and `show`."""
 
 import pytest
 from result_files import STEP, SURFACE, begin
@@ -8,24 +8,24 @@ from hpc_gfmd.output.summary import summary, with_error
 from hpc_gfmd.runs.table import GrowingTable, table
 
 
-def test_table_marks_what_did_not_converge():
+def test_unconverged_steps_are_marked():
     text = table(
         {0: STEP, 1: STEP | {"status": "stagnated", "note": "fewer than 100 points touch"}}, {}
     )
-    header, units, first, second, *remarks = text.splitlines()
+    header, units, converged, stagnated, *remarks = text.splitlines()
     assert header.split() == ["step", "p*", "p", "a_r", "status"]
     assert "[E*]" in units
-    assert first.split() == ["0", "0.1", "0.1", "25.00", "+-", "0.03", "converged"]
-    assert second.split()[:2] == ["!", "1"]
-    assert remarks == [
-        "! step 1: NOT CONVERGED (stagnated), less accurate than asked",
-        "  step 1: fewer than 100 points touch",
-    ]
+    assert converged.split() == ["0", "0.1", "0.1", "25.00", "+-", "0.03", "converged"]
+    assert stagnated.split()[:2] == ["!", "1"]
+    assert len(remarks) == 2
+    assert remarks[0].startswith("! step 1: NOT CONVERGED (stagnated)")
+    assert remarks[1] == "  step 1: fewer than 100 points touch"
 
 
-def test_rows_come_as_steps_finish():
-    """Those of the whole table; headings once, and again where a unit has become another."""
-    surface, growing = SURFACE | {"unit": "m"}, GrowingTable(SURFACE | {"unit": "m"})
+def test_growing_table():
+    """Rows agree with the whole table; headings are repeated only if a unit changes."""
+    surface = SURFACE | {"unit": "m"}
+    growing = GrowingTable(SURFACE | {"unit": "m"})
     steps = {k: STEP | {"gap_mean": x} for k, x in enumerate((1e-6, 2e-6, 3e-3))}
     lines = [growing.add({k: step}).splitlines() for k, step in steps.items()]
     assert list(map(len, lines)) == [3, 1, 3]
@@ -34,9 +34,9 @@ def test_rows_come_as_steps_finish():
     assert growing.end() == table(steps, surface).splitlines()[5:]
 
 
-def test_one_line_has_both_errors_as_the_table_has():
-    said = summary(STEP | {"a_r": 0.01184, "a_r_error": 0.0, "a_r_discretisation": 0.11}, SURFACE)
-    assert said.startswith("a_r = 1.2 +- 0.1 %, p = 0.1")
+def test_summary_adds_both_errors_of_the_area():
+    brief = summary(STEP | {"a_r": 0.01184, "a_r_error": 0.0, "a_r_discretisation": 0.11}, SURFACE)
+    assert brief.startswith("a_r = 1.2 +- 0.1 %, p = 0.1")
     text = table({0: STEP | {"a_r_error": 0.02, "a_r_discretisation": 0.11}}, {}, errors=True)
     heading, _, row, *_ = (line.split("  ") for line in text.splitlines())
     assert "25 +- 3" in [cell.strip() for cell in row]
@@ -44,7 +44,7 @@ def test_one_line_has_both_errors_as_the_table_has():
     assert {"a_r: solver", "a_r: grid"} <= set(columns)
 
 
-def test_what_was_asked_for_has_a_column_or_a_reason():
+def test_requested_observables_have_a_column_or_a_reason():
     step = STEP | {"stiffness": 3.0, "gap_spans_x": True}
     text = table({0: step}, {}, ["stiffness", "conductance", "gap_spans_x"])
     heading, _, row, *below = text.splitlines()
@@ -71,7 +71,7 @@ nan | 1e-3 | nan
 0.016049 | 1e-9 | 0.0160490 +- 2e-11
 """),
 )
-def test_numbers_have_as_many_digits_as_they_deserve(value, error, text):
+def test_digits_follow_the_error(value, error, text):
     assert with_error(float(value), float(error) if error else None) == text
 
 
@@ -82,6 +82,6 @@ def test_show_prints_table_and_json(path, cli):
     text = cli.prints("show", path)
     assert "6 x 5 points, L = 1 x 2, h_rms = 0.5" in text
     assert "NOT CONVERGED (max_iterations)" in text
-    found = cli.data("show", path)
-    assert found["steps"][0]["gap_mean"] is None
-    assert found["surface"] == SURFACE
+    data = cli.data("show", path)
+    assert data["steps"][0]["gap_mean"] is None
+    assert data["surface"] == SURFACE

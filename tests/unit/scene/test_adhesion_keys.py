@@ -18,6 +18,7 @@ MEASURED = {
 
 
 def scene(load=None, adhesion=ATTRACTION, material=(), **changed):
+    """The Scene of the reference tables with adhesion; changed: further tables."""
     material = dict(material) | ({} if adhesion is None else {"adhesion": adhesion})
     return Scene.from_dict(tables(load=load or {"p_star": 0.1}, material=material, **changed))
 
@@ -74,6 +75,8 @@ def test_tensile_loads_need_adhesion(load):
 def test_a_branch_needs_adhesion():
     with pytest.raises(SceneError, match=r'load.branch: found "retraction", allowed'):
         scene({"p_star": 0.1, "branch": "retraction"}, None)
+    with pytest.raises(SceneError, match=r"load.unique: found true, allowed"):
+        scene({"p_star": 0.1, "unique": True}, None)
     with pytest.raises(SceneError, match=r"load.branch: found 'down', allowed"):
         scene({"p_star": 0.1, "branch": "down"})
 

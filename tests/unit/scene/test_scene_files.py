@@ -15,6 +15,7 @@ from hpc_gfmd.scene import Scene, load_scene
 
 
 def write(folder: Path, text: str | bytes, name: str = "scene.toml") -> Path:
+    """Write a scene file; returns its path."""
     path = folder / name
     path.write_bytes(text if isinstance(text, bytes) else text.encode())
     return path

@@ -35,6 +35,7 @@ NAMES = st.sampled_from(KEYS) | st.text(max_size=6)
 
 
 def table_of(values: st.SearchStrategy, size: int) -> st.SearchStrategy:
+    """Strategy for tables with known and random keys."""
     return st.dictionaries(NAMES, values, max_size=size)
 
 

@@ -1,5 +1,4 @@
-"""Height maps of every format: what the file says of sizes and units is used, the scene may say
-otherwise, nothing is guessed."""
+"""Height maps of all formats: sizes and units come from the file or the scene, without guessing."""
 
 import re
 from functools import partial
@@ -22,13 +21,15 @@ from hpc_gfmd.surface import build_surface
 from hpc_gfmd.surface.topography import open_topography
 from hpc_gfmd.util.libraries import surface_topography
 
-# m; neither as many points nor square cells: exchanged axes show
-N, SIZES = (12, 8), (1.2e-6, 0.4e-6)
+# in m; numbers of points and pixel sizes differ along x and y, which reveals exchanged axes
+N = (12, 8)
+SIZES = (1.2e-6, 0.4e-6)
 UNITS = {"nm": 1e-9, "um": 1e-6, "m": 1.0}
 Z = 2e-8 * random_heights(N)
 
 
 def topography(unit, periodic=True, heights=Z):
+    """SurfaceTopography's Topography of the heights in a unit."""
     scale = UNITS[unit]
     sizes = tuple(size / scale for size in SIZES)
     return surface_topography().Topography(
@@ -37,7 +38,7 @@ def topography(unit, periodic=True, heights=Z):
 
 
 def cf(path, unit):
-    """NetCDF as others write it: coordinates of the points, y first."""
+    """Write NetCDF 3 as other programs do: coordinates of points, y first."""
     from scipy.io import netcdf_file
 
     with netcdf_file(path, "w") as file:
@@ -52,6 +53,7 @@ def cf(path, unit):
 
 
 def netcdf4(path, unit):
+    """Write NetCDF 4 with coordinates at cell centres."""
     with h5py.File(path, "w") as file:
         z = file.create_dataset("heights", data=Z / UNITS[unit])
         z.attrs["units"] = unit
@@ -63,6 +65,7 @@ def netcdf4(path, unit):
 
 
 def with_attributes(path, unit):
+    """Write HDF5 with sizes and unit as attributes of the dataset."""
     with h5py.File(path, "w") as file:
         file["surface"] = Z / UNITS[unit]
         file["surface"].attrs.update(
@@ -70,7 +73,7 @@ def with_attributes(path, unit):
         )
 
 
-FORMATS = {  # those that SurfaceTopography writes, and ours: (name, write(path, unit))
+FORMATS = {  # name: function that writes (path, unit) by SurfaceTopography, SciPy or NumPy
     "z.x3p": lambda p, u: topography(u).to_x3p(str(p)),
     "z.gwy": lambda p, u: topography(u).to_gwy(str(p)),
     "z.nc": lambda p, u: topography(u).to_netcdf(str(p)),
@@ -100,53 +103,53 @@ def spec(path, **more):
 
 @pytest.fixture(scope="module")
 def plain():
-    """The contact that the heights have as an array, without units."""
+    """The solution for the heights as an array of plain numbers in SI units."""
     return hpc_gfmd.solve(Z, 1e9, 5e10, SIZES)
 
 
-def numbers(one):
-    patches = (one.observable(name) for name in ("patches", "patch_largest", "patch_mean"))
-    own = (one.a_r, one.gap_mean, one.g_rms, one.h_rms, one.pressure.max())
-    return [*own, *one.sizes, *patches]
+def numbers(solution):
+    patches = (solution.observable(name) for name in ("patches", "patch_largest", "patch_mean"))
+    means = (solution.a_r, solution.gap_mean, solution.pressure.max())
+    return [*means, solution.g_rms, solution.h_rms, *solution.sizes, *patches]
 
 
 @pytest.mark.parametrize("unit", UNITS)
 @pytest.mark.parametrize("name", FORMATS)
-def test_what_the_file_says(name, unit, tmp_path, plain):
-    """Path, load and modulus are enough for the contact that plain numbers have."""
+def test_sizes_and_units_of_files(name, unit, tmp_path, plain):
+    """A solution from path, load and modulus agrees with that of plain numbers."""
     FORMATS[name](tmp_path / name, unit)
-    found = open_topography(spec(tmp_path / name))
-    assert found.n == N
-    assert found.unit == "m"
-    assert np.allclose(found.sizes, SIZES, rtol=1e-9)
-    assert np.allclose(found.rows(0, 12), Z, rtol=1e-6, atol=1e-16)
-    assert np.array_equal(found.rows(3, 7), found.rows(0, 12)[3:7])
-    assert found.periodic is (True if name in ("z.nc", "z.h5") else None)
-    one = hpc_gfmd.solve(hpc_gfmd.read_surface(tmp_path / name), "1 GPa", "50 GPa")
-    assert numbers(one) == pytest.approx(numbers(plain), rel=1e-6, abs=0)
+    read = open_topography(spec(tmp_path / name))
+    assert read.n == N
+    assert read.unit == "m"
+    assert np.allclose(read.sizes, SIZES, rtol=1e-9)
+    assert np.allclose(read.rows(0, 12), Z, rtol=1e-6, atol=1e-16)
+    assert np.array_equal(read.rows(3, 7), read.rows(0, 12)[3:7])
+    assert read.periodic is (True if name in ("z.nc", "z.h5") else None)
+    solution = hpc_gfmd.solve(hpc_gfmd.read_surface(tmp_path / name), "1 GPa", "50 GPa")
+    assert numbers(solution) == pytest.approx(numbers(plain), rel=1e-6, abs=0)
 
 
 @pytest.mark.parametrize("name", BARE)
-def test_bare_numbers_need_sizes_and_a_unit(name, tmp_path):
+def test_files_of_bare_numbers_need_sizes_and_a_unit(name, tmp_path):
     BARE[name](tmp_path / name, 1e9 * Z)
     named = {"physical_sizes": ("1.2 um", "400 nm")}
-    both = r"^surface.physical_sizes: not given, .*; surface.unit: not given"
-    for keys, words in (({}, both), (named, r"^surface.unit: not given for the heights")):
+    neither_given = r"^surface.physical_sizes: not given, .*; surface.unit: not given"
+    for keys, words in (({}, neither_given), (named, r"^surface.unit: not given for the heights")):
         with refused(words):
             hpc_gfmd.read_surface(name, **keys)
     plain = {"physical_sizes": (1200, 400)}
     for keys, scale in ((named | {"unit": "nm"}, 1), (plain | {"unit": "nm"}, 1), (plain, 1e9)):
-        found = open_topography(spec(name, **keys))
-        assert found.sizes == pytest.approx([scale * size for size in SIZES], rel=1e-12)
-        assert np.allclose(found.rows(0, 12), scale * Z, rtol=1e-12)
-        assert found.unit == ("m" if "unit" in keys else "")
+        read = open_topography(spec(name, **keys))
+        assert read.sizes == pytest.approx([scale * size for size in SIZES], rel=1e-12)
+        assert np.allclose(read.rows(0, 12), scale * Z, rtol=1e-12)
+        assert read.unit == ("m" if "unit" in keys else "")
 
 
-def test_the_scene_may_say_otherwise(tmp_path):
+def test_scene_overrides_sizes_but_not_units(tmp_path):
     FORMATS["z.nc"](tmp_path / "z.nc", "nm")
-    found = open_topography(spec("z.nc", physical_sizes=(10, 20)))
-    assert found.sizes == pytest.approx((1e-8, 2e-8))
-    assert np.allclose(found.rows(0, 12), Z)
+    read = open_topography(spec("z.nc", physical_sizes=(10, 20)))
+    assert read.sizes == pytest.approx((1e-8, 2e-8))
+    assert np.allclose(read.rows(0, 12), Z)
     assert open_topography(spec("z.nc", unit="nm")).sizes == pytest.approx(SIZES)
     with refused(r"^surface.unit: found 'um', but .* heights in 'nm', all"):
         open_topography(spec("z.nc", unit="um"))
@@ -167,33 +170,35 @@ def test_the_scene_may_say_otherwise(tmp_path):
         ({"a": Z, "b": Z}, r"^surface.dataset: found 'surface', allowed in .*: a, b"),
     ],
 )
-def test_what_a_file_may_not_say(content, words):
+def test_bad_metadata_is_refused(content, words):
     np.savez("z.npz", **content)
     with refused(words):
         hpc_gfmd.read_surface("z.npz")
 
 
-def test_what_is_said_of_the_heights_counts_before_what_is_said_of_the_file():
-    """Sizes are in the unit that stands beside them."""
+def test_attributes_of_the_dataset_precede_those_of_the_file():
+    """Sizes are in the unit that is stored beside them."""
     with h5py.File("z.h5", "w") as file:
         file.attrs.update(physical_sizes=1e6 * np.array(SIZES), unit="um", periodic=True)
         file.create_dataset("surface", data=1e9 * Z).attrs["units"] = "nm"
-    found = open_topography(spec("z.h5"))
-    assert (found.sizes, found.periodic) == (pytest.approx(SIZES), True)
-    assert np.allclose(found.rows(0, 12), Z)
+    read = open_topography(spec("z.h5"))
+    assert (read.sizes, read.periodic) == (pytest.approx(SIZES), True)
+    assert np.allclose(read.rows(0, 12), Z)
 
 
-def written(mark, decimal=".", head="", ends="", holes=()):
+def matrix_text(separator, decimal=".", head="", line_end="", holes=()):
+    """The heights in nm as lines of text; holes: (index, text) of cells on the diagonal."""
     cells = [[f"{z:.12g}".replace(".", decimal) for z in row] for row in 1e9 * Z]
     for hole, text in holes:
         cells[hole][hole] = text
-    return head + "\n".join(mark.join(row) + ends for row in cells)
+    return head + "\n".join(separator.join(row) + line_end for row in cells)
 
 
-def points(head="", decimal=".", mark=" "):
+def points_text(head="", decimal=".", separator=" "):
+    """Lines of x, y (um) and z (nm), without point (2, 3)."""
     steps = [1e6 * size / n for size, n in zip(SIZES, N)]
     lines = [
-        mark.join(f"{x:.12g}" for x in (i * steps[0], j * steps[1], 1e9 * Z[i, j]))
+        separator.join(f"{x:.12g}" for x in (i * steps[0], j * steps[1], 1e9 * Z[i, j]))
         for i, j in np.ndindex(N)
         if (i, j) != (2, 3)
     ]
@@ -207,33 +212,37 @@ HOLES = [(1, "***"), (2, ""), (3, "BAD")]
 @pytest.mark.parametrize(
     ("text", "keys", "missing"),
     [
-        (written("\t", ","), BY_HAND, 0),
-        (written(";", ","), BY_HAND, 0),
-        (written(" ", ","), BY_HAND, 0),
-        (written(";", ends=";"), BY_HAND, 0),
-        (written("\t", ends=" # a line"), BY_HAND, 0),
-        (written(" ", head="a line\n" * 300), BY_HAND | {"skip_lines": 300}, 0),
-        (written("\t", head="Profiler 3\nrange: 5 5\n\n"), BY_HAND, 0),
-        (written("\t", ",", head="1\t2\n"), BY_HAND | {"skip_lines": 1, "decimal": ","}, 0),
-        (written(",", holes=HOLES), BY_HAND, 3),
-        (written("\t", holes=HOLES), BY_HAND, 3),
-        (written(" ", holes=[(4, "9999"), (5, "off")]), BY_HAND | {"missing": ["9999", "off"]}, 2),
-        (points("x [um];y [um];z [nm]\n", ",", ";"), {}, 1),
-        (points("x [um]\ty [um]\tz [nm]\n", mark="\t"), {}, 1),
-        (points(), BY_HAND, 1),
+        (matrix_text("\t", ","), BY_HAND, 0),
+        (matrix_text(";", ","), BY_HAND, 0),
+        (matrix_text(" ", ","), BY_HAND, 0),
+        (matrix_text(";", line_end=";"), BY_HAND, 0),
+        (matrix_text("\t", line_end=" # a line"), BY_HAND, 0),
+        (matrix_text(" ", head="a line\n" * 300), BY_HAND | {"skip_lines": 300}, 0),
+        (matrix_text("\t", head="Profiler 3\nrange: 5 5\n\n"), BY_HAND, 0),
+        (matrix_text("\t", ",", head="1\t2\n"), BY_HAND | {"skip_lines": 1, "decimal": ","}, 0),
+        (matrix_text(",", holes=HOLES), BY_HAND, 3),
+        (matrix_text("\t", holes=HOLES), BY_HAND, 3),
+        (
+            matrix_text(" ", holes=[(4, "9999"), (5, "off")]),
+            BY_HAND | {"missing": ["9999", "off"]},
+            2,
+        ),
+        (points_text("x [um];y [um];z [nm]\n", ",", ";"), {}, 1),
+        (points_text("x [um]\ty [um]\tz [nm]\n", separator="\t"), {}, 1),
+        (points_text(), BY_HAND, 1),
     ],
 )
-def test_text_of_instruments(text, keys, missing, tmp_path):
-    """Marks, decimals, headers and missing points of every kind give the same heights."""
+def test_text_exported_by_instruments(text, keys, missing, tmp_path):
+    """Separators, decimals, headers and missing points of all kinds give the same heights."""
     (tmp_path / "z.txt").write_text(text)
-    found = hpc_gfmd.read_surface("z.txt", boundary="periodic", fill="harmonic", **keys)
-    assert found.sizes == pytest.approx(SIZES, rel=1e-9)
-    assert np.isclose(found.heights, Z, rtol=1e-9, atol=1e-18).sum() == Z.size - missing
-    assert bool(found.prepared) == bool(missing)
+    surface = hpc_gfmd.read_surface("z.txt", boundary="periodic", fill="harmonic", **keys)
+    assert surface.sizes == pytest.approx(SIZES, rel=1e-9)
+    assert np.isclose(surface.heights, Z, rtol=1e-9, atol=1e-18).sum() == Z.size - missing
+    assert bool(surface.prepared) == bool(missing)
 
 
 @pytest.mark.parametrize("mark", [",", " "])
-def test_lines_and_columns_without_heights_stay(mark):
+def test_lines_and_columns_without_heights_are_kept(mark):
     lines = [["1", "2", "3", "nan"]] * 5 + [["nan"] * 4, ["off"] * 4]
     Path("z.txt").write_text("\n".join(map(mark.join, lines)))
     assert open_topography(spec("z.txt", missing=["off"], **BY_HAND)).n == (7, 4)
@@ -245,16 +254,16 @@ NO_TEXT = "cannot be read as text: .*"
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        (points() + "\n0 0 7", NO_TEXT + "has a point twice"),
-        (points() + "\n0.52 0 8", NO_TEXT + "not those of a regular grid"),
-        (points("x [um] y [mm] z [nm]\n"), NO_TEXT + "axes are in different units, um and mm"),
-        (written(",", holes=[(3, "x")]), NO_TEXT + "line 4: found 'x', .*surface.missing"),
-        (written(" ").rstrip()[:-20] + "e-", NO_TEXT + "line 12: .*is the file complete"),
-        (written(" ").rstrip()[:-20], NO_TEXT + "line 12: .*is the file complete"),
+        (points_text() + "\n0 0 7", NO_TEXT + "has a point twice"),
+        (points_text() + "\n0.52 0 8", NO_TEXT + "not those of a regular grid"),
+        (points_text("x [um] y [mm] z [nm]\n"), NO_TEXT + ".*um and mm"),
+        (matrix_text(",", holes=[(3, "x")]), NO_TEXT + "line 4: found 'x', .*surface.missing"),
+        (matrix_text(" ").rstrip()[:-20] + "e-", NO_TEXT + "line 12: .*is the file complete"),
+        (matrix_text(" ").rstrip()[:-20], NO_TEXT + "line 12: .*is the file complete"),
         ("1\n2\n3\n", NO_TEXT + "one number in a line"),
     ],
 )
-def test_text_that_is_no_map(text, words):
+def test_text_that_is_no_height_map_is_refused(text, words):
     Path("z.txt").write_text(text)
     with refused(words):
         open_topography(spec("z.txt", **BY_HAND))
@@ -275,12 +284,12 @@ RANGE = {"height_range": [f"{1e9 * z!r} nm" for z in (float(Z.min()), float(Z.ma
         ("l.tif", partial(Image.fromarray(STEPS.T).save, compression="tiff_lzw"), RANGE),
     ],
 )
-def test_pictures(name, write, keys):
-    """x to the right, y down; whole numbers are steps of the range."""
+def test_images(name, write, keys):
+    """x runs to the right and y down; integers are steps of the height range."""
     write(name)
-    found = hpc_gfmd.read_surface(name, boundary="periodic", **BY_HAND, **keys)
+    surface = hpc_gfmd.read_surface(name, boundary="periodic", **BY_HAND, **keys)
     step = np.ptp(Z) / 65535 if keys else 1e-14
-    assert np.allclose(found.heights, Z, rtol=0, atol=0.51 * step)
+    assert np.allclose(surface.heights, Z, rtol=0, atol=0.51 * step)
     without = {"height_range": [0, 1]} if not keys else {}
     with refused(r"surface.height_range = \["):
         hpc_gfmd.read_surface(name, boundary="periodic", **BY_HAND, **without)
@@ -289,33 +298,33 @@ def test_pictures(name, write, keys):
         hpc_gfmd.read_surface("colours.png", **BY_HAND)
 
 
-def test_where_the_instrument_is_seen(capsys):
-    """init says from which wave length on, and how to cut there; a Topography brings the note."""
+def test_resolution_of_the_instrument(capsys):
+    """init and prepare_surface name the resolved wavelength, and how to cut there."""
     parameters = {"resolution": {"value": 0.35, "unit": "µm"}}
     info = {"instrument": {"parameters": parameters}}
     scan = surface_topography().Topography(1e9 * Z, (1200, 400), unit="nm", info=info)
     scan.to_netcdf("scan.nc")
-    text, _, about = compose("scan.nc", Path("scene.toml"))
-    said = "waves shorter than 350 nm show the instrument"
-    assert any(said in line and "surface.downsample = 4 removes" in line for line in about)
-    assert re.search(f"^# downsample = 4 .*{said}", text, re.M)
+    text, _, notes = compose("scan.nc", Path("scene.toml"))
+    words = "waves shorter than 350 nm show the instrument"
+    assert any(words in line and "surface.downsample = 4 removes" in line for line in notes)
+    assert re.search(f"^# downsample = 4 .*{words}", text, re.M)
     assert re.search('^# crop = ."0 m", "0 m", "1.2 um", "0.4 um".', text, re.M)
-    assert said in hpc_gfmd.prepare_surface(scan).notes[-1]
+    assert words in hpc_gfmd.prepare_surface(scan).notes[-1]
 
 
-def test_a_format_that_is_not_known(tmp_path, capfd):
-    """Known ones are named; what other readers thought of it is not printed."""
+def test_unknown_formats_are_refused(tmp_path, capfd):
+    """The message lists known formats; attempts of other readers print nothing."""
     (tmp_path / "z.abc").write_bytes(b"\x89ABC\r\n\x1a\n" + bytes(range(256)) * 8)
     with refused(r"is not known, or .* known are npy, .*, x3p, .*gwy"):
         open_topography(spec("z.abc"))
     assert not capfd.readouterr().out
 
 
-def test_uneven_points_are_no_grid(tmp_path):
-    """A NetCDF 4 dimension without coordinates has none."""
+def test_uneven_coordinates_are_refused(tmp_path):
+    """NetCDF 4 dimensions without coordinates need physical_sizes."""
     netcdf4(tmp_path / "z.nc", "m")
     with h5py.File("z.nc", "r+") as file:
-        file["x"][1] *= 1.01  # only their ends are looked at
+        file["x"][1] *= 1.01  # an inner point
     with refused("not those of a regular grid"):
         open_topography(spec("z.nc"))
     with h5py.File("z.nc", "r+") as file:
@@ -334,24 +343,26 @@ def test_uneven_points_are_no_grid(tmp_path):
         {"boundary": "free"},
     ],
 )
-def test_read_surface_does_what_the_scene_does(keys, tmp_path):
+def test_read_surface_agrees_with_a_scene(keys, tmp_path):
     FORMATS["z.x3p"](tmp_path / "z.x3p", "nm")
     surface = hpc_gfmd.read_surface("z.x3p", **keys)
     assert surface.unit == "m"
-    found = hpc_gfmd.solve(surface, "1 GPa", "50 GPa")
+    solution = hpc_gfmd.solve(surface, "1 GPa", "50 GPa")
     table = {"kind": "file", "path": "z.x3p"} | keys
     scene = Scene.from_dict(
         {"surface": table, "load": {"pressure": "1 GPa"}, "material": {"E_star": "50 GPa"}}
     )
     (step,) = run_scene(scene, out="out.h5", quiet=True).steps
-    assert found.a_r == step["a_r"]
-    assert found.gap_mean == pytest.approx(step["gap_mean"])
-    assert found.note == step.get("note")
+    assert solution.a_r == step["a_r"]
+    assert solution.gap_mean == pytest.approx(step["gap_mean"])
+    assert solution.note == step.get("note")
     with h5py.File("out.h5") as file:
-        about = file["surface"].attrs
-        assert about["physical_sizes"] == pytest.approx(surface.sizes)
-        assert (about["unit"], about["pressure_unit"]) == ("m", "Pa")
-        assert about["boundary"] == ("free, free" if "boundary" in keys else "periodic, periodic")
+        attributes = file["surface"].attrs
+        assert attributes["physical_sizes"] == pytest.approx(surface.sizes)
+        assert (attributes["unit"], attributes["pressure_unit"]) == ("m", "Pa")
+        assert attributes["boundary"] == (
+            "free, free" if "boundary" in keys else "periodic, periodic"
+        )
 
 
 MASKED = np.ma.masked_greater(Z, 0.9 * Z.max())
@@ -367,43 +378,42 @@ MASKED = np.ma.masked_greater(Z, 0.9 * Z.max())
     ],
 )
 def test_heights_in_memory(heights, keys, plain):
-    """The same numbers, whatever holds the heights; a Topography needs no preparation."""
+    """Arrays and Topographies give the same solution; a Topography needs no preparation."""
     surface = hpc_gfmd.prepare_surface(heights, **keys)
     units = ("1 GPa", "50 GPa") if surface.unit else (1e9, 5e10)
-    for one in [surface] if keys else [surface, heights]:
-        assert numbers(hpc_gfmd.solve(one, *units)) == pytest.approx(numbers(plain), rel=1e-6)
+    for argument in [surface] if keys else [surface, heights]:
+        assert numbers(hpc_gfmd.solve(argument, *units)) == pytest.approx(numbers(plain), rel=1e-6)
 
 
-def test_what_heights_in_memory_lack():
-    """A Topography that is not periodic ends; masked points and nan are filled where that is
-    asked for."""
-    ends = hpc_gfmd.prepare_surface(
+def test_missing_heights_in_memory_and_files():
+    """Masked points and nan are refused without surface.fill, for arrays and all formats."""
+    surface = hpc_gfmd.prepare_surface(
         surface_topography().Topography(MASKED, SIZES, unit="m"), fill="harmonic"
     )
-    assert ends.free == (True, True)
-    assert "filled" in ends.prepared[0]
+    assert surface.free == (True, True)
+    assert "filled" in surface.prepared[0]
     masked = topography("m", False, MASKED)
     masked.to_netcdf("z.nc")
     masked.to_x3p("z.x3p")
-    beside = {"z": Z, "mask": MASKED.mask}
-    np.savez("z.npz", **beside)
-    unwritten = {"z": MASKED.filled(15 * 2.0**119)}  # of NetCDF
-    for name, arrays in (("z.h5", beside), ("four.nc", unwritten)):
+    with_mask = {"z": Z, "mask": MASKED.mask}
+    np.savez("z.npz", **with_mask)
+    with_fill_value = {"z": MASKED.filled(15 * 2.0**119)}  # NetCDF's
+    for name, arrays in (("z.h5", with_mask), ("four.nc", with_fill_value)):
         with h5py.File(name, "w") as file:
             file.update(arrays)
     for name in ("z.nc", "z.x3p", "z.npz", "z.h5", "four.nc"):
-        found = open_topography(spec(name, boundary="free", physical_sizes=SIZES))
-        assert np.array_equal(np.isnan(found.rows(0, 12)), MASKED.mask)
+        read = open_topography(spec(name, boundary="free", physical_sizes=SIZES))
+        assert np.array_equal(np.isnan(read.rows(0, 12)), MASKED.mask)
         with refused(r"^surface.path: found nan at"):
             build_surface(spec(name, boundary="free", physical_sizes=SIZES), SerialComm(), float)
-    np.savez("z.npz", z=Z, mask=Z)  # no mask, but heights
-    found = open_topography(spec("z.npz", physical_sizes=SIZES, dataset="mask"))
-    assert np.array_equal(found.rows(0, 12), Z)
-    with refused("mask of other numbers than 0 and 1"):
+    np.savez("z.npz", z=Z, mask=Z)  # the dataset "mask" holds heights
+    read = open_topography(spec("z.npz", physical_sizes=SIZES, dataset="mask"))
+    assert np.array_equal(read.rows(0, 12), Z)
+    with refused("mask .*0 and 1"):
         open_topography(spec("z.npz", physical_sizes=SIZES, dataset="z")).rows(0, 12)
     for heights in (MASKED, MASKED.filled(np.nan)):
-        again = hpc_gfmd.prepare_surface(heights, fill="harmonic", boundary="free")
-        assert np.allclose(again.heights, ends.heights)
+        filled = hpc_gfmd.prepare_surface(heights, fill="harmonic", boundary="free")
+        assert np.allclose(filled.heights, surface.heights)
         with refused(r"(masked points|found nan at).*prepare_surface\(heights"):
             hpc_gfmd.solve(heights, 1e-9)
         with refused(r"found nan at .* or fill = .harmonic."):
@@ -412,7 +422,7 @@ def test_what_heights_in_memory_lack():
         hpc_gfmd.prepare_surface(topography("um"), unit="nm")
 
 
-def test_what_a_prepared_surface_knows(tmp_path):
+def test_keys_of_prepared_surfaces(tmp_path):
     FORMATS["z.x3p"](tmp_path / "z.x3p", "nm")
     surface = hpc_gfmd.read_surface("z.x3p", detrend="mean")
     assert np.allclose(surface.heights, Z - Z.mean())
@@ -421,14 +431,14 @@ def test_what_a_prepared_surface_knows(tmp_path):
     with refused(r"physical_sizes: found .* beside .* knows its sizes, allowed: read_surface"):
         hpc_gfmd.solve(surface, 1.0, physical_sizes=(1, 2))
     lengths = r"allowed: .* x0 < x1 <= 1200 nm and .* y1 <= 400 nm, plain in this unit"
-    found = topography("nm")
-    assert hpc_gfmd.prepare_surface(found, crop=(0, 0, 600, 100)).heights.shape == (6, 2)
+    nm_map = topography("nm")
+    assert hpc_gfmd.prepare_surface(nm_map, crop=(0, 0, 600, 100)).heights.shape == (6, 2)
     with refused(lengths):
-        hpc_gfmd.prepare_surface(found, crop=(0, 0, "2 um", "0.4 um"))
+        hpc_gfmd.prepare_surface(nm_map, crop=(0, 0, "2 um", "0.4 um"))
     for keys in ({"crop": ("0 um", "0 um", "1 um", "1 um")}, {"radius": "1 mm"}):
         with refused(r"found (1 mm|0 um), allowed: a plain number, as the sizes"):
             hpc_gfmd.prepare_surface(Z, boundary="free", **keys)
-    ball = hpc_gfmd.prepare_surface(found, boundary="free", radius="1 mm")
+    ball = hpc_gfmd.prepare_surface(nm_map, boundary="free", radius="1 mm")
     x, y = ((np.arange(k) - k // 2) * L / k for k, L in zip(N, SIZES))
     form = (x[:, None] ** 2 + y**2) / 2e-3
     assert np.allclose(ball.heights, Z - form, rtol=0, atol=1e-16)

@@ -1,4 +1,4 @@
-"""Height maps as engineers meet them: each is read right, or refused with the reason."""
+"""Height maps as instruments and programs write them: read correctly, or refused with a reason."""
 
 import bz2
 import gzip
@@ -13,6 +13,7 @@ import pytest
 import tifffile
 from contacts import random_heights
 from refusal import refused
+from scipy.signal.windows import get_window
 
 import hpc_gfmd
 from hpc_gfmd.commands.init import compose
@@ -32,17 +33,19 @@ def opened(path, **keys):
 
 
 def heights(path, **keys):
-    """Heights in nm, nan where there is none."""
+    """Heights of a file in nm, nan at missing points."""
     topography = opened(path, **keys)
     return 1e9 * topography.rows(0, topography.n[0])
 
 
-def is_map(found, wanted=Z):
-    return np.allclose(found, wanted, rtol=1e-6, atol=1e-5, equal_nan=True)
+def is_map(z, wanted=Z):
+    """Whether heights in nm agree with the wanted ones; nan agrees with nan."""
+    return np.allclose(z, wanted, rtol=1e-6, atol=1e-5, equal_nan=True)
 
 
-def text(rows, mark="\t"):
-    return "\n".join(mark.join(map(str, row)) for row in rows) + "\n"
+def table_text(rows, separator="\t"):
+    """Rows as lines of text."""
+    return "\n".join(separator.join(map(str, row)) for row in rows) + "\n"
 
 
 def with_hole(z=Z):
@@ -51,7 +54,7 @@ def with_hole(z=Z):
     return z
 
 
-# 1. Nothing is dropped
+# Text: nothing is dropped
 
 
 UNKNOWN = ["?", "off", "n.v.", "1_0", "1.5.2", "0x1F", "12e", "1,5"]
@@ -59,25 +62,25 @@ UNKNOWN = ["?", "off", "n.v.", "1_0", "1.5.2", "0x1F", "12e", "1,5"]
 
 @pytest.mark.parametrize("token", UNKNOWN)
 @pytest.mark.parametrize("lines", [[0], [3], [11], [3, 11], [0, 3, 5, 11]])
-def test_a_token_that_is_not_known_is_named(token, lines):
-    """Wherever it stands, with the line, if it is not told by surface.missing."""
+def test_unknown_tokens_are_named(token, lines):
+    """The message has the line and the token, unless surface.missing lists it."""
     rows = Z.astype(str)
     for line in lines:
         rows[line, 5] = token
-    Path("z.txt").write_text(text(rows))
+    Path("z.txt").write_text(table_text(rows))
     with refused(f"line {lines[0] + 1}: found '{token}'|in line {lines[0] + 1}"):
         heights("z.txt", **KEYS)
-    found = heights("z.txt", missing=[token], **KEYS)
-    assert np.isnan(found[lines, 5]).all()
-    assert np.isnan(found).sum() == len(lines)
+    z = heights("z.txt", missing=[token], **KEYS)
+    assert np.isnan(z[lines, 5]).all()
+    assert np.isnan(z).sum() == len(lines)
 
 
 @pytest.mark.parametrize("mark", ["\t", " ", ",", ";"])
 @pytest.mark.parametrize("token", ["NoData", "NULL", "n.a.", "None", "nan", "BAD", "***", "---"])
-def test_what_stands_for_nothing_is_a_hole(mark, token):
+def test_tokens_of_missing_point_rows(mark, token):
     rows = Z.astype(str)
     rows[HOLE] = rows[11, 0] = token
-    Path("z.txt").write_text(text(rows, mark))
+    Path("z.txt").write_text(table_text(rows, mark))
     wanted = with_hole()
     wanted[11, 0] = np.nan
     assert is_map(heights("z.txt", **KEYS), wanted)
@@ -99,49 +102,50 @@ LATE = np.round(random_heights((300, 4)), 4)
     ],
 )
 @pytest.mark.parametrize("mark", ["\t", ","])
-def test_what_comes_after_the_lines_that_were_looked_at(change, words, mark):
+def test_late_changes_of_the_layout_are_refused(change, words, mark):
     rows = LATE.astype(str).tolist()
     rows[280] = change(rows[280])
-    Path("z.txt").write_text(text(rows, mark))
+    Path("z.txt").write_text(table_text(rows, mark))
     with refused(words):
         heights("z.txt", **SMALL)
 
 
-def test_an_empty_cell_late_is_a_hole_and_shifts_nothing():
+def test_late_empty_cells_are_missing_point_rows():
     rows = LATE.astype(str)
     rows[250, 1] = ""
     wanted = LATE.copy()
     wanted[250, 1] = np.nan
-    Path("z.txt").write_text(text(rows))
+    Path("z.txt").write_text(table_text(rows))
     assert is_map(heights("z.txt", **SMALL), wanted)
 
 
-def test_of_two_maps_the_one_that_is_named():
-    """As Gwyddion exports all channels."""
+def test_channels_are_selected_by_name():
+    """The text of Gwyddion's export of all channels."""
     head = "# Channel: {}\n# Width: 1.2 µm\n# Height: 0.4 µm\n# Value units: {}\n"
     parts = [("Error", "V", Z), ("Up", "nm", Z), ("Down", "nm", -Z)]
-    Path("z.txt").write_text("\n".join(head.format(*p[:2]) + text(p[2].T) for p in parts))
+    Path("z.txt").write_text("\n".join(head.format(*p[:2]) + table_text(p[2].T) for p in parts))
     assert is_map(heights("z.txt"))
     assert is_map(heights("z.txt", dataset="Down"), -Z)
-    assert "channel 'Up' of z.txt is pressed; others: Down" in opened("z.txt").notes
+    assert any("'Up'" in note and "Down" in note for note in opened("z.txt").notes)
     with refused(r"surface.dataset: found 'Left', allowed.* Up, Down"):
         heights("z.txt", dataset="Left")
 
 
-def test_a_line_before_the_map_may_be_one_of_it():
-    Path("z.txt").write_text("1 2 3 4 5 6 7\n" + text(Z, " "))
+def test_ambiguous_first_lines_are_refused():
+    Path("z.txt").write_text("1 2 3 4 5 6 7\n" + table_text(Z, " "))
     with refused("line 1: found 7 numbers, allowed: 8"):
         heights("z.txt", **KEYS)
     assert is_map(heights("z.txt", skip_lines=1, **KEYS))
 
 
-# 2. Tables with axes
+# Text: tables with axes
 
-X, Y = np.arange(12) * 0.1, np.arange(8) * 0.05
+X = np.arange(12) * 0.1
+Y = np.arange(8) * 0.05
 
 
 @pytest.mark.parametrize(
-    ("index", "columns", "wanted"),
+    ("index", "columns", "note_words"),
     [
         (range(12), range(8), "numbers of"),
         (range(1, 13), [*"abcdefgh"], "numbers of"),
@@ -153,7 +157,7 @@ X, Y = np.arange(12) * 0.1, np.arange(8) * 0.05
     ],
 )
 @pytest.mark.parametrize("sep", [",", ";", "\t"])
-def test_tables_of_pandas(index, columns, wanted, sep):
+def test_tables_of_pandas(index, columns, note_words, sep):
     import pandas as pd
 
     table = pd.DataFrame(Z + 0.0005, index, columns)
@@ -161,47 +165,49 @@ def test_tables_of_pandas(index, columns, wanted, sep):
     topography = opened("z.csv", **KEYS)
     turned = Z[::-1] if index is not None and index[0] > index[1] else Z
     assert is_map(1e9 * topography.rows(0, 12), turned + 0.0005)
-    assert any(wanted in note for note in topography.notes)
+    assert any(note_words in note for note in topography.notes)
 
 
 @pytest.mark.parametrize("corner", ["", "um", "y [um]", "0"])
 def test_coordinates_in_first_line_and_column(corner):
-    """They are used where their unit is known."""
+    """They give sizes if their unit is known."""
     rows = [[corner, *Y], *([x, *row] for x, row in zip(X, Z))]
-    Path("z.txt").write_text(text(rows))
+    Path("z.txt").write_text(table_text(rows))
     topography = opened("z.txt", unit="nm", **({} if "um" in corner else {"physical_sizes": SIZES}))
     assert is_map(1e9 * topography.rows(0, 12))
     if "um" in corner:
         assert topography.sizes == pytest.approx(SIZES)
 
 
-def test_what_may_be_coordinates_or_heights_has_to_be_told():
-    """A key tells it; a plane, of which everything rises evenly, is heights."""
+def test_possible_coordinates_need_a_key():
+    """A line or column that rises evenly is refused without surface.coordinates; a plane, in which
+    all lines do, is heights."""
     whole = np.round(Z).astype(int)
     whole[0] = range(8)
-    Path("z.txt").write_text(text(whole))
-    with refused('its first line rises evenly: surface.coordinates = "line"'):
+    Path("z.txt").write_text(table_text(whole))
+    with refused('first line .*surface.coordinates = "line"'):
         heights("z.txt", **KEYS)
     assert is_map(heights("z.txt", coordinates="none", **KEYS), whole)
     assert is_map(heights("z.txt", coordinates="line", **KEYS), whole[1:])
     plane = np.arange(96).reshape(12, 8)
-    Path("z.txt").write_text(text(plane))
+    Path("z.txt").write_text(table_text(plane))
     assert is_map(heights("z.txt", **KEYS), plane)
     for rows in (
         [[1, 2, 3, 4], [5, 6, 3, 1], [2, 4, 1, 3], [4, 3, 2, 1]],
         [[1, 2, 3, 4], [2, 1, 4, 3], [3, 4, 1, 2], [4, 3, 2, 1]],
     ):
-        Path("z.txt").write_text(text(rows))
+        Path("z.txt").write_text(table_text(rows))
         assert is_map(heights("z.txt", **SMALL), rows)
     Path("z.txt").write_text(
-        text([[0, 0, 1, 2], [0, 101, 105, 103], [1, 104, 107, 106], [2, 9, 5, 8]])
+        table_text([[0, 0, 1, 2], [0, 101, 105, 103], [1, 104, 107, 106], [2, 9, 5, 8]])
     )
-    with refused("its first line and column rise evenly"):
+    with refused("first line and column .*surface.coordinates"):
         heights("z.txt", **SMALL)
     assert heights("z.txt", coordinates="both", **SMALL).shape == (3, 3)
 
 
-def points(names, order=lambda table: table):
+def point_rows(names, order=lambda table: table):
+    """Rows of points; names: columns (x and y in um, z in nm, I an intensity)."""
     i, j = np.indices(Z.shape).reshape(2, -1)
     columns = {"x": X[i], "y": Y[j], "z": Z.ravel(), "I": np.full(96, 17)}
     table = order(np.array([columns[name[0]] for name in names]).T)
@@ -218,17 +224,17 @@ def points(names, order=lambda table: table):
     ],
 )
 @pytest.mark.parametrize("mark", ["\t", ";", ","])
-def test_columns_by_their_names(names, mark):
-    Path("z.xyz").write_text(text([names, *points(names)], mark))
+def test_named_columns_of_points(names, mark):
+    Path("z.xyz").write_text(table_text([names, *point_rows(names)], mark))
     topography = opened("z.xyz")
     assert is_map(1e9 * topography.rows(0, 12))
     assert topography.sizes == pytest.approx(SIZES)
     assert any("column I is not used" in note for note in topography.notes) == (len(names) == 4)
 
 
-def test_columns_without_names():
-    Path("z.xyz").write_text(text(points("xyzI"), " "))
-    with refused("its 4 columns are x, y, z and others"):
+def test_four_columns_without_names_are_refused():
+    Path("z.xyz").write_text(table_text(point_rows("xyzI"), " "))
+    with refused("4 columns"):
         heights("z.xyz", **KEYS)
 
 
@@ -242,19 +248,21 @@ def test_columns_without_names():
     ],
 )
 def test_points_in_any_order(order):
-    Path("z.xyz").write_text(text([("x[um]", "y[um]", "z[nm]"), *points("xyz", order)], " "))
+    Path("z.xyz").write_text(
+        table_text([("x[um]", "y[um]", "z[nm]"), *point_rows("xyz", order)], " ")
+    )
     assert is_map(heights("z.xyz"))
 
 
-def test_points_of_which_blank_lines_end_each_line():
-    """As gnuplot wants them."""
-    lines = text(points("xyz"), " ").splitlines()
+def test_blank_lines_between_lines_of_points():
+    """The format of gnuplot."""
+    lines = table_text(point_rows("xyz"), " ").splitlines()
     blocks = ["\n".join(lines[8 * k : 8 * k + 8]) for k in range(12)]
     Path("z.xyz").write_text("# x[um] y[um] z[nm]\n" + "\n\n".join(blocks))
     assert is_map(heights("z.xyz"))
 
 
-def test_rounded_coordinates_are_those_of_a_grid():
+def test_rounded_coordinates_are_a_grid():
     pitch = 1.6343e-6
     lines = [
         f"{pitch * (i + 0.5):.5g}\t{pitch * (j + 0.5):.5g}\t{1e-9 * i * (j + 1):.5g}"
@@ -272,7 +280,7 @@ def test_rounded_coordinates_are_those_of_a_grid():
         opened("z.xyz", unit="m")
 
 
-# 3. Which direction is x
+# Direction of x
 
 HEADER = "# Channel: Height\n# Width: {}\n# Height: {}\n# Value units: nm\n"
 
@@ -281,20 +289,20 @@ HEADER = "# Channel: Height\n# Width: {}\n# Height: {}\n# Value units: nm\n"
     ("encoding", "decimal"),
     [("utf-8", "."), ("latin-1", "."), ("utf-8-sig", "."), ("utf-16", "."), ("latin-1", ",")],
 )
-def test_a_header_tells_the_direction(encoding, decimal):
-    """Whatever it is encoded in."""
-    body = HEADER.format("1.2 µm", "0.4 µm") + text(Z.T)
+def test_header_decides_the_direction(encoding, decimal):
+    """In all encodings and with decimal commas."""
+    body = HEADER.format("1.2 µm", "0.4 µm") + table_text(Z.T)
     Path("z.txt").write_bytes(body.replace(".", decimal).encode(encoding))
     topography = opened("z.txt")
     assert topography.sizes == pytest.approx(SIZES)
     assert is_map(1e9 * topography.rows(0, 12))
 
 
-def test_one_convention_for_all():
-    """Array, matrix, points and picture of a map have the same heights; a key says otherwise."""
+def test_all_formats_share_one_convention():
+    """Array, matrix, points and image of a map agree; surface.first_axis exchanges axes."""
     np.save("z.npy", Z)
     np.savetxt("z.txt", Z)
-    Path("z.xyz").write_text(text([("x[um]", "y[um]", "z[nm]"), *points("xyz")], " "))
+    Path("z.xyz").write_text(table_text([("x[um]", "y[um]", "z[nm]"), *point_rows("xyz")], " "))
     tifffile.imwrite("z.tif", Z.T)
     for name in ("z.npy", "z.txt", "z.tif"):
         assert is_map(heights(name, **KEYS))
@@ -307,9 +315,9 @@ def test_one_convention_for_all():
     assert not opened("z.txt", first_axis="x", **KEYS).notes
 
 
-def test_points_that_would_be_square_with_exchanged_sizes():
+def test_note_on_pixels_that_exchanged_sizes_make_square():
     np.save("z.npy", Z[:6])
-    sizes = ("4 um", "3 um")  # as on the screen: 8 columns, 6 lines
+    sizes = ("4 um", "3 um")  # as displayed: 8 columns, 6 lines
     assert any(
         "would be square" in note for note in opened("z.npy", unit="nm", physical_sizes=sizes).notes
     )
@@ -319,7 +327,7 @@ def test_points_that_would_be_square_with_exchanged_sizes():
 
 
 @pytest.mark.parametrize("names", [("y", "x"), ("lat", "lon"), ("Y", "X"), ("row", "column")])
-def test_axes_by_their_names(names):
+def test_named_axes_of_netcdf(names):
     with h5py.File("z.nc", "w") as file:
         data = file.create_dataset("h", data=Z.T)
         data.attrs["units"] = "nm"
@@ -333,7 +341,7 @@ def test_axes_by_their_names(names):
 
 @pytest.mark.parametrize("version", ["5", "7.3"])
 def test_matlab(version):
-    """The first index is x in both of its formats."""
+    """The first index is x in both formats of MATLAB."""
     if version == "5":
         from scipy.io import savemat
 
@@ -347,12 +355,14 @@ def test_matlab(version):
     assert is_map(heights("z.mat", **KEYS))
 
 
-# 4. Units of length
+# Units of length
 
 
 @pytest.mark.parametrize("unit", ["px", "pixel", "point", "au", "Pixels", "a.u.", "Nm", "1"])
-def test_what_is_no_length(unit):
-    Path("z.xyz").write_text(text([(f"x[{unit}]", f"y[{unit}]", "z[nm]"), *points("xyz")], ","))
+def test_units_that_are_no_length(unit):
+    Path("z.xyz").write_text(
+        table_text([(f"x[{unit}]", f"y[{unit}]", "z[nm]"), *point_rows("xyz")], ",")
+    )
     with refused(r"^surface.physical_sizes: not given"):
         hpc_gfmd.read_surface("z.xyz", boundary="periodic")
     assert is_map(heights("z.xyz", physical_sizes=KEYS["physical_sizes"]))
@@ -380,7 +390,7 @@ def test_what_is_no_length(unit):
         ("μm", 1e-6),
     ],
 )
-def test_units_with_capitals_and_long_names(unit, metres):
+def test_spellings_of_units(unit, metres):
     np.savez("z.npz", z=Z, unit=unit, physical_sizes=[12.0, 4.0])
     topography = opened("z.npz")
     assert np.allclose(topography.rows(0, 12), metres * Z, rtol=1e-12)
@@ -388,6 +398,7 @@ def test_units_with_capitals_and_long_names(unit, metres):
 
 
 def gwyddion(path, lateral, vertical):
+    """Write a GWY file with the given units along the surface and of heights."""
     import gwyfile
 
     field = gwyfile.objects.GwyDataField(
@@ -409,21 +420,22 @@ def test_gwyddion_without_units_of_length(lateral, vertical):
 
 
 @pytest.mark.parametrize("sizes", [("160 m", "160 m"), ("1 pm", "1 pm")])
-def test_sizes_that_no_instrument_measures(sizes):
+def test_note_on_implausible_sizes(sizes):
     np.save("z.npy", Z)
     notes = opened("z.npy", unit="nm", physical_sizes=sizes).notes
     assert any("no instrument measures" in note for note in notes)
-    about = compose(
+    notes_of_init = compose(
         "z.npy", Path("a.toml"), [f"surface.physical_sizes={list(sizes)}", "surface.unit=nm"]
     )[2]
-    assert any("no instrument measures" in line for line in about)
-    assert any("different units" in line for line in about)
+    assert any("no instrument measures" in line for line in notes_of_init)
+    assert any("different units" in line for line in notes_of_init)
 
 
-# 5. Content decides the format
+# Content decides the format
 
 
 def netcdf3(path, packed=False):
+    """Write NetCDF 3; packed: as 16-bit integers with a scale and a hole."""
     from scipy.io import netcdf_file
 
     with netcdf_file(path, "w") as file:
@@ -447,15 +459,15 @@ def hdf5(path):
         )
 
 
-def saved(save, *arrays, **named):
+def saved_bytes(save, *arrays, **named_arrays):
     stream = BytesIO()
-    save(stream, *arrays, **named)
+    save(stream, *arrays, **named_arrays)
     return stream.getvalue()
 
 
 KINDS = {
-    "npy": lambda path: Path(path).write_bytes(saved(np.save, Z)),
-    "npz": lambda path: Path(path).write_bytes(saved(np.savez, z=Z)),
+    "npy": lambda path: Path(path).write_bytes(saved_bytes(np.save, Z)),
+    "npz": lambda path: Path(path).write_bytes(saved_bytes(np.savez, z=Z)),
     "hdf5": hdf5,
     "netcdf": netcdf3,
     "tiff": lambda path: tifffile.imwrite(path, Z.T),
@@ -472,7 +484,7 @@ def topography():
     "suffix", ["", ".dat", ".hdf", ".txt", ".tif", ".nc", ".h5", ".map", ".x3p"]
 )
 @pytest.mark.parametrize("kind", KINDS)
-def test_any_name(kind, suffix):
+def test_format_does_not_depend_on_the_name(kind, suffix):
     KINDS[kind]("plain")
     Path("plain").rename(f"z{suffix}")
     keys = {"physical_sizes": KEYS["physical_sizes"]} | ({} if kind == "x3p" else {"unit": "nm"})
@@ -481,7 +493,7 @@ def test_any_name(kind, suffix):
 
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("pack", ["gz", "bz2", "zip"])
-def test_packed(kind, pack):
+def test_compressed_files(kind, pack):
     KINDS[kind]("plain.map")
     data = Path("plain.map").read_bytes()
     if pack == "zip":
@@ -494,7 +506,7 @@ def test_packed(kind, pack):
 
 
 @pytest.mark.parametrize("suffix", [".nc", ".nc4", ".cdf", ".dat"])
-def test_packed_numbers_under_any_name(suffix):
+def test_packed_integers_of_netcdf(suffix):
     netcdf3(f"z{suffix}", packed=True)
     topography = opened(f"z{suffix}")
     assert topography.sizes == pytest.approx(SIZES)
@@ -502,7 +514,7 @@ def test_packed_numbers_under_any_name(suffix):
 
 
 @pytest.mark.parametrize("suffix", [".h5", ".hdf", ".mat", ".h5-jpk"])
-def test_of_several_maps_one_has_to_be_named(suffix):
+def test_several_maps_need_a_dataset(suffix):
     with h5py.File(f"z{suffix}", "w") as file:
         file.update(amplitude=-Z, height=Z, line=np.arange(3.0))
     with refused("surface.dataset: .*amplitude, height"):
@@ -531,19 +543,19 @@ def test_of_several_maps_one_has_to_be_named(suffix):
         ),
     ],
 )
-def test_what_stands_for_no_value(attributes, stored):
+def test_attributes_for_missing_values(attributes, stored):
     z = np.clip(Z, -29, 29)
     with h5py.File("z.nc", "w") as file:
         file.create_dataset("h", data=stored(with_hole(z))).attrs.update(attributes)
     assert is_map(heights("z.nc", **KEYS), with_hole(z))
 
 
-def test_topography_goes_before_other_channels():
-    scans = {"Error": -Z, "Phase": Z / 3, "ZSensor": Z}
+def test_topography_precedes_other_channels():
+    channels = {"Error": -Z, "Phase": Z / 3, "ZSensor": Z}
     import gwyfile
 
     container = {}
-    for k, (name, z) in enumerate(scans.items()):
+    for k, (name, z) in enumerate(channels.items()):
         container[f"/{k}/data/title"] = name
         container[f"/{k}/data"] = gwyfile.objects.GwyDataField(
             1e-9 * z.T,
@@ -554,8 +566,8 @@ def test_topography_goes_before_other_channels():
         )
     gwyfile.objects.GwyContainer(container).tofile("z.gwy")
     assert is_map(heights("z.gwy"))
-    about = compose("z.gwy", Path("a.toml"))[2]
-    assert any("channel ZSensor; others: Error, Phase" in line for line in about)
+    notes = compose("z.gwy", Path("a.toml"))[2]
+    assert any("ZSensor" in line and "Error, Phase" in line for line in notes)
     surface = hpc_gfmd.read_surface("z.gwy", boundary="periodic")
     assert any("channel 'ZSensor'" in note for note in surface.notes)
     named = hpc_gfmd.read_surface("z.gwy", boundary="periodic", dataset="Error")
@@ -563,7 +575,7 @@ def test_topography_goes_before_other_channels():
     assert not any("channel" in note for note in named.notes)
 
 
-# 6. What the file calls missing
+# Missing values
 
 
 @pytest.mark.parametrize("number", [-9999, -32768, 3.4028234663852886e38, 0])
@@ -575,31 +587,31 @@ def test_nodata_of_geotiff(number, dtype):
     assert is_map(heights("z.tif", **KEYS), with_hole(Z.astype(dtype)))
 
 
-def test_nodata_of_whole_numbers():
+def test_nodata_of_integers():
     steps = np.round(1000 + 10 * Z).astype(np.uint16)
     steps[HOLE] = 0
     tifffile.imwrite("z.tif", steps.T, extratags=[(42113, "s", 0, "0", True)])
     topography = opened("z.tif", height_range=["-100 nm", "6453.5 nm"], **KEYS)
-    found = 1e9 * topography.rows(0, 12)
-    assert np.allclose(found, with_hole(np.round(10 * Z) / 10), equal_nan=True, atol=1e-3)
+    z = 1e9 * topography.rows(0, 12)
+    assert np.allclose(z, with_hole(np.round(10 * Z) / 10), equal_nan=True, atol=1e-3)
     assert any("0 to 65535" in note for note in topography.notes)
 
 
 @pytest.mark.parametrize("name", ["NODATA_value", "nodata_value", "NODATA_VALUE"])
 def test_nodata_of_esri(name):
-    """A line runs along x, as in a picture."""
+    """Lines run along x, as in images."""
     head = "ncols 12\nnrows 8\nxllcorner 0\nyllcorner 0\ncellsize 0.1\n"
     z = np.where(np.isnan(with_hole()), -9999, Z)
-    Path("z.asc").write_text(f"{head}{name} -9999\n" + text(z.T, " "))
+    Path("z.asc").write_text(f"{head}{name} -9999\n" + table_text(z.T, " "))
     assert is_map(heights("z.asc", **KEYS), with_hole())
-    Path("z.asc").write_text(f"{head}{name} -9999\n" + text(z.T[:-1], " "))
+    Path("z.asc").write_text(f"{head}{name} -9999\n" + table_text(z.T[:-1], " "))
     with refused("found 7 lines of 12 numbers, allowed: 8 of 12"):
         heights("z.asc", **KEYS)
 
 
 @pytest.mark.parametrize("written", ["-9999", "-9999.0", "-9.999e3"])
 @pytest.mark.parametrize("name", ["z.txt", "z.npy", "z.tif"])
-def test_numbers_that_the_scene_calls_missing(written, name):
+def test_missing_numbers_of_the_scene(written, name):
     z = np.where(np.isnan(with_hole()), -9999, Z)
     {"z.txt": np.savetxt, "z.npy": np.save}.get(name, lambda p, z: tifffile.imwrite(p, z.T))(
         name, z
@@ -627,12 +639,12 @@ def test_masks(kind, dtype):
             heights(f"z.{kind}", **KEYS)
 
 
-# 7. Falling coordinates
+# Decreasing coordinates
 
 
 @pytest.mark.parametrize("falling", ["x", "y", "xy", ""])
 @pytest.mark.parametrize("kind", ["netcdf3", "netcdf4"])
-def test_falling_coordinates_are_turned(falling, kind):
+def test_decreasing_coordinates_are_reversed(falling, kind):
     from scipy.io import netcdf_file
 
     def turned(z):
@@ -668,25 +680,25 @@ def test_falling_coordinates_are_turned(falling, kind):
     assert is_map(1e9 * cropped.heights, Z[:3, :2])
 
 
-# 9. A refusal says the known reason
+# Reasons of refusals
 
 
 @pytest.mark.parametrize("kind", ["en dash", "folder", "both", "plain"])
-def test_x3p_as_other_programs_write_it(kind):
+def test_x3p_of_other_programs(kind):
     topography().to_x3p("plain.x3p")
     folder = "scan/" if kind in ("folder", "both") else ""
-    with zipfile.ZipFile("plain.x3p") as archive, zipfile.ZipFile("z.x3p", "w") as other:
+    with zipfile.ZipFile("plain.x3p") as archive, zipfile.ZipFile("z.x3p", "w") as rewritten:
         for name in archive.namelist():
             data = archive.read(name)
             if name == "main.xml" and kind in ("en dash", "both"):
                 data = data.replace(b"ISO5436 - 2000", "ISO5436 – 2000".encode())
-            other.writestr(folder + name, data)
+            rewritten.writestr(folder + name, data)
     assert is_map(heights("z.x3p"))
 
 
-def test_the_reason_of_the_reader_is_said():
+def test_reason_of_the_reader_is_in_the_message():
     topography().to_x3p("plain.x3p")
-    with zipfile.ZipFile("plain.x3p") as archive, zipfile.ZipFile("z.x3p", "w") as other:
+    with zipfile.ZipFile("plain.x3p") as archive, zipfile.ZipFile("z.x3p", "w") as rewritten:
         for name in archive.namelist():
             data = archive.read(name)
             data = (
@@ -694,7 +706,7 @@ def test_the_reason_of_the_reader_is_said():
                 if name == "main.xml"
                 else data
             )
-            other.writestr(name, data)
+            rewritten.writestr(name, data)
     with refused("FeatureType should be 'SUR'"):
         heights("z.x3p")
     Path("z.gwy").write_bytes(b"GWYP" + b"\0" * 40)
@@ -702,14 +714,14 @@ def test_the_reason_of_the_reader_is_said():
         heights("z.gwy")
 
 
-def test_no_data_of_zygo():
+def test_missing_points_of_zygo():
     lines = [f"{i} {j} {Z[i, j]}" for i in range(12) for j in range(8)]
     lines[21] = "2 5 No Data"
     Path("z.xyz").write_text("\n".join(lines) + "\n#\n")
     assert is_map(heights("z.xyz", **KEYS), with_hole())
 
 
-def test_nms_of_which_the_spacing_is_in_nm():
+def test_nms_with_a_spacing_in_nm():
     head = bytearray(3468)
     struct.pack_into("<2d", head, 16, 0.0, 1.0)
     struct.pack_into("<2I2d", head, 1368, 12, 8, 312.5, 312.5)
@@ -728,36 +740,37 @@ def test_keys_of_other_formats_are_refused(key, value):
         opened("z.npy", **KEYS, **{key: value})
 
 
-def test_init_does_not_contradict_the_file():
-    Path("z.xyz").write_text(text([("x[um]", "y[um]", "z[nm]"), *points("xyz")], ","))
+def test_init_refuses_sizes_other_than_those_of_the_file():
+    Path("z.xyz").write_text(table_text([("x[um]", "y[um]", "z[nm]"), *point_rows("xyz")], ","))
     sizes = 'surface.physical_sizes=["3 um","2 um"]'
     with refused(r"surface.physical_sizes: found .*3 um.*'1.2 um', '0.4 um'"):
         compose("z.xyz", Path("a.toml"), [sizes])
     written = compose("z.xyz", Path("a.toml"), ['surface.physical_sizes=["1.2 um","0.4 um"]'])[0]
     assert 'physical_sizes = ["1.2 um", "0.4 um"]' in written
-    Path("plain.xyz").write_text(text(points("xyz"), ","))  # in a unit that it does not name
+    Path("plain.xyz").write_text(table_text(point_rows("xyz"), ","))  # without a unit
     assert not compose("plain.xyz", Path("a.toml"), [sizes, "surface.unit=nm"])[1]
     assert not opened("plain.xyz", **KEYS).notes
     notes = opened("z.xyz", physical_sizes=("3 um", "2 um")).notes
     assert any("the file says 1.2 um x 0.4 um" in note for note in notes)
 
 
-# 10. What preparation did
+# Notes on preparation
 
 
 def lens(n=32, radius=5e-4, size=3.2e-5):
+    """Write lens.npz, a spherical cap."""
     x = (np.arange(n) - (n - 1) / 2) * size / n
     np.savez(
         "lens.npz", z=-(x[:, None] ** 2 + x**2) / (2 * radius), unit="m", physical_sizes=[size] * 2
     )
 
 
-def test_a_lens_that_is_taken_as_periodic_is_noted():
+def test_note_on_a_lens_taken_as_periodic():
     lens()
     notes = hpc_gfmd.read_surface("lens.npz").notes
-    assert [note[:30] for note in notes] == [
-        f"opposite edges along {axis} meet in" for axis in "xy"
-    ]
+    assert len(notes) == 2
+    for axis, note in zip("xy", notes, strict=True):
+        assert f"opposite edges along {axis}" in note
     assert not hpc_gfmd.read_surface("lens.npz", boundary="free").notes
     z = random_heights((64, 64))
     assert not any(
@@ -766,18 +779,16 @@ def test_a_lens_that_is_taken_as_periodic_is_noted():
 
 
 @pytest.mark.parametrize("window", ["hann", "tukey"])
-def test_a_window_is_noted(window):
+def test_note_on_a_window(window):
     z = random_heights((64, 64))
     surface = hpc_gfmd.prepare_surface(z, window=window)
     (note,) = [note for note in surface.notes if "window" in note]
     assert f"window {window} takes h_rms from" in note
-    kept = np.outer(
-        *(__import__("scipy.signal.windows").signal.windows.get_window(window, 64),) * 2
-    )
-    assert f"{100 * np.mean(kept > 0.5):.0f} % of the area" in note
+    weights = np.outer(*[get_window(window, 64)] * 2)
+    assert f"{100 * np.mean(weights > 0.5):.0f} % of the area" in note
 
 
-def test_a_large_hole_is_filled_as_by_factorisation(monkeypatch):
+def test_iterative_filling_agrees_with_factorisation(monkeypatch):
     from hpc_gfmd.surface import film
 
     z = random_heights((160, 150))
@@ -789,12 +800,12 @@ def test_a_large_hole_is_filled_as_by_factorisation(monkeypatch):
     assert np.isfinite(iterated).all()
 
 
-def test_what_init_says():
+def test_notes_of_init():
     rows = Z.astype(str)
     rows[HOLE] = "nan"
-    Path("z.txt").write_text(text(rows))
+    Path("z.txt").write_text(table_text(rows))
     keys = ['surface.physical_sizes=["1.2 um","0.4 um"]', "surface.unit=nm"]
-    about = "\n".join(compose("z.txt", Path("a.toml"), keys)[2])
+    notes = "\n".join(compose("z.txt", Path("a.toml"), keys)[2])
     for words in (
         "12 x 8 points, 1.2 um x 0.4 um, heights in nm",
         "read as text; x runs from line to line of the text",
@@ -802,4 +813,4 @@ def test_what_init_says():
         "done to it: 1 points (1 %) filled",
         "h_rms = ",
     ):
-        assert words in about
+        assert words in notes

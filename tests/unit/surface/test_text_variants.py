@@ -1,5 +1,5 @@
-"""Texts of heights as programs write them, each compared with what NumPy reads, to the bit, or
-refused where NumPy would read something else than was written."""
+"""Text files of heights in many layouts: read as by NumPy, to the bit, or refused where NumPy would
+read something else than was written."""
 
 from io import StringIO
 from itertools import product
@@ -13,7 +13,7 @@ from refusal import refused
 from hpc_gfmd.scene import File
 from hpc_gfmd.surface.topography import open_topography
 
-Z = np.round(20 * random_heights((240, 6)), 4)  # more lines than the layout is looked for in
+Z = np.round(20 * random_heights((240, 6)), 4)  # more lines than those that decide the layout
 KEYS = {"physical_sizes": (24.0, 0.6)}
 EARLY = [(0, 0), (3, 5)]
 LATE = [(230, 2), (239, 5)]
@@ -27,7 +27,7 @@ HEADS = {
 
 
 def numpy_reads(text, mark, decimal, missing):
-    """What numpy.genfromtxt makes of the lines of numbers."""
+    """Heights by numpy.genfromtxt."""
     plain = text.replace(decimal, ".") if decimal == "," else text
     for token in missing:
         plain = plain.replace(token, "nan")
@@ -35,6 +35,7 @@ def numpy_reads(text, mark, decimal, missing):
 
 
 def body(mark, decimal, form, holes, token):
+    """The heights as lines of text; form: format of numbers; token: text at the holes."""
     rows = [[f"{z:{form}}".replace(".", decimal) for z in row] for row in Z]
     for i, j in holes:
         rows[i][j] = token
@@ -62,7 +63,7 @@ VARIANTS = [
 
 @pytest.mark.parametrize("variant", VARIANTS)
 @pytest.mark.parametrize("token", ["nan", "***"])
-def test_as_numpy_reads_it(variant, token):
+def test_layouts_against_numpy(variant, token):
     mark, decimal, head, encoding, end, form, holes = variant
     numbers = body(mark, decimal, form, holes, token)
     title = (
@@ -89,7 +90,7 @@ def test_empty_cells(mark, holes):
 
 
 @pytest.mark.parametrize("mark", ["\t", ",", ";", " "])
-def test_lines_that_end_with_a_mark(mark):
+def test_trailing_separators(mark):
     text = body(mark, ".", ".4f", (), "").replace("\n", f"{mark}\n")
     Path("z.csv").write_text(text)
     topography = open_topography(File(kind="file", path="z.csv", **KEYS))
@@ -98,7 +99,7 @@ def test_lines_that_end_with_a_mark(mark):
 
 @pytest.mark.parametrize("mark", [",", "\t", ";"])
 def test_quoted_numbers_with_decimal_commas(mark):
-    """As spreadsheets write them."""
+    """The format of spreadsheets."""
     rows = [[f'"{z:.4f}"'.replace(".", ",") for z in row] for row in Z]
     Path("z.csv").write_text("\n".join(mark.join(row) for row in rows))
     topography = open_topography(File(kind="file", path="z.csv", **KEYS))
@@ -106,6 +107,7 @@ def test_quoted_numbers_with_decimal_commas(mark):
 
 
 def damaged(line, change):
+    """The heights as text with one changed line."""
     lines = body("\t", ".", ".4f", (), "").splitlines()
     lines[line] = change(lines[line])
     return "\n".join(lines) + "\n"
@@ -130,7 +132,7 @@ DAMAGE = {
 @pytest.mark.parametrize("damage", DAMAGE)
 @pytest.mark.parametrize("line", [2, 150, 238])
 def test_damage_is_refused(damage, line):
-    """Whatever line it is in."""
+    """In early, middle and late lines."""
     Path("z.txt").write_text(damaged(line, DAMAGE[damage]))
     with refused("surface.path"):
         topography = open_topography(File(kind="file", path="z.txt", **KEYS))

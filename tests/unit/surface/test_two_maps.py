@@ -1,4 +1,4 @@
-"""Two rough bodies: their maps are added, each in its own unit."""
+"""Two rough bodies: their height maps are added, each in its own unit."""
 
 from pathlib import Path
 
@@ -13,46 +13,46 @@ from hpc_gfmd.output.read import read_result
 
 @pytest.fixture
 def maps(cli):
-    first, second = random_heights((24, 20), seed=1), random_heights((24, 20), seed=2)
-    np.save("first.npy", first)
-    np.save("second.npy", second)
-    np.savez("nm.npz", surface=second * 1e9, unit="nm", physical_sizes=[1e9, 2e9])
-    np.savez("m.npz", surface=first, unit="m", physical_sizes=[1.0, 2.0])
-    return first, second
+    first_map = random_heights((24, 20), seed=1)
+    second_map = random_heights((24, 20), seed=2)
+    np.save("first.npy", first_map)
+    np.save("second.npy", second_map)
+    np.savez("nm.npz", surface=second_map * 1e9, unit="nm", physical_sizes=[1e9, 2e9])
+    np.savez("m.npz", surface=first_map, unit="m", physical_sizes=[1.0, 2.0])
+    return first_map, second_map
 
 
-def test_the_sum_is_pressed(maps, cli):
-    """As given by hand; what is to be done to it is done to the sum; another second map is another
-    surface."""
-    first, second = maps
+def test_two_files_are_solved_as_their_sum(maps, cli):
+    """Preparation applies to the sum, and a changed second map is another surface."""
+    first_map, second_map = maps
     Path("s.toml").write_text(
         'surface = {kind = "file", path = ["first.npy", "second.npy"], physical_sizes = [1, 2],'
         ' detrend = "tilt", flip = true}\nload.pressure = 0.1\noutput.fields = ["heights",'
         ' "pressure"]\n'
     )
     cli.prints("run s.toml -q")
-    found = read_result("contact.h5")
-    np.save("sum.npy", first + second)
+    of_two_files = read_result("contact.h5")
+    np.save("sum.npy", first_map + second_map)
     cli.prints("run s.toml -q -o sum.h5 --set surface.path=sum.npy")
-    wanted = read_result("sum.h5")
-    assert found.steps[0]["a_r"] == wanted.steps[0]["a_r"]
-    fields = [result.fields[0]["pressure"].read(0, 24) for result in (found, wanted)]
+    of_sum = read_result("sum.h5")
+    assert of_two_files.steps[0]["a_r"] == of_sum.steps[0]["a_r"]
+    fields = [result.fields[0]["pressure"].read(0, 24) for result in (of_two_files, of_sum)]
     assert np.array_equal(*fields)
-    assert found.head["heights"] == wanted.head["heights"]
-    np.save("second.npy", 2 * second)
+    assert of_two_files.head["heights"] == of_sum.head["heights"]
+    np.save("second.npy", 2 * second_map)
     cli.prints("run s.toml -q")
-    assert read_result("contact.h5").head["heights"] != found.head["heights"]
+    assert read_result("contact.h5").head["heights"] != of_two_files.head["heights"]
 
 
-def test_units_of_both(maps):
-    both = hpc_gfmd.read_surface(["m.npz", "nm.npz"])
-    assert both.heights == pytest.approx(sum(maps), rel=1e-12)
-    assert both.sizes == pytest.approx((1.0, 2.0))
-    assert both.unit == "m"
+def test_maps_in_different_units(maps):
+    surface = hpc_gfmd.read_surface(["m.npz", "nm.npz"])
+    assert surface.heights == pytest.approx(sum(maps), rel=1e-12)
+    assert surface.sizes == pytest.approx((1.0, 2.0))
+    assert surface.unit == "m"
 
 
 @pytest.mark.parametrize(
-    ("second", "keys", "words"),
+    ("second_map", "keys", "words"),
     [
         (
             "other.npy",
@@ -73,9 +73,9 @@ def test_units_of_both(maps):
         ),
     ],
 )
-def test_refused(maps, second, keys, words):
+def test_maps_that_do_not_match_are_refused(maps, second_map, keys, words):
     np.save("other.npy", maps[1].T)
     np.save("holes.npy", np.where(np.arange(20) == 3, np.nan, maps[1]))
     np.savez("long.npz", surface=maps[1], unit="m", physical_sizes=[1.0, 3.0])
     with refused(words):
-        hpc_gfmd.read_surface(["first.npy" if keys else "m.npz", second], **keys)
+        hpc_gfmd.read_surface(["first.npy" if keys else "m.npz", second_map], **keys)
