@@ -212,9 +212,13 @@ class Sweep:
         if model.retracts:
             closed = np.zeros_like(contact.g)
             start = Unfinished(closed, contact.p_mean, iterations=0, pairs=0.0)
-        other = sweep.solve(Load("pressure", contact.p_mean), self._raise_if_stopped, start)
+        on_other_branch = sweep.solve(
+            Load("pressure", contact.p_mean), self._raise_if_stopped, start
+        )
         return replace(
-            contact, other_branch=compared(contact, other), pairs=contact.pairs + other.pairs
+            contact,
+            other_branch=compared(contact, on_other_branch),
+            pairs=contact.pairs + on_other_branch.pairs,
         )
 
     # -- precisions
