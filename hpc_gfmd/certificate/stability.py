@@ -238,7 +238,7 @@ class _Search:
             out[i0:i1] = x[: i1 - i0] * (1 - self.closed[i0:i1])
 
         self.elastic.pressure_rows(fill)
-        self.elastic.pressure_columns()
+        self.elastic.pressure_columns(spring=self.problem.spring)
         self.elastic.use_rows(use)
 
     def _precondition(self) -> float:

@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, NoReturn
 
-from ..util.errors import GfmdError, SceneError, one_line, reason
+from ..util.errors import GfmdError, SceneError, how_to_install, one_line, reason
 from ..util.file_names import require_decoded
 from ..util.streams import discard, occupy_standard_descriptors
 from ..util.versions import versions
@@ -197,7 +197,7 @@ def _missing(command: str, error: ImportError) -> str:
     """Describe what has to be installed for a command."""
     if isinstance(error, ModuleNotFoundError):
         package = (error.name or str(error)).partition(".")[0]
-        return f"{command} needs {package}, which is not installed: pip install {package}"
+        return f"{command} needs {package}, which is not installed: {how_to_install(package)}"
     return f"{command}: a library cannot be loaded ({one_line(str(error))})"
 
 

@@ -7,8 +7,8 @@ from .common import add_file, add_result_file
 HELP = "a result for other programs"
 DESCRIPTION = """
 Convert a result for ParaView (vtkhdf), to netCDF-4, to NumPy arrays (npz), its numbers to a table
-(csv), its fields for Gwyddion (gwy), or one length of one load to X3P. ParaView and xarray also
-open the result file itself."""
+(csv), its fields for Gwyddion (gwy), or a field of lengths of one load to X3P. ParaView and xarray
+also open the result file itself."""
 
 
 def add_arguments(parser: ArgumentParser) -> None:

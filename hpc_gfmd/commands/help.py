@@ -11,8 +11,8 @@ scene solver.accuracy), the numbers of a result (help observables), or a command
 
 ABOUT_NUMBERS = (
     "Attributes of each load in a result. length: in the unit of the surface; pressure: in that of"
-    " the moduli. Numbers with a name under `asked for` are computed if output.observables has that"
-    " name (arrays: output.distributions), all others always."
+    " the moduli. Numbers with a name under `on request` are computed if output.observables (for"
+    " arrays output.distributions) has that name, all others always."
 )
 
 
@@ -58,35 +58,38 @@ def _scene_keys(key: str | None, markdown: bool) -> str:
 
 
 def _number_rows() -> list[tuple[str, str, str, str]]:
-    """List (name, unit, name it is asked for by, meaning) of all numbers of a load."""
+    """List (name, unit, name under which it is requested, meaning) of all numbers of a load."""
     from ..contact import all_numbers, default_observables, observable_names, observables_named
 
     groups = {name: observables_named([name]) for name in observable_names()}
-    asked_by = {}
+    requested_as = {}
     for group in sorted(groups, key=lambda name: len(groups[name])):
         for name in groups[group]:
             if name not in default_observables():
-                asked_by[name] = group
+                requested_as[name] = group
     return [
-        (name, unit, asked_by.get(name, ""), meaning)
+        (name, unit, requested_as.get(name, ""), meaning)
         for name, (meaning, unit) in all_numbers().items()
     ]
 
 
 def _numbers_text() -> str:
     """Return the table of all numbers of a load as text."""
-    rows = [("name", "unit", "asked for", "meaning"), *_number_rows()]
-    lines = [f"{name:<36} {unit:<18} {asked_by:<14} {text}" for name, unit, asked_by, text in rows]
+    rows = [("name", "unit", "on request", "meaning"), *_number_rows()]
+    lines = [
+        f"{name:<36} {unit:<18} {requested_as:<14} {text}"
+        for name, unit, requested_as, text in rows
+    ]
     return "\n".join([ABOUT_NUMBERS, "", *lines])
 
 
 def _numbers_page() -> str:
     """Return the table of all numbers of a load as a page of markdown."""
     rows = [
-        f"| `{name}` | {unit} | {asked_by} | {text} |"
-        for name, unit, asked_by, text in _number_rows()
+        f"| `{name}` | {unit} | {requested_as} | {text} |"
+        for name, unit, requested_as, text in _number_rows()
     ]
-    head = ["| name | unit | asked for | meaning |", "|---|---|---|---|"]
+    head = ["| name | unit | on request | meaning |", "|---|---|---|---|"]
     return "\n".join(["# The numbers of a load", "", ABOUT_NUMBERS, "", *head, *rows])
 
 

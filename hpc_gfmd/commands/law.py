@@ -14,11 +14,11 @@ if TYPE_CHECKING:
 
 HELP = "area, gap, stiffness, conductance against pressure, for finite elements"
 DESCRIPTION = """
-Find the law of the interface of a scene, whose loads and output do not count: contact area, mean
-gap, stiffness, conductance and critical gap against the mean pressure, with errors, from as few
-loads as an interpolation to the asked error needs. Several scenes, or several seeds of one, give
-the mean and its scatter. Files: .csv (all, with units), .inp (CalculiX and Abaqus: *SURFACE
-BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR and *GAP CONDUCTANCE), .i (functions of MOOSE)."""
+Compute the interface law of a scene: contact area, mean gap, stiffness, conductance and critical
+gap against the mean pressure, with errors, from as few loads as an interpolation with the requested
+error needs. The loads and the output of the scene are ignored. Several scenes, or several seeds of
+one, give the mean and its scatter. Files: .csv (all, with units), .inp (CalculiX and Abaqus:
+*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR and *GAP CONDUCTANCE), .i (functions of MOOSE)."""
 
 
 def share(text: str) -> float:

@@ -21,8 +21,8 @@ def add_arguments(parser: ArgumentParser) -> None:
         "file",
         metavar="OUT.h5",
         nargs="+",
-        help="result file; of several the curves are drawn together, of more than six their mean"
-        " and standard deviation",
+        help="result file; the curves of several files are drawn together, those of more than six"
+        " as mean and standard deviation",
     )
     add_file(
         parser,
@@ -37,7 +37,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         nargs="+",
         help="pictures: maps, distributions, spectra, curves; a single field: contact, pressure,"
         " gap, heights, displacement, plastic; a single curve: a_r, kappa, gap_mean, approach, or"
-        " any number of the loads, as conductance or critical_gap_x (default: the first four)",
+        " any number of the loads, such as conductance or critical_gap_x (default: the first four)",
     )
     parser.add_argument(
         "--step",
@@ -50,7 +50,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--window",
         metavar=("X0", "X1", "Y0", "Y1"),
         nargs=4,
-        help='part of the cell shown in maps, plain in the unit of its sizes or as "2um"',
+        help='part of the cell shown in maps, in the unit of its sizes or with units ("2um")',
     )
     parser.add_argument(
         "--dpi", type=int, help="dots per inch of maps and of .png files (default: 300)"

@@ -1,11 +1,11 @@
-"""`hpc-gfmd restart`: continue an interrupted run."""
+"""`hpc-gfmd restart`: resume an interrupted run."""
 
 from argparse import ArgumentParser, Namespace
 
 from .common import add_file, add_overrides, add_quiet
 
-HELP = "continue an interrupted run"
-DESCRIPTION = "Continue the interrupted run of a result file, on any number of ranks."
+HELP = "resume an interrupted run"
+DESCRIPTION = "Resume the interrupted run of a result file on any number of ranks."
 
 
 def add_arguments(parser: ArgumentParser) -> None:

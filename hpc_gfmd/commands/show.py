@@ -26,14 +26,13 @@ def add_arguments(parser: ArgumentParser) -> None:
         "file",
         metavar="OUT.h5",
         nargs="+",
-        help="result file; of several with the"
-        " same loads the means and standard deviations are shown",
+        help="result file; for several with the same loads means and standard deviations are shown",
     )
     add_json(parser, "a table")
     parser.add_argument(
         "--errors",
         action="store_true",
-        help="show the errors of solver and grid apart, in columns of their own",
+        help="show the errors of solver and grid in separate columns",
     )
     parser.add_argument(
         "--tfc",

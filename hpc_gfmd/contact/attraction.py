@@ -28,8 +28,8 @@ def separation_work(contact: Contact) -> float | None:
 def stability(contact: Contact) -> float | None:
     """Return how far the equilibrium is from a jump, see certificate/stability.py; None without an
     attraction, and where it was not looked for."""
-    found = contact.certificate.stability
-    return found if isfinite(found) else None
+    share = contact.certificate.stability
+    return share if isfinite(share) else None
 
 
 OBSERVABLES = {

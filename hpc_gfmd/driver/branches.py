@@ -114,6 +114,7 @@ class SaddleGuard:
         rows, points = solver.grid.inside
         step = solver.problem.dtype.type(length)
         g = solver.g
+        before = _mean_of_cell(solver)
 
         def kick(i0: int, i1: int) -> None:
             g[i0:i1] += step * mode[i0:i1]
@@ -123,6 +124,8 @@ class SaddleGuard:
 
         solver.grid.by_rows(kick)
         solver.stability = None
+        moved = _mean_of_cell(solver) - before
+        solver.p0 += solver.problem.spring * moved * (solver.grid.cell_points / solver.N)
         solver.start(g)
         self.kicks += 1
         return True
@@ -181,3 +184,10 @@ class SaddleGuard:
 
         (total,) = solver.grid.comm.sum([sum(solver.grid.by_rows(gain))])
         return float(total)
+
+
+def _mean_of_cell(solver: Solver) -> float:
+    """Return the mean of the solver's gap over the whole grid. Collective."""
+    grid = solver.grid
+    parts = grid.by_rows(lambda i0, i1: float(solver.g[i0:i1].sum(dtype=np.float64)))
+    return float(grid.comm.sum([sum(parts)])[0]) / grid.cell_points

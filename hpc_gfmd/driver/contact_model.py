@@ -51,6 +51,11 @@ class ContactModel:
         return replace(self, branch=branch, unique=False)
 
     @property
+    def without_attraction(self) -> ContactModel:
+        """The same of surfaces that do not attract each other."""
+        return replace(self, attraction=None, branch=APPROACH, unique=False)
+
+    @property
     def retracts(self) -> bool:
         """Whether each load starts from the larger one before."""
         return self.attraction is not None and self.branch == RETRACTION

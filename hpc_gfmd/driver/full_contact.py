@@ -18,9 +18,11 @@ from ..certificate.certificate import Certificate, certify
 from .search import LoadSearch
 
 if TYPE_CHECKING:
+    from ..contact.contact import Contact
     from ..operators.problem import Problem
     from ..parallel.grid import Grid
     from ..solvers.base import Progress, Solver
+    from .load import Load
 
 CLOSED = 8.0  # rounding errors that the pressures of a closed contact may have
 
@@ -222,3 +224,26 @@ class ClosingSearch(LoadSearch):
         solver.grid.by_rows(press)
         solver.refresh()
         return True
+
+
+def needs_double(contact: Contact, load: Load, problem: Problem) -> bool:
+    """Return whether single precision turned out to be too little for a load.
+
+    A gap that is closed everywhere is so where the smallest pressure is more than rounding errors,
+    unless the load is to be the least that closes it. Collective.
+
+    Parameters
+    ----------
+    contact : Contact
+        As found in single precision.
+    load : Load
+        What was asked for.
+    problem : Problem
+        At its mean pressure.
+    """
+    if contact.status in ("stagnated", "nonfinite") or contact.gap_is_rounding:
+        return True
+    if load.closes or contact.contact_points < contact.N:
+        return False
+    tension, _ = tension_of(contact.grid, contact.p)
+    return tension > -CLOSED * problem.rounding

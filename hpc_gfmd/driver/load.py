@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import nan
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from .search import LoadSearch
 
 
@@ -48,6 +50,21 @@ class Load:
         """Whether the mean pressure is what is asked for."""
         return self.quantity == "pressure"
 
+    def is_beyond(self, separated: Load | None) -> bool:
+        """Return whether it holds the bodies as far apart as a load at which they came apart, or
+        further.
+
+        Parameters
+        ----------
+        separated : Load or None
+            Of the same quantity; None where they are together.
+        """
+        if separated is None:
+            return False
+        if self.quantity == "approach":
+            return self.value <= separated.value
+        return self.value >= separated.value
+
     @property
     def closes(self) -> bool:
         """Whether the load is to be the least that closes the gap everywhere."""
@@ -59,6 +76,31 @@ class Load:
         return self.search is not None and self.search.from_full_contact
 
     @property
+    def spring(self) -> float:
+        """Stiffness of the spring through which the body is pressed."""
+        return 0.0 if self.search is None else self.search.spring
+
+    @property
     def note(self) -> str | None:
         """What a user has to know of the load that was found."""
         return None if self.search is None else self.search.note
+
+
+class Unfinished(NamedTuple):
+    """What is kept of a load that was stopped in its middle.
+
+    Attributes
+    ----------
+    gap : ndarray
+        Local slab of the grid, in the program's unit and in the precision of that run.
+    p_mean : float
+        The mean pressure that it belongs to, in the unit of E_star.
+    iterations : int
+    pairs : float
+        Iterations and FFT pairs that the load has taken so far.
+    """
+
+    gap: np.ndarray
+    p_mean: float
+    iterations: int
+    pairs: float

@@ -74,7 +74,7 @@ class OpeningSearch(GapSearch):
     opens: float = 0.0
 
     def begin_below(self, closes_at: float) -> None:
-        """Begin below the load of full contact, where a single point is open."""
+        """Start below the load of full contact, closes_at, where a single point is open."""
         self.closes_at = closes_at
         self.x = log(closes_at) + log(max(closes_at / self.opens - 1, 1.0))
 

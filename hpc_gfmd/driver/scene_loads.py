@@ -121,8 +121,10 @@ def _require_lengths(
     resolution = LENGTHS * rounding / settings.tolerance
     # the mean gap where the highest peak just touches
     largest = working.heights.top * working.surface.slope / unit
-    for value in values:
-        if quantity == "gap_mean" and not value < largest:
+    for index, value in enumerate(values):
+        # what holds on is pulled further than that
+        may_be_larger = working.model.retracts and index > 0
+        if quantity == "gap_mean" and not (value < largest or may_be_larger):
             allowed = f"below {format_quantity(largest, value)}, where the highest peak touches"
         elif 0 < value < resolution * largest:
             allowed = (

@@ -27,10 +27,13 @@ class LoadSearch:
         What a user has to know of the load that is found.
     from_full_contact : bool
         Whether the iterations begin with a closed gap.
+    spring : float
+        Stiffness of the spring through which the body is pressed (operators/problem.py).
     """
 
     note: str | None = None
     from_full_contact = False
+    spring = 0.0
 
     @property
     def p0(self) -> float:

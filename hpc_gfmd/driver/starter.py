@@ -215,7 +215,7 @@ class Starter:
     def _problem_to_start(self, working: WorkingSurface, load: Load) -> Problem:
         if working.solver_makes_room:
             self.solver = None
-        return working.problem_to_start(load.p0)
+        return replace(working.problem_to_start(load.p0), spring=load.spring)
 
     def _make(self, problem: Problem, gap: np.ndarray | None = None) -> Solver:
         """Make a solver; gap: memory for its gap, which it takes over."""

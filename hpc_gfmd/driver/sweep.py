@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,8 +17,9 @@ from ..util.errors import SceneError
 from .branches import SaddleGuard
 from .contact_model import ContactModel
 from .drive import drive
-from .full_contact import CLOSED, ClosingSearch, tension_of
-from .load import Load
+from .full_contact import ClosingSearch, needs_double
+from .held import Held
+from .load import Load, Unfinished
 from .load_quantities import OpeningSearch
 from .low_memory import LowMemorySurface
 from .precision import first_precision, too_little, too_soft
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
     from ..bodies.base import Body
     from ..contact.contact import Contact
     from ..laws.base import Law
-    from ..operators.problem import Problem
     from ..scene import LoadTable, SolverTable
     from ..surface import Surface
     from .drive import Outcome, Watch
@@ -122,6 +122,7 @@ class Sweep:
         self.searches = searches
         self.settings = starter.settings
         self._failed = False
+        self._separated_at: Load | None = None  # the load before, where it has pulled too much
         self._punch: np.ndarray | None = None  # see _flat_solution
         self.working = surface_in(first_precision(self.settings))
 
@@ -172,54 +173,40 @@ class Sweep:
             return flat_contact(self.working, load, self.starter.criterion)
         if self._failed and not self.working.model.retracts:
             self.starter.forget()
-        load = self.searches.begin(load, self.working)
-        pairs = self._solve_before(load)
+        held = None
+        if self.working.model.attraction is not None and not load.is_pressure:
+            if self.working.model.retracts and load.is_beyond(self._separated_at):
+                separated = self._separated(load, 0, 0.0).contact
+                assert separated is not None
+                return separated
+            load, held, pairs = self._held(load, unfinished)
+        else:
+            load = self.searches.begin(load, self.working)
+            pairs = self._solve_before(load)
         if unfinished is not None:
             pairs += unfinished.pairs
             if load.search is not None:
                 load.search.begin_at(unfinished.p_mean / self.working.pressure_unit)
         contact = None
         *tried_before, final = self._precisions(load, unfinished)
-        gap = None if unfinished is None else unfinished.gap
+        gap = held if unfinished is None else unfinished.gap
         gap_before = self._gap_before(load) if gap is None and final != self.dtype else None
         for dtype in (*tried_before, final):
             if dtype != self.dtype:
                 self._work_in(dtype)
-                gap = gap_before if unfinished is None else gap
+                gap = gap_before if gap is None else gap
             contact, pairs = self._attempt(load, watch, unfinished, gap, pairs, dtype != final)
             if contact is not None:
                 break
         assert contact is not None  # the final precision always gives one
         self._failed = contact.status not in ("converged", "interrupted", "separated")
+        self._separated_at = load if contact.is_separated else None
         searched = self.working.model.attraction is None  # no other load is
         if contact.status == "converged" and searched:
             self.searches.remember(contact, self.working)
         if self.working.model.unique:
             return self._with_other_branch(contact)
         return contact
-
-    def _with_other_branch(self, contact: Contact) -> Contact:
-        """Solve a load on the other branch, too, and say of its contact whether both agree.
-
-        Retraction begins at closed surfaces, which are the smallest gaps that there are, approach
-        as it always does. In the precision that the load took.
-        """
-        model = self.working.model.on_other_branch
-        precision = "double" if self.dtype == DOUBLE else "single"
-        settings = self.settings.model_copy(update={"precision": precision})
-        sweep = _sweep_with(lambda dtype: self.surface, settings, model)
-        start = None
-        if model.retracts:
-            closed = np.zeros_like(contact.g)
-            start = Unfinished(closed, contact.p_mean, iterations=0, pairs=0.0)
-        on_other_branch = sweep.solve(
-            Load("pressure", contact.p_mean), self._raise_if_stopped, start
-        )
-        return replace(
-            contact,
-            other_branch=compared(contact, on_other_branch),
-            pairs=contact.pairs + on_other_branch.pairs,
-        )
 
     # -- precisions
 
@@ -314,7 +301,7 @@ class Sweep:
             pairs=pairs,
         )
         if may_need_double and (
-            _needs_double(contact, load, solver.problem_now) or self._is_too_little(load)
+            needs_double(contact, load, solver.problem_now) or self._is_too_little(load)
         ):
             return Attempt(None, pairs)
         return Attempt(contact, pairs)
@@ -333,6 +320,47 @@ class Sweep:
         criterion = self.starter.criterion
         contact = separated_contact(self.working, load, criterion, iterations, pairs)
         return Attempt(contact, pairs)
+
+    # -- other contacts on the same surface
+
+    def _on_same_surface(self, model: ContactModel) -> Sweep:
+        """Return a sweep of another model on this surface, in the present precision."""
+        precision = "double" if self.dtype == DOUBLE else "single"
+        settings = self.settings.model_copy(update={"precision": precision})
+        return _sweep_with(lambda dtype: self.surface, settings, model)
+
+    def _with_other_branch(self, contact: Contact) -> Contact:
+        """Solve a load on the other branch, too, and say of its contact whether both agree.
+
+        Retraction begins at closed surfaces, which are the smallest gaps that there are, approach
+        as it always does.
+        """
+        sweep = self._on_same_surface(self.working.model.on_other_branch)
+        start = None
+        if sweep.working.model.retracts:
+            start = Unfinished(np.zeros_like(contact.g), contact.p_mean, iterations=0, pairs=0.0)
+        other = sweep.solve(Load("pressure", contact.p_mean), self._raise_if_stopped, start)
+        return replace(
+            contact, other_branch=compared(contact, other), pairs=contact.pairs + other.pairs
+        )
+
+    def _held(self, load: Load, unfinished: Unfinished | None) -> tuple[Load, np.ndarray, float]:
+        """Return a load that is held by a spring, the gap from which it starts, and the FFT pairs
+        that this took: on retraction that of the load before, else the contact without attraction.
+        Collective."""
+        working, solver = self.working, self.starter.solver
+        pairs = 0.0
+        if unfinished is not None:
+            gap, p0 = unfinished.gap, unfinished.p_mean / working.pressure_unit
+        elif working.model.retracts and solver is not None:
+            gap, p0 = solver.g.copy(), solver.p0
+        else:
+            bare = self._on_same_surface(working.model.without_attraction)
+            start = bare.solve(load, self._raise_if_stopped)
+            gap, p0, pairs = start.g, start.p_mean / working.pressure_unit, start.pairs
+        target = load.value / working.surface.height_unit
+        search = Held(load.quantity, target, self.settings.tolerance, p0, working.problem(p0))
+        return replace(load, search=search), gap, pairs
 
     # -- what some loads need before their own
 
@@ -370,37 +398,3 @@ class Sweep:
     def _raise_if_stopped(self, *_: object) -> None:
         """Raise Stopped on all ranks when the run is to stop: nothing of this contact is kept."""
         interrupt.check(self.surface.grid.comm)
-
-
-class Unfinished(NamedTuple):
-    """What is kept of a load that was stopped in its middle.
-
-    Attributes
-    ----------
-    gap : ndarray
-        Local slab of the grid, in the program's unit and in the precision of that run.
-    p_mean : float
-        The mean pressure that it belongs to, in the unit of E_star.
-    iterations : int
-    pairs : float
-        Iterations and FFT pairs that the load has taken so far.
-    """
-
-    gap: np.ndarray
-    p_mean: float
-    iterations: int
-    pairs: float
-
-
-def _needs_double(contact: Contact, load: Load, problem: Problem) -> bool:
-    """Return whether single precision turned out to be too little for a load.
-
-    A gap that is closed everywhere is so where the smallest pressure is more than rounding errors,
-    unless the load is to be the least that closes it. Collective.
-    """
-    if contact.status in ("stagnated", "nonfinite") or contact.gap_is_rounding:
-        return True
-    if load.closes or contact.contact_points < contact.N:
-        return False
-    tension, _ = tension_of(contact.grid, contact.p)
-    return tension > -CLOSED * problem.rounding

@@ -143,8 +143,9 @@ def separated_contact(
     g = undeformed_gap(working.problem(load.p0))
     certificate = Certificate(errors=EXACT, gap_mean=np.nan)
     p = np.zeros_like(g)
+    p0 = load.p0 if load.is_pressure else 0.0
     return contact_of(
-        working, load, criterion, load.p0, g, p, "separated", certificate, iterations, pairs
+        working, load, criterion, p0, g, p, "separated", certificate, iterations, pairs
     )
 
 

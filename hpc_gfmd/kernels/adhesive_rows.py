@@ -5,8 +5,9 @@ that of the body, t = phi'(g) the attraction. A step that changes w by s K d cha
 
     s y,    y = K d + (t(g + s d) - t(g))/s,
 
-so that y takes the place of K d. Letters are those of bpx.py. Beyond the surface (`inside`) there
-is no wall, and no attraction. Sums are in double precision whatever the fields are.
+so that y takes the place of K d. Other letters are those of bpx.py; phi is in E* g_rms^2 a. Beyond
+the surface (`inside`) there is no wall, and no attraction. Sums are in double precision whatever
+the fields are.
 """
 
 import numpy as np

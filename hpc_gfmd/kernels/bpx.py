@@ -1,8 +1,13 @@
-"""The two row passes of the default solver: lines 1 to 3 and 5 to 6 of its algorithm.
+"""The two row passes of the default solver: lines 1 to 3 and line 6 of its algorithm.
 
-The lines are those of the box in docs/method.md, "The iteration". Line 4, K d, is done between
-the two passes by the columns of the Fourier transform (spectral.py); its <d, K d> gives the step
-length of line 5.
+The lines are those of the box in docs/method.md, "The iteration":
+
+    1  z    = M r                                 projected_step, and multilevel.py before it
+    2  d    = max(g - alpha z - beta d, 0) - g    projected_step
+    3  d    = max(g - alpha z, 0) - g             the same with beta = 0 and coupling = 0
+    4  K d, <d, K d>                              the columns of the transform, spectral.py
+    5  s    = -<p, d>/<d, K d>                    solvers/bpx.py, of these sums
+    6  g, p = g + s d, p + s K d                  update_state
 
 Letters, of fields: local slabs (n_loc, n_y), of one pass only its rows from i0 on. Lengths in the
 plane are in grid spacings a, gaps in g_rms a, pressures in E* g_rms.
@@ -12,7 +17,7 @@ g              gap, >= 0; g < 0 is the depth of a dent (only with a hardness)
 p              pressure
 A, t           active set {g <= 0, p > 0}, elastic contact; t: its indicator, 1 or 0
 F              all other points; those that yield belong to it
-yielded        1 where a point yields, else 0 (yielding.py)
+plastic        1 where a point yields, else 0 (yielding.py)
 r              p on F, less H where a point yields; 0 on A
 z              M r, the preconditioned residual: compliance (r + coupling P z_1)
 z_1            the same on level 1, (rows + 2, m) with halo rows
@@ -26,6 +31,8 @@ law            law of attraction, None without one (numba then drops it): p is t
                the wall, and what adhesive_rows.py calls y takes the place of K d
 H              hardness, None without one (numba then drops all that is said of it)
 compliance     1/K of the shortest wave, about
+i, j; J        row and point of the grid; row of level 1, counted from its halo row
+n; m           points of a row; of a row of level 1
 inside         shape (rows, points) of this rank's part of the surface: its first rows and points
 transfer       tables between the grid and level 1: J_x and f_x of the rows, mode, J_y and f_y of
                the columns, factor (multilevel.py)
@@ -96,7 +103,7 @@ class UpdateSums(NamedTuple):
 def search_passes(
     passes, k0, k1, rows, scratch, sums, g, p, d, z_1, transfer, step, H, inside, law, work
 ):
-    """Make the step d on the rows of some passes, and transform these rows: lines 1 to 3.
+    """Make the step d on the rows of some passes and transform these rows: lines 1 to 3.
 
     Parameters
     ----------
@@ -149,7 +156,7 @@ def update_passes(
     law,
     attracted,
 ):
-    """Transform the rows of K d back and update the state by them, pass after pass: lines 5 and 6.
+    """Transform the rows of K d back and update the state by them, pass after pass: line 6.
 
     The coarse row that a pass and the next one share is the sum of what both have of it.
 
@@ -258,17 +265,18 @@ def projected_step(g, p, d, d_rows, i0, i1, z_1, transfer, step, H, inside, scra
         d_row = d_rows[i - i0]
         rd_i = zero
         deeper_i = zero
-        if coupling > 0:
+        if coupling > 0:  # line 1: the part of z that comes from level 1
             combine_rows(z_1, J_x[i], f_x[i], coarse_row)
             interpolate_row(coarse_row, Pz, mode, J_y, f_y)
         inner = points_inside(i, inside)
         for j in range(inner):
             d_last = zero if d_i[j] == PROJECTED else decode(d_i[j])
-            yielded = yields(g_i[j], p_i[j], H, zero, one)
-            r = p_i[j] - yielded * H_or_0
-            in_A = g_i[j] <= zero and p_i[j] > zero and yielded == zero
+            plastic = yields(g_i[j], p_i[j], H, zero, one)
+            r = p_i[j] - plastic * H_or_0
+            in_A = g_i[j] <= zero and p_i[j] > zero and plastic == zero
+            # line 2: d = max(g - alpha z - beta d, 0) - g, with z = compliance (r + coupling P z_1)
             free_gap = g_i[j] - length * (r + coupling * Pz[j]) - beta * d_last
-            g_new = landing(free_gap, yielded, length, H, zero)
+            g_new = landing(free_gap, plastic, length, H, zero)
             stored = encode(g_new - g_i[j])
             on_wall = at_contact(g_new, g_i[j], decode(stored), H, zero)
             stored = PROJECTED if on_wall else stored
@@ -276,7 +284,7 @@ def projected_step(g, p, d, d_rows, i0, i1, z_1, transfer, step, H, inside, scra
             d_ij = -g_i[j] if stored == PROJECTED else decode(stored)
             rd_i += r * d_ij
             if H is not None:
-                rd_i += H_or_0 * max((yielded + yielded - one) * (g_i[j] + d_ij), zero)
+                rd_i += H_or_0 * max((plastic + plastic - one) * (g_i[j] + d_ij), zero)
                 deeper_i += max(-(g_i[j] + d_ij), zero) - max(-g_i[j], zero)
             d_i[j] = stored
             d_row[j] = d_ij
@@ -325,13 +333,13 @@ def update_state(g, p, d, Kd, s, i0, i1, coarse, shared, transfer, H, inside, ga
     J_x, f_x, mode, J_y, f_y, factor = transfer
     n = g.shape[1]
     RR = PP = RD = DKD = RKD = CONTACT = GAP = OPENING = CLOSING = YIELDED = 0.0
-    first = J_x[i0]
-    last = J_x[i1 - 1] + 1  # the one after the rows, which has parts of these, too
+    J_first = J_x[i0]
+    J_end = J_x[i1 - 1] + 1  # the one after the rows, which has parts of these, too
     for j in range(n):
         for c in range(3, 6):
             gathered[c, j] = 0
     start = i0
-    for J in range(first, last + 1):
+    for J in range(J_first, J_end + 1):
         end = start
         while end < i1 and J_x[end] == J:
             end += 1
@@ -350,7 +358,9 @@ def update_state(g, p, d, Kd, s, i0, i1, coarse, shared, transfer, H, inside, ga
         YIELDED += yielded
         _gather_rows(g, p, Kd, i0, start, end, f_x, H, inside, gathered)
         for c in range(3):
-            target = shared[0, c] if J == first else (shared[1, c] if J == last else coarse[c, J])
+            target = (
+                shared[0, c] if J == J_first else (shared[1, c] if J == J_end else coarse[c, J])
+            )
             restrict_row(gathered[c, :n], target, factor, mode, J_y, f_y)
         start = end
     return RR, PP, RD, DKD, RKD, CONTACT, GAP, OPENING, CLOSING, YIELDED
@@ -372,17 +382,19 @@ def _step_rows(g, p, d, Kd, s, i0, start, end, H, inside):
         for j in range(inner):
             Kd_ij = Kd[i - i0, j]
             d_ij = -g[i, j] if d[i - i0, j] == PROJECTED else decode(d[i - i0, j])
+            # line 6: g, p = g + s d, p + s K d
             g_new = g[i, j] + s * d_ij
             p_new = p[i, j] + s * Kd_ij
-            g_next = g_new + s * d_ij
-            p_next = p_new + s * Kd_ij
             g[i, j] = g_new
             p[i, j] = p_new
+            # what the same step would do once more
+            g_next = g_new + s * d_ij
+            p_next = p_new + s * Kd_ij
             closed = one if g_new <= zero else zero
             plastic = yields(g_new, p_new, H, zero, one)
-            t = closed if p_new > zero else zero
-            opening += t if p_next <= zero else zero
-            t = zero if plastic > zero else t
+            touches = closed if p_new > zero else zero
+            opening += touches if p_next <= zero else zero
+            t = zero if plastic > zero else touches
             free = one - t
             r = free * p_new - plastic * H_or_0
             Kd_free = free * Kd_ij
@@ -429,12 +441,12 @@ def _gather_rows(g, p, Kd, i0, start, end, f_x, H, inside, gathered):
         f1 = f_x[i]
         inner = points_inside(i, inside)
         for j in range(inner):
-            yielded0 = yields(g[start, j], p[start, j], H, zero, one)
-            yielded1 = yields(g[i, j], p[i, j], H, zero, one)
-            t0 = one if (g[start, j] <= zero and p[start, j] > zero and yielded0 == zero) else zero
-            t1 = one if (g[i, j] <= zero and p[i, j] > zero and yielded1 == zero) else zero
-            r0 = (one - t0) * p[start, j] - yielded0 * H_or_0
-            r1 = (one - t1) * p[i, j] - yielded1 * H_or_0
+            plastic0 = yields(g[start, j], p[start, j], H, zero, one)
+            plastic1 = yields(g[i, j], p[i, j], H, zero, one)
+            t0 = one if (g[start, j] <= zero and p[start, j] > zero and plastic0 == zero) else zero
+            t1 = one if (g[i, j] <= zero and p[i, j] > zero and plastic1 == zero) else zero
+            r0 = (one - t0) * p[start, j] - plastic0 * H_or_0
+            r1 = (one - t1) * p[i, j] - plastic1 * H_or_0
             Kd0 = (one - t0) * Kd[start - i0, j]
             Kd1 = (one - t1) * Kd[i - i0, j]
             gathered[0, j] = gathered[3, j] + (one - f0) * r0 + (one - f1) * r1
@@ -461,9 +473,9 @@ def _gather_rows(g, p, Kd, i0, start, end, f_x, H, inside, gathered):
         f = f_x[i]
         inner = points_inside(i, inside)
         for j in range(inner):
-            yielded = yields(g[i, j], p[i, j], H, zero, one)
-            t = one if (g[i, j] <= zero and p[i, j] > zero and yielded == zero) else zero
-            r = (one - t) * p[i, j] - yielded * H_or_0
+            plastic = yields(g[i, j], p[i, j], H, zero, one)
+            t = one if (g[i, j] <= zero and p[i, j] > zero and plastic == zero) else zero
+            r = (one - t) * p[i, j] - plastic * H_or_0
             Kd_free = (one - t) * Kd[i - i0, j]
             gathered[0, j] += (one - f) * r
             gathered[1, j] += (one - f) * t

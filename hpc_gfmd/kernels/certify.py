@@ -10,7 +10,7 @@ h              initial gap, of the surface alone
 x              scratch (>= i1 - i0, n_y) whose row 0 is row i0 of the slab
 H              hardness, None without one (numba then drops all that depends on it)
 at_limit       pressure of a point that yields: H, or 0 without a hardness
-yielded        1 where a point yields, else 0 (yielding.py)
+plastic        1 where a point yields, else 0 (yielding.py)
 inside         shape (rows, points) of this rank's part of the surface: its first rows and points
 i0, i1         the rows i0 <= i < i1 of the slab
 =============  ===================================================================================
@@ -136,19 +136,19 @@ def kkt_residuals(g, p, x, p0, H, inside, i0, i1):
             gij = 1.0 * g[i, j]
             p[i, j] = p_new
             closed = 1.0 if gij <= 0 else 0.0
-            y = yields(gij, p_new, H, 0.0, 1.0)
-            t = closed if p_new > 0 and y == 0 else 0.0
-            p_closed = t * p_new + y * at_limit
-            dent = gij if y > 0 else 0.0
+            plastic = yields(gij, p_new, H, 0.0, 1.0)
+            t = closed if p_new > 0 and plastic == 0 else 0.0
+            p_closed = t * p_new + plastic * at_limit
+            dent = gij if plastic > 0 else 0.0
             p_open = p_new - p_closed
             open_p += p_open
             open_pp += p_open * p_open
             open_p4 += (p_open * p_open) * (p_open * p_open)
             closed_pp += p_closed * p_closed
-            contact += t + y
-            pg += abs(p_new - y * at_limit) * (gij - 2 * dent)
+            contact += t + plastic
+            pg += abs(p_new - plastic * at_limit) * (gij - 2 * dent)
             gap += gij - dent
-            yielded += y
+            yielded += plastic
             tension = closed * -p_new
             penetration = dent - gij
             penetrations[j] = penetration if penetration > penetrations[j] else penetrations[j]
@@ -178,9 +178,9 @@ def open_moments(g, p, H, inside):
     at_limit = limit(H, 0.0)
     for i in range(inside[0]):
         for j in range(inside[1]):
-            yielded = yields(g[i, j], p[i, j], H, 0.0, 1.0)
-            p_open = 1.0 * p[i, j] - yielded * at_limit
-            if g[i, j] <= 0 and p[i, j] > 0 and yielded == 0:
+            plastic = yields(g[i, j], p[i, j], H, 0.0, 1.0)
+            p_open = 1.0 * p[i, j] - plastic * at_limit
+            if g[i, j] <= 0 and p[i, j] > 0 and plastic == 0:
                 p_open = 0.0
             squares += p_open * p_open
             fourth += (p_open * p_open) * (p_open * p_open)
@@ -308,9 +308,9 @@ def dual_rows(g, p, x, scale, shift, H, inside, i0, i1):
             x[i - i0, j] = -x.dtype.type(p[i, j])
         for j in range(m):
             pij = x.dtype.type(p[i, j])
-            yielded = yields(g[i, j], pij, H, zero, unit)
-            touching = g[i, j] <= 0 and pij > 0 and yielded == zero
+            plastic = yields(g[i, j], pij, H, zero, unit)
+            touching = g[i, j] <= 0 and pij > 0 and plastic == zero
             admissible = scale * pij + shift if touching else 0.0
-            x[i - i0, j] = admissible - pij + yielded * at_limit
+            x[i - i0, j] = admissible - pij + plastic * at_limit
             total += admissible * g[i, j]
     return total

@@ -1,9 +1,19 @@
 """Kernels of damped dynamics: one pass before and one after the Fourier transform.
 
-State, local slabs: gap g >= 0, pressure p, displacement d of the last time step (a velocity).
-Contact A = {g <= 0 and p > 0}, free F = the rest; beyond a surface that ends, outside of `inside`,
-there is no wall, and g is the displacement u itself. Inside a row sums are in the precision of the
-fields, over rows in double precision.
+Letters, of fields: local slabs (n_loc, n_y). Gaps are in g_rms a, pressures in E* g_rms.
+
+=======  ===========================================================================================
+g        gap, >= 0
+p        pressure
+d        displacement of the last time step, a velocity
+x        change of g on the rows of a pass; K times it after the transform
+a, b     coefficients of the step: d <- b d - a p
+A, F     contact {g <= 0 and p > 0}; the rest, which is free
+inside   shape (rows, points) of this rank's part of the surface: its first rows and points
+=======  ===========================================================================================
+
+Beyond a surface that ends there is no wall, and g is the displacement u itself. Inside a row sums
+are in the precision of the fields, over rows in double precision.
 """
 
 from typing import NamedTuple

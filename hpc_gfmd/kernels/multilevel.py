@@ -311,8 +311,8 @@ def sweep_levels(memory, levels, tables, numbers, softness, damping, mode, mode_
         r of the last level, a single point: the mean of r.
     """
     J_x, f_x, J_y, f_y, s_x, s_y = tables
-    last = levels.shape[0] - 2
-    for k in range(last):
+    coarsest = levels.shape[0] - 2
+    for k in range(coarsest):
         begin, _, rows, n, along, at_x, at_y = levels[k]
         next_begin, _, next_rows, next_n, _, _, _ = levels[k + 1]
         fine = view_fields(memory, begin, 2, rows + 2, n)
@@ -327,15 +327,15 @@ def sweep_levels(memory, levels, tables, numbers, softness, damping, mode, mode_
             for j in range(next_n):
                 coarse[c, 1, j] += coarse[c, next_rows + 1, j]
                 coarse[c, next_rows, j] += coarse[c, 0, j]
-    begin = levels[last, 0]
-    mean = 1.0 * memory[begin + levels[last, 3]]
+    begin = levels[coarsest, 0]
+    mean = 1.0 * memory[begin + levels[coarsest, 3]]
     amplitude = memory.dtype.type(0)
     if mode.shape[0] > 0:
         begin = levels[mode_level, 0] + levels[mode_level, 3]
         for i in range(mode.shape[0]):
             amplitude += mode[i] * memory[begin + i]
     rz = xz = rr = tt = rt = ts = rs = 0.0
-    for k in range(last, -1, -1):
+    for k in range(coarsest, -1, -1):
         begin, count, rows, n, along, at_x, at_y = levels[k]
         next_begin, _, next_rows, next_n, _, _, _ = levels[k + 1]
         fields = view_fields(memory, begin, count, rows + 2, n)

@@ -62,15 +62,15 @@ def prolong_gap(u, p, h, g, fine_rows, coarse_rows, halved, compliance, stencil,
     # 0, 1, ... steps; the last row is scratch.
     ring = np.zeros(((SWEEPS + 3) * RING + 1, g.shape[1] + 2), g.dtype)
     line = np.empty(u[1].shape[1] + 3, g.dtype)
-    own = np.array([*fine_rows, *coarse_rows, *halved, *nominal], np.int64)
-    _prolong(u, p, h, g, own, compliance, stencil, deepest, ring, line)
+    numbers = np.array([*fine_rows, *coarse_rows, *halved, *nominal], np.int64)
+    _prolong(u, p, h, g, numbers, compliance, stencil, deepest, ring, line)
 
 
 @kernel
-def _prolong(u, p, h, g, own, compliance, stencil, deepest, ring, line):
-    """Do the work of `prolong_gap`; own: its numbers of rows and points; ring, line: its memory."""
+def _prolong(u, p, h, g, numbers, compliance, stencil, deepest, ring, line):
+    """Do the work of `prolong_gap`; numbers: of its rows and points; ring, line: its memory."""
     real = g.dtype.type
-    start, n_x, first, m_x, halve_x, halve_y, surface_rows, surface_points = own
+    start, n_x, first_coarse, m_x, halve_x, halve_y, surface_rows, surface_points = numbers
     rows = g.shape[0]
     n = g.shape[1]
     zero = real(0)
@@ -87,7 +87,7 @@ def _prolong(u, p, h, g, own, compliance, stencil, deepest, ring, line):
     for i in range(-SWEEPS, rows + SWEEPS):
         slot = (i + RING) % RING
         x = start + i
-        shift = first
+        shift = first_coarse
         if x < 0:
             x += n_x
             shift += m_x
@@ -120,11 +120,11 @@ def _prolong(u, p, h, g, own, compliance, stencil, deepest, ring, line):
                 x = (start + i - s + n_x) % n_x
                 inner = surface_points if x < surface_rows else 0
                 _relax(ring, (s + 1) * RING, i - s, n, inner, deepest, couplings)
-        done = i - SWEEPS
-        if done >= 0:
-            slot = (done + RING) % RING
+        finished = i - SWEEPS
+        if finished >= 0:
+            slot = (finished + RING) % RING
             for j in range(n):
-                g[done, j] = ring[(SWEEPS + 2) * RING + slot, j + 1] - ring[slot, j + 1]
+                g[finished, j] = ring[(SWEEPS + 2) * RING + slot, j + 1] - ring[slot, j + 1]
 
 
 @inline
@@ -135,15 +135,15 @@ def _coarse_line(field, k, between, factor, near, far, line):
     field: rows before this rank's own, these, and rows after.
     """
     before = field[0].shape[0]
-    own = field[1].shape[0]
+    owned_rows = field[1].shape[0]
     m = line.shape[0] - 3
     terms = 1
     if between:
         terms = 4 if far != 0 else 2
     for term in range(terms):
         row = k + term if term < 3 else k - 1
-        rows = field[0] if row < 0 else (field[1] if row < own else field[2])
-        row = row + before if row < 0 else (row if row < own else row - own)
+        rows = field[0] if row < 0 else (field[1] if row < owned_rows else field[2])
+        row = row + before if row < 0 else (row if row < owned_rows else row - owned_rows)
         if term == 0:
             weight = near if between else factor
             for J in range(m):
@@ -187,7 +187,7 @@ def _relax(ring, at, i, n, inner, deepest, couplings):
 
     at: where the ring of its input begins; that of its output follows.
     """
-    own, along_x, along_y, diagonal = couplings
+    with_itself, along_x, along_y, diagonal = couplings
     slot = (i + RING) % RING
     above = ring[at + (i - 1 + RING) % RING]
     v = ring[at + slot]
@@ -200,7 +200,7 @@ def _relax(ring, at, i, n, inner, deepest, couplings):
         beside[j] = above[j] + below[j]
     for j in range(1, n + 1):
         v_new[j] = (
-            own * v[j]
+            with_itself * v[j]
             + along_x * beside[j]
             + along_y * (v[j - 1] + v[j + 1])
             + diagonal * (beside[j - 1] + beside[j + 1])

@@ -1,10 +1,19 @@
-"""Sums and combinations of a few fields: the subspace of a locally optimal conjugate gradient."""
+"""Sums and combinations of a few fields: the subspace of a locally optimal conjugate gradient.
+
+Letters, of fields: local slabs (n_loc, n_y), in the units of operators/problem.py.
+
+=====  =============================================================================================
+V      (3, n_loc, n_y), directions of the gap: the best one so far, the preconditioned residual, and
+       the last change of the best one
+KV     K times each of them
+D      diagonal of a second operator, as a stiffness
+k      number of directions that there are
+=====  =============================================================================================
+"""
 
 import numpy as np
 
 from .jit import kernel
-
-# V, KV: (k, n_loc, n_y), k <= 3 directions and K times them; D: (n_loc, n_y), a diagonal
 
 
 @kernel

@@ -19,9 +19,9 @@ columns   (moved, address, near, far, function, plans)
 moved     scratch of a block of columns, (W, n_x), in a type that the compiler moves at once:
           float64 for a complex number of single precision, otherwise the complex number itself;
           address: its memory
-near      (memory, first, rows) of what stands in memory that ranks have in common; far: likewise of
-          what other nodes have sent. Rows rows[r, 0] <= i < rows[r, 1] of block k stand at
-          memory[first[k, r]:]
+near      (memory, begins, rows) of what stands in memory that ranks have in common; far: likewise
+          of what other nodes have sent. Rows rows[r, 0] <= i < rows[r, 1] of block k stand at
+          memory[begins[k, r]:]
 plans     [k]: (width, columns of the plan, plan forward, plan backward) of block k, for `function`
 ========  ==========================================================================================
 """
@@ -134,8 +134,8 @@ def load_columns(columns, k, forward):
         for i in range(moved.shape[1]):
             moved[w, i] = 0
     if forward:
-        for memory, first, rows in (near, far):
-            _transpose(memory, first[k], rows, moved, width)
+        for memory, begins, rows in (near, far):
+            _transpose(memory, begins[k], rows, moved, width)
         transform(function, plans[k, 2], address, address)
 
 
@@ -152,37 +152,37 @@ def store_columns(columns, k):
     """
     moved, address, near, far, function, plans = columns
     transform(function, plans[k, 3], address, address)
-    for memory, first, rows in (near, far):
-        _transpose_back(moved, plans[k, 0], memory, first[k], rows)
+    for memory, begins, rows in (near, far):
+        _transpose_back(moved, plans[k, 0], memory, begins[k], rows)
 
 
 @inline
-def _transpose(memory, first, rows, columns, width):
+def _transpose(memory, begins, rows, columns, width):
     """Set columns[:width] = a block (n_x, width) transposed, a cache line of either at a time."""
-    for r in range(first.shape[0]):
+    for r in range(begins.shape[0]):
         i0 = rows[r, 0]
         n = rows[r, 1] - i0
         whole = n - n % TILE
         for i in range(0, whole, TILE):
             for w in range(width):
                 for j in range(TILE):
-                    columns[w, i0 + i + j] = memory[first[r] + (i + j) * width + w]
+                    columns[w, i0 + i + j] = memory[begins[r] + (i + j) * width + w]
         for i in range(whole, n):
             for w in range(width):
-                columns[w, i0 + i] = memory[first[r] + i * width + w]
+                columns[w, i0 + i] = memory[begins[r] + i * width + w]
 
 
 @inline
-def _transpose_back(columns, width, memory, first, rows):
+def _transpose_back(columns, width, memory, begins, rows):
     """Undo `_transpose`."""
-    for r in range(first.shape[0]):
+    for r in range(begins.shape[0]):
         i0 = rows[r, 0]
         n = rows[r, 1] - i0
         whole = n - n % TILE
         for i in range(0, whole, TILE):
             for w in range(width):
                 for j in range(TILE):
-                    memory[first[r] + (i + j) * width + w] = columns[w, i0 + i + j]
+                    memory[begins[r] + (i + j) * width + w] = columns[w, i0 + i + j]
         for i in range(whole, n):
             for w in range(width):
-                memory[first[r] + i * width + w] = columns[w, i0 + i]
+                memory[begins[r] + i * width + w] = columns[w, i0 + i]

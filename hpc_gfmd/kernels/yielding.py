@@ -53,14 +53,14 @@ def yields(g, p, H, zero, one):
 
 
 @inline
-def landing(v, y, length, H, zero):
+def landing(v, plastic, length, H, zero):
     """Return the gap of a point after a step: the proximal map.
 
     Parameters
     ----------
     v : float
         Gap to which the step would take the point if there were no surface.
-    y : float
+    plastic : float
         What `yields` returns of the point before the step.
     length : float
         Length of the step for a pressure of 1.
@@ -76,7 +76,7 @@ def landing(v, y, length, H, zero):
     """
     if H is None:
         return max(v, zero)
-    if y > zero:
+    if plastic > zero:
         return min(v, zero) + max(v - length * H, zero)
     return max(v, zero) + min(v + length * H, zero)
 

@@ -53,7 +53,11 @@ class Elastic:
         self.grid.forget_fft(self.dtype)
 
     def _columns(
-        self, inverse: bool = False, backward: bool = True, add: Columns | None = None
+        self,
+        inverse: bool = False,
+        backward: bool = True,
+        add: Columns | None = None,
+        spring: float = 0.0,
     ) -> float:
         """Multiply all columns by K or S and transform them back; returns this rank's share of the
         product.
@@ -62,16 +66,23 @@ class Elastic:
         """
         multipliers = self.multipliers
         multipliers.couple(self.fft, inverse)
-        if add is None and multipliers.alone:
+        if add is None and multipliers.alone and spring == 0:
             energy, self.mean = self.fft.multiply_columns(multipliers.factors, inverse, backward)
             return energy
 
         def apply(block: np.ndarray, m: int) -> float:
             if add is not None:
                 add(block, m)
-            if m == 0:  # whoever has q = 0
-                self.mean = float(block[0, 0].real) * self.fft.scale
-            return multipliers.multiply(block, m, inverse)
+            if m > 0:
+                return multipliers.multiply(block, m, inverse)
+            # whoever has q = 0
+            total = float(block[0, 0].real)
+            self.mean = total * self.fft.scale
+            energy = multipliers.multiply(block, m, inverse)
+            if spring > 0:
+                block[0, 0] = spring * self.mean
+                energy += spring * self.mean * total
+            return energy
 
         return float(sum(self.fft.columns(apply, backward=backward)))
 
@@ -79,10 +90,22 @@ class Elastic:
         """Begin an application of K: rows of u are made by fill; returns what it returned."""
         return self.fft.forward_rows(fill)
 
-    def pressure_columns(self, add: Columns | None = None) -> float:
-        """Multiply the columns by K; returns this rank's share of <u, K u>, summed over all points.
-        add(block, m) completes the columns first."""
-        return self._columns(add=add)
+    def pressure_columns(self, add: Columns | None = None, spring: float = 0.0) -> float:
+        """Multiply the columns by K, and return this rank's share of <u, K u>.
+
+        Parameters
+        ----------
+        add : callable, optional
+            add(block, m) completes the columns first.
+        spring : float
+            K(0): the uniform pressure that a uniform displacement takes.
+
+        Returns
+        -------
+        float
+            Without the other ranks'.
+        """
+        return self._columns(add=add, spring=spring)
 
     def use_rows(self, use: RowFunction) -> list:
         """End an application of K: rows of K u are given to use; returns what it returned."""

@@ -75,6 +75,9 @@ class Problem:
         The largest pressure; None: there is none.
     attraction : Law or None
         Law of attraction in the program's units; None: there is none.
+    spring : float
+        Stiffness, mean pressure of the cell per displacement, of the spring through which the body
+        is pressed; 0: a dead load. With a spring p0 changes with every step.
     """
 
     grid: Grid
@@ -84,6 +87,7 @@ class Problem:
     body: Body = HALF_SPACE
     hardness: float | None = None
     attraction: Law | None = None
+    spring: float = 0.0
 
     def law(self, dtype: np.dtype | None = None) -> Law | None:
         """Return the law of attraction as kernels take it, in a precision (the working one)."""

@@ -96,13 +96,18 @@ def find_clusters(
 class _Block:
     """The clusters of consecutive rows that reach the first or the last of them.
 
-    first, last (3, n_y): of every point of these rows its cluster, or NOTHING, and how many borders
-    of the cell, along x and along y, are crossed on the way to it from the root of that; counts
-    (5, clusters): points in these rows, and how many of them in the first and in the last row, in
-    the first and in the last column of the cell."""
+    Attributes
+    ----------
+    first_row, last_row : ndarray, shape (3, n_y)
+        Of every point of these rows its cluster, or NOTHING, and how many borders of the cell,
+        along x and along y, are crossed on the way to it from the root of that.
+    counts : ndarray, shape (5, clusters)
+        Points in these rows, and how many of them in the first and in the last row, in the first
+        and in the last column of the cell.
+    """
 
-    first: np.ndarray
-    last: np.ndarray
+    first_row: np.ndarray
+    last_row: np.ndarray
     counts: np.ndarray
 
 
@@ -129,29 +134,29 @@ class _Joiner:
         counted = [labels.ravel(), *(line * end for line, end in zip(lines, ends))]
         counts = np.stack([np.bincount(line, minlength=cluster_count + 1)[1:] for line in counted])
         # of a point outside the mask the label is NOTHING
-        first, last, left, right = (
+        first_row, last_row, left, right = (
             np.stack([line.astype(np.int64) - 1, 0 * line, 0 * line]) for line in lines
         )
         pairs = self._pairs(right, left, (0, 1)) if self.periodic[1] else []
-        return self._joined(pairs, counts, first, last)
+        return self._joined(pairs, counts, first_row, last_row)
 
     def together(self, upper: _Block | None, lower: _Block | None) -> _Block | None:
         """Make one block of two, of which the second begins where the first one ends; None is
         none."""
         if upper is None or lower is None:
             return lower if upper is None else upper
-        lower_first = lower.first.copy()
-        lower_last = lower.last.copy()
+        lower_first = lower.first_row.copy()
+        lower_last = lower.last_row.copy()
         for line in lower_first, lower_last:
             line[0, line[0] != NOTHING] += upper.counts.shape[1]
         counts = np.concatenate([upper.counts, lower.counts], axis=1)
-        pairs = self._pairs(upper.last, lower_first)
-        return self._joined(pairs, counts, upper.first, lower_last)
+        pairs = self._pairs(upper.last_row, lower_first)
+        return self._joined(pairs, counts, upper.first_row, lower_last)
 
     def close(self, block: _Block) -> None:
         """Join the last row to the first one where they touch; all clusters are whole then."""
-        pairs = self._pairs(block.last, block.first, (1, 0)) if self.periodic[0] else []
-        border = block.first[:, :0]
+        pairs = self._pairs(block.last_row, block.first_row, (1, 0)) if self.periodic[0] else []
+        border = block.first_row[:, :0]
         self._joined(pairs, block.counts, border, border)
 
     def _pairs(
@@ -173,7 +178,11 @@ class _Joiner:
         return edges_of_ways
 
     def _joined(
-        self, pairs: list[np.ndarray], counts: np.ndarray, first: np.ndarray, last: np.ndarray
+        self,
+        pairs: list[np.ndarray],
+        counts: np.ndarray,
+        first_row: np.ndarray,
+        last_row: np.ndarray,
     ) -> _Block:
         """Make the block of rows from line `first` to line `last` whose pieces have these counts;
         notes the clusters that reach neither line."""
@@ -187,7 +196,7 @@ class _Joiner:
         np.add.at(joined.T, parent[merged], counts.T[merged])
         joined[:, merged] = 0
         reached = np.zeros(pieces, np.bool_)
-        for line in first, last:
+        for line in first_row, last_row:
             reached[parent[line[0, line[0] != NOTHING]]] = True
         whole = joined[:, ~reached & (joined[0] > 0)]  # those that are no root have no points
         self.whole.append(whole[0])
@@ -203,4 +212,4 @@ class _Joiner:
             renumbered[1:, inside] += shift[pieces_inside].T
             return renumbered
 
-        return _Block(of_roots(first), of_roots(last), joined[:, reached])
+        return _Block(of_roots(first_row), of_roots(last_row), joined[:, reached])

@@ -3,7 +3,7 @@
 from types import ModuleType
 from typing import Any
 
-from ..util.errors import GfmdError, one_line
+from ..util.errors import GfmdError, how_to_install, one_line
 
 REBUILD = "pip install --force-reinstall --no-deps --no-cache-dir --no-binary=mpi4py mpi4py"
 
@@ -25,7 +25,7 @@ def load_mpi() -> Any:
         import mpi4py
     except ImportError as error:
         raise GfmdError(
-            f"mpi4py cannot be imported ({one_line(str(error))}): pip install 'hpc-gfmd[mpi]'"
+            f"mpi4py cannot be imported ({one_line(str(error))}): {how_to_install('mpi4py')}"
         ) from None
     return _load(mpi4py)
 

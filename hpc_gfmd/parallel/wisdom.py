@@ -123,8 +123,11 @@ class _Wisdom:
         return folder and folder / "wisdom" / f"{self.kind}-{self.name}"
 
     def read(self) -> bytes:
-        """Know what is in the cache, too; returns it, nothing where it cannot be understood. It is
-        taken over only where it has changed: that takes longer than making plans that are known."""
+        """Take over what is in the cache, and return it: nothing where it cannot be understood.
+
+        It is taken over only where it has changed, because that takes longer than making plans that
+        are known.
+        """
         content = (self.path and kept(self.path)) or b""
         if len(content) > LIMIT:
             content = b""

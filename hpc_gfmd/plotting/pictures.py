@@ -20,7 +20,7 @@ from .maps import FIELDS, maps
 from .page import COLUMN_WIDTH, Page
 from .quantities import OVERVIEW, QUANTITIES
 from .spectra import PANELS, spectra
-from .style import Picture, legend, save, styled
+from .style import Picture, legend, new_picture, save, styled
 from .units import good
 
 MAX_STEPS = 4  # in maps, distributions and spectra where nobody says which
@@ -109,7 +109,8 @@ def plot(
     Returns
     -------
     matplotlib.figure.Figure
-        It is saved at print resolution unless savefig is told otherwise.
+        It is saved at print resolution unless savefig is told otherwise. A notebook shows it once,
+        wherever in a cell it is made.
 
     Raises
     ------
@@ -137,7 +138,7 @@ def plot(
             if any(_steps(context.result, {name: keys}) for context in contexts)
         ]
         page = kind.page(contexts, drawn)
-        fig = ax.figure if ax else Picture(layout="constrained")
+        fig = ax.figure if ax else new_picture()
         try:
             if ax is None:
                 page.draw(fig)

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import Formatter, LogLocator, NullFormatter
 
 from ..util.atomic import atomic_write
+from ..util.notebook import in_notebook
 from .units import tex_number
 
 # Okabe and Ito; the last one is kept for warnings
@@ -50,7 +51,7 @@ DPI = RC["savefig.dpi"]
 
 
 class Picture(Figure):
-    """A figure that a notebook shows, without pyplot, and that is saved at print resolution."""
+    """A figure that a notebook shows, and that is saved at print resolution."""
 
     def savefig(self, *args: Any, **how: Any) -> None:
         """Save it in the style of all pictures, at print resolution unless `dpi` is given.
@@ -68,6 +69,31 @@ class Picture(Figure):
         png = io.BytesIO()
         self.savefig(png, format="png", dpi=DPI / 2)
         return png.getvalue()
+
+    def _ipython_display_(self) -> None:
+        """Show it in a notebook, and keep pyplot from showing it again at the end of the cell."""
+        from IPython.display import display
+        from matplotlib import pyplot
+
+        pyplot.close(self)
+        display({"image/png": self._repr_png_(), "text/plain": str(self)}, raw=True)
+
+
+def new_picture() -> Picture:
+    """Make an empty picture.
+
+    In a notebook pyplot knows it, and shows at the end of the cell what has not been shown yet.
+
+    Returns
+    -------
+    Picture
+    """
+    if in_notebook() and matplotlib.get_backend().endswith("inline"):
+        from matplotlib import pyplot
+
+        known: Any = pyplot.figure(FigureClass=Picture, layout="constrained")
+        return known
+    return Picture(layout="constrained")
 
 
 def colour(k: int) -> str:
@@ -164,6 +190,11 @@ def legend(fig: Any, loc: str, columns: int = 1) -> None:
 @contextmanager
 def styled() -> Iterator[None]:
     """Make everything that is drawn in this block look alike."""
+    if in_notebook():
+        from matplotlib import pyplot
+
+        # loads its backend: what that sets up would be undone at the end of this block
+        pyplot.draw_if_interactive()
     with matplotlib.rc_context(RC):
         yield
 

@@ -150,8 +150,10 @@ class Ensemble:
     def _cells(self) -> list[list[str]]:
         """Return the table of means and deviations as texts: headings, units, a row per load."""
         surface = self.results[0].result.surface
-        asked = named_observables(self.results[0].result)
-        names = [name for name in (*RESULTS, *asked) if name in self.names and name != self.load]
+        observables = named_observables(self.results[0].result)
+        names = [
+            name for name in (*RESULTS, *observables) if name in self.names and name != self.load
+        ]
         headings = TARGETS | RESULTS
         columns = []
         for name in dict.fromkeys([self.load, *names]):

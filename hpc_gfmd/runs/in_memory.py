@@ -31,7 +31,7 @@ from ..util.versions import versions
 from .keywords import scene_of_keywords
 from .loads import check, solved, step_attributes, surface_attributes, sweep_of, worst
 from .prepared import PreparedSurface, prepare_surface
-from .progress import Reporter
+from .progress import Reporter, bar_stream
 from .solutions import Solutions
 from .table import GrowingTable
 
@@ -248,7 +248,7 @@ def solve_loads(
     SolvedLoads
         The loads that are finished.
     """
-    say = Reporter(comm, scene.solver, not progress, progress, sys.stderr)
+    say = Reporter(comm, scene.solver, not progress, progress, bar_stream())
     loads = SolvedLoads()
 
     def solve_all() -> None:

@@ -19,8 +19,8 @@ from ..contact.area import a_r_discretisation
 from ..contact.contact import Contact
 from ..contact.duality import OBSERVABLES as OF_DUALITY
 from ..driver.branches import RETRACTION
-from ..driver.load import Load
-from ..driver.sweep import Sweep, Unfinished, make_sweep
+from ..driver.load import Load, Unfinished
+from ..driver.sweep import Sweep, make_sweep
 from ..laws import attraction_of, law_names
 from ..parallel import interrupt
 from ..scene import File, LoadTable, Scene, each, has_unit
@@ -51,7 +51,10 @@ def check(scene: Scene) -> None:
     if adhesion is not None:
         require_known("material.adhesion.law", adhesion.law, law_names())
         if scene.solver.low_memory:
-            raise SceneError("solver.low_memory: found true with material.adhesion, allowed: false")
+            raise SceneError(
+                "solver.low_memory: found true with material.adhesion, whose stability takes ten"
+                " more fields, allowed: false"
+            )
     error_of_body = body_of(scene.material, scene.surface.free).error
     accuracy = scene.solver.accuracy
     if accuracy and accuracy <= error_of_body:

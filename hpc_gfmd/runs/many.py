@@ -6,8 +6,10 @@ import subprocess
 import sys
 import warnings
 from collections import deque
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence, Sized
 from concurrent.futures import Future, ThreadPoolExecutor, wait
+from contextlib import AbstractContextManager, nullcontext
+from functools import partial
 from multiprocessing import Pipe
 from multiprocessing.connection import Connection
 from queue import SimpleQueue
@@ -19,10 +21,11 @@ from ..parallel.launcher import LAUNCHER
 from ..scene import LoadTable
 from ..util.errors import GfmdError, SceneError
 from ..util.machine import cores
+from .progress import new_bar
 from .solutions import Solutions
 from .solve import Loads, solve
 
-RESERVED = "threads", "comm", "progress"  # arguments of solve that are chosen here
+RESERVED = "threads", "comm"  # arguments of solve that are chosen here
 BLAS = "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"
 # The program of a process. It imports nothing of the caller's, which therefore needs no
 # `if __name__ == "__main__"`.
@@ -36,6 +39,7 @@ def solve_many(
     *,
     processes: int | str = "auto",
     fields: Sequence[str] = (),
+    progress: bool = False,
     **how: Any,
 ) -> Iterator[Solutions | Exception]:
     """Solve many surfaces, several at a time, each in a process of one thread.
@@ -52,6 +56,8 @@ def solve_many(
         The cores that this process may use.
     fields : list of names
         Fields that are kept; default: none.
+    progress : bool
+        Whether to draw a bar of the surfaces that are solved.
     **how
         Other arguments of `solve`.
 
@@ -90,13 +96,19 @@ def solve_many(
     for key in arguments.keys() & LoadTable.model_fields.keys():
         if arguments[key] is not None and np.ndim(arguments[key]) == 0:
             arguments[key] = [arguments[key]]
-    return _solutions(surfaces, arguments | {"threads": 1}, int(count))
+    length = len(surfaces) if isinstance(surfaces, Sized) else None
+    make_bar = partial(new_bar, "surfaces", length) if progress else nullcontext
+    return _solutions(surfaces, arguments | {"threads": 1}, int(count), make_bar)
 
 
 def _solutions(
-    surfaces: Iterable[Any], arguments: dict[str, Any], count: int
+    surfaces: Iterable[Any],
+    arguments: dict[str, Any],
+    count: int,
+    make_bar: Callable[[], AbstractContextManager[Any]],
 ) -> Iterator[Solutions | Exception]:
-    """Yield the solutions in the order of the surfaces, solved by `count` processes."""
+    """Yield the solutions in the order of the surfaces, solved by `count` processes; a bar, if
+    there is one, counts them."""
     workers = [_Worker() for _ in range(count)]
     idle: SimpleQueue[_Worker] = SimpleQueue()
     for worker in workers:
@@ -116,20 +128,23 @@ def _solutions(
     def next_solution() -> Solutions | Exception:
         number = submitted - len(pending)
         solutions, warned = pending.popleft().result()
+        if bar is not None:
+            bar.update()
         for category, text in warned:
             warnings.warn(f"surface {number}: {text}", category, stacklevel=3)
         return solutions
 
     try:
-        for surface in surfaces:
-            pending.append(pool.submit(solve_one, surface))
-            submitted += 1
-            if submitted == 1:  # it compiles the kernels, which the others then find
-                wait(pending)
-            if len(pending) > 2 * count:
+        with make_bar() as bar:
+            for surface in surfaces:
+                pending.append(pool.submit(solve_one, surface))
+                submitted += 1
+                if submitted == 1:  # it compiles the kernels, which the others then find
+                    wait(pending)
+                if len(pending) > 2 * count:
+                    yield next_solution()
+            while pending:
                 yield next_solution()
-        while pending:
-            yield next_solution()
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
         for worker in workers:

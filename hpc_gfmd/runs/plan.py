@@ -47,9 +47,9 @@ def plan_of(
         Numbers by the names that `hpc-gfmd plan --json` prints; memory in GiB, times in seconds.
     """
     cell = cell_of(n, scene.surface.free, sizes)
-    first = first_precision(scene.solver)
+    dtype_at_first = first_precision(scene.solver)
     dtypes = precisions(scene, n)  # None: unknown before the run
-    dtype = np.dtype(np.float64) if np.float64 in dtypes else first
+    dtype = np.dtype(np.float64) if np.float64 in dtypes else dtype_at_first
     plan: dict[str, Any] = {
         "n": list(n),
         "points": n[0] * n[1],
@@ -65,7 +65,7 @@ def plan_of(
     plan |= _memory(scene, cell, dtype.itemsize, ranks, per_node, threads)
     plan |= _files(scene, n, cell, dtype.itemsize)
     pairs = expected_pairs(scene)
-    seconds = expected_seconds(pairs, precisions(scene, n, first), cell)  # on one core
+    seconds = expected_seconds(pairs, precisions(scene, n, dtype_at_first), cell)  # on one core
     busy_cores = min(ranks, cores)
     traffic = plan["message_bytes_per_pair"], plan["messages_per_pair"]
     plan["seconds"] = seconds / busy_cores

@@ -4,12 +4,14 @@ import math
 import os
 import sys
 import time
+from importlib.util import find_spec
 from typing import Any
 
 from ..parallel.ancestors import launcher_is_watched
 from ..parallel.comm import Comm
 from ..scene import SolverTable
 from ..solvers.base import Progress
+from ..util.notebook import in_notebook
 from ..util.streams import discard
 
 LINE_SECONDS = 10.0  # between two lines about one load
@@ -32,7 +34,7 @@ class Reporter:
         Whether to draw a bar; by default on a terminal and in a notebook, or as the environment
         variable HPC_GFMD_PROGRESS ("bar" or "log") says.
     out : file, optional
-        Where lines go; by default standard output.
+        Where lines go; by default, and in a notebook, standard output.
     """
 
     def __init__(
@@ -47,11 +49,11 @@ class Reporter:
         self.target = target
         self.out = out or sys.stdout
         if bar is None:
-            is_watched = _is_terminal(sys.stderr) or "ipykernel" in sys.modules
+            is_watched = _is_terminal(sys.stderr) or in_notebook()
             is_watched = is_watched or (comm.size > 1 and launcher_is_watched())
             style = os.environ.get("HPC_GFMD_PROGRESS") or ("bar" if is_watched else "log")
             bar = style == "bar"
-        self.draws_bar = bar and not self.silent and sys.stderr is not None
+        self.draws_bar = bar and not self.silent and bar_stream() is not None
         self.bar: Any = None
 
     def say(self, text: str) -> None:
@@ -88,16 +90,8 @@ class Reporter:
         self.line_time = self.begin_time
         self.first_error: float | None = None
         if self.draws_bar:
-            from tqdm.auto import tqdm  # in a notebook a widget
-
             try:
-                self.bar = tqdm(
-                    total=1.0,
-                    desc=self.name,
-                    leave=False,
-                    file=sys.stderr,
-                    bar_format="{desc} |{bar}| {postfix} {elapsed}",
-                )
+                self.bar = new_bar(self.name, 1.0, "{desc} |{bar}| {postfix} {elapsed}")
             except (OSError, ValueError):
                 self._drop_bar()
 
@@ -143,14 +137,49 @@ class Reporter:
             try:
                 self.bar.close()
             except (OSError, ValueError):
-                discard(sys.stderr)
+                discard(bar_stream())
             self.bar = None
 
     def _drop_bar(self) -> None:
         """Do without bars from here on."""
-        discard(sys.stderr)
+        discard(bar_stream())
         self.bar = None
         self.draws_bar = False
+
+
+def bar_stream() -> Any:
+    """Return the stream of bars: standard error, in a notebook standard output, which it does not
+    colour as an error."""
+    return sys.stdout if in_notebook() else sys.stderr
+
+
+def new_bar(name: str, total: float | None, bar_format: str | None = None) -> Any:
+    """Draw a bar: a widget in a notebook that has ipywidgets, otherwise one line.
+
+    Parameters
+    ----------
+    name : str
+        Before the bar.
+    total : float or None
+        Its length, where that is known.
+    bar_format : str, optional
+        As of tqdm.
+
+    Returns
+    -------
+    tqdm.tqdm
+        It disappears when it is closed.
+
+    Raises
+    ------
+    OSError, ValueError
+        Where it cannot be printed.
+    """
+    if in_notebook() and find_spec("ipywidgets"):
+        from tqdm.notebook import tqdm
+    else:
+        from tqdm import tqdm
+    return tqdm(desc=name, total=total, bar_format=bar_format, leave=False, file=bar_stream())
 
 
 def _is_terminal(stream: Any) -> bool:

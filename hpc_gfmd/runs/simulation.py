@@ -13,9 +13,8 @@ import numpy as np
 
 from ..contact import all_numbers
 from ..contact.contact import Contact, heights_of
-from ..driver.load import Load
+from ..driver.load import Load, Unfinished
 from ..driver.precision import first_precision
-from ..driver.sweep import Unfinished
 from ..driver.warmup import compile_once
 from ..output.fields import FIELDS
 from ..output.folder import HEAD, clear, is_held, partial_folder

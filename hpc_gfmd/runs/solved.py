@@ -17,7 +17,7 @@ from ..output.numbers import axes, names_of, numbers, said_of
 from ..output.read import Result
 from ..output.record import RunFile
 from ..parallel.comm import SerialComm
-from ..util.errors import SceneError
+from ..util.errors import GfmdError, SceneError, how_to_install
 from .references import references_of
 
 if TYPE_CHECKING:
@@ -229,8 +229,13 @@ class Solved:
 
     def to_xarray(self) -> "Dataset":
         """Make an xarray of numbers (load), fields (load, x, y) and heights (x, y), with their
-        units and meanings as attributes."""
-        from xarray import Dataset
+        units and meanings as attributes. Raises GfmdError without xarray."""
+        try:
+            from xarray import Dataset
+        except ModuleNotFoundError as error:
+            raise GfmdError(
+                f"to_xarray: {error.name} is not installed: {how_to_install('xarray')}"
+            ) from None
 
         self._require_whole("to_xarray")
         result = self.result

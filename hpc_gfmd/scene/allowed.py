@@ -101,8 +101,8 @@ def _list(members: tuple, unit: str) -> str:
 
 def _either(texts: list[str]) -> str:
     """Join alternatives with commas and "or"."""
-    *others, final = texts
-    if not others:
+    *all_but_one, final = texts
+    if not all_but_one:
         return final
     separator = ", or " if any(", " in text for text in texts) else " or "
-    return f"{', '.join(others)}{separator}{final}"
+    return f"{', '.join(all_but_one)}{separator}{final}"

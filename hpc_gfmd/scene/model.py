@@ -15,7 +15,7 @@ from pydantic import ValidationError, model_validator
 from ..util.errors import SceneError, one_line
 from ..util.quantities import NO_COMMA, format_quantity
 from .explain import explain
-from .settings import PRESSURES, LoadTable, Machine, Material, Output, SolverTable
+from .settings import LOADS, PRESSURES, LoadTable, Machine, Material, Output, SolverTable
 from .surface import AnySurface, File, SelfAffine, SurfaceTable, Wave
 from .table import Table, Text, about, alike, has_unit, key
 
@@ -98,7 +98,7 @@ class Scene(Table):
         adhesion, hardness = self.material.adhesion, self.material.hardness
         name, values = self.load.given
         if adhesion is None:
-            if name in PRESSURES and min(values) <= 0:
+            if name in (*PRESSURES, "approach") and min(values) <= 0:
                 raise ValueError(
                     f"load.{name}: found {format_quantity(min(values))}, allowed: a number greater"
                     " than 0; with material.adhesion also 0 and below"
@@ -116,10 +116,18 @@ class Scene(Table):
                 f"material.adhesion: found beside material.hardness = {format_quantity(hardness)},"
                 " allowed: one of them"
             )
-        if name not in PRESSURES:
+        if name == "a_r":
+            others = ", ".join(other for other in LOADS if other != "a_r")
             raise ValueError(
-                f"load.{name}: found with material.adhesion, where several loads may give the same"
-                f" value, allowed: {', '.join(PRESSURES)}"
+                "load.a_r: found with material.adhesion, where areas jump and several loads may"
+                f" give the same, allowed: {others}"
+            )
+        first = values[:1] if self.load.branch == "retraction" and name == "approach" else values
+        if name not in PRESSURES and min(first) <= 0:
+            raise ValueError(
+                f"load.{name}: found {format_quantity(min(first))} with material.adhesion, allowed:"
+                " a number greater than 0; an approach on retraction, but for the first, also 0 and"
+                " below"
             )
         return self
 

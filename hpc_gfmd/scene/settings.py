@@ -21,6 +21,7 @@ from .table import (
     Share,
     Signed,
     SignedForce,
+    SignedLength,
     SignedPressure,
     Table,
     Text,
@@ -196,7 +197,7 @@ class LoadTable(Table):
     force: Loads[SignedForce] | None = key(
         f"forces on a surface with free edges; {PUSH}", None, unit="force", example="5 mN"
     )
-    approach: Loads[Length] | None = key(
+    approach: Loads[SignedLength] | None = key(
         "how far the bodies come together after they touch (free boundaries along both axes, or a"
         " layer)",
         None,

@@ -170,7 +170,7 @@ class Solver:
         self.refresh()
 
     def _lay(self, g: np.ndarray) -> None:
-        """Lay down the gap g, no last step, and the same pressure everywhere."""
+        """Set the gap to g, the last step to 0 and the pressure to its mean over the cell."""
 
         def lay(i0: int, i1: int) -> None:
             if g is not self.g:

@@ -30,6 +30,7 @@ from .base import Progress, Solver
 FIRST = 0.75  # Rayleigh quotient of first steps: 0.52 to 0.75 was seen; less makes them too long
 DESCENT = 0.2  # share of the predicted descent that clipping must leave
 SHORT = 0.9  # a step is made shorter only below this: clipped points stay a little open then
+SETTLED = 1e-3  # of the range, within which bodies that are apart are where a spring holds them
 # of what certificate/error_estimates.py says that the mean gap is wrong by
 SHIFT = 0.62
 
@@ -148,7 +149,7 @@ class Bpx(Solver):
         """
         rows, points = self.grid.inside
         lowest = self.grid.comm.min([self.g[:rows, :points].min(initial=np.inf)])[0]
-        if not 0 < lowest < np.inf:
+        if not 0 < lowest < np.inf or self.problem.spring > 0:
             return
         if self.law is None:
             self.g -= self.problem.dtype.type(lowest)
@@ -168,7 +169,8 @@ class Bpx(Solver):
             self._descend_to_contact()
         a, b, (pd, deeper, td, gained) = self._choose_step()
         plain = a == 0
-        dKd = self.elastic.pressure_columns()
+        spring = self.problem.spring
+        dKd = self.elastic.pressure_columns(spring=spring)
         dKd, mean = self.grid.comm.sum([dKd, self.elastic.mean]).tolist()
         optimum = -pd / dKd if dKd > 0 else 1.0
         self.s = optimum if 0 < optimum < SHORT else 1.0
@@ -182,7 +184,9 @@ class Bpx(Solver):
         self._measure(sums, anew=plain and self.problem.hardness is not None)
         # K u = p - t - p_cell
         Kud = pd - td - self.p_cell * self.grid.cell_points * mean
-        self.uKu += 2 * self.s * Kud + self.s**2 * dKd
+        of_spring = spring * self.grid.cell_points * mean**2
+        self.uKu += 2 * self.s * Kud + self.s**2 * (dKd - of_spring)
+        self.p0 += spring * self.s * mean * (self.grid.cell_points / self.N)
         if self.problem.hardness is not None:  # pd has the work of dents
             self.uKu -= 2 * self.s * self.problem.hardness * deeper
         if self.problem.hardness is not None and self.law is None:
@@ -343,7 +347,11 @@ class Bpx(Solver):
     @property
     def is_separated(self) -> bool:
         """As of Solver; the wall itself is pulled at."""
-        return self.law is not None and self.contact == 0 and self.wall_load <= 0
+        if self.law is None or self.contact > 0:
+            return False
+        # what is left to go until nothing holds the spring back
+        left = self.problem.spring * float(self.law.range) * SETTLED
+        return self.wall_load <= 0 and (left == 0 or -self.wall_load < left)
 
     @property
     def _p_cell_of_wall(self) -> float:

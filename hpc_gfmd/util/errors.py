@@ -21,6 +21,21 @@ class NotConverged(UserWarning):
     """A solution is less accurate than asked; its status says why."""
 
 
+EXTRAS = {  # of setup.cfg, by the packages in them
+    "mpi4py": "mpi",
+    "mpi4py_fft": "mpi",
+    "h5netcdf": "notebook",
+    "ipywidgets": "notebook",
+    "xarray": "notebook",
+}
+
+
+def how_to_install(package: str) -> str:
+    """Return the command that installs a missing package."""
+    extra = EXTRAS.get(package)
+    return f"pip install 'hpc-gfmd[{extra}]'" if extra else f"pip install {package}"
+
+
 def one_line(text: str, longest: int = 200) -> str:
     """Remove line ends and other control characters from a text and shorten it.
 

@@ -26,14 +26,16 @@ _OTHERS = {  # in m: names, of which any may have capitals
 @cache
 def _known() -> dict[str, float]:
     """Return {unit in lower case: m}."""
-    known = {name.casefold(): metres for metres, names in _OTHERS.items() for name in names}
+    metres_by_name = {
+        name.casefold(): metres for metres, names in _OTHERS.items() for name in names
+    }
     for symbol, (power, prefix) in _PREFIXES.items():
         metres = float(f"1e{power}")
-        known[f"{symbol}m"] = metres
+        metres_by_name[f"{symbol}m"] = metres
         for name in ("meter", "metre", "meters", "metres"):
-            known[f"{prefix}{name}"] = metres
-            known[f"{prefix}_{name}"] = metres
-    return known
+            metres_by_name[f"{prefix}{name}"] = metres
+            metres_by_name[f"{prefix}_{name}"] = metres
+    return metres_by_name
 
 
 def length_factor(unit: str) -> float | None:

@@ -1,2 +1,2 @@
-"""The accuracy campaign: thousands of contacts of every kind, solved as a user would and compared
-with an independent solution."""
+"""The accuracy campaign: thousands of contacts of every kind, solved as users do and compared with
+independent solutions."""

@@ -14,7 +14,7 @@ def near_full(rng):
 
 @family
 def near_full_closing(rng):
-    """The last open points, which single loads of a wide range miss."""
+    """The last open points, which random loads rarely reach."""
     n = grid(rng)
     z = rough(rng, n)
     return Wall(z, square_pixels(n), (load_of_area(z, 1 - log_uniform(rng, 2 / z.size, 0.05)),))
@@ -22,7 +22,7 @@ def near_full_closing(rng):
 
 @family
 def next_to_closing(rng):
-    """A few 1e-9 to 1e-6 below the load that closes the gap: the last points are hardly open."""
+    """A load 1e-9 to 1e-6 below that of full contact, where the last points are hardly open."""
     z = rough(rng, grid(rng)) if rng.random() < 0.7 else rng.standard_normal(grid(rng))
     contact = Contact(z, square_pixels(z.shape))
     closing = contact.times(contact.K, contact.h).max()
@@ -48,7 +48,7 @@ def high_pressure(rng):
 
 @family
 def smooth_near_full(rng):
-    """Waves of one length (or nearly), well resolved: lam_s/a of 4 to 64."""
+    """Well-resolved waves of nearly one length, with lam_s/a of 4 to 64."""
     per_wave = choice(rng, (4, 8, 12, 16, 32))
     waves = choice(rng, [k for k in (1, 2, 3, 4, 5, 8) if 32 <= k * per_wave <= 160])
     n = waves * per_wave
@@ -66,8 +66,7 @@ def smooth_near_full_large(rng):
 
 @family
 def smooth_scene(rng):
-    """As smooth_near_full, with the heights of the program's own scenes; the first is a known hard
-    one."""
+    """The same with surfaces of the package, for low memory; the first seed is a hard one."""
     seed = int(choice(rng, (421, *range(1, 60))))
     surface = {
         "kind": "self-affine",

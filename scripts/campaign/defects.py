@@ -1,5 +1,5 @@
-"""Families of walls with a defect, and of nearly ordered ones: single pits and peaks, plates, bumps
-that are nearly alike, strips."""
+"""Families of walls with defects and of nearly ordered walls: single pits and peaks, plates, nearly
+equal bumps, strips."""
 
 from dataclasses import replace
 
@@ -11,7 +11,7 @@ from .truth import Contact
 
 
 def nearly_closed(rng, z):
-    """Make a wall at a load a little below that of full contact."""
+    """Return a wall at a load slightly below that of full contact."""
     contact = Contact(z, square_pixels(z.shape))
     closing = contact.times(contact.K, contact.h).max()
     return Wall(z, square_pixels(z.shape), (closing * (1 - log_uniform(rng, 1e-6, 0.3)),))
@@ -27,16 +27,17 @@ def plate_with_a_pit(rng):
 
 @family
 def plate_with_pits(rng):
-    """Several, alike or not, one point wide or a few, in rows or anywhere."""
+    """Several pits, equal or not, one or a few points wide, in rows or at random."""
     n = choice(rng, (64, 96, 128))
     z = np.zeros((n, n))
     step = choice(rng, (8, 16, 32))
     places = [(i, j) for i in range(0, n, step) for j in range(0, n, step)]
     if rng.random() < 0.5:
         places = rng.integers(n - 4, size=(int(rng.integers(2, 20)), 2))
-    width, unlike = choice(rng, (1, 1, 2, 4)), choice(rng, (0, 0, 1e-4, 0.3))
+    width = choice(rng, (1, 1, 2, 4))
+    spread = choice(rng, (0, 0, 1e-4, 0.3))
     for i, j in places:
-        z[i : i + width, j : j + width] = -1 - unlike * rng.standard_normal()
+        z[i : i + width, j : j + width] = -1 - spread * rng.standard_normal()
     return nearly_closed(rng, z)
 
 
@@ -56,26 +57,43 @@ def rough_with_a_pit(rng):
     return nearly_closed(rng, z)
 
 
-def hexagonal_heights(rng, n, count, jitter, unlike):
-    """Make round bumps on a hexagonal lattice, `count` along x; jitter: of their places over their
-    distance; unlike: of their heights."""
+def hexagonal_heights(rng, n, count, jitter, spread):
+    """Return round bumps on a hexagonal lattice.
+
+    Parameters
+    ----------
+    rng : Generator
+        Source of random numbers.
+    n : int
+        Points along an axis.
+    count : int
+        Bumps along x.
+    jitter : float
+        Scatter of their places over their distance.
+    spread : float
+        Scatter of their heights.
+    """
     rows = 2 * round(count / np.sqrt(3))
-    x, z = np.arange(n) / n, np.full((n, n), -np.inf)
+    x = np.arange(n) / n
+    z = np.full((n, n), -np.inf)
     for i in range(count):
         for j in range(rows):
-            at = (i + 0.5 * (j % 2)) / count, j / rows
-            dx, dy = ((x - c - jitter / count * rng.standard_normal() + 0.5) % 1 - 0.5 for c in at)
-            bump = unlike * rng.standard_normal() - count**2 * (dx[:, None] ** 2 + dy**2)
+            centre = (i + 0.5 * (j % 2)) / count, j / rows
+            dx, dy = (
+                (x - c - jitter / count * rng.standard_normal() + 0.5) % 1 - 0.5 for c in centre
+            )
+            bump = spread * rng.standard_normal() - count**2 * (dx[:, None] ** 2 + dy**2)
             z = np.maximum(z, bump)
     return z
 
 
 @family
 def hexagonal(rng):
-    """A load near which alike bumps change sides."""
+    """A load near which equal bumps change sides."""
     n, count = choice(rng, ((96, 8), (72, 6), (128, 10), (64, 4)))
-    jitter, unlike = choice(rng, (0, 1e-3, 0.02, 0.1)), choice(rng, (0, 1e-6, 1e-3, 0.03))
-    z = hexagonal_heights(rng, n, count, jitter, unlike)
+    jitter = choice(rng, (0, 1e-3, 0.02, 0.1))
+    spread = choice(rng, (0, 1e-6, 1e-3, 0.03))
+    z = hexagonal_heights(rng, n, count, jitter, spread)
     p_star = log_uniform(rng, 5e-3, 0.5)
     return Wall(z, (1.0, 1.0), (change_of_sides_near(rng, z, (1.0, 1.0), p_star),))
 
@@ -89,7 +107,7 @@ def sweep_hexagonal(rng):
 
 @family
 def tall_point(rng):
-    """One point high above a rough wall, as dust on a scan."""
+    """One point high above a rough wall, like dust on a scan."""
     n = grid(rng)
     z = rng.standard_normal(n)
     if rng.random() < 0.5:

@@ -25,7 +25,7 @@ def punch_round(rng):
 
 @family
 def punches(rng):
-    """Several, of their own heights, perhaps tilted or rough."""
+    """Several punches of different heights, perhaps tilted or rough."""
     n = grid(rng)
     x, y = coordinates(n, (1, 1))
     z = np.zeros(n)
@@ -73,7 +73,8 @@ def rough_sphere(rng):
 def sines(rng):
     n = grid(rng)
     x, y = coordinates(n, (1, 1))
-    kx, ky = int(rng.integers(0, 4)), int(rng.integers(1, 4))
+    kx = int(rng.integers(0, 4))
+    ky = int(rng.integers(1, 4))
     z = (
         np.cos(2 * np.pi * kx * x) * np.cos(2 * np.pi * ky * y)
         if rng.random() < 0.5
@@ -98,13 +99,14 @@ HARD_WAVES = ((100, 5, 0.02432), (100, 5, 0.0708), (128, 4, 0.1155), (128, 4, 0.
 
 
 def wave_heights(n, k):
+    """Return cos x cos y with k periods along each axis."""
     c = np.cos(2 * np.pi * ((k * np.arange(n)) % n) / n)
     return np.outer(c, c)
 
 
 @family
 def wave(rng):
-    """cos x cos y with k x k periods, perfectly ordered."""
+    """A perfectly ordered wave."""
     n, k = choice(rng, WAVES)
     return single(rng, wave_heights(n, k), pixels(rng, (n, n)), low=3e-3, high=0.6)
 
@@ -123,13 +125,14 @@ LATTICES = (
 
 
 def lattice_heights(n, d):
+    """Return equal paraboloids with a period of d points."""
     x = (np.arange(n) % d - d // 2) / d
     return -(x[:, None] ** 2 + x[None, :] ** 2)
 
 
 @family
 def lattice(rng):
-    """Paraboloids, all equal."""
+    """A lattice of equal paraboloids."""
     n, d = choice(rng, LATTICES)
     return single(rng, lattice_heights(n, d), pixels(rng, (n, n)), low=3e-3, high=0.6)
 
@@ -158,14 +161,14 @@ def checkerboard(rng):
 
 @family
 def replicas(rng):
-    """A small rough cell many times over: every event happens everywhere at once."""
+    """A small rough cell, repeated: every event happens in all copies at once."""
     m, copies = choice(rng, ((16, 4), (16, 6), (20, 5), (32, 4), (12, 8)))
     return single(rng, np.tile(rough(rng, (m, m), modes=(1, m / 2.5)), (copies, copies)))
 
 
 @family
 def known(rng):
-    """What is known to be hard."""
+    """Walls and loads that are known to be hard."""
     if rng.random() < 0.3:
         return scene_wall(
             {

@@ -1,5 +1,4 @@
-"""Families of walls with free edges: what touches beside an edge, what does not reach one, and what
-a scan leaves."""
+"""Families of walls with free edges, with contact at the edges or away from them, and scans."""
 
 from dataclasses import replace
 
@@ -29,15 +28,27 @@ ONE_AXIS = ((True, False), (False, True))
 BOTH = (True, True)
 
 
-def ending(rng, z, sizes=None, free=None, **loads):
-    """Make a wall with one load; both axes end, or one of them."""
+def with_free_edges(rng, z, sizes=None, free=None, **loads):
+    """Return a wall with one load and free edges along both axes or one of them.
+
+    **loads are low and high of `single`.
+    """
     free = free or (BOTH if rng.random() < 0.75 else choice(rng, ONE_AXIS))
     return single(rng, z, sizes, free=free, **loads)
 
 
 def scan(rng, n, crown=0.0):
-    """Make a part of a larger rough surface, so that its edges are those of a cut, on a crown of so
-    many of its rms heights."""
+    """Return a part of a larger rough surface on a crown.
+
+    Parameters
+    ----------
+    rng : Generator
+        Source of random numbers.
+    n : (int, int)
+        Points.
+    crown : float
+        Height of the crown over the rms height.
+    """
     m = tuple(k + int(rng.integers(k // 4, k + 1)) for k in n)
     z = rough(rng, m)[: n[0], : n[1]]
     x, y = coordinates(n, (1.0, n[1] / n[0]))
@@ -46,24 +57,28 @@ def scan(rng, n, crown=0.0):
 
 @family
 def free_rough(rng):
-    return ending(rng, scan(rng, choice(rng, GRIDS)))
+    return with_free_edges(rng, scan(rng, choice(rng, GRIDS)))
 
 
 @family
 def free_smooth(rng):
     n = choice(rng, GRIDS)
     low = rng.uniform(0.5, 2)
-    return ending(rng, rough(rng, n, modes=(low, max(1.5 * low, n[0] / log_uniform(rng, 6, 20)))))
+    return with_free_edges(
+        rng, rough(rng, n, modes=(low, max(1.5 * low, n[0] / log_uniform(rng, 6, 20))))
+    )
 
 
 @family
 def free_crown(rng):
-    return ending(rng, scan(rng, choice(rng, GRIDS), crown=log_uniform(rng, 0.3, 10)), free=BOTH)
+    return with_free_edges(
+        rng, scan(rng, choice(rng, GRIDS), crown=log_uniform(rng, 0.3, 10)), free=BOTH
+    )
 
 
 @family
 def free_bowl(rng):
-    """Its edges touch first, its middle last."""
+    """A bowl, whose edges touch first and whose middle touches last."""
     n = choice(rng, ((96, 96), (112, 112), (128, 128)))
     x, y = coordinates(n, (1.0, n[1] / n[0]))
     z = (
@@ -71,12 +86,12 @@ def free_bowl(rng):
         + y**2
         + log_uniform(rng, 1e-4, 0.01) * rough(rng, n, modes=(1, log_uniform(rng, 3, 12)))
     )
-    return ending(rng, z, free=BOTH, low=0.8, high=1.25)
+    return with_free_edges(rng, z, free=BOTH, low=0.8, high=1.25)
 
 
 @family
 def free_punch(rng):
-    """Flat, all of it or a part, perhaps tilted or rough: the pressure is largest at its edges."""
+    """A flat wall or punch, perhaps tilted or rough: the pressure is largest at its edges."""
     n = choice(rng, GRIDS)
     x, y = coordinates(n, (1.0, 1.0))
     a, b = rng.uniform(0.1, 0.6, 2)
@@ -88,7 +103,7 @@ def free_punch(rng):
         + choice(rng, (0, 1e-3, 0.02)) * (x + choice(rng, (0, 1, -2)) * y)
         + log_uniform(rng, 1e-4, 0.1) * rough(rng, n)
     )
-    return ending(rng, z, low=1e-3, high=30)
+    return with_free_edges(rng, z, low=1e-3, high=30)
 
 
 @family
@@ -98,28 +113,29 @@ def free_punches(rng):
     for dx, dy in distances(rng, n, (1, 1), int(rng.integers(2, 9))):
         inside = (dx < rng.uniform(0.05, 0.15)) & (dy < rng.uniform(0.05, 0.15))
         z = np.where(inside, 1 + log_uniform(rng, 1e-3, 0.3), z)
-    return ending(rng, z + choice(rng, (0, 1e-3, 0.02)) * rough(rng, n), low=1e-4)
+    return with_free_edges(rng, z + choice(rng, (0, 1e-3, 0.02)) * rough(rng, n), low=1e-4)
 
 
 @family
 def free_indenter(rng):
-    """One tip, anywhere on the wall: often nearer to an edge than it is wide."""
+    """One tip at a random place, often closer to an edge than its width."""
     n = choice(rng, GRIDS)
     x, y = coordinates(n, (1.0, n[1] / n[0]))
-    x, y = x - rng.uniform(-0.5, 0.5), y - rng.uniform(-0.5, 0.5) * n[1] / n[0]
+    x = x - rng.uniform(-0.5, 0.5)
+    y = y - rng.uniform(-0.5, 0.5) * n[1] / n[0]
     shape = choice(
         rng, (x**2 + y**2, np.hypot(x, y), np.maximum(np.abs(x), np.abs(y)), x**2 + 20 * y**2)
     )
-    return ending(rng, -shape + choice(rng, (0, 0, 1e-3, 1e-2)) * rough(rng, n), low=1e-4)
+    return with_free_edges(rng, -shape + choice(rng, (0, 0, 1e-3, 1e-2)) * rough(rng, n), low=1e-4)
 
 
 @family
 def free_lattice(rng):
-    """Paraboloids, all equal, the last ones cut off or not."""
+    """Equal paraboloids, some of them cut off."""
     n, d = choice(rng, ((36, 12), (48, 8), (64, 16), (72, 12), (60, 20), (90, 15)))
     z = lattice_heights(n, d)
     cut = int(rng.integers(0, d)) if rng.random() < 0.5 else 0
-    return ending(
+    return with_free_edges(
         rng,
         z[cut:, cut:]
         + choice(rng, (0, 1e-8, 1e-4, 1e-2)) * rng.standard_normal(z[cut:, cut:].shape),
@@ -130,12 +146,14 @@ def free_lattice(rng):
 @family
 def free_one_axis(rng):
     n = choice(rng, GRIDS)
-    return ending(rng, choice(rng, (scan(rng, n), rough(rng, n))), free=choice(rng, ONE_AXIS))
+    return with_free_edges(
+        rng, choice(rng, (scan(rng, n), rough(rng, n))), free=choice(rng, ONE_AXIS)
+    )
 
 
 @family
 def free_measured(rng):
-    """As an instrument gives it: tilt and form left in, noise, heights by steps."""
+    """Heights as of an instrument, with tilt, form, noise and quantisation."""
     n = choice(rng, GRIDS)
     x, y = coordinates(n, (1.0, n[1] / n[0]))
     z = scan(rng, n)
@@ -146,7 +164,7 @@ def free_measured(rng):
         + choice(rng, (0, 1e-3, 0.03)) * rng.standard_normal(n)
     )
     step = choice(rng, (0, 0, 1e-4, 1e-2))
-    return ending(rng, np.round(z / step) * step if step else z, low=1e-4)
+    return with_free_edges(rng, np.round(z / step) * step if step else z, low=1e-4)
 
 
 @family
@@ -154,23 +172,25 @@ def free_pixels(rng):
     n = choice(rng, ((32, 32), (48, 48), (64, 32), (37, 45)))
     sizes = (1.0, n[1] / n[0] * choice(rng, (1 / 4, 1 / 2, 2, 4)))
     z = rough(rng, n, sizes) if rng.random() < 0.7 else rng.standard_normal(n)
-    return ending(rng, z, sizes)
+    return with_free_edges(rng, z, sizes)
 
 
 @family
 def free_lines(rng):
-    """Lines of a scan that are far apart, a few of them or many."""
+    """Few or many lines of a scan that are far apart."""
     n = choice(rng, ((48, 4), (64, 8), (96, 16), (32, 32), (40, 24)))
     sizes = (1.0, n[1] / n[0] * log_uniform(rng, 4, 60))
     z = rough(rng, n, sizes) if rng.random() < 0.7 else rng.standard_normal(n)
     z, sizes = (z, sizes) if rng.random() < 0.5 else (z.T.copy(), sizes[::-1])
-    return ending(rng, z, sizes)
+    return with_free_edges(rng, z, sizes)
 
 
 @family
 def free_high_load(rng):
     """Most or all of the wall touches."""
-    return ending(rng, choice(rng, (scan, rough))(rng, choice(rng, GRIDS)), low=0.5, high=100)
+    return with_free_edges(
+        rng, choice(rng, (scan, rough))(rng, choice(rng, GRIDS)), low=0.5, high=100
+    )
 
 
 @family
@@ -178,12 +198,12 @@ def free_few_points(rng):
     n = choice(rng, GRIDS)
     z = scan(rng, n) if rng.random() < 0.7 else rng.standard_normal(n)
     p_star = log_uniform(rng, 2, 60) / z.size / 2
-    return ending(rng, z, low=p_star, high=1.001 * p_star)
+    return with_free_edges(rng, z, low=p_star, high=1.001 * p_star)
 
 
 @family
 def free_scene(rng):
-    """Of the program's own surfaces, as low memory needs them."""
+    """Surfaces of the package, which low memory needs."""
     surface = scene_surface(rng) | {
         "boundary": choice(rng, ("free", ["free", "periodic"], ["periodic", "free"]))
     }

@@ -1,5 +1,4 @@
-"""Families of walls of a hardness: every kind of wall, a tenth to ten times as hard as its largest
-pressure without one."""
+"""Families with a hardness of 0.1 to 10 times the largest elastic pressure."""
 
 from dataclasses import replace
 

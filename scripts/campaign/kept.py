@@ -1,4 +1,4 @@
-"""Truths of the loads of a wall, each solved once and kept in a file."""
+"""Truths of the loads of a wall, which are solved once and cached in files."""
 
 import hashlib
 import os
@@ -10,46 +10,70 @@ import numpy as np
 
 from .truth import DOUBTFUL, Contact, Truth
 
-MORE = 1.1
+ABOVE_LOADS = 1.1  # smallest hardness over the largest load
 
 
 def cache_folder():
-    """Return HPC_GFMD_TRUTHS, or a folder for temporary files."""
+    """Return the folder HPC_GFMD_TRUTHS, or one for temporary files."""
     return Path(
         os.environ.get("HPC_GFMD_TRUTHS") or Path(tempfile.gettempdir()) / "hpc-gfmd-truths"
     )
 
 
 def truths(z, sizes, loads, free=(False, False), hardness=None, hardness_star=None):
-    """Find (Contact, [Truth], the hardness in units of p*) of the loads p*, each Truth from the
-    cache if it is there. hardness: over the largest pressure of the loads without one, but MORE
-    than they are; hardness_star: or in units of p*."""
+    """Return the contact, the truths of its loads and the hardness in units of p*.
+
+    Parameters
+    ----------
+    z : ndarray
+        Heights.
+    sizes : (float, float)
+        Size of the cell.
+    loads : sequence of float
+        p* in the order of solving.
+    free : (bool, bool)
+        Whether x and y have free edges.
+    hardness : float, optional
+        Over the largest pressure of the loads without one; it is at least ABOVE_LOADS times the
+        largest load.
+    hardness_star : float, optional
+        In units of p*.
+
+    Returns
+    -------
+    contact : Contact
+    exact : list of Truth
+    hardness : float or None
+    """
     contact = Contact(z, sizes, free)
     if hardness_star is not None:
         return contact, _truths(contact, sizes, loads, hardness_star), hardness_star
-    found = _truths(contact, sizes, loads)
+    elastic = _truths(contact, sizes, loads)
     if hardness is None:
-        return contact, found, None
-    hardness = float(max(hardness * max(t.pressure.max() for t in found), MORE * max(loads)))
+        return contact, elastic, None
+    largest_pressure = max(truth.pressure.max() for truth in elastic)
+    hardness = float(max(hardness * largest_pressure, ABOVE_LOADS * max(loads)))
     return contact, _truths(contact, sizes, loads, hardness), hardness
 
 
 def _truths(contact, sizes, loads, *hardness):
-    found, start = [], None
+    """Return the truths of the loads, each from the cache or solved from the previous one."""
+    exact = []
+    start = None
     for p_star in loads:
         name = repr((contact.n, tuple(map(float, sizes)), float(p_star), *hardness)).encode()
         digest = hashlib.sha256(contact.h.tobytes() + contact.S.tobytes() + name).hexdigest()
         path = cache_folder() / f"{digest[:32]}.npz"
         truth = _read(path)
         if truth is None or not truth.kkt < DOUBTFUL:
-            near = start is not None and 0.5 < p_star / start.mean() < 2 and not hardness
-            truth = contact.solve(p_star, start if near else None, *hardness)
-            if near and not truth.kkt < DOUBTFUL:
+            is_near = start is not None and 0.5 < p_star / start.mean() < 2 and not hardness
+            truth = contact.solve(p_star, start if is_near else None, *hardness)
+            if is_near and not truth.kkt < DOUBTFUL:
                 truth = contact.solve(p_star)
             _write(path, truth)
         start = truth.pressure
-        found.append(truth)
-    return found
+        exact.append(truth)
+    return exact
 
 
 def _read(path):

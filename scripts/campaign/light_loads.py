@@ -1,5 +1,5 @@
-"""Families of few contact points, of loads near a change of sides, of extreme units, and scenes of
-the program itself."""
+"""Families of few contact points, of loads near a change of sides, of extreme units, and of scenes
+of the package."""
 
 from dataclasses import replace
 
@@ -33,7 +33,7 @@ def few_points_smooth(rng):
 
 @family
 def few_asperities(rng):
-    """Some smooth bumps of their own heights, and a load near a change of sides."""
+    """Some smooth bumps of different heights, and a load near a change of sides."""
     n = choice(rng, ((64, 64), (100, 100), (81, 81), (128, 64)))
     sizes = square_pixels(n)
     z = np.zeros(n)
@@ -47,13 +47,13 @@ def few_asperities(rng):
 
 @family
 def few_alike_tops(rng):
-    """Some points far above all others and nearly alike, and a load near that at which the next of
-    them touches."""
+    """Some nearly equal points far above all others, and a load near that at which the next one
+    touches."""
     n = choice(rng, ((32, 32), (48, 48), (32, 64)))
     z = rough(rng, n) if rng.random() < 0.5 else rng.standard_normal(n)
     places = tuple(rng.integers(0, k, 4) for k in n)
-    unlike = log_uniform(rng, 1e-6, 0.1)
-    z[places] = z.max() + 1 - unlike * np.ptp(z) * rng.random(4)
+    spread = log_uniform(rng, 1e-6, 0.1)
+    z[places] = z.max() + 1 - spread * np.ptp(z) * rng.random(4)
     sizes = square_pixels(n)
     touching = load_of_area(z, (int(rng.integers(2, 5)) - 0.5) / z.size, sizes, steps=50)
     off = choice(rng, (-1, 1)) * log_uniform(rng, 1e-9, 0.1)
@@ -85,16 +85,17 @@ def extreme_units(rng):
 
 
 def scene_surface(rng, lam_s_over_a=(2, 8)):
-    """Make a [surface] table of 64 to 160 points along x."""
+    """Return a table [surface] with 64 to 160 points along x; lam_s_over_a is its range."""
     n_x = choice(rng, (64, 72, 96, 100, 128, 160, 97))
     n_y = n_x if rng.random() < 0.7 else choice(rng, (32, 64, 128))
-    L_over_lam_l, lam_s_over_a = rng.uniform(1, 3), rng.uniform(*lam_s_over_a)
+    L_over_lam_l = rng.uniform(1, 3)
+    points_per_wave = rng.uniform(*lam_s_over_a)
     return {
         "kind": "self-affine",
         "hurst": round(rng.uniform(0, 1), 2),
         "L_over_lam_l": L_over_lam_l,
-        "lam_l_over_lam_s": n_x / (L_over_lam_l * lam_s_over_a),
-        "lam_s_over_a": lam_s_over_a,
+        "lam_l_over_lam_s": n_x / (L_over_lam_l * points_per_wave),
+        "lam_s_over_a": points_per_wave,
         "seed": int(rng.integers(2**31)),
         "physical_sizes": [1.0, n_y / n_x],
     }

@@ -1,8 +1,8 @@
-"""Families of flat tops that yield: terraces, pins, plateaus, steps of bits, and soft roughness.
+"""Families of yielding flat tops: terraces, pins, plateaus, random steps, and soft roughness.
 
-The hardness is 1e-5 to 10 times E* g_rms. Loads are next to what the terraces carry at the
-hardness, where all that is elastic is about to yield, off by a relative 1e-6 to 0.1, or anywhere
-below the hardness.
+The hardness is 1e-5 to 10 times E* g_rms. Loads differ by a relative 1e-6 to 0.1 from what the
+terraces carry at the hardness, where all elastic points are about to yield, or are anywhere below
+the hardness.
 """
 
 import numpy as np
@@ -12,20 +12,21 @@ from .shapes import choice, distances, log_uniform, rough, square_pixels
 
 LOADS = 8
 SIDES = (24, 32, 48, 64, 80)
-SOFTEST, HARDEST = 1e-5, 10.0
+SOFTEST = 1e-5
+HARDEST = 10.0
 
 
 def _pressed(rng, z):
-    """Make a wall with a hardness and loads next to its plastic limits."""
+    """Return a wall with a hardness and loads near its plastic limits."""
     hardness = log_uniform(rng, SOFTEST, HARDEST)
     _, counts = np.unique(-z, return_counts=True)
     carried = np.cumsum(counts) / z.size
     loads = []
     for _ in range(LOADS):
         share = float(choice(rng, carried)) if rng.random() < 0.75 else log_uniform(rng, 1e-3, 1)
-        off = log_uniform(rng, 1e-6, 0.1)
-        below = share * (1 + off) >= 1 or rng.random() < 0.5
-        loads.append(hardness * share * (1 - off if below else 1 + off))
+        distance = log_uniform(rng, 1e-6, 0.1)
+        is_below = share * (1 + distance) >= 1 or rng.random() < 0.5
+        loads.append(hardness * share * (1 - distance if is_below else 1 + distance))
     return Wall(z, square_pixels(z.shape), tuple(loads), hardness_star=hardness)
 
 
@@ -35,7 +36,7 @@ def _square(rng):
 
 
 def _long_waves(rng, n):
-    """Make heights of waves of four points and more."""
+    """Return heights with waves of at least four points."""
     return rough(rng, n, hurst=0.8, modes=(1, n[0] / 4))
 
 
@@ -47,13 +48,13 @@ def plastic_terraces(rng):
 
 @family
 def plastic_pins(rng):
-    """Square pins on a plate, alike or of heights of their own."""
+    """Square pins of equal or different heights on a plate."""
     n = choice(rng, (32, 48, 64, 96))
     step = choice(rng, (8, 16))
     width = int(rng.integers(1, step // 2 + 1))
     on_pin = (np.arange(n) % step) < width
-    unlike = choice(rng, (0, 0, 1e-6, 1e-3, 0.1))
-    tops = 1 + unlike * rng.standard_normal((n // step, n // step))
+    spread = choice(rng, (0, 0, 1e-6, 1e-3, 0.1))
+    tops = 1 + spread * rng.standard_normal((n // step, n // step))
     z = np.kron(tops, np.ones((step, step))) * np.outer(on_pin, on_pin)
     return _pressed(rng, z)
 
@@ -66,7 +67,7 @@ def plastic_plateaus(rng):
 
 @family
 def plastic_bits(rng):
-    """Steps of halves, quarters, ... of one height, each where a rough field of its own is > 0."""
+    """Steps of 1, 1/2, 1/4, ... of a height, each where another rough field is positive."""
     n = _square(rng)
     z = np.zeros(n)
     for k in range(int(rng.integers(1, 6))):
@@ -76,19 +77,19 @@ def plastic_bits(rng):
 
 @family
 def plastic_cantor(rng):
-    """Terraces on terraces: of thirds the middle one is lower, again and again."""
+    """Terraces on terraces: the middle third is lower, recursively."""
     n = choice(rng, (27, 54, 81))
     depth = int(rng.integers(2, 4))
     z = np.zeros((n, n))
     for k in range(depth):
-        high = (np.arange(n) // (n // 3 ** (k + 1))) % 3 != 1
-        z += 2.0**-k * np.outer(high, high)
+        is_high = (np.arange(n) // (n // 3 ** (k + 1))) % 3 != 1
+        z += 2.0**-k * np.outer(is_high, is_high)
     return _pressed(rng, z)
 
 
 @family
 def plastic_ridges(rng):
-    """One ridge, plate or disc over a plane."""
+    """A ridge, plate or disc on a plane."""
     n = choice(rng, SIDES)
     x = np.arange(n) - n // 2
     r = rng.uniform(1, n / 2)
@@ -104,7 +105,7 @@ def plastic_ridges(rng):
 
 @family
 def plastic_steps(rng):
-    """Plates of their own heights, one upon the other."""
+    """Plates of different heights on top of each other."""
     n = _square(rng)
     z = np.zeros(n)
     for dx, dy in distances(rng, n, (1, 1), int(rng.integers(2, 12))):

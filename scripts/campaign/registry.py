@@ -1,5 +1,4 @@
-"""What a family is: a function that makes a random wall and its loads. Walls are in units of
-nothing."""
+"""The registry of families: functions that make random walls and their loads, without units."""
 
 import zlib
 from dataclasses import dataclass, replace
@@ -16,12 +15,32 @@ FAMILIES = {}
 
 @dataclass(frozen=True)
 class Wall:
-    """heights (peaks up); physical_sizes; loads: p* in the order of solving; E_star; surface: table
-    [surface] of a scene that has these heights, where one does; units: whether the campaign may
-    choose others; free: whether the wall ends along x, along y; hardness: over the largest pressure
-    of the loads without one; hardness_star: or over E* g_rms; targets: what is asked for in place
-    of `loads`, a quantity (a_r, or gap_over_h_rms) and its values, for each of which a load of its
-    own is searched for; attraction: a sticky_walls.Attraction.
+    """A wall and its loads.
+
+    Attributes
+    ----------
+    heights : ndarray, shape (n_x, n_y)
+        Peaks up.
+    physical_sizes : (float, float)
+        Size of the cell.
+    loads : tuple of float
+        p* in the order of solving.
+    E_star : float
+        Modulus.
+    surface : dict or None
+        Table [surface] of a scene with these heights, if there is one.
+    units : bool
+        Whether the campaign may change the units.
+    free : (bool, bool)
+        Whether x and y have free edges.
+    hardness : float or None
+        Hardness over the largest pressure of the loads without one.
+    hardness_star : float or None
+        Hardness over E* g_rms.
+    attraction : sticky_walls.Attraction or None
+        Attraction of the surfaces.
+    targets : (str, tuple of float) or None
+        Quantity (a_r or gap_over_h_rms) and its values, which are prescribed instead of loads.
     """
 
     heights: np.ndarray
@@ -38,12 +57,13 @@ class Wall:
 
 
 def family(function):
+    """Register a family (decorator)."""
     FAMILIES[function.__name__] = function
     return function
 
 
 def make(name, seed, index):
-    """Make wall number `index` of a family."""
+    """Return wall number `index` of a family, in random units unless the family fixes them."""
     rng = np.random.default_rng([seed, index, zlib.crc32(name.encode())])
     wall = FAMILIES[name](rng)
     if wall.units and rng.random() < 0.5:
@@ -57,15 +77,19 @@ def make(name, seed, index):
     return wall
 
 
-def single(rng, z, sizes=None, low=1e-3, high=1.0, **others):
-    """Make a wall with one load, log-uniform between low and high."""
-    return Wall(z, tuple(sizes or square_pixels(z.shape)), (log_uniform(rng, low, high),), **others)
+def single(rng, z, sizes=None, low=1e-3, high=1.0, **fields):
+    """Return a wall with one load, log-uniform between low and high.
+
+    **fields are further fields of Wall.
+    """
+    return Wall(z, tuple(sizes or square_pixels(z.shape)), (log_uniform(rng, low, high),), **fields)
 
 
 def load_of_area(z, a_r, sizes=None, steps=18):
     """Return the p* at which about a share a_r of the points touches, by bisection."""
     contact = Contact(z, sizes or square_pixels(z.shape))
-    low, high = 1e-7, 50.0
+    low = 1e-7
+    high = 50.0
     for _ in range(steps):
         middle = np.sqrt(low * high)
         if contact.solve(middle).contact < a_r * z.size:
@@ -76,20 +100,25 @@ def load_of_area(z, a_r, sizes=None, steps=18):
 
 
 def change_of_sides_near(rng, z, sizes, p_star):
-    """Find a load near p* at which the number of points changes, off by a random small share."""
+    """Return a load near p* at which the number of contact points changes, off by a small share."""
     contact = Contact(z, sizes)
-    low, high = p_star, p_star * 1.2
-    n_low, n_high = contact.solve(low).contact, contact.solve(high).contact
+    low = p_star
+    high = p_star * 1.2
+    n_low = contact.solve(low).contact
+    n_high = contact.solve(high).contact
     if n_low == n_high:
         return p_star
     for _ in range(int(rng.integers(8, 22))):
         middle = 0.5 * (low + high)
         n = contact.solve(middle).contact
-        low, high = (middle, high) if abs(n - n_low) < abs(n - n_high) else (low, middle)
+        if abs(n - n_low) < abs(n - n_high):
+            low = middle
+        else:
+            high = middle
     return float(rng.choice([low, high]))
 
 
 def scene_wall(surface, loads):
-    """Make a Wall with the heights that the program makes of a table [surface]."""
-    made = hpc_gfmd.make_surface(**surface)
-    return Wall(made.heights, made.sizes, tuple(loads), 1.0, surface, units=False, free=made.free)
+    """Return a wall with the heights that the package makes from a table [surface]."""
+    wall = hpc_gfmd.make_surface(**surface)
+    return Wall(wall.heights, wall.sizes, tuple(loads), 1.0, surface, units=False, free=wall.free)

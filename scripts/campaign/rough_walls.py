@@ -1,4 +1,4 @@
-"""Families of roughness of every kind, with spikes and pits."""
+"""Families of roughness of all kinds, also with spikes and pits."""
 
 import numpy as np
 
@@ -87,7 +87,7 @@ def two_scales(rng):
 
 @family
 def long_mode(rng):
-    """One long wave and little roughness: a slow global error."""
+    """One long wave and little roughness, whose error decreases slowly."""
     n = grid(rng)
     x, y = coordinates(n, (1, 1))
     k = choice(rng, ((1, 0), (0, 1), (1, 1)))
@@ -180,7 +180,7 @@ def few_rows_noise(rng):
 
 @family
 def ridges(rng):
-    """Nearly one-dimensional: high along one axis, a little rough along the other."""
+    """Nearly one-dimensional heights, slightly rough along the other axis."""
     n = choice(rng, ((64, 64), (128, 128), (100, 100), (256, 32), (32, 256), (512, 16)))
     axis = int(rng.integers(2))
     line = rough(rng, (n[axis], 1), (1.0, 1.0), modes=(1, n[axis] / rng.uniform(2, 8)))
@@ -190,7 +190,7 @@ def ridges(rng):
 
 @family
 def tiny(rng):
-    """Grids of hardly any points, also along one axis only."""
+    """Grids of very few points, also along one axis only."""
     n = choice(
         rng, ((2, 2), (3, 3), (1, 64), (97, 1), (2, 31), (5, 4), (8, 8), (16, 16), (1, 1000))
     )
@@ -221,7 +221,7 @@ def spikes(rng):
 
 @family
 def dust(rng):
-    """Hemispheres of a few points on a rough wall."""
+    """Small hemispheres on a rough wall."""
     n = grid(rng)
     sizes = square_pixels(n)
     z = log_uniform(rng, 0.01, 1) * rough(rng, n)

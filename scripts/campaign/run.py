@@ -1,4 +1,4 @@
-"""Solve, write rows of JSON, print the table.
+"""Solve walls, write rows of JSON and print a table.
 
 python scripts/campaign --count 5 --jobs 2 --out rows.jsonl --record docs/campaign.jsonl
 python scripts/campaign --family wave --seed 1 --index 3 --precision single --accuracy 1e-2
@@ -17,12 +17,21 @@ from multiprocessing import get_context
 
 PRECISIONS = ("auto", "single", "double")
 ACCURACIES = (1e-2, 1e-3, 1e-4, 1e-6)
-SINGLE_FINEST = 1e-4  # the finest accuracy that is asked for in single precision
+SINGLE_FINEST = 1e-4  # tightest accuracy that is requested in single precision
 
 
 def ways(solvers, precisions, accuracies, low_memory):
-    """List (solver, precision, accuracy, low_memory) of all solves of a wall. low_memory: "yes",
-    "no" or "only"."""
+    """Return (solver, precision, accuracy, low_memory) of all solves of a wall.
+
+    Parameters
+    ----------
+    solvers, precisions : sequence of str
+        Names.
+    accuracies : sequence of float
+        Requested accuracies.
+    low_memory : str
+        "yes", "no" or "only".
+    """
     plain = [
         (s, p, e, False)
         for s, p, e in product(solvers, precisions, accuracies)
@@ -32,70 +41,85 @@ def ways(solvers, precisions, accuracies, low_memory):
     return {"yes": plain + low, "no": plain, "only": low}[low_memory]
 
 
-def parser():
-    """Make the parser of the campaign and of `calibrate`."""
-    found = argparse.ArgumentParser(
+def make_parser():
+    """Return the parser of the campaign and of `calibrate`."""
+    parser = argparse.ArgumentParser(
         prog="campaign",
-        description="Press walls that nobody tuned to, and compare with exact solutions.",
+        description="Solve walls for which the code was not tuned, and compare with exact"
+        " solutions.",
     )
-    add = found.add_argument
-    add("what", nargs="?", default="run", choices=("run", "calibrate"))
+    add = parser.add_argument
+    add("action", nargs="?", default="run", choices=("run", "calibrate"))
     add(
         "--families",
         "--family",
         nargs="+",
         default=["all"],
-        help="or all, single, free, sweeps, targets",
+        help="names, or all, single, free, sweeps, targets",
     )
     add("--without", nargs="+", default=[])
     add("--count", type=int, default=5, help="walls of each family")
     add("--seed", type=int, default=1)
-    add("--index", type=int, nargs="+", help="these walls of each family, not the first --count")
+    add(
+        "--index",
+        type=int,
+        nargs="+",
+        help="numbers of the walls of each family, instead of the first --count",
+    )
     add("--solvers", nargs="+", default=["bpx"], choices=("bpx", "gfmd"))
     add("--precision", nargs="+", default=list(PRECISIONS), choices=PRECISIONS)
     add("--accuracy", nargs="+", type=float, default=list(ACCURACIES))
     add("--low-memory", default="yes", choices=("yes", "no", "only"))
     add("--jobs", type=int, default=1)
-    add("--seconds", type=float, default=1e9, help="begin no further wall after this time")
-    add("--out", help="the rows of all solves are added to this file")
-    add("--record", help="the counts, as one line of JSON, are added to this file")
-    add("--report", nargs="+", help="print the table of these files of rows instead")
-    add("--records", nargs="+", help="print a table of these files of counts instead")
-    add("--numbers", nargs="+", help="calibrate: these alone")
-    add("--worst", type=int, default=40)
-    return found
+    add("--seconds", type=float, default=1e9, help="start no further wall after this time")
+    add("--out", help="append the rows of all solves to this file")
+    add("--record", help="append the counts, as one line of JSON, to this file")
+    add("--report", nargs="+", help="only print the table of these files of rows")
+    add("--records", nargs="+", help="only print the table of these files of counts")
+    add("--numbers", nargs="+", help="calibrate: only these numbers")
+    add("--worst", type=int, default=40, help="failures in the report")
+    return parser
 
 
-def main(given):
-    """Run the campaign with these arguments, print what came out, and record it."""
+def main(args):
+    """Run the campaign, print its table and record its counts."""
     from bench.report import provenance
 
     from hpc_gfmd.parallel.comm import SerialComm
 
     from .table import count, grouped, markdown, read, report
 
-    if given.records:
-        records = [row for path in given.records for row in read(path)]
+    if args.records:
+        records = [row for path in args.records for row in read(path)]
         print(markdown({row["command"]: row for row in records}, "command"))
         return
-    rows = [row for path in given.report or () for row in read(path)]
-    for new in [] if given.report else campaign(given):
-        rows += new
-        if given.out:
-            with open(given.out, "a") as file:
-                file.writelines(json.dumps(row, default=float) + "\n" for row in new)
-    print(report(rows, given.worst))
-    if given.record:
+    rows = [row for path in args.report or () for row in read(path)]
+    for new_rows in [] if args.report else campaign(args):
+        rows += new_rows
+        if args.out:
+            with open(args.out, "a") as file:
+                file.writelines(json.dumps(row, default=float) + "\n" for row in new_rows)
+    print(report(rows, args.worst))
+    if args.record:
         command = shlex.join(["scripts/campaign", *sys.argv[1:]])
         commit = provenance(SerialComm())["commit"]
-        found = {"command": command, "commit": commit}
-        with open(given.record, "a") as file:
-            file.write(json.dumps(found | count(rows) | {"families": grouped(rows)}) + "\n")
+        record = {"command": command, "commit": commit}
+        record |= count(rows) | {"families": grouped(rows)}
+        with open(args.record, "a") as file:
+            file.write(json.dumps(record) + "\n")
 
 
-def names(wanted, without=()):
-    """List names of families: those of `all`, `single` (periodic, one load each), `free` (with free
-    edges), `sweeps`, `targets` (prescribed areas and gaps), or single ones."""
+def names(requested, without=()):
+    """Return names of families.
+
+    Parameters
+    ----------
+    requested : sequence of str
+        Names of families or groups: all, single (periodic, one load each), free (with free edges),
+        sweeps, targets (prescribed areas and gaps).
+    without : sequence of str
+        Families to leave out.
+    """
     from .families import FAMILIES
 
     groups = {"all": list(FAMILIES), "single": [], "free": [], "sweeps": [], "targets": []}
@@ -103,23 +127,25 @@ def names(wanted, without=()):
         kinds = {"free": "free", "sweep": "sweeps", "target": "targets"}
         kind = kinds.get(name.partition("_")[0], "single")
         groups[kind].append(name)
-    found = [name for item in wanted for name in groups.get(item, [item]) if name not in without]
-    unknown = [name for name in found if name not in FAMILIES]
+    chosen = [
+        name for item in requested for name in groups.get(item, [item]) if name not in without
+    ]
+    unknown = [name for name in chosen if name not in FAMILIES]
     if unknown:
-        sys.exit(f"unknown families {unknown}, known: {', '.join([*groups, *FAMILIES])}")
-    return found
+        sys.exit(f"--families: found {unknown}, allowed: {', '.join([*groups, *FAMILIES])}")
+    return chosen
 
 
-def campaign(given):
-    """Yield the rows of wall after wall, as they come; given: arguments of the command line."""
-    all_ways = ways(given.solvers, given.precision, given.accuracy, given.low_memory)
-    end = time.monotonic() + given.seconds
-    walls = product(given.index or range(given.count), names(given.families, given.without))
-    tasks = [(name, given.seed, index, all_ways) for index, name in walls]
-    if given.jobs == 1:
+def campaign(args):
+    """Yield the rows of each wall when it is solved; args are those of the command line."""
+    all_ways = ways(args.solvers, args.precision, args.accuracy, args.low_memory)
+    end = time.monotonic() + args.seconds
+    walls = product(args.index or range(args.count), names(args.families, args.without))
+    tasks = [(name, args.seed, index, all_ways) for index, name in walls]
+    if args.jobs == 1:
         yield from (_task(task, end) for task in tasks)
         return
-    with ProcessPoolExecutor(given.jobs, mp_context=get_context("spawn")) as pool:
+    with ProcessPoolExecutor(args.jobs, mp_context=get_context("spawn")) as pool:
         futures = [pool.submit(_task, task, end) for task in tasks]
         for future in as_completed(futures):
             yield future.result()

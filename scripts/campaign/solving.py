@@ -1,5 +1,4 @@
-"""Solve a wall of the campaign as a user would, and say how far from the truth it is and how far it
-says it is."""
+"""Solve walls of the campaign as a user would, and compare true with claimed errors."""
 
 import signal
 import tempfile
@@ -17,10 +16,10 @@ from .families import make
 from .kept import truths
 from .sticky_walls import judged_rows
 
-KIND = {"a_r": 0, "gap_over_h_rms": 1}  # which of the three errors a target is of
-MEET = 1e-12  # relative: loads that are the same
+ERROR_OF_TARGET = {"a_r": 0, "gap_over_h_rms": 1}  # index of the error of a target
+EQUAL_LOADS = 1e-12  # relative difference of loads that count as equal
 ROUNDED_TARGET = 1e-9  # relative rounding errors of a target
-# for all truths of one wall, and for all its loads by one solver in one precision to one accuracy
+# Time limit for all truths of a wall, and for all its loads in one way.
 SECONDS = 120
 
 
@@ -28,12 +27,26 @@ class TooSlow(Exception):
     """A solve took longer than SECONDS."""
 
 
-FAILURES = {"TooSlow": "too slow", "SceneError": "refused"}
+STATUS_OF_ERROR = {"TooSlow": "too slow", "SceneError": "refused"}
 
 
 def rows_of(name, seed, index, ways, seconds=SECONDS):
-    """Solve a wall: a row for each way (solver, precision, accuracy, low_memory) and load; failures
-    are rows too."""
+    """Solve a wall in several ways.
+
+    Parameters
+    ----------
+    name, seed, index
+        Family, seed and number of the wall.
+    ways : list of tuple
+        (solver, precision, accuracy, low_memory).
+    seconds : float
+        Time limit.
+
+    Returns
+    -------
+    list of dict
+        A row for each way and load; errors are rows, too.
+    """
     head = {"family": name, "seed": seed, "index": index}
     try:
         wall = make(name, seed, index)
@@ -41,9 +54,15 @@ def rows_of(name, seed, index, ways, seconds=SECONDS):
             head["n"] = list(wall.heights.shape)
             return _sticky_rows(wall, head, ways, seconds)
         with _time_limit(seconds):
-            of = wall.heights, wall.physical_sizes, wall.loads, wall.free, wall.hardness
-            contact, exact, hardness = truths(*of, wall.hardness_star)
-    except Exception as error:  # a campaign goes on
+            contact, exact, hardness = truths(
+                wall.heights,
+                wall.physical_sizes,
+                wall.loads,
+                wall.free,
+                wall.hardness,
+                wall.hardness_star,
+            )
+    except Exception as error:  # the campaign continues
         return [head | {"status": "no wall", "error": f"{type(error).__name__}: {error}"}]
     head["n"] = list(wall.heights.shape)
     if wall.targets is not None:
@@ -56,25 +75,30 @@ def rows_of(name, seed, index, ways, seconds=SECONDS):
             continue
         way = {"solver": solver, "precision": precision, "accuracy": accuracy}
         way = head | way | {"low_memory": low_memory}
-        begun, loads = time.perf_counter(), iter(enumerate(wall.loads))
+        begin = time.perf_counter()
+        loads = iter(enumerate(wall.loads))
         try:
             with _time_limit(seconds), warnings.catch_warnings():
                 warnings.simplefilter("ignore")
-                for found, truth in zip(_solutions(wall, contact, way, hardness), exact):
+                for solution, truth in zip(_solutions(wall, contact, way, hardness), exact):
                     load, p_star = next(loads)
-                    judged = _judged(found, truth, contact, wall)
+                    judged = _judged(solution, truth, contact, wall)
                     rows.append(way | {"load": load, "p_star": p_star} | judged)
         except Exception as error:
-            kind = type(error).__name__
             load, p_star = next(loads, (0, wall.loads[0]))
-            failed = {"status": FAILURES.get(kind, "raised"), "error": f"{kind}: {error}"}
-            rows.append(way | {"load": load, "p_star": p_star} | failed)
-        rows[-1]["seconds"] = round(time.perf_counter() - begun, 4)
+            rows.append(way | {"load": load, "p_star": p_star} | _failed(error))
+        rows[-1]["seconds"] = round(time.perf_counter() - begin, 4)
     return rows
 
 
+def _failed(error):
+    """Return the columns of a load that raised an error."""
+    kind = type(error).__name__
+    return {"status": STATUS_OF_ERROR.get(kind, "raised"), "error": f"{kind}: {error}"}
+
+
 def _sticky_rows(wall, head, ways, seconds):
-    """Solve a wall with an attraction, see sticky_walls.py."""
+    """Solve a wall with an attraction in several ways (sticky_walls.py)."""
     rows = []
     for solver, precision, accuracy, low_memory in ways:
         if solver != "bpx" or low_memory:
@@ -85,15 +109,32 @@ def _sticky_rows(wall, head, ways, seconds):
             with _time_limit(seconds):
                 for load, judged in judged_rows(wall, precision, accuracy):
                     rows.append(way | {"load": load, "p_star": wall.loads[load]} | judged)
-        except Exception as error:  # a campaign goes on
-            kind = type(error).__name__
-            failed = {"status": FAILURES.get(kind, "raised"), "error": f"{kind}: {error}"}
-            rows.append(way | {"load": 0, "p_star": wall.loads[0]} | failed)
+        except Exception as error:  # the campaign continues
+            rows.append(way | {"load": 0, "p_star": wall.loads[0]} | _failed(error))
     return rows
 
 
 def rows_of_targets(head, wall, contact, ways, seconds):
-    """Solve a wall whose loads are prescribed: a row for each way and target."""
+    """Solve a wall with prescribed areas or gaps in several ways.
+
+    Parameters
+    ----------
+    head : dict
+        Columns of all rows.
+    wall : Wall
+        With targets.
+    contact : Contact
+        Its exact contact.
+    ways : list of tuple
+        (solver, precision, accuracy, low_memory).
+    seconds : float
+        Time limit for each target.
+
+    Returns
+    -------
+    list of dict
+        A row for each way and target.
+    """
     rows = []
     for solver, precision, accuracy, low_memory in ways:
         if low_memory or solver != "bpx":
@@ -102,23 +143,22 @@ def rows_of_targets(head, wall, contact, ways, seconds):
         way = head | way | {"low_memory": low_memory}
         start = None
         for load, value in enumerate(wall.targets[1]):
-            begun = time.perf_counter()
+            begin = time.perf_counter()
             row = way | {"load": load, "target": value, "p_star": 0.0}
             try:
                 with _time_limit(seconds), warnings.catch_warnings():
                     warnings.simplefilter("ignore")
-                    found = _solution_of_target(wall, way, value)
-                    row["p_star"] = found.p / wall.E_star / contact.g_rms
+                    solution = _solution_of_target(wall, way, value)
+                    row["p_star"] = solution.p / wall.E_star / contact.g_rms
                     truth = contact.solve(row["p_star"], start)
                     start = truth.pressure
-                    row |= _judged(found, truth, contact, wall)
-                    if found.status == "converged":
-                        row |= missed(found, truth, contact, wall.targets[0], value, accuracy)
-                        row["true"][KIND[wall.targets[0]]] += row["missed"]
+                    row |= _judged(solution, truth, contact, wall)
+                    if solution.status == "converged":
+                        row |= missed(solution, truth, contact, wall.targets[0], value, accuracy)
+                        row["true"][ERROR_OF_TARGET[wall.targets[0]]] += row["missed"]
             except Exception as error:
-                kind = type(error).__name__
-                row |= {"status": FAILURES.get(kind, "raised"), "error": f"{kind}: {error}"}
-            rows.append(row | {"seconds": round(time.perf_counter() - begun, 4)})
+                row |= _failed(error)
+            rows.append(row | {"seconds": round(time.perf_counter() - begin, 4)})
     return rows
 
 
@@ -135,31 +175,64 @@ def _solution_of_target(wall, way, value):
     )
 
 
-def missed(found, truth, contact, quantity, value, accuracy):
-    """Return by how much a target is missed, relative: 0 within the accuracy, or one point of an
-    area, or at the nearer side of a jump that the truth has, too."""
+def missed(solution, truth, contact, quantity, value, accuracy):
+    """Return by how much a target is missed.
+
+    Parameters
+    ----------
+    solution : hpc_gfmd.Solution
+        Solution of the target.
+    truth : Truth
+        Exact solution at its load.
+    contact : Contact
+        Exact contact.
+    quantity : str
+        "a_r" or "gap_over_h_rms".
+    value : float
+        The target.
+    accuracy : float
+        Requested accuracy.
+
+    Returns
+    -------
+    dict
+        missed: relative distance, 0 within the accuracy, within one point of an area, or on the
+        nearer side of a jump that the truth has, too; for areas also jump (whether a jump was
+        noted) and nearest (nearest number of points).
+    """
     if quantity != "a_r":
         h_rms = np.std(contact.h[contact.D])
-        missed = abs(truth.gap_mean / h_rms / value - 1)
-        return {"missed": float(missed) if missed > accuracy + ROUNDED_TARGET else 0.0}
-    points = value * contact.N
-    n = round(found.a_r * contact.N)
-    off = abs(n - points)
-    row = {"missed": 0.0, "jump": "jumps" in (found.note or "")}
-    if off <= max(accuracy * points, 1) + ROUNDED_TARGET * points:
+        relative = abs(truth.gap_mean / h_rms / value - 1)
+        return {"missed": float(relative) if relative > accuracy + ROUNDED_TARGET else 0.0}
+    target_points = value * contact.N
+    distance = abs(round(solution.a_r * contact.N) - target_points)
+    row = {"missed": 0.0, "jump": "jumps" in (solution.note or "")}
+    if distance <= max(accuracy * target_points, 1) + ROUNDED_TARGET * target_points:
         return row
-    nearest = nearest_count(contact, found.p_star, points)
+    nearest = nearest_count(contact, solution.p_star, target_points)
     row["nearest"] = nearest
-    if not row["jump"] or off > abs(nearest - points) + 1 + truth.ties_in + truth.ties_out:
-        row["missed"] = off / points
+    allowed = abs(nearest - target_points) + 1 + truth.ties_in + truth.ties_out
+    if not row["jump"] or distance > allowed:
+        row["missed"] = distance / target_points
     return row
 
 
 def nearest_count(contact, p_star, points):
-    """Return the number of points in contact nearest to `points` that a load has near p*, by
-    bisection; a contact in which points just touch is on both sides of a jump, and counts for
-    none."""
-    counts, nearest = {}, np.inf
+    """Return the number of contact points nearest to a target that loads near p* have.
+
+    It is found by bisection. Contacts with ties are on both sides of a jump and do not count.
+
+    Parameters
+    ----------
+    contact : Contact
+        Exact contact.
+    p_star : float
+        Load from which the bisection starts.
+    points : float
+        Target.
+    """
+    counts = {}
+    nearest = np.inf
 
     def count(p):
         nonlocal nearest
@@ -171,13 +244,17 @@ def nearest_count(contact, p_star, points):
                 nearest = truth.contact
         return counts[p]
 
-    low, high, step = p_star, p_star, 1e-6
+    low = p_star
+    step = 1e-6
     while count(low) >= points and step < 1:
-        low, step = low / (1 + step), 4 * step
+        low = low / (1 + step)
+        step = 4 * step
+    high = p_star
     step = 1e-6
     while count(high) < points and step < 1:
-        high, step = high * (1 + step), 4 * step
-    while high / low - 1 > MEET and abs(nearest - points) > 1:
+        high = high * (1 + step)
+        step = 4 * step
+    while high / low - 1 > EQUAL_LOADS and abs(nearest - points) > 1:
         middle = np.sqrt(low * high)
         if count(middle) < points:
             low = middle
@@ -186,26 +263,25 @@ def nearest_count(contact, p_star, points):
     return nearest
 
 
-def _judged(found, truth, contact, wall):
-    """Compare true and claimed errors of (area, mean gap, pressure) of a hpc_gfmd.Solution."""
-    points = round(found.a_r * wall.heights.size)
+def _judged(solution, truth, contact, wall):
+    """Return the true and the claimed errors of (area, mean gap, pressure) of a solution."""
+    points = round(solution.a_r * wall.heights.size)
     with np.errstate(all="ignore"):
-        p = np.asarray(found.pressure, np.float64) / wall.E_star / contact.g_rms
-        true = truth.errors(points, found.gap_mean / contact.height_unit, p)
+        p = np.asarray(solution.pressure, np.float64) / wall.E_star / contact.g_rms
+        true = truth.errors(points, solution.gap_mean / contact.height_unit, p)
     return {
         "contact": truth.contact,
         "kkt": truth.kkt,
-        "status": found.status,
+        "status": solution.status,
         "true": [float(x) for x in true],
-        "claimed": [float(x) for x in found.errors],
-        "iterations": found.iterations,
-        "fft_pairs": round(found.fft_pairs, 2),
+        "claimed": [float(x) for x in solution.errors],
+        "iterations": solution.iterations,
+        "fft_pairs": round(solution.fft_pairs, 2),
     }
 
 
 def _solutions(wall, contact, way, hardness):
-    """Yield the hpc_gfmd.Solution of one load after the other; low memory works from a scene
-    alone."""
+    """Yield the solutions of the loads; low memory needs a scene."""
     settings = {"name": way["solver"], "precision": way["precision"], "accuracy": way["accuracy"]}
     if way["solver"] != "bpx":
         settings["max_iterations"] = 3000
@@ -238,13 +314,15 @@ def _solutions(wall, contact, way, hardness):
 
 @contextmanager
 def _time_limit(seconds):
+    """Raise TooSlow after some seconds."""
+
     def stop(*_):
         raise TooSlow(f"more than {seconds} s")
 
-    before = signal.signal(signal.SIGALRM, stop)
+    previous = signal.signal(signal.SIGALRM, stop)
     signal.alarm(int(seconds))
     try:
         yield
     finally:
         signal.alarm(0)
-        signal.signal(signal.SIGALRM, before)
+        signal.signal(signal.SIGALRM, previous)

@@ -1,8 +1,8 @@
-"""Families of walls whose surfaces attract each other, and their truth: the equilibrium that is
-reached by going on from the one that was returned, to a residual of 1e-8.
+"""Families of adhesive walls, and their truth: the equilibrium to which the solver converges from
+the returned one with a residual of 1e-8.
 
-There is no independent solution: an equilibrium with attraction is not the only one. What is tested
-is that the errors that are claimed are those of this equilibrium.
+There is no independent solution, because equilibria with attraction are not unique. The campaign
+tests that the claimed errors are those of this equilibrium.
 """
 
 import warnings
@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from hpc_gfmd.driver.load import Load
-from hpc_gfmd.driver.sweep import Unfinished, make_sweep
+from hpc_gfmd.driver.load import Load, Unfinished
+from hpc_gfmd.driver.sweep import make_sweep
 from hpc_gfmd.laws import law_named, law_names
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.scene import SolverTable
@@ -21,15 +21,28 @@ from hpc_gfmd.surface.topography import Topography
 from .registry import FAMILIES
 from .shapes import log_uniform
 
-GOING_ON = 1e-8  # residual
-WEAKEST, STRONGEST = 0.01, 3.0  # kappa, by the slope and the curvature of the wall
-SHORTEST, LONGEST = 0.02, 0.2  # range over the height that a point rises above its neighbours
+EXACT_RESIDUAL = 1e-8  # of the truth
+WEAKEST = 0.01  # range of kappa
+STRONGEST = 3.0
+SHORTEST = 0.02  # range of reach
+LONGEST = 0.2
 
 
 @dataclass(frozen=True)
 class Attraction:
-    """kappa: curvature of the law over the stiffness of waves as long as the mean one, pi/a times
-    slope over curvature; reach: range over slope times that wave; law: its name."""
+    """An attraction relative to the roughness of a wall.
+
+    The mean wave has the length 2 pi times the rms slope over the rms curvature.
+
+    Attributes
+    ----------
+    kappa : float
+        Curvature of the law over the stiffness of the mean wave.
+    reach : float
+        Range over the rms slope times the mean wave.
+    law : str
+        Name of the law.
+    """
 
     kappa: float
     reach: float
@@ -56,10 +69,11 @@ for _name, _kind in {
 
 
 def law_of(wall, surface):
-    """Return the law of a wall in its units."""
-    z, a = wall.heights, surface.grid.a
-    bends = [np.diff(z, 2, axis).std() / a**2 for axis in (0, 1) if z.shape[axis] > 2]
-    wave = 2 * np.pi * surface.g_rms / max(max(bends), surface.g_rms * np.pi / a / 8)
+    """Return the law of a wall in its units; surface is the wall as solvers take it."""
+    z = wall.heights
+    a = surface.grid.a
+    curvatures = [np.diff(z, 2, axis).std() / a**2 for axis in (0, 1) if z.shape[axis] > 2]
+    wave = 2 * np.pi * surface.g_rms / max(max(curvatures), surface.g_rms * np.pi / a / 8)
     reach = wall.attraction.reach * surface.g_rms * wave
     work = wall.attraction.kappa * reach**2 * wall.E_star * np.pi / wave
     return law_named(wall.attraction.law, work, reach)
@@ -94,36 +108,45 @@ def body_of_free(free):
 
 
 def judged_rows(wall, precision, accuracy):
-    """Yield (load, numbers): the true and the claimed errors of (area, mean gap, pressure) of each
-    load of a wall."""
+    """Yield (number of the load, columns) with the true and the claimed errors of each load.
+
+    Parameters
+    ----------
+    wall : Wall
+        With an attraction.
+    precision : str
+        Of the solver.
+    accuracy : float
+        Requested accuracy.
+    """
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         sweep = sweep_of(wall, precision=precision, accuracy=accuracy)
-        exact = sweep_of(wall, precision="double", residual=GOING_ON)
+        exact = sweep_of(wall, precision="double", residual=EXACT_RESIDUAL)
         unit = wall.E_star * sweep.surface.g_rms
         for k, p_star in enumerate(wall.loads):
             load = Load("pressure", float(p_star * unit))
-            found = sweep.solve(load)
-            pressure = found.field("pressure")[:].astype(float)
-            start = Unfinished(found.g.astype(float), load.value, 0, 0.0)
+            contact = sweep.solve(load)
+            pressure = contact.field("pressure")[:].astype(float)
+            start = Unfinished(contact.g.astype(float), load.value, 0, 0.0)
             truth = exact.solve(load, unfinished=start)
-            yield k, _judged(found, pressure, truth)
+            yield k, _judged(contact, pressure, truth)
 
 
-def _judged(found, pressure, truth):
-    right = truth.field("pressure")[:].astype(float)
+def _judged(contact, pressure, truth):
+    exact_pressure = truth.field("pressure")[:].astype(float)
     true = (
-        abs(found.contact_points - truth.contact_points) / max(truth.contact_points, 1),
-        abs(found.gap_mean - truth.gap_mean) / truth.gap_mean if truth.gap_mean else 0.0,
-        np.linalg.norm(pressure - right) / np.linalg.norm(right),
+        abs(contact.contact_points - truth.contact_points) / max(truth.contact_points, 1),
+        abs(contact.gap_mean - truth.gap_mean) / truth.gap_mean if truth.gap_mean else 0.0,
+        np.linalg.norm(pressure - exact_pressure) / np.linalg.norm(exact_pressure),
     )
     return {
         "contact": truth.contact_points,
-        "kkt": 0.0,  # whether the truth is one its status says
-        "status": found.status if truth.status == "converged" else "no truth",
+        "kkt": 0.0,  # the status of the truth counts instead
+        "status": contact.status if truth.status == "converged" else "no truth",
         "true": [float(x) for x in true],
-        "claimed": [float(x) for x in found.certificate.errors],
-        "stability": found.certificate.stability,
-        "iterations": found.iterations,
-        "fft_pairs": round(found.fft_pairs, 2),
+        "claimed": [float(x) for x in contact.certificate.errors],
+        "stability": contact.certificate.stability,
+        "iterations": contact.iterations,
+        "fft_pairs": round(contact.fft_pairs, 2),
     }

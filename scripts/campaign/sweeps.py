@@ -1,5 +1,5 @@
-"""Families with many loads: each starts from the one before, up and down, by random and by fine
-steps."""
+"""Families with many loads, each of which starts from the previous one: up and down, by random and
+by fine steps."""
 
 from dataclasses import replace
 
@@ -10,7 +10,7 @@ from .formed_walls import WAVES, lattice_heights, wave_heights
 from .registry import FAMILIES, family, scene_wall
 from .shapes import choice, log_uniform, rough, square_pixels
 
-# Families of one load each, in an order on which the walls of some sweeps depend.
+# Families with one load, in an order on which the walls of some sweeps depend.
 MODULES = [module.__name__ for module in (rough_walls, closing_walls, formed_walls, light_loads)]
 SINGLE = tuple(
     sorted(
@@ -21,7 +21,7 @@ SINGLE = tuple(
 
 
 def _walk(rng, start, ratios, low=1e-4, high=3.0):
-    """List loads that begin with start and change by these ratios, reflected at the ends."""
+    """Return loads that change by these ratios from `start`, reflected at low and high."""
     loads = [start]
     for ratio in ratios:
         p = loads[-1] * ratio
@@ -32,12 +32,12 @@ def _walk(rng, start, ratios, low=1e-4, high=3.0):
 def _fine(rng, wall, start, step, count):
     ratios = np.full(count - 1, 1 + rng.choice([-1, 1]) * step)
     if rng.random() < 0.3:
-        ratios[count // 2 :] = 1 / ratios[count // 2 :]  # back again
+        ratios[count // 2 :] = 1 / ratios[count // 2 :]  # and back
     return replace(wall, loads=_walk(rng, start, ratios))
 
 
 def _up_and_down(rng, wall, count=12):
-    """Let half of the loads go up, half down, by random ratios that the program takes as near."""
+    """Return the wall with half of its loads rising and half falling, by moderate ratios."""
     ratios = np.concatenate(
         [
             1 + rng.uniform(0.01, 0.42, count // 2),
@@ -84,7 +84,7 @@ def sweep_ordered(rng):
 
 @family
 def sweep_fine(rng):
-    """60 loads by 0.1 % and the like."""
+    """60 loads in steps of about 0.1 %."""
     n = choice(rng, (64, 96, 128))
     wall = (
         FAMILIES["self_affine"](rng)
@@ -124,6 +124,6 @@ def sweep_light(rng):
 
 @family
 def sweep_scene(rng):
-    """Of the program's own surfaces, as low memory needs them."""
+    """Surfaces of the package, which low memory needs."""
     wall = FAMILIES["scene"](rng)
     return scene_wall(wall.surface, _random(rng, wall, 8).loads)

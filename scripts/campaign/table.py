@@ -1,4 +1,4 @@
-"""What rows of the campaign say: counts as data, a table of them, and the failures."""
+"""Summaries of the rows of the campaign: counts, tables and failures."""
 
 import json
 from collections import Counter
@@ -13,23 +13,24 @@ KINDS = ("area", "gap", "pressure")
 
 
 def read(path):
+    """Return the rows of a file."""
     return [json.loads(line) for line in Path(path).read_text().splitlines()]
 
 
 def counts(row):
-    """Tell whether a row is a converged solve that can be judged."""
+    """Return whether a row is a converged solve with a reliable truth."""
     return row.get("status") == "converged" and row["kkt"] < DOUBTFUL
 
 
 def less_accurate(row):
-    """List the kinds of error above the accuracy that was asked for."""
+    """Return the kinds of error above the requested accuracy."""
     if not counts(row):
         return []
     return [k for k, true in zip(KINDS, row["true"]) if not true <= row["accuracy"] + SLACK]
 
 
 def above_estimate(row):
-    """List the kinds of error above their own estimate, though within what was asked for."""
+    """Return the kinds of error above their estimate but within the requested accuracy."""
     if not counts(row):
         return []
     errors = zip(KINDS, row["true"], row["claimed"])
@@ -38,72 +39,80 @@ def above_estimate(row):
 
 
 def count(rows):
-    """Count what came of some rows."""
+    """Return the counts of the outcomes of rows, and their mean FFT pairs."""
     outcomes = Counter(
         "no truth" if row.get("status") == "converged" and not counts(row) else row.get("status")
         for row in rows
     )
     pairs = [row["fft_pairs"] for row in rows if row.get("status") == "converged"]
-    found = {"solves": len(rows), "converged": outcomes.pop("converged", 0), "others": outcomes}
+    counted = {"solves": len(rows), "converged": outcomes.pop("converged", 0), "others": outcomes}
     for judge in (less_accurate, above_estimate):
-        kinds = [judge(row) for row in rows]
-        found[judge.__name__] = [
-            sum(map(bool, kinds)),
-            *(sum(k in f for f in kinds) for k in KINDS),
-        ]
-    return found | {"mean_pairs": round(float(np.mean(pairs)), 2) if pairs else None}
+        kinds_of_rows = [judge(row) for row in rows]
+        of_kinds = [sum(kind in kinds for kinds in kinds_of_rows) for kind in KINDS]
+        counted[judge.__name__] = [sum(map(bool, kinds_of_rows)), *of_kinds]
+    return counted | {"mean_pairs": round(float(np.mean(pairs)), 2) if pairs else None}
 
 
 def grouped(rows, by="family"):
-    """Count by the values of a key, and all: {value: counts, "all": counts}."""
+    """Return {value of a key: counts}, with "all" for the counts of all rows."""
     names = sorted({str(row.get(by)) for row in rows})
-    found = {name: count([row for row in rows if str(row.get(by)) == name]) for name in names}
-    return found | {"all": count(rows)}
+    counted = {name: count([row for row in rows if str(row.get(by)) == name]) for name in names}
+    return counted | {"all": count(rows)}
 
 
 def markdown(groups, by="family"):
-    """Write counts as a table; those less accurate than asked, and else above the estimate, in all,
-    of area, of mean gap and of pressure."""
+    """Return counts as a Markdown table.
+
+    Parameters
+    ----------
+    groups : dict
+        {name: counts}, as returned by `grouped`.
+    by : str
+        Heading of the names.
+    """
     lines = [
         f"| {by} | solves | converged | less accurate than asked (area / gap / pressure)"
         " | else above own estimate | other outcomes | mean pairs |",
         "|---|---|---|---|---|---|---|",
     ]
-    for name, found in groups.items():
+    for name, counted in groups.items():
         failures = [
             f"{n} ({' / '.join(map(str, kinds))})" if n else "0"
-            for n, *kinds in (found["less_accurate"], found["above_estimate"])
+            for n, *kinds in (counted["less_accurate"], counted["above_estimate"])
         ]
-        others = ", ".join(f"{n} {status}" for status, n in found["others"].items())
-        cells = [name, found["solves"], found["converged"], *failures, others or "-"]
-        lines.append(f"| {' | '.join(map(str, cells))} | {found['mean_pairs'] or '-'} |")
+        outcomes = ", ".join(f"{n} {status}" for status, n in counted["others"].items())
+        cells = [name, counted["solves"], counted["converged"], *failures, outcomes or "-"]
+        lines.append(f"| {' | '.join(map(str, cells))} | {counted['mean_pairs'] or '-'} |")
     return "\n".join(lines)
 
 
 def failures(rows):
-    """List the rows that are less accurate than asked or above their estimate, the worst first."""
+    """Return the rows that missed their accuracy or exceeded their estimate, the worst first."""
 
     def badness(row):
-        asked, claimed = less_accurate(row), above_estimate(row)
-        of = zip(KINDS, row["true"], row["claimed"])
-        ratios = [true / (row["accuracy"] if k in asked else max(c, SLACK)) for k, true, c in of]
-        kinds = asked or claimed
-        return bool(asked), max(r for k, r in zip(KINDS, ratios) if k in kinds)
+        inaccurate = less_accurate(row)
+        kinds = inaccurate or above_estimate(row)
+        ratios = [
+            true / (row["accuracy"] if kind in inaccurate else max(claimed, SLACK))
+            for kind, true, claimed in zip(KINDS, row["true"], row["claimed"])
+            if kind in kinds
+        ]
+        return bool(inaccurate), max(ratios)
 
     bad = [row for row in rows if less_accurate(row) or above_estimate(row)]
     return sorted(bad, key=badness, reverse=True)
 
 
 def worst_of_each(bad):
-    """Choose of failures in order the first of every wall and kind of failure."""
-    first = {}
+    """Return the first failure of every wall and kind of failure."""
+    worst = {}
     for row in bad:
-        first.setdefault((row["family"], row["seed"], row["index"], bool(less_accurate(row))), row)
-    return list(first.values())
+        worst.setdefault((row["family"], row["seed"], row["index"], bool(less_accurate(row))), row)
+    return list(worst.values())
 
 
 def line(row):
-    """Write one failure, and what reproduces it."""
+    """Return a failure as text, with the arguments that reproduce it."""
     kinds = [f"{k} above asked" for k in less_accurate(row)]
     kinds += [f"{k} above estimate" for k in above_estimate(row)]
     true, claimed = (" ".join(f"{x:.2g}" for x in row[key]) for key in ("true", "claimed"))
@@ -117,12 +126,12 @@ def line(row):
 
 
 def report(rows, worst=40):
-    """Write everything as text."""
+    """Return the tables of all groups and at most `worst` failures as text."""
     keys = ("family", "solver", "precision", "accuracy", "low_memory")
     parts = [markdown(grouped(rows, by), by) for by in keys]
-    for what, warm in (("cold or first", False), ("warm", True)):
-        some = [row for row in rows if (row.get("load", 0) > 0) == warm]
-        parts.append(f"Loads that are {what}:\n\n{markdown(grouped(some, 'precision'))}")
+    for start, is_warm in (("cold or first", False), ("warm", True)):
+        chosen = [row for row in rows if (row.get("load", 0) > 0) == is_warm]
+        parts.append(f"Loads that are {start}:\n\n{markdown(grouped(chosen, 'precision'))}")
     bad = failures(rows)
     parts.append(f"{len(bad)} failures, the worst of each wall:")
     parts += [f"* {line(row)}" for row in worst_of_each(bad)[:worst]]

@@ -1,5 +1,5 @@
-"""Families whose loads are prescribed by a contact area or a mean gap: rough walls, and those on
-which areas go in steps, jump, or nearly jump."""
+"""Families with prescribed contact areas or mean gaps: rough walls, and walls on which the area
+changes in steps, jumps, or nearly jumps."""
 
 from dataclasses import replace
 
@@ -14,7 +14,7 @@ AREAS = 6  # of each wall
 
 
 def areas_of(rng, z, low=None, high=0.97, free=(False, False)):
-    """Make a wall with areas between these, of two points at least."""
+    """Return a wall with random areas between low and high, of at least two points."""
     low = max(low or 0.0, 2 / z.size)
     areas = tuple(log_uniform(rng, low, high) for _ in range(AREAS))
     return Wall(z, square_pixels(z.shape), (), free=free, targets=("a_r", areas))
@@ -27,7 +27,7 @@ def target_area_rough(rng):
 
 @family
 def target_area_steep(rng):
-    """Nearly closed: many points change sides within a small range of loads."""
+    """Nearly full contact, where many points change sides within a small range of loads."""
     return areas_of(rng, rough(rng, grid(rng)), low=0.8, high=0.9999)
 
 
@@ -38,7 +38,7 @@ def target_area_few(rng):
 
 @family
 def target_area_needles(rng):
-    """Single points high above a rough wall, of their own heights or nearly alike."""
+    """Single points high above a rough wall, of different or nearly equal heights."""
     z = rough(rng, grid(rng))
     needles = int(rng.integers(2, 60))
     spread = choice(rng, (1, 1, 1e-3, 1e-6))
@@ -49,7 +49,7 @@ def target_area_needles(rng):
 
 @family
 def target_area_bricks(rng):
-    """Blocks of constant height each, with joints between."""
+    """Blocks with constant heights and joints between them."""
     n = choice(rng, ((64, 64), (96, 96), (96, 64), (128, 128)))
     size = choice(rng, (4, 8, 16))
     joint = choice(rng, (1, 1, 2))
@@ -63,7 +63,7 @@ def target_area_bricks(rng):
 
 @family
 def target_area_ordered(rng):
-    """Areas that jump, as alike peaks touch at once."""
+    """Areas that jump, because equal peaks touch together."""
     z = choice(
         rng,
         (
@@ -78,10 +78,10 @@ def target_area_ordered(rng):
 
 @family
 def target_area_nearly_ordered(rng):
-    """Peaks that are alike but for next to nothing."""
-    unlike = choice(rng, (1e-12, 1e-9, 1e-6, 1e-4))
+    """Peaks that are almost exactly equal."""
+    spread = choice(rng, (1e-12, 1e-9, 1e-6, 1e-4))
     z = choice(rng, (lattice_heights(72, 12), hexagonal_heights(rng, 64, 4, 0, 0)))
-    return areas_of(rng, z + unlike * np.ptp(z) * rng.standard_normal(z.shape), low=0.003)
+    return areas_of(rng, z + spread * np.ptp(z) * rng.standard_normal(z.shape), low=0.003)
 
 
 @family
@@ -99,7 +99,7 @@ def target_area_line(rng):
 
 @family
 def target_area_texture(rng):
-    """A plateau of fine texture beside grooves, which single precision hardly knows."""
+    """A plateau of fine texture beside grooves, at the limit of single precision."""
     n = choice(rng, (64, 96))
     z = log_uniform(rng, 1e-6, 1e-3) * rough(rng, (n, n))
     z[:: choice(rng, (8, 16))] -= 1
@@ -108,15 +108,15 @@ def target_area_texture(rng):
 
 @family
 def target_area_any(rng):
-    """Of any family of single loads."""
+    """A wall of any family with single loads."""
     names = [
         name
         for name in FAMILIES
         if name.partition("_")[0] not in ("target", "sweep", "hard", "plastic")
     ]
     wall = FAMILIES[choice(rng, [name for name in names if name != "long_strip"])](rng)
-    found = areas_of(rng, np.asarray(wall.heights, float))
-    return replace(found, physical_sizes=wall.physical_sizes, free=wall.free)
+    with_areas = areas_of(rng, np.asarray(wall.heights, float))
+    return replace(with_areas, physical_sizes=wall.physical_sizes, free=wall.free)
 
 
 @family

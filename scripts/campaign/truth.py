@@ -1,15 +1,18 @@
-"""Exact contacts by an active-set Newton method in float64, NumPy and scipy.fft only: nothing of
-the package's solvers is used here.
+"""Exact contacts by an active-set Newton method in float64.
 
-Guess the contact C. Its pressure follows from a linear problem on C (few points touch) or on the
-rest F (most touch), each by conjugate gradients preconditioned by the inverse operator; points of
-the wrong sign change sides. Where that goes round in circles, steps of projected conjugate
-gradients (Polonsky and Keer) lie between, which always converge. Units: those of
-operators/problem.py: lengths in a = sqrt(a_x a_y), heights in g_rms a, pressures in E* g_rms, so
-that K = |q|/2 and p0 is p*. With free edges the S between two points that makes the discrete
-problem is that of a periodic cell (q rounded near the end of an axis that ends) less its images, by
-sums over rows of images of its own (tests/physics/test_free.py has S by quadrature), and K its
-inverse.
+It uses NumPy and scipy.fft only and nothing of the package's solvers.
+
+From a guess of the contact C the pressure follows from a linear problem on C (if few points touch)
+or on the rest F (if most touch), solved by conjugate gradients that are preconditioned by the
+inverse operator. Points with the wrong sign change sides. If the active sets repeat, steps of
+projected conjugate gradients (Polonsky and Keer), which always converge, are taken in between.
+
+Units are those of operators/problem.py: lengths in a = sqrt(a_x a_y), heights in g_rms a, pressures
+in E* g_rms, so that K = |q|/2 and p0 is p*.
+
+With free edges, S between two points is that of a periodic cell minus its images, which are summed
+by rows independently of the package, and K is its inverse. (q is rounded near the end of axes with
+free edges, and tests/physics/test_free.py computes S by quadrature.)
 """
 
 from dataclasses import dataclass
@@ -18,26 +21,39 @@ from functools import lru_cache
 import numpy as np
 from scipy import fft, special
 
-SIGN = 1e-13  # relative: a violation smaller than that is rounding
-TIE = 1e-9  # of the rms pressure or of the gap: closer than this to changing sides is a tie
-ROUGH, INNER = 1e-4, 1e-13  # relative residual of the linear problems, first and in the end
-BOUND = 1e-12  # relative: a pressure as near to the hardness yields
-PATIENCE = 4  # rounds without fewer points on the wrong side
-EPS = 2e-14  # relative rounding errors of a transform, and more
-DOUBTFUL = 1e-10  # a truth that violates its own conditions by more than this is none
-FEW = 30  # points on the wrong side of which one at a time may change
-MURTY = 60  # times that this is tried
+SIGN = 1e-13  # relative violation of a sign that counts as rounding error
+TIE = 1e-9  # relative pressure or gap below which a point could also be on the other side
+ROUGH = 1e-4  # relative residual of the first linear problems
+INNER = 1e-13  # and of the last ones
+BOUND = 1e-12  # relative distance to the hardness at which a point yields
+PATIENCE = 4  # rounds in which the number of wrong points may fail to decrease
+EPS = 2e-14  # relative rounding errors of transforms, with a margin
+DOUBTFUL = 1e-10  # violation of its own conditions above which a truth is rejected
+FEW = 30  # number of wrong points up to which they may change one at a time
+MURTY = 60  # rounds in which they do
 ROUNDS = 250
-# width of the kink of |q| where the wave numbers of an axis that ends are rounded, over 1/a: part
-# of the discretisation
-ROUNDED = 0.055
+ROUNDED = 0.055  # width over which the kink of |q| is rounded along free axes, over 1/a
 
 
 @dataclass(frozen=True)
 class Truth:
-    """pressure (in p0 = p* units); contact: points; gap_mean; ties_in, ties_out: points of C and of
-    F that are as good on the other side; kkt: the largest violation of p = p0 + K u, g = u + h, p
-    >= 0, g >= 0, mean p = p0, relative; rounds: linear problems."""
+    """The exact solution of a load.
+
+    Attributes
+    ----------
+    pressure : ndarray
+        In units of E* g_rms.
+    contact : int
+        Points in contact.
+    gap_mean : float
+        In units of g_rms a.
+    ties_in, ties_out : int
+        Points of C and of F that could also be on the other side.
+    kkt : float
+        Largest relative violation of p = p0 + K u, g = u + h, p >= 0, g >= 0, mean p = p0.
+    rounds : int
+        Linear problems.
+    """
 
     pressure: np.ndarray
     contact: int
@@ -48,20 +64,61 @@ class Truth:
     rounds: int
 
     def errors(self, contact, gap_mean, pressure):
-        """Compute the true relative errors of area, mean gap and pressure field (L2), ties and the
-        last digits of the gap left out."""
-        over = max(contact - self.contact - self.ties_out, self.contact - self.ties_in - contact, 0)
-        off = abs(gap_mean - self.gap_mean)
-        gap = off / self.gap_mean if self.gap_mean else (np.inf if off else 0.0)
+        """Return the true relative errors of area, mean gap and pressure field (L2).
+
+        Ties do not count as errors of the area.
+
+        Parameters
+        ----------
+        contact : int
+            Points in contact of a solution.
+        gap_mean : float
+            Its mean gap, in units of g_rms a.
+        pressure : ndarray
+            Its pressure, in units of E* g_rms.
+        """
+        too_many = contact - self.contact - self.ties_out
+        too_few = self.contact - self.ties_in - contact
+        points = max(too_many, too_few, 0)
+        gap_error = abs(gap_mean - self.gap_mean)
+        if self.gap_mean:
+            gap_error = gap_error / self.gap_mean
+        elif gap_error:
+            gap_error = np.inf
         with np.errstate(over="ignore", invalid="ignore"):
-            p = np.linalg.norm(pressure - self.pressure) / np.linalg.norm(self.pressure)
-        return over / self.contact, float(gap), float(p) if np.isfinite(p) else np.inf
+            p_error = np.linalg.norm(pressure - self.pressure) / np.linalg.norm(self.pressure)
+        p_error = float(p_error) if np.isfinite(p_error) else np.inf
+        return points / self.contact, float(gap_error), p_error
 
 
 class Contact:
-    """A wall: heights z (peaks up) in a cell of physical sizes. free: whether it ends along x,
-    along y; the grid is then twice as long, nothing touches beyond the wall, and K is the inverse
-    of S in free space. D: the points of the wall, N of them."""
+    """The contact of a wall.
+
+    Along axes with free edges the grid is twice as long, nothing touches beyond the wall, and K is
+    the inverse of S in free space.
+
+    Parameters
+    ----------
+    z : ndarray
+        Heights, peaks up.
+    sizes : (float, float)
+        Size of the cell.
+    free : (bool, bool)
+        Whether x and y have free edges.
+
+    Attributes
+    ----------
+    K, S : ndarray
+        Stiffness and compliance in Fourier space.
+    h : ndarray
+        Initial gap on the grid, in units of g_rms a.
+    D : ndarray of bool
+        Points of the wall.
+    N : int
+        Their number.
+    g_rms, height_unit : float
+        rms slope, and g_rms a, in the units of the wall.
+    """
 
     def __init__(self, z, sizes, free=(False, False)):
         self.shape = z.shape
@@ -89,49 +146,69 @@ class Contact:
         self.g_rms = self.height_unit / a
 
     def times(self, multiplier, x):
+        """Return a field multiplied in Fourier space."""
         return fft.irfft2(multiplier * fft.rfft2(x), s=self.n)
 
     def solve(self, p_star, start=None, hardness=None):
-        """Find the Truth at p*. start: the pressure of a similar load, without a hardness (unit of
-        p*)."""
+        """Return the exact solution of a load.
+
+        Parameters
+        ----------
+        p_star : float
+            The load.
+        start : ndarray, optional
+            Pressure of a similar load; without a hardness only.
+        hardness : float, optional
+            In units of p*.
+        """
         if hardness is not None:
             return self._yielding(p_star, hardness)
-        h, D, N = self.h, self.D, self.N
+        h = self.h
+        D = self.D
+        N = self.N
         if start is None:
             p = self._projected(1.0 * D, p_star, 12)
         else:
             p = self._projected(self.on_cell(start), p_star, 3)
         C = p > 0
-        best, waits, patience, inner = np.inf, 0, 4, ROUGH
+        fewest = np.inf
+        waits = 0
+        patience = 4
+        inner = ROUGH
         for rounds in range(1, ROUNDS):  # noqa: B007
             nearly_closed = C.sum() > 0.5 * h.size
             p, g = (self._open if nearly_closed else self._closed)(C, p, p_star, inner)
             p_rms = np.sqrt(np.sum(p * p) / N)
-            tiny_p, tiny_g = SIGN * max(p_rms, p_star), SIGN * h.max()
+            tiny_p = SIGN * max(p_rms, p_star)
+            tiny_g = SIGN * h.max()
             wrong = np.where(C, p < -tiny_p, D & (g < -tiny_g))
             count = int(wrong.sum())
             if count == 0 and inner == INNER:
                 break
             if count <= FEW or waits:
                 inner = INNER
-            if count < best:
-                best, waits = count, 0
+            if count < fewest:
+                fewest = count
+                waits = 0
             else:
                 waits += 1
             if waits >= patience and count <= FEW and waits < MURTY:
-                wrong.ravel()[np.flatnonzero(wrong)[:-1]] = (
-                    False  # the last one alone (Murty): no circles
-                )
+                # Only the last point changes (Murty), so that active sets do not repeat.
+                wrong.ravel()[np.flatnonzero(wrong)[:-1]] = False
             elif waits >= patience:
                 p = self._projected(np.where(C, np.maximum(p, 0), 0), p_star, 10 * patience)
                 C = p > 0
-                best, waits, patience = np.inf, 0, min(2 * patience, 64)
+                fewest = np.inf
+                waits = 0
+                patience = min(2 * patience, 64)
                 continue
             C = C ^ wrong
             if not C.any():
                 C = D & (g <= g[D].min())
-        p, g = np.where(C, np.maximum(p, 0), 0), np.where(C, 0, np.where(D, np.maximum(g, 0), g))
-        p_rms, gap_mean = np.sqrt(np.sum(p * p) / N), g[D].mean()
+        p = np.where(C, np.maximum(p, 0), 0)
+        g = np.where(C, 0, np.where(D, np.maximum(g, 0), g))
+        p_rms = np.sqrt(np.sum(p * p) / N)
+        gap_mean = g[D].mean()
         kkt = max(
             self._violation(p, g, C, np.zeros_like(C), p_star),
             abs(p.sum() / (N * p_star) - 1),
@@ -150,20 +227,26 @@ class Contact:
         )
 
     def _yielding(self, p_star, hardness):
-        """Find the Truth where a hardness limits the pressure, by an active set of three states.
+        """Return the exact solution with a hardness, by an active set of three states.
 
-        Guess which points are elastic and which yield. That gives a linear problem; points that
-        violate the bounds of their state change it. Where this goes round in circles, projected
-        gradients of the dual problem lie between, which always converge.
+        A guess of the elastic and the yielding points gives a linear problem; points that violate
+        the bounds of their state change it. If the sets repeat, projected gradients of the dual
+        problem, which always converge, are taken in between.
         """
-        h, D, N = self.h, self.D, self.N
+        h = self.h
+        D = self.D
+        N = self.N
         p = self._dual_gradients(D * p_star, p_star, hardness, 30)
         yielded = D & (p >= hardness * (1 - BOUND))
         elastic = (p > 0) & ~yielded
-        fewest, waits, steps, inner = np.inf, 0, 20, ROUGH
+        fewest = np.inf
+        waits = 0
+        steps = 20
+        inner = ROUGH
         for rounds in range(1, ROUNDS):  # noqa: B007
             p, g = self._with_yielded(elastic, yielded, p, p_star, hardness, inner)
-            tiny_p, tiny_g = SIGN * hardness, SIGN * h.max()
+            tiny_p = SIGN * hardness
+            tiny_g = SIGN * h.max()
             to_open = elastic & (p < -tiny_p)
             to_yielded = elastic & (p > hardness + tiny_p)
             to_elastic = D & ~elastic & np.where(yielded, g > tiny_g, g < -tiny_g)
@@ -174,24 +257,28 @@ class Contact:
             if count <= FEW or waits:
                 inner = INNER
             if count < fewest:
-                fewest, waits = count, 0
+                fewest = count
+                waits = 0
             else:
                 waits += 1
             if waits >= PATIENCE and count <= FEW and waits < MURTY:
-                wrong.ravel()[np.flatnonzero(wrong)[:-1]] = False  # the last one alone: no circles
+                wrong.ravel()[np.flatnonzero(wrong)[:-1]] = False  # only the last point changes
             elif waits >= PATIENCE:
                 p = np.where(yielded, hardness, np.where(elastic, np.clip(p, 0, hardness), 0))
                 p = self._dual_gradients(p, p_star, hardness, steps)
                 yielded = D & (p >= hardness * (1 - BOUND))
                 elastic = (p > 0) & ~yielded
-                fewest, waits, steps = np.inf, 0, min(2 * steps, 1500)
+                fewest = np.inf
+                waits = 0
+                steps = min(2 * steps, 1500)
                 continue
             yielded = (yielded & ~wrong) | (to_yielded & wrong)
             elastic = (elastic & ~wrong) | (to_elastic & wrong)
         p = np.where(yielded, hardness, np.where(elastic, np.clip(p, 0, hardness), 0))
         exact = np.where(elastic, 0, np.where(yielded, np.minimum(g, 0), np.maximum(g, 0)))
         exact = np.where(D, exact, g)
-        p_rms, gap_mean = np.sqrt(np.sum(p * p) / N), np.maximum(exact[D], 0).mean()
+        p_rms = np.sqrt(np.sum(p * p) / N)
+        gap_mean = np.maximum(exact[D], 0).mean()
         kkt = max(
             self._violation(p, exact, elastic, yielded, p_star),
             abs(p.sum() / (N * p_star) - 1),
@@ -223,17 +310,22 @@ class Contact:
         return min(in_pressure, wrong_gap * self.K.max() / size)
 
     def _with_yielded(self, elastic, yielded, p, p_star, hardness, inner):
-        """Find pressure and gap where these points are elastic, those yield, and the others are
-        open, from the linear problem on the smaller side."""
+        """Return pressure and gap for given elastic and yielding points; the others are open.
+
+        The linear problem on the smaller set is solved.
+        """
         carried = yielded * hardness
         if elastic.any() and elastic.sum() <= 0.5 * self.h.size:
             return self._closed(elastic, p, p_star, inner, carried)
         return self._open(elastic, p, p_star, inner, carried)
 
     def _dual_gradients(self, p, p_star, hardness, steps):
-        """Take accelerated projected gradient steps (FISTA with restarts) for the pressure between
-        0 and the hardness, of the mean p*."""
-        step, inertia = 1 / self.S.max(), 1.0
+        """Take accelerated projected gradient steps (FISTA with restarts) for the pressure.
+
+        It is between 0 and the hardness and has the mean p*.
+        """
+        step = 1 / self.S.max()
+        inertia = 1.0
         p = self._projected_on_bounds(p, p_star, hardness)
         y = p
         for _ in range(steps):
@@ -246,12 +338,14 @@ class Contact:
                 y = new
             else:
                 y = new + (inertia - 1) / following * (new - p)
-            p, inertia = new, following
+            p = new
+            inertia = following
         return p
 
     def _projected_on_bounds(self, p, p_star, hardness):
-        """Shift p and cut it off at 0 and the hardness such that its mean is p*."""
-        low, high = -p.max(), hardness - p[self.D].min()
+        """Shift p and clip it to 0 and the hardness so that its mean is p*."""
+        low = -p.max()
+        high = hardness - p[self.D].min()
         for _ in range(80):
             middle = 0.5 * (low + high)
             if np.clip(p[self.D] + middle, 0, hardness).mean() < p_star:
@@ -261,15 +355,18 @@ class Contact:
         return np.where(self.D, np.clip(p + 0.5 * (low + high), 0, hardness), 0)
 
     def on_cell(self, field):
-        """Put zeros around a field of the wall."""
+        """Return a field of the wall, surrounded by zeros."""
         out = np.zeros(self.n)
         out[self.D] = field.ravel()
         return out
 
     def _closed(self, C, p, p_star, inner, carried=0.0):
-        """Find pressure on C and gap from the linear problem g = 0 on C with mean p = p_star: S p +
-        u0 + h = 0 there. carried: pressure of points that are not in C."""
-        N, n_c = self.N, int(C.sum())
+        """Return pressure and gap from the linear problem on C: S p + u0 + h = 0, mean p = p_star.
+
+        carried: pressure of points that are not in C.
+        """
+        N = self.N
+        n_c = int(C.sum())
         load = N * p_star - np.sum(carried)
 
         def apply(x):
@@ -297,12 +394,11 @@ class Contact:
 
     @property
     def floor(self):
-        """A little of the identity in the preconditioner: K alone forgets the mean."""
+        """Multiple of the identity in the preconditioner, because K loses the mean."""
         return 0.5 * self.K[self.K > 0].min()
 
     def _open(self, C, p, p_star, inner, carried=0.0):
-        """Find gap on F and pressure from the linear problem p = 0, or what is carried, on F: K g +
-        p_star - K h = 0 there."""
+        """Return pressure and gap from the linear problem on F: K g + p_star - K h = carried."""
         F = ~C
         b = p_star * (self.N / self.h.size) - self.times(self.K, self.h)
         b = b - carried
@@ -323,12 +419,17 @@ class Contact:
         return p, g
 
     def _projected(self, p, p_star, steps):
-        """Take steps of Polonsky and Keer's conjugate gradients for the pressure, preconditioned by
-        nothing: robust, slow at the end."""
-        S, h = self.S, self.h
+        """Take steps of Polonsky and Keer's conjugate gradients without a preconditioner.
+
+        They are robust but converge slowly.
+        """
+        S = self.S
+        h = self.h
         N = self.N
         p = p * (N * p_star / p.sum())
-        t, old, fresh = np.zeros_like(p), 1.0, True
+        t = np.zeros_like(p)
+        old = 1.0
+        fresh = True
         for _ in range(steps):
             g = self.times(S, p) + h
             C = p > 0
@@ -348,7 +449,7 @@ class Contact:
             p[late] -= step * g[late]
             fresh = bool(late.any())
             old = new
-            if not p.any():  # too long a step: on the highest point alone
+            if not p.any():  # the step was too long: start with the highest point
                 p[np.unravel_index(np.argmin(np.where(self.D, g, np.inf)), p.shape)] = 1.0
                 fresh = True
             p *= N * p_star / p.sum()
@@ -357,8 +458,11 @@ class Contact:
 
 @lru_cache(maxsize=8)
 def _compliance(n, sizes, free):
-    """Make the transform of S between points of a wall that ends, on a cell twice as long; 0 for a
-    rigid translation. Of a larger cell, the images in which are far in units of either spacing."""
+    """Return the transform of S between points of a wall with free edges, 0 for the translation.
+
+    The grid is twice as long along free axes. S is that of a larger periodic cell minus its images,
+    which are far away in units of both spacings.
+    """
     spacings = np.divide(sizes, n)
     spacings /= np.sqrt(spacings.prod())
     cell = [
@@ -377,7 +481,9 @@ def _compliance(n, sizes, free):
         np.minimum(np.arange(m), m - np.arange(m))
         for m in (k * (1 + ends) for k, ends in zip(n, free))
     )
-    (x, y), (X, Y) = (k * s for k, s in zip((i, j), spacings)), cell * spacings
+    x = i * spacings[0]
+    y = j * spacings[1]
+    X, Y = cell * spacings
     if all(free):
         images = (
             _row(x, y, Y) + _other_rows(x, y, X, Y)
@@ -392,14 +498,17 @@ def _compliance(n, sizes, free):
 
 
 def _even_mean(t):
-    """Average |t + a normally distributed number|."""
+    """Return the mean of |t + x| for a normally distributed x."""
     return t * (2 * special.ndtr(t) - 1) + np.sqrt(2 / np.pi) * np.exp(-t * t / 2)
 
 
 def _row(x, y, Y):
-    """Compute the displacement by unit forces at (0, jY), j not 0, but for a constant: the sum to
-    J, and the rest by Euler and Maclaurin."""
-    total, J = 0.0, 200
+    """Return the displacement by unit forces at (0, jY), j not 0, except for a constant.
+
+    The sum up to J is continued by the Euler-Maclaurin formula.
+    """
+    total = 0.0
+    J = 200
     for sign in (-1, 1):
         a = np.arange(1, J + 1)[:, None, None] * Y + sign * y
         r = np.hypot(x[:, None], a)
@@ -414,8 +523,7 @@ def _row(x, y, Y):
 
 
 def _other_rows(x, y, X, Y):
-    """Compute the displacement by unit forces at (iX, jY), i not 0, all j, by Poisson's sum over
-    j."""
+    """Return the displacement by unit forces at (iX, jY), i not 0, with Poisson's sum over j."""
     rows, waves = (np.arange(1, 2 + int(6 * ratio)) for ratio in (1 + Y / X, 1 + Y / (X - x.max())))
     q = 2 * np.pi / Y * waves
     distances = np.abs(x[:, None] - X * np.concatenate([-rows, rows]))
@@ -424,7 +532,7 @@ def _other_rows(x, y, X, Y):
 
 
 def _spectral_slope(h, K):
-    """Compute the rms slope of the Fourier series; K: |q|/2."""
+    """Return the rms slope of the Fourier series; K is |q|/2."""
     weight = np.full(K.shape[1], 2.0)
     weight[0] = 1
     if h.shape[1] % 2 == 0:
@@ -433,7 +541,7 @@ def _spectral_slope(h, K):
 
 
 def _slope(h, spacings):
-    """Compute the rms slope between neighbouring points."""
+    """Return the rms slope between neighbouring points."""
     return np.sqrt(
         sum(
             np.mean((np.diff(h, axis=axis) / s) ** 2)
@@ -443,16 +551,19 @@ def _slope(h, spacings):
     )
 
 
-def _conjugate_gradients(apply, precondition, b, most, relative, absolute):
-    x, r = np.zeros_like(b), b
+def _conjugate_gradients(apply, precondition, b, max_steps, relative, absolute):
+    """Return the solution of apply(x) = b to a relative or an absolute residual (L2)."""
+    x = np.zeros_like(b)
+    r = b
     size = np.sqrt(np.sum(b * b))
     if size <= absolute:
         return x
     z = precondition(r)
-    d, rz = z, float(np.sum(r * z))
+    d = z
+    rz = float(np.sum(r * z))
     if not rz > 0:
         return x
-    for _ in range(min(most, 2000)):
+    for _ in range(min(max_steps, 2000)):
         Kd = apply(d)
         dKd = float(np.sum(d * Kd))
         if not dKd > 0:
@@ -465,5 +576,6 @@ def _conjugate_gradients(apply, precondition, b, most, relative, absolute):
         new = float(np.sum(r * z))
         if not new > 0:
             break
-        d, rz = z + (new / rz) * d, new
+        d = z + (new / rz) * d
+        rz = new
     return x

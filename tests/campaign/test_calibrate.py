@@ -1,4 +1,4 @@
-"""Calibrated numbers are found where they stand, and the campaign says what they have to be."""
+"""Calibrated numbers are found in the package, and the campaign determines their limits."""
 
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -15,45 +15,46 @@ class SomeCalibration:
     derived: float = field(default=2.0, metadata={"measured": "by hand"})
 
 
-def test_numbers_are_found_and_put_back(monkeypatch):
-    """Wherever a module of the package has the instance; those measured otherwise are not."""
-    some = SomeCalibration()
+def test_numbers_are_found_and_restored(monkeypatch):
+    """In all modules with the instance, except numbers that are measured otherwise."""
+    calibration = SomeCalibration()
     for module in (certificate, error_estimates):
-        monkeypatch.setattr(module, "SOME", some, raising=False)
-    found = calibrate.numbers()
-    assert "test_calibrate.derived" not in found
-    value, change = found["test_calibrate.share"]
+        monkeypatch.setattr(module, "SOME", calibration, raising=False)
+    numbers = calibrate.numbers()
+    assert "test_calibrate.derived" not in numbers
+    value, change = numbers["test_calibrate.share"]
     with change(0.25):
         assert certificate.SOME == error_estimates.SOME == SomeCalibration(0.25)
     assert value == 0.5
-    assert certificate.SOME is error_estimates.SOME is some
+    assert certificate.SOME is error_estimates.SOME is calibration
 
 
 def test_a_number_is_moved_until_loads_fail(monkeypatch):
-    """A stand-in for the campaign: loads fail below 0.4, and cost what the number is."""
-    now = [1.0]
+    """In this stand-in for the campaign loads fail below 0.4 and cost 10 times the number."""
+    values = [1.0]
 
-    def campaign(given):
+    def campaign(args):
         row = {"status": "converged", "kkt": 0.0, "accuracy": 9.0, "true": [0.4] * 3}
-        yield [row | {"claimed": [now[-1]] * 3, "fft_pairs": 10 * now[-1]}]
+        yield [row | {"claimed": [values[-1]] * 3, "fft_pairs": 10 * values[-1]}]
 
     @contextmanager
     def change(value):
-        now.append(value)
+        values.append(value)
         yield
-        now.pop()
+        values.pop()
 
     monkeypatch.setattr(calibrate, "campaign", campaign)
-    found = calibrate.refit(None, 1.0, change, calibrate.outcome(None))
-    assert 0.4 <= found["smallest"] < 0.46
-    assert found["pairs_smallest"] == pytest.approx(10 * found["smallest"], rel=1e-2)
-    assert (found["largest"], found["pairs_largest"]) == (None, 80)
+    limits = calibrate.refit(None, 1.0, change, calibrate.outcome(None))
+    assert 0.4 <= limits["smallest"] < 0.46
+    assert limits["pairs_smallest"] == pytest.approx(10 * limits["smallest"], rel=1e-2)
+    assert limits["largest"] is None
+    assert limits["pairs_largest"] == 80
 
 
-def test_numbers_are_moved_in_this_process_alone():
-    given = run.parser().parse_args(["calibrate", "--jobs", "2"])
+def test_calibration_needs_one_process():
+    args = run.make_parser().parse_args(["calibrate", "--jobs", "2"])
     with pytest.raises(SystemExit, match="--jobs: found 2, allowed: 1"):
-        calibrate.calibrate(given)
+        calibrate.calibrate(args)
 
 
 def test_every_family_belongs_to_one_group():

@@ -1,5 +1,4 @@
-"""Converged means converged: hard walls of every class in the quick tests; all families, and all
-solvers, marked slow."""
+"""Claims of converged solves are true: on hard walls, and in slow tests on all families."""
 
 import os
 
@@ -8,13 +7,13 @@ from campaign.run import ACCURACIES, PRECISIONS, names, ways
 from campaign.solving import rows_of
 from campaign.table import failures, line, report
 
-PROBLEMS = float(os.environ.get("HPC_GFMD_PROBLEMS", 1))  # 1: as many as here, 0.1: a tenth
+PROBLEMS = float(os.environ.get("HPC_GFMD_PROBLEMS", 1))  # factor of the numbers of walls
 SEED = int(os.environ.get("HPC_GFMD_SEED", 2311))
 WALLS = 8  # of each family, for the default solver
 BPX = ways(["bpx"], PRECISIONS, ACCURACIES, "yes")
-OTHERS = ways(["gfmd"], ["double", "single"], [1e-2, 1e-4], "no")
+OTHER_WAYS = ways(["gfmd"], ["double", "single"], [1e-2, 1e-4], "no")
 QUICK = ways(["bpx"], ["single", "double"], [1e-2, 1e-3, 1e-4], "yes")
-# Walls (seed 11) on which solves once were less accurate than they said.
+# Walls (seed 11) on which solves once were less accurate than claimed.
 HARD = {
     "known": (0, 8, 12, 15),
     "change_of_sides": (0, 3, 7),
@@ -34,8 +33,8 @@ HARD = {
     "sweep_ordered": (6,),
     "sweep_scene": (14,),
 }
-# The same, and their seeds: with free edges mean gaps and pressures further off than they said;
-# areas, where edges move together or an open point is pressed on.
+# The same with seeds: free edges with larger errors of mean gaps and pressures than claimed, and
+# areas where edges move together or an open point is pressed into contact.
 HARD_SEEDS = [
     ("free_lattice", 1, 0),
     ("free_high_load", 51, 2),
@@ -55,7 +54,7 @@ HARD_SEEDS = [
 
 
 def check(rows):
-    """No row claims what is not true, and none has failed otherwise."""
+    """Assert that no row makes false claims or has failed otherwise."""
     bad = [line(row) for row in failures(rows)]
     broken = [row for row in rows if "error" in row and row["status"] != "refused"]
     bad += [f"{row['family']} {row['index']}: {row['status']} {row['error']}" for row in broken]
@@ -75,7 +74,7 @@ def test_the_default_solver_on_hard_walls_of_other_seeds(name, seed, index):
 
 
 def check_family(name, walls, ways):
-    """Walls of a family, as many as are asked for."""
+    """Solve some walls of a family and check the rows."""
     count = max(round(walls * PROBLEMS), 1)
     rows = [row for index in range(count) for row in rows_of(name, SEED, index, ways)]
     print(report(rows))
@@ -93,4 +92,4 @@ def test_the_default_solver_on_every_family(name):
     "name", names(["single", "free"], without=["rough_large", "smooth_near_full_large"])
 )
 def test_the_other_solvers_on_every_family(name):
-    check_family(name, 2, OTHERS)
+    check_family(name, 2, OTHER_WAYS)

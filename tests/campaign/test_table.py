@@ -1,4 +1,4 @@
-"""The campaign's judgement of rows."""
+"""How the campaign judges rows."""
 
 import pytest
 from campaign.table import above_estimate, failures, less_accurate, line, report, worst_of_each

@@ -1,5 +1,4 @@
-"""The truth of the campaign is one: it agrees with dense linear algebra, and knows when it has
-failed."""
+"""The truths of the campaign agree with dense linear algebra."""
 
 import numpy as np
 import oracle
@@ -22,14 +21,11 @@ TOLERANCE = 1e-10
 
 
 def small(name, index):
-    """A wall of a family on at most 21 x 21 points, cut out of it, and its p*."""
+    """Return a part of a wall of at most 21 x 21 points, its size and its p*."""
     wall = families.make(name, 5, index)
     z = wall.heights[:21, :20]
-    return (
-        z,
-        (1.0, wall.physical_sizes[1] / wall.physical_sizes[0] * z.shape[1] / z.shape[0]),
-        wall.loads[0],
-    )
+    width = wall.physical_sizes[1] / wall.physical_sizes[0] * z.shape[1] / z.shape[0]
+    return z, (1.0, width), wall.loads[0]
 
 
 @pytest.mark.parametrize("name", WALLS)
@@ -40,22 +36,23 @@ def test_it_agrees_with_dense_linear_algebra(name):
             continue
         contact = Contact(z, sizes)
         truth = contact.solve(p_star)
-        wanted = oracle.solve(z, p_star * contact.g_rms, 1.0, sizes)
+        exact = oracle.solve(z, p_star * contact.g_rms, 1.0, sizes)
         assert truth.kkt < TOLERANCE
-        points, gap_mean = round(wanted.a_r * z.size), wanted.gap_mean / contact.height_unit
-        errors = truth.errors(points, gap_mean, wanted.pressure / contact.g_rms)
+        points = round(exact.a_r * z.size)
+        gap_mean = exact.gap_mean / contact.height_unit
+        errors = truth.errors(points, gap_mean, exact.pressure / contact.g_rms)
         assert errors[0] == 0
-        assert abs(gap_mean - truth.gap_mean) < TOLERANCE * max(
-            truth.gap_mean, 1e-3 * contact.h.max()
-        )
+        scale = max(truth.gap_mean, 1e-3 * contact.h.max())
+        assert abs(gap_mean - truth.gap_mean) < TOLERANCE * scale
         assert errors[2] < TOLERANCE
         if index == 0:
             hardness = max(0.3 * truth.pressure.max(), 1.1 * p_star)
             hard = contact.solve(p_star, hardness=hardness)
-            load, most = p_star * contact.g_rms, hardness * contact.g_rms
-            wanted = oracle.solve_yielding(z, load, most, 1.0, sizes)
-            assert max(hard.kkt, abs(hard.contact / z.size - wanted.a_r)) < TOLERANCE
-            assert np.abs(hard.pressure * contact.g_rms - wanted.pressure).max() < TOLERANCE * most
+            load = p_star * contact.g_rms
+            limit = hardness * contact.g_rms
+            exact = oracle.solve_yielding(z, load, limit, 1.0, sizes)
+            assert max(hard.kkt, abs(hard.contact / z.size - exact.a_r)) < TOLERANCE
+            assert np.abs(hard.pressure * contact.g_rms - exact.pressure).max() < TOLERANCE * limit
 
 
 def test_errors_are_those_of_the_definition():
@@ -70,7 +67,7 @@ def test_errors_are_those_of_the_definition():
     assert truth.errors(truth.contact, truth.gap_mean, np.full(contact.n, np.inf))[2] == np.inf
 
 
-def test_a_start_makes_no_difference():
+def test_the_start_does_not_matter():
     contact = Contact(families.make("ridges", 5, 1).heights, (1.0, 1.0))
     cold = contact.solve(0.1)
     warm = contact.solve(0.11, cold.pressure)

@@ -11,25 +11,27 @@ from hpc_gfmd.solvers.bpx import Bpx
 
 
 def energy(problem, g):
-    """Return the mean energy of a gap."""
+    """Return the mean energy of a gap, including a spring that is relaxed at no displacement."""
     q = [2 * np.pi * np.fft.fftfreq(k) for k in problem.grid.n]
     K = np.hypot(q[0][:, None], q[1]) / 2
     u = g - problem.heights
     elastic = 0.5 * np.mean(u * np.fft.ifft2(K * np.fft.fft2(u)).real)
-    return elastic + problem.p0 * g.mean() + problem.attraction.energy(g).mean()
+    spring = 0.5 * problem.spring * u.mean() ** 2
+    return elastic + spring + problem.p0 * g.mean() + problem.attraction.energy(g).mean()
 
 
 @pytest.mark.parametrize("law", law_names())
 @pytest.mark.parametrize("kappa", [0.1, 1.0, 3.0, 30.0])
-@pytest.mark.parametrize("closed", [False, True])
-def test_the_energy_never_rises(law, kappa, closed):
+@pytest.mark.parametrize(("closed", "spring"), [(False, 0.0), (True, 0.0), (True, 0.3)])
+def test_the_energy_never_rises(law, kappa, closed, spring):
     wall = adhesive.wall(8, 4)
     a = 1 / 8
     table = adhesive.attraction(kappa, 0.05)
     attraction = law_named(law, table["work"] / a, table["range"] / a)
     h = (wall.heights.max() - wall.heights) / a
-    problem = Problem(Grid(h.shape, (8.0, 8.0)), h, 0.05, attraction=attraction)
+    problem = Problem(Grid(h.shape, (8.0, 8.0)), h, 0.05, attraction=attraction, spring=spring)
     solver = Bpx(problem)
+    solver.p0 -= spring * h.mean() * closed  # the mean displacement at the start
     solver.start(np.zeros_like(h) if closed else np.maximum(h - h.mean() + h.std(), 0))
     energies = [energy(problem, solver.g)]
     for _ in range(150):
@@ -39,4 +41,6 @@ def test_the_energy_never_rises(law, kappa, closed):
             break
     assert np.diff(energies).max() <= 1e-12 * abs(energies[0])
     assert energies[-1] < energies[0] or solver.progress().residual < 1e-8
-    assert solver.wall_load == pytest.approx(0.05 + attraction.traction(solver.g).mean())
+    load = 0.05 + spring * (solver.g - h).mean()
+    assert solver.p0 == pytest.approx(load)
+    assert solver.wall_load == pytest.approx(load + attraction.traction(solver.g).mean())

@@ -8,10 +8,9 @@ import pytest
 from contacts import EXACT, field, random_heights, rough, sweep_of, sweep_over
 from refusal import refused
 
-from hpc_gfmd.driver.load import Load
+from hpc_gfmd.driver.load import Load, Unfinished
 from hpc_gfmd.driver.nested import Nested
 from hpc_gfmd.driver.starter import WARM_DOWN, WARM_UP
-from hpc_gfmd.driver.sweep import Unfinished
 from hpc_gfmd.scene import LoadTable
 
 SURFACE = rough((2, 8, 2))

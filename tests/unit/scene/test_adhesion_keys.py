@@ -86,8 +86,31 @@ def test_adhesion_excludes_a_hardness():
         scene(material={"hardness": 2.0})
 
 
-@pytest.mark.parametrize("load", [{"a_r": 0.1}, {"gap_mean": 0.1}, {"gap_over_h_rms": 1.0}])
-def test_loads_without_a_unique_pressure_are_refused(load):
-    (name,) = load
-    with pytest.raises(SceneError, match=rf"load.{name}: found .*allowed: p_star, pressure, force"):
-        scene(load)
+def test_an_area_is_refused_because_it_jumps():
+    with pytest.raises(SceneError, match=r"load.a_r: found .*allowed: p_star, pressure, gap_mean"):
+        scene({"a_r": 0.1})
+
+
+LAYER = {"thickness": 0.1, "nu1": 0.3}
+
+
+@pytest.mark.parametrize(
+    ("load", "found"),
+    [
+        ({"gap_mean": [0.1, 0]}, "0"),
+        ({"gap_over_h_rms": [0.1, 0], "branch": "retraction"}, "0"),
+        ({"approach": [0.1, -0.1]}, "-0.1"),
+        ({"approach": [-0.1, -0.2], "branch": "retraction"}, "-0.1"),
+    ],
+)
+def test_a_length_of_0_or_below_is_refused(load, found):
+    name = next(iter(load))
+    material = LAYER if name == "approach" else {}
+    with pytest.raises(SceneError, match=rf"load.{name}: found {found} with material.adhesion"):
+        scene(load, material=material)
+
+
+def test_an_approach_below_0_needs_an_attraction_and_retraction():
+    assert scene({"approach": [0.1, 0, -0.1], "branch": "retraction"}, material=LAYER)
+    with pytest.raises(SceneError, match=r"load.approach: found -0.1, allowed: a number greater"):
+        scene({"approach": [0.1, -0.1]}, None, LAYER)

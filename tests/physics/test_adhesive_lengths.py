@@ -1,0 +1,81 @@
+"""Contacts with attraction at a mean gap or an approach: held by a spring, they pass through what
+is a jump under a load."""
+
+import adhesive
+import numpy as np
+import pytest
+
+import hpc_gfmd
+from hpc_gfmd.theory.adhesion import AdhesiveWave
+
+
+def test_a_wave_is_held_beyond_its_pull_off():
+    """Larger gaps at smaller pulls, near Johnson's curve, at which no load holds it; at last it
+    comes apart."""
+    n, work, ell = 512, (0.3 * np.pi) ** 2 / 2, 0.02
+    z = np.cos(2 * np.pi * np.arange(n) / n)[:, None]
+    how = {
+        "physical_sizes": (1.0, 1.0 / n),
+        "adhesion": {"work": work, "range": float(np.sqrt(ell * work))},
+        "branch": "retraction",
+        "fields": (),
+    }
+    gaps = [0.36, 1.0, 1.2, 1.28, 1.32, 1.36, 1.6, 1.7]
+    found = hpc_gfmd.solve(z, gap_mean=gaps, **how)
+    assert [one.status for one in found] == ["converged"] * 6 + ["separated"] * 2
+    held, exact = found[:6], AdhesiveWave(work)
+    pulls = [-one.p / exact.p_full for one in held]
+    for one, gap in zip(held, gaps, strict=False):
+        assert one.gap_mean == pytest.approx(gap, rel=1e-3)
+        assert max(one.errors) < 1e-3
+        assert one.value("stability") > 0
+    assert max(pulls) == pulls[3] == pytest.approx(-exact.pull_off / exact.p_full, rel=0.015)
+    assert pulls[3] > pulls[4] > pulls[5] + 0.004
+    assert pulls[5] == pytest.approx(0.0881, rel=0.01)
+    by_load = hpc_gfmd.solve(z, [one.p for one in held[:4]], **how)
+    for one, same in zip(held, by_load[:3], strict=False):
+        assert same.a_r == pytest.approx(one.a_r, rel=2e-2)
+        assert same.gap_mean == pytest.approx(one.gap_mean, rel=5e-3)
+
+
+@pytest.mark.parametrize("precision", ["single", "double"])
+def test_a_ball_at_an_approach(precision):
+    """The forces that give these approaches come out again, and an approach below 0 is held."""
+    w = 0.12**3 * 2 / (9 * np.pi)
+    ball = hpc_gfmd.make_surface(
+        "sphere", radius=1.0, n=(64, 64), physical_sizes=(1.0, 1.0), boundary="free"
+    )
+    how = {
+        "adhesion": {"work": w, "range": float(np.cbrt(w**2))},  # Tabor's parameter is 1
+        "branch": "retraction",
+        "precision": precision,
+        "fields": (),
+    }
+    forces = [float(force * np.pi * w) for force in (0.5, 0.0, -1.2, -1.5)]
+    pulled = hpc_gfmd.solve(ball, force=forces, **how)
+    approaches = [float(one.value("approach")) for one in pulled]
+    assert approaches[-1] < 0
+    found = hpc_gfmd.solve(ball, approach=approaches, **how)
+    for one, same, approach in zip(found, pulled, approaches, strict=True):
+        assert one.status == "converged"
+        assert one.value("approach") == pytest.approx(approach, abs=2e-3 * approaches[0])
+        assert one.p == pytest.approx(same.p, abs=4e-3 * np.pi * w)
+        assert one.a_r == pytest.approx(same.a_r, abs=3 / 64**2)
+    assert hpc_gfmd.solve(ball, approach=[*approaches[:1], -0.05], **how)[-1].status == "separated"
+
+
+@pytest.mark.parametrize("branch", ["approach", "retraction"])
+def test_a_rough_wall_at_mean_gaps(branch):
+    """The pressures that give these gaps come out again, those that pull included."""
+    wall, adhesion = adhesive.wall(4, 4), adhesive.attraction(0.5, 0.1)
+    how = {"adhesion": adhesion, "precision": "double", "fields": (), "accuracy": 1e-4}
+    pressures = [0.3, 0.05, 0.0, -0.001]
+    pulled = hpc_gfmd.solve(wall, pressures, branch="retraction", **how)
+    gaps = [float(one.gap_mean) for one in pulled]
+    found = hpc_gfmd.solve(wall, gap_mean=gaps, branch=branch, unique=True, **how)
+    for one, same in zip(found, pulled, strict=True):
+        assert one.status == "converged"
+        assert one.gap_mean == pytest.approx(same.gap_mean, rel=1e-4)
+        assert one.p == pytest.approx(same.p, rel=2e-3, abs=1e-5)
+        assert one.a_r == pytest.approx(same.a_r, abs=2 / 32**2)
+        assert one.value("unique") in (0, 1)
