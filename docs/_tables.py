@@ -167,6 +167,7 @@ def contests():
     for row in peer_rows:
         row["kind"] = "hardness" if row.get("hardness") else row["boundary"]
         row["peer"] = PEERS.get(row["code"].partition("-")[0], "ours")
+    refuse_unlike(peer_rows)
     pairs_of_rows = []
     for _, part in grouped(peer_rows, "kind", "n", "a_r", "asked"):
         fastest = {}
@@ -176,6 +177,19 @@ def contests():
         if ours := fastest.pop("ours", None):
             pairs_of_rows.append((ours, fastest))
     return pairs_of_rows
+
+
+def refuse_unlike(peer_rows):
+    """Raise ValueError for rows of a tree with changes, and for rows of one code and contact whose
+    status or tolerance differ."""
+    for row in peer_rows:
+        if row["provenance"]["commit"].endswith("+"):
+            raise ValueError(f"peers: a row of {row['code']} is of a tree with changes")
+    for key, same in grouped(peer_rows, "kind", "n", "a_r", "asked", "code"):
+        for name in ("status", "tolerance"):
+            found = {row.get(name) for row in same}
+            if len(found) > 1:
+                raise ValueError(f"peers: {key}: the {name} of its rows differ: {found}")
 
 
 def peers():

@@ -6,6 +6,8 @@ import matplotlib.pyplot as plt
 
 import hpc_gfmd
 
+plt.style.use("hpc_gfmd.plotting.journal")
+
 n = int(sys.argv[1]) if sys.argv[1:] else 256
 wall = hpc_gfmd.make_surface(
     "self-affine",

@@ -12,6 +12,8 @@ import numpy as np
 
 import hpc_gfmd
 
+plt.style.use("hpc_gfmd.plotting.journal")
+
 n = int(sys.argv[1]) if sys.argv[1:] else 512
 smooth = np.zeros((n, n))
 rough = (

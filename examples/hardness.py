@@ -9,6 +9,8 @@ import numpy as np
 import hpc_gfmd
 from hpc_gfmd.theory import yielding
 
+plt.style.use("hpc_gfmd.plotting.journal")
+
 n = int(sys.argv[1]) if sys.argv[1:] else 1024
 E_star, hardness, g_rms = 115e9, 6e9, 0.06  # ground steel
 wall = hpc_gfmd.make_surface(

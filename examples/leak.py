@@ -9,6 +9,8 @@ from scipy.sparse import coo_array, csgraph, linalg
 
 import hpc_gfmd
 
+plt.style.use("hpc_gfmd.plotting.journal")
+
 
 def flow(gap):
     """Flow along x times 12 viscosities over the pressure drop, periodic along y: the points are
@@ -28,15 +30,19 @@ def flow(gap):
 
 
 n = int(sys.argv[1]) if sys.argv[1:] else 256
-wall = hpc_gfmd.make_surface(
-    "self-affine", hurst=0.8, L_over_lam_l=2, lam_l_over_lam_s=n // 8, lam_s_over_a=4, seed=1
+loads = hpc_gfmd.solve(
+    hpc_gfmd.make_surface(
+        "self-affine", hurst=0.8, L_over_lam_l=2, lam_l_over_lam_s=n // 8, lam_s_over_a=4, seed=1
+    ),
+    p_star=np.linspace(0.02, 0.22, 9),
+    observables=["critical_gap"],
 )
-loads = hpc_gfmd.solve(wall, p_star=np.linspace(0.02, 0.22, 9), observables=["critical_gap"])
 found = np.array([[flow(one.gap), one.value("critical_gap_x") ** 3] for one in loads])
 
 fig, ax = plt.subplots(figsize=(4.5, 3.4), layout="constrained")
 ax.semilogy(loads.values("p_star"), found / loads[0].h_rms ** 3, "o-")
-ax.legend(["Reynolds' equation", "critical gap cubed"])
+ax.axvspan(loads.p_star[found[:, 1].argmin()], 1.02 * loads.p_star[-1], color="0.9")
+ax.legend(["Reynolds' equation", "critical gap cubed", "tight"])
 ax.set(
     xlabel=r"pressure $p/(E^* g_\mathrm{rms})$",
     ylabel=r"flow $12 \eta Q/(\Delta p\, h_\mathrm{rms}^3)$",

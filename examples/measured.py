@@ -13,6 +13,8 @@ from SurfaceTopography import Topography
 
 import hpc_gfmd
 
+plt.style.use("hpc_gfmd.plotting.journal")
+
 n = int(sys.argv[1]) if sys.argv[1:] else 512
 rough = hpc_gfmd.make_surface(
     "self-affine",

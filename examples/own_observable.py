@@ -11,6 +11,8 @@ import numpy as np
 
 import hpc_gfmd
 
+plt.style.use("hpc_gfmd.plotting.journal")
+
 
 def load_share(solution, shares):
     """Share of the load on the most loaded shares of the contact area."""

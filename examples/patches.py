@@ -8,6 +8,8 @@ import numpy as np
 
 import hpc_gfmd
 
+plt.style.use("hpc_gfmd.plotting.journal")
+
 n = int(sys.argv[1]) if sys.argv[1:] else 1024
 wall = hpc_gfmd.make_surface(
     "self-affine", hurst=0.8, L_over_lam_l=2, lam_l_over_lam_s=n // 8, lam_s_over_a=4, seed=1

@@ -13,6 +13,8 @@ import numpy as np
 import hpc_gfmd
 from hpc_gfmd.theory.elastic import Hertz
 
+plt.style.use("hpc_gfmd.plotting.journal")
+
 n = int(sys.argv[1]) if sys.argv[1:] else 512  # points along each axis
 R, L, E_star, h_rms = 5e-3, 200e-6, 1e11, 20e-9  # m, m, Pa, m
 forces = np.geomspace(0.01, 10, 7)  # N

@@ -13,6 +13,8 @@ import numpy as np
 import hpc_gfmd
 from hpc_gfmd.theory.elastic import Hertz
 
+plt.style.use("hpc_gfmd.plotting.journal")
+
 n = int(sys.argv[1]) if sys.argv[1:] else 256  # points along each axis
 R, L, E_star = 1e-3, 80e-6, 1e9  # m, m, Pa
 forces = np.array([0.3, 1, 2, 5, 9]) * 1e-3  # N

@@ -13,6 +13,8 @@ import numpy as np
 import hpc_gfmd
 from hpc_gfmd.theory import tfc
 
+plt.style.use("hpc_gfmd.plotting.journal")
+
 n = int(sys.argv[1]) if sys.argv[1:] else 4096
 points = [2, 4, 8]  # lam_s/a, on the same wall
 p_star, ratio = 0.00707, n // 16

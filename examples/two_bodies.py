@@ -7,6 +7,8 @@ import numpy as np
 
 import hpc_gfmd
 
+plt.style.use("hpc_gfmd.plotting.journal")
+
 n = int(sys.argv[1]) if sys.argv[1:] else 256
 bodies = {"body 1": {"hurst": 0.8, "g_rms": 0.1}, "body 2": {"hurst": 0.3, "g_rms": 0.07}}
 heights = {

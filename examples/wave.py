@@ -12,6 +12,8 @@ import numpy as np
 import hpc_gfmd
 from hpc_gfmd.theory.elastic import Westergaard
 
+plt.style.use("hpc_gfmd.plotting.journal")
+
 n = int(sys.argv[1]) if sys.argv[1:] else 1024
 A, L = 0.01, 1.0
 wave = hpc_gfmd.make_surface("wave", amplitude=A, n=(n, 8), physical_sizes=(L, 8 * L / n))

@@ -11,6 +11,8 @@ from matplotlib.colors import ListedColormap
 
 import hpc_gfmd
 
+plt.style.use("hpc_gfmd.plotting.journal")
+
 n = int(sys.argv[1]) if sys.argv[1:] else 2048
 wall = hpc_gfmd.make_surface(
     "self-affine",

@@ -9,6 +9,7 @@ from .runs.ensemble import Ensemble as Ensemble
 from .runs.interface_law import interface_law as interface_law
 from .runs.many import solve_many as solve_many
 from .runs.prepared import PreparedSurface as PreparedSurface
+from .runs.prepared import combine_surfaces as combine_surfaces
 from .runs.prepared import make_surface as make_surface
 from .runs.prepared import prepare_surface as prepare_surface
 from .runs.prepared import read_surface as read_surface

@@ -53,7 +53,7 @@ def whole(n, dtype=float):
     """(transfer, m) between n points and the m points of the next coarser grid, on one rank."""
     hierarchy = levels(Grid(n))
     m = hierarchy[1].n if len(hierarchy) > 1 else n
-    return Transfer(n, m, [0, n[0]], 0, dtype), m
+    return Transfer(n, m, [0], [n[0]], 0, dtype), m
 
 
 def stiffness_times(elastic, u, out):

@@ -15,7 +15,7 @@ HELP = "write a commented scene that runs"
 DESCRIPTION = """
 Write a scene with a comment on every key: for a kind of surface (self-affine, wave, sphere), or for
 a height map, which is read to find its sizes and units, missing points, a tilt, and whether its
-edges are free."""
+edges are free. Two height maps are those of two rough bodies that face each other."""
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -23,10 +23,9 @@ def add_arguments(parser: ArgumentParser) -> None:
     add_file(
         parser,
         "what",
-        metavar="KIND|MAP",
-        nargs="?",
-        default="self-affine",
-        help="kind of surface, or a file with a height map (default: %(default)s)",
+        metavar=("KIND|MAP", "MAP"),
+        nargs="*",
+        help="kind of surface, or one or two files with height maps (default: self-affine)",
     )
     add_file(
         parser,
@@ -50,27 +49,29 @@ def main(args: Namespace) -> int:
         )
     if not path.parent.is_dir():
         raise SceneError(f"-o: the folder {path.parent} does not exist")
-    text, missing, about = compose(args.what, path, args.set)
+    what = args.what or ["self-affine"]
+    text, missing, about = compose(what, path, args.set)
     try:
         with atomic_write(path) as tmp:
             tmp.write_text(text, encoding="utf-8")
     except OSError as error:
         raise SceneError(f"-o: cannot write {path}: {one_line(str(error))}") from None
     needs = " and ".join(f"surface.{key}" for key in missing)
-    todo = f"before it runs it needs {needs}, which {args.what} does not say" if needs else ""
+    says = "does not say" if len(what) == 1 else "do not say"
+    todo = f"before it runs it needs {needs}, which {' and '.join(what)} {says}" if needs else ""
     print(*about, f"{path}: {todo or f'hpc-gfmd run {path}'}", sep="\n")
     return 0
 
 
 def compose(
-    what: str, path: Path, overrides: Sequence[str] = ()
+    what: str | Sequence[str], path: Path, overrides: Sequence[str] = ()
 ) -> tuple[str, list[str], list[str]]:
     """Compose a scene.
 
     Parameters
     ----------
-    what : str
-        Kind of surface, or the path of a height map.
+    what : str or sequence of str
+        Kind of surface, or the path of a height map, or of two.
     path : Path
         Where the scene will be; a relative path of the map counts from its folder.
     overrides : sequence of str
@@ -95,7 +96,8 @@ def compose(
     from ..scene.surface import KINDS
     from ..scene.template import CHOSEN, Suggestion, template
 
-    given: dict[str, Any] = {"title": Path(what).name}
+    names = [what] if isinstance(what, str) else list(what)
+    given: dict[str, Any] = {"title": " + ".join(Path(name).name for name in names)}
     for override in overrides:
         apply_override(given, override)
     tables = {
@@ -105,14 +107,16 @@ def compose(
         keys = tables.get(name, {})
         tables[name] = keys if keys.keys() & ALTERNATIVES.get(name, ()) else usual | keys
     made = [kind for kind in KINDS if kind != "file"]
-    if what in made:
-        kind, found = what, Suggestion()
-    elif Path(what).is_file():
-        kind, found = "file", _of_map(what, path, tables)
+    if names[0] in made and len(names) == 1:
+        kind = names[0]
+        found = Suggestion()
+    elif len(names) <= 2 and all(Path(name).is_file() for name in names):
+        kind = "file"
+        found = _of_maps(names, path, tables)
     else:
         raise SceneError(
-            f"init: found {what}, allowed: a kind of surface ({', '.join(made)}) or the path of a"
-            " height map"
+            f"init: found {' '.join(names)}, allowed: a kind of surface ({', '.join(made)}) or the"
+            " path of a height map, or of two"
         )
     head = f"hpc-gfmd run {path.name}. Lines that begin with # show defaults and examples."
     text = template(kind, tables, found, head)
@@ -124,19 +128,29 @@ def compose(
     return text, found.missing, found.about
 
 
-def _of_map(what: str, path: Path, tables: dict[str, Any]) -> Any:
-    """Make the Suggestion for a height map; its path counts from the folder of the scene."""
+def _of_maps(maps: list[str], path: Path, tables: dict[str, Any]) -> Any:
+    """Make the Suggestion for one height map or two; paths count from the folder of the scene."""
     from ..scene import Scene
     from ..surface.doubtful_numbers import NO_MODULUS
     from ..surface.suggest import suggestion
 
+    def named(paths: list[str], unit: str = "") -> dict[str, Any]:
+        if len(paths) == 1:
+            return {"path": paths[0]}
+        shift: list[Any] = ["0 um", "0 um"] if unit else [0.0, 0.0]
+        of_second = {"path": paths[1], "mirrored": "x", "shift": shift}
+        return {"bodies": [{"path": paths[0]}, of_second]}
+
     def make(values: dict[str, Any]) -> Any:
-        surface = {"kind": "file", "path": os.path.abspath(what)} | values
+        surface = {"kind": "file"} | named([os.path.abspath(name) for name in maps]) | values
         return Scene.from_dict({"surface": surface, "load": {"p_star": 1.0}}, "init").surface
 
     found = suggestion(make, tables.get("surface", {}))
-    found.values = {"path": os.path.relpath(what, path.parent)} | found.values
+    found.values = (
+        named([os.path.relpath(name, path.parent) for name in maps], found.unit) | found.values
+    )
     if found.unit and "material" not in tables:
         found.about.append(NO_MODULUS)
-    found.about = [f"{what}: {line}" for line in found.about]
+    if len(maps) == 1:
+        found.about = [f"{maps[0]}: {line}" for line in found.about]
     return found

@@ -56,6 +56,12 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--dpi", type=int, help="dots per inch of maps and of .png files (default: 300)"
     )
     parser.add_argument(
+        "--columns",
+        metavar="N",
+        type=int,
+        help="panels beside each other; 1: below each other, in 85 mm",
+    )
+    parser.add_argument(
         "--dimensionless",
         action="store_true",
         help="label axes p/(E* g_rms) and gap/h_rms even if the scene has units",
@@ -83,6 +89,7 @@ def main(args: Namespace) -> int:
         window=args.window,
         dpi=args.dpi,
         dimensionless=args.dimensionless,
+        columns=args.columns,
     )
     print(*paths, *_remarks(result, args), *result.remarks, sep="\n")
     return 0
@@ -99,7 +106,9 @@ def _plot_together(args: Namespace) -> int:
     names = args.what or ["curves"]
     where = Path(args.output or "curves.png")
     pictures = {
-        name: plot(args.file, name, dpi=args.dpi, dimensionless=args.dimensionless)
+        name: plot(
+            args.file, name, dpi=args.dpi, dimensionless=args.dimensionless, columns=args.columns
+        )
         for name in names
     }
     for name, picture in pictures.items():

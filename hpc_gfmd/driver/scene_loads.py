@@ -79,6 +79,8 @@ def loads_of(
     quantity = "approach" if name == "approach" else "gap_mean"
     unit = surface.h_rms if name == "gap_over_h_rms" else 1.0
     _require_lengths(name, quantity, values, unit, working, settings)
+    if quantity == "approach":
+        return [Load(quantity, float(value)) for value in values]
     return [Load(quantity, float(value) * unit) if value else Load("a_r", 1.0) for value in values]
 
 

@@ -274,13 +274,42 @@ def smooth_level(fields, z_coarse, out, weight, damping, transfer, nominal, i0, 
 
 
 @kernel
-def sweep_levels(memory, levels, tables, numbers, softness, damping, mode, mode_level, scratch):
-    """Sweep consecutive levels, down to a single point, that one rank has completely.
+def restrict_levels(memory, levels, tables, numbers, scratch):
+    """Restrict r and t through consecutive levels, down to a single point, that one rank has
+    completely.
+
+    Parameters
+    ----------
+    memory, levels, tables, numbers, scratch
+        As of `smooth_levels`.
+    """
+    J_x, f_x, J_y, f_y, _, _ = tables
+    last = levels.shape[0] - 2
+    for k in range(last):
+        begin, _, rows, n, along, at_x, at_y = levels[k]
+        next_begin, _, next_rows, next_n, _, _, _ = levels[k + 1]
+        fine = view_fields(memory, begin, 2, rows + 2, n)
+        coarse = view_fields(memory, next_begin, 2, next_rows + 2, next_n)
+        transfer = (J_x[at_x:], f_x[at_x:], along, J_y[at_y:], f_y[at_y:], numbers[k, 1])
+        for c in range(2):
+            for j in range(next_n):
+                coarse[c, 0, j] = 0
+                coarse[c, next_rows + 1, j] = 0
+        restrict_level(fine, coarse, transfer, 0, rows, scratch)
+        for c in range(2):  # the axis is periodic: halo rows are rows of the other end
+            for j in range(next_n):
+                coarse[c, 1, j] += coarse[c, next_rows + 1, j]
+                coarse[c, next_rows, j] += coarse[c, 0, j]
+
+
+@kernel
+def smooth_levels(memory, levels, tables, numbers, softness, damping, mode, mode_level, scratch):
+    """Make z of consecutive levels, down to a single point, that one rank has completely.
 
     Parameters
     ----------
     memory : flat array
-        Fields of all levels; r, t and perhaps x of level 0 are given. r of every level becomes z,
+        Fields of all levels: r, t and on level 0 perhaps x. r of every level becomes z,
         with halo rows. A level of zeros follows the last one: what is coarser than a point.
     levels : (levels + 1, 7) int64
         Of each level: where its fields begin in `memory`, their number, rows, points along a row,
@@ -312,21 +341,6 @@ def sweep_levels(memory, levels, tables, numbers, softness, damping, mode, mode_
     """
     J_x, f_x, J_y, f_y, s_x, s_y = tables
     coarsest = levels.shape[0] - 2
-    for k in range(coarsest):
-        begin, _, rows, n, along, at_x, at_y = levels[k]
-        next_begin, _, next_rows, next_n, _, _, _ = levels[k + 1]
-        fine = view_fields(memory, begin, 2, rows + 2, n)
-        coarse = view_fields(memory, next_begin, 2, next_rows + 2, next_n)
-        transfer = (J_x[at_x:], f_x[at_x:], along, J_y[at_y:], f_y[at_y:], numbers[k, 1])
-        for c in range(2):
-            for j in range(next_n):
-                coarse[c, 0, j] = 0
-                coarse[c, next_rows + 1, j] = 0
-        restrict_level(fine, coarse, transfer, 0, rows, scratch)
-        for c in range(2):  # the axis is periodic: halo rows are rows of the other end
-            for j in range(next_n):
-                coarse[c, 1, j] += coarse[c, next_rows + 1, j]
-                coarse[c, next_rows, j] += coarse[c, 0, j]
     begin = levels[coarsest, 0]
     mean = 1.0 * memory[begin + levels[coarsest, 3]]
     amplitude = memory.dtype.type(0)

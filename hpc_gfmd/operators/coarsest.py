@@ -1,11 +1,11 @@
-"""The coarse levels of the preconditioner that one rank sweeps alone, in one compiled call."""
+"""The coarse levels of the preconditioner that one rank sweeps alone, in two compiled calls."""
 
 from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..kernels.multilevel import sweep_levels
+from ..kernels.multilevel import restrict_levels, smooth_levels
 from ..parallel.coarsening import Level, axis_mode, axis_tables
 
 DAMPING = 4.0  # of a level by the contact on it, over its stiffness
@@ -92,7 +92,16 @@ class CoarsestLevels:
         self.mode_level = 0
 
     def sweep(self) -> tuple[float, ...]:
-        """Make z on the first level from r and t there.
+        """Make z on the first level from r and t there; returns what `smooth` does."""
+        self.restrict()
+        return self.smooth()
+
+    def restrict(self) -> None:
+        """Restrict r and t of the first level to all others."""
+        restrict_levels(self._memory, self._levels, self._tables, self._numbers, self._scratch)
+
+    def smooth(self) -> tuple[float, ...]:
+        """Make z on the first level from r and t on all levels.
 
         Returns
         -------
@@ -100,7 +109,7 @@ class CoarsestLevels:
             <r, z> and <x, z> on the first level; <r, r>, <t, t>, <r, t>, <t, s> and <r, s> summed
             over levels times their softness; the mean of r.
         """
-        return sweep_levels(
+        return smooth_levels(
             self._memory,
             self._levels,
             self._tables,
@@ -131,7 +140,7 @@ class CoarsestLevels:
         return self.fields[0, 1:-1]
 
     def contact(self, k: int) -> np.ndarray:
-        """Return t of level k in the last sweep, (rows, n)."""
+        """Return t of level k, (rows, n)."""
         return self._fields_of(k)[1, 1:-1]
 
     def _fields_of(self, k: int) -> np.ndarray:

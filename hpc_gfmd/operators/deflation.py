@@ -34,14 +34,15 @@ class DeflationCalibration:
         Of conjugate gradients.
     solved : float
         Relative, of <r, M r>: where contact is the same everywhere one step is enough.
-    coarser, fewest : int
-        The level has so many times fewer points than the grid, and at least so many.
+    coarser, fewest, most : int
+        The level has so many times fewer points than the grid, at least and at most so many.
     """
 
     steps: int = 3
     solved: float = 1e-6
     coarser: int = 64
     fewest: int = 250
+    most: int = 128 * 128
 
 
 CALIBRATION = DeflationCalibration()
@@ -75,7 +76,9 @@ class GapMode:
             (
                 k
                 for k, count in enumerate(points)
-                if CALIBRATION.fewest <= count <= grid.cell_points / CALIBRATION.coarser
+                if CALIBRATION.fewest
+                <= count
+                <= min(grid.cell_points / CALIBRATION.coarser, CALIBRATION.most)
             ),
             None,
         )

@@ -1,26 +1,34 @@
-"""The levels below a grid as the multilevel preconditioner has them: from which to which one rank
-sends what, what they weigh, and from which one on a single rank has them all. No field.
+"""The levels below a grid as the multilevel preconditioner has them: which rows of each a rank has,
+what ranks send, what levels weigh. No field.
 
-Every rank restricts to the window of coarse rows that its fine rows touch; windows are added up on
-the ranks that own the rows: those beside the fine rows, or fewer and fewer of them as levels get
-small (coarsening.py). The rest of the levels is small enough for rank 0 alone.
+Every rank restricts its rows of the grid through several levels before anything is sent: what it
+has of a coarse row is its part of a sum over ranks, and so is what it makes of that. Then ranks add
+up the rows that their windows share, of all these levels in one message to a neighbour, and each
+interpolates from its own windows without another one. Where ranks would have less than FEWEST_ROWS
+rows of a level these are gathered on fewer ranks (coarsening.py), which go on in the same way. The
+coarsest levels each of the ranks that are left has completely, and sweeps by itself.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import DTypeLike
 
 from ..bodies.base import Body
-from ..parallel.coarsening import Level, Transfer, agglomerated, levels
+from ..parallel.coarsening import Level, Transfer, agglomerated, levels, owned_rows
+from ..parallel.comm import stages
 from ..parallel.grid import Grid
-from ..parallel.halo import Windows
+from ..parallel.halo import Overlaps, Windows
 from .deflation import GapMode
 from .nominal import NominalArea
 
-COARSEST_POINTS = 128 * 128  # levels of at most this many points are swept by rank 0
-RANK_POINTS = 2048  # of a level on one rank, at least: fewer take less time than a message
+COARSEST_POINTS = 128 * 128  # levels of at most this many points are swept by one rank
+# of one process: so many points are swept in a single call, without other threads
+COARSEST_POINTS_OF_ONE = 2**17
+FEWEST_ROWS = 2  # of a level on one rank: with fewer, windows reach beyond neighbours
+GATHERED_ROWS = 4  # that ranks have at least where rows are gathered
 
 
 @dataclass(frozen=True)
@@ -31,53 +39,73 @@ class Step:
     ----------
     transfer : Transfer
         This rank's part of restriction and interpolation.
-    starts : array (ranks + 1,)
-        First row of every rank on the coarse level, and the number of rows.
-    windows : Windows
-        Between the rows that ranks write to and those that they own.
+    counted : ndarray (ranks + 1,)
+        First fine row of every rank that it counts in sums, and the number of rows.
     fields : int
         Number of fields that are restricted.
+    windows : Windows or None
+        Between the coarse rows of all ranks and those of the few on which they are gathered;
+        None: they are not gathered.
+    starts : ndarray (ranks + 1,)
+        First coarse row of every rank, gathered ones if they are, and the number of rows.
     """
 
     transfer: Transfer
-    starts: np.ndarray
-    windows: Windows
+    counted: np.ndarray
     fields: int
+    windows: Windows | None
+    starts: np.ndarray
 
     @property
-    def owned(self) -> int:
-        """Number of coarse rows that this rank owns."""
-        return int(self.starts[self.windows.rank + 1] - self.starts[self.windows.rank])
-
-    @property
-    def in_place(self) -> bool:
-        """Whether the rows that ranks own lie in their windows, between a row before and after."""
-        return np.array_equal(self.starts, self.transfer.coarse_starts)
+    def window_rows(self) -> int:
+        """Number of rows of this rank's window."""
+        rank = self.transfer.rank
+        return int(self.transfer.hi[rank] - self.transfer.lo[rank])
 
     @property
     def window_shape(self) -> tuple[int, int, int]:
-        """Shape of the fields in this rank's window."""
-        return self.fields, self.transfer.window_rows, self.transfer.m[1]
+        """Shape of the fields in this rank's window, with a row before and after."""
+        return self.fields, _with_ends(self.window_rows), self.transfer.m[1]
+
+    @property
+    def owned(self) -> int:
+        """Number of coarse rows that this rank goes on with: those of its window, or of others."""
+        if self.windows is None:
+            return self.window_rows
+        return int(self.starts[self.windows.rank + 1] - self.starts[self.windows.rank])
 
     @property
     def owned_shape(self) -> tuple[int, int, int]:
-        """Shape of the fields on the rows that this rank owns, with a row before and after."""
-        return self.fields, self.owned + 2 if self.owned else 0, self.transfer.m[1]
+        """Shape of the fields on the rows that this rank goes on with, a row before and after."""
+        return self.fields, _with_ends(self.owned), self.transfer.m[1]
+
+    @cached_property
+    def overlaps(self) -> Overlaps:
+        """The rows that its window shares with others."""
+        transfer = self.transfer
+        return Overlaps(transfer.rank, transfer.lo, transfer.hi, transfer.m[0])
 
     @property
-    def traffic(self) -> tuple[int, int]:
-        """(bytes for an itemsize of 1, messages) that this rank sends in a sweep, of all fields
-        down and one up."""
-        down = self.windows.sent_rows(True)
-        up = self.windows.sent_rows(False)
-        rows = self.fields * sum(down.values()) + sum(up.values())
-        return rows * self.transfer.m[1], len(down) + len(up)
+    def counted_rows(self) -> tuple[int, int]:
+        """The first and the end of this rank's fine rows that it counts in sums."""
+        rank = self.transfer.rank
+        begin = self.transfer.fine[0]
+        return int(self.counted[rank] - begin), int(self.counted[rank + 1] - begin)
+
+    @property
+    def ranks(self) -> list[int]:
+        """The ranks that have a part in it."""
+        return np.flatnonzero(self.transfer.hi > self.transfer.lo).tolist()
+
+
+def _with_ends(rows: int) -> int:
+    return rows + 2 if rows else 0
 
 
 def steps_of(
     grid: Grid, dtype: DTypeLike, coarsest_points: int | None = None
 ) -> tuple[list[Step], list[Level]]:
-    """Decide which levels ranks share, and which rank 0 has alone.
+    """Decide which levels ranks share, and which a rank has alone.
 
     Parameters
     ----------
@@ -86,33 +114,53 @@ def steps_of(
     dtype : dtype
         Precision of the tables.
     coarsest_points : int, optional
-        Levels of at most so many points are rank 0's alone; default: COARSEST_POINTS.
+        Levels of at most so many points a rank has alone; default: COARSEST_POINTS, or those
+        of one process.
 
     Returns
     -------
     steps : list of Step
-        Down to the first level that rank 0 has alone.
+        Down to the first level that a rank has alone.
     levels : list of Level
         All of them, finest first.
     """
-    alone_points = COARSEST_POINTS if coarsest_points is None else coarsest_points
-    hierarchy = levels(grid)
     rank = grid.comm.rank
+    alone_points = COARSEST_POINTS if grid.comm.size > 1 else COARSEST_POINTS_OF_ONE
+    alone_points = alone_points if coarsest_points is None else coarsest_points
+    hierarchy = levels(grid)
     if len(hierarchy) == 1:  # a single point: a level that equals it, so that there is always one
         hierarchy = hierarchy * 2
     steps: list[Step] = []
-    starts = grid.starts
+    counted = grid.starts
+    begin, end = counted[:-1], counted[1:]
     for fine, coarse in zip(hierarchy, hierarchy[1:]):
-        transfer = Transfer(fine.n, coarse.n, starts, rank, dtype)
-        points = coarse.n[0] * coarse.n[1]
-        alone = points <= alone_points or coarse is hierarchy[-1]
-        starts = agglomerated(transfer.coarse_starts, points, points if alone else RANK_POINTS)
-        windows = Windows(rank, starts, transfer.lo, transfer.hi)
+        transfer = Transfer(fine.n, coarse.n, begin, end, rank, dtype)
+        starts = owned_rows(counted, fine.n[0], coarse.n[0])
+        alone = coarse.n[0] * coarse.n[1] <= alone_points or coarse is hierarchy[-1]
+        begin, end = transfer.lo, transfer.hi
+        has_rows = end > begin
+        windows = None
+        if not alone and np.sum(has_rows) > 1 and np.diff(starts)[has_rows].min() < FEWEST_ROWS:
+            starts = agglomerated(starts, coarse.n[0], GATHERED_ROWS)
+            windows = Windows(rank, starts, begin, end)
+            begin, end = starts[:-1], starts[1:]
         # p on F and the indicator of A; from the grid itself K d on F, too
-        steps.append(Step(transfer, starts, windows, 2 if steps else 3))
+        steps.append(Step(transfer, counted, 2 if steps else 3, windows, starts))
+        counted = starts
         if alone:
             break
     return steps, hierarchy
+
+
+def groups_of(steps: Sequence[Step]) -> list[list[Step]]:
+    """List the levels that ranks restrict to before they send anything, and again after rows are
+    gathered; the last step of each belongs to rows that are gathered, or are complete on a rank."""
+    groups: list[list[Step]] = [[]]
+    for step in steps:
+        groups[-1].append(step)
+        if step.windows is not None:
+            groups.append([])
+    return groups
 
 
 def traffic_of(steps: Sequence[Step], itemsize: int) -> tuple[int, int]:
@@ -130,8 +178,26 @@ def traffic_of(steps: Sequence[Step], itemsize: int) -> tuple[int, int]:
     nbytes, messages : int
         In all.
     """
-    nbytes, messages = np.sum([step.traffic for step in steps], axis=0)
-    return int(nbytes) * itemsize, int(messages)
+    numbers = messages = 0
+    for group in groups_of(steps):
+        peers: set[int] = set()
+        for step in group[:-1]:
+            sent = step.overlaps.sent_rows
+            numbers += step.fields * sum(sent.values()) * step.transfer.m[1]
+            peers |= set(sent)
+        messages += len(peers)
+        windows = group[-1].windows
+        if windows is not None:
+            down, up = windows.sent_rows(True), windows.sent_rows(False)
+            rows = group[-1].fields * sum(down.values()) + sum(up.values())
+            numbers += rows * group[-1].transfer.m[1]
+            messages += len(down) + len(up)
+    last = steps[-1]
+    if len(last.ranks) > 1 and last.transfer.rank in last.ranks:
+        rounds = stages(len(last.ranks))
+        numbers += rounds * last.fields * last.window_rows * last.transfer.m[1]
+        messages += rounds
+    return numbers * itemsize, messages
 
 
 class Hierarchy:
@@ -159,7 +225,8 @@ class Hierarchy:
     area : NominalArea
         The indicator of the nominal area on all levels.
     nominal : list of (array, array)
-        Of every level that ranks share: what this indicator is a product of, on this rank's rows.
+        Of every level that ranks share: what this indicator is a product of, on the rows that
+        this rank restricts.
     gap_mode : GapMode
         Finds the deflation vector of a contact.
     """
@@ -171,11 +238,9 @@ class Hierarchy:
         self.softness = np.resize(body.softness(grid), count)
         self.weights = np.resize(body.weights(grid), count).astype(dtype)
         self.area = NominalArea(grid, self.levels, self.softness)
-        starts = [grid.starts, *(step.starts for step in self.steps)]
-        rank = grid.comm.rank
         self.nominal = [
-            (x[rows[rank] : rows[rank + 1]].astype(dtype), y.astype(dtype))
-            for (x, y), rows in zip(self.area.s, starts)
+            (np.take(x, np.arange(*step.transfer.fine), mode="wrap").astype(dtype), y.astype(dtype))
+            for (x, y), step in zip(self.area.s, self.steps)
         ]
         alone = len(self.steps)
         self.gap_mode = GapMode(grid, body, self.levels[alone:], self.weights[alone:])

@@ -7,8 +7,8 @@ the restricted indicator of the contact. Damping each level by it is what keeps 
 on the free points narrow at every load, without a parameter to tune.
 
 The finest level is never swept here: the solver's own passes restrict to level 1 (p on F, the
-indicator of A, and K d on F) and interpolate from it. Which ranks have which rows of a level is
-decided in hierarchy.py.
+indicator of A, and K d on F) and interpolate from it. Which ranks have which rows of a level, and
+when something is sent, is decided in hierarchy.py.
 """
 
 from __future__ import annotations
@@ -23,7 +23,8 @@ from ..kernels.bfloat16 import stored_dtype
 from ..kernels.bpx import UpdateSums, update_passes
 from ..kernels.multilevel import SUMS, restrict_level, smooth_level
 from ..kernels.transforms import no_rows
-from ..parallel.threads import added, on_threads, shares
+from ..parallel.halo import add_all, add_overlaps
+from ..parallel.threads import added, on_threads, pieces_of, shares
 from ..util.aligned import LINE, zeros_aligned
 from .coarsest import DAMPING, CoarsestLevels
 from .hierarchy import Hierarchy
@@ -61,10 +62,10 @@ class Multilevel:
     gap_mode : GapMode
         Finds the deflation vector of a contact.
     distributed : int
-        Number of coarse levels that more than one rank may have; rank 0 has the others alone.
+        Number of coarse levels of which a rank may have a part; the others it has alone.
     transfers : list of Transfer
         From each level to the next coarser one, as this rank sees it.
-    fields : list of array (fields, window rows, m)
+    fields : list of array (fields, window rows + 2, m)
         Of levels 1, 2, ...: this rank's window of r, t and, on level 1, K d on F.
     ends : array (passes, 2)
         First row and end of each pass of the solver.
@@ -95,13 +96,15 @@ class Multilevel:
         # Level 1 is in the windows of all ranks in any case: that is what the solver's passes write
         # to and read from.
         self.fields = [np.zeros(step.window_shape, self.dtype) for step in steps]
-        # the rows that this rank owns: in the window where that is the same
+        # the rows that this rank goes on with
         self.owned = [
-            field if step.in_place else np.zeros(step.owned_shape, self.dtype)
+            field if step.windows is None else np.zeros(step.owned_shape, self.dtype)
             for step, field in zip(steps[:-1], self.fields)
         ]
         self.coarsest: CoarsestLevels | None = None
-        if self.comm.rank == 0:
+        complete_on = steps[-1].ranks
+        self.last_comm = self.comm.subcomm(complete_on)
+        if self.last_comm is not None:
             alone = slice(len(steps), None)
             area = hierarchy.area
             self.coarsest = CoarsestLevels(
@@ -111,8 +114,6 @@ class Multilevel:
                 steps[-1].fields,
                 area.s[alone],
             )
-            if self.fields[-1].shape == self.coarsest.fields.shape:  # a single rank's window
-                self.fields[-1] = self.coarsest.fields
         to_level_1 = self.transfers[0]
         self.ends = np.array(to_level_1.passes(longest), np.int64).reshape(-1, 2)
         gathered = (6, grid.n[1] + LINE // self.dtype.itemsize)
@@ -203,13 +204,13 @@ class Multilevel:
 
     @property
     def z(self) -> np.ndarray:
-        """The result on level 1, own rows and halo, (rows + 2, m)."""
+        """The result on level 1, (window rows + 2, m)."""
         return self.fields[0][0]
 
     def sweep(self, new_contact: bool = False) -> tuple[float, ...]:
         """Make z on level 1 from what was restricted to it in the windows of all ranks.
 
-        z is there on own and halo rows then. Collective.
+        z is there on all rows of this rank's window then. Collective.
 
         Parameters
         ----------
@@ -226,16 +227,15 @@ class Multilevel:
             surface and 0 beyond.
         """
         for k in range(self.distributed):
-            fields = self.owned[k]
-            self._add_up(k, fields[:, 1:-1])
-            self.restrict_from(k + 1, fields[:2])
+            self._gather(k)
+            self.restrict_from(k + 1, self.owned[k][:2])
         rz, xz, *sums, mean = self._sweep_coarsest(new_contact)
         for k in reversed(range(self.distributed)):
             fields = self.owned[k]
             rz, xz, *level_sums = self.smooth(k + 1, fields, fields[0])
             weight = self.hierarchy.area.weights[k + 1]
             sums = [total + weight * term for total, term in zip(sums, level_sums)]
-            self._hand_out(k, fields[:1, 1:-1])
+            self._hand_out(k)
         m_x, m_y = self.steps[0].transfer.m
         ratio = self.grid.cell_points / (m_x * m_y)
         return rz * ratio, xz * ratio, mean, *sums
@@ -252,8 +252,6 @@ class Multilevel:
         """
         coarse = self.fields[k][:2]
         transfer = self.transfers[k]
-        coarse[:, :1] = 0
-        coarse[:, -1:] = 0
         on_threads(
             self.grid.threads,
             lambda i0, i1, scratch: restrict_level(
@@ -273,12 +271,12 @@ class Multilevel:
         fields : array (2 or 3, rows + 2, n)
             r, t and perhaps a third one, of which the sum <x, z> is.
         out : array (rows + 2, n)
-            Gets z on own rows; may be the memory of r.
+            Gets z on all of these rows; may be the memory of r.
 
         Returns
         -------
         array
-            The sums of kernels/multilevel.py: smooth_level, of this rank.
+            The sums of kernels/multilevel.py: smooth_level, over the rows that this rank counts.
         """
         z_coarse = self.fields[k][0]
         transfer = self.transfers[k]
@@ -299,18 +297,38 @@ class Multilevel:
                 scratch[0],
             )
 
-        sums = on_threads(self.grid.threads, smooth_rows, transfer.pieces, self.scratch)
-        return added(sums, SUMS)
+        rows = len(transfer.k0)
+        begin, end = self.steps[k].counted_rows
+        counted = [(begin + i0, begin + i1) for i0, i1 in pieces_of(end - begin, transfer.n[1])]
+        halo = [(i0, i1) for i0, i1 in ((0, begin), (end, rows)) if i0 < i1 <= rows]
+        sums = on_threads(self.grid.threads, smooth_rows, counted + halo, self.scratch)
+        return added(sums[: len(counted)], SUMS)
 
-    def _add_up(self, k: int, rows: np.ndarray) -> None:
-        """Add up all windows on the rows of level k + 1 that this rank owns, (fields, rows, m)."""
-        if not np.may_share_memory(rows, self.fields[k]):
+    def _gather(self, k: int) -> None:
+        """Send what is due before level k + 1 is restricted: nothing but where its rows are
+        gathered."""
+        step = self.steps[k]
+        if step.windows is not None:
+            rows = self.owned[k][:, 1:-1]
             rows[...] = 0
-        self.steps[k].windows.add(self.comm, self.fields[k][: len(rows)], rows)
+            step.windows.add(self.comm, self.fields[k][:, 1:-1], rows)
+            self._add_group(k)
 
-    def _hand_out(self, k: int, z: np.ndarray) -> None:
-        """Copy z on this rank's rows of level k + 1, (1, rows, m), into all windows."""
-        self.steps[k].windows.fill(self.comm, z, self.fields[k][:1])
+    def _add_group(self, end: int) -> None:
+        """Add up what ranks have of the levels, down to level `end`, that they share windows of."""
+        begin = end
+        while begin > 0 and self.steps[begin - 1].windows is None:
+            begin -= 1
+        steps = self.steps[begin:end]
+        if steps:
+            windows = [field[:, 1:-1] for field in self.fields[begin:end]]
+            add_overlaps(self.comm, [step.overlaps for step in steps], windows)
+
+    def _hand_out(self, k: int) -> None:
+        """Copy z of level k + 1 into the windows of all ranks, where its rows are gathered."""
+        windows = self.steps[k].windows
+        if windows is not None:
+            windows.fill(self.comm, self.owned[k][:1, 1:-1], self.fields[k][:1, 1:-1])
 
     def test_products(
         self,
@@ -376,24 +394,33 @@ class Multilevel:
         return self.update(g, p, d, 0.0, rows, hardness, spectra=False)
 
     def _sweep_coarsest(self, new_contact: bool) -> tuple[float, ...]:
-        """Sweep the levels that rank 0 has alone. Collective.
+        """Sweep the levels that this rank has alone. Collective.
 
-        Their part of r and t is added up from the windows of all ranks before, and z is handed out
-        to them afterwards. Returns the sums of CoarsestLevels.sweep on rank 0, zeros on others.
+        Their part of r and t is added up from the windows of all ranks before. Returns the sums of
+        CoarsestLevels.smooth on the first of the ranks that have them, zeros on others.
         """
         k = self.distributed
+        nothing = (0.0,) * (SUMS + 1)
         coarsest = self.coarsest
-        if coarsest is None:
-            nothing = np.empty((len(self.fields[k]), 0, self.transfers[k].m[1]), self.dtype)
-            self._add_up(k, nothing)
-            self._hand_out(k, nothing[:1])
-            return (0.0,) * (SUMS + 1)
-        self._add_up(k, coarsest.fields[:, 1:-1])
+        if coarsest is None or self.last_comm is None:
+            self._add_group(k)
+            return nothing
+        transfer = self.transfers[k]
+        add_all(
+            self.last_comm,
+            self.fields[k][:, 1:-1],
+            [(int(transfer.lo[r]), int(transfer.hi[r])) for r in self.steps[k].ranks],
+            coarsest.fields[:, 1:-1],
+        )
+        self._add_group(k)
+        coarsest.restrict()
         if new_contact:
             self._find_mode(coarsest)
-        sums = coarsest.sweep()
-        self._hand_out(k, coarsest.fields[:1, 1:-1])
-        return sums
+        sums = coarsest.smooth()
+        rows = np.arange(transfer.lo[transfer.rank], transfer.hi[transfer.rank])
+        z = self.fields[k][0, 1:-1]
+        np.take(coarsest.fields[0, 1:-1], rows, axis=0, out=z, mode="wrap")
+        return sums if self.last_comm.rank == 0 else nothing
 
     def _find_mode(self, coarsest: CoarsestLevels) -> None:
         """Give M the gap mode of the contact that the fields of the first of its levels have."""
@@ -401,11 +428,5 @@ class Multilevel:
         if not self.gap_mode.wanted(coarsest.fields[1, 1:-1].mean()):
             return
         coarsest.mode_level = self.gap_mode.level or 0
-        if coarsest.mode_level > 0:
-            fields = coarsest.fields.copy()
-            coarsest.sweep()
-            t = coarsest.contact(coarsest.mode_level)
-            coarsest.fields[...] = fields
-        else:
-            t = coarsest.fields[1, 1:-1]
+        t = coarsest.contact(coarsest.mode_level)
         coarsest.mode = self.gap_mode.find(t.copy()).ravel()

@@ -1,9 +1,8 @@
 """How a grid is coarsened: sizes and wave numbers of the levels, which coarse rows a rank owns, and
 on how few ranks they are agglomerated.
 
-Coarse rows first live where the fine ones do. Where that leaves ranks with less than is worth a
-message, or without rows, they are agglomerated on every second, fourth, ... rank: none ever holds
-more than its own share and twice what is worth a message.
+Coarse rows first live where the fine ones do. Where that leaves ranks with too little, or without
+rows, they are agglomerated on every second, fourth, ... rank.
 """
 
 from __future__ import annotations
@@ -200,17 +199,18 @@ def agglomerated(starts: ArrayLike, points: int, share: int) -> np.ndarray:
 
 
 class Transfer:
-    """This rank's part of the transfer between a level and the next coarser one.
+    """This rank's part of the transfer between the fine rows that it has of a level, n points, and
+    the next coarser one, m points. Its tables are made when they are first asked for.
 
-    It writes to and reads from a window of coarse rows: those that it owns, one before and one
-    after; none where it has no fine rows.
+    It writes to and reads from a window of coarse rows: all those that its fine rows lie on or
+    beside; none where it has no fine rows. An array of the window has a row more before and after.
 
     Parameters
     ----------
     n, m : (int, int)
         Points of the level and of the next coarser one.
-    starts : ndarray of int, shape (ranks + 1,)
-        First row of every rank on the level, and the number of rows.
+    begin, end : array_like of int, shape (ranks,)
+        Rows begin <= i < end of every rank on the level; the last may be row n, which is row 0.
     rank : int
         This rank.
     dtype : dtype
@@ -218,21 +218,18 @@ class Transfer:
 
     Attributes
     ----------
-    coarse_starts : ndarray of int, shape (ranks + 1,)
-        First row of every rank on the coarser level: those beside its own, see `owned_rows`.
     fine : (int, int)
-        This rank's rows (start, stop) of the level.
-    start : int
-        Its first row of the coarser level.
+        This rank's rows (begin, end) of the level.
     lo, hi : ndarray of int, shape (ranks,)
-        Windows lo <= row < hi of all ranks; a row below 0 or beyond the last is meant periodically.
+        Windows lo <= row < hi of all ranks; row m is row 0.
     """
 
     def __init__(
         self,
         n: tuple[int, int],
         m: tuple[int, int],
-        starts: np.ndarray,
+        begin: ArrayLike,
+        end: ArrayLike,
         rank: int,
         dtype: DTypeLike,
     ):
@@ -240,22 +237,19 @@ class Transfer:
         self.m = m
         self.rank = rank
         self.dtype: np.dtype = np.dtype(dtype)
-        self.coarse_starts = owned_rows(starts, n[0], m[0])
-        self.fine = int(starts[rank]), int(starts[rank + 1])
-        self.start = int(self.coarse_starts[rank])
-        empty = np.diff(starts) == 0
-        # windows of all ranks
-        self.lo = self.coarse_starts[:-1] - ~empty
-        self.hi = self.coarse_starts[1:] + ~empty
+        begin, end = (np.asarray(rows, np.int64) for rows in (begin, end))
+        self.fine = int(begin[rank]), int(end[rank])
+        # windows of all ranks; a last row that lies on a coarse one has no part in the next
+        self.lo = begin * m[0] // n[0]
+        self.hi = np.where(end > begin, -(-(end - 1) * m[0] // n[0]) + 1, self.lo)
 
     @cached_property
     def tables(self) -> Tables:
         """What kernels take as `transfer`: a plain tuple, which numba is called with as fast as
         with its parts."""
         J0, f_x = axis_tables(self.n[0], self.m[0], self.dtype, *self.fine)
-        # Row numbers count the halo row: the first own coarse row is 1. The row before it (0) is
-        # used by fine rows whose J0 belongs to the rank before.
-        k0 = (J0 - self.start + 1).astype(np.int32)
+        # row numbers count the row before the window
+        k0 = (J0 - self.lo[self.rank] + 1).astype(np.int32)
         factor = self.dtype.type(self.m[0] / self.n[0] * self.m[1] / self.n[1])
         return (
             k0,
@@ -267,7 +261,7 @@ class Transfer:
 
     @property
     def k0(self) -> np.ndarray:
-        """The coarse row of each of its fine rows, the halo row counted."""
+        """The coarse row of each of its fine rows, the row before the window counted."""
         return self.tables[0]
 
     @property

@@ -83,6 +83,20 @@ class SerialComm:
             Arrays that are filled from each rank; contiguous.
         """
 
+    def allgather_arrays(self, send: np.ndarray, receive: np.ndarray, counts: list[int]) -> None:
+        """Hand the numbers of every rank to all. Collective.
+
+        Parameters
+        ----------
+        send : flat array
+            Of this rank.
+        receive : flat array
+            Filled with those of all ranks, one after the other.
+        counts : list of int
+            How many numbers each rank has.
+        """
+        receive[...] = send
+
     def alltoall_bytes(self, send: tuple, receive: tuple) -> None:
         """Pass bytes from all ranks to all. Collective.
 
@@ -212,6 +226,20 @@ class MpiComm:
         requests = [self.mpi.Irecv(a, source=rank) for rank, a in receive.items()]
         requests += [self.mpi.Isend(a, dest=rank) for rank, a in send.items()]
         MPI.Request.Waitall(requests)
+
+    def allgather_arrays(self, send: np.ndarray, receive: np.ndarray, counts: list[int]) -> None:
+        """Hand the numbers of every rank to all. Collective.
+
+        Parameters
+        ----------
+        send : flat array
+            Of this rank.
+        receive : flat array
+            Filled with those of all ranks, one after the other.
+        counts : list of int
+            How many numbers each rank has.
+        """
+        self.mpi.Allgatherv(send, [receive, counts])
 
     def alltoall_bytes(self, send: tuple, receive: tuple) -> None:
         """Pass bytes from all ranks to all. Collective.

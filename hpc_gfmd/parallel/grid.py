@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike, DTypeLike
 from ..util.aligned import empty_aligned
 from .fft import SlabFFT
 from .layout import row_starts
-from .threads import on_threads, piece_rows
+from .threads import on_threads, pieces_of
 
 if TYPE_CHECKING:
     from .comm import Comm
@@ -231,8 +231,7 @@ class Grid:
         """List ranges of all local rows, or of the first `rows` of them, that a thread works on at
         a time."""
         rows = self.shape[0] if rows is None else rows
-        starts = row_starts(rows, max(1, rows // piece_rows(self.n[1])))
-        return [(i0, i1) for i0, i1 in zip(starts.tolist(), starts[1:].tolist()) if i0 < i1]
+        return pieces_of(rows, self.n[1])
 
     def by_rows(self, work: Callable[[int, int], T], rows: int | None = None) -> list[T]:
         """Work on the rows of a field piece by piece, on all threads.

@@ -7,6 +7,7 @@ are windows, and so are the rows that a rank has before they are agglomerated on
 talks to those alone whose rows or windows meet its own.
 """
 
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -122,6 +123,160 @@ class Windows:
         """Return {rank: rows sent to it} by `add` or by `fill`."""
         sent = self.take if adding else self.give
         return {peer: sum(map(_length, pieces)) for peer, pieces in sent.items()}
+
+
+class Overlaps:
+    """Rows that windows of several ranks have in common, each rank with its part of a sum.
+
+    No memory, no message.
+
+    Parameters
+    ----------
+    rank : int
+        This rank.
+    lo, hi : array_like of int, shape (ranks,)
+        Window lo <= i < hi of every rank.
+    n : int
+        Rows of the ring.
+
+    Attributes
+    ----------
+    give : dict
+        Rows of this rank's window by the rank that they are sent to.
+    parts : list of (int, slice, slice)
+        Who gives, which rows of its window, and to which rows of this rank's window, in an order
+        that all ranks add in.
+    common : list of slice
+        Rows of this rank's window that others have, too.
+    """
+
+    def __init__(self, rank: int, lo: ArrayLike, hi: ArrayLike, n: int):
+        lo, hi = (np.asarray(bounds, np.int64) for bounds in (lo, hi))
+        ranks = np.arange(len(lo))
+        others = np.delete(ranks, rank)
+        giver = np.append(ranks, np.full(len(others), rank))
+        taker = np.append(np.full(len(ranks), rank), others)
+        pieces: list[list[int]] = []
+        turns = int(hi.max() - lo.min()) // n + 1
+        for turn in range(-turns, turns + 1):
+            begin = np.maximum(lo[giver] + turn * n, lo[taker])
+            length = np.minimum(hi[giver] + turn * n, hi[taker]) - begin
+            is_all_of_itself = (giver == taker) & (turn == 0)
+            columns = [giver, taker, begin - turn * n - lo[giver], begin - lo[taker], length]
+            pieces += np.stack(columns, axis=1)[(length > 0) & ~is_all_of_itself].tolist()
+        self.give: Pieces = {}
+        # in the order of ranks, then of rows of their windows
+        self.parts: list[tuple[int, slice, slice]] = []
+        for source, to, at, to_at, count in sorted(pieces):
+            if to == rank:
+                self.parts.append((source, slice(at, at + count), slice(to_at, to_at + count)))
+            else:
+                self.give.setdefault(to, []).append(slice(at, at + count))
+        self.common = _joined([to_rows for _, _, to_rows in self.parts])
+        self.parts += [(rank, rows, rows) for rows in self.common]
+        self.parts.sort(key=lambda part: (part[0], part[1].start))
+
+    @property
+    def sent_rows(self) -> dict[int, int]:
+        """Number of rows that are sent to each rank."""
+        return {peer: sum(map(_length, pieces)) for peer, pieces in self.give.items()}
+
+    @property
+    def taken_rows(self) -> dict[int, int]:
+        """Number of rows that come from each rank, this one among them."""
+        taken: dict[int, int] = {}
+        for peer, _, rows in self.parts:
+            taken[peer] = taken.get(peer, 0) + _length(rows)
+        return taken
+
+
+def add_overlaps(comm: Any, overlaps: Sequence[Overlaps], windows: Sequence[np.ndarray]) -> None:
+    """Add up what ranks have of the rows that their windows share, of several fields at once: one
+    message from a rank to another. Collective.
+
+    Parameters
+    ----------
+    comm : Comm
+        All ranks.
+    overlaps : sequence of Overlaps
+        Of each of the fields.
+    windows : sequence of ndarray, shape (..., rows of the window, m)
+        This rank's windows, of one dtype; become the sums.
+    """
+    fields = list(zip(overlaps, windows))
+    give: dict[int, list[np.ndarray]] = {}
+    take: dict[int, int] = {}
+    for rows_of_field, window in fields:
+        for peer, pieces in rows_of_field.give.items():
+            give.setdefault(peer, []).extend(window[..., rows, :].ravel() for rows in pieces)
+        row_size = window[..., :1, :].size
+        for peer, count in rows_of_field.taken_rows.items():
+            take[peer] = take.get(peer, 0) + count * row_size
+    take.pop(comm.rank, None)
+    received = {peer: np.empty(count, windows[0].dtype) for peer, count in take.items()}
+    comm.exchange({peer: np.concatenate(parts) for peer, parts in give.items()}, received)
+    begin = dict.fromkeys(received, 0)
+    for rows_of_field, window in fields:
+        own = [
+            window[..., rows, :].copy()
+            for peer, rows, _ in rows_of_field.parts
+            if peer == comm.rank
+        ]
+        for rows in rows_of_field.common:
+            window[..., rows, :] = 0
+        for peer, _, rows in rows_of_field.parts:
+            target = window[..., rows, :]
+            if peer == comm.rank:
+                target += own.pop(0)
+            else:
+                stop = begin[peer] + target.size
+                target += received[peer][begin[peer] : stop].reshape(target.shape)
+                begin[peer] = stop
+
+
+def add_all(
+    comm: Any, window: np.ndarray, bounds: Sequence[tuple[int, int]], whole: np.ndarray
+) -> None:
+    """Add up the windows of all ranks on every rank. Collective.
+
+    Parameters
+    ----------
+    comm : Comm
+        The ranks that have windows.
+    window : ndarray, shape (fields, rows of the window, m)
+        Of this rank.
+    bounds : sequence of (int, int)
+        First row and end of each rank's window.
+    whole : ndarray, shape (fields, n, m)
+        Becomes the sum on all n rows of the ring.
+    """
+    fields, n, m = whole.shape
+    if comm.size == 1 and bounds[0][0] == 0:  # nothing is sent or copied twice
+        whole[...] = window[:, :n]
+        for row in range(n, window.shape[1]):
+            whole[:, row % n] += window[:, row]
+        return
+    counts = [fields * (hi - lo) * m for lo, hi in bounds]
+    received = np.empty(sum(counts), window.dtype)
+    comm.allgather_arrays(window.ravel(), received, counts)
+    whole[...] = 0
+    parts = np.split(received, np.cumsum(counts)[:-1])
+    for (lo, hi), numbers in zip(bounds, parts):
+        part = numbers.reshape(fields, hi - lo, m)
+        for start in range(lo // n * n, hi, n):  # the rows of a turn around the ring
+            begin, end = max(lo, start), min(hi, start + n)
+            whole[:, begin - start : end - start] += part[:, begin - lo : end - lo]
+
+
+def _joined(pieces: list[slice]) -> list[slice]:
+    """Join ranges that overlap or meet."""
+    joined: list[slice] = []
+    for piece in sorted(pieces, key=lambda rows: rows.start):
+        if joined and piece.start <= joined[-1].stop:
+            joined[-1] = slice(joined[-1].start, max(joined[-1].stop, piece.stop))
+        else:
+            joined.append(piece)
+    return joined
 
 
 _windows = lru_cache(maxsize=64)(Windows)

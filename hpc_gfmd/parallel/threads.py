@@ -16,12 +16,32 @@ T = TypeVar("T")
 
 PIECE_POINTS = 2**17  # of a field, which a thread works on at a time
 PIECE_ROWS = 8  # at least
-SHARES = 4  # of a compiled pass that each thread does
+SMALLEST_SHARE = 32  # of a compiled pass: a thread's equal part over this
 
 
 def piece_rows(n_y: int) -> int:
     """Return how many rows of n_y points a thread works on at a time."""
     return max(PIECE_ROWS, PIECE_POINTS // n_y)
+
+
+def pieces_of(rows: int, n_y: int) -> list[tuple[int, int]]:
+    """Cut rows evenly into what a thread works on at a time.
+
+    Parameters
+    ----------
+    rows : int
+        Their number.
+    n_y : int
+        Points of each.
+
+    Returns
+    -------
+    list of (int, int)
+        (start, stop) of each piece, in order.
+    """
+    count = max(1, rows // piece_rows(n_y))
+    ends = [rows * k // count for k in range(count + 1)]
+    return [(i0, i1) for i0, i1 in zip(ends, ends[1:]) if i0 < i1]
 
 
 def threads_for(points: int, threads: int) -> int:
@@ -45,8 +65,8 @@ def threads_for(points: int, threads: int) -> int:
 def shares(count: int, threads: int) -> list[tuple[int, int]]:
     """Cut a range into what a thread does in one compiled call.
 
-    On several threads that is several times each, because none of them is always as fast as the
-    others.
+    On several threads large parts come first and small ones last: a thread that begins late, or is
+    slower than the others, leaves them little to wait for.
 
     Parameters
     ----------
@@ -60,8 +80,12 @@ def shares(count: int, threads: int) -> list[tuple[int, int]]:
     list of (int, int)
         (start, stop) of each part, in order.
     """
-    parts = max(1, min(count, SHARES * threads if threads > 1 else 1))
-    ends = [count * part // parts for part in range(parts + 1)]
+    smallest = max(1, count // (SMALLEST_SHARE * threads))
+    ends = [0]
+    while ends[-1] < count:
+        rest = count - ends[-1]
+        share = max(smallest, rest // (2 * threads)) if threads > 1 else rest
+        ends.append(ends[-1] + min(share, rest))
     return list(zip(ends, ends[1:]))
 
 

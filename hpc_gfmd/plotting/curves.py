@@ -1,7 +1,7 @@
 """Contact area, mean gap and whatever else was asked for against the load, with the theory of the
 surface; of many results their mean and its scatter."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -81,7 +81,10 @@ def _panel(ax: Any, contexts: list[FigureContext], key: str) -> None:
         _pull_off(ax, context, loads, colour(k))
     with_theory = contexts if len(contexts) <= MOST_NAMED else contexts[:1]
     for k, context in enumerate(with_theory):
-        _theory(ax, context, key, loads, unit, None if len(contexts) == 1 else colour(k))
+        one_line = len(with_theory) == 1
+        _theory(ax, context, key, loads, unit, None if one_line else colour(k))
+    if key.startswith("critical_gap"):
+        _tight(ax, contexts, key, loads)
 
 
 def _points(
@@ -98,7 +101,7 @@ def _points(
         steps = [
             step
             for step in context.result.steps
-            if converged(step) == is_converged and finite(step.get(key))
+            if converged(step) == is_converged and _is_shown(key, step)
         ]
         if not steps:
             continue
@@ -112,6 +115,11 @@ def _points(
         ax.errorbar(x, y, bars, **look)
 
 
+def _is_shown(key: str, step: Mapping[str, Any]) -> bool:
+    """Whether a load is a point of a curve; a tight one is none, see `_tight`."""
+    return finite(step.get(key)) and not (key.startswith("critical_gap") and step[key] == 0)
+
+
 def _mean_and_scatter(
     ax: Any, contexts: list[FigureContext], key: str, loads: LoadAxis, unit: float
 ) -> None:
@@ -121,7 +129,7 @@ def _mean_and_scatter(
         [
             (loads.of(step), step[key] / unit)
             for step in context.result.steps
-            if finite(step.get(key))
+            if _is_shown(key, step)
         ]
         for context in contexts
     ]
@@ -150,6 +158,19 @@ def _mean_and_scatter(
         label="standard deviation",
     )
     ax.plot(x, mean, "o-", color=colour(0), label=f"mean of {number} results")
+
+
+def _tight(ax: Any, contexts: list[FigureContext], key: str, loads: LoadAxis) -> None:
+    """Shade the loads from the first one at which no open channel is left in any result, which a
+    logarithmic axis cannot show."""
+    steps = sorted((step for context in contexts for step in context.result.steps), key=loads.of)
+    is_tight = [step.get(key) == 0 for step in steps]
+    open_loads = [k for k, tight in enumerate(is_tight) if not tight]
+    tight_loads = steps[open_loads[-1] + 1 if open_loads else 0 :]
+    if tight_loads:
+        right = ax.get_xlim()[1]
+        ax.axvspan(loads.of(tight_loads[0]), right, color="0.9", zorder=0, label="tight")
+        ax.set_xlim(right=right)
 
 
 def _theory(

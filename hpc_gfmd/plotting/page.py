@@ -1,9 +1,11 @@
 """A picture as panels, each of which can draw itself on any axes."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import zip_longest
 from typing import Any
+
+from ..util.errors import SceneError
 
 COLUMN_WIDTH = 3.35  # inches, 85 mm: one column of a journal
 Panel = Callable[[Any], None]  # draws on the axes
@@ -25,6 +27,8 @@ class Page:
         Of the picture, in inches; a single panel that is no image has COLUMN_WIDTH.
     images : bool
         Whether axes keep their aspect and share their ticks.
+    arranged : bool
+        Whether the user chose `columns`.
     """
 
     panels: Sequence[Panel]
@@ -32,12 +36,38 @@ class Page:
     height: float = 2.3
     width: float = 7.2
     images: bool = False
+    arranged: bool = False
+
+    def with_columns(self, columns: int) -> "Page":
+        """Arrange the panels.
+
+        Parameters
+        ----------
+        columns : int
+            Panels beside each other; of one column the width is COLUMN_WIDTH.
+
+        Returns
+        -------
+        Page
+
+        Raises
+        ------
+        SceneError
+            For more columns than panels, or none.
+        """
+        if not 1 <= columns <= len(self.panels):
+            raise SceneError(
+                f"columns: found {columns}, allowed: from 1 to {len(self.panels)}, as many panels"
+            )
+        width = COLUMN_WIDTH if columns == 1 else self.width
+        return replace(self, columns=columns, width=width, arranged=True)
 
     def draw(self, fig: Any) -> None:
         """Draw all panels."""
         panels = self.panels
         images = self.images
-        columns = 2 if len(panels) == 4 and not images else min(self.columns, len(panels))
+        four = len(panels) == 4 and not images and not self.arranged
+        columns = 2 if four else min(self.columns, len(panels))
         rows = -(-len(panels) // columns)
         width = self.width if images or columns > 1 else COLUMN_WIDTH
         fig.set_size_inches(width, self.height * rows + (0.5 if images else 0.85))

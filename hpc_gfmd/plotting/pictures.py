@@ -81,6 +81,7 @@ def plot(
     dpi: float | None = None,
     dimensionless: bool = False,
     ax: Any = None,
+    columns: int | None = None,
 ) -> Picture:
     """Draw one picture of a result, or the curves of several.
 
@@ -90,7 +91,7 @@ def plot(
         Solved loads, or the file with them. Of several, a list or a dict by the names in the
         legend, only curves are drawn.
     what : str, optional
-        "maps" (contact, pressure, gap), one of these or "heights", "displacement", "plastic";
+        "maps" (pressure and gap), one of these, "contact", "heights", "displacement", "plastic";
         "distributions", "spectra"; "curves" against the load, or one of them: "a_r", "kappa",
         "gap_mean", "approach", or any other number of the loads, as "conductance" or
         "critical_gap_x". By default the first of them that there is. Of more than six results
@@ -106,6 +107,8 @@ def plot(
         Pressures over E* g_rms and lengths over h_rms though the result has units.
     ax : matplotlib.axes.Axes, optional
         Where to draw what is one panel; a legend is left to you.
+    columns : int, optional
+        Panels beside each other; 1: below each other, for one column of a journal (85 mm).
 
     Returns
     -------
@@ -138,7 +141,11 @@ def plot(
             for name, keys in kind.panels.items()
             if any(_steps(context.result, {name: keys}) for context in contexts)
         ]
+        if "pressure" in drawn and what == "maps":
+            drawn.remove("contact")  # which the pressure shows, too
         page = kind.page(contexts, drawn)
+        if columns is not None:
+            page = page.with_columns(columns)
         fig = ax.figure if ax else new_picture()
         try:
             if ax is None:

@@ -17,8 +17,6 @@ from ..util.atomic import atomic_write
 from ..util.notebook import in_notebook
 from .units import tex_number
 
-# Okabe and Ito; the last one is kept for warnings
-COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#000000")
 MARKERS = ("o", "s", "^", "D", "v", "P")
 LINES: tuple[Any, ...] = (
     "-",
@@ -48,6 +46,7 @@ RC: Any = matplotlib.rc_params_from_file(
     Path(__file__).with_name("journal.mplstyle"), use_default_template=False
 )
 DPI = RC["savefig.dpi"]
+COLOURS = tuple(RC["axes.prop_cycle"].by_key()["color"])
 
 
 class Picture(Figure):

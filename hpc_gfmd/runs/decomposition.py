@@ -87,25 +87,26 @@ class Share:
         of its levels."""
         return steps_of(self.grid, self.dtype)
 
-    def _points_alone(self, start: int) -> int:
-        """Count the points of the levels from `start` on, which rank 0 has alone."""
-        levels = self.hierarchy[1][start:] if self.grid.comm.rank == 0 else ()
+    @property
+    def _points_alone(self) -> int:
+        """Points of the levels that this rank has completely."""
+        steps, every_level = self.hierarchy
+        levels = every_level[len(steps) :] if self.grid.comm.rank in steps[-1].ranks else ()
         return sum(math.prod(level.n) for level in levels)
 
     @property
     def level_points(self) -> int:
-        """Points of all coarse levels of the preconditioner, halo rows not counted."""
+        """Points of all coarse levels of the preconditioner that this rank works on."""
         steps, _ = self.hierarchy
-        shared = sum(step.owned * step.transfer.m[1] for step in steps)
-        return shared + self._points_alone(len(steps) + 1)
+        return sum(step.owned * step.transfer.m[1] for step in steps[:-1]) + self._points_alone
 
     @property
     def level_bytes(self) -> int:
-        """Bytes of the levels of the preconditioner, halo rows included."""
+        """Bytes of the levels of the preconditioner."""
         steps, _ = self.hierarchy
         numbers = sum(math.prod(step.window_shape) for step in steps)
-        numbers += sum(math.prod(step.owned_shape) for step in steps[:-1] if not step.in_place)
-        return (numbers + 2 * self._points_alone(len(steps))) * self.dtype.itemsize
+        numbers += sum(math.prod(step.owned_shape) for step in steps[:-1] if step.windows)
+        return (numbers + 2 * self._points_alone) * self.dtype.itemsize
 
     @property
     def nested_points(self) -> int:

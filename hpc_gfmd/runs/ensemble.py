@@ -162,7 +162,7 @@ class Ensemble:
             scale, unit = column_scale(name, mean.tolist(), surface)
             texts = [
                 f"{value / scale:.4g}"
-                if name == self.load
+                if name in LOADS and self._is_alike(name)
                 else with_error(float(value / scale), float(sigma / abs(value)) if value else None)
                 for value, sigma in zip(mean, deviation, strict=True)
             ]

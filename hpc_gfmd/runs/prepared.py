@@ -13,11 +13,14 @@ from ..contact.contact import heights_of
 from ..output.summary import surface_line
 from ..parallel.comm import SerialComm
 from ..scene import Scene
+from ..scene.height_maps import Reading
 from ..surface import build_surface
 from ..surface.arrays import checked_array, is_topography, of_topography, unreliable
 from ..surface.metadata import Metadata
 from ..surface.prepare import prepare
 from ..surface.topography import Topography, open_topography, topography_of
+from ..surface.two_scans import combined, placed
+from ..util.errors import SceneError
 
 if TYPE_CHECKING:
     from ..plotting.style import Figure
@@ -186,6 +189,100 @@ def prepare_surface(heights: Any, **keys: Any) -> PreparedSurface:
     topography = topography_of(checked_array(heights), metadata, scene.surface)
     surface = _prepared(topography, scene.surface)
     return replace(surface, notes=(*surface.notes, doubt[1])) if doubt else surface
+
+
+def combine_surfaces(
+    surface: Any,
+    facing: Any,
+    *,
+    shift: Sequence[Any] = (0.0, 0.0),
+    mirrored: str = "x",
+    **keys: Any,
+) -> PreparedSurface:
+    """Add two rough surfaces that face each other to the one that is pressed, on one process.
+
+    The points of the finer one are the grid, in the window that both cover. The coarser one is
+    interpolated by cubic splines.
+
+    Parameters
+    ----------
+    surface, facing
+        Each a PreparedSurface, a Topography of SurfaceTopography, or the path of a height map;
+        peaks up.
+    shift : (x, y)
+        Where the first corner of `facing` lies, from that of `surface`: lengths such as
+        "5 um", or numbers in the unit of the sizes.
+    mirrored : str
+        Along which axis `facing` is mirrored, "x" or "y": as a scan from above is when its
+        body is turned over to face the other. "none" where x and y of both are the same directions
+        in space.
+    **keys
+        Those of `read_surface`: how files are read, and what is done to the sum.
+
+    Returns
+    -------
+    PreparedSurface
+        As `read_surface`; it ends where one of the two does, unless `boundary` says otherwise.
+
+    Raises
+    ------
+    SceneError
+        As `read_surface`, and for surfaces that do not overlap.
+    """
+    surfaces = (surface, facing)
+    names = ("the first surface", "the second surface")
+    paths = [
+        str(one) if isinstance(one, str | PathLike) else name for one, name in zip(surfaces, names)
+    ]
+    ends = [_ends(one) for one in surfaces]
+    if np.any(ends) and not keys.keys() & OF_EDGES:
+        keys["boundary"] = ["free" if end else "periodic" for end in np.any(ends, axis=0)]
+    bodies = [{"path": paths[0]}, {"path": paths[1], "shift": shift, "mirrored": mirrored}]
+    table = {"kind": "file", "bodies": bodies}
+    scene, table = _scene(table | keys, "hpc_gfmd.combine_surfaces")
+    spec = scene.surface
+    scans = [_scan(one, path, spec, keys) for one, path in zip(surfaces, paths)]
+    topography = combined(placed((scans[0], scans[1]), spec), spec)
+    prepared = _prepared(topography, spec)
+    return prepared if set(paths) & set(names) else prepared.from_table(table)
+
+
+def _ends(surface: Any) -> tuple[bool, bool]:
+    """Return whether a surface in memory ends along x, along y; of a file its reader knows."""
+    if isinstance(surface, PreparedSurface):
+        return surface.free
+    return (is_topography(surface) and not surface.is_periodic,) * 2
+
+
+def _scan(surface: Any, path: str, spec: Any, keys: dict[str, Any]) -> Topography:
+    """Return one of two surfaces as it is read. Raises SceneError."""
+    if isinstance(surface, PreparedSurface):
+        of_files = [key for key in keys if key in Reading.model_fields]
+        if of_files:
+            raise SceneError(
+                f"hpc_gfmd.combine_surfaces: found {of_files[0]}, which says how a file is read,"
+                f" with {path}, which is prepared, allowed: keys of what is done to the sum"
+            )
+        heights = surface.heights
+        return Topography(
+            heights.shape,
+            surface.sizes,
+            lambda start, stop: heights[start:stop],
+            surface.unit,
+            periodic=not any(surface.free) or None,
+            path=path,
+            plain_unit=surface.unit,
+        )
+    of_one = spec.model_copy(update={"path": path, "bodies": None})
+    if is_topography(surface):
+        return topography_of(*of_topography(surface), of_one)
+    if not isinstance(surface, str | PathLike):
+        raise SceneError(
+            f"hpc_gfmd.combine_surfaces: found {type(surface).__name__} for {path}, allowed: a"
+            " path, a Topography, or a surface of hpc_gfmd.prepare_surface(heights,"
+            " physical_sizes=...)"
+        )
+    return open_topography(of_one)
 
 
 def _prepared(topography: Topography, spec: Any) -> PreparedSurface:

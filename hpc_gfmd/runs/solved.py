@@ -4,6 +4,7 @@ picture."""
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from inspect import signature
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,8 +18,10 @@ from ..output.numbers import axes, names_of, numbers, said_of
 from ..output.record import RunFile
 from ..output.result import Result
 from ..parallel.comm import SerialComm
+from ..scene.explain import require_known
 from ..util.errors import GfmdError, SceneError, how_to_install
 from .references import references_of
+from .table import named_observables, table
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -222,6 +225,22 @@ class Solved:
         rate = leak_rate(critical_gap, viscosity, pressure_drop, width, length)
         return float(rate) if rate.ndim == 0 else rate
 
+    def table(self, errors: bool = False) -> str:
+        """Return the table that `hpc-gfmd show` prints.
+
+        Parameters
+        ----------
+        errors : bool
+            Whether the errors of solver and grid have columns of their own.
+
+        Returns
+        -------
+        str
+            A line for each load, a column for each observable that was asked for.
+        """
+        result = self.result
+        return table(result.numbered, result.surface, named_observables(result), errors)
+
     def to_dataframe(self) -> "DataFrame":
         """Make a pandas table: a row for each load, a column for each number; units by column in
         its `attrs`."""
@@ -265,8 +284,8 @@ class Solved:
             "curves" (over the loads; default of several), "maps" (default of one whose fields are
             kept), "distributions", "spectra", one field or one curve, such as "a_r".
         **how
-            step (which loads), window, dpi, dimensionless, ax (where to draw one panel); see
-            `hpc_gfmd.plot`, which also draws several results together.
+            step (which loads), window, dpi, dimensionless, columns, ax (where to draw one
+            panel); see `hpc_gfmd.plot`, which also draws several results together.
 
         Returns
         -------
@@ -276,10 +295,13 @@ class Solved:
         Raises
         ------
         SceneError
-            Where there is no such picture, or fields are spread over ranks.
+            Where there is no such picture or keyword, or fields are spread over ranks.
         """
         from ..plotting import plot
 
+        _, _, *keywords = signature(plot).parameters
+        for name in how:
+            require_known("plot", name, keywords)
         self._require_whole("plot")
         return plot(self.result, what or self._picture, **how)
 

@@ -148,7 +148,12 @@ def _line(item: Any, scene: Model, data: dict) -> tuple[tuple, str]:
     if not rest:
         fields = scene.model_fields
     inner_fields = table_fields(fields[field]) if field in fields else {}
-    if deeper and inner_fields:  # of a table within a table
+    in_a_list = inner_fields and len(deeper) > 1 and isinstance(deeper[0], int)
+    if in_a_list:  # of tables
+        place, *deeper = deeper
+        table = {**table, field: table[field][place]}
+        key, path = (*key, place), f"{path}[{place}]"
+    if deeper and inner_fields and isinstance(table[field], dict):  # of a table within a table
         of_table = f"{path}."
         table, fields = table[field], inner_fields
         field, *deeper = deeper

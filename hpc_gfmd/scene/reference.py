@@ -5,15 +5,19 @@ import json
 import textwrap
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from inspect import get_annotations
 from typing import Any
 
 from ..util.errors import SceneError
 from .explain import nearest, printable
+from .height_maps import OWN_KEYS, Body
 from .model import Scene
 from .not_modelled import not_modelled
 from .surface import KINDS, SurfaceTable
 from .table import about, allowed_of
 
+COMMON = SurfaceTable.__mro__
+BODIES = "[[surface.bodies]]"
 UNITS = {
     "length": "in the unit of the surface, or with a unit",
     "pressure": "in the unit of the moduli, or with a unit",
@@ -104,7 +108,7 @@ def sections(names: Mapping[str, Any] | None = None) -> list[Section]:
         for kind, model in models.items():
             keys = [
                 _key(name, model.model_fields[name], names.get(f"{table}.{name}"))
-                for name in model.__annotations__  # of the kind itself, not those of all kinds
+                for name in _names(model)
                 if name != "kind"
             ]
             if model is SurfaceTable:
@@ -113,13 +117,23 @@ def sections(names: Mapping[str, Any] | None = None) -> list[Section]:
             about_model = " ".join(model.__doc__.split())
             title_of_table = field.description or ""
             listed.append(Section(table, heading, title_of_table, about_model, tuple(keys), kind))
+        if table == "surface":
+            own_keys = tuple(_key(name, Body.model_fields[name]) for name in OWN_KEYS)
+            about_body = " ".join((Body.__doc__ or "").split())
+            listed.append(
+                Section(table, BODIES, field.description or "", about_body, own_keys, BODIES)
+            )
     return listed
 
 
 def toml(value: Any) -> str:
     """Write a value in TOML, on one line."""
     if isinstance(value, dict):
-        return f"{{{', '.join(f'{toml(key)} = {toml(item)}' for key, item in value.items())}}}"
+        items = (
+            f"{key if key.isidentifier() else toml(key)} = {toml(item)}"
+            for key, item in value.items()
+        )
+        return f"{{{', '.join(items)}}}"
     if isinstance(value, list | tuple):
         return f"[{', '.join(map(toml, value))}]"
     # as JSON has it, but for infinity; dates, which no key takes, become texts
@@ -186,6 +200,12 @@ def _listed(allowed: str) -> str:
     """Shorten a long list of names to a link to the page that has them."""
     noun = allowed.partition(":")[0]
     return allowed if len(allowed) <= 120 else f"{noun}, of [these](observables.md)"
+
+
+def _names(model: Any) -> list[str]:
+    """List the keys of a table; of a kind of surface those of its own, not those of all kinds."""
+    classes = [base for base in reversed(model.__mro__) if base is model or base not in COMMON]
+    return list(dict.fromkeys(name for base in classes for name in get_annotations(base)))
 
 
 def _key(name: str, field: Any, names: Any = ()) -> Key:

@@ -6,32 +6,26 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from .height_maps import Bodies, Reading
 from .table import (
-    LIST,
     MAX_INT,
     MAX_N,
     Boundary,
     Corners,
     Height,
     Length,
-    LengthUnit,
     Modes,
     Pair,
-    Paths,
     Points,
     Positive,
     Radii,
     Ratio,
     Table,
-    Text,
-    alike,
     key,
     one_of,
 )
-from .table import Path as PathText
 
 Factor = Annotated[int, Field(ge=1, le=1024)]
-ANY = "surface"  # the data set or channel where the scene names none
 
 
 class SurfaceTable(Table):
@@ -211,69 +205,20 @@ class Sphere(SurfaceTable):
     n: Pair[Points] = key("grid points [n_x, n_y]", example=[256, 256])
 
 
-class File(SurfaceTable):
-    """A measured or computed height map, or the sum of two, x and y of which are the same
-    directions in space; the grid is its shape. x is the first index of an array, which in a text is
-    the number of the line, unless the file says otherwise. What the file says of sizes holds unless
-    these keys say otherwise; a unit that contradicts the file's is refused."""
+class File(Reading, SurfaceTable):  # type: ignore[misc]
+    """A measured or computed height map, or the sum of two; the grid is its shape. x is the first
+    index of an array, which in a text is the number of the line, unless the file says otherwise.
+    What the file says of sizes holds unless these keys say otherwise; a unit that contradicts the
+    file's is refused. Of two scans the points of the finer one are the grid, in the window that
+    both cover, and the other one is interpolated by cubic splines; what is done to one map is done
+    to their sum."""
 
     kind: Literal["file"]
-    path: Paths = key(
-        "a relative one counts from the folder of the scene; two maps, of two rough bodies, are"
-        " added",
-        example="map.npy",
-        allowed="the path of a height map (.npy, .h5, .nc, .csv, .tif, .x3p, ...), or a list of"
-        " two",
-    )
-    dataset: PathText = key(
-        "which one, where the file has several",
-        ANY,
-        allowed="the name of a data set (HDF5, NetCDF, .npz) or of a channel",
-    )
-    skip_lines: Annotated[int, Field(ge=0)] | None = key(
-        "of a text: lines before the numbers", None, example=3, said="those that are no numbers"
-    )
-    decimal: Literal[".", ","] | None = key(
-        "of a text: what decimals begin with", None, example=",", said="what fits"
-    )
-    missing: Annotated[tuple[Text, ...], LIST] = key(
-        'what stands for missing points; in a text besides nothing, "***", "BAD", "---", "nan"',
-        (),
-        example=["9999"],
-        allowed="a list of texts",
-    )
-    coordinates: Literal["none", "line", "column", "both"] | None = key(
-        "of a text: which of first line and column are coordinates",
+    bodies: Bodies | None = key(
+        "instead of path: two scans of two rough bodies, each from above, of any points and sizes",
         None,
-        example="both",
-        said="what the numbers show",
-    )
-    first_axis: Literal["x", "y"] | None = key(
-        "what the first index of an array, or the line number of a text, runs along",
-        None,
-        example="y",
-        said="what the file says, else x",
-    )
-    height_range: Pair[Height] | None = key(
-        "of a TIFF or PNG of whole numbers: heights of the lowest and the highest possible",
-        None,
-        unit="length",
-        example=["0 nm", "500 nm"],
-    )
-    # None, other than in a surface that is made: as the file says
-    physical_sizes: Pair[Length] | None = key(  # type: ignore[assignment]
-        "lengths [L_x, L_y] of the map; plain ones are in surface.unit",
-        None,
-        unit="length",
-        example=["10 um", "8 um"],
-        said="what the file says",
-    )
-    unit: LengthUnit | None = key(
-        "of the heights, and of plain sizes",
-        None,
-        example="nm",
-        said="what the file says",
-        allowed='a unit of length, such as "nm"',
+        allowed="a list of two, each the path of a height map or a table [[surface.bodies]]",
+        example=["shaft.x3p", {"path": "seal.csv", "unit": "um", "shift": ["5 um", "0 um"]}],
     )
     boundary: Boundary | None = key(  # type: ignore[assignment]
         "whether the map repeats, or has free edges",
@@ -311,7 +256,8 @@ class File(SurfaceTable):
 
     @model_validator(mode="after")
     def _one_way_to_be_periodic(self) -> Self:
-        """Refuse a free boundary, mirror images and a window together."""
+        """Refuse a free boundary, mirror images and a window together; path or bodies."""
+        one_of(self, "path", "bodies")
         ways = {
             "a free boundary": any(self.free),
             "mirror": self.mirror,
@@ -320,7 +266,6 @@ class File(SurfaceTable):
         found = [way for way, taken in ways.items() if taken]
         if len(found) > 1:
             raise ValueError(f"found {' and '.join(found)}, allowed: one of them")
-        alike("heights", {"surface.height_range": self.height_range})
         return self
 
     @property

@@ -186,9 +186,14 @@ def allowed_of(field: Any) -> str:
 
 
 def table_fields(field: Any) -> Mapping[str, Any]:
-    """Return the keys of the table that a key takes, {name: field}; none of others."""
-    models = [field.annotation, *get_args(field.annotation)]
-    return next((model.model_fields for model in models if hasattr(model, "model_fields")), {})
+    """Return the keys of the table, or of the tables in a list, that a key takes, {name: field};
+    none of others."""
+    types = [field.annotation]
+    for annotation in types:  # those inside of others, too
+        if hasattr(annotation, "model_fields"):
+            return annotation.model_fields
+        types.extend(get_args(annotation))
+    return {}
 
 
 def one_of(table: BaseModel, *keys: str) -> None:

@@ -11,7 +11,7 @@ from zipfile import ZipFile
 import numpy as np
 
 from ..parallel.h5 import inside
-from ..scene.surface import ANY
+from ..scene.height_maps import ANY
 from ..util.errors import SceneError, one_line
 from .contents import Contents
 from .metadata import ATTRIBUTES, Map, Metadata, by_attributes, by_axes

@@ -10,7 +10,7 @@ from zipfile import ZipFile
 
 import numpy as np
 
-from ..scene.surface import ANY
+from ..scene.height_maps import ANY
 from ..util.errors import SceneError, one_line
 from ..util.lengths import length_factor
 from ..util.libraries import surface_topography

@@ -1,7 +1,7 @@
 """What the scene asks to be done to a measured height map before it is pressed, in this order:
 
 crop, detrend (by the points that were measured), fill, flip, mirror or window, refine, downsample,
-and the form under it.
+and the form under it. Of two scans each is filled before they are added, see two_scans.py.
 
 All but refine and downsample are done to rows as they are read, so that the map never is in one
 place. All functions are collective.
@@ -17,10 +17,11 @@ from ..parallel.guard import collective_errors
 from ..util.errors import SceneError
 from ..util.quantities import format_quantity
 from .fill import filled
-from .quality import notes_on, quality_of, window_note
+from .quality import DOUBT, notes_on, quality_of, window_note
 from .resample import resampled
 from .slabs import own_slabs
 from .topography import Topography
+from .two_scans import combined, interpolated, name_of, spacings_text
 
 POWERS = {
     "mean": [(0, 0)],
@@ -77,6 +78,8 @@ def prepare(topography: Topography, spec: Any, comm: Any) -> Topography:
         One on all ranks, for everything that the scene still has to say.
     """
     lacks = list(topography.lacks.values())
+    if topography.bodies:
+        topography = _of_filled_scans(topography, spec, comm, lacks)
     if lacks:  # only to see what else is
         spec = spec.model_copy(update={"crop": None})
     size, _ = prepared_size(topography, spec)
@@ -86,11 +89,7 @@ def prepare(topography: Topography, spec: Any, comm: Any) -> Topography:
     detrend = "mean" if has_window and spec.detrend == "none" else spec.detrend
     if detrend != "none":
         topography = _detrended(topography, detrend, comm)
-    try:
-        topography = filled(topography, spec.fill, comm)
-    except SceneError as error:
-        lacks.append(str(error))
-        topography = filled(topography, "harmonic", comm)
+    topography = _filled(topography, spec, comm, lacks)
     try:
         notes, quality = notes_on(topography, spec, comm)
         topography = replace(topography, notes=(*topography.notes, *notes))
@@ -116,6 +115,31 @@ def prepare(topography: Topography, spec: Any, comm: Any) -> Topography:
         texts = ", ".join(dict.fromkeys(map(format_quantity, spec.radii)))
         topography = topography.on_form(radii).after(f"on a form of radius {texts}")
     return topography
+
+
+def _filled(topography: Topography, spec: Any, comm: Any, lacks: list[str]) -> Topography:
+    """Fill the holes; where the scene does not want that, add to `lacks` that it is needed."""
+    try:
+        return filled(topography, spec.fill, comm)
+    except SceneError as error:
+        lacks.append(str(error))
+        return filled(topography, "harmonic", comm)
+
+
+def _of_filled_scans(topography: Topography, spec: Any, comm: Any, lacks: list[str]) -> Topography:
+    """Fill the holes of two scans, of which the Topography is the sum, and add them. Notes where
+    an interpolated one does not resolve its own roughness."""
+    lower, upper = (_filled(scan, spec, comm, lacks) for scan in topography.bodies)
+    total = combined((lower, upper), spec)
+    if total.lacks:
+        return total
+    notes = [
+        f"{name_of(scan)} does not resolve its own roughness: it says nothing of waves shorter than"
+        f" {spacings_text(scan, 2)}, and between its points those up to twice as long are damped"
+        for scan in interpolated((lower, upper), spec)
+        if quality_of(scan, comm).unresolved > DOUBT.unresolved
+    ]
+    return replace(total, notes=(*total.notes, *notes))
 
 
 def _cropped(topography: Topography, spec: Any) -> Topography:

@@ -21,19 +21,21 @@ from .metadata import Metadata
 from .prepare import prepare
 from .quality import DOUBT, MapQuality, outliers, quality_of
 from .topography import Topography, open_topography
+from .two_scans import name_of
 
 NEEDED = "TO BE GIVEN, the file does not say it"
+NEEDED_OF_TWO = "TO BE GIVEN, here for both or in bodies for each; a file does not say it"
 SAYS_FILE = "as the file says"
 AGREE = 1e-3  # relative difference of sizes that are the same
 
 
 def suggestion(make: Callable[[dict], File], user_keys: dict) -> Suggestion:
-    """Read a map and suggest what a scene says of it.
+    """Read a map, or two, and suggest what a scene says of it.
 
     Parameters
     ----------
     make : function
-        Takes keys of [surface] beside the path, and returns a scene.File.
+        Takes keys of [surface] beside path or bodies, and returns a scene.File.
     user_keys : dict
         The keys that the user has set already.
 
@@ -47,6 +49,8 @@ def suggestion(make: Callable[[dict], File], user_keys: dict) -> Suggestion:
         For a file that cannot be read, or that contradicts what is set.
     """
     topography = open_topography(make(user_keys))
+    if topography.bodies:
+        return _of_two_scans(topography, make, user_keys)
     metadata = topography.metadata
     result = Suggestion(dict(user_keys), unit=topography.unit, missing=list(topography.lacks))
     unit = metadata.sizes_unit or metadata.unit or user_keys.get("unit")
@@ -65,6 +69,22 @@ def suggestion(make: Callable[[dict], File], user_keys: dict) -> Suggestion:
     result.why = dict.fromkeys(by_file, SAYS_FILE) | dict.fromkeys(result.missing, NEEDED)
     _by_heights(result, make, user_keys, metadata.periodic)
     _by_instrument(result, topography, make(user_keys))
+    return result
+
+
+def _of_two_scans(
+    topography: Topography, make: Callable[[dict], File], user_keys: dict
+) -> Suggestion:
+    """Return the Suggestion for two scans, whose sum the Topography is."""
+    result = Suggestion(dict(user_keys), unit=topography.unit, missing=list(topography.lacks))
+    result.why = dict.fromkeys(result.missing, NEEDED_OF_TWO)
+    for scan in topography.bodies:
+        result.about += [f"{name_of(scan)}: {line}" for line in _about(scan, user_keys)]
+    if result.missing:
+        return result
+    of_sum = Suggestion(result.values, why=result.why)
+    _by_heights(of_sum, make, user_keys, topography.periodic)
+    result.about += [f"sum: {line}" for line in of_sum.about]
     return result
 
 

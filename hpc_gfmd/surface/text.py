@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..scene.surface import ANY
+from ..scene.height_maps import ANY
 from ..util.errors import one_line
 from . import header
 from .blocks import Block, joined, read_blocks

@@ -10,6 +10,7 @@ from typing import Any, Self
 import numpy as np
 
 from ..scene import each
+from ..scene.height_maps import Reading
 from ..util.errors import SceneError, one_line
 from ..util.quantities import Quantity
 from .analytic import Rows
@@ -17,8 +18,8 @@ from .files import open_map
 from .heights import checked
 from .map_units import MapUnits, lengths_text
 from .metadata import Metadata
+from .two_scans import ALIKE, combined, placed
 
-ALIKE = 1e-6  # relative difference of lengths that are the same
 SQUARE = 0.01  # relative difference of spacings of square points, at most
 OBLONG = 0.05  # of points that are not square, at least
 SIZES = 1e-9, 1.0  # m: no instrument measures less, or more
@@ -48,6 +49,10 @@ class Topography:
         What a plain length of the scene stands for, in m where `unit` is "m".
     plain_unit : str
         Unit of plain lengths.
+    origin : (float, float)
+        Where its first point lies, in the unit of `sizes`.
+    bodies : tuple of Topography
+        The two scans that it is the sum of, by `combined`; none of one map.
     metadata : Metadata
         What the file says.
     lacks : dict
@@ -68,6 +73,8 @@ class Topography:
     filled: int = 0
     plain: float = 1.0
     plain_unit: str = ""
+    origin: tuple[float, float] = (0.0, 0.0)
+    bodies: "tuple[Topography, ...]" = ()
     metadata: Metadata = field(default_factory=Metadata)
     lacks: dict[str, str] = field(default_factory=dict)
     prepared: tuple[str, ...] = ()
@@ -156,8 +163,19 @@ def open_topography(spec: Any) -> Topography:
     ------
     SceneError
     """
+    if spec.bodies:
+        return combined(placed((_opened(spec, 0), _opened(spec, 1)), spec), spec)
     specs = [spec.model_copy(update={"path": path}) for path in each(spec.path)]
     return reduce(_sum, [topography_of(*open_map(one_map), one_map) for one_map in specs])
+
+
+def _opened(spec: Any, k: int) -> Topography:
+    """Open one of the two scans of a scene."""
+    keys = {key: getattr(spec.bodies[k], key) for key in Reading.model_fields}
+    # those that are not given are those of spec
+    keys_of_body = {key: value for key, value in keys.items() if value is not None}
+    of_body = spec.model_copy(update=keys_of_body | {"bodies": None})
+    return topography_of(*open_map(of_body), of_body)
 
 
 def topography_of(data: Any, metadata: Metadata, spec: Any) -> Topography:
@@ -232,7 +250,7 @@ def _sum(lower: Topography, upper: Topography) -> Topography:
         ]
         raise SceneError(
             f"surface.path: found {texts[0]} and {texts[1]}, allowed: two maps of the same points,"
-            " lengths and unit"
+            " lengths and unit (others: surface.bodies)"
         )
     return replace(
         lower,

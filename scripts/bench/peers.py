@@ -167,6 +167,11 @@ def _compare(contact, other_codes, error, args, report):
             contender.rows.append(contender.code.solve(contender.settings["tolerance"]))
     our_rows = [contender.rows for contender in contenders if contender.code.is_ours]
     for contender in contenders:
+        statuses = {row["status"] for row in contender.rows}
+        if len(statuses) > 1:
+            report.note(f"{contender.settings['code']}: solves end as {', '.join(statuses)}")
+            report.add(**head, **contender.settings, status="differs")
+            continue
         row = summary(contender.rows) | {"error": max(row["error"] for row in contender.rows)}
         row |= _times_over_ours(contender.rows, our_rows)
         report.add(**head, **contender.settings, **row)

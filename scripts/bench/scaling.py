@@ -25,6 +25,15 @@ ACCURACY = 1e-2
 SMALL = 32  # points along an axis of a grid whose solve takes no time but the interpreter's
 COPIED_BYTES = 2**26  # far more than caches hold
 WARM_UPS = 4  # solves of a process before the system has given it large pages
+# what a rank waits in, by the method of its communicator
+WAITS = {
+    "_allreduce": "sums",
+    "bcast": "broadcasts",
+    "exchange": "rows",
+    "allgather_arrays": "rows",
+    "alltoall_bytes": "transposes",
+    "barrier": "meetings",
+}
 
 
 def run(args):
@@ -105,8 +114,9 @@ def worker(comm, n, precision, p_star, threads):
     source, target = np.ones((2, COPIED_BYTES // 4), np.float32)
     watch = Stopwatch()
     watch.watch(Multilevel, "sweep", "levels")
-    for method in ("_allreduce", "bcast", "exchange", "alltoall_bytes", "barrier"):
-        watch.watch(MpiComm, method, "messages")
+    for method, name in WAITS.items():
+        watch.watch(MpiComm, method, name)
+    names = list(dict.fromkeys(WAITS.values()))
 
     def measure():
         sweep.starter.forget()
@@ -118,8 +128,8 @@ def worker(comm, n, precision, p_star, threads):
         comm.barrier()
         elapsed = time.perf_counter() - wall_begin
         parts = watch.take()
-        shares = comm.sum([parts["levels"], parts["messages"]]) / comm.size / elapsed
-        share_levels, share_messages = shares.tolist()
+        seconds_of = [parts["levels"], *(parts[name] for name in names)]
+        share_levels, *waits = (comm.sum(seconds_of) / comm.size / elapsed).tolist()
         return {
             "n": n,
             "ranks": comm.size,
@@ -131,7 +141,8 @@ def worker(comm, n, precision, p_star, threads):
             "cpu_seconds": time.process_time() - cpu_begin,
             "copy_bandwidth": 2 * COPIED_BYTES / seconds(lambda: np.copyto(target, source), comm),
             "share_levels": share_levels,
-            "share_messages": share_messages,
+            "share_messages": sum(waits),
+            **{f"share_{name}": share for name, share in zip(names, waits)},
             "iterations": load.iterations,
             "fft_pairs": load.fft_pairs,
         }

@@ -36,6 +36,10 @@ class CountingComm(MpiComm):
         self.sent += np.array([8 * np.size(values), 1]) * stages(self.size)
         return super()._allreduce(values, op)
 
+    def allgather_arrays(self, send, receive, counts):
+        self.sent += np.array([send.nbytes, 1]) * stages(self.size)
+        super().allgather_arrays(send, receive, counts)
+
     def exchange(self, send, receive):
         self.sent += sum(a.nbytes for a in send.values()), len(send)
         super().exchange(send, receive)

@@ -48,3 +48,23 @@ def test_retraction_to_separation(comm):
         assert_same(on_ranks, alone)
     assert pair[0][-1].status == "separated"
     assert pair[0].pull_off == pair[1].pull_off
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+def test_prescribed_lengths(comm, boundary):
+    """A mean gap and an approach are the same on all ranks, and so is the pressure."""
+    adhesion = adhesive.attraction(1.0, 0.1)
+    how = {"physical_sizes": (8.0, 8.0), "precision": "double", "branch": "retraction"}
+    if boundary == "periodic":
+        z, lengths = adhesive.wall(4, 4).heights, {"gap_mean": [0.3, 0.5]}
+    else:
+        x = np.arange(32) / 4 - 4
+        z, lengths = -(x[:, None] ** 2 + x**2) / 20, {"approach": [0.05, 0, -0.01]}
+    pair = [
+        hpc_gfmd.solve(z, adhesion=adhesion, boundary=boundary, comm=world, **lengths, **how)
+        for world in (comm, None)
+    ]
+    for on_ranks, wanted in zip(*pair, strict=True):
+        assert_same(on_ranks, wanted)
+        assert on_ranks.status == "converged"
+        assert on_ranks.p == pytest.approx(wanted.p, rel=1e-3, abs=1e-6)

@@ -176,6 +176,26 @@ def test_the_same_heights_on_any_number_of_ranks(boundary, keys, comm, monkeypat
     )
 
 
+@pytest.mark.parametrize("boundary", ["free", "periodic", ("free", "periodic")])
+def test_two_scans_are_the_same_on_any_number_of_ranks(boundary, comm, monkeypatch):
+    """To the bit, whichever rows a rank reads together."""
+    monkeypatch.setattr(slabs, "ROWS", 2)  # so that all ranks read
+    fine = random_heights((37, 22), seed=1)
+    coarse = random_heights((13, 9), seed=2)
+    coarse[4:6, 3] = np.nan
+    if comm.rank == 0:
+        np.save("fine.npy", fine)
+        np.save("coarse.npy", coarse)
+    comm.barrier()
+    bodies = ("fine.npy", {"path": "coarse.npy", "shift": (-0.3, 0.1)})
+    keys = {"fill": "harmonic", "detrend": "tilt", "boundary": boundary, "physical_sizes": SIZES}
+    spec = File(kind="file", bodies=bodies, **keys)
+    together, alone = (build_surface(spec, each, np.float64) for each in (comm, SerialComm()))
+    assert together.checksum == alone.checksum
+    assert any("coarse.npy interpolated" in line for line in together.prepared)
+    comm.barrier()
+
+
 def test_different_files_on_ranks(comm):
     path = f"{comm.rank}.npy"
     np.save(path, np.zeros((4 + comm.rank, 4)))

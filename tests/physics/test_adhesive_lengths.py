@@ -54,14 +54,17 @@ def test_a_ball_at_an_approach(precision):
     forces = [float(force * np.pi * w) for force in (0.5, 0.0, -1.2, -1.5)]
     pulled = hpc_gfmd.solve(ball, force=forces, **how)
     approaches = [float(one.value("approach")) for one in pulled]
-    assert approaches[-1] < 0
+    assert approaches[-1] < 0 < approaches[-2]
     found = hpc_gfmd.solve(ball, approach=approaches, **how)
     for one, same, approach in zip(found, pulled, approaches, strict=True):
         assert one.status == "converged"
         assert one.value("approach") == pytest.approx(approach, abs=2e-3 * approaches[0])
         assert one.p == pytest.approx(same.p, abs=4e-3 * np.pi * w)
         assert one.a_r == pytest.approx(same.a_r, abs=3 / 64**2)
-    assert hpc_gfmd.solve(ball, approach=[*approaches[:1], -0.05], **how)[-1].status == "separated"
+    last = hpc_gfmd.solve(ball, approach=[approaches[0], 0, -0.05, -0.06], **how)[1:]
+    assert [one.status for one in last] == ["converged", "separated", "separated"]
+    assert found[-2].p > last[0].p > found[-1].p
+    assert last[0].value("approach") == pytest.approx(0, abs=1e-3 * how["adhesion"]["range"])
 
 
 @pytest.mark.parametrize("branch", ["approach", "retraction"])

@@ -1,9 +1,11 @@
 """`scripts/bench` with tiny contacts: rows, errors, times and the model are consistent."""
 
+import importlib.util
 import json
 import shlex
 import sys
 from dataclasses import replace
+from pathlib import Path
 
 import mpi_harness
 import numpy as np
@@ -164,6 +166,24 @@ def test_peers(bench, tmp_path, monkeypatch):
         assert row["options"]["precision"] in row["code"]
         assert row["code_versions"]["hpc-gfmd"]
         assert row["peak_mib"] > 0
+
+
+def test_rows_that_cannot_be_compared(monkeypatch):
+    """The pages refuse rows of a changed tree, and rows that differ in status or tolerance."""
+    path = Path(peers.__file__).parents[2] / "docs" / "_tables.py"
+    spec = importlib.util.spec_from_file_location("tables_of_pages", path)
+    tables = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(tables)
+    case = {"kind": "periodic", "n": 64, "a_r": 0.1, "asked": 1e-3, "code": "aspher"}
+    row = case | {"status": "converged", "tolerance": 0.1, "provenance": {"commit": "1234567"}}
+    tables.refuse_unlike([row, row, row | {"n": 128, "tolerance": 0.2}])
+    for other, words in (
+        ({"provenance": {"commit": "1234567+"}}, "tree with changes"),
+        ({"status": "not reached"}, "status"),
+        ({"tolerance": 0.2}, "tolerance"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            tables.refuse_unlike([row, row | other])
 
 
 @pytest.mark.parametrize(

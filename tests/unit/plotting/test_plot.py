@@ -182,13 +182,11 @@ def test_plots_show_the_computed_numbers(kind, units):
     fig = solutions.plot("maps")
     assert_readable(fig)
     images = [image for ax in fig.axes for image in ax.get_images()]
-    for solution, shown in zip(solutions, (images[:3], images[3:])):
+    for solution, shown in zip(solutions, (images[:2], images[2:])):
         size = solution.result.surface["physical_sizes"]
-        contact, pressure, gap = (np.ma.filled(image.get_array(), 0).T for image in shown)
-        assert (contact == solution.contact).all()
-        for image, field, exact in zip(
-            shown[1:], (pressure, gap), (solution.pressure, solution.gap)
-        ):
+        pressure, gap = (np.ma.filled(one.get_array(), 0).T for one in shown)
+        assert (~np.ma.getmaskarray(shown[0].get_array()).T == solution.contact).all()
+        for image, field, exact in zip(shown, (pressure, gap), (solution.pressure, solution.gap)):
             unit = unit_of(image.colorbar.ax.get_ylabel(), solution)
             assert field * unit == pytest.approx(exact, rel=1e-6)
             bar = image.colorbar
@@ -301,7 +299,7 @@ def test_plots_on_given_axes():
     wave = solved("wave", units=False)
     hpc_gfmd.plot(wave, "kappa", ax=right)  # not among the curves of a wave
     assert right.containers[0].lines[0].get_ydata() == pytest.approx(wave.values("kappa"))
-    with refused("ax: found 'maps' of 6 panels, allowed: one panel"):
+    with refused("ax: found 'maps' of 4 panels, allowed: one panel"):
         solutions.plot("maps", ax=left)
 
 
@@ -426,6 +424,95 @@ def test_single_contact_points_are_visible():
     for colours, behind in ((style.PRESSURE_MAP, ground), (style.CONTACT_MAP, (1, 1, 1))):
         for shade in colours(np.linspace(0, 1, 20))[:, :3]:
             assert np.abs(shade - behind).max() > 0.35
+
+
+# Machado, Oliveira and Fernandes (2009), for whom one kind of cones is missing
+MISSING_CONES = {
+    "deuteranopia": [
+        [0.367322, 0.860646, -0.227968],
+        [0.280085, 0.672501, 0.047413],
+        [-0.011820, 0.042940, 0.968881],
+    ],
+    "protanopia": [
+        [0.152286, 1.052583, -0.204868],
+        [0.114503, 0.786281, 0.099216],
+        [-0.003882, -0.048116, 1.051998],
+    ],
+}
+TO_XYZ = np.array(  # from linear sRGB, over white
+    [[0.433953, 0.376219, 0.189828], [0.212673, 0.715152, 0.072175], [0.017757, 0.109477, 0.872766]]
+)
+
+
+def cielab(colours, missing):
+    """L*, a*, b* of colours as somebody without some cones sees them."""
+    rgb = np.array([matplotlib.colors.to_rgb(colour) for colour in colours])
+    linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
+    x, y, z = TO_XYZ @ np.clip(np.array(missing) @ linear.T, 0, 1)
+    x, y, z = (np.where(v > 0.008856, np.cbrt(v), 7.787 * v + 16 / 116) for v in (x, y, z))
+    return np.transpose([116 * y - 16, 500 * (x - y), 200 * (y - z)])
+
+
+def least_difference(colours, missing):
+    seen = cielab(colours, missing)
+    apart = np.linalg.norm(seen[:, None] - seen, axis=-1)
+    return apart[np.triu_indices(len(seen), 1)].min()
+
+
+@pytest.mark.parametrize("missing", MISSING_CONES.values(), ids=MISSING_CONES.keys())
+def test_colours_are_safe_for_colour_blind_readers(missing):
+    """By 15 in CIELAB, six times what is just seen; the usual ones of matplotlib by 8 at most."""
+    assert least_difference(style.COLOURS, missing) > 15
+    assert least_difference([f"C{k}" for k in range(5)], missing) < 8
+    marked = [style.WARNING, *style.COLOURS[:1], style.YIELDED]
+    assert least_difference(marked, missing) > 15
+
+
+@pytest.mark.parametrize("missing", MISSING_CONES.values(), ids=MISSING_CONES.keys())
+@pytest.mark.parametrize("name", ["viridis", "cividis", style.PRESSURE_MAP, style.CONTACT_MAP])
+def test_colour_maps_are_monotonic_in_lightness(name, missing):
+    """The value is seen without any colour; within a rounding of the tables."""
+    colours = matplotlib.colormaps.get_cmap(name)(np.linspace(0, 1, 64))
+    lightness = cielab(colours[:, :3], missing)[:, 0]
+    steps = np.diff(lightness) * np.sign(lightness[-1] - lightness[0])
+    assert steps.min() > -0.1
+    assert abs(lightness[-1] - lightness[0]) > 40
+
+
+def test_tight_loads_are_shaded():
+    """Where no channel is open a logarithmic axis has nothing to show, and the picture says it."""
+    wall = make_surface(**rough())
+    sweep = hpc_gfmd.solve(
+        wall, p_star=[0.01, 0.1, 0.2, 0.6, 1.0], observables=["critical_gap"], fields=()
+    )
+    gaps = sweep.values("critical_gap_x")
+    first = int(np.argmax(gaps == 0))
+    assert first > 1
+    (ax,) = sweep.plot("critical_gap_x").axes
+    (shaded,) = (patch for patch in ax.patches if patch.get_label() == "tight")
+    assert shaded.get_x() == pytest.approx(sweep.p_star[first])
+    assert len(ax.containers[0].lines[0].get_xdata()) == first
+    (ax,) = sweep.plot("critical_gap_x", step=[0, 1]).axes
+    assert not ax.patches
+
+
+def test_one_column_of_panels_is_85_mm_wide(cli):
+    solutions = solved("rough", units=True)
+    for what, panels in (("maps", 4), ("curves", 3)):
+        fig = solutions.plot(what, columns=1)
+        assert_readable(fig)
+        assert fig.get_figwidth() * 25.4 < 86
+        tops = [ax.get_position().y1 for ax in fig.axes if ax.get_xlabel() or ax.get_images()]
+        assert len({round(top, 3) for top in tops}) == panels
+    with refused("columns: found 9, allowed: from 1 to 4"):
+        solutions.plot("maps", columns=9)
+
+
+def test_unknown_keywords_suggest_the_nearest():
+    solutions = solved("rough", units=True)
+    for solved_loads in (solutions, solutions[0]):
+        with refused('plot: found .*widow.*, nearest: "window", allowed: ax, columns'):
+            solved_loads.plot("pressure", widow=(0, 1, 0, 1))
 
 
 def test_windows_show_all_grid_points():

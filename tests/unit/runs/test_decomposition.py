@@ -25,15 +25,15 @@ def test_ranks_share_work_evenly(n, dtype):
             slab = n * n / ranks
             more = max(0.1 * slab, MIB / itemsize)
             assert share.points <= slab + n
-            assert share.coarse_points <= slab / 3 + more, (ranks, share.grid.comm.rank)
-            # the rows beside its own on all levels: 3 fields of n/2 points and 2 of n/4, n/8,
-            # ... each side
-            halo = 2 * 6 * n
+            # up to two rows beside its own on all levels, of n/2, n/4, ... points, each side
+            beside = 2 * 2 * n
+            assert share.coarse_points <= slab / 3 + beside + more, (ranks, share.grid.comm.rank)
+            halo = 5 * beside  # 3 fields, then 2, and where rows are gathered once more
             assert share.level_bytes <= (23 / 24 * slab + halo) * itemsize + max(
                 0.1 * slab * itemsize, MIB
             ), ranks
             assert share.level_traffic[0] <= max(0.1 * slab * itemsize, MIB) + halo * itemsize
-            assert share.level_traffic[1] <= 8 * np.log2(n)
+            assert share.level_traffic[1] <= 2 + 3 * np.log2(ranks)
 
 
 @pytest.mark.parametrize(
@@ -48,15 +48,22 @@ def test_rows_columns_and_messages_match(n, ranks):
     assert (
         sum(share.layout.columns_held[rank] for rank, share in enumerate(shares)) == n[1] // 2 + 1
     )
-    assert sum(share.level_points for share in shares) == sum(
-        level.n[0] * level.n[1] for level in shares[0].hierarchy[1][1:]
-    )
+    steps, levels = shares[0].hierarchy
+    for k, level in enumerate(levels[: len(steps)]):  # the others are whole on some ranks
+        counted = [np.diff(share.hierarchy[0][k].counted_rows)[0] for share in shares]
+        assert sum(counted) == level.n[0]
     grids = [grid for share in shares for grid in share.grids]
     for size in {grid.n for grid in grids}:
         assert sum(grid.shape[0] for grid in grids if grid.n == size) == size[0]
     for rank, share in enumerate(shares):
         for other_rank, other_share in enumerate(shares):
             for step, other_step in zip(share.hierarchy[0], other_share.hierarchy[0], strict=True):
+                assert (step.windows is None) == (other_step.windows is None)
+                if step.windows is None:
+                    sent = step.overlaps.sent_rows.get(other_rank, 0)
+                    received = other_step.overlaps.taken_rows.get(rank, 0)
+                    assert rank == other_rank or sent == received
+                    continue
                 for adding in (True, False):
                     sent = step.windows.sent_rows(adding).get(other_rank, 0)
                     received = other_step.windows.sent_rows(not adding).get(rank, 0)

@@ -1,0 +1,338 @@
+"""Two scans on one grid: the points of the finer one in the window that both cover, to which the
+other one is interpolated.
+
+Along each axis the coarser scan is a cubic spline through its points, natural where the scan ends.
+It misses a wave of 8 points by 0.2 % of its amplitude at most, halfway between the points, one of 4
+points by 3 % and one of 3 points by 12 %. Heights are computed from rows as they are read, and are
+the same whichever rows are read together.
+"""
+
+from dataclasses import dataclass, replace
+from math import ceil, floor
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..util.errors import SceneError
+from ..util.quantities import prefixed
+from .analytic import Rows
+from .map_units import lengths_text
+from .metadata import UNEVEN
+
+POLE = 3**0.5 - 2  # a height changes the coefficients of a spline by POLE^(distance in points)
+REACH = 28  # points: |POLE|^REACH is below rounding
+ALIKE = 1e-6  # relative difference of lengths that are the same
+
+
+@dataclass(frozen=True)
+class Axis:
+    """How the points of a grid lie along an axis of a scan.
+
+    Attributes
+    ----------
+    begin : float
+        Place of the grid's first point, in points of the scan.
+    step : float
+        From one point of the grid to the next, in points of the scan.
+    count : int
+        Points of the grid.
+    n : int
+        Points of the scan.
+    wraps : bool
+        The scan repeats.
+    """
+
+    begin: float
+    step: float
+    count: int
+    n: int
+    wraps: bool
+
+    def places(self, start: int, stop: int) -> np.ndarray:
+        """Return where points of the grid lie.
+
+        Parameters
+        ----------
+        start, stop : int
+            The points start <= k < stop.
+
+        Returns
+        -------
+        ndarray, shape (stop - start,)
+            In points of the scan.
+        """
+        return self.begin + self.step * np.arange(start, stop)
+
+    @property
+    def hits_points(self) -> bool:
+        """Whether every point of the grid is one of the scan."""
+        off = [abs(t - round(t)) for t in self.places(0, self.count)[[0, -1]]]
+        return max(off) <= UNEVEN and (self.count == 1 or round(self.step) == 1)
+
+    def interpolate(self, read: Rows, start: int, stop: int) -> np.ndarray:
+        """Return the heights at points start <= k < stop of the grid.
+
+        Parameters
+        ----------
+        read : function
+            (start, stop) -> rows of the scan across this axis, without holes.
+        start, stop : int
+
+        Returns
+        -------
+        ndarray, shape (stop - start, points across)
+        """
+        t = self.places(start, stop)
+        if not len(t):
+            return read(0, 0)
+        if self.hits_points:
+            begin = round(t[0])
+            return self._read(read, begin, begin + len(t))
+        below = np.floor(t).astype(int)
+        if not self.wraps:
+            below = below.clip(0, self.n - 2)
+        begin = below[0] - 1
+        z = self._read(read, begin - REACH, below[-1] + 3 + REACH)
+        used = len(z) - 2 * REACH
+        coefficients = 3**0.5 * z[REACH : REACH + used]
+        for k in range(1, REACH + 1):
+            beside = z[REACH - k :][:used] + z[REACH + k :][:used]
+            coefficients += 3**0.5 * POLE**k * beside
+        u = (t - below)[:, None]
+        weights = [(1 - u) ** 3, 4 - 6 * u**2 + 3 * u**3, 1 + 3 * (u + u**2 - u**3), u**3]
+        return sum(
+            weight / 6 * coefficients[below - 1 + k - begin] for k, weight in enumerate(weights)
+        )
+
+    def _read(self, read: Rows, begin: int, end: int) -> np.ndarray:
+        """Read rows, beyond the ends of the scan what lies there: of one that repeats its other
+        rows, otherwise its rows mirrored at the end point, which leaves the spline straight."""
+        if not self.wraps:
+            low = max(begin, 0)
+            high = min(end, self.n)
+            outside = ((low - begin, end - high), (0, 0))
+            return np.pad(read(low, high), outside, "reflect", reflect_type="odd")
+        parts = []
+        while begin < end:
+            row = begin % self.n
+            rows = min(self.n - row, end - begin)
+            parts.append(read(row, row + rows))
+            begin += rows
+        return np.concatenate(parts)
+
+
+def placed(scans: tuple[Any, Any], spec: Any) -> tuple[Any, Any]:
+    """Flip, mirror and shift two scans as a scene wants it.
+
+    Parameters
+    ----------
+    scans : (Topography, Topography)
+    spec : scene.File
+        With `bodies`.
+
+    Returns
+    -------
+    (Topography, Topography)
+
+    Raises
+    ------
+    SceneError
+        For a shift with a unit of a map without one.
+    """
+    places = []
+    for k, (scan, body) in enumerate(zip(scans, spec.bodies)):
+        x, y = (scan.length(f"bodies[{k}].shift", length) for length in body.shift)
+        if body.flip:
+            scan = scan.after(f"{name_of(scan)} upside down", rows=_turned_over(scan))
+        axis = body.mirrored or ("none", "x")[k]
+        if axis != "none":
+            mirrored = _mirrored(scan, axis)
+            scan = scan.after(f"{name_of(scan)} mirrored along {axis}", rows=mirrored)
+        places.append(replace(scan, origin=(x, y)))
+    return places[0], places[1]
+
+
+def _turned_over(scan: Any) -> Rows:
+    """Return the rows of a scan whose valleys become peaks."""
+    return lambda start, stop: -scan.rows(start, stop)
+
+
+def _mirrored(scan: Any, axis: str) -> Rows:
+    """Return the rows of a scan that is mirrored about its own middle, along "x" or "y"."""
+    n = scan.n[0]
+    if axis == "y":
+        return lambda start, stop: scan.rows(start, stop)[:, ::-1]
+    return lambda start, stop: scan.rows(n - stop, n - start)[::-1]
+
+
+def combined(scans: tuple[Any, Any], spec: Any) -> Any:
+    """Add two scans, of which no height is read yet.
+
+    Parameters
+    ----------
+    scans : (Topography, Topography)
+        Each at its `origin`.
+    spec : scene.File
+        Along an axis that is periodic by its boundary, or by both files, all of two scans that are
+        equally long is the window.
+
+    Returns
+    -------
+    Topography
+        With them as its `bodies`. Where their sizes or units are not known it is the first one.
+
+    Raises
+    ------
+    SceneError
+        Where the scans have no common window, or only one has a unit.
+    """
+    lower, upper = scans
+    lacks = dict(lower.lacks)
+    for key, why in upper.lacks.items():
+        lacks[key] = "; ".join(dict.fromkeys([*filter(None, [lacks.get(key)]), why]))
+    whole = replace(
+        lower,
+        lacks=lacks,
+        bodies=scans,
+        filled=0,
+        prepared=(*lower.prepared, *upper.prepared),
+        notes=tuple(dict.fromkeys([*lower.notes, *upper.notes])),
+    )
+    if lacks:
+        return whole
+    if lower.unit != upper.unit:
+        texts = [f"{scan.path} {'in m' if scan.unit else 'without a unit'}" for scan in scans]
+        raise SceneError(
+            f"surface.bodies: found {' and '.join(texts)}, allowed: both with units (unit in the"
+            " table of a body, or surface.unit), or none"
+        )
+    x, y = _common_axes(scans, spec)
+    n = (x[0].count, y[0].count)
+    spacings = _spacings(lower)
+    sizes = (n[0] * x[0].step * spacings[0], n[1] * y[0].step * spacings[1])
+    rows = [_rows_on_grid(scan, x[k], y[k]) for k, scan in enumerate(scans)]
+    repeated = x[0].wraps and y[0].wraps and lower.periodic and upper.periodic
+    steps = [
+        f"{name_of(scan)} interpolated from points of {spacings_text(scan)} by cubic splines"
+        for scan in interpolated(scans, spec)
+    ]
+    return replace(
+        whole,
+        n=n,
+        sizes=sizes,
+        rows=lambda start, stop: rows[0](start, stop) + rows[1](start, stop),
+        periodic=repeated or None,
+        path=f"{lower.path} + {upper.path}",
+        filled=sum(round(scan.filled / np.prod(scan.n) * np.prod(n)) for scan in scans),
+        prepared=(*whole.prepared, *steps, f"added where they overlap, {n[0]} x {n[1]} points"),
+    )
+
+
+def interpolated(scans: tuple[Any, Any], spec: Any) -> list[Any]:
+    """Return those of two scans that `combined` interpolates.
+
+    Parameters
+    ----------
+    scans : (Topography, Topography)
+    spec : scene.File
+        As of `combined`.
+
+    Returns
+    -------
+    list of Topography
+    """
+    x, y = _common_axes(scans, spec)
+    return [
+        scan
+        for scan, along_x, along_y in zip(scans, x, y)
+        if not (along_x.hits_points and along_y.hits_points)
+    ]
+
+
+def name_of(scan: Any) -> str:
+    """Return the name of the file of a scan, without its folder."""
+    return Path(str(scan.path)).name
+
+
+def spacings_text(scan: Any, factor: float = 1.0) -> str:
+    """Write the distances of the points of a scan.
+
+    Parameters
+    ----------
+    scan : Topography
+    factor : float
+        What they are multiplied by.
+
+    Returns
+    -------
+    str
+        Such as "2 um x 2 um".
+    """
+    return lengths_text([factor * a for a in _spacings(scan)], bool(scan.unit))
+
+
+def _common_axes(scans: tuple[Any, Any], spec: Any) -> tuple[tuple[Axis, Axis], ...]:
+    """Return how the common grid lies along x, and along y, of both scans. Raises SceneError."""
+    repeats: tuple[bool, ...] = (bool(scans[0].periodic and scans[1].periodic),) * 2
+    if spec.boundary is not None:
+        repeats = tuple(not ends for ends in spec.free)
+    return tuple(_common_axis(scans, axis, repeats[axis]) for axis in (0, 1))
+
+
+def _spacings(scan: Any) -> tuple[float, ...]:
+    """Return the distances of the points of a scan along x and y."""
+    return tuple(size / n for size, n in zip(scan.sizes, scan.n))
+
+
+def _common_axis(scans: tuple[Any, Any], axis: int, repeats: bool) -> tuple[Axis, Axis]:
+    """Return how the common grid lies along an axis of both scans. Raises SceneError where they do
+    not overlap."""
+    n = [scan.n[axis] for scan in scans]
+    sizes = [scan.sizes[axis] for scan in scans]
+    spacings = [_spacings(scan)[axis] for scan in scans]
+    origins = [scan.origin[axis] for scan in scans]
+    wraps = repeats and abs(sizes[0] / sizes[1] - 1) <= ALIKE
+    fine = int(spacings[1] < (1 - ALIKE) * spacings[0])
+    coarse = 1 - fine
+    if wraps:
+        begin = ceil(-origins[fine] / spacings[fine] - UNEVEN)
+        end = begin + n[fine]
+    else:
+        low = (origins[coarse] - origins[fine]) / spacings[fine]
+        high = low + (n[coarse] - 1) * spacings[coarse] / spacings[fine]
+        begin = max(ceil(low - UNEVEN), 0)
+        end = min(floor(high + UNEVEN), n[fine] - 1) + 1
+    if end - begin < min(2, *n):
+        ends = [(start, start + (k - 1) * a) for start, k, a in zip(origins, n, spacings)]
+        scale, unit = prefixed(sizes, scans[0].unit)
+        texts = [
+            f"{scan.path} from {start / scale:.6g} to {stop / scale:.6g} {unit}".strip()
+            for scan, (start, stop) in zip(scans, ends)
+        ]
+        raise SceneError(
+            f"surface.bodies: found {' and '.join(texts)} along {'xy'[axis]}, allowed: a shift with"
+            " which they overlap"
+        )
+    start = origins[fine] + begin * spacings[fine]
+    of_first, of_second = (
+        Axis(
+            begin=(start - origin) / spacing,
+            step=spacings[fine] / spacing,
+            count=end - begin,
+            n=points,
+            wraps=wraps,
+        )
+        for origin, spacing, points in zip(origins, spacings, n)
+    )
+    return of_first, of_second
+
+
+def _rows_on_grid(scan: Any, x: Axis, y: Axis) -> Rows:
+    """Return what reads the rows of a scan on the common grid."""
+
+    def rows(start: int, stop: int) -> np.ndarray:
+        across = x.interpolate(scan.rows, start, stop).T
+        return y.interpolate(lambda begin, end: across[begin:end], 0, y.count).T
+
+    return rows

@@ -1,0 +1,288 @@
+"""Two scans with different points, sizes and positions are added on the points of the finer one, in
+the window that both cover."""
+
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+import pytest
+import tomli_w
+from contacts import random_heights
+from refusal import refused
+from scipy.interpolate import make_interp_spline
+
+import hpc_gfmd
+from hpc_gfmd.scene import File, Scene
+from hpc_gfmd.surface.topography import open_topography
+from hpc_gfmd.util.libraries import surface_topography
+
+NOT_MIRRORED = {"mirrored": "none"}
+
+
+def wave(n, spacings, x0=0.0, y0=0.0):
+    """cos(x) cos(y/2) + x/9 on n points from (x0, y0)."""
+    x, y = (start + a * np.arange(k) for start, k, a in zip((x0, y0), n, spacings))
+    return np.outer(np.cos(x) + x / 9, np.cos(y / 2))
+
+
+def two_random_maps(*shapes):
+    return [random_heights(shape, seed=k) for k, shape in enumerate(shapes, 1)]
+
+
+def combine(first, a, second, b, **keys):
+    """combine_surfaces of two arrays with free edges and point distances a and b."""
+    scans = [
+        hpc_gfmd.prepare_surface(
+            z, physical_sizes=tuple(np.multiply(z.shape, spacings)), boundary="free"
+        )
+        for z, spacings in ((first, a), (second, b))
+    ]
+    return hpc_gfmd.combine_surfaces(*scans, **keys)
+
+
+@pytest.mark.parametrize(("n", "b"), [((41, 33), (0.31, 0.4)), ((25, 26), (0.5, 0.5))])
+def test_sum_of_two_waves(n, b):
+    """Interpolation between different points is of fourth order away from edges; the order of the
+    scans does not matter."""
+    a = (0.1, 0.15)
+    coarse = wave(n, b)
+    fine = wave((110, 70), a)
+    surface = combine(fine, a, coarse, b, **NOT_MIRRORED)
+    assert surface.sizes == pytest.approx(np.multiply(surface.heights.shape, a))
+    exact = 2 * wave(surface.heights.shape, a)
+    error = np.abs(surface.heights - exact)
+    assert error[30:-30, 20:-20].max() < 2 * max(b) ** 4 / 384
+    assert error.max() < 0.1 * max(b) ** 2  # at edges, where the spline has no curvature
+    assert surface.free == (True, True)
+    swapped = combine(coarse, b, fine, a, **NOT_MIRRORED)
+    assert np.array_equal(swapped.heights, surface.heights)
+
+
+def test_interpolation_agrees_with_natural_splines_of_scipy():
+    first, second = two_random_maps((40, 50), (13, 9))
+    a = (0.3, 0.2)
+    b = (1.0, 1.0)
+    surface = combine(first, a, second, b, **NOT_MIRRORED)
+    expected = second
+    for axis in (0, 1):
+        places = a[axis] * np.arange(surface.heights.shape[axis])
+        spline = make_interp_spline(
+            np.arange(second.shape[axis]), expected, axis=axis, bc_type="natural"
+        )
+        expected = spline(places)
+    n_x, n_y = surface.heights.shape
+    assert (n_x, n_y) == (40, 41)  # up to 12 and up to 8
+    assert np.allclose(surface.heights, first[:n_x, :n_y] + expected, rtol=0, atol=1e-13)
+
+
+def test_periodic_scans():
+    """The window is the whole cell, and splines are periodic."""
+    first, second = two_random_maps((24, 20), (15, 16))
+    scans = [hpc_gfmd.prepare_surface(z, boundary="periodic") for z in (first, second)]
+    surface = hpc_gfmd.combine_surfaces(*scans, shift=(-0.2, 1.3), **NOT_MIRRORED)
+    expected = second
+    for axis, shift in ((0, -0.2), (1, 1.3)):
+        n = second.shape[axis]
+        cell = np.take(expected, np.arange(n + 1), axis=axis, mode="wrap")
+        spline = make_interp_spline(np.arange(n + 1) / n, cell, axis=axis, bc_type="periodic")
+        points = first.shape[axis]
+        expected = spline((np.arange(points) / points - shift) % 1)
+    assert np.allclose(surface.heights, first + expected, rtol=0, atol=1e-13)
+    assert surface.free == (False, False)
+    assert surface.sizes == (1.0, 1.0)
+
+
+@pytest.mark.parametrize("ratio", [1, 2, 3])
+def test_coinciding_points_keep_their_heights(ratio):
+    """For integer ratios of point distances; equal distances need no interpolation."""
+    fine, coarse = two_random_maps((31, 24), (11, 10))
+    surface = combine(fine, (1, 1), coarse, (ratio, ratio), **NOT_MIRRORED)
+    n_x, n_y = ((k - 1) // ratio + 1 for k in surface.heights.shape)
+    rows, columns = surface.heights.shape
+    second_part = surface.heights - fine[:rows, :columns]
+    assert np.allclose(second_part[::ratio, ::ratio], coarse[:n_x, :n_y], rtol=0, atol=1e-14)
+    assert any("interpolated" in step for step in surface.prepared) == (ratio > 1)
+
+
+@pytest.mark.parametrize(
+    ("i", "j"), [(0, 0), (3, -2), (-5, 7), (0, 10)], ids=lambda shift: str(shift)
+)
+def test_shift(i, j):
+    """Shifts by whole points need no interpolation in the window that both scans cover."""
+    first_map, second_map = two_random_maps((20, 16), (18, 12))
+    surface = combine(
+        first_map, (0.5, 0.5), second_map, (0.5, 0.5), shift=(i / 2, j / 2), **NOT_MIRRORED
+    )
+    x = slice(max(i, 0), min(20, 18 + i))
+    y = slice(max(j, 0), min(16, 12 + j))
+    moved = second_map[x.start - i : x.stop - i, y.start - j : y.stop - j]
+    assert np.array_equal(surface.heights, first_map[x, y] + moved)
+
+
+def test_shift_by_fractions_of_a_point():
+    a = (0.2, 0.2)
+    first = np.zeros((60, 60))
+    second = wave((60, 60), a, x0=0.07, y0=-0.3)
+    surface = combine(first, a, second, a, shift=(0.07, -0.3), **NOT_MIRRORED)
+    x0, y0 = 0.2, 0.0  # the first points of `first` within the other
+    expected = wave(surface.heights.shape, a, x0, y0)
+    assert np.allclose(surface.heights[8:-8, 8:-8], expected[8:-8, 8:-8], rtol=0, atol=2e-5)
+
+
+@pytest.mark.parametrize(
+    ("mirrored", "as_mirrored"),
+    [
+        (None, lambda z: z[::-1]),
+        ("x", lambda z: z[::-1]),
+        ("y", lambda z: z[:, ::-1]),
+        ("none", lambda z: z),
+    ],
+)
+def test_second_scan_is_mirrored_to_face_the_first(mirrored, as_mirrored, tmp_path):
+    """Mirrored prints of one body fill each other's valleys; replicas have flipped heights, too."""
+    first, second = two_random_maps((14, 12), (14, 12))
+    np.save("first.npy", first)
+    np.save("second.npy", second)
+    keys = {} if mirrored is None else {"mirrored": mirrored}
+    for flip in (False, True):
+        bodies = ["first.npy", {"path": "second.npy", "flip": flip} | keys]
+        spec = File(kind="file", bodies=bodies, physical_sizes=(1, 1), boundary="free")
+        topography = open_topography(spec)
+        total = topography.rows(0, 14)
+        assert np.array_equal(total, first + (-1 if flip else 1) * as_mirrored(second))
+        parts = [topography.rows(i, i + 2) for i in range(0, 14, 2)]
+        assert np.array_equal(np.concatenate(parts), total)
+
+
+def test_amplitudes_lost_by_interpolation():
+    """Halfway between points, for waves of 8, 4 and 3 points, as stated in the documentation."""
+    for points, lost in ((8, 0.002), (4, 0.03), (3, 0.13)):
+        k = np.arange(24 * points)
+        one_line = np.cos(2 * np.pi * (k + 0.5) / points)[:, None]  # at -1/2 it is 1
+        line = hpc_gfmd.prepare_surface(one_line, physical_sizes=(k.size, 1), boundary="periodic")
+        flat = hpc_gfmd.prepare_surface(0 * one_line, physical_sizes=(k.size, 1))
+        surface = hpc_gfmd.combine_surfaces(flat, line, shift=(0.5, 0), **NOT_MIRRORED)
+        amplitude = surface.heights.max() if points != 3 else np.std(surface.heights) * 2**0.5
+        assert lost / 2 < 1 - amplitude < lost
+
+
+def test_missing_points_are_filled_in_each_scan():
+    """They are filled with a note, or refused."""
+    first, second = two_random_maps((16, 16), (8, 8))
+    filled = second.copy()
+    filled[3, 4] = np.mean([second[2, 4], second[4, 4], second[3, 3], second[3, 5]])
+    second[3, 4] = np.nan
+    np.save("first.npy", first)
+    np.save("second.npy", second)
+    np.save("filled.npy", filled)
+    keys = {"physical_sizes": (1, 1), "boundary": "free"}
+    surface = hpc_gfmd.combine_surfaces("first.npy", "second.npy", fill="harmonic", **keys)
+    expected = hpc_gfmd.combine_surfaces("first.npy", "filled.npy", **keys)
+    assert np.allclose(surface.heights, expected.heights, rtol=0, atol=1e-14)
+    assert "1 points (1.6 %) filled" in surface.prepared
+    with refused(r"found nan at \(4, 4\) in second.npy.*fill"):  # mirrored: row 3 is row 4
+        hpc_gfmd.combine_surfaces("first.npy", "second.npy", **keys)
+
+
+def test_a_scene_agrees_with_combine_surfaces(tmp_path, cli):
+    """Each file has units of its own."""
+    first, second = two_random_maps((40, 30), (12, 14))
+    x = np.arange(40)[:, None]
+    np.savez("first.npz", z=first + x, unit="nm", physical_sizes=[400.0, 300.0])
+    np.savetxt("second.csv", 1e-3 * second, delimiter=",")
+    reading = {"physical_sizes": ["0.36 um", "420 nm"], "unit": "um"}
+    bodies = ["first.npz", {"path": "second.csv", "shift": ["10 nm", "-0.02 um"], **reading}]
+    surface = {"kind": "file", "bodies": bodies, "detrend": "tilt", "boundary": "free"}
+    tables = {"load": {"pressure": "1 MPa"}, "material": {"E_star": "1 GPa"}}
+    scene = {"surface": surface, "output": {"fields": ["heights"]}, **tables}
+    Path("s.toml").write_text(tomli_w.dumps(scene))
+    cli.prints("run s.toml -q")
+    heights = hpc_gfmd.load("contact.h5")[0].heights
+
+    second_surface = hpc_gfmd.read_surface("second.csv", boundary="free", **reading)
+    by_hand = hpc_gfmd.combine_surfaces(
+        hpc_gfmd.read_surface("first.npz", boundary="free"),
+        second_surface,
+        shift=("10 nm", "-0.02 um"),
+        detrend="tilt",
+    )
+    assert np.allclose(heights - heights.max(), by_hand.heights - by_hand.heights.max(), atol=1e-20)
+    assert by_hand.unit == "m"
+    n_x, n_y = by_hand.heights.shape
+    assert cli.prints("plan s.toml").startswith(f"{n_x} x {n_y} = ")
+
+
+def test_a_topography_of_surfacetopography():
+    Topography = surface_topography().Topography
+    fine, coarse = two_random_maps((20, 20), (10, 10))
+    scans = [Topography(z, (20.0, 20.0), unit="um") for z in (fine, coarse)]
+    surface = hpc_gfmd.combine_surfaces(*scans)
+    arrays = [
+        hpc_gfmd.prepare_surface(z, physical_sizes=(20.0, 20.0), unit="um", boundary="free")
+        for z in (1.0 * fine, 1.0 * coarse)
+    ]
+    assert np.allclose(surface.heights, hpc_gfmd.combine_surfaces(*arrays).heights, rtol=1e-12)
+    assert (surface.unit, surface.free) == ("m", (True, True))
+
+
+def test_note_on_an_unresolved_scan():
+    """Noted if the interpolated scan is rough down to its points."""
+    fine = wave((90, 90), (0.1, 0.1))
+    rough = random_heights((30, 30), seed=1)
+    for coarse, noted in ((wave((30, 30), (0.3, 0.3)), False), (rough, True)):
+        surface = combine(fine, (0.1, 0.1), coarse, (0.3, 0.3))
+        assert any("does not resolve its own" in note for note in surface.notes) == noted
+    same_points = combine(rough, (0.3, 0.3), rough, (0.3, 0.3), **NOT_MIRRORED)
+    assert not any("does not resolve its own" in note for note in same_points.notes)
+
+
+@pytest.mark.parametrize(
+    ("bodies", "keys", "words"),
+    [
+        (
+            ["a.npy", {"path": "b.npy", "shift": [5, 0]}],
+            {},
+            "found a.npy from 0 to .* and b.npy from 5 to .* along x, allowed: a shift",
+        ),
+        (
+            ["a.npy", {"path": "b.npy", "shift": ["5 um", 0.0]}],
+            {},
+            r"bodies\[1\].shift: found 5 um",
+        ),
+        (["m.npz", "a.npy"], {}, "found m.npz in m and a.npy without a unit, allowed: both"),
+        (["a.npy", {"path": "m.npz", "unit": "nm"}], {}, "m.npz has its heights in 'm'"),
+        (["a.npy", "never.npy"], {}, "found never.npy, which is no file"),
+        (["a.npy"], {}, "a list of two"),
+        (["a.npy", {"path": "b.npy", "shft": 1}], {}, r"nearest: surface.bodies\[1\].shift"),
+        (["a.npy", {"path": "b.npy", "mirrored": "z"}], {}, r"bodies\[1\].mirrored: found 'z'"),
+        (["a.npy", {"path": "b.npy", "decimal": ","}], {}, "surface.decimal: found ','"),
+        (["a.npy", "b.npy"], {"path": "a.npy"}, "found path and bodies, allowed: one of"),
+    ],
+)
+def test_bad_bodies_are_refused(bodies, keys, words):
+    z = random_heights((12, 12))
+    np.save("a.npy", z)
+    np.save("b.npy", z)
+    np.savez("m.npz", surface=z, unit="m", physical_sizes=[1.0, 1.0])
+    sizes = {} if "m.npz" in str(bodies) and "unit" in str(bodies) else {"physical_sizes": [1, 1]}
+    table = {"kind": "file", "bodies": bodies, "boundary": "free"} | sizes | keys
+    with refused(words):
+        spec = Scene.from_dict({"surface": table, "load": {"pressure": 1}}).surface
+        open_topography(spec)
+
+
+def test_bad_arguments_of_combine_surfaces_are_refused():
+    z = hpc_gfmd.make_surface("wave", amplitude=0.1, n=(16, 16))
+    with refused("found unit, which says how a file is read, with the first surface"):
+        hpc_gfmd.combine_surfaces(z, z, unit="nm")
+    with refused("found ndarray for the second surface, allowed: a path"):
+        hpc_gfmd.combine_surfaces(z, np.zeros((4, 4)))
+    with refused("surface.bodies"):
+        hpc_gfmd.combine_surfaces(z, z, shift=1)
+
+
+@pytest.mark.parametrize(("first", "second"), [*product(((1, 8), (6, 6)), repeat=2)])
+def test_few_points(first, second):
+    """Lines and small maps are interpolated, whichever is finer."""
+    surface = combine(np.zeros(first), (1, 1), random_heights(second), (1.5, 0.7))
+    assert np.isfinite(surface.heights).all()
