@@ -6,6 +6,7 @@ import contextlib
 import inspect
 import io
 import re
+import shutil
 from pathlib import Path
 
 import hpc_gfmd
@@ -42,6 +43,12 @@ def pages():
         "api": api(),
         "gallery": gallery(),
     }
+
+
+def copy_notebooks(folder):
+    """Copy the notebooks of examples/ into a folder; the site runs them."""
+    for notebook in EXAMPLES.glob("*.ipynb"):
+        shutil.copy2(notebook, folder)
 
 
 def write(folder):
@@ -111,23 +118,31 @@ def _directive(value):
 def gallery():
     """Return the page of all scripts in examples/ with their pictures (docs/gallery/SCRIPT*.png).
 
-    The first paragraph of a script's docstring is the caption.
+    The first paragraph of a script's docstring is the caption; thumbnails lead to the scripts.
     """
-    lines = [
-        "# Gallery",
-        "",
-        "The scripts of `examples/` and their pictures. The tests run each on a small grid.",
-        "",
-    ]
+    thumbnails = []
+    sections = []
     for script in sorted(EXAMPLES.glob("*.py")):
         source = script.read_text(encoding="utf-8")
         summary, _, rest = ast.get_docstring(ast.parse(source)).partition("\n\n")
         summary = " ".join(summary.split())
-        lines += [f"## {re.split('[:,.]', summary)[0]}", ""]
+        title = re.split("[:,.]", summary)[0]
+        picture = f"![{title}](../gallery/{script.stem}.png)"
+        thumbnails += [f"[{picture} {title}](#example-{script.stem})", ""]
+        sections += [f"(example-{script.stem})=", f"## {title}", ""]
         for picture in sorted(PICTURES.glob(f"{script.stem}*.png")):
             if picture.stem != script.stem and (EXAMPLES / f"{picture.stem}.py").exists():
-                continue  # of another script
-            lines += [f"![{script.stem}](../gallery/{picture.name})", ""]
-        lines += [f"*{summary.replace('*', chr(92) + '*')}*", "", rest, ""]
-        lines += [f"`examples/{script.name}`", "", "```python", source.strip(), "```", ""]
-    return "\n".join(lines)
+                continue  # that of another script
+            sections += [f"![{script.stem}](../gallery/{picture.name})", ""]
+        sections += [f"*{summary.replace('*', chr(92) + '*')}*", "", rest, ""]
+        sections += [f"`examples/{script.name}`", "", "```python", source.strip(), "```", ""]
+    head = [
+        "# Gallery",
+        "",
+        "The scripts of `examples/` and their pictures. The tests run each on a small grid.",
+        "Two notebooks show a whole task each: [from a scan to a seal](seal.ipynb),",
+        "[from two scans to a heat sink](heat_sink.ipynb).",
+        "",
+        "::::{container} thumbnails",
+    ]
+    return "\n".join([*head, *thumbnails, "::::", "", *sections])

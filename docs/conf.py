@@ -18,16 +18,22 @@ project = "hpc-gfmd"
 author = "the hpc_gfmd developers"
 copyright = author
 version = release = hpc_gfmd.__version__
-extensions = ["myst_parser", "sphinx.ext.autodoc", "numpydoc"]
+extensions = ["myst_nb", "sphinx.ext.autodoc", "numpydoc"]
 exclude_patterns = ["_build", "study/*.txt"]
 
-myst_enable_extensions = ["dollarmath", "deflist"]
+myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 3
+nb_execution_mode = "force"
+nb_execution_timeout = 900  # seconds for a cell
+nb_execution_raise_on_error = True
+nb_output_stderr = "remove"  # that kernels are compiled
 numpydoc_show_class_members = False
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"  # the numpydoc sections have them
 
 html_theme = "furo"
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
 html_title = f"hpc-gfmd {version}"
 html_math_renderer = "mathml"
 html_show_copyright = False
@@ -62,3 +68,4 @@ def setup(app):
     app.add_html_math_renderer("mathml", (_inline, None), (_display, None))
     app.connect("autodoc-process-docstring", _plain_bars, priority=100)
     _pages.write(HERE / "generated")
+    _pages.copy_notebooks(HERE / "generated")

@@ -6,9 +6,11 @@ import sys
 from pathlib import Path
 
 import matplotlib.pyplot as plt
+import nbformat
 import numpy as np
 import pytest
 from mpi_harness import printed
+from nbclient import NotebookClient
 from scipy import ndimage
 
 FOLDER = Path(__file__).parents[2] / "examples"
@@ -18,6 +20,7 @@ MPI = "mpi_script"  # see tests/mpi
 OPTIONAL = "leak_map"  # needs reynoldsflow
 ALONE = "measured"  # in a new process, since SurfaceTopography initialises MPI
 EXAMPLES = sorted(FOLDER.glob("*.py"))
+NOTEBOOKS = sorted(FOLDER.glob("*.ipynb"))
 
 
 def run(path, monkeypatch):
@@ -68,3 +71,18 @@ def test_examples_are_short_and_documented(path):
     assert sum(isinstance(node, ast.stmt) for node in ast.walk(tree)) <= 30
     assert ast.get_docstring(tree)
     assert (FOLDER.parent / "docs" / "gallery" / f"{path.stem}.png").is_file()
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_notebook(path):
+    """It runs from a clean start, shows a picture in every cell that draws one, and warns of
+    nothing; it is kept without outputs."""
+    notebook = nbformat.read(path, as_version=4)
+    cells = [cell for cell in notebook.cells if cell.cell_type == "code"]
+    assert not any(cell.outputs or cell.execution_count for cell in cells)
+    NotebookClient(notebook, kernel_name="python3", timeout=600).execute()
+    for cell in cells:
+        shown = sum("image/png" in output.get("data", {}) for output in cell.outputs)
+        assert shown == ("plot(" in cell.source or "plt." in cell.source), cell.source
+        printed = "".join(o.text for o in cell.outputs if o.get("name") == "stderr")
+        assert all(line.startswith("compil") for line in printed.splitlines()), printed

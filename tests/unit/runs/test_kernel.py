@@ -1,5 +1,4 @@
-"""What a real notebook kernel shows: every picture once, progress that is no error, what to install
-where a package is missing."""
+"""Output of a real notebook kernel: pictures, progress, and messages about missing packages."""
 
 import configparser
 from pathlib import Path
@@ -18,7 +17,7 @@ warnings.simplefilter("error")
 wall = np.add.outer(np.arange(8) % 3, np.arange(8) % 2) * 0.1
 sweep = hpc_gfmd.solve(wall, p_star=[0.1, 0.2])
 """
-# cell, and the pictures that it shows
+# {source of a cell: number of pictures shown}
 PICTURES = {
     "sweep.plot()": 1,
     "sweep.plot('a_r')\n1": 1,
@@ -32,7 +31,7 @@ PICTURES = {
     "len(plt.get_fignums())": 0,
 }
 WITH_BAR = "hpc_gfmd.solve(wall, p_star=0.1, progress=True).status"
-# as it is without these packages
+# as if these packages were missing
 HIDE = """
 from hpc_gfmd.runs import progress
 progress.find_spec = lambda name: None
@@ -44,45 +43,45 @@ CELLS = [START, *PICTURES, WITH_BAR, HIDE, WITH_BAR, MANY, "sweep.to_xarray()"]
 
 @pytest.fixture(scope="module")
 def outputs():
-    """What each cell of a notebook put out."""
+    """The outputs of each cell of a notebook."""
     notebook = nbformat.v4.new_notebook(cells=list(map(nbformat.v4.new_code_cell, CELLS)))
     NotebookClient(notebook, kernel_name="python3", allow_errors=True).execute()
     return [cell.outputs for cell in notebook.cells]
 
 
 def text(outputs, stream):
-    """What a cell printed on a stream."""
+    """The text of a cell on a stream."""
     return "".join(o.text for o in outputs if o.output_type == "stream" and o.name == stream)
 
 
 def test_every_picture_is_shown_once(outputs):
     assert not any(output.output_type == "error" for output in outputs[0])
     shown = [
-        sum("image/png" in output.get("data", {}) for output in of_cell)
-        for of_cell in outputs[1 : len(PICTURES) + 1]
+        sum("image/png" in output.get("data", {}) for output in cell_outputs)
+        for cell_outputs in outputs[1 : len(PICTURES) + 1]
     ]
     assert shown == list(PICTURES.values())
     assert outputs[len(PICTURES)][0].data["text/plain"] == "0"
 
 
-def test_progress_is_a_widget_or_a_line_and_no_error(outputs):
+def test_progress_is_a_widget_or_a_line_of_output(outputs):
     widget, _, line, many, _ = outputs[len(PICTURES) + 1 :]
     assert any("application/vnd.jupyter.widget-view+json" in o.get("data", {}) for o in widget)
     assert "load 1/1" in text(line, "stdout")
     assert "(wanted 1e-03)" in text(line, "stdout")
     assert "surfaces:" in text(many, "stdout")
     assert "/2 [" in text(many, "stdout")
-    for of_cell in widget, line, many:
-        assert not text(of_cell, "stderr")
+    for cell_outputs in widget, line, many:
+        assert not text(cell_outputs, "stderr")
 
 
-def test_what_is_missing_names_its_extra(outputs):
+def test_missing_packages_name_their_extra(outputs):
     (error,) = outputs[-1]
     assert error.ename == "GfmdError"
     assert "pip install 'hpc-gfmd[notebook]'" in error.evalue
 
 
-def test_the_extras_have_what_they_are_named_for():
+def test_extras_install_the_packages_that_messages_name():
     config = configparser.ConfigParser()
     config.read(Path(__file__).parents[3] / "setup.cfg")
     extras = config["options.extras_require"]

@@ -95,7 +95,7 @@ LAYER = {"thickness": 0.1, "nu1": 0.3}
 
 
 @pytest.mark.parametrize(
-    ("load", "found"),
+    ("load", "value"),
     [
         ({"gap_mean": [0.1, 0]}, "0"),
         ({"gap_over_h_rms": [0.1, 0], "branch": "retraction"}, "0"),
@@ -103,14 +103,14 @@ LAYER = {"thickness": 0.1, "nu1": 0.3}
         ({"approach": [-0.1, -0.2], "branch": "retraction"}, "-0.1"),
     ],
 )
-def test_a_length_of_0_or_below_is_refused(load, found):
+def test_gaps_and_approaches_up_to_0_are_refused(load, value):
     name = next(iter(load))
     material = LAYER if name == "approach" else {}
-    with pytest.raises(SceneError, match=rf"load.{name}: found {found} with material.adhesion"):
+    with pytest.raises(SceneError, match=rf"load.{name}: found {value} with material.adhesion"):
         scene(load, material=material)
 
 
-def test_an_approach_below_0_needs_an_attraction_and_retraction():
+def test_negative_approaches_need_adhesion_and_retraction():
     assert scene({"approach": [0.1, 0, -0.1], "branch": "retraction"}, material=LAYER)
     with pytest.raises(SceneError, match=r"load.approach: found -0.1, allowed: a number greater"):
         scene({"approach": [0.1, -0.1]}, None, LAYER)

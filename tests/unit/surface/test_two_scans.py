@@ -1,5 +1,5 @@
-"""Two scans of unlike points, sizes and places: on the points of the finer one, in the window that
-both cover."""
+"""Two scans with different points, sizes and positions are added on the points of the finer one, in
+the window that both cover."""
 
 from itertools import product
 from pathlib import Path
@@ -30,7 +30,7 @@ def two_random_maps(*shapes):
 
 
 def combine(first, a, second, b, **keys):
-    """combine_surfaces of two arrays that end, with these distances of their points."""
+    """combine_surfaces of two arrays with free edges and point distances a and b."""
     scans = [
         hpc_gfmd.prepare_surface(
             z, physical_sizes=tuple(np.multiply(z.shape, spacings)), boundary="free"
@@ -41,9 +41,9 @@ def combine(first, a, second, b, **keys):
 
 
 @pytest.mark.parametrize(("n", "b"), [((41, 33), (0.31, 0.4)), ((25, 26), (0.5, 0.5))])
-def test_the_sum_of_two_waves(n, b):
-    """On points of other distances: to the fourth power of these away from the edges. Which of the
-    two is named first does not matter."""
+def test_sum_of_two_waves(n, b):
+    """Interpolation between different points is of fourth order away from edges; the order of the
+    scans does not matter."""
     a = (0.1, 0.15)
     coarse = wave(n, b)
     fine = wave((110, 70), a)
@@ -52,13 +52,13 @@ def test_the_sum_of_two_waves(n, b):
     exact = 2 * wave(surface.heights.shape, a)
     error = np.abs(surface.heights - exact)
     assert error[30:-30, 20:-20].max() < 2 * max(b) ** 4 / 384
-    assert error.max() < 0.1 * max(b) ** 2  # where the spline ends without curvature
+    assert error.max() < 0.1 * max(b) ** 2  # at edges, where the spline has no curvature
     assert surface.free == (True, True)
     swapped = combine(coarse, b, fine, a, **NOT_MIRRORED)
     assert np.array_equal(swapped.heights, surface.heights)
 
 
-def test_interpolates_as_the_natural_splines_of_scipy():
+def test_interpolation_agrees_with_natural_splines_of_scipy():
     first, second = two_random_maps((40, 50), (13, 9))
     a = (0.3, 0.2)
     b = (1.0, 1.0)
@@ -76,7 +76,7 @@ def test_interpolates_as_the_natural_splines_of_scipy():
 
 
 def test_periodic_scans():
-    """All of the cell is the window, and the spline goes on over its edges."""
+    """The window is the whole cell, and splines are periodic."""
     first, second = two_random_maps((24, 20), (15, 16))
     scans = [hpc_gfmd.prepare_surface(z, boundary="periodic") for z in (first, second)]
     surface = hpc_gfmd.combine_surfaces(*scans, shift=(-0.2, 1.3), **NOT_MIRRORED)
@@ -94,14 +94,13 @@ def test_periodic_scans():
 
 @pytest.mark.parametrize("ratio", [1, 2, 3])
 def test_coinciding_points_keep_their_heights(ratio):
-    """Of an integer ratio of the distances; with equal ones nothing is interpolated."""
+    """For integer ratios of point distances; equal distances need no interpolation."""
     fine, coarse = two_random_maps((31, 24), (11, 10))
     surface = combine(fine, (1, 1), coarse, (ratio, ratio), **NOT_MIRRORED)
     n_x, n_y = ((k - 1) // ratio + 1 for k in surface.heights.shape)
-    found = (surface.heights - fine[: surface.heights.shape[0], : surface.heights.shape[1]])[
-        ::ratio, ::ratio
-    ]
-    assert np.allclose(found, coarse[:n_x, :n_y], rtol=0, atol=1e-14)
+    rows, columns = surface.heights.shape
+    second_part = surface.heights - fine[:rows, :columns]
+    assert np.allclose(second_part[::ratio, ::ratio], coarse[:n_x, :n_y], rtol=0, atol=1e-14)
     assert any("interpolated" in step for step in surface.prepared) == (ratio > 1)
 
 
@@ -109,16 +108,18 @@ def test_coinciding_points_keep_their_heights(ratio):
     ("i", "j"), [(0, 0), (3, -2), (-5, 7), (0, 10)], ids=lambda shift: str(shift)
 )
 def test_shift(i, j):
-    """By whole points: the window that both cover, in which each has its own heights."""
-    first, second = two_random_maps((20, 16), (18, 12))
-    surface = combine(first, (0.5, 0.5), second, (0.5, 0.5), shift=(i / 2, j / 2), **NOT_MIRRORED)
+    """Shifts by whole points need no interpolation in the window that both scans cover."""
+    first_map, second_map = two_random_maps((20, 16), (18, 12))
+    surface = combine(
+        first_map, (0.5, 0.5), second_map, (0.5, 0.5), shift=(i / 2, j / 2), **NOT_MIRRORED
+    )
     x = slice(max(i, 0), min(20, 18 + i))
     y = slice(max(j, 0), min(16, 12 + j))
-    moved = second[x.start - i : x.stop - i, y.start - j : y.stop - j]
-    assert np.array_equal(surface.heights, first[x, y] + moved)
+    moved = second_map[x.start - i : x.stop - i, y.start - j : y.stop - j]
+    assert np.array_equal(surface.heights, first_map[x, y] + moved)
 
 
-def test_a_shift_by_parts_of_a_point():
+def test_shift_by_fractions_of_a_point():
     a = (0.2, 0.2)
     first = np.zeros((60, 60))
     second = wave((60, 60), a, x0=0.07, y0=-0.3)
@@ -129,7 +130,7 @@ def test_a_shift_by_parts_of_a_point():
 
 
 @pytest.mark.parametrize(
-    ("mirrored", "seen"),
+    ("mirrored", "as_mirrored"),
     [
         (None, lambda z: z[::-1]),
         ("x", lambda z: z[::-1]),
@@ -137,9 +138,8 @@ def test_a_shift_by_parts_of_a_point():
         ("none", lambda z: z),
     ],
 )
-def test_the_second_scan_is_mirrored_to_face_the_first(mirrored, seen, tmp_path):
-    """Two prints of one body, one of them seen in a mirror, fill each other's valleys; a replica
-    has its heights the other way round, too."""
+def test_second_scan_is_mirrored_to_face_the_first(mirrored, as_mirrored, tmp_path):
+    """Mirrored prints of one body fill each other's valleys; replicas have flipped heights, too."""
     first, second = two_random_maps((14, 12), (14, 12))
     np.save("first.npy", first)
     np.save("second.npy", second)
@@ -149,13 +149,13 @@ def test_the_second_scan_is_mirrored_to_face_the_first(mirrored, seen, tmp_path)
         spec = File(kind="file", bodies=bodies, physical_sizes=(1, 1), boundary="free")
         topography = open_topography(spec)
         total = topography.rows(0, 14)
-        assert np.array_equal(total, first + (-1 if flip else 1) * seen(second))
+        assert np.array_equal(total, first + (-1 if flip else 1) * as_mirrored(second))
         parts = [topography.rows(i, i + 2) for i in range(0, 14, 2)]
         assert np.array_equal(np.concatenate(parts), total)
 
 
 def test_amplitudes_lost_by_interpolation():
-    """What the page says: halfway between the points, of a wave of 8, 4 and 3 points."""
+    """Halfway between points, for waves of 8, 4 and 3 points, as stated in the documentation."""
     for points, lost in ((8, 0.002), (4, 0.03), (3, 0.13)):
         k = np.arange(24 * points)
         one_line = np.cos(2 * np.pi * (k + 0.5) / points)[:, None]  # at -1/2 it is 1
@@ -167,7 +167,7 @@ def test_amplitudes_lost_by_interpolation():
 
 
 def test_missing_points_are_filled_in_each_scan():
-    """They are filled in each, or refused; how many says the surface."""
+    """They are filled with a note, or refused."""
     first, second = two_random_maps((16, 16), (8, 8))
     filled = second.copy()
     filled[3, 4] = np.mean([second[2, 4], second[4, 4], second[3, 3], second[3, 5]])
@@ -185,7 +185,7 @@ def test_missing_points_are_filled_in_each_scan():
 
 
 def test_a_scene_agrees_with_combine_surfaces(tmp_path, cli):
-    """In a scene as in Python; the units of each file count."""
+    """Each file has units of its own."""
     first, second = two_random_maps((40, 30), (12, 14))
     x = np.arange(40)[:, None]
     np.savez("first.npz", z=first + x, unit="nm", physical_sizes=[400.0, 300.0])
@@ -199,10 +199,10 @@ def test_a_scene_agrees_with_combine_surfaces(tmp_path, cli):
     cli.prints("run s.toml -q")
     heights = hpc_gfmd.load("contact.h5")[0].heights
 
-    other = hpc_gfmd.read_surface("second.csv", boundary="free", **reading)
+    second_surface = hpc_gfmd.read_surface("second.csv", boundary="free", **reading)
     by_hand = hpc_gfmd.combine_surfaces(
         hpc_gfmd.read_surface("first.npz", boundary="free"),
-        other,
+        second_surface,
         shift=("10 nm", "-0.02 um"),
         detrend="tilt",
     )
@@ -226,7 +226,7 @@ def test_a_topography_of_surfacetopography():
 
 
 def test_note_on_an_unresolved_scan():
-    """Where the roughness of the interpolated scan goes down to its points, and only there."""
+    """Noted if the interpolated scan is rough down to its points."""
     fine = wave((90, 90), (0.1, 0.1))
     rough = random_heights((30, 30), seed=1)
     for coarse, noted in ((wave((30, 30), (0.3, 0.3)), False), (rough, True)):
@@ -259,7 +259,7 @@ def test_note_on_an_unresolved_scan():
         (["a.npy", "b.npy"], {"path": "a.npy"}, "found path and bodies, allowed: one of"),
     ],
 )
-def test_refused(bodies, keys, words):
+def test_bad_bodies_are_refused(bodies, keys, words):
     z = random_heights((12, 12))
     np.save("a.npy", z)
     np.save("b.npy", z)
@@ -271,7 +271,7 @@ def test_refused(bodies, keys, words):
         open_topography(spec)
 
 
-def test_combine_surfaces_refuses():
+def test_bad_arguments_of_combine_surfaces_are_refused():
     z = hpc_gfmd.make_surface("wave", amplitude=0.1, n=(16, 16))
     with refused("found unit, which says how a file is read, with the first surface"):
         hpc_gfmd.combine_surfaces(z, z, unit="nm")
@@ -283,6 +283,6 @@ def test_combine_surfaces_refuses():
 
 @pytest.mark.parametrize(("first", "second"), [*product(((1, 8), (6, 6)), repeat=2)])
 def test_few_points(first, second):
-    """Lines and small maps: what lies between their points is read, whichever is finer."""
+    """Lines and small maps are interpolated, whichever is finer."""
     surface = combine(np.zeros(first), (1, 1), random_heights(second), (1.5, 0.7))
     assert np.isfinite(surface.heights).all()
