@@ -214,8 +214,9 @@ def estimate(
         All infinite where nothing is known.
     """
     N = problem.grid.N
-    known = isfinite(state.open_pp + state.gap + state.uKu) and stability > 0 and state.p0 > 0
-    if not (known and state.elastic > 0 and state.closed_pp > 0):
+    is_finite = isfinite(state.open_pp + state.gap + state.uKu)
+    carries = state.p0 > 0 and state.elastic > 0 and state.closed_pp > 0
+    if not (is_finite and stability > 0 and carries):
         return Estimate()
     norms = _norms(problem, levels, state, stability)
     distance = norms.missing * stability

@@ -7,7 +7,6 @@ each point to the other side.
 
 from __future__ import annotations
 
-from math import inf
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -52,27 +51,28 @@ def misclassified_points(
     tie = CALIBRATION.rounding * problem.rounding
     is_double = problem.dtype == np.float64
     sure = 0.0 if is_double else tie
-    softer = _square_of_lone_point(problem, contact)
-    most = softer * errors.squares
-    largest = max(min(mean_square * CALIBRATION.farthest**2, most), sure**2)
+    squares_outside = errors.squares * _square_of_lone_point(problem, contact)
+    largest = max(min(mean_square * CALIBRATION.farthest**2, squares_outside), sure**2)
     if largest <= 0:
         return 0.0
-    leaving = inf
-    if problem.hardness is not None:
-        leaving = np.floor(contact - problem.grid.N * problem.p0 / problem.hardness)
     counts = _uncertain_points(problem, g, p, tie if is_double else 0.0, sure, largest, errors.fall)
+    inside, outside = counts
     takes = largest * 2.0 ** (-(np.arange(BINS) + 1) / PER_OCTAVE)
     takes[-1] = 0.0
-    wrong = 0.0
-    for points, squares, at_most in zip(
-        counts, (errors.squares, most), (leaving, inf), strict=True
-    ):
+
+    def changing(points: np.ndarray, squares: float) -> float:
         likely = _likely_to_change(problem, points, takes, mean_square)
         spent = np.cumsum((points * takes)[::-1])
         easiest = np.cumsum(points[::-1])
         affordable = np.floor(np.interp(squares, spent, easiest))
-        wrong = max(wrong, min(likely, affordable, at_most))
-    return float(wrong)
+        return float(min(likely, affordable))
+
+    leaving = changing(inside, errors.squares)
+    joining = changing(outside, squares_outside)
+    if problem.hardness is not None:
+        carrying = problem.grid.N * problem.p0 / problem.hardness
+        leaving = max(min(leaving, np.floor(contact - carrying)), 0.0)
+    return float(max(leaving, joining))
 
 
 def _likely_to_change(
@@ -99,7 +99,7 @@ def _square_of_lone_point(problem: Problem, contact: float) -> float:
     """
     grid = problem.grid
     softer = problem.body.point_compliance(grid) * problem.body.scale(grid)
-    return max(softer, 1.0) ** 2 * (1 + 1 / contact)
+    return max(softer, 1.0) ** 2 * (1 + 1 / max(contact, 1))
 
 
 def _uncertain_points(

@@ -129,6 +129,11 @@ def stability_up_to_equilibrium(
         Of this gap.
     distance : float
         |u - T(u)|_K, from the contact under this attraction, frozen.
+
+    Returns
+    -------
+    float
+        The same on all ranks.
     """
     mode, law = found.mode, problem.law(np.dtype(np.float64))
     if mode is None or found.lowest <= 0 or distance == 0:

@@ -4,7 +4,7 @@ where the tabulated coefficients cover them."""
 from math import isfinite
 from typing import Any
 
-from ..output.read import Result
+from ..output.result import Result
 from ..output.summary import converged
 from ..theory import tfc
 from ..util.errors import SceneError

@@ -10,7 +10,7 @@ from ..util.errors import SceneError
 from .common import add_file, add_json, as_json
 
 if TYPE_CHECKING:
-    from ..output.read import Result
+    from ..output.result import Result
 
 HELP = "the result table of a file"
 DESCRIPTION = """

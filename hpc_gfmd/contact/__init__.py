@@ -20,7 +20,7 @@ from ..util.errors import SceneError
 from ..util.plugins import module_in, names_in
 from .base import OF_EVERY_LOAD, Distribution, Observable
 
-COMMON = ("base", "contact", "attraction_notes", "other_branch")  # files that are no observable
+COMMON = ("base", "contact", "notes", "attraction_notes", "other_branch")  # no observable
 
 
 def all_observables() -> dict[str, Observable]:

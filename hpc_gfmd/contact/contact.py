@@ -17,16 +17,11 @@ from ..parallel.clusters import Clusters, find_clusters
 from ..parallel.grid import Grid
 from ..parallel.halo import next_row
 from ..parallel.threads import added
-from ..scene.model import TOUCHING
 from ..surface import Surface
-from ..surface.doubtful_numbers import load_notes
 from ..surface.number_range import field_dtype
-from ..util.quantities import prefixed
-from .attraction_notes import attraction_notes
+from .notes import notes_on
 from .other_branch import OtherBranch
 
-METALLIC = 1e9  # Pa: of an effective modulus from which the note on yield speaks
-YIELDS_AT = 50  # metals yield where the contact pressure is E* over about this
 ROUNDING = 16  # times the rounding error of the heights: a mean gap below that is nothing else
 
 
@@ -153,57 +148,7 @@ class Contact:
     @property
     def note(self) -> str | None:
         """What a reader should know before the numbers, one line; None if there is nothing."""
-        of_load = load_notes(self.p_mean, self.E_star, self.g_rms, self.surface.unit)
-        notes = [
-            self._doubt,
-            *attraction_notes(self),
-            self.remark,
-            *of_load,
-            *self.surface.notes,
-            self._yields,
-        ]
-        return "; ".join(filter(None, notes)) or None
-
-    @property
-    def _yields(self) -> str | None:
-        """Why metals would yield in this contact, whose modulus is elastic at any pressure."""
-        if self.hardness is not None or self.E_star < METALLIC or self.contact_points == 0:
-            return None
-        pressure = self.wall_pressure * self.N / self.contact_points
-        if pressure * YIELDS_AT < self.E_star:
-            return None
-        scale, unit = prefixed([pressure], "Pa")
-        share = self.E_star / pressure
-        return (
-            f"mean contact pressure {pressure / scale:.3g} {unit} = E*/{share:.2g}: metals yield"
-            f" from about E*/{YIELDS_AT}; material.hardness"
-        )
-
-    @property
-    def _doubt(self) -> str | None:
-        """Why a solution that is converged may yet say little."""
-        points = self.contact_points
-        if self.is_separated:
-            return "separated: the load pulls more than the attraction holds"
-        if self.g_rms == 0 and not self.grid.padded:
-            return "flat surface: every point touches at any load"
-        if points == self.N:
-            return "full contact: every point touches, the gap is zero"
-        if points < TOUCHING:
-            touch = "touches" if points == 1 else "touch"
-            return (
-                f"only {points} point{'s' * (points != 1)} {touch}: the area is known to"
-                f" {100 / max(points, 1):.0f} % at best"
-            )
-        if self.gap_is_rounding:
-            precision = "single" if self.g.dtype == np.float32 else "double"
-            return f"the gap is all rounding at this load in {precision} precision"
-        best = self.certificate.attainable[0]
-        if self.accuracy < best < np.inf:
-            return (
-                f"the mean gap is known to {best:.1g} at best: rounding errors, and of free edges"
-            )
-        return None
+        return "; ".join(notes_on(self)) or None
 
     @property
     def gap_is_rounding(self) -> bool:

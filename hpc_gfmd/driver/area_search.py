@@ -35,7 +35,7 @@ BEYOND = 0.5  # of the way to the end of a plateau that is gone beyond it
 
 @dataclass
 class AreaSearch(SecantSearch):
-    """See SecantSearch.
+    """A search for a contact area; all else that it knows: see `SecantSearch`.
 
     Attributes
     ----------
@@ -132,10 +132,10 @@ class AreaSearch(SecantSearch):
         """Return the pressure by which points are beyond the state in the middle of those that meet
         the target."""
         points = self.aim * self.heights.points
-        first = max(ceil(points - self.allowed), 1)
-        beyond = min(max(floor(points + self.allowed) + 1, first), solver.N)
+        fewest = max(ceil(points - self.allowed), 1)
+        too_many = min(max(floor(points + self.allowed) + 1, fewest), solver.N)
         changes = SideChanges(solver, solver.problem_now.rounding)
-        return -0.5 * (changes.of_rank(first) + changes.of_rank(beyond))
+        return -0.5 * (changes.of_rank(fewest) + changes.of_rank(too_many))
 
     def begin(self, problem: Problem | None = None) -> float:
         """Begin at the load of the grid before."""
@@ -184,7 +184,8 @@ class AreaSearch(SecantSearch):
             return self.x != plateau and self._go(plateau, solver)
         y, error = self.certified(solver, certificate)
         surely_missed = self.miss(y) > error
-        if self.corrections == CALIBRATION.most or not surely_missed or self.undecided > 1:
+        is_exhausted = self.corrections == CALIBRATION.corrections
+        if is_exhausted or not surely_missed or self.undecided > 1:
             return False
         if self.bracket.is_closed:
             return self._go(self._between(solver), solver)
@@ -240,9 +241,9 @@ class AreaSearch(SecantSearch):
         bounds differ to the other side. Collective."""
         low, high = self.bracket.bounds
         changes = SideChanges(solver, solver.problem_now.rounding)
-        first = changes.of_rank(round(low.value * solver.N) + 1)
-        final = changes.of_rank(round(high.value * solver.N))
-        return final - first
+        nearest = changes.of_rank(round(low.value * solver.N) + 1)
+        farthest = changes.of_rank(round(high.value * solver.N))
+        return farthest - nearest
 
     def _changes_at_once(self, solver: Solver) -> bool:
         """Return whether the contact changes at once from one bound to the other. Collective."""

@@ -69,11 +69,21 @@ class Bracket:
         return too_small or too_large
 
     def add(self, bound: Bound, is_low: bool) -> None:
-        """Add a load that is too small (is_low) or too large, or the same load, solved more
-        accurately; a bound on the other side that contradicts it was wrong, and is dropped."""
+        """Add a load that misses the target, or one that is there, solved more accurately. A bound
+        on the other side that contradicts it was wrong, and is dropped.
+
+        Parameters
+        ----------
+        bound : Bound
+            The load and what it gives; its `plateau` is found here.
+        is_low : bool
+            Whether the load is too small.
+        """
         before = self.low if is_low else self.high
-        same = before is not None and before.value == bound.value
-        bound = bound._replace(plateau=before.plateau if before and same else bound.x)
+        plateau = bound.x
+        if before is not None and before.value == bound.value:
+            plateau = before.plateau
+        bound = bound._replace(plateau=plateau)
         if before is None or before.x != bound.x:
             self.replaced = before
         self.newest_is_low = is_low
@@ -87,18 +97,25 @@ class Bracket:
                 self.low = None
 
     def between(self, meet: float) -> float:
-        """Return the next load between two bounds: by inverse quadratic interpolation where that
-        may be trusted, else the middle; first by a secant.
+        """Return x of the next load between two bounds: by inverse quadratic interpolation where
+        that may be trusted, else the middle; first by a secant.
 
-        meet: difference of x at which bounds are the same load; the next one is no nearer to
-        either.
+        Parameters
+        ----------
+        meet : float
+            Difference of x below which two bounds are the same load. The next load keeps that
+            distance from both.
+
+        Returns
+        -------
+        float
         """
         assert self.low is not None
         assert self.high is not None
-        newest, other = (self.low, self.high) if self.newest_is_low else (self.high, self.low)
-        share = _share(newest, other, self.replaced)
-        least = min(meet / (self.high.x - self.low.x), 0.5)
-        return newest.x + min(max(share, least), 1 - least) * (other.x - newest.x)
+        newest, opposite = (self.low, self.high) if self.newest_is_low else (self.high, self.low)
+        share = _share(newest, opposite, self.replaced)
+        margin = min(meet / (self.high.x - self.low.x), 0.5)
+        return newest.x + min(max(share, margin), 1 - margin) * (opposite.x - newest.x)
 
 
 def _share(a: Bound, b: Bound, c: Bound | None) -> float:

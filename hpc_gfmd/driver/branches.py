@@ -34,6 +34,10 @@ def goes_on(branch: str, p0: float, p0_before: float) -> bool:
         "approach" or "retraction".
     p0, p0_before : float
         Mean pressures of the load and of the one before.
+
+    Returns
+    -------
+    bool
     """
     if branch == RETRACTION:
         return p0 <= p0_before

@@ -47,8 +47,8 @@ class ContactModel:
     @property
     def on_other_branch(self) -> ContactModel:
         """The same on the other branch, alone."""
-        other = APPROACH if self.branch == RETRACTION else RETRACTION
-        return replace(self, branch=other, unique=False)
+        branch = APPROACH if self.branch == RETRACTION else RETRACTION
+        return replace(self, branch=branch, unique=False)
 
     @property
     def without_attraction(self) -> ContactModel:

@@ -118,38 +118,48 @@ def drive(
             limits.begin_again()
             progress = solver.progress()
         limits.note(progress)
-        if limits.ask_for_certificate(progress) and _may_be_met(
+        may_be_solved = limits.ask_for_certificate(progress) and _may_be_met(
             solver, progress, criterion, search
-        ):
-            if guard is not None:
-                pairs += guard.look(limits.measure if criterion.residual is None else 0.0)
-                if guard.at_saddle and not limits.wait_at_saddle() and guard.leave_saddle():
-                    limits.begin_again()
-                    continue
-                if guard.at_saddle or not limits.is_stable_enough(solver.progress()):
-                    solver.stability = None
-                    solver.step()
-                    continue
-            certificate = certificate_of(solver, criterion)
-            pairs += certificate.pairs
-            error = error_left(certificate, criterion)
-            miss = search.learn(solver, certificate) if search is not None else 0.0
-            if max(error, miss) < 1:
-                return Outcome(_status_of(certificate, criterion), certificate, pairs)
-            limits.note_refusal(certificate, max(error, miss))
-            if limits.refused_too_often:
-                return Outcome("stagnated", certificate, pairs)
-            solver.stability = None
-            solver.after_certificate(certificate)
-            if search is not None and search.correct(solver, certificate, error < 1):
-                limits.begin_again()
-        else:
+        )
+        if not may_be_solved:
             reason = limits.exceeded(progress)
             if reason is None and watch is not None and watch(solver.iterations, progress):
                 reason = "interrupted"
             if reason is not None:
                 return _conclude(solver, criterion, search, guard, reason, pairs)
+            solver.step()
+            continue
+        if guard is not None:
+            pairs += guard.look(limits.measure if criterion.residual is None else 0.0)
+            if _leaves_saddle(limits, guard):
+                continue
+            if guard.at_saddle or not limits.is_stable_enough(solver.progress()):
+                solver.stability = None
+                solver.step()
+                continue
+        certificate = certificate_of(solver, criterion)
+        pairs += certificate.pairs
+        error = error_left(certificate, criterion)
+        miss = search.learn(solver, certificate) if search is not None else 0.0
+        if max(error, miss) < 1:
+            return Outcome(_status_of(certificate, criterion), certificate, pairs)
+        limits.note_refusal(certificate, max(error, miss))
+        if limits.refused_too_often:
+            return Outcome("stagnated", certificate, pairs)
+        solver.stability = None
+        solver.after_certificate(certificate)
+        if search is not None and search.correct(solver, certificate, error < 1):
+            limits.begin_again()
         solver.step()
+
+
+def _leaves_saddle(limits: Limits, guard: SaddleGuard) -> bool:
+    """Return whether the guard has led the solver away from a saddle, at which it has been for long
+    enough. Collective."""
+    if not guard.at_saddle or limits.wait_at_saddle() or not guard.leave_saddle():
+        return False
+    limits.begin_again()
+    return True
 
 
 class Limits:
@@ -263,9 +273,8 @@ class Limits:
             return "max_iterations"
         refused = np.isfinite(self.least_refused)
         patience = self.solver.patience * (CALIBRATION.patience_at_floor if refused else 1)
-        if (
-            self.solver.problem.attraction is not None
-        ):  # the energy falls, errors may rise meanwhile
+        if self.solver.problem.attraction is not None:
+            # the energy falls, errors may rise meanwhile
             patience = self.solver.patience * CALIBRATION.patience_with_attraction
         if self.solver.iterations - self.best_at > patience:
             return "stagnated"

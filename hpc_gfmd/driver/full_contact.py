@@ -240,6 +240,11 @@ def needs_double(contact: Contact, load: Load, problem: Problem) -> bool:
         What was asked for.
     problem : Problem
         At its mean pressure.
+
+    Returns
+    -------
+    bool
+        The same on all ranks.
     """
     if contact.status in ("stagnated", "nonfinite") or contact.gap_is_rounding:
         return True

@@ -78,6 +78,18 @@ def carried_alone(problem: Problem, depth: float) -> float:
     A mean pressure p0 presses the point down by N p0 S_00 relative to the mean of the surface. The
     next one may rise against that mean, but by less than S_00 over the points along the shorter
     axis. A point that yields carries no more than the hardness.
+
+    Parameters
+    ----------
+    problem : Problem
+        The contact; its load does not count.
+    depth : float
+        Height of the point above the next one, in the problem's unit; infinite without a next one.
+
+    Returns
+    -------
+    float
+        Mean pressure in the program's unit, 0 without a next point.
     """
     if not np.isfinite(depth):
         return 0.0

@@ -106,8 +106,20 @@ class Held(LoadSearch):
 
 
 def spring_of(quantity: str, problem: Problem) -> float:
-    """Return the stiffness of the spring that holds a mean gap or an approach, mean pressure of the
-    cell per displacement; problem: of the finest grid."""
+    """Return the stiffness of the spring that holds a mean gap or an approach.
+
+    Parameters
+    ----------
+    quantity : str
+        "gap_mean" or "approach".
+    problem : Problem
+        Of the finest grid.
+
+    Returns
+    -------
+    float
+        Mean pressure of the cell over displacement, in the program's units.
+    """
     grid = problem.grid
     if quantity == "approach":
         return float(Elastic(grid, problem.body, problem.dtype).multipliers.uniform)

@@ -18,11 +18,9 @@ if TYPE_CHECKING:
     from ..surface import Surface
     from .load import Load
 
-Known = tuple[float, bool, HeightStatistics]
-
 
 class GapSearch(SecantSearch):
-    """For a mean gap."""
+    """A search for a mean gap."""
 
     usual = 0.4
 
@@ -45,28 +43,35 @@ class GapSearch(SecantSearch):
 
     def within(self, solver: Solver, progress: Progress, room: float) -> bool:
         """Compare the estimated error of the mean gap."""
-        found = progress.estimate
-        return not found or found.gap < room or found.attainable[0] >= self.tolerance
+        estimate = progress.estimate
+        if estimate is None:
+            return True
+        return estimate.gap < room or estimate.attainable[0] >= self.tolerance
 
     def certified(self, solver: Solver, certificate: Certificate) -> Value:
-        """Give the mean gap of the certificate."""
-        limited = certificate.attainable[0] >= self.tolerance  # no iteration helps
-        error = 0.0 if limited else certificate.errors[1]
+        """Return the mean gap of the certificate, without an error where no iteration makes that
+        smaller."""
+        is_limited = certificate.attainable[0] >= self.tolerance
+        error = 0.0 if is_limited else certificate.errors[1]
         return certificate.gap_mean * solver.grid.a, error
 
 
 @dataclass
 class OpeningSearch(GapSearch):
-    """For a mean gap next to full contact: a power of p0/(closes_at - p0)."""
+    """A search for a mean gap next to full contact, which is a power of p0/(closes_at - p0).
 
-    usual, from_full_contact = 1.5, True
+    `begin_below` begins it, once the load of full contact is known.
 
-    opens: float = 0.0  # p0 that a single open point takes, below closes_at
+    Attributes
+    ----------
+    opens : float
+        By how much p0 is below `closes_at` where a single point is open.
+    """
 
-    @classmethod
-    def of(cls, target: float, opens: float, known: Known) -> OpeningSearch:
-        """Return a search that `begin_below` begins, once the load of full contact is known."""
-        return cls(target, *known, known[-1], slope=cls.usual, opens=opens)
+    usual = 1.5
+    from_full_contact = True
+
+    opens: float = 0.0
 
     def begin_below(self, closes_at: float) -> None:
         """Start below the load of full contact, closes_at, where a single point is open."""
@@ -79,7 +84,7 @@ class OpeningSearch(GapSearch):
 
 
 class ApproachSearch(SecantSearch):
-    """For an approach."""
+    """A search for an approach."""
 
     usual = 0.8
 
@@ -93,25 +98,32 @@ class ApproachSearch(SecantSearch):
 
     def predicted(self, solver: Solver, progress: Progress, errors: Errors) -> Value | None:
         """Predict the approach by the displacement as it is."""
-        grid, heights = solver.grid, self.heights
-        share, mean = grid.N / grid.cell_points, grid.comm.sum([solver.g.sum(dtype=float)])[0]
-        y = (solver.p_cell / solver.elastic.multipliers.uniform - mean / grid.cell_points) * grid.a
+        grid = solver.grid
+        heights = self.heights
+        share = grid.N / grid.cell_points
+        (total_gap,) = grid.comm.sum([solver.g.sum(dtype=float)])
+        uniform = solver.p_cell / solver.elastic.multipliers.uniform
+        y = (uniform - total_gap / grid.cell_points) * grid.a
         y += heights.top * share - heights.lowest * (1 - share)
-        return y, _error(y, progress.gap_mean * grid.a, *errors)
+        return y, _error_of_approach(y, progress.gap_mean * grid.a, *errors)
 
     def within(self, solver: Solver, progress: Progress, room: float) -> bool:
         """Compare the error of what is predicted."""
-        found = self._prediction(solver, progress)
-        return not found or found[1] < room
+        prediction = self._prediction(solver, progress)
+        return prediction is None or prediction[1] < room
 
     def certified(self, solver: Solver, certificate: Certificate) -> Value:
-        """Give the approach of the certificate."""
-        y, a = certificate.approach * solver.grid.a, solver.grid.a
-        return y, _error(y, certificate.gap_mean * a, *certificate.errors[1:])
+        """Return the approach of the certificate."""
+        a = solver.grid.a
+        y = certificate.approach * a
+        return y, _error_of_approach(y, certificate.gap_mean * a, *certificate.errors[1:])
 
 
-def _error(y: float, gap: float, gap_error: float, pressure_error: float) -> float:
-    """Estimate the error of an approach y at a mean gap."""
+def _error_of_approach(y: float, gap: float, gap_error: float, pressure_error: float) -> float:
+    """Return the relative error of an approach y at a mean gap.
+
+    gap_error, pressure_error: relative, of the mean gap and of the pressure field.
+    """
     return gap_error * gap / y + CALIBRATION.field * pressure_error if y > 0 else inf
 
 
@@ -125,20 +137,46 @@ SEARCHES: dict[str, type[SecantSearch]] = {
 def search_for(
     load: Load,
     surface: Surface,
-    known: Known,
-    history: Sequence[dict[str, float]],
+    heights: HeightStatistics,
+    tolerance: float,
+    error_counts: bool,
+    history: Sequence[dict[str, float]] = (),
     hardness: float | None = None,
 ) -> SecantSearch:
-    """Begin the search for the load that gives a target.
+    """Begin the search for the load that gives an area, a mean gap or an approach.
 
-    known: the tolerance, whether the error of the solution counts towards it, and the heights;
-    history: loads that were solved before, p0 and what each gave.
+    Parameters
+    ----------
+    load : Load
+        What is asked for.
+    surface : Surface
+        The surface.
+    heights : HeightStatistics
+        Of the surface.
+    tolerance : float
+        Relative, of what is asked for.
+    error_counts : bool
+        Whether the error of the solution counts towards the tolerance.
+    history : sequence of dict
+        Loads that were solved before: `p0`, in the program's unit, and what each gave, by quantity.
+    hardness : float, optional
+        The largest pressure, in the program's unit.
+
+    Returns
+    -------
+    SecantSearch
+        At its first load.
     """
-    tolerance, counts, heights = known
     value = load.value if load.quantity == "a_r" else load.value / surface.slope
     kind = SEARCHES[load.quantity]
     search = kind(
-        value, tolerance, counts, heights, heights, closes_at=hardness or inf, slope=kind.usual
+        value,
+        tolerance,
+        error_counts,
+        heights,
+        heights,
+        closes_at=hardness or inf,
+        slope=kind.usual,
     )
     if isinstance(search, AreaSearch):
         search.map_points = prod(surface.n) // prod(surface.grid.nominal)

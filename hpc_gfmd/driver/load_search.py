@@ -47,8 +47,8 @@ class SearchCalibration:
         Relative miss up to which a coarse grid is content: it knows the value no better.
     field : float
         Share of the error of the pressure field that counts towards that of an approach.
-    trials, most : int
-        Corrections by predictions on one grid; corrections in all.
+    trials, corrections : int
+        Most corrections by predictions on one grid; most corrections in all.
     """
 
     step: float = log(2.0)
@@ -57,13 +57,13 @@ class SearchCalibration:
     coarse: float = 0.05
     field: float = 0.1
     trials: int = 5
-    most: int = 60
+    corrections: int = 60
 
 
 CALIBRATION = SearchCalibration()
 
 Value = tuple[float, float]  # a value and its relative error
-Errors = tuple[float, float]  # relative, of the mean gap and the pressure
+Errors = tuple[float, float]  # relative errors of the mean gap and of the pressure field
 
 
 @dataclass
@@ -81,7 +81,7 @@ class SecantSearch(LoadSearch):
         The area, or the length over the unit of slopes, that is asked for.
     tolerance : float
         Relative.
-    counts : bool
+    error_counts : bool
         Whether the error of the solution counts towards the tolerance.
     finest, heights : HeightStatistics
         Of the finest grid, and of the present one.
@@ -99,13 +99,15 @@ class SecantSearch(LoadSearch):
         Changes of the load: by predictions on this grid; in all.
     looked_at : int
         The last iteration at which a prediction was asked for.
+    note : str or None
+        What a user has to know of the load that was found.
     """
 
     usual: ClassVar[float]
 
     target: float
     tolerance: float
-    counts: bool
+    error_counts: bool
     finest: HeightStatistics
     heights: HeightStatistics
     closes_at: float = inf
@@ -130,18 +132,59 @@ class SecantSearch(LoadSearch):
         raise NotImplementedError
 
     def predicted(self, solver: Solver, progress: Progress, errors: Errors) -> Value | None:
-        """Return the value that is expected of a solution at this load, and its relative error.
+        """Return the value that the solution at the present load is expected to have.
 
-        errors: estimated, of the mean gap and the pressure.
+        Collective.
+
+        Parameters
+        ----------
+        solver : Solver
+            At the present mean pressure.
+        progress : Progress
+            Of the solver.
+        errors : tuple of float
+            Estimated relative errors of the mean gap and of the pressure field.
+
+        Returns
+        -------
+        tuple of float, or None
+            The value and its relative error; None where the solver cannot tell.
         """
         raise NotImplementedError
 
     def certified(self, solver: Solver, certificate: Certificate) -> Value:
-        """Return the value that a certificate found, and its relative error."""
+        """Return the value that a certificate found.
+
+        Parameters
+        ----------
+        solver : Solver
+            At the present mean pressure.
+        certificate : Certificate
+            Of its gap.
+
+        Returns
+        -------
+        tuple of float
+            The value and its relative error.
+        """
         raise NotImplementedError
 
     def within(self, solver: Solver, progress: Progress, room: float) -> bool:
-        """Return whether the certificate may find the error of the value less than room."""
+        """Return whether the certificate may find the value accurate enough.
+
+        Parameters
+        ----------
+        solver : Solver
+            At the present mean pressure.
+        progress : Progress
+            Of the solver.
+        room : float
+            Relative error that the value may have.
+
+        Returns
+        -------
+        bool
+        """
         raise NotImplementedError
 
     @property
@@ -154,7 +197,22 @@ class SecantSearch(LoadSearch):
         return abs(y / self.aim - 1)
 
     def distance(self, solver: Solver, y: float) -> float:
-        """Return how far a certified state is beyond the target, see Bound."""
+        """Return how far a certified state is beyond the target.
+
+        Collective.
+
+        Parameters
+        ----------
+        solver : Solver
+            At the certified state.
+        y : float
+            The value that was certified.
+
+        Returns
+        -------
+        float
+            See `Bound.distance`.
+        """
         return self.straight(y) - self.straight(self.aim)
 
     # -- the variable
@@ -197,7 +255,8 @@ class SecantSearch(LoadSearch):
         self.trials = 0
         self.looked_at = -1
         self.bracket = Bracket()
-        self.certified_before = self.note = None
+        self.certified_before = None
+        self.note = None
         return self.p0
 
     def begin_at(self, p0: float) -> None:
@@ -218,20 +277,21 @@ class SecantSearch(LoadSearch):
 
     def adjust(self, solver: Solver, progress: Progress) -> bool:
         """Change the load where more than a share of the tolerance is missed."""
-        seen = solver.iterations == self.looked_at
-        if seen or self.note or self.trials == CALIBRATION.trials:
+        is_known = solver.iterations == self.looked_at
+        if is_known or self.note or self.trials == CALIBRATION.trials:
             return False
         self.looked_at = solver.iterations
         return self._follow_prediction(solver, progress, CALIBRATION.share * self.tolerance)
 
-    def _follow_prediction(self, solver: Solver, progress: Progress, least: float) -> bool:
-        """Go where the prediction has the target, if it misses it by more than `least`."""
+    def _follow_prediction(self, solver: Solver, progress: Progress, allowed: float) -> bool:
+        """Go where the prediction has the target, if it misses it by more than is allowed."""
         prediction = self._prediction(solver, progress)
         if prediction is None:
             return False
         y, error = prediction
         x = self.x + self._way(y)
-        if self.miss(y) <= max(least, CALIBRATION.share * error) or self.bracket.excludes(x):
+        is_near = self.miss(y) <= max(allowed, CALIBRATION.share * error)
+        if is_near or self.bracket.excludes(x):
             return False
         self.trials += 1
         return self._go(x, solver)
@@ -251,7 +311,7 @@ class SecantSearch(LoadSearch):
 
     def _predicted_miss(self, solver: Solver, progress: Progress) -> float:
         """Return how far the target is expected to be missed, 0 where that is not known."""
-        if self.note or not self.counts:
+        if self.note or not self.error_counts:
             return 0.0
         prediction = self._prediction(solver, progress)
         return self.miss(prediction[0]) if prediction else 0.0
@@ -265,7 +325,7 @@ class SecantSearch(LoadSearch):
         if missed > error:
             too_small = self.straight(y) < self.straight(self.aim)
             self.bracket.add(Bound(self.x, y, self.distance(solver, y)), too_small)
-        if not self.counts:
+        if not self.error_counts:
             return missed / self.tolerance
         # an error as large as the miss says nothing of the side
         return (missed + error) / max(missed, self.tolerance)
@@ -273,17 +333,31 @@ class SecantSearch(LoadSearch):
     def correct(self, solver: Solver, certificate: Certificate, solved: bool) -> bool:
         """Go where a secant has the target, between the bounds; over a plateau twice as far."""
         y, error = self.certified(solver, certificate)
-        if self.corrections == CALIBRATION.most or not (solved or self.miss(y) > error):
+        is_exhausted = self.corrections == CALIBRATION.corrections
+        if is_exhausted or not (solved or self.miss(y) > error):
             return False
-        least = self.secant(y, error)
+        over_plateau = self.secant(y, error)
         way = self._way(y)
-        x = self.x + copysign(max(abs(way), least), way)
+        x = self.x + copysign(max(abs(way), over_plateau), way)
         if self.bracket.is_closed and self.bracket.excludes(x):
             x = self.bracket.between(0.0)
         return self._go(x, solver)
 
     def secant(self, y: float, error: float = 0.0) -> float:
-        """Learn the slope from the last two values; return how far it is to go at least."""
+        """Learn the slope from the last two certified values.
+
+        Parameters
+        ----------
+        y : float
+            The newest value, at the present x.
+        error : float
+            Its relative error: a change of x that explains no more is not used.
+
+        Returns
+        -------
+        float
+            By how much x has to change at least; more than 0 where the value hardly changes.
+        """
         f = self.straight(y)
         before = self.certified_before
         if not isfinite(f):

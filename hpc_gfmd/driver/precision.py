@@ -51,7 +51,7 @@ CALIBRATION = PrecisionCalibration()
 
 
 def first_precision(settings: SolverTable) -> np.dtype:
-    """Return the precision that a sweep begins with; settings: scene.SolverTable."""
+    """Return the precision that a sweep begins with; settings: the table [solver] of a scene."""
     if settings.precision != "auto":
         return np.dtype({"single": np.float32, "double": np.float64}[settings.precision])
     loose = settings.accuracy is not None and settings.accuracy >= CALIBRATION.accuracy
@@ -59,40 +59,90 @@ def first_precision(settings: SolverTable) -> np.dtype:
 
 
 def few_points(N: int, p_star: float, accuracy: float | None) -> bool:
-    """Tell whether so few of N points will touch that single precision, which may err in a few of
-    them, cannot give the area to an accuracy (None where a residual is asked for)."""
-    if p_star <= 0:  # with an attraction: how many touch nobody knows
+    """Return whether so few points will touch that single precision, which may err in a few of
+    them, cannot give the area.
+
+    Parameters
+    ----------
+    N : int
+        Points of the surface.
+    p_star : float
+        Mean pressure over E* g_rms. At 0 and below, with an attraction, any number may touch.
+    accuracy : float or None
+        That is asked for; None where a residual is.
+
+    Returns
+    -------
+    bool
+    """
+    if p_star <= 0:
         return True
     expected = N * min(1.0, 2 * p_star)  # a_r is about 2 p*
     return accuracy is not None and CALIBRATION.few_points / expected > accuracy
 
 
+def rounding_in_single(h_rms: float) -> float:
+    """Return the rms error of the pressure, over E* g_rms, from storing heights in single
+    precision; h_rms: over g_rms times the grid spacing."""
+    return ROUNDING * float(np.finfo(np.float32).eps) * h_rms
+
+
 def too_little(settings: SolverTable, N: int, p_star: float) -> bool:
-    """Tell whether single precision is too little for a load on N points."""
+    """Return whether single precision is too little for a load.
+
+    Parameters
+    ----------
+    settings : scene.SolverTable
+        The table [solver] of a scene.
+    N : int
+        Points of the surface.
+    p_star : float
+        Mean pressure over E* g_rms.
+
+    Returns
+    -------
+    bool
+    """
     return few_points(N, p_star, settings.accuracy) or not single_solves(p_star, N)
 
 
 def precisions(
     scene: Scene, n: tuple[int, int], unknown: DTypeLike | None = None
 ) -> list[np.dtype | None]:
-    """Return the precision of each load, as far as it is known beforehand; otherwise `unknown`: it
-    is the first one, unless few points turn out to touch, or rounding errors to count. Once a load
-    is in double precision all others are."""
-    settings, found = scene.solver, first_precision(scene.solver)
-    out: list[np.dtype | None] = []
+    """Return the precision of each load, as far as it is known beforehand.
+
+    It is the first one, unless few points turn out to touch, or rounding errors to count. Once a
+    load is in double precision all others are.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is to be solved.
+    n : pair of int
+        Points of its surface along x and y.
+    unknown : dtype, optional
+        What is returned where that is not known.
+
+    Returns
+    -------
+    list of dtype or None
+    """
+    settings = scene.solver
+    precision = first_precision(settings)
+    precisions_of_loads: list[np.dtype | None] = []
     g_rms, h_rms = known_heights(scene, n)
-    rounding = ROUNDING * float(np.finfo(np.float32).eps) * (h_rms or np.inf)
+    rounding = rounding_in_single(h_rms or np.inf)
     for p_star in known_p_stars(scene, g_rms):
-        if settings.precision == "auto" and found == np.float32:
+        if settings.precision == "auto" and precision == np.float32:
             if p_star is not None and too_little(settings, math.prod(n), p_star):
-                found = np.dtype(np.float64)
-            elif p_star is None or rounding > counting(settings, p_star):
+                precision = np.dtype(np.float64)
+            elif p_star is None or rounding > pressure_that_counts(settings, p_star):
                 if unknown is None:
-                    out.append(None)
+                    precisions_of_loads.append(None)
                     continue
-                found = np.dtype(unknown)
-        out.append(found)
-    return out
+                precision = np.dtype(unknown)
+        precisions_of_loads.append(precision)
+    return precisions_of_loads
 
 
 def least_precision(scene: Scene, N: int) -> np.dtype:
@@ -119,7 +169,20 @@ def least_precision(scene: Scene, N: int) -> np.dtype:
 
 
 def known_p_stars(scene: Scene, g_rms: float | None) -> list[float | None]:
-    """Return p* of each load, as far as it is known beforehand."""
+    """Return p* of each load, as far as it is known beforehand.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is to be solved.
+    g_rms : float or None
+        rms slope of its surface, where that is known.
+
+    Returns
+    -------
+    list of float or None
+        Half of a prescribed area, which is about p* where that is small.
+    """
     name, values = scene.load.given
     if name == "p_star":
         return list(values)
@@ -133,9 +196,20 @@ def known_p_stars(scene: Scene, g_rms: float | None) -> list[float | None]:
 
 
 def known_heights(scene: Scene, n: tuple[int, int]) -> tuple[float | None, float | None]:
-    """Return g_rms, and h_rms over g_rms times the grid spacing, of a surface of n points, as far
-    as they are known beforehand: from the spectrum, or a coarse grid; None of a map and on a
-    form."""
+    """Return slope and height of a surface, as far as its table or a coarse grid tells them.
+
+    Parameters
+    ----------
+    scene : Scene
+        With the surface.
+    n : pair of int
+        Its points along x and y.
+
+    Returns
+    -------
+    g_rms, h_rms : float or None
+        rms slope, and rms height over g_rms times the grid spacing; None of a map and on a form.
+    """
     surface = scene.surface
     if surface.kind == "file" or (surface.kind == "self-affine" and surface.radius):
         return None, None
@@ -148,9 +222,22 @@ def known_heights(scene: Scene, n: tuple[int, int]) -> tuple[float | None, float
     return surface.g_rms, surface.lam_s_over_a / slope
 
 
-def counting(asked: StoppingCriterion | SolverTable, p_star: float) -> float:
-    """Return the errors of the pressure at all open points, in the problem's unit, that count as
-    much as what is asked for."""
-    if asked.residual:
-        return asked.residual * p_star
-    return (asked.accuracy or 0.0) * max(p_star, 0.0) ** 0.5
+def pressure_that_counts(target: StoppingCriterion | SolverTable, p_star: float) -> float:
+    """Return the rms error of the pressure at all open points that counts as much as what is asked
+    for.
+
+    Parameters
+    ----------
+    target : StoppingCriterion or scene.SolverTable
+        The residual, or else the accuracy, that is asked for.
+    p_star : float
+        Mean pressure over E* g_rms.
+
+    Returns
+    -------
+    float
+        Over E* g_rms.
+    """
+    if target.residual:
+        return target.residual * p_star
+    return (target.accuracy or 0.0) * max(p_star, 0.0) ** 0.5

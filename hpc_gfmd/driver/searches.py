@@ -60,13 +60,29 @@ class Searches:
     def _search_for(self, load: Load, working: WorkingSurface) -> LoadSearch:
         if load.closes:
             return ClosingSearch(self.tolerance)
-        known = (self.tolerance, self.is_accuracy, working.heights)
+        heights = working.heights
         surface = working.surface
         if load.quantity == "gap_mean" and working.model.hardness is None:
             opens = opening_load(load.value, working)
             if opens < NEARLY_CLOSED:
-                return OpeningSearch.of(load.value / surface.slope, opens, known)
-        return search_for(load, surface, known, self._history, working.hardness)
+                return OpeningSearch(
+                    load.value / surface.slope,
+                    self.tolerance,
+                    self.is_accuracy,
+                    heights,
+                    heights,
+                    slope=OpeningSearch.usual,
+                    opens=opens,
+                )
+        return search_for(
+            load,
+            surface,
+            heights,
+            self.tolerance,
+            self.is_accuracy,
+            self._history,
+            working.hardness,
+        )
 
     def remember(self, contact: Contact, working: WorkingSurface) -> None:
         """Remember what a solved load gave, for the searches after it.

@@ -14,7 +14,7 @@ from ..laws.base import scaled
 from ..operators.problem import Problem
 from .height_statistics import HeightStatistics
 from .nested import Nested
-from .precision import CALIBRATION, counting, few_points
+from .precision import CALIBRATION, few_points, pressure_that_counts
 
 if TYPE_CHECKING:
     from ..certificate.criterion import StoppingCriterion
@@ -204,4 +204,4 @@ class WorkingSurface:
             The same on all ranks.
         """
         noise = problem.noise(self.surface.h_rms / self.surface.height_unit)
-        return noise > CALIBRATION.noise * counting(criterion, problem.p0)
+        return noise > CALIBRATION.noise * pressure_that_counts(criterion, problem.p0)

@@ -9,7 +9,8 @@ from typing import NamedTuple
 from ..util.errors import GfmdError, SceneError, reason
 from ..util.file_names import require_name
 from .folder import HEAD, acquire, clear, partial_folder, release, step_files
-from .read import Result, read_file, read_parts
+from .read import read_file, read_parts
+from .result import Result
 
 
 class EarlierRun(NamedTuple):

@@ -15,7 +15,7 @@ from ..util.errors import GfmdError, SceneError, reason
 from ..util.libraries import surface_topography
 from .describe import coordinates, name_it
 from .numbers import About, axes, numbers, said_of, unit_of
-from .read import Result
+from .result import Result
 
 HEIGHTS = "heights"  # the same for all loads
 

@@ -24,7 +24,8 @@ from .claim import EarlierRun, claim
 from .describe import SIGNS, describe, set_attributes
 from .folder import HEAD, STATE, followed, partial_folder, release
 from .numbers import About
-from .read import CHECKPOINT, FORMAT, FORMAT_VERSION, Result, group_of, read_checkpoint
+from .read import CHECKPOINT, FORMAT, read_checkpoint
+from .result import FORMAT_VERSION, Result, group_of
 
 
 class RunFile(AbstractContextManager):

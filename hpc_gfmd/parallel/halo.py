@@ -251,6 +251,11 @@ def add_all(
         Becomes the sum on all n rows of the ring.
     """
     fields, n, m = whole.shape
+    if comm.size == 1 and bounds[0][0] == 0:  # nothing is sent or copied twice
+        whole[...] = window[:, :n]
+        for row in range(n, window.shape[1]):
+            whole[:, row % n] += window[:, row]
+        return
     counts = [fields * (hi - lo) * m for lo, hi in bounds]
     received = np.empty(sum(counts), window.dtype)
     comm.allgather_arrays(window.ravel(), received, counts)

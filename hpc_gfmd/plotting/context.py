@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from ..output.read import Result
+from ..output.result import Result
 from ..output.summary import converged, last_held
 from .theories import scene_of, theory_of
 from .units import Units, good

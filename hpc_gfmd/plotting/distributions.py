@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..output.read import Result
+from ..output.result import Result
 from .context import FigureContext
 from .page import Page
 from .style import THEORY, colour, line, log_axis

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from ..output.fields import Slab
-from ..output.read import Result
+from ..output.result import Result
 from .pictures import plot
 from .style import Picture
 

@@ -9,7 +9,8 @@ from typing import Any, NoReturn
 
 import numpy as np
 
-from ..output.read import Result, read_result
+from ..output.read import read_result
+from ..output.result import Result
 from ..output.summary import surface_line
 from ..scene.explain import nearest
 from ..util.errors import GfmdError, SceneError, reason

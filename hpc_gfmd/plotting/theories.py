@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..output.read import Result
+from ..output.result import Result
 from ..scene import Scene
 from ..theory import persson, yielding
 from ..theory.elastic import Hertz, HertzLine, Westergaard

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import Any
 
-from ..output.read import Result
+from ..output.result import Result
 from ..util.quantities import prefixed
 
 

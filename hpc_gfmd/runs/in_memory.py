@@ -15,7 +15,7 @@ from ..contact.contact import Contact, heights_of
 from ..driver.warmup import compile_once
 from ..kernels.cache import on_first_compile
 from ..output.fields import FIELDS, Slab
-from ..output.read import Result
+from ..output.result import Result
 from ..parallel.comm import Comm
 from ..parallel.grid import Grid
 from ..parallel.guard import collective_errors, raise_on_all

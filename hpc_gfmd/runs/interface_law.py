@@ -4,37 +4,19 @@ is checked by a further load, and halved where that deviates."""
 from __future__ import annotations
 
 import math
-import tomllib
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import partial
-from os import PathLike
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from ..contact import all_numbers
-from ..contact.contact import heights_of
 from ..output.interface_law import QUANTITIES, InterfaceLaw, interpolate
 from ..output.numbers import unit_of
-from ..output.summary import surface_line
-from ..parallel.comm import Comm
-from ..parallel.guard import on_rank_0
-from ..parallel.thread_count import threads_of
-from ..parallel.world import comm_of, world
-from ..scene import Scene, load_scene
-from ..surface import build_surface, surface_size
-from ..surface.arrays import is_topography
 from ..util.errors import SceneError
 from ..util.quantities import Quantity, parse
-from .loads import check, solved, step_attributes, surface_attributes, sweep_of
-from .prepared import PreparedSurface, prepare_surface
-from .progress import Reporter
-from .solve import solve
+from .law_samplers import Steps, sampler_of
 
-ACCURACY_SHARE = 0.1  # of the law's error: accuracy of its loads, so that it does not deviate by it
-Steps = list[dict[str, Any]]  # attributes of the loads of one surface
 Sampler = Callable[[list[float]], list[Steps]]  # of pressures, for each surface
-Pressures = Sequence[float | str]
 
 
 def interface_law(
@@ -105,7 +87,7 @@ def interface_law(
     if not quantities or set(quantities) - set(all_numbers()):
         unknown = sorted(set(quantities) - set(all_numbers()))
         raise SceneError(f"quantities: found {unknown}, allowed: {', '.join(QUANTITIES)}")
-    sampler = _sampler(surfaces, quantities, error, realisations, keys, comm, progress)
+    sampler = sampler_of(surfaces, quantities, error, realisations, keys, comm, progress)
     unit = " Pa" if isinstance(low, Quantity) else ""
 
     def sample(pressures: list[float]) -> list[Steps]:
@@ -284,157 +266,3 @@ def _plain_number(value: float | str) -> float | None:
         return float(value)
     except ValueError:
         return None
-
-
-def _sampler(
-    surfaces: Any,
-    quantities: Sequence[str],
-    error: float,
-    realisations: int,
-    keys: Mapping[str, Any],
-    comm: Any,
-    progress: bool,
-) -> _Heights | _Scenes:
-    """Return what solves loads of all surfaces."""
-    listed = list(surfaces) if isinstance(surfaces, list | tuple) else [surfaces]
-    if not listed:
-        raise SceneError("surfaces: found none, allowed: one surface, or a list of them")
-    scenes = [isinstance(surface, str | PathLike | Scene) for surface in listed]
-    if any(scenes):
-        if not all(scenes) or keys:
-            beside = f"{next(iter(keys))}=" if keys else "heights"
-            raise SceneError(
-                f"surfaces: found scenes beside {beside}, allowed: scenes alone, which say all"
-            )
-        return _Scenes(listed, quantities, error, realisations, comm, progress)
-    if realisations != 1:
-        raise SceneError("realisations: found with heights, allowed: with scenes")
-    return _Heights(listed, quantities, error, keys, progress)
-
-
-class _Heights:
-    """Solves loads of surfaces in memory, on this process."""
-
-    def __init__(
-        self,
-        surfaces: Iterable[Any],
-        quantities: Sequence[str],
-        error: float,
-        keys: Mapping[str, Any],
-        progress: bool,
-    ) -> None:
-        self.surfaces = [
-            prepare_surface(surface) if is_topography(surface) else surface for surface in surfaces
-        ]
-        accuracy = {"accuracy": ACCURACY_SHARE * error} if "residual" not in keys else {}
-        self.keys = accuracy | {"observables": list(quantities), "fields": ()} | dict(keys)
-        self.progress = progress
-        self.surface: dict[str, Any] = {}
-
-    def __call__(self, pressures: Pressures) -> list[Steps]:
-        """Return the attributes of all loads, for each surface."""
-        sampled = []
-        for surface in self.surfaces:
-            solutions = solve(surface, pressures, progress=self.progress, **self.keys)
-            self.surface = self.surface or solutions.result.surface
-            sampled.append(solutions.result.steps)
-        return sampled
-
-    def facts(self) -> dict[str, Any]:
-        """Return what the law says of its surfaces; after the first loads."""
-        heights = [s.heights if isinstance(s, PreparedSurface) else s for s in self.surfaces]
-        return {
-            "surface": self.surface,
-            "pressure_unit": self.surface.get("pressure_unit", ""),
-            "gap_at_touch": float(np.mean([np.max(z) - np.mean(z) for z in heights])),
-            "about": (surface_line(self.surface),),
-        }
-
-
-class _Scenes:
-    """Solves loads of scenes, on all ranks together."""
-
-    def __init__(
-        self,
-        scenes: Sequence[str | PathLike | Scene],
-        quantities: Sequence[str],
-        error: float,
-        realisations: int,
-        comm: Any,
-        progress: bool,
-    ) -> None:
-        self.comm: Comm = world() if comm is None else comm_of(comm)
-        self.quantities = quantities
-        self.accuracy = ACCURACY_SHARE * error
-        self.progress = progress
-        self.scenes = [
-            realisation
-            for scene in scenes
-            for realisation in on_rank_0(
-                self.comm, "reading the scene", partial(_realised, scene, realisations)
-            )
-        ]
-        self.surface: dict[str, Any] = {}
-        self.gaps: dict[int, float] = {}
-
-    def __call__(self, pressures: Pressures) -> list[Steps]:
-        """Return the attributes of all loads, for each surface. Collective."""
-        return [self._solve(k, scene, pressures) for k, scene in enumerate(self.scenes)]
-
-    def _solve(self, number: int, scene: Scene, pressures: Pressures) -> Steps:
-        """Solve one scene at some pressures; returns the attributes of the loads in their order."""
-        tables = tomllib.loads(scene.to_toml())
-        tables["load"] = {"pressure": list(pressures)}
-        tables["output"] = {"observables": list(self.quantities)}
-        if "residual" not in tables["solver"]:
-            of_scene = tables["solver"].get("accuracy", self.accuracy)
-            tables["solver"]["accuracy"] = min(of_scene, self.accuracy)
-        at_pressures = Scene.from_dict(tables)
-        check(at_pressures)
-        n, _ = surface_size(scene.surface)
-        threads = threads_of(self.comm, scene.machine.threads, n[0] * n[1])
-        low_memory = scene.solver.low_memory
-
-        def make_surface(dtype: np.dtype) -> Any:
-            return build_surface(scene.surface, self.comm, dtype, threads, low_memory)
-
-        sweep = sweep_of(at_pressures, make_surface)
-        attributes = surface_attributes(at_pressures, sweep.surface)
-        self.surface = self.surface or attributes
-        if number not in self.gaps:
-            heights = heights_of(sweep.surface)[:]
-            total = float(self.comm.sum([float(np.sum(heights, dtype=float))])[0])
-            self.gaps[number] = -total / (n[0] * n[1])
-        say = Reporter(self.comm, at_pressures.solver, not self.progress)
-        loads = sweep.loads(at_pressures.load)
-        return [
-            step_attributes(at_pressures, index, contact, seconds)
-            for index, contact, seconds in solved(at_pressures, sweep, loads, say)
-        ]
-
-    def facts(self) -> dict[str, Any]:
-        """Return what the law says of its surfaces; after the first loads."""
-        titles = [scene.title for scene in self.scenes if scene.title]
-        return {
-            "surface": self.surface,
-            "pressure_unit": self.surface.get("pressure_unit", ""),
-            "gap_at_touch": float(np.mean(list(self.gaps.values()))),
-            "about": (*titles[:1], surface_line(self.surface)),
-        }
-
-
-def _realised(scene: str | PathLike | Scene, realisations: int) -> list[Scene]:
-    """Return a scene with as many seeds as there are realisations."""
-    original = scene if isinstance(scene, Scene) else load_scene(scene)
-    if realisations == 1:
-        return [original]
-    if not hasattr(original.surface, "seed"):
-        raise SceneError(
-            f"realisations: found {realisations} of a surface without a seed, allowed: 1, or a"
-            " self-affine surface"
-        )
-    if realisations < 1:
-        raise SceneError(f"realisations: found {realisations}, allowed: a whole number from 1")
-    seeds = range(original.surface.seed, original.surface.seed + realisations)
-    surfaces = [original.surface.model_copy(update={"seed": seed}) for seed in seeds]
-    return [original.model_copy(update={"surface": surface}) for surface in surfaces]

@@ -4,7 +4,7 @@ import json
 
 from ..bodies import body_of
 from ..contact import all_observables
-from ..output.read import Result
+from ..output.result import Result
 from ..plotting.theories import scene_of, theory_of
 from ..solvers import solver_class
 

@@ -9,7 +9,7 @@ from ..bodies import body_of
 from ..certificate.certificate import Certificate
 from ..contact.contact import Contact
 from ..laws import attraction_of
-from ..output.read import Result
+from ..output.result import Result
 from ..parallel.comm import SerialComm
 from ..surface import Surface, grid_of
 from ..util.errors import SceneError

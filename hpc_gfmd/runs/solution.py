@@ -17,7 +17,7 @@ from ..contact import (
 from ..contact.duality import OBSERVABLES as OF_DUALITY
 from ..output.fields import FIELDS
 from ..output.numbers import unit_of
-from ..output.read import Result
+from ..output.result import Result
 from ..output.summary import summary
 from ..scene.explain import require_known
 from ..util.errors import SceneError
@@ -84,7 +84,7 @@ class Solution(Solved):
         rms pressure where the gap is open, over the mean pressure.
     precision : str
         "float32" or "float64": in which it was solved.
-    result : output.read.Result
+    result : output.result.Result
         All that is known, by the names of the result file: result.surface, result.steps[0],
         result.fields[0].
     """
@@ -118,7 +118,7 @@ class Solution(Solved):
 
         Parameters
         ----------
-        result : output.read.Result
+        result : output.result.Result
             Numbers and fields of one load.
         rows : (int, int), optional
             Rows (start, stop) of this rank; default: all.

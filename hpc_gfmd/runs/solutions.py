@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from ..output.read import Result, read_result
+from ..output.read import read_result
+from ..output.result import Result
 from ..output.summary import last_held, summary, surface_line
 from .solution import Solution
 from .solved import Solved
@@ -28,7 +29,7 @@ class Solutions(Solved, Sequence[Solution]):
     p, p_star, a_r, a_r_error, a_r_discretisation, contact_area, contact_pressure_mean,
     contact_pressure_max, gap_mean, gap_error, pressure_error, fft_pairs : ndarray, shape (loads,)
         As of a Solution; nan where there is none.
-    result : output.read.Result
+    result : output.result.Result
         All that is known, by the names of the result file.
     """
 
@@ -58,7 +59,7 @@ class Solutions(Solved, Sequence[Solution]):
 
         Parameters
         ----------
-        result : output.read.Result
+        result : output.result.Result
             Numbers and fields.
         rows : (int, int), optional
             Rows (start, stop) of this rank; default: all.

@@ -15,8 +15,8 @@ from ..contact import all_numbers, all_observables, default_observables
 from ..output.export import FORMATS, common_fields, export, frame
 from ..output.fields import Slab
 from ..output.numbers import axes, names_of, numbers, said_of
-from ..output.read import Result
 from ..output.record import RunFile
+from ..output.result import Result
 from ..parallel.comm import SerialComm
 from ..scene.explain import require_known
 from ..util.errors import GfmdError, SceneError, how_to_install

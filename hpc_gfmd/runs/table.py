@@ -7,7 +7,7 @@ from math import isfinite
 from typing import Any
 
 from ..contact import all_numbers, observables_named
-from ..output.read import Result
+from ..output.result import Result
 from ..output.summary import combined_error, converged, is_number, surface_line, with_error
 from ..util.errors import SceneError
 from ..util.quantities import in_units, prefixed

@@ -6,8 +6,9 @@ from faults.readers import outcome
 from faults.seeds import FIELD, SCENE, STEP, SURFACE
 from hypothesis import strategies as st
 
-from hpc_gfmd.output.read import FORMAT, FORMAT_VERSION
+from hpc_gfmd.output.read import FORMAT
 from hpc_gfmd.output.record import set_attributes
+from hpc_gfmd.output.result import FORMAT_VERSION
 
 ODD = [
     *(np.complex128(1j), h5py.Empty("f8"), np.zeros((2, 2)), np.bytes_(b"\xff\xfe")),

@@ -397,6 +397,6 @@ def test_an_area_far_from_earlier_ones():
         {"p0": np.exp(x), "a_r": area, "gap_mean": 1.0, "approach": 1.0}
         for x, area in ((0.40, 0.9990), (0.44, 0.9991))
     ]
-    settings = 1e-3, True, sweep.working.heights
-    search = search_for(Load("a_r", 4e-5), sweep.surface, settings, near)
+    load = Load("a_r", 4e-5)
+    search = search_for(load, sweep.surface, sweep.working.heights, 1e-3, True, near)
     assert abs(search.x - np.log(2e-5)) < 3

@@ -9,7 +9,7 @@ import pytest
 from refusal import refused
 
 from hpc_gfmd.commands.limits import limits_text, to_limits
-from hpc_gfmd.output.read import Result
+from hpc_gfmd.output.result import Result
 from hpc_gfmd.theory import tfc
 
 SURFACE = {"kind": "self-affine", "hurst": 0.8, "eps_t": 0.5, "eps_f": 1 / 1024, "eps_c": 0.5}

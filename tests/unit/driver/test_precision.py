@@ -40,5 +40,5 @@ def test_forecast_agrees_with_a_sweep(p_star):
     scene = Scene.from_dict({"surface": surface, "load": {"p_star": p_star}, "solver": solver})
     forecast = precisions(scene, scene.surface.n)
     sweep = sweep_of(surface, **solver)
-    actual = [sweep.solve(p * sweep.surface.g_rms).g.dtype for p in p_star]
-    assert [dtype or SINGLE for dtype in forecast] == actual
+    used = [sweep.solve(p * sweep.surface.g_rms).g.dtype for p in p_star]
+    assert [dtype or SINGLE for dtype in forecast] == used

@@ -12,6 +12,7 @@ class Threads:
     """Ranks that are threads of this process, as add_overlaps takes a communicator."""
 
     def __init__(self, size):
+        self.size = size
         self.box = {}
         self.barrier = threading.Barrier(size, timeout=10)
 

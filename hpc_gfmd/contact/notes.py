@@ -1,0 +1,69 @@
+"""What a reader has to know of a contact before its numbers: what limits what they mean."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..scene.model import TOUCHING
+from ..surface.doubtful_numbers import load_notes
+from ..util.quantities import prefixed
+from .attraction_notes import attraction_notes
+
+METALLIC = 1e9  # Pa: of an effective modulus from which the note on yield speaks
+YIELDS_AT = 50  # metals yield where the contact pressure is E* over about this
+
+
+def notes_on(contact: Any) -> list[str]:
+    """Return remarks on a Contact, a line each, the most important first."""
+    notes = [
+        _doubt(contact),
+        *attraction_notes(contact),
+        contact.remark,
+        *load_notes(contact.p_mean, contact.E_star, contact.g_rms, contact.surface.unit),
+        *contact.surface.notes,
+        _yields(contact),
+    ]
+    return [note for note in notes if note]
+
+
+def _doubt(contact: Any) -> str | None:
+    """Return why a solution that is converged may yet say little; None where it does not."""
+    points = contact.contact_points
+    if contact.is_separated:
+        return "separated: the load pulls more than the attraction holds"
+    if contact.g_rms == 0 and not contact.grid.padded:
+        return "flat surface: every point touches at any load"
+    if points == contact.N:
+        return "full contact: every point touches, the gap is zero"
+    if points < TOUCHING:
+        touch = "touches" if points == 1 else "touch"
+        return (
+            f"only {points} point{'s' * (points != 1)} {touch}: the area is known to"
+            f" {100 / max(points, 1):.0f} % at best"
+        )
+    if contact.gap_is_rounding:
+        precision = "single" if contact.g.dtype == np.float32 else "double"
+        return f"the gap is all rounding at this load in {precision} precision"
+    best = contact.certificate.attainable[0]
+    if contact.accuracy < best < np.inf:
+        return f"the mean gap is known to {best:.1g} at best: rounding errors, and of free edges"
+    return None
+
+
+def _yields(contact: Any) -> str | None:
+    """Return why metals would yield in a contact whose modulus is elastic at any pressure; None
+    where they would not."""
+    is_soft = contact.E_star < METALLIC
+    if contact.hardness is not None or is_soft or contact.contact_points == 0:
+        return None
+    pressure = contact.wall_pressure * contact.N / contact.contact_points
+    if pressure * YIELDS_AT < contact.E_star:
+        return None
+    scale, unit = prefixed([pressure], "Pa")
+    share = contact.E_star / pressure
+    return (
+        f"mean contact pressure {pressure / scale:.3g} {unit} = E*/{share:.2g}: metals yield"
+        f" from about E*/{YIELDS_AT}; material.hardness"
+    )

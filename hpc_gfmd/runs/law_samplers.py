@@ -1,0 +1,227 @@
+"""The loads that the law of an interface is made of: of surfaces in memory, or of scenes on all
+ranks."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
+from os import PathLike
+from typing import Any
+
+import numpy as np
+
+from ..contact.contact import heights_of
+from ..output.summary import surface_line
+from ..parallel.comm import Comm
+from ..parallel.guard import on_rank_0
+from ..parallel.thread_count import threads_of
+from ..parallel.world import comm_of, world
+from ..scene import Scene, load_scene
+from ..surface import build_surface, surface_size
+from ..surface.arrays import is_topography
+from ..util.errors import SceneError
+from .loads import check, solved, step_attributes, surface_attributes, sweep_of
+from .prepared import PreparedSurface, prepare_surface
+from .progress import Reporter
+from .solve import solve
+
+ACCURACY_SHARE = 0.1  # of the law's error: accuracy of its loads, so that it does not deviate by it
+Steps = list[dict[str, Any]]  # attributes of the loads of one surface
+Pressures = Sequence[float | str]
+
+
+def sampler_of(
+    surfaces: Any,
+    quantities: Sequence[str],
+    error: float,
+    realisations: int,
+    keys: Mapping[str, Any],
+    comm: Any,
+    progress: bool,
+) -> HeightSampler | SceneSampler:
+    """Return what solves loads of all surfaces.
+
+    Parameters
+    ----------
+    surfaces, quantities, error, realisations, keys, comm, progress
+        As of `interface_law`.
+
+    Returns
+    -------
+    HeightSampler or SceneSampler
+        Called with pressures; its `facts` say what was solved.
+
+    Raises
+    ------
+    SceneError
+        For surfaces that make no sense together.
+    """
+    listed = list(surfaces) if isinstance(surfaces, list | tuple) else [surfaces]
+    if not listed:
+        raise SceneError("surfaces: found none, allowed: one surface, or a list of them")
+    scenes = [isinstance(surface, str | PathLike | Scene) for surface in listed]
+    if any(scenes):
+        if not all(scenes) or keys:
+            beside = f"{next(iter(keys))}=" if keys else "heights"
+            raise SceneError(
+                f"surfaces: found scenes beside {beside}, allowed: scenes alone, which say all"
+            )
+        return SceneSampler(listed, quantities, error, realisations, comm, progress)
+    if realisations != 1:
+        raise SceneError("realisations: found with heights, allowed: with scenes")
+    return HeightSampler(listed, quantities, error, keys, progress)
+
+
+class HeightSampler:
+    """Solves loads of surfaces in memory, on this process.
+
+    Parameters
+    ----------
+    surfaces : iterable
+        What `solve` takes.
+    quantities : sequence of str
+        Numbers of each load that are asked for.
+    error : float
+        Of the law, of which the loads may have ACCURACY_SHARE.
+    keys : mapping
+        Further arguments of `solve`.
+    progress : bool
+        Whether to show how far it is.
+    """
+
+    def __init__(
+        self,
+        surfaces: Iterable[Any],
+        quantities: Sequence[str],
+        error: float,
+        keys: Mapping[str, Any],
+        progress: bool,
+    ) -> None:
+        self.surfaces = [
+            prepare_surface(surface) if is_topography(surface) else surface for surface in surfaces
+        ]
+        accuracy = {"accuracy": ACCURACY_SHARE * error} if "residual" not in keys else {}
+        self.keys = accuracy | {"observables": list(quantities), "fields": ()} | dict(keys)
+        self.progress = progress
+        self.surface: dict[str, Any] = {}
+
+    def __call__(self, pressures: Pressures) -> list[Steps]:
+        """Return the attributes of all loads, for each surface."""
+        sampled = []
+        for surface in self.surfaces:
+            solutions = solve(surface, pressures, progress=self.progress, **self.keys)
+            self.surface = self.surface or solutions.result.surface
+            sampled.append(solutions.result.steps)
+        return sampled
+
+    def facts(self) -> dict[str, Any]:
+        """Return what the law says of its surfaces; after the first loads."""
+        heights = [s.heights if isinstance(s, PreparedSurface) else s for s in self.surfaces]
+        return {
+            "surface": self.surface,
+            "pressure_unit": self.surface.get("pressure_unit", ""),
+            "gap_at_touch": float(np.mean([np.max(z) - np.mean(z) for z in heights])),
+            "about": (surface_line(self.surface),),
+        }
+
+
+class SceneSampler:
+    """Solves loads of scenes, on all ranks together.
+
+    Parameters
+    ----------
+    scenes : sequence of path or Scene
+        Their loads and output do not count.
+    quantities, error, progress
+        As of HeightSampler.
+    realisations : int
+        Surfaces of each scene, of different seeds.
+    comm : Comm or communicator of mpi4py, optional
+        Default: all ranks.
+    """
+
+    def __init__(
+        self,
+        scenes: Sequence[str | PathLike | Scene],
+        quantities: Sequence[str],
+        error: float,
+        realisations: int,
+        comm: Any,
+        progress: bool,
+    ) -> None:
+        self.comm: Comm = world() if comm is None else comm_of(comm)
+        self.quantities = quantities
+        self.accuracy = ACCURACY_SHARE * error
+        self.progress = progress
+        self.scenes = [
+            realisation
+            for scene in scenes
+            for realisation in on_rank_0(
+                self.comm, "reading the scene", partial(_realised, scene, realisations)
+            )
+        ]
+        self.surface: dict[str, Any] = {}
+        self.gaps: dict[int, float] = {}
+
+    def __call__(self, pressures: Pressures) -> list[Steps]:
+        """Return the attributes of all loads, for each surface. Collective."""
+        return [self._solve(k, scene, pressures) for k, scene in enumerate(self.scenes)]
+
+    def _solve(self, number: int, scene: Scene, pressures: Pressures) -> Steps:
+        """Solve one scene at some pressures; returns the attributes of the loads in their order."""
+        tables = tomllib.loads(scene.to_toml())
+        tables["load"] = {"pressure": list(pressures)}
+        tables["output"] = {"observables": list(self.quantities)}
+        if "residual" not in tables["solver"]:
+            of_scene = tables["solver"].get("accuracy", self.accuracy)
+            tables["solver"]["accuracy"] = min(of_scene, self.accuracy)
+        at_pressures = Scene.from_dict(tables)
+        check(at_pressures)
+        n, _ = surface_size(scene.surface)
+        threads = threads_of(self.comm, scene.machine.threads, n[0] * n[1])
+        low_memory = scene.solver.low_memory
+
+        def make_surface(dtype: np.dtype) -> Any:
+            return build_surface(scene.surface, self.comm, dtype, threads, low_memory)
+
+        sweep = sweep_of(at_pressures, make_surface)
+        attributes = surface_attributes(at_pressures, sweep.surface)
+        self.surface = self.surface or attributes
+        if number not in self.gaps:
+            heights = heights_of(sweep.surface)[:]
+            total = float(self.comm.sum([float(np.sum(heights, dtype=float))])[0])
+            self.gaps[number] = -total / (n[0] * n[1])
+        say = Reporter(self.comm, at_pressures.solver, not self.progress)
+        loads = sweep.loads(at_pressures.load)
+        return [
+            step_attributes(at_pressures, index, contact, seconds)
+            for index, contact, seconds in solved(at_pressures, sweep, loads, say)
+        ]
+
+    def facts(self) -> dict[str, Any]:
+        """Return what the law says of its surfaces; after the first loads."""
+        titles = [scene.title for scene in self.scenes if scene.title]
+        return {
+            "surface": self.surface,
+            "pressure_unit": self.surface.get("pressure_unit", ""),
+            "gap_at_touch": float(np.mean(list(self.gaps.values()))),
+            "about": (*titles[:1], surface_line(self.surface)),
+        }
+
+
+def _realised(scene: str | PathLike | Scene, realisations: int) -> list[Scene]:
+    """Return a scene with as many seeds as there are realisations."""
+    original = scene if isinstance(scene, Scene) else load_scene(scene)
+    if realisations == 1:
+        return [original]
+    if not hasattr(original.surface, "seed"):
+        raise SceneError(
+            f"realisations: found {realisations} of a surface without a seed, allowed: 1, or a"
+            " self-affine surface"
+        )
+    if realisations < 1:
+        raise SceneError(f"realisations: found {realisations}, allowed: a whole number from 1")
+    seeds = range(original.surface.seed, original.surface.seed + realisations)
+    surfaces = [original.surface.model_copy(update={"seed": seed}) for seed in seeds]
+    return [original.model_copy(update={"surface": surface}) for surface in surfaces]
