@@ -115,9 +115,27 @@ def _points(
         ax.errorbar(x, y, bars, **look)
 
 
+def is_tight(key: str, step: Mapping[str, Any]) -> bool:
+    """Return whether a number of a load says that no open channel is left.
+
+    Parameters
+    ----------
+    key : str
+        Name of the number in the result file.
+    step : mapping
+        Attributes of the load step.
+
+    Returns
+    -------
+    bool
+        True for a critical gap of 0.
+    """
+    return key.startswith("critical_gap") and bool(step.get(key) == 0)
+
+
 def _is_shown(key: str, step: Mapping[str, Any]) -> bool:
     """Whether a load is a point of a curve; a tight one is none, see `_tight`."""
-    return finite(step.get(key)) and not (key.startswith("critical_gap") and step[key] == 0)
+    return finite(step.get(key)) and not is_tight(key, step)
 
 
 def _mean_and_scatter(
@@ -164,8 +182,7 @@ def _tight(ax: Any, contexts: list[FigureContext], key: str, loads: LoadAxis) ->
     """Shade the loads from the first one at which no open channel is left in any result, which a
     logarithmic axis cannot show."""
     steps = sorted((step for context in contexts for step in context.result.steps), key=loads.of)
-    is_tight = [step.get(key) == 0 for step in steps]
-    open_loads = [k for k, tight in enumerate(is_tight) if not tight]
+    open_loads = [k for k, step in enumerate(steps) if not is_tight(key, step)]
     tight_loads = steps[open_loads[-1] + 1 if open_loads else 0 :]
     if tight_loads:
         right = ax.get_xlim()[1]

@@ -15,7 +15,7 @@ from ..output.summary import surface_line
 from ..scene.explain import nearest
 from ..util.errors import GfmdError, SceneError, reason
 from .context import FigureContext
-from .curves import curves
+from .curves import curves, is_tight
 from .distributions import NAMES, distributions
 from .maps import FIELDS, maps
 from .page import COLUMN_WIDTH, Page
@@ -347,7 +347,10 @@ def _steps(result: Result, panels: Mapping[str, tuple[str, ...]]) -> list[int]:
     return [
         k
         for k, (step, fields) in enumerate(zip(result.steps, result.fields))
-        if any(key in fields or good(step.get(key)) or np.ndim(step.get(key, 0)) for key in keys)
+        if any(
+            key in fields or good(step.get(key)) or np.ndim(step.get(key, 0)) or is_tight(key, step)
+            for key in keys
+        )
     ]
 
 
