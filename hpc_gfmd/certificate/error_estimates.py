@@ -149,6 +149,8 @@ class Estimate(NamedTuple):
         Squares of the error of the pressure, summed over points.
     shift : float
         Error of the sum of gaps by the load that is missing or misplaced.
+    missing_load : float
+        Share of the load that is missing in contact; below 0 where the contact carries too much.
     fall : float
         Height by which the body may move further than its elastic contact says, because all that
         is elastic yields or opens (plastic_limits.py).
@@ -161,6 +163,7 @@ class Estimate(NamedTuple):
     attainable: tuple[float, float] = (0.0, 0.0)
     squares: float = np.inf
     shift: float = np.nan
+    missing_load: float = 0.0
     fall: float = 0.0
     distance: float = np.inf
 
@@ -247,6 +250,7 @@ def estimate(
         attainable=(attainable_gap, attainable_pressure),
         squares=squares,
         shift=n_open / max(N - state.elastic, 1) * norms.shift,  # free points that do not yield
+        missing_load=state.open_p / (N * state.p0),
         fall=further / n_open,
         distance=distance,
     )

@@ -59,16 +59,18 @@ def misclassified_points(
     inside, outside = counts
     takes = largest * 2.0 ** (-(np.arange(BINS) + 1) / PER_OCTAVE)
     takes[-1] = 0.0
+    # the contact grows with the load, about in proportion
+    joining_by_load = errors.missing_load * contact
 
-    def changing(points: np.ndarray, squares: float) -> float:
-        likely = _likely_to_change(problem, points, takes, mean_square)
+    def changing(points: np.ndarray, by_load: float, squares: float) -> float:
+        likely = max(_likely_to_change(problem, points, takes, mean_square, by_load), 0.0)
         spent = np.cumsum((points * takes)[::-1])
         easiest = np.cumsum(points[::-1])
         affordable = np.floor(np.interp(squares, spent, easiest))
         return float(min(likely, affordable))
 
-    leaving = changing(inside, errors.squares)
-    joining = changing(outside, squares_outside)
+    leaving = changing(inside, -joining_by_load, errors.squares)
+    joining = changing(outside, joining_by_load, squares_outside)
     if problem.hardness is not None:
         carrying = problem.grid.N * problem.p0 / problem.hardness
         leaving = max(min(leaving, np.floor(contact - carrying)), 0.0)
@@ -76,16 +78,18 @@ def misclassified_points(
 
 
 def _likely_to_change(
-    problem: Problem, points: np.ndarray, takes: np.ndarray, mean_square: float
+    problem: Problem, points: np.ndarray, takes: np.ndarray, mean_square: float, follow_load: float
 ) -> float:
     """Return how many points of a histogram are likely to change sides.
 
-    With a hardness all within reach count, otherwise one half of the range, the one with more.
+    With a hardness all within reach count, otherwise one half of the range, the one with more. They
+    are no fewer than those that follow the load which is missing (below 0: the other way).
     """
     near, within = (
         points[takes < mean_square * x**2].sum() for x in (CALIBRATION.reach / 2, CALIBRATION.reach)
     )
     expected = within if problem.hardness is not None else max(near, within - near)
+    expected = max(expected, follow_load)
     return max(expected + np.sqrt(expected), min(points.sum(), CALIBRATION.few))
 
 

@@ -179,13 +179,14 @@ class AreaSearch(SecantSearch):
 
     def correct(self, solver: Solver, certificate: Certificate, solved: bool) -> bool:
         """Go to the nearer side of a jump, or between the bounds."""
+        if self.corrections == CALIBRATION.corrections:
+            return False
         if self.jumps:
             plateau = self._nearer.plateau
             return self.x != plateau and self._go(plateau, solver)
         y, error = self.certified(solver, certificate)
         surely_missed = self.miss(y) > error
-        is_exhausted = self.corrections == CALIBRATION.corrections
-        if is_exhausted or not surely_missed or self.undecided > 1:
+        if not surely_missed or self.undecided > 1:
             return False
         if self.bracket.is_closed:
             return self._go(self._between(solver), solver)

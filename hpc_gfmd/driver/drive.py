@@ -126,7 +126,11 @@ def drive(
             if reason is None and watch is not None and watch(solver.iterations, progress):
                 reason = "interrupted"
             if reason is not None:
-                return _conclude(solver, criterion, search, guard, reason, pairs)
+                outcome = _conclude(solver, criterion, search, guard, reason, pairs)
+                if reason != "stagnated" or not _goes_elsewhere(solver, criterion, search, outcome):
+                    return outcome
+                pairs = outcome.pairs
+                limits.begin_again()
             solver.step()
             continue
         if guard is not None:
@@ -151,6 +155,20 @@ def drive(
         if search is not None and search.correct(solver, certificate, error < 1):
             limits.begin_again()
         solver.step()
+
+
+def _goes_elsewhere(
+    solver: Solver, criterion: StoppingCriterion, search: LoadSearch | None, outcome: Outcome
+) -> bool:
+    """Return whether a search goes on at another load, where the solution at this one is as
+    accurate as asked. Collective."""
+    certificate = outcome.certificate
+    is_solved = (
+        error_left(certificate, criterion) < 1 and _status_of(certificate, criterion) == "converged"
+    )
+    if search is None or outcome.status != "stagnated" or not is_solved:
+        return False
+    return search.correct(solver, certificate, is_solved)
 
 
 def _leaves_saddle(limits: Limits, guard: SaddleGuard) -> bool:

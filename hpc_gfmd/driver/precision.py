@@ -81,6 +81,29 @@ def few_points(N: int, p_star: float, accuracy: float | None) -> bool:
     return accuracy is not None and CALIBRATION.few_points / expected > accuracy
 
 
+def too_soft(accuracy: float | None, h_rms: float, hardness: float | None) -> bool:
+    """Return whether the heights are stored in single precision too roughly for a hardness.
+
+    Their rounding errors are an error of the pressure, which is nowhere more than the hardness.
+
+    Parameters
+    ----------
+    accuracy : float or None
+        That is asked for; None where a residual is.
+    h_rms : float
+        rms height over g_rms times the grid spacing.
+    hardness : float or None
+        Over E* g_rms.
+
+    Returns
+    -------
+    bool
+    """
+    if accuracy is None or hardness is None:
+        return False
+    return rounding_in_single(h_rms) > accuracy * hardness
+
+
 def rounding_in_single(h_rms: float) -> float:
     """Return the rms error of the pressure, over E* g_rms, from storing heights in single
     precision; h_rms: over g_rms times the grid spacing."""
@@ -132,9 +155,14 @@ def precisions(
     precisions_of_loads: list[np.dtype | None] = []
     g_rms, h_rms = known_heights(scene, n)
     rounding = rounding_in_single(h_rms or np.inf)
+    hardness = scene.material.hardness
+    if hardness is not None and g_rms and h_rms:
+        is_soft = too_soft(settings.accuracy, h_rms, hardness / (scene.material.E_star * g_rms))
+    else:
+        is_soft = False
     for p_star in known_p_stars(scene, g_rms):
         if settings.precision == "auto" and precision == np.float32:
-            if p_star is not None and too_little(settings, math.prod(n), p_star):
+            if is_soft or (p_star is not None and too_little(settings, math.prod(n), p_star)):
                 precision = np.dtype(np.float64)
             elif p_star is None or rounding > pressure_that_counts(settings, p_star):
                 if unknown is None:

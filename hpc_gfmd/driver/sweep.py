@@ -22,7 +22,7 @@ from .held import Held
 from .load import Load, Unfinished
 from .load_quantities import OpeningSearch
 from .low_memory import LowMemorySurface
-from .precision import first_precision, too_little
+from .precision import first_precision, too_little, too_soft
 from .scene_loads import loads_of
 from .searches import Searches
 from .starter import Starter
@@ -230,7 +230,12 @@ class Sweep:
         """Return whether single precision is known to be too little for a load."""
         if load.search is not None and load.search.needs_double:
             return True
-        return too_little(self.settings, self.surface.grid.N, load.half_area)
+        settings = self.settings
+        surface = self.surface
+        h_rms = surface.h_rms / surface.height_unit
+        if too_soft(settings.accuracy, h_rms, self.working.hardness):
+            return True
+        return too_little(settings, surface.grid.N, load.half_area)
 
     def _work_in(self, dtype: np.dtype) -> None:
         """Go on with the surface in another precision. Raises SceneError where its heights have

@@ -81,7 +81,7 @@ class Reading(Table):
         return self
 
 
-class Body(Reading):
+class RoughBody(Reading):
     """One of two scans, each measured from above: a path, or a table with it. Besides these keys it
     has those of kind = "file" that say how a file is read, from dataset to unit; they are those
     beside bodies where they are not given."""
@@ -114,7 +114,7 @@ class Body(Reading):
     flip: bool = key("turn the heights over: valleys become peaks, as of a replica", False)
 
 
-OWN_KEYS = ("path", "shift", "mirrored", "flip")  # of a Body, beside those of reading
+OWN_KEYS = ("path", "shift", "mirrored", "flip")  # of a RoughBody, beside those of reading
 
 
 def _as_table(value: Any) -> Any:
@@ -122,5 +122,5 @@ def _as_table(value: Any) -> Any:
     return {"path": value} if isinstance(value, str) else value
 
 
-AnyBody = Annotated[Body, BeforeValidator(_as_table)]
+AnyBody = Annotated[RoughBody, BeforeValidator(_as_table)]
 Bodies = Annotated[tuple[AnyBody, AnyBody], LIST]

@@ -10,7 +10,7 @@ from typing import Any
 
 from ..util.errors import SceneError
 from .explain import nearest, printable
-from .height_maps import OWN_KEYS, Body
+from .height_maps import OWN_KEYS, RoughBody
 from .model import Scene
 from .not_modelled import not_modelled
 from .surface import KINDS, SurfaceTable
@@ -118,8 +118,8 @@ def sections(names: Mapping[str, Any] | None = None) -> list[Section]:
             title_of_table = field.description or ""
             listed.append(Section(table, heading, title_of_table, about_model, tuple(keys), kind))
         if table == "surface":
-            own_keys = tuple(_key(name, Body.model_fields[name]) for name in OWN_KEYS)
-            about_body = " ".join((Body.__doc__ or "").split())
+            own_keys = tuple(_key(name, RoughBody.model_fields[name]) for name in OWN_KEYS)
+            about_body = " ".join((RoughBody.__doc__ or "").split())
             listed.append(
                 Section(table, BODIES, field.description or "", about_body, own_keys, BODIES)
             )

@@ -22,6 +22,18 @@ def test_nothing_changes_without_an_error(state):
     assert misclassified_points(problem, g, p, Estimate(squares=0.0), spread=10, contact=n) == 0
 
 
+@pytest.mark.parametrize("share", [0.02, 0.1])
+def test_points_follow_a_missing_load(state, share):
+    """In proportion to it, out of contact where the contact carries too much."""
+    problem, g, p, n = state
+    squares = 1e-2 * float(np.sum(p[g <= 0].astype(float) ** 2))
+    for sign in (1, -1):
+        errors = Estimate(squares=squares, missing_load=sign * share)
+        expected = share * n
+        wrong = misclassified_points(problem, g, p, errors, spread=n, contact=n)
+        assert wrong >= expected
+
+
 def test_an_open_point_takes_no_more_than_it_is_pressed_down_by_itself(state):
     """A pressure taken over from n points, as large as the error, may close a gap of S00 (1 + 1/n)
     times it."""

@@ -174,6 +174,16 @@ def test_searches_follow_certificates(certified):
     assert outcome.pairs == PAIRS * (times + 1)
 
 
+@pytest.mark.parametrize(("error", "status"), [(0.1, "converged"), (10, "stagnated")])
+def test_a_search_goes_on_where_iterations_help_no_more(certified, error, status):
+    """If the solution is accurate and the target alone is missed."""
+    certified(lambda solver: error * ACCURACY)
+    solver = Scripted(lambda k: 10 * ACCURACY, patience=5)
+    outcome = drive(solver, CRITERION, search=Doubling(3))
+    assert outcome.status == status
+    assert solver.p0 == pytest.approx(0.8 if status == "converged" else 0.1)
+
+
 def test_separated_bodies_are_not_iterated(certified):
     solver = Scripted(halving)
     solver.is_separated = True

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from contacts import rough, sweep_of
 
-from hpc_gfmd.driver.precision import few_points, first_precision, precisions, too_little
+from hpc_gfmd.driver.load import Load
+from hpc_gfmd.driver.precision import few_points, first_precision, precisions, too_little, too_soft
 from hpc_gfmd.scene import Scene, SolverTable
 
 SINGLE = np.dtype(np.float32)
@@ -42,3 +43,33 @@ def test_forecast_agrees_with_a_sweep(p_star):
     sweep = sweep_of(surface, **solver)
     used = [sweep.solve(p * sweep.surface.g_rms).g.dtype for p in p_star]
     assert [dtype or SINGLE for dtype in forecast] == used
+
+
+def test_heights_that_are_stored_too_roughly_for_a_hardness():
+    assert too_soft(1e-2, h_rms=10.0, hardness=1e-6)
+    assert not too_soft(1e-2, h_rms=10.0, hardness=1.0)
+    assert not too_soft(1e-2, h_rms=10.0, hardness=None)
+    assert not too_soft(None, h_rms=10.0, hardness=1e-6)  # a residual has no such error
+
+
+@pytest.mark.parametrize(("hardness", "dtype"), [(1e-6, DOUBLE), (0.3, SINGLE)])
+def test_soft_bodies_are_not_tried_in_single_precision(hardness, dtype):
+    """Every FFT pair is one of double precision."""
+    surface = rough((2, 32, 2))
+    p_mean = 0.3 * hardness
+    material = {"hardness": hardness}
+    scene = Scene.from_dict(
+        {
+            "surface": surface,
+            "load": {"pressure": p_mean},
+            "solver": {"accuracy": 1e-2},
+            "material": material,
+        }
+    )
+    (forecast,) = precisions(scene, scene.surface.n)
+    assert (forecast or SINGLE) == dtype
+    contact = sweep_of(surface, accuracy=1e-2, layer=material).solve(Load("pressure", p_mean))
+    assert contact.g.dtype == dtype
+    if dtype == DOUBLE:
+        double = sweep_of(surface, accuracy=1e-2, precision="double", layer=material)
+        assert contact.fft_pairs == double.solve(Load("pressure", p_mean)).fft_pairs
