@@ -271,7 +271,11 @@ def _norms(problem: Problem, levels: Multilevel, state: State, stability: float)
 
 
 def _error_of_gaps(problem: Problem, state: State, norms: Norms) -> float:
-    """Return the error of the sum of gaps while the elastic contact stays elastic."""
+    """Estimate the absolute error of the sum of gaps, as long as points in elastic contact stay
+    so (`further_movement` has the rest). Local.
+
+    It is the smaller one of the two tests at the head of the file, by the load and by the
+    contact, or their weighted mean where points yield."""
     by_load = inf  # where an attraction differs from point to point this test says nothing
     if problem.attraction is None:
         norm = sqrt(max(state.uKu, 0.0))

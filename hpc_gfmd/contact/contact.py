@@ -27,7 +27,7 @@ ROUNDING = 16  # times the rounding error of the heights: a mean gap below that 
 
 @dataclass(frozen=True)
 class Contact:
-    """What one load has come to; observables are functions of it. Its numbers are in the scene's
+    """Result of one load; observables are functions of it. Its numbers are in the scene's
     units, the same on all ranks.
 
     Attributes
@@ -121,8 +121,8 @@ class Contact:
 
     @property
     def approach(self) -> float:
-        """How far the bodies have come together since they touched undeformed; nan where a
-        half-space gives way without end."""
+        """How far the bodies have come together since they touched undeformed; nan for a
+        periodic half-space, whose displacement is unbounded."""
         return self.certificate.approach * self.surface.height_unit
 
     @property

@@ -122,7 +122,7 @@ def _lengths(grid: Grid) -> list[float]:
 
 
 def _unit(contact: Contact, name: str) -> float:
-    """Return the unit of the rows of a field in the scene's."""
+    """Return the factor from the program's unit of a field to the scene's."""
     return contact.pressure_unit if name == "pressure" else contact.surface.height_unit
 
 
@@ -133,8 +133,12 @@ def _columns(
     apply: Callable[[np.ndarray, int], Any],
     backward: bool,
 ) -> list:
-    """Transform a field, in the program's units, and call apply(block, m) on its columns; returns
-    what that returned."""
+    """Transform a field, in the program's units, and return the list of apply(block, m) over
+    this rank's blocks of columns. Collective.
+
+    apply may change the block in place; with backward the changed columns are transformed back
+    along axis 0, ready for `fft.backward_rows`. Heights that are not stored come with the
+    opposite sign."""
     h: Any = contact.surface.h
     if name == "heights" and h is None:
         assert contact.surface.add_spectrum is not None

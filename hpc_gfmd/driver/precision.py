@@ -59,8 +59,8 @@ def first_precision(settings: SolverTable) -> np.dtype:
 
 
 def few_points(N: int, p_star: float, accuracy: float | None) -> bool:
-    """Return whether so few points will touch that single precision, which may err in a few of
-    them, cannot give the area.
+    """Return whether too few points will touch for the area to reach the accuracy in single
+    precision, which may get a few points wrong.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def few_points(N: int, p_star: float, accuracy: float | None) -> bool:
     p_star : float
         Mean pressure over E* g_rms. At 0 and below, with an attraction, any number may touch.
     accuracy : float or None
-        That is asked for; None where a residual is.
+        Requested; None if a residual is, which gives False.
 
     Returns
     -------
@@ -82,14 +82,14 @@ def few_points(N: int, p_star: float, accuracy: float | None) -> bool:
 
 
 def too_soft(accuracy: float | None, h_rms: float, hardness: float | None) -> bool:
-    """Return whether the heights are stored in single precision too roughly for a hardness.
+    """Return whether the heights are stored in single precision too coarsely for this hardness.
 
     Their rounding errors are an error of the pressure, which is nowhere more than the hardness.
 
     Parameters
     ----------
     accuracy : float or None
-        That is asked for; None where a residual is.
+        Requested; None if a residual is, which gives False.
     h_rms : float
         rms height over g_rms times the grid spacing.
     hardness : float or None

@@ -165,10 +165,11 @@ class WorkingSurface:
     # -- rounding errors
 
     def rounding_counts(self, problem: Problem, criterion: StoppingCriterion) -> bool:
-        """Return whether rounding errors of the pressure may count.
+        """Return whether rounding errors are large enough that the certificate needs double
+        precision.
 
-        The certificate cannot tell them from pressure out of contact: those of single points where
-        few of them touch, or few do not.
+        It cannot tell them from pressure out of contact. They matter where few points touch,
+        where few are open, or where the transforms are too noisy for the criterion.
 
         Parameters
         ----------

@@ -32,7 +32,7 @@ def work_of_step(law, g, d_rows, i0, i1, inside):
     i0, i1 : int
         Local rows i0 <= i < i1.
     inside : (rows, points)
-        This rank's part of the surface.
+        Rows and points per row of this rank within the nominal area.
 
     Returns
     -------
@@ -71,7 +71,7 @@ def add_change(law, g, d, Kd, s, i0, i1, inside):
     i0, i1 : int
         Local rows i0 <= i < i1.
     inside : (rows, points)
-        This rank's part of the surface.
+        Rows and points per row of this rank within the nominal area.
 
     Returns
     -------
@@ -112,7 +112,7 @@ def add_attraction(law, g, x, i0, i1, inside):
     i0, i1 : int
         Local rows i0 <= i < i1.
     inside : (rows, points)
-        This rank's part of the surface.
+        Rows and points per row of this rank within the nominal area.
 
     Returns
     -------
@@ -150,7 +150,7 @@ def shift_gap(law, g, p, by, i0, i1, inside):
     i0, i1 : int
         Local rows i0 <= i < i1.
     inside : (rows, points)
-        This rank's part of the surface.
+        Rows and points per row of this rank within the nominal area.
 
     Returns
     -------
@@ -189,7 +189,7 @@ def softening(law, g, closed, x, i0, i1, inside):
     i0, i1 : int
         Local rows i0 <= i < i1.
     inside : (rows, points)
-        This rank's part of the surface.
+        Rows and points per row of this rank within the nominal area.
 
     Returns
     -------
@@ -228,7 +228,7 @@ def gain_along(law, g, e, length, i0, i1, inside):
     i0, i1 : int
         Local rows i0 <= i < i1.
     inside : (rows, points)
-        This rank's part of the surface.
+        Rows and points per row of this rank within the nominal area.
 
     Returns
     -------
@@ -246,7 +246,8 @@ def gain_along(law, g, e, length, i0, i1, inside):
 
 @kernel
 def pull_along(law, g, e, length, i0, i1, inside):
-    """Return what a step along a direction changes of the attraction's part of the slope along it.
+    """Return by how much a step along e changes the derivative of the attraction's energy along
+    e.
 
     Parameters
     ----------
@@ -259,7 +260,7 @@ def pull_along(law, g, e, length, i0, i1, inside):
     i0, i1 : int
         Local rows i0 <= i < i1.
     inside : (rows, points)
-        This rank's part of the surface.
+        Rows and points per row of this rank within the nominal area.
 
     Returns
     -------

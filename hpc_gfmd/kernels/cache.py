@@ -97,7 +97,7 @@ class KernelFiles:
 
     def load(self, key: Any) -> Any:
         """Return the code that was saved under a key (signature, processor, hash of the bytecode);
-        None where there is none, or none that is undamaged."""
+        None if there is no intact one."""
         path, purpose = self._file(key)
         content = kept(path, purpose)
         if content is None:

@@ -197,12 +197,14 @@ class Problem:
 
 
 def self_energy(grid: Grid) -> float:
-    """Return sqrt(<v, S v>) of v = 1 on a surface that ends, 0 beyond, less its mean, at most; 0
-    where the surface is all there is.
+    """Return an upper bound of sqrt(<v, S v>), S = 1/K, where v is 1 on the nominal area and 0
+    in the padding, minus its mean; 0 on a grid without padding.
 
-    Of all shapes of the same area a disc has the most, 0.958 area^(3/2); a strip that is periodic
-    along its length (4/pi^3) 1.05 area times its width, times 2 for the mean of S, which is left
-    open there.
+    It bounds how much the mean gap over the surface may differ from that over the cell.
+
+    Of all shapes of equal area a disc has the largest <v, S v>, 0.958 area^(3/2). A strip, periodic
+    along its length, has (4/pi^3) 1.05 area times width, doubled because the mean of S is arbitrary
+    there: 0.27, taken as 0.33.
     """
     if not grid.padded:
         return 0.0

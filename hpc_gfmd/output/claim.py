@@ -32,18 +32,20 @@ class EarlierRun(NamedTuple):
 
 
 def claim(path: Path, identity: str | None, resume: bool, force: bool) -> tuple[int, EarlierRun]:
-    """Make and lock the folder of a run. On one rank.
+    """Make and lock the folder for partial results of a run. Called on rank 0 only.
+
+    Unless an earlier run is resumed, everything in that folder but the lock is removed.
 
     Parameters
     ----------
     path : Path
         The result file, OUT.h5.
     identity : str or None
-        Of the scene; a run of the same identity can be gone on with.
+        Of the scene; a run of the same identity can be resumed.
     resume : bool
         Whether to go on with an interrupted run.
     force : bool
-        Whether to begin anew, and to replace even what is no result of this scene.
+        Whether to start over, discarding finished loads, and to overwrite any file at path.
 
     Returns
     -------
@@ -55,8 +57,8 @@ def claim(path: Path, identity: str | None, resume: bool, force: bool) -> tuple[
     Raises
     ------
     SceneError
-        If the folder is missing or not writable, another run holds the file, or finished loads or
-        a result would be lost that are not to be replaced.
+        If the folder of OUT.h5 is missing or not writable, another run holds the lock, or,
+        without force, finished loads or the result of another scene would be lost.
     """
     require_name("output.path", path)
     if not path.parent.is_dir():

@@ -178,7 +178,7 @@ def frame(result: Result, about: About) -> Any:
     Returns
     -------
     pandas.DataFrame
-        With the units by column in its `attrs`.
+        `attrs["units"]` holds the unit of each column.
     """
     from pandas import DataFrame, Index
 

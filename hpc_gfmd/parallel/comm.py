@@ -259,7 +259,7 @@ class MpiComm:
     def reduce(self, obj: T, join: Callable[[T, T], T]) -> T | None:
         """Join the objects of all ranks up a tree. Collective.
 
-        A rank gets log2(ranks) messages at most.
+        A rank receives at most ceil(log2(ranks)) messages.
 
         Parameters
         ----------

@@ -63,7 +63,7 @@ class Page:
         return replace(self, columns=columns, width=width, arranged=True)
 
     def draw(self, fig: Any) -> None:
-        """Draw all panels."""
+        """Set size and layout of a figure, add its axes and draw all panels."""
         panels = self.panels
         images = self.images
         four = len(panels) == 4 and not images and not self.arranged

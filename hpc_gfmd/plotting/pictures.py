@@ -238,9 +238,9 @@ def plot_result(file: Any, where: Any = None, what: Any = None, **how: Any) -> l
     ----------
     file : path or Result
     where : path, optional
-        A folder, made if only itself is missing, or a file .png, .pdf or .svg (of several pictures
-        each has its name added). Default: beside the result as RESULT_NAME.png, of one in memory
-        contact_NAME.png.
+        A folder, created if its parent exists, or a file .png, .pdf or .svg (of several pictures
+        each gets its name appended). Default: RESULT.png beside the result, RESULT_NAME.png where
+        there are several; or contact.png if it is in memory.
     what : str or list of str, optional
         As of `figures`.
     **how
@@ -272,7 +272,7 @@ def save_picture(
     ----------
     fig : Picture
     where : Path
-        A folder, made if only itself is missing, or a file .png, .pdf or .svg.
+        A folder, created if its parent exists, or a file .png, .pdf or .svg.
     name : str
         Of the picture: that of its file in a folder.
     several : bool

@@ -89,7 +89,8 @@ class Share:
 
     @property
     def _points_alone(self) -> int:
-        """Points of the levels that this rank has completely."""
+        """Points of the coarse levels that are not distributed, if this rank holds them;
+        otherwise 0."""
         steps, every_level = self.hierarchy
         levels = every_level[len(steps) :] if self.grid.comm.rank in steps[-1].ranks else ()
         return sum(math.prod(level.n) for level in levels)

@@ -166,7 +166,11 @@ class _Run:
         return f"{count} of {len(self.loads)} loads {are} finished{self.unfinished}"
 
     def start(self, begun: float) -> None:
-        """Make the surface and the sweep; begun: time at which the run began."""
+        """Compile the kernels, make surface, sweep and loads, write the header of the result and
+        print the headline. Collective.
+
+        begun: time.monotonic() at the start of the run. Raises SceneError if the heights are not
+        those of the resumed run, or do not fit the output precision."""
         scene = self.scene
         file = self.file
         say = self.say
@@ -265,8 +269,10 @@ class _Run:
             self.file.write_checkpoint(contact.grid, index, contact.g, numbers)
 
     def _unfinished(self, index: int) -> tuple[Unfinished, float] | None:
-        """Return what a run that was stopped has left of a load, and the seconds spent on it; None
-        where there is nothing that can be read, which is said."""
+        """Return the state of a load saved when a run was stopped, and the seconds spent on it;
+        None if there is none for this load. Collective.
+
+        A checkpoint that cannot be read, or is of another grid, also gives None, with a note."""
         grid = self.sweep.surface.grid
         try:
             checkpoint = self.file.checkpoint()

@@ -158,7 +158,7 @@ def key(
     example : object
         A value for the scenes of `hpc-gfmd init`; by default the default.
     said : str
-        What stands for the default where that depends on other keys.
+        Text shown in place of a default that depends on other keys.
     **more
         All else that pydantic.Field takes.
 

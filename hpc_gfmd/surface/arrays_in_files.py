@@ -35,7 +35,7 @@ class FileArray:
     unpacked : function
         Makes heights of the numbers as they are stored.
     find : function
-        Takes the name of an array and returns it, or what is sliced as one, or None.
+        Takes the name of an array and returns it, or anything sliced like one, or None.
     has_mask : bool
         An array MASK beside the heights is not 0 where there is none.
     """

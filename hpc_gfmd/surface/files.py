@@ -26,7 +26,7 @@ def open_map(spec: Any) -> Map:
 
     Returns
     -------
-    heights : array, or what is sliced as one
+    heights : array, or anything sliced like one
         With two axes, float64 or whole numbers.
     metadata : Metadata
         What the file says beside them.

@@ -14,15 +14,15 @@ A_MAP = "a real array with two axes, not empty"
 
 
 def require_map(array: Any, where: str, of: str = "") -> None:
-    """Require that an array can be a height map.
+    """Require a non-empty array of real numbers with two axes; only shape and dtype are checked.
 
     Parameters
     ----------
-    array : ndarray, or what is sliced as one
+    array : ndarray, or anything sliced like one
     where : str
-        What the message begins with.
+        Key at the start of the message.
     of : str
-        Names the file.
+        Appended to what was found, such as " in map.txt".
 
     Raises
     ------
@@ -49,9 +49,9 @@ def checked(
     start : int
         Number of its first row.
     where : str
-        What the message begins with.
+        Key at the start of the message.
     of : str
-        Names the file.
+        Appended to what was found, such as " in map.txt".
     missing : bool
         Some may be nan.
 

@@ -68,7 +68,7 @@ class Metadata:
     reader: str = ""
 
 
-Map = tuple[Any, Metadata]  # an array, or what is sliced as one, and what is said of it
+Map = tuple[Any, Metadata]  # an array, or anything sliced like one, and what is said of it
 
 
 def by_attributes(*places: Mapping[str, Any]) -> Metadata:

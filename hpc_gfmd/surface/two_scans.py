@@ -2,9 +2,9 @@
 other one is interpolated.
 
 Along each axis the coarser scan is a cubic spline through its points, natural where the scan ends.
-It misses a wave of 8 points by 0.2 % of its amplitude at most, halfway between the points, one of 4
-points by 3 % and one of 3 points by 12.5 %. Heights are computed from rows as they are read, and are
-the same whichever rows are read together.
+Halfway between the points it misses a wave of 8 points by 0.2 % of its amplitude, one of 4 points
+by 3 % and one of 3 points by 12.5 %. Heights are computed from rows as they are read, and are the
+same whichever rows are read together.
 """
 
 from dataclasses import dataclass, replace

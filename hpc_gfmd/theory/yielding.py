@@ -33,7 +33,8 @@ def pressure_distribution(
     Returns
     -------
     float or array
-        Integrates to the area in elastic contact; `areas` has the rest, at p = 0 and p = hardness.
+        Integrates to the area in elastic contact, a_r - a_plastic of `areas`; 0 outside that
+        range.
     """
     p = np.asarray(p, dtype=float)
     width, images = _images(p0, hardness, g_rms, E_star)
