@@ -94,8 +94,8 @@ def stability_of(
     levels : Multilevel
         Of the grid, in the working precision; its fields are overwritten.
     enough, too_little : float
-        An s above which nobody needs to know more: the search ends once `lowest` is above it; and
-        one below which nobody does, once `value` is below it.
+        Bounds (high, low) of interest: the search ends once `lowest` is above the first, or `value`
+        is below the second.
     mode : array, local slab
         Where the search begins; its memory is used.
     tolerance : float

@@ -8,7 +8,7 @@ request, becomes the attributes NAME_WHAT of a load step. base.py has these clas
 said of the other numbers of a load.
 
 `contact` is a contact.contact.Contact; sums that several observables share are its cached
-properties, so that what nobody asks for is not computed. Numbers are in the scene's units.
+properties, so that only what is requested is computed. Numbers are in the scene's units.
 """
 
 from collections.abc import Iterable

@@ -204,7 +204,7 @@ class Contact:
         Parameters
         ----------
         i0, i1 : int
-            As of `touching`.
+            As for `touching`.
 
         Returns
         -------
@@ -226,7 +226,7 @@ class Contact:
         Parameters
         ----------
         i0, i1 : int
-            As of `touching`.
+            As for `touching`.
 
         Returns
         -------
@@ -276,7 +276,7 @@ class Contact:
         mask : callable
             Of rows (i0, i1), as `touching`.
         corners, open_axis
-            As of `clusters`.
+            As for `clusters`.
 
         Returns
         -------

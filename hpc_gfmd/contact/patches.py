@@ -3,7 +3,7 @@
 Points belong to one patch where they share a side (4-connected), also across the periodic border:
 the boundary of the contact is made of such sides, and it is what others count (scipy,
 ContactMechanics). Whether two points that share a corner only would be joined on a finer grid
-nobody knows; names that end in _8 join them (8-connected). Sizes are areas, in the unit of length
+is unknown; names that end in _8 join them (8-connected). Sizes are areas, in the unit of length
 squared.
 """
 

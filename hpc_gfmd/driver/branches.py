@@ -79,7 +79,7 @@ class SaddleGuard:
         ----------
         measure : float
             The solver's own measure of the error over what is asked for, without the stability,
-            which nobody needs to know better than the error asks for. 0: no errors are asked for.
+            which is needed no better than the error asks for. 0: no errors are asked for.
         """
         solver = self.solver
         solver.stability = None
@@ -138,7 +138,7 @@ class SaddleGuard:
         """
         work, largest = self._work_along(mode)
         law = self.solver.problem.attraction
-        assert law is not None  # nobody looks for saddles otherwise
+        assert law is not None  # without an attraction there are no saddles
         unit = float(law.range) / largest
         side = 1.0 if self.branch == RETRACTION else -1.0
         for sign in (side, -side):

@@ -148,7 +148,7 @@ class ClosingSearch(LoadSearch):
         progress : Progress
             Of the solver.
         accuracy : float
-            That is asked for.
+            As requested.
 
         Returns
         -------

@@ -72,7 +72,7 @@ class LowMemorySurface(WorkingSurface):
         Parameters
         ----------
         problem : Problem
-            As of `problem_to_start`.
+            As for `problem_to_start`.
         solver : Solver or None
             None here.
 

@@ -118,7 +118,7 @@ class LoadSearch:
         progress : Progress
             Of the solver.
         accuracy : float
-            That is asked for.
+            As requested.
 
         Returns
         -------
@@ -180,7 +180,7 @@ def area_may_be_met(solver: Solver, progress: Progress, accuracy: float) -> bool
     progress : Progress
         Of the solver.
     accuracy : float
-        That is asked for.
+        As requested.
 
     Returns
     -------

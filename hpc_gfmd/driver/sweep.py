@@ -153,7 +153,7 @@ class Sweep:
         Parameters
         ----------
         load : Load
-            As of `loads`; it stays as it is.
+            As for `loads`; it stays as it is.
         watch : callable, optional
             Called after every iteration, ``watch(iterations, progress)``; a true value stops.
         unfinished : Unfinished, optional

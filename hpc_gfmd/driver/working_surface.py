@@ -142,7 +142,7 @@ class WorkingSurface:
         Parameters
         ----------
         problem : Problem
-            As of `problem_to_start`.
+            As for `problem_to_start`.
         solver : Solver or None
             The solver that there is.
 
@@ -183,7 +183,7 @@ class WorkingSurface:
         bool
             The same on all ranks.
         """
-        if problem.p0 <= 0:  # only with an attraction: how many touch nobody knows
+        if problem.p0 <= 0:  # only with an attraction: how many touch is unknown
             return True
         few_touch = few_points(problem.grid.N, problem.p0, criterion.accuracy)
         few_are_open = problem.p0 >= HALF_SPACE.full_p_star

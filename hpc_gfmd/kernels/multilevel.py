@@ -281,7 +281,7 @@ def restrict_levels(memory, levels, tables, numbers, scratch):
     Parameters
     ----------
     memory, levels, tables, numbers, scratch
-        As of `smooth_levels`.
+        As for `smooth_levels`.
     """
     J_x, f_x, J_y, f_y, _, _ = tables
     last = levels.shape[0] - 2

@@ -125,7 +125,7 @@ def to_netcdf(result: Result, path: Path, about: About) -> None:
     Parameters
     ----------
     result, path, about
-        As of `to_vtkhdf`; fields are not needed.
+        As for `to_vtkhdf`; fields are not needed.
     """
     import h5py
 
@@ -152,7 +152,7 @@ def to_npz(result: Result, path: Path, about: About) -> None:
     Parameters
     ----------
     result, path, about
-        As of `to_netcdf`.
+        As for `to_netcdf`.
     """
     with zipfile.ZipFile(path, "w") as archive:
         for name, values in (axes(result.surface) | numbers(result.steps)).items():
@@ -194,7 +194,7 @@ def to_csv(result: Result, path: Path, about: About) -> None:
     Parameters
     ----------
     result, path, about
-        As of `to_netcdf`.
+        As for `to_netcdf`.
     """
     table = frame(result, about)
     headings = [
@@ -244,7 +244,7 @@ def to_x3p(result: Result, path: Path, about: About) -> None:
     Parameters
     ----------
     result, path, about
-        As of `to_gwy`.
+        As for `to_gwy`.
     """
     channels = list(_channels(result))
     surface = result.surface

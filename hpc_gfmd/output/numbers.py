@@ -84,7 +84,7 @@ def said_of(name: str, surface: Attributes, about: About) -> dict[str, str]:
     Parameters
     ----------
     name, surface, about
-        As of `unit_of`.
+        As for `unit_of`.
 
     Returns
     -------

@@ -53,7 +53,7 @@ class RunFile(AbstractContextManager):
     about : dict
         What the numbers of the steps are, see `contact.all_numbers`.
     **how
-        As of `parallel.h5.write_file`.
+        As for `parallel.h5.write_file`.
 
     Attributes
     ----------

@@ -336,7 +336,7 @@ def lay_out(
     fields : dict
         (shape, dtype) of each dataset.
     describe, compressed
-        As of `write_file`.
+        As for `write_file`.
 
     Raises
     ------

@@ -2,8 +2,8 @@
 
 The same plan rounds in the same way, and planning by measurement takes seconds. So rank 0 plans,
 with what the user's cache knows, and the others take over its wisdom. There is one file for each
-kind of machine and precision, of bounded size; nobody waits for anybody: of what two runs measure
-at the same moment one may be lost, and is measured again some day.
+kind of machine and precision, of bounded size. No process waits for another: of what two runs
+measure at the same moment one may be lost, and is measured again some day.
 """
 
 from __future__ import annotations

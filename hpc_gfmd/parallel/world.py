@@ -143,7 +143,7 @@ def comm_of(argument: Any) -> Comm:
 
 
 def _abort_on_error(mpi: Any, hook: Hook) -> Hook:
-    """Make an excepthook by which an exception that nobody caught on one rank ends all ranks: the
+    """Make an excepthook by which an uncaught exception of one rank ends all ranks: the
     others would wait for it forever."""
 
     def excepthook(

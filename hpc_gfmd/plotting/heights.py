@@ -31,7 +31,7 @@ def height_map(
     title : str
         Above the picture.
     window, dpi
-        As of `plot`.
+        As for `plot`.
 
     Returns
     -------

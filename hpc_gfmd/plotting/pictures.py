@@ -24,7 +24,7 @@ from .spectra import PANELS, spectra
 from .style import Picture, legend, new_picture, save, styled
 from .units import good
 
-MAX_STEPS = 4  # in maps, distributions and spectra where nobody says which
+MAX_STEPS = 4  # in maps, distributions and spectra unless `step` is given
 SUFFIXES = (".png", ".pdf", ".svg")
 
 
@@ -211,7 +211,7 @@ def figures(result: Any, what: Any = None, **how: Any) -> dict[str, Picture]:
         Names of pictures; default: maps, distributions, spectra and curves, as far as the result
         has them.
     **how
-        As of `plot`.
+        As for `plot`.
 
     Returns
     -------
@@ -242,9 +242,9 @@ def plot_result(file: Any, where: Any = None, what: Any = None, **how: Any) -> l
         each gets its name appended). Default: RESULT.png beside the result, RESULT_NAME.png where
         there are several; or contact.png if it is in memory.
     what : str or list of str, optional
-        As of `figures`.
+        As for `figures`.
     **how
-        As of `plot`.
+        As for `plot`.
 
     Returns
     -------

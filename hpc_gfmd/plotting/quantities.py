@@ -77,7 +77,7 @@ def _typical(contexts: list[FigureContext], kind: str) -> float:
 
 
 AREA_ERRORS = ("a_r_error", "a_r_discretisation")
-QUANTITIES = {  # by the names of the result file; the first ones are drawn where nobody chooses
+QUANTITIES = {  # by the names of the result file; the first ones are drawn by default
     "a_r": PlottedQuantity("contact area", "a_r", errors=AREA_ERRORS),
     "kappa": PlottedQuantity("", r"\kappa = a_r/p^*", errors=AREA_ERRORS),
     "gap_mean": PlottedQuantity("mean gap", r"\langle g \rangle", (("gap", 1),), ("gap_error",)),

@@ -132,7 +132,7 @@ class Ensemble:
         what : str
             "curves", or the name of one number.
         **how
-            As of `hpc_gfmd.plot`.
+            As for `hpc_gfmd.plot`.
 
         Returns
         -------

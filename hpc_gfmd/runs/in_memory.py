@@ -57,7 +57,7 @@ def scene_of(
     comm : Comm
         All ranks.
     heights
-        As of `solve`.
+        As for `solve`.
     keywords : dict
         The named arguments of `solve` that are keys of a scene; None where one is not given.
     more : dict

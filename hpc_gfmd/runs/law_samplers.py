@@ -45,7 +45,7 @@ def sampler_of(
     Parameters
     ----------
     surfaces, quantities, error, realisations, keys, comm, progress
-        As of `interface_law`.
+        As for `interface_law`.
 
     Returns
     -------

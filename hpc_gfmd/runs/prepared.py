@@ -60,8 +60,8 @@ class PreparedSurface:
     heights : ndarray, shape (n_x, n_y)
         Peaks up, float64, not to be written to (copy it).
     sizes : (L_x, L_y)
-        Physical sizes, in the unit of the heights: m where `unit` is "m", otherwise ("") one that
-        nobody named.
+        Physical sizes, in the unit of the heights: m where `unit` is "m", otherwise ("") a unit
+        without a name.
     unit : str
     prepared : tuple of str
         What was done to the heights, a line each.

@@ -344,7 +344,7 @@ def restart(
     Returns
     -------
     RunResult
-        As of `run_scene`.
+        As for `run_scene`.
 
     Raises
     ------

@@ -174,7 +174,7 @@ def cells(
     Parameters
     ----------
     steps, surface, observables, errors
-        As of `table`.
+        As for `table`.
 
     Returns
     -------
@@ -255,7 +255,7 @@ def remarks(steps: Mapping[int, dict], observables: Sequence[str] = ()) -> list[
     Parameters
     ----------
     steps, observables
-        As of `table`.
+        As for `table`.
 
     Returns
     -------

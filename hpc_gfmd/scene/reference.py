@@ -153,7 +153,7 @@ def text(key: str | None = None, names: Mapping[str, Any] | None = None) -> str:
         A table, or a key with or without its table: "solver", "accuracy", "solver.accuracy"; by
         default all keys.
     names : mapping, optional
-        As of `sections`.
+        As for `sections`.
 
     Returns
     -------

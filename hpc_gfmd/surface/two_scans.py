@@ -236,7 +236,7 @@ def interpolated(scans: tuple[Any, Any], spec: Any) -> list[Any]:
     ----------
     scans : (Topography, Topography)
     spec : scene.File
-        As of `combined`.
+        As for `combined`.
 
     Returns
     -------

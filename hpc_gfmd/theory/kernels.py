@@ -43,7 +43,7 @@ def gap_kernel(x: np.ndarray, gamma: float, printed: bool) -> np.ndarray:
     x : ndarray
         sqrt(2) p0/(E* g), > 0.
     gamma : float
-        As of `energy_fraction`.
+        As for `energy_fraction`.
     printed : bool
         Whether c = 3, as in the published equation, where E1(x^2) = 2 int_1^inf exp(-t^2 x^2) dt/t
         was used in the first term only; otherwise c = 6.
@@ -62,7 +62,7 @@ def compliance_kernel(x: np.ndarray, gamma: float, printed: bool) -> np.ndarray:
     Parameters
     ----------
     x, gamma, printed
-        As of `gap_kernel`.
+        As for `gap_kernel`.
 
     Returns
     -------

@@ -93,7 +93,7 @@ def g_rms_lam_s_over_h_rms(hurst: float, eps_f: float) -> float:
     Parameters
     ----------
     hurst, eps_f : float
-        As of `mean_gap`.
+        As for `mean_gap`.
 
     Returns
     -------
@@ -152,7 +152,7 @@ def stiffness(
     Parameters
     ----------
     p_star, hurst, eps_f, gamma, printed, unit
-        As of `mean_gap`.
+        As for `mean_gap`.
 
     Returns
     -------
@@ -186,7 +186,7 @@ def elastic_energy(
     Parameters
     ----------
     p_star, hurst, eps_f, gamma
-        As of `mean_gap`.
+        As for `mean_gap`.
 
     Returns
     -------
@@ -221,7 +221,7 @@ def mean_gap_spectrum(
     p0, E_star : float or array, float
         Mean pressure and effective modulus in one unit.
     gamma, printed
-        As of `mean_gap`.
+        As for `mean_gap`.
     area : float
         Of the normalisation h_rms^2 = area/(2 pi)^2 int C d^2q: 1 for the two-dimensional power
         spectral density of surface metrology, A0 for C = |h_q|^2 of one period of nominal area A0
@@ -250,7 +250,7 @@ def curve(
     Parameters
     ----------
     p_star, hurst, eps_f, gamma, printed
-        As of `mean_gap`.
+        As for `mean_gap`.
 
     Returns
     -------

@@ -155,7 +155,7 @@ def correction(
     eps_t, eps_f, eps_c : float
         lam_l/L, lam_s/lam_l and a/lam_s of the simulation, from 0 to 1.
     table : dict
-        As of `paper_table` (default) or `read_table`.
+        As for `paper_table` (default) or `read_table`.
 
     Returns
     -------
@@ -209,7 +209,7 @@ def extrapolate(
     value : float
         The simulated one.
     observable, hurst, p_star, eps_t, eps_f, eps_c, table
-        As of `correction`.
+        As for `correction`.
     sigma : float, optional
         Uncertainty of the value.
 

@@ -54,7 +54,7 @@ def areas(
     Parameters
     ----------
     p0, hardness, g_rms, E_star : float
-        As of `pressure_distribution`.
+        As for `pressure_distribution`.
 
     Returns
     -------

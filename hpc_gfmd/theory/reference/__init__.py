@@ -56,7 +56,7 @@ def mean_gap(
     Parameters
     ----------
     p_star, hurst, eps_f
-        As of `contact_area`.
+        As for `contact_area`.
     unit : {"h_rms", "g_rms_lam_s"}
         The length that the gap is given in; their ratio is that of sharp cutoffs in a large cell.
 
