@@ -58,7 +58,11 @@ def pytest_generate_tests(metafunc):
         metafunc.parametrize("ranks", counts, indirect=True, ids=[f"n{k}" for k in counts])
 
 
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config, items):
+    for item in items:
+        if Path(__file__).parent / "unit" in item.path.parents:
+            item.add_marker(pytest.mark.unit)
     lacking = mpi_harness.missing()
     marked = [item for item in items if item.get_closest_marker("mpi")]
     if lacking and marked:
