@@ -23,7 +23,7 @@ def add_arguments(parser: ArgumentParser) -> None:
     add_file(
         parser,
         "what",
-        metavar=("KIND|MAP", "MAP"),
+        metavar="KIND|MAP",
         nargs="*",
         help="kind of surface, or one or two files with height maps (default: self-affine)",
     )

@@ -11,6 +11,7 @@ from mpi_harness import call, printed
 from scene_tables import rows
 
 import hpc_gfmd
+from hpc_gfmd.commands.cli import COMMANDS
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.parallel.interrupt import Interrupt
 from hpc_gfmd.scene import load_scene
@@ -143,6 +144,11 @@ def test_wrong_input_is_refused(cli, folder, args, named):
     """The error is one line that names the key; nothing is written."""
     assert named in cli.refused(args)
     assert [p.name for p in folder.iterdir()] == ["scene.toml"]
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_prints_its_help(cli, command):
+    assert f"hpc-gfmd {command}" in cli.prints(f"{command} --help")
 
 
 def test_plan(cli, folder):
