@@ -94,7 +94,7 @@ class CoarsestLevels:
         self.mode_level = 0
 
     def sweep(self) -> tuple[float, ...]:
-        """Restrict r and t of `fields` to all levels, replace r by z, return the sums of `smooth`."""
+        """Restrict r and t of `fields` to all levels and replace r by z; return `smooth`'s sums."""
         self.restrict()
         return self.smooth()
 

@@ -323,9 +323,9 @@ class Multilevel:
 
     def _add_group(self, end: int) -> None:
         """Add up over ranks, in place, the rows that windows share before `fields[end]`.
-        Collective.
 
         These are the levels since rows were gathered last: one message to each neighbour.
+        Collective.
         """
         begin = end
         while begin > 0 and self.steps[begin - 1].windows is None:
@@ -336,8 +336,7 @@ class Multilevel:
             add_overlaps(self.comm, [step.overlaps for step in steps], windows)
 
     def _hand_out(self, k: int) -> None:
-        """Copy z of level k + 1, if its rows are gathered, into the windows of all ranks.
-        Collective."""
+        """Copy z of level k + 1, if its rows are gathered, into all ranks' windows. Collective."""
         windows = self.steps[k].windows
         if windows is not None:
             windows.fill(self.comm, self.owned[k][:1, 1:-1], self.fields[k][:1, 1:-1])
@@ -435,7 +434,7 @@ class Multilevel:
         return sums if self.last_comm.rank == 0 else nothing
 
     def _find_mode(self, coarsest: CoarsestLevels) -> None:
-        """Set the gap mode of `coarsest` from the contact in its fields; none if it is not wanted."""
+        """Set the gap mode of `coarsest` from the contact in its fields; none unless wanted."""
         coarsest.mode = coarsest.mode[:0]
         if not self.gap_mode.wanted(coarsest.fields[1, 1:-1].mean()):
             return
