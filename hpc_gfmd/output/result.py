@@ -180,7 +180,7 @@ class Result:
     @property
     def missing_loads(self) -> str:
         """Sentence that lists the loads of the scene that the result lacks, if any."""
-        key, loads = self.scene.load.given
+        key, loads = self.scene.load.prescribed
         missing = [
             f"{k + 1} ({key} = {format_quantity(load)})"
             for k, load in enumerate(loads)
