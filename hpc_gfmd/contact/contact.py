@@ -144,7 +144,7 @@ class Contact:
 
     @property
     def energy(self) -> float:
-        """Elastic energy per nominal area; nan where it is undefined (see `Certificate.energy`)."""
+        """Elastic energy per nominal area; nan if undefined (`Certificate.energy`)."""
         return self.certificate.energy * self.pressure_unit * self.surface.height_unit
 
     @property
