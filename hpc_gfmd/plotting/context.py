@@ -81,7 +81,7 @@ class FigureContext:
         self.lengths = self.units.of("length", [x1 - x0, y1 - y0])
 
     def name_of(self, k: int) -> str:
-        """Return the label of the k-th chosen step: number, load, and a warning if not converged."""
+        """Return the label of the k-th chosen step: number, load, and a mark if not converged."""
         step = self.result.steps[k]
         name = f"step {self.result.indices[k]}"
         pressures = self.units.of("pressure", [step.get("p")])

@@ -148,7 +148,10 @@ class LoadAxis:
 
 
 def load_axis(contexts: list[FigureContext]) -> LoadAxis:
-    """Return the axis of loads: forces if every load prescribes one and has a unit, else pressures."""
+    """Return the axis of loads: forces or mean pressures.
+
+    Forces are taken if every load of all results prescribes one and they have a unit.
+    """
     steps = [step for context in contexts for step in context.result.steps]
     forces = [step.get("target_force") for step in steps]
     scale = contexts[0].units.of("force", forces)
