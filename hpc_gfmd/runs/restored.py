@@ -49,6 +49,7 @@ def restored_contact(result: Result) -> Contact:
     )
     if heights is not None:
         surface = replace(surface, h=heights / -surface.height_unit)
+    E_star = scene.material.E_star
     hardness = scene.material.hardness
     yields = (1 - ROUNDING) * (hardness or np.inf)
     certificate = Certificate(
@@ -56,9 +57,9 @@ def restored_contact(result: Result) -> Contact:
         yielded=int(np.count_nonzero(fields["pressure"] >= yields)),
         gap_mean=float(fields["gap"].mean(dtype=float)) / surface.height_unit,
         energy=np.nan,
+        attraction=(step.get("attraction") or 0.0) / (E_star * surface.slope),
         stability=step.get("stability") or np.nan,
     )
-    E_star = scene.material.E_star
     beyond = [(0, cell - points) for cell, points in zip(grid.shape, fields["gap"].shape)]
     return Contact(
         surface,
