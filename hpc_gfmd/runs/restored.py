@@ -1,5 +1,4 @@
-"""A solved contact again from what a result says of it, so that more observables can be asked for
-than the run was."""
+"""The contact of a stored load, restored from its fields to compute further observables."""
 
 from dataclasses import replace
 
@@ -18,8 +17,11 @@ ROUNDING = 1e-6  # relative, of stored pressures
 
 
 def restored_contact(result: Result) -> Contact:
-    """Make the Contact of a Result with one load, on one process. Raises SceneError without its
-    pressure and gap."""
+    """Return the Contact of a Result with one load, from its fields, on one process.
+
+    The displacement energy, the approach and the duality gap cannot be restored and are nan or
+    None. Fields are read from the file. Raises SceneError if the pressure or the gap is missing.
+    """
     step = result.steps[0]
     stored = result.fields[0]
     attributes = result.surface
@@ -78,7 +80,7 @@ def restored_contact(result: Result) -> Contact:
 
 
 def _constant_axis(*fields: np.ndarray) -> int | None:
-    """Find the axis along which nothing varies, the first of two; None where there is none."""
+    """Return the first axis along which all fields are constant; None if there is none."""
     for axis in (0, 1):
         if all((values == values.take([0], axis)).all() for values in fields):
             return axis
