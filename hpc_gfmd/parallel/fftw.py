@@ -34,5 +34,5 @@ def load_fftw() -> dict[str, ctypes.PyDLL] | None:
 
 
 def fft_library() -> str:
-    """Return the name of the library that does the transforms, for the head of a result."""
+    """Return the name of the library that does the transforms: FFTW, or else scipy.fft."""
     return "FFTW (mpi4py-fft)" if load_fftw() else "scipy.fft"

@@ -115,7 +115,7 @@ class Interrupt:
 
     @property
     def exit_code(self) -> int:
-        """Exit code of a stopped run: 130 after SIGINT, 143 after another signal or the deadline."""
+        """Exit code of a stopped run: 130 after SIGINT, else (other signals, deadline) 143."""
         return 130 if self.agreed == signal.SIGINT else 143
 
     def poll(self) -> bool:
