@@ -20,12 +20,12 @@ SMALLEST_SHARE = 32  # of a compiled pass: a thread's equal part over this
 
 
 def piece_rows(n_y: int) -> int:
-    """Return how many rows of n_y points a thread works on at a time."""
+    """Return how many rows of n_y points make a piece, which a thread works on at a time."""
     return max(PIECE_ROWS, PIECE_POINTS // n_y)
 
 
 def pieces_of(rows: int, n_y: int) -> list[tuple[int, int]]:
-    """Cut rows evenly into what a thread works on at a time.
+    """Cut rows into pieces of nearly the same size, which a thread works on at a time.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ def pieces_of(rows: int, n_y: int) -> list[tuple[int, int]]:
     Returns
     -------
     list of (int, int)
-        (start, stop) of each piece, in order.
+        (start, stop) of each piece, in order. They do not depend on the number of threads.
     """
     count = max(1, rows // piece_rows(n_y))
     ends = [rows * k // count for k in range(count + 1)]
@@ -45,25 +45,25 @@ def pieces_of(rows: int, n_y: int) -> list[tuple[int, int]]:
 
 
 def threads_for(points: int, threads: int) -> int:
-    """Return how many threads pay: those that get a piece.
+    """Return how many of some threads get a piece of a grid; more would have nothing to do.
 
     Parameters
     ----------
     points : int
         Of the grid.
     threads : int
-        That there are.
+        Number of threads.
 
     Returns
     -------
     int
-        At least 1.
+        From 1 to `threads`.
     """
     return max(1, min(threads, points // PIECE_POINTS))
 
 
 def shares(count: int, threads: int) -> list[tuple[int, int]]:
-    """Cut a range into what a thread does in one compiled call.
+    """Cut range(count) into parts, each for one compiled call on a thread.
 
     On several threads large parts come first and small ones last: a thread that begins late, or is
     slower than the others, leaves them little to wait for.
@@ -73,7 +73,7 @@ def shares(count: int, threads: int) -> list[tuple[int, int]]:
     count : int
         Length of the range.
     threads : int
-        That share it.
+        Number of threads that share it.
 
     Returns
     -------
@@ -95,9 +95,10 @@ def on_threads(
     pieces: Iterable[tuple],
     scratch: Sequence[Any] | None = None,
 ) -> list[T]:
-    """Call work(*piece) for every piece, on whichever thread is free.
+    """Call work(*piece) for every piece, on whichever thread is free, and wait for all of them.
 
-    Threads run at the same time only where `work` leaves Python: in kernels, transforms and NumPy.
+    Threads run at the same time only while `work` has left Python: in kernels, transforms and
+    NumPy. An exception of `work` is raised once all threads have ended.
 
     Parameters
     ----------
@@ -108,7 +109,7 @@ def on_threads(
     pieces : iterable of tuple
         Its arguments.
     scratch : sequence, optional
-        One more argument, of each thread its own.
+        One more, last argument for each thread: scratch[thread].
 
     Returns
     -------
