@@ -168,8 +168,7 @@ class _Run:
         return f"{count} of {len(self.loads)} loads {are} finished{self.unfinished}"
 
     def start(self, begun: float) -> None:
-        """Compile kernels, make surface, sweep and loads, write head.h5, print headline.
-        Collective.
+        """Compile kernels, make surface, sweep and loads, write head.h5. Collective.
 
         `begun` is time.monotonic() at the start of the run. Raises SceneError if the heights are
         not those of the resumed run, or do not fit the output precision.
