@@ -94,7 +94,7 @@ class Contact:
 
     @property
     def N(self) -> int:
-        """Number of points of the surface; padding of the grid is not included."""
+        """Number of points of the surface, without padding of the grid."""
         return self.grid.N
 
     @property
@@ -124,11 +124,7 @@ class Contact:
 
     @property
     def approach(self) -> float:
-        """How far the bodies have approached since first touch without deformation, a length.
-
-        nan for a half-space that is periodic along at least one axis: its displacement is
-        unbounded.
-        """
+        """How far the bodies have approached since they touched undeformed; nan if unbounded."""
         return self.certificate.approach * self.surface.height_unit
 
     @property
@@ -148,7 +144,7 @@ class Contact:
 
     @property
     def energy(self) -> float:
-        """Elastic energy per nominal area; nan where it is undefined (see `Certificate.energy`)."""
+        """Elastic energy per nominal area; nan if undefined (`Certificate.energy`)."""
         return self.certificate.energy * self.pressure_unit * self.surface.height_unit
 
     @property
@@ -310,7 +306,7 @@ class Contact:
     def edges(self) -> tuple[int, int]:
         """Number of grid-cell sides between contact and open points: (along x, along y).
 
-        Summed over all ranks. The free edge of a surface is not counted. Collective at first use.
+        On all ranks; free edges of a surface are not counted. Collective at first use.
         """
         grid = self.grid
         rows, points = grid.inside
@@ -374,8 +370,7 @@ class Contact:
 def heights_of(surface: Surface) -> LazyField:
     """Return the heights of a surface as a local slab that is computed when it is sliced.
 
-    In the scene's unit, peaks up, with 0 at the highest point and negative elsewhere. The surface
-    must store its heights.
+    In the scene's unit, peaks up, the highest at 0. The surface must store its heights.
     """
     h = surface.h
     assert h is not None  # asked for before a sweep in low memory gives them away

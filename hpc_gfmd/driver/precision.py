@@ -224,12 +224,12 @@ def known_p_stars(scene: Scene, g_rms: float | None) -> list[float | None]:
         One for each load. For a prescribed area its half, which is about p* at light loads. None
         for a gap or an approach, and for a pressure without `g_rms`.
     """
-    name, values = scene.load.given
+    name, values = scene.load.prescribed
     if name == "p_star":
         return list(values)
     if name == "a_r":
         return [value / 2 for value in values]
-    if scene.load.found or not g_rms:
+    if scene.load.is_searched or not g_rms:
         return [None] * len(values)
     unit = scene.material.E_star * g_rms
     area = math.prod(scene.surface.physical_sizes or ())

@@ -51,7 +51,7 @@ def loads_of(
         If a flat surface does not have the quantity, the precision is too low for a value, no
         pressure gives it, or the solver cannot solve contacts with this hardness or attraction.
     """
-    name, values = table.given
+    name, values = table.prescribed
     surface = working.surface
     E_star = working.model.E_star
     has_none = name in FLAT_HAS_NONE or (name == "approach" and working.is_flat)

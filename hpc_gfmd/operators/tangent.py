@@ -47,8 +47,8 @@ class Tangent:
     pairs : float
         FFT pairs it took.
     approach : float
-        d(approach)/dp0; nan for a periodic half-space, which has no approach, in full contact, and
-        where nothing touches.
+        d(approach)/dp0; nan for a half-space with a periodic axis, which has no approach, in full
+        contact, and where nothing touches.
     """
 
     compliance: float

@@ -58,16 +58,16 @@ def suggestion(make: Callable[[dict], File], user_keys: dict) -> Suggestion:
     unit = metadata.sizes_unit or metadata.unit or user_keys.get("unit")
     if metadata.sizes is not None and (unit is None or length_factor(unit)):
         sizes = _readable(metadata.sizes, unit) if unit else list(metadata.sizes)
-        result.said["physical_sizes"] = sizes
+        result.from_file["physical_sizes"] = sizes
         if unit:
-            result.said["crop"] = ["0 m", "0 m", *sizes]
+            result.from_file["crop"] = ["0 m", "0 m", *sizes]
         _require_agreement(
             metadata.sizes, metadata.sizes_unit or metadata.unit, topography, user_keys
         )
     if metadata.unit is not None:
-        result.said["unit"] = metadata.unit
+        result.from_file["unit"] = metadata.unit
     result.about += _about(topography, user_keys)
-    by_file = result.said.keys() - user_keys.keys() - {"crop"}
+    by_file = result.from_file.keys() - user_keys.keys() - {"crop"}
     result.why = dict.fromkeys(by_file, SAYS_FILE) | dict.fromkeys(result.missing, NEEDED)
     _by_heights(result, make, user_keys, metadata.periodic)
     _by_instrument(result, topography, make(user_keys))
@@ -173,7 +173,7 @@ def _by_instrument(result: Suggestion, topography: Topography, spec: File) -> No
         ]
         if smallest_factor > 1 and divisors:
             result.about.append(f"{why}; surface.downsample = {divisors[0]} removes them")
-            result.said["downsample"] = divisors[0]
+            result.from_file["downsample"] = divisors[0]
             result.why["downsample"] = why
 
 
