@@ -224,6 +224,7 @@ def solved(
         def watched(
             iterations: int, progress: Progress, index: int = index, begun: float = begun
         ) -> bool:
+            """Show the progress after an iteration; return whether the load has to stop."""
             say.watch(iterations, progress)
             return watch(index, time.monotonic() - begun)
 

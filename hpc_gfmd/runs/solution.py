@@ -258,6 +258,7 @@ class Solution(Solved):
         return table
 
     def __repr__(self) -> str:
+        """Return one line with the most important numbers."""
         return f"<Solution: {summary(self._step, self.result.surface)}>"
 
     def _repr_html_(self) -> str:
