@@ -186,6 +186,8 @@ class Solved:
         SceneError
             For another suffix, if the format cannot hold the fields, or if they are spread over
             ranks.
+        GfmdError
+            If writing fails.
         """
         self._require_whole("export")
         kinds = {extension: kind for kind, (_, extension) in FORMATS.items()}
@@ -204,6 +206,8 @@ class Solved:
         axis: str = "x",
     ) -> Any:
         """Estimate the leak rate of a seal from the critical gap, see `theory.leak.leak_rate`.
+
+        The critical gap is computed if the result does not have it.
 
         Parameters
         ----------
