@@ -25,6 +25,8 @@ PIECE = 1024  # numbers that are summed up in their own precision
 def multiply_blocks(columns, k0, k1, numbers, factors, inverse, backward, sums):
     """Transform the blocks k0 <= k < k1 of columns, multiply them by K or 1/K, and transform back.
 
+    K is the stiffness of the body. Everything happens in the memory of `columns`.
+
     Parameters
     ----------
     columns : tuple

@@ -45,14 +45,14 @@ def pieces_of(rows: int, n_y: int) -> list[tuple[int, int]]:
 
 
 def threads_for(points: int, threads: int) -> int:
-    """Return how many of some threads get a piece of a grid; more would have nothing to do.
+    """Return how many threads are useful for a grid: each of them must get a piece.
 
     Parameters
     ----------
     points : int
         Of the grid.
     threads : int
-        Number of threads.
+        Number of threads that there are.
 
     Returns
     -------
