@@ -105,9 +105,7 @@ class UpdateSums(NamedTuple):
 def search_passes(
     passes, k0, k1, rows, scratch, sums, g, p, d, z_1, transfer, step, H, inside, law, work
 ):
-    """Make the step d of the gap on the rows of some passes, and transform these rows.
-
-    These are lines 1 to 3 of the algorithm.
+    """Make the step d on the rows of some passes and transform these rows: lines 1 to 3.
 
     Parameters
     ----------
@@ -116,18 +114,13 @@ def search_passes(
     k0, k1 : int
         The passes k0 <= k < k1 are made.
     rows : tuple
-        Row transforms of one thread, see transforms.py; their memory gets the step and its spectra.
+        Row transforms of one thread (transforms.py), whose memory gets the step and its spectra.
     scratch : (>= 2, >= n_y)
         Memory of one thread.
     sums : (passes, 2) float64
         Gets what `projected_step` returns of each pass.
-    g, p : (n_loc, n_y)
-        Gap and pressure.
-    d : (n_loc, n_y), encoded
-        Last step; becomes the new one.
-    z_1, transfer, step, H, inside
-        Preconditioned residual on level 1, tables between the levels, step lengths, hardness, and
-        this rank's part of the surface: see `projected_step`.
+    g, p, d, z_1, transfer, step, H, inside
+        See `projected_step`; d, the last step, becomes the new one.
     law : Law or None
         Law of attraction.
     work : (passes, 2) float64
@@ -180,17 +173,12 @@ def update_passes(
         Gets the part of pass k0 in the coarse row that it shares with pass k0 - 1.
     sums : (passes, 10) float64
         Gets the UpdateSums of each pass.
-    g, p : (n_loc, n_y)
-        Gap and pressure; become the new ones.
-    s : float
-        Step length.
+    g, p, s, coarse, transfer, H, inside
+        See `update_state`; g, p and coarse are overwritten.
     d : (n_loc, n_y) or (rows of a pass, n_y)
         Last step, of the slab or the same one for every pass.
     spectra : bool
         Whether the rows of K d come as spectra; if not, rows[0] holds them already.
-    coarse, transfer, H, inside
-        Fields of level 1, which are overwritten, tables between the levels, hardness, and this
-        rank's part of the surface: see `update_state`.
     law : Law or None
         Law of attraction.
     attracted : (passes, 2) float64
@@ -227,10 +215,9 @@ def update_passes(
 def projected_step(g, p, d, d_rows, i0, i1, z_1, transfer, step, H, inside, scratch):
     """Make the step d = max(g - alpha z - beta d, 0) - g out of contact, 0 in contact.
 
-    It is made for rows i0 <= i < i1. The preconditioned residual z is formed on the fly from z_1;
-    coupling = 0 gives the plain projected gradient step of line 3. With a hardness the projection
-    is the proximal map `landing` (yielding.py): a point may go through contact and yield, or come
-    out of it.
+    z, the preconditioned residual, is formed on the fly; coupling = 0 gives the plain projected
+    gradient step of line 3. With a hardness the projection is the proximal map `landing`
+    (yielding.py): a point may go through contact and yield, or come out of it.
 
     Parameters
     ----------
@@ -242,10 +229,8 @@ def projected_step(g, p, d, d_rows, i0, i1, z_1, transfer, step, H, inside, scra
         Gets the new step as it is stored, in full precision.
     i0, i1 : int
         Local rows i0 <= i < i1.
-    z_1 : (rows + 2, m)
-        z on level 1, with halo rows.
-    transfer : tuple
-        Tables between the grid and level 1, see the head of the file.
+    z_1, transfer
+        z on level 1, and the tables between the grid and level 1: see the head of the file.
     step : tuple
         (alpha, beta, coupling, compliance), in the precision of g.
     H : float or None
@@ -344,12 +329,9 @@ def update_state(g, p, d, Kd, s, i0, i1, coarse, shared, transfer, H, inside, ga
     shared : (2, 3, m)
         Gets the first coarse row and the one after the last, which the rows before and after have a
         part of, too.
-    transfer : tuple
-        Tables between the grid and level 1, see the head of the file.
-    H : float or None
-        Hardness.
-    inside : (rows, points)
-        This rank's part of the surface: its first rows and points.
+    transfer, H, inside
+        Tables between the grid and level 1, hardness, and this rank's part of the surface: see the
+        head of the file.
     gathered : (6, >= n_y)
         Scratch. 0 to 2: a complete coarse row of r, t and K d; 3 to 5: what is there of the next.
 
@@ -454,9 +436,9 @@ def _step_rows(g, p, d, Kd, s, i0, start, end, H, inside):
 def _gather_rows(g, p, Kd, i0, start, end, f_x, H, inside, gathered):
     """Add up r, t and K d over rows start <= i < end, which lie beside one coarse row.
 
-    r, t and K d out of contact: see `update_state`. As `multilevel.gather_rows`: gathered[0:3] =
-    gathered[3:6] + sum of (1 - f_x) row, and gathered[3:6] = sum of f_x row. In a loop of its own
-    and with rows of one array: with more pointers than this the compiler gives up on vectors.
+    As `multilevel.gather_rows`: gathered[0:3] = gathered[3:6] + sum of (1 - f_x) row, and
+    gathered[3:6] = sum of f_x row. In a loop of its own and with rows of one array: with more
+    pointers than this the compiler gives up on vectors. r, t and K d: see `update_state`.
     """
     n = g.shape[1]
     zero = g.dtype.type(0)

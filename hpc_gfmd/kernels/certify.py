@@ -175,13 +175,17 @@ def open_moments(g, p, H, inside):
 
     Parameters
     ----------
-    g, p, H, inside
-        See the top of this file; rows of a slab.
+    g, p : array, rows of a local slab
+        Gap and pressure.
+    H : float or None
+        Hardness.
+    inside : (rows, points)
+        Rows and points of each row that are summed.
 
     Returns
     -------
     squares, fourth : float64
-        Over the surface.
+        In double precision.
     """
     squares = fourth = 0.0
     at_limit = limit(H, 0.0)
@@ -298,10 +302,15 @@ def dual_rows(g, p, x, scale, shift, H, inside, i0, i1):
 
     Parameters
     ----------
-    g, p, x, H, inside, i0, i1
-        See the top of this file; x is overwritten.
+    g, p : array, local slab
+        Gap and pressure.
+    x : array (>= i1 - i0, n_y)
+        Gets the result from row i0 on.
     scale, shift : float
         Of the pressure in elastic contact.
+    H, inside, i0, i1
+        Hardness, this rank's part of the surface, and the rows i0 <= i < i1: see the top of this
+        file.
 
     Returns
     -------

@@ -160,7 +160,7 @@ def added(parts: Sequence[Sequence[float]], count: int) -> np.ndarray:
 
 
 class _Helper:
-    """A thread that does one piece of work after another.
+    """A thread that waits for work, does it, and waits again, until the process ends.
 
     Two locks take a third of the time of an executor's queue and futures.
     """
@@ -175,16 +175,18 @@ class _Helper:
         threading.Thread(target=self._run, name="hpc-gfmd", daemon=True).start()
 
     def begin(self, work: Callable[[], None]) -> None:
-        """Begin with some work, after the work before has ended."""
+        """Have the thread call work(), and return at once. `wait` must follow before the next
+        `begin`."""
         self.error = None
         self._work = work
         self._begun.release()
 
     def wait(self) -> None:
-        """Wait until the work has ended; its error is in `error`."""
+        """Wait until the work has ended; `error` is then the exception that it raised, or None."""
         self._ended.acquire()
 
     def _run(self) -> None:
+        """Do in the thread whatever `begin` asks for, forever."""
         while True:
             self._begun.acquire()
             try:
@@ -200,7 +202,7 @@ _free_helpers: list[_Helper] = []  # of this process; whoever needs one takes it
 
 
 def _free_helper() -> _Helper:
-    """Take a helper that has nothing to do, or make one."""
+    """Take a helper that has no work out of `_free_helpers`, or make a new one."""
     try:
         return _free_helpers.pop()
     except IndexError:
