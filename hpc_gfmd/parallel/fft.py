@@ -252,7 +252,7 @@ class SlabFFT(Layout):
         Returns
         -------
         float
-            This rank's share of <u, K u>, or with 1/K of <p, K^-1 p>, u or p being the field before.
+            This rank's share of <u, K u>, or with 1/K of <u, u/K>, u being the field before.
         float
             Mean of this field on rank 0; 0 on the others.
         """
