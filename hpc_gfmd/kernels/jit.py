@@ -19,8 +19,7 @@ def kernel(
     piece: bool = False,
     part: bool = False,
 ) -> Any:
-    """Decorate a function as a kernel: compiled on first use, kept in the cache, run without the
-    GIL.
+    """Make a function a kernel: compiled on first use, kept in the cache, run without the GIL.
 
     Parameters
     ----------

@@ -203,8 +203,7 @@ def agglomerated(starts: ArrayLike, points: int, share: int) -> np.ndarray:
 
 
 class Transfer:
-    """One rank's part of the transfer between a level, n points, and the next coarser one, m
-    points.
+    """One rank's part of the transfer between a level (n points) and the next coarser one.
 
     Its tables are made when they are first asked for. It writes to and reads from a window of
     coarse rows: all those that its fine rows lie on or beside; none if it has no fine rows. An

@@ -175,8 +175,7 @@ class _Helper:
         threading.Thread(target=self._run, name="hpc-gfmd", daemon=True).start()
 
     def begin(self, work: Callable[[], None]) -> None:
-        """Have the thread call work(), and return at once. `wait` must follow before the next
-        `begin`."""
+        """Have the thread call work(), and return at once; `wait` before the next `begin`."""
         self.error = None
         self._work = work
         self._begun.release()
