@@ -22,7 +22,7 @@ from ..surface import build_surface, surface_size
 from ..surface.arrays import is_topography
 from ..util.errors import SceneError
 from .loads import check, solved, step_attributes, surface_attributes, sweep_of
-from .prepared import PreparedSurface, prepare_surface
+from .prepared import PreparedSurface, surface_of_topography
 from .progress import Reporter
 from .solve import solve
 
@@ -99,7 +99,8 @@ class HeightSampler:
         progress: bool,
     ) -> None:
         self.surfaces = [
-            prepare_surface(surface) if is_topography(surface) else surface for surface in surfaces
+            surface_of_topography(surface) if is_topography(surface) else surface
+            for surface in surfaces
         ]
         accuracy = {"accuracy": ACCURACY_SHARE * error} if "residual" not in keys else {}
         self.keys = accuracy | {"observables": list(quantities), "fields": ()} | dict(keys)
