@@ -1,8 +1,8 @@
 """Distributions of pressure and gap: edges of bins, and the density in them, which integrates to 1.
 
-The bins follow from the numbers 2^k and h_rms, so that they are the same on any number of ranks,
-and those of other loads are joined or split to be compared. Rows of the fields are looked at a few
-at a time.
+The edges depend on powers of two and on h_rms only, so that they are the same on any number of
+ranks, and bins of different loads can be merged to compare them. Fields are read a few rows at a
+time.
 """
 
 from collections.abc import Callable
@@ -19,10 +19,11 @@ GAP_BINS = 4  # in a factor of two
 
 
 def pressure(contact: Contact) -> Arrays | None:
-    """Return the distribution of the pressure at points that touch: a_r times it is Persson's P(p)
-    at p > 0. Linear bins, their width a power of two in units of E* g_rms.
+    """Return the distribution of the pressure at points in contact. Collective.
 
-    edges: pressures; density: per pressure. None where nothing touches.
+    "edges": pressures, equally spaced, by a power of two in units of E* g_rms; "density": share of
+    the points in contact per pressure. a_r times the density is Persson's P(p) at p > 0. None if
+    nothing touches.
     """
 
     def values(i0: int, i1: int) -> np.ndarray:
@@ -45,10 +46,11 @@ def pressure(contact: Contact) -> Arrays | None:
 
 
 def gap(contact: Contact) -> Arrays | None:
-    """Return the distribution of the gap at points that do not touch: 1 - a_r times it is P(g) at g
-    > 0. Four bins in a factor of two, from h_rms down to 1e-6 h_rms.
+    """Return the distribution of the gap at open points. Collective.
 
-    edges: gaps; density: per gap. None where all points touch.
+    "edges": gaps, four bins per factor of two from 1e-6 h_rms up, and one bin for all smaller ones;
+    "density": share of the open points per gap. 1 - a_r times the density is P(g) at g > 0. None if
+    all points touch or the surface is flat.
     """
     surface = contact.surface
     if surface.h_rms == 0:
@@ -73,7 +75,10 @@ OfRows = Callable[[int, int], np.ndarray]
 
 
 def _range(contact: Contact, values: OfRows) -> tuple[float, float]:
-    """Return (lowest, highest) of all ranks; (inf, -inf) where there is none."""
+    """Return (lowest, highest) value over all ranks; (inf, -inf) if there are none. Collective.
+
+    `values(i0, i1)` returns the values in some local rows, in any number.
+    """
     grid = contact.grid
 
     def ends(i0: int, i1: int) -> tuple[float, float]:
@@ -86,7 +91,10 @@ def _range(contact: Contact, values: OfRows) -> tuple[float, float]:
 
 
 def _counts(contact: Contact, bins: OfRows, lowest: int, highest: int) -> np.ndarray:
-    """Count the points of all ranks in each bin from the lowest to the highest number."""
+    """Return the number of points in each of the bins `lowest` to `highest`, on all ranks.
+
+    Collective. `bins(i0, i1)` returns the bin number of each point in some local rows.
+    """
     grid = contact.grid
     zeros = np.zeros(highest - lowest + 1)
 
@@ -97,7 +105,10 @@ def _counts(contact: Contact, bins: OfRows, lowest: int, highest: int) -> np.nda
 
 
 def _density(edges: np.ndarray, counts: np.ndarray) -> Arrays:
-    """Return the histogram as a density, without empty bins at its ends; counts: per bin."""
+    """Return {"edges", "density"} of a histogram: counts over their sum and the bin widths.
+
+    Empty bins at both ends are dropped; at least one bin must not be empty.
+    """
     filled = np.nonzero(counts)[0]
     start = filled[0]
     stop = filled[-1] + 1

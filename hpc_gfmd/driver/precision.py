@@ -211,12 +211,12 @@ def known_p_stars(scene: Scene, g_rms: float | None) -> list[float | None]:
     list of float or None
         Half of a prescribed area, which is about p* where that is small.
     """
-    name, values = scene.load.given
+    name, values = scene.load.prescribed
     if name == "p_star":
         return list(values)
     if name == "a_r":
         return [value / 2 for value in values]
-    if scene.load.found or not g_rms:
+    if scene.load.is_searched or not g_rms:
         return [None] * len(values)
     unit = scene.material.E_star * g_rms
     area = math.prod(scene.surface.physical_sizes or ())

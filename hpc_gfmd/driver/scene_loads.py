@@ -51,7 +51,7 @@ def loads_of(
         For what a flat surface does not have, what the precision cannot hold, and what no pressure
         gives.
     """
-    name, values = table.given
+    name, values = table.prescribed
     surface = working.surface
     E_star = working.model.E_star
     has_none = name in FLAT_HAS_NONE or (name == "approach" and working.is_flat)

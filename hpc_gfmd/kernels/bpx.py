@@ -158,7 +158,7 @@ def update_passes(
 ):
     """Transform the rows of K d back and update the state by them, pass after pass: line 6.
 
-    The coarse row that a pass and the next one share is the sum of what both have of it.
+    The coarse row that two of these passes share gets the sum of their parts.
 
     Parameters
     ----------
@@ -368,9 +368,9 @@ def update_state(g, p, d, Kd, s, i0, i1, coarse, shared, transfer, H, inside, ga
 
 @inline
 def _step_rows(g, p, d, Kd, s, i0, start, end, H, inside):
-    """Set g += s d and p += s K d on rows start <= i < end; returns their UpdateSums.
+    """Set g += s d and p += s K d on rows start <= i < end; return their UpdateSums as a tuple.
 
-    d and Kd begin with row i0.
+    Row 0 of d and Kd is row i0 of the slab.
     """
     zero = g.dtype.type(0)
     one = g.dtype.type(1)

@@ -173,6 +173,7 @@ def open_moments(g, p, H, inside):
     Returns
     -------
     squares, fourth : float64
+        Over the surface.
     """
     squares = fourth = 0.0
     at_limit = limit(H, 0.0)
@@ -189,11 +190,11 @@ def open_moments(g, p, H, inside):
 
 @kernel
 def count_uncertain(g, p, inside, compliance, tie, sure, largest, fall, counts):
-    """Count the points that errors of the pressure might move into contact or out of it, by the
-    square of what that takes.
+    """Count points by the square of the pressure error that moves them into contact or out of it.
 
-    It takes |p| where g <= 0, elsewhere g/compliance less the pressure that is left there, which
-    closes the point by itself; where the body as a whole may be wrong by a height, as much less.
+    That error is |p| where g <= 0. Elsewhere it is g/compliance, less the pressure that is left
+    there, which closes the point by itself. Where the body as a whole may be too high or too low it
+    is less by fall/compliance.
 
     Parameters
     ----------
@@ -202,16 +203,17 @@ def count_uncertain(g, p, inside, compliance, tie, sure, largest, fall, counts):
     compliance : float
         1/K of the shortest wave.
     tie : float
-        Points whose change takes less than that are right on either side, and not counted.
+        Points with a smaller error, before these deductions, are right on either side: they are not
+        counted.
     sure : float
-        What is less than that counts as nothing.
+        Points with a smaller error, after them, are counted in the last bin.
     largest : float
-        Square of the largest that counts.
+        Square of the largest error that is counted.
     fall : float
         Height by which the body as a whole may be wrong.
     counts : array (2, BINS)
-        Points in contact and out of it. Bin k gets squares from largest 2^(-(k + 1)/PER_OCTAVE) on,
-        the last one all smaller ones.
+        Is increased by the points in contact, [0], and out of contact, [1]. Bin k gets squares from
+        largest 2^(-(k + 1)/PER_OCTAVE) on, the last one all smaller ones.
     """
     real = g.dtype.type
     by_fall = fall / compliance
@@ -257,11 +259,11 @@ def count_heights(g, inside, largest, counts):
     inside : tuple of int
         Rows and points of each row that belong to the surface.
     largest : float
-        Upper end of the first bin.
+        Upper end of the first bin; larger heights are not counted.
     counts : array (2, BINS + 1)
-        Open points and dents; bin k gets heights from largest 2^(-k/PER_OCTAVE) down to the next
-        one, bin BINS - 1 all smaller ones. The last column gets the points with g <= 0, and with
-        g < 0.
+        Is increased by the open points, [0], and the dents, [1]. Bin k gets heights from largest
+        2^(-k/PER_OCTAVE) down to the next one, bin BINS - 1 all smaller ones. The last column gets
+        the points with g <= 0, and with g < 0.
     """
     for i in range(inside[0]):
         for j in range(inside[1]):
@@ -281,7 +283,7 @@ def count_heights(g, inside, largest, counts):
 
 @kernel
 def dual_rows(g, p, x, scale, shift, H, inside, i0, i1):
-    """Set x = p^ - p, and return the sum of p^ g out of dents.
+    """Set x = p^ - p on some rows, and return the sum of p^ g over elastic contact.
 
     The admissible pressure p^ is scale p + shift in elastic contact, H where a point yields, and 0
     elsewhere.
@@ -289,7 +291,7 @@ def dual_rows(g, p, x, scale, shift, H, inside, i0, i1):
     Parameters
     ----------
     g, p, x, H, inside, i0, i1
-        See the top of this file.
+        See the top of this file; x is overwritten.
     scale, shift : float
         Of the pressure in elastic contact.
 

@@ -97,7 +97,7 @@ def interpolate_row(coarse, fine, mode, J_y, f_y):
 
 @inline
 def combine_rows(coarse, J, f, out):
-    """Set out = (1 - f) coarse[J] + f coarse[J + 1]: P along x, for one fine row.
+    """Interpolate along x for one fine row: out = (1 - f) coarse[J] + f coarse[J + 1].
 
     Parameters
     ----------
@@ -120,7 +120,7 @@ def combine_rows(coarse, J, f, out):
 
 @inline
 def gather_rows(fine, start, end, f_x, complete, following):
-    """Add up own rows start <= i < end, all those beside one coarse row: R along x.
+    """Restrict along x: add up own rows start <= i < end, all those beside one coarse row.
 
     Sets complete = following + sum of (1 - f_x) row, and following = sum of f_x row. Two rows, as
     wherever the axis is halved, take a single pass.
@@ -134,7 +134,8 @@ def gather_rows(fine, start, end, f_x, complete, following):
     f_x : (rows,)
         Their weights.
     complete, following : (n,)
-        A coarse row that is complete, and what is there of the next one.
+        Get the coarse row, which is then complete, and what these rows add to the next one. On
+        entry `following` holds what earlier rows add to this coarse row.
     """
     n = complete.shape[0]
     zero = complete.dtype.type(0)
@@ -162,16 +163,16 @@ def gather_rows(fine, start, end, f_x, complete, following):
 def restrict_level(fine, coarse, transfer, i0, i1, scratch):
     """Set coarse = R fine for the coarse rows that own rows i0 <= i < i1 lie on or after.
 
-    With the last own row also the coarse row after it; coarse rows that no fine row lies beside
-    are left as they are. Rows are added up first: that is contiguous, and leaves half as many rows
-    to restrict along the other axis.
+    With the last own row also the coarse row after it; coarse rows that no fine row lies beside are
+    left as they are. Rows are added up first: that is contiguous, and leaves half as many rows to
+    restrict along the other axis.
 
     Parameters
     ----------
     fine : (>= fields, rows + 2, n)
         Its own rows are read.
     coarse : (fields, coarse rows + 2, m)
-        Halo rows count.
+        With halo rows, which are written to like the others.
     transfer : tuple
         Between the two, see the head of the file.
     i0, i1 : int
@@ -275,8 +276,9 @@ def smooth_level(fields, z_coarse, out, weight, damping, transfer, nominal, i0, 
 
 @kernel
 def restrict_levels(memory, levels, tables, numbers, scratch):
-    """Restrict r and t through consecutive levels, down to a single point, that one rank has
-    completely.
+    """Restrict r and t of the first level in `memory` to all others, down to a single point.
+
+    The levels are consecutive, and one rank has all of their rows.
 
     Parameters
     ----------
@@ -304,13 +306,15 @@ def restrict_levels(memory, levels, tables, numbers, scratch):
 
 @kernel
 def smooth_levels(memory, levels, tables, numbers, softness, damping, mode, mode_level, scratch):
-    """Make z of consecutive levels, down to a single point, that one rank has completely.
+    """Replace r by z on consecutive levels, from a single point up to the first level in `memory`.
+
+    One rank has all of their rows. `restrict_levels` goes before.
 
     Parameters
     ----------
     memory : flat array
-        Fields of all levels: r, t and on level 0 perhaps x. r of every level becomes z,
-        with halo rows. A level of zeros follows the last one: what is coarser than a point.
+        Fields of all levels: r, t and on level 0 perhaps x. r of every level becomes z, with halo
+        rows. A level of zeros follows the last one: what is coarser than a point.
     levels : (levels + 1, 7) int64
         Of each level: where its fields begin in `memory`, their number, rows, points along a row,
         mode of the columns, and where its rows and columns begin in `tables`.
@@ -319,12 +323,11 @@ def smooth_levels(memory, levels, tables, numbers, softness, damping, mode, mode
     numbers : (levels, 2)
         Weight and factor of each level.
     softness : (levels,) float64
-        What the sums of a level are weighted by.
+        Weight of each level in the sums.
     damping : float
         Of all levels, in the precision of the fields.
     mode : flat array
-        The gap mode, added to z of level `mode_level` times its product with r there; empty where
-        there is none.
+        The gap mode: z of level `mode_level` gets mode times <mode, r>; empty: none.
     mode_level : int
         The level of the gap mode.
     scratch : (>= 2, >= n)

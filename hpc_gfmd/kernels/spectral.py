@@ -38,9 +38,10 @@ def multiply_blocks(columns, k0, k1, numbers, factors, inverse, backward, sums):
     inverse : bool
         Multiply by 1/K.
     backward : bool
-        Transform back.
+        Transform back; if not, the blocks in memory stay as they are.
     sums : (blocks, 2) float64
-        [k] gets what `multiply` returns, and the real part of the first number before.
+        [k, 0] gets what `multiply` returns for block k, [k, 1] the real part of its first number
+        before the multiplication.
     """
     plans = columns[5]
     scale, weight, q_x, q_y, table = factors
@@ -94,8 +95,11 @@ def multiply(columns, k, inverse, scale, weight, q_x, q_y, table):
 
 @inline
 def _multiply_by_q(column, q_x, q_y, scale, inverse):
-    """Multiply one column for K = |q|/2; the energy is summed up over PIECE numbers in their own
-    precision."""
+    """Multiply one column by scale K or scale/K, with K = |q|/2, in place; return its energy.
+
+    The energy is the sum of scale K |column|^2, or with 1/K, of the values before. PIECE numbers at
+    a time are summed up in their own precision.
+    """
     real = column.dtype.type
     qy2 = q_y * q_y
     zero = real(0)
@@ -124,7 +128,10 @@ def _multiply_by_q(column, q_x, q_y, scale, inverse):
 
 @inline
 def _multiply_by_table(column, table, scale, inverse):
-    """Multiply one column for a K that stands in a table; the energy likewise."""
+    """Multiply one column by scale K or scale/K, with K from a table, in place; return its energy.
+
+    As `_multiply_by_q` does. table: K of q_x >= 0 in this column.
+    """
     n_x = column.shape[0] // 2
     stored = table.shape[0]
     zero = column.dtype.type(0)

@@ -39,12 +39,12 @@ TILE = 8  # complex numbers of single precision in a cache line
 
 @intrinsic
 def transform(_, function, plan, source, target):
-    """Call a C function that transforms one array to another, in kernels.
+    """Call a C function that transforms one array to another. Only in kernels.
 
     Parameters
     ----------
     function, plan, source, target : int
-        Addresses of the function and of what it takes.
+        Addresses of the function, and of its arguments: the plan and the memory of both arrays.
     """
 
     def generate(context, builder, signature, values):
@@ -58,7 +58,7 @@ def transform(_, function, plan, source, target):
 
 
 def no_rows(real):
-    """Return the `rows` of a thread that has real rows (R, n_y) and no spectra."""
+    """Return the `rows` of a thread for given real rows (R, n_y) that are never transformed."""
     nothing = np.zeros(1)
     return real, (nothing, nothing, np.zeros(1, np.int64), 0, (0, 0, 0, 0), (0, 0, 0, 0))
 
@@ -117,7 +117,7 @@ def load_rows(spectra, i0, i1):
 
 @part
 def load_columns(columns, k, forward):
-    """Fill the scratch with the transformed columns of a block.
+    """Fill the scratch with the columns of a block, transformed along x.
 
     Parameters
     ----------
@@ -141,7 +141,7 @@ def load_columns(columns, k, forward):
 
 @part
 def store_columns(columns, k):
-    """Transform the scratch back and put it where the columns of a block stand.
+    """Transform the scratch back and write it to where `load_columns` read the block.
 
     Parameters
     ----------
@@ -158,7 +158,10 @@ def store_columns(columns, k):
 
 @inline
 def _transpose(memory, begins, rows, columns, width):
-    """Set columns[:width] = a block (n_x, width) transposed, a cache line of either at a time."""
+    """Set columns[:width] = a block (n_x, width) transposed, a cache line of either at a time.
+
+    memory, begins, rows: where rows of the block stand, see `near` at the head of the file.
+    """
     for r in range(begins.shape[0]):
         i0 = rows[r, 0]
         n = rows[r, 1] - i0
@@ -174,7 +177,7 @@ def _transpose(memory, begins, rows, columns, width):
 
 @inline
 def _transpose_back(columns, width, memory, begins, rows):
-    """Undo `_transpose`."""
+    """Write columns[:width] transposed to the memory that `_transpose` reads."""
     for r in range(begins.shape[0]):
         i0 = rows[r, 0]
         n = rows[r, 1] - i0

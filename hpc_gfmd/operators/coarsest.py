@@ -12,7 +12,9 @@ DAMPING = 4.0  # of a level by the contact on it, over its stiffness
 
 
 class CoarsestLevels:
-    """Consecutive levels, down to a single point, with memory for their fields.
+    """Consecutive levels, down to a single point, that one rank sweeps alone, with their memory.
+
+    Letters as in kernels/multilevel.py. No method is collective.
 
     Parameters
     ----------
@@ -21,19 +23,19 @@ class CoarsestLevels:
     weights : array
         Stiffness of each level, in the precision of the fields.
     softness : array of float64
-        What the sums of each level are weighted by.
+        Weight of each level in the sums that `smooth` returns.
     fields : int
-        Number of fields of the first level: r, t and perhaps x; all others have r and t.
+        Number of fields of the first level: 2 (r, t) or 3 (r, t, x); all others have r and t.
     nominal : list of (s_x, s_y), optional
-        What the indicator of the surface is a product of on each level; default: 1.
+        The two factors of the indicator of the surface on each level; default: 1 everywhere.
 
     Attributes
     ----------
     fields : array (fields, rows + 2, n)
-        Those of the first level with a halo row before and after: r, t and perhaps x go in, z
-        comes out in place of r.
+        Fields of the first level with a halo row before and after. The caller writes r, t and
+        perhaps x; a sweep replaces r by z.
     mode : flat array
-        The gap mode that is added to z; empty where there is none.
+        The gap mode (deflation.py), which the caller sets and `smooth` applies; empty: none.
     mode_level : int
         The level of the gap mode.
     """
@@ -92,21 +94,21 @@ class CoarsestLevels:
         self.mode_level = 0
 
     def sweep(self) -> tuple[float, ...]:
-        """Make z on the first level from r and t there; returns what `smooth` does."""
+        """Restrict r and t of `fields` to all levels and replace r by z; return `smooth`'s sums."""
         self.restrict()
         return self.smooth()
 
     def restrict(self) -> None:
-        """Restrict r and t of the first level to all others."""
+        """Restrict r and t of the first level to all coarser ones, in the memory of this object."""
         restrict_levels(self._memory, self._levels, self._tables, self._numbers, self._scratch)
 
     def smooth(self) -> tuple[float, ...]:
-        """Make z on the first level from r and t on all levels.
+        """Replace r by z on every level, from the coarsest one to the first, after `restrict`.
 
         Returns
         -------
         tuple
-            <r, z> and <x, z> on the first level; <r, r>, <t, t>, <r, t>, <t, s> and <r, s> summed
+            <r, z> and <x, z> on the first level; <r, r>, <t, t>, <r, t>, <t, s> and <r, s>, summed
             over levels times their softness; the mean of r.
         """
         return smooth_levels(
@@ -122,17 +124,17 @@ class CoarsestLevels:
         )
 
     def apply(self, r: np.ndarray, t: np.ndarray) -> np.ndarray:
-        """Return z on the first level.
+        """Copy r and t into `fields`, sweep, and return z on the first level.
 
         Parameters
         ----------
         r, t : array (rows, n)
-            Fields of the first level.
+            Fields of the first level; they stay as they are.
 
         Returns
         -------
         array (rows, n)
-            A view, overwritten by the next sweep.
+            z, a view of `fields`: the next sweep overwrites it.
         """
         self.fields[0, 1:-1] = r
         self.fields[1, 1:-1] = t
@@ -140,10 +142,10 @@ class CoarsestLevels:
         return self.fields[0, 1:-1]
 
     def contact(self, k: int) -> np.ndarray:
-        """Return t of level k, (rows, n)."""
+        """Return t of level k as `restrict` left it, (rows, n), a view."""
         return self._fields_of(k)[1, 1:-1]
 
     def _fields_of(self, k: int) -> np.ndarray:
-        """Return the fields of level k, (fields, rows + 2, n), a view of the common memory."""
+        """Return the fields of level k with their halo rows, (fields, rows + 2, n), a view."""
         begin, count, rows, n = self._levels[k, :4].tolist()
         return self._memory[begin : begin + count * (rows + 2) * n].reshape(count, rows + 2, n)

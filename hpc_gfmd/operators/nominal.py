@@ -44,7 +44,7 @@ class NominalArea:
 
     @cached_property
     def norm(self) -> float:
-        """sum over the coarse levels of softness <s, s> N/N_l."""
+        """Sum over the coarse levels of softness <s, s> N/N_l."""
         return float(
             sum(
                 weight * np.dot(x, x) * np.dot(y, y)

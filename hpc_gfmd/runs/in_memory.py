@@ -135,7 +135,9 @@ class Surfaces:
             surface = self._with_grid_of_this_thread(self.ready[dtype])
         else:
             free = self.scene.surface.free
-            surface = surface_of(self.topography, self.comm, dtype, self.threads, free, known=False)
+            surface = surface_of(
+                self.topography, self.comm, dtype, self.threads, free, with_checksum=True
+            )
             if self.ready is not None:
                 self.ready[dtype] = surface
         self.checksum = surface.checksum

@@ -254,7 +254,7 @@ def _shown_target(scene: Scene, sweep: Sweep, load: Load, index: int) -> tuple[s
 
 def _target(load: LoadTable, index: int) -> dict[str, float]:
     """Return what the load gives in place of a mean pressure."""
-    name, values = load.given
+    name, values = load.prescribed
     return {} if name in ("p_star", "pressure") else {f"target_{name}": float(values[index])}
 
 

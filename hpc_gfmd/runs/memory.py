@@ -57,7 +57,7 @@ def memory_of(
     points = -(-cell[0] // ranks) * cell[1]  # of the longest slab
     output = scene.output
     bytes_per_point = BYTES[itemsize, scene.solver.low_memory, sum(scene.surface.free)]
-    column = 2 * (ranks > 1) + (len(scene.load.given[1]) > 1)
+    column = 2 * (ranks > 1) + (len(scene.load.prescribed[1]) > 1)
     nbytes: float = bytes_per_point[column] * points
     is_fine = scene.solver.low_memory and (scene.solver.accuracy or 0) < FINE
     if itemsize == 4 and ranks > 1 and is_fine:

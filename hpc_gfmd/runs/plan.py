@@ -121,7 +121,7 @@ def _files(
 ) -> dict[str, float]:
     """Return the size of the result, and of the gap that an interrupted load leaves."""
     stored = {"single": 4, "double": 8, None: itemsize}[scene.output.dtype]
-    _, loads = scene.load.given
+    _, loads = scene.load.prescribed
     numbers = len(loads) * len(scene.output.fields) * n[0] * n[1]
     return {
         "file_gib": numbers * stored / GIB,

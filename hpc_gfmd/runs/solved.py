@@ -14,7 +14,7 @@ import numpy as np
 from ..contact import all_numbers, all_observables, default_observables
 from ..output.export import FORMATS, common_fields, export, frame
 from ..output.fields import Slab
-from ..output.numbers import axes, names_of, numbers, said_of
+from ..output.numbers import axes, dataset_attributes, numbers, scalar_names
 from ..output.record import RunFile
 from ..output.result import Result
 from ..parallel.comm import SerialComm
@@ -87,7 +87,7 @@ class Solved:
 
     def _known(self) -> Iterator[str]:
         """Names of the numbers that are there or cost nothing."""
-        yield from names_of(self.result.steps)
+        yield from scalar_names(self.result.steps)
         yield from default_observables()
 
     def __getattr__(self, name: str) -> Any:
@@ -261,7 +261,7 @@ class Solved:
         columns = numbers(result.steps)
 
         def variable(name: str, dims: tuple[str, ...], values: Any) -> tuple:
-            return dims, values, said_of(name, result.surface, all_numbers())
+            return dims, values, dataset_attributes(name, result.surface, all_numbers())
 
         content = {name: variable(name, ("load",), values) for name, values in columns.items()}
         for name in common_fields(result):

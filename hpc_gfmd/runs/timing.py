@@ -52,7 +52,7 @@ def expected_pairs(scene: Scene) -> float:
     decades = -np.log10(scene.solver.tolerance) - 3
     pairs = BASELINE_PAIRS.get(scene.solver.name, PAIRS.per_load)
     pairs *= max(0.6, 1 + decades * PAIRS.per_decade / PAIRS.per_load)
-    return pairs * (PAIRS.searching if scene.load.found else 1)
+    return pairs * (PAIRS.searching if scene.load.is_searched else 1)
 
 
 def expected_seconds(
