@@ -30,7 +30,7 @@ SUMS = 7  # that smooth_level returns
 
 @inline
 def restrict_row(fine, coarse, factor, mode, J_y, f_y):
-    """Set coarse = factor P^T fine along one row.
+    """Restrict one row: coarse = factor P^T fine, P being linear interpolation.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def restrict_row(fine, coarse, factor, mode, J_y, f_y):
 
 @inline
 def interpolate_row(coarse, fine, mode, J_y, f_y):
-    """Set fine = P coarse along one row.
+    """Interpolate one periodic row linearly from the coarse level: fine = P coarse.
 
     Parameters
     ----------
@@ -161,20 +161,20 @@ def gather_rows(fine, start, end, f_x, complete, following):
 
 @kernel
 def restrict_level(fine, coarse, transfer, i0, i1, scratch):
-    """Set coarse = R fine for the coarse rows that own rows i0 <= i < i1 lie on or after.
+    """Restrict fields to the coarse rows that own rows i0 <= i < i1 lie on or after.
 
-    With the last own row also the coarse row after it; coarse rows that no fine row lies beside are
-    left as they are. Rows are added up first: that is contiguous, and leaves half as many rows to
-    restrict along the other axis.
+    This is full weighting. With the last own row also the coarse row after it is set; coarse rows
+    that no fine row lies beside are left as they are. Rows are added up first: that is contiguous,
+    and leaves half as many rows to restrict along the other axis.
 
     Parameters
     ----------
     fine : (>= fields, rows + 2, n)
         Its own rows are read.
     coarse : (fields, coarse rows + 2, m)
-        With halo rows, which are written to like the others.
+        Gets the result; halo rows are written to like the others.
     transfer : tuple
-        Between the two, see the head of the file.
+        Tables between the two, see the head of the file.
     i0, i1 : int
         i0 is the first of the rows beside its coarse row.
     scratch : (>= 2, >= n)
@@ -208,14 +208,16 @@ def restrict_level(fine, coarse, transfer, i0, i1, scratch):
 
 @kernel
 def smooth_level(fields, z_coarse, out, weight, damping, transfer, nominal, i0, i1, scratch):
-    """Set z = r/(weight + damping t) + P z_coarse on own rows i0 <= i < i1.
+    """Set z = r/(weight + damping t) + P z_coarse on own rows i0 <= i < i1 of a level.
 
-    Sums are in the precision of the fields along a row, over rows in double precision.
+    r is the pressure out of contact, t the share of contact, both restricted to the level, and P
+    linear interpolation. Sums are in the precision of the fields along a row, over rows in double
+    precision.
 
     Parameters
     ----------
     fields : (2 or 3, rows + 2, n)
-        r, t and perhaps x.
+        r, t and perhaps a third field x.
     z_coarse : (coarse rows + 2, m)
         z of the next coarser level, with valid halo rows.
     out : (rows + 2, n)
@@ -223,9 +225,9 @@ def smooth_level(fields, z_coarse, out, weight, damping, transfer, nominal, i0, 
     weight, damping : float
         Of this level, in the precision of the fields.
     transfer : tuple
-        See the head of the file.
+        Tables between the levels, see the head of the file.
     nominal : (s_x, s_y)
-        (rows,) and (n,).
+        (rows,) and (n,): factors of s, the indicator of the surface.
     i0, i1 : int
         Own rows.
     scratch : (>= 2, >= n)
@@ -278,7 +280,8 @@ def smooth_level(fields, z_coarse, out, weight, damping, transfer, nominal, i0, 
 def restrict_levels(memory, levels, tables, numbers, scratch):
     """Restrict r and t of the first level in `memory` to all others, down to a single point.
 
-    The levels are consecutive, and one rank has all of their rows.
+    r is the pressure out of contact, t the share of contact. The levels are consecutive, and one
+    rank has all of their rows.
 
     Parameters
     ----------
@@ -308,7 +311,8 @@ def restrict_levels(memory, levels, tables, numbers, scratch):
 def smooth_levels(memory, levels, tables, numbers, softness, damping, mode, mode_level, scratch):
     """Replace r by z on consecutive levels, from a single point up to the first level in `memory`.
 
-    One rank has all of their rows. `restrict_levels` goes before.
+    r is the pressure out of contact and z what the preconditioner makes of it, see `smooth_level`.
+    One rank has all rows of these levels. `restrict_levels` goes before.
 
     Parameters
     ----------
@@ -338,7 +342,8 @@ def smooth_levels(memory, levels, tables, numbers, softness, damping, mode, mode
     rz, xz : float
         <r, z> and <x, z> on level 0.
     rr, tt, rt, ts, rs : float
-        <r, r>, <t, t>, <r, t>, <t, s> and <r, s>, summed over levels times their softness.
+        <r, r>, <t, t>, <r, t>, <t, s> and <r, s>, summed over levels times their softness; s is the
+        indicator of the surface.
     mean : float
         r of the last level, a single point: the mean of r.
     """

@@ -1,4 +1,4 @@
-"""How much memory a scene takes on each rank: a table of measured bytes per point.
+"""Forecast of the memory of a scene on each rank, from a table of measured bytes per point.
 
 By tests/unit/runs/test_measured_memory.py a forecast is never too low, and at most 25 % too high.
 """
@@ -37,7 +37,7 @@ THREAD_GIB = 0.0035  # scratch of a thread
 def memory_of(
     scene: Scene, cell: tuple[int, int], itemsize: int, ranks: int, threads: int = 1
 ) -> float:
-    """Forecast the memory of the largest rank in GiB.
+    """Return a forecast of the memory of the largest rank, in GiB.
 
     Parameters
     ----------

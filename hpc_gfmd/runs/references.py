@@ -12,9 +12,11 @@ PAPER = "Prodanov, Dapp, Müser, Tribol. Lett. 53 (2014) 433, doi:10.1007/s11249
 
 
 def references_of(result: Result) -> list[str]:
-    """Return what to cite, a line each: the program, its paper (also of the corrections to the TFC
-    limit), the elastic body, the algorithm, the observables, the theory that is drawn beside
-    them."""
+    """Return what to cite for a result, one line each, each only once.
+
+    These are the program, its paper (also for the corrections to the TFC limit), the elastic body,
+    the algorithm, the observables, and the theory that is drawn beside them.
+    """
     scene = result.scene
     names = {name for step in result.steps for name in step}
     version = json.loads(result.head.get("versions", "{}")).get("hpc_gfmd", "")
