@@ -55,8 +55,7 @@ def compile_once(
     """
 
     def solve() -> None:
-        # a single process compiles double precision where a load asks for it
-        _tiny_contact(scene, observe, every_precision=comm.size > 1)
+        _tiny_contact(scene, observe, on_ranks=comm.size > 1)
 
     with collective_errors(comm, "compiling"):
         if comm.rank == 0:
@@ -73,17 +72,15 @@ def _tiny_attraction(material: Material) -> Law | None:
     return None if adhesion is None else law_named(adhesion.law, *TINY_ATTRACTION)
 
 
-def _tiny_contact(
-    scene: Scene, observe: Callable[[Contact], object], every_precision: bool
-) -> None:
-    """Solve a tiny contact in the precision that the run of a scene begins with, or in every one
-    that it may use."""
+def _tiny_contact(scene: Scene, observe: Callable[[Contact], object], on_ranks: bool) -> None:
+    """Solve a tiny contact in the precision that the run of a scene begins with; on ranks in every
+    one that it may use, and with distributed levels. One process compiles what a load asks for."""
     settings = scene.solver
     material = scene.material
     surface = TINY | {"boundary": scene.surface.boundary or "periodic"}
     tiny = Scene.from_dict({"surface": surface, "load": {"p_star": 0.05}}).surface
     usual = "single" if first_precision(settings) == np.float32 else "double"
-    may_need_double = every_precision and settings.precision == "auto"
+    may_need_double = on_ranks and settings.precision == "auto"
     for precision in {usual, "double"} if may_need_double else {usual}:
         sweep = make_sweep(
             lambda dtype: build_surface(tiny, SerialComm(), dtype),
@@ -98,6 +95,6 @@ def _tiny_contact(
         if solver is not None:
             solver.expected_area(Estimate(squares=1.0))
         observe(contact)
-        grid = sweep.surface.grid
-        # for the levels that only larger grids distribute
-        Multilevel(grid, HALF_SPACE, sweep.dtype, grid.n[0], coarsest_points=0).sweep()
+        if on_ranks:  # for the levels that only larger grids distribute
+            grid = sweep.surface.grid
+            Multilevel(grid, HALF_SPACE, sweep.dtype, grid.n[0], coarsest_points=0).sweep()

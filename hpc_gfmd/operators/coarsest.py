@@ -1,14 +1,23 @@
-"""The coarse levels of the preconditioner that one rank sweeps alone, in two compiled calls."""
+"""The coarse levels of the preconditioner that one rank sweeps alone, in one compiled call of all
+its threads."""
 
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..kernels.multilevel import restrict_levels, smooth_levels
-from ..parallel.coarsening import Level, axis_mode, axis_tables
+from ..kernels.multilevel import CLOSED, ENDED, MEAN, NEXT, SUMS, TOTALS, TURNS, sweep_levels
+from ..parallel.coarsening import Level, axis_mode, axis_tables, passes_of
+from ..parallel.threads import on_threads, piece_rows, threads_for
+from ..util.aligned import empty_aligned, zeros_aligned
 
 DAMPING = 4.0  # of a level by the contact on it, over its stiffness
+# A sweep over coarse levels has less to do than a pass over the grid: smaller pieces share it out.
+PIECES = 8  # of a sweep, in a piece of a pass
+# A thread that waits for others looks so often, 0.2 ms, before it lets the system have its core
+PATIENCE = 2**14
+PAUSE = 1e-5  # seconds
 
 
 class CoarsestLevels:
@@ -28,6 +37,8 @@ class CoarsestLevels:
         Number of fields of the first level: 2 (r, t) or 3 (r, t, x); all others have r and t.
     nominal : list of (s_x, s_y), optional
         The two factors of the indicator of the surface on each level; default: 1 everywhere.
+    threads : int
+        Threads of this rank; of them take part as many as the first level has work for.
 
     Attributes
     ----------
@@ -38,6 +49,8 @@ class CoarsestLevels:
         The gap mode (deflation.py), which the caller sets and `smooth` applies; empty: none.
     mode_level : int
         The level of the gap mode.
+    looks : int
+        How often threads looked in vain whether they can go on, in the last call.
     """
 
     def __init__(
@@ -47,6 +60,7 @@ class CoarsestLevels:
         softness: ArrayLike,
         fields: int = 2,
         nominal: Sequence[Sequence[np.ndarray]] | None = None,
+        threads: int = 1,
     ):
         dtype = weights.dtype
         shapes = [level.n for level in levels]
@@ -87,20 +101,56 @@ class CoarsestLevels:
         self._numbers = np.array([weights, factors], dtype).T.copy()
         self._softness = np.asarray(softness, np.float64)
         self._damping = dtype.type(DAMPING)
-        self._memory = np.zeros(begins[-1], dtype)
-        self._scratch = np.empty((2, max(n_y for _, n_y in shapes)), dtype)
+        self._memory = empty_aligned(begins[-1:], dtype)
+        self._memory[begins[-2] :] = 0
+        self._threads = threads_for(shapes[0][0] * shapes[0][1], threads)
+        scratch = (2, max(n_y for _, n_y in shapes))
+        self._scratch = [empty_aligned(scratch, dtype) for _ in range(self._threads)]
+        self._pieces, self._restricted = self._pieces_of(shapes[:-1], [J_x for J_x, _ in rows])
+        self._turns = zeros_aligned((TURNS,), np.int64)
+        self._sums = np.empty((len(self._pieces), SUMS))
+        self._totals = np.empty(TOTALS)
+        self.looks = 0
         self.fields = self._fields_of(0)
+        self.fields[:, [1, -1]] = 0  # rows that are added up, also of fields that nobody has set
         self.mode = np.zeros(0, dtype)
         self.mode_level = 0
 
+    @staticmethod
+    def _pieces_of(
+        shapes: Sequence[tuple[int, int]], coarse_rows: Sequence[np.ndarray]
+    ) -> tuple[np.ndarray, int]:
+        """Return `pieces` as kernels/multilevel.py: sweep_levels has them, and how many restrict.
+
+        They depend on the sizes of the levels alone, so that no sum depends on threads.
+
+        Parameters
+        ----------
+        shapes : sequence of (int, int)
+            Points of each level.
+        coarse_rows : sequence of ndarray
+            The coarse row before each row of each level.
+        """
+        passes = [
+            passes_of(J_x, max(1, piece_rows(n_y) // PIECES))
+            for (_, n_y), J_x in zip(shapes, coarse_rows)
+        ]
+        down = [(k, False) for k in range(len(shapes) - 1)]
+        up = [(k, True) for k in reversed(range(len(shapes)))]
+        pieces: list[tuple] = []
+        for k, is_smoothed in down + up:
+            stage = len(pieces), len(pieces) + len(passes[k])
+            pieces += [(k, i0, i1, is_smoothed, *stage) for i0, i1 in passes[k]]
+        return np.array(pieces, np.int64), sum(len(passes[k]) for k, _ in down)
+
     def sweep(self) -> tuple[float, ...]:
         """Restrict r and t of `fields` to all levels and replace r by z; return `smooth`'s sums."""
-        self.restrict()
-        return self.smooth()
+        self._do(0, len(self._pieces))
+        return tuple(self._totals[: MEAN + 1].tolist())
 
     def restrict(self) -> None:
         """Restrict r and t of the first level to all coarser ones, in the memory of this object."""
-        restrict_levels(self._memory, self._levels, self._tables, self._numbers, self._scratch)
+        self._do(0, self._restricted)
 
     def smooth(self) -> tuple[float, ...]:
         """Replace r by z on every level, from the coarsest one to the first, after `restrict`.
@@ -111,7 +161,30 @@ class CoarsestLevels:
             <r, z> and <x, z> on the first level; <r, r>, <t, t>, <r, t>, <t, s> and <r, s>, summed
             over levels times their softness; the mean of r.
         """
-        return smooth_levels(
+        self._do(self._restricted, len(self._pieces))
+        return tuple(self._totals[: MEAN + 1].tolist())
+
+    def _do(self, begin: int, end: int) -> None:
+        """Do the pieces from `begin` to `end`, on all threads at the same time."""
+        self._turns[[NEXT, ENDED, CLOSED]] = begin
+
+        def work(scratch: np.ndarray) -> int:
+            looks = 0
+            while (result := self._do_some(end, scratch)) < 0:
+                looks += -1 - result
+                time.sleep(PAUSE)
+            return looks + result
+
+        self.looks = sum(on_threads(self._threads, work, [()] * self._threads, self._scratch))
+
+    def _do_some(self, end: int, scratch: np.ndarray) -> int:
+        """Do pieces on one thread until none is left, or others take too long; returns what
+        kernels/multilevel.py: sweep_levels does."""
+        return sweep_levels(
+            self._pieces,
+            end,
+            self._turns,
+            PATIENCE,
             self._memory,
             self._levels,
             self._tables,
@@ -120,8 +193,29 @@ class CoarsestLevels:
             self._damping,
             self.mode,
             self.mode_level,
-            self._scratch,
+            scratch,
+            self._sums,
+            self._totals,
         )
+
+    def time_of_a_look(self, clock: Callable[[], float]) -> float:
+        """Measure how long a thread takes to look once whether it can go on, for scripts/bench.
+
+        Parameters
+        ----------
+        clock : callable
+            Returns a time in seconds.
+
+        Returns
+        -------
+        float
+            Seconds.
+        """
+        self._turns[[NEXT, ENDED]] = 0
+        self._turns[CLOSED] = -1  # so that no piece may begin
+        begin = clock()
+        self._do_some(1, self._scratch[0])
+        return (clock() - begin) / PATIENCE
 
     def apply(self, r: np.ndarray, t: np.ndarray) -> np.ndarray:
         """Copy r and t into `fields`, sweep, and return z on the first level.
