@@ -101,7 +101,7 @@ class CoarsestLevels:
         self._numbers = np.array([weights, factors], dtype).T.copy()
         self._softness = np.asarray(softness, np.float64)
         self._damping = dtype.type(DAMPING)
-        self._memory = empty_aligned(begins[-1:], dtype)
+        self._memory = empty_aligned((int(begins[-1]),), dtype)
         self._memory[begins[-2] :] = 0
         self._threads = threads_for(shapes[0][0] * shapes[0][1], threads)
         scratch = (2, max(n_y for _, n_y in shapes))
