@@ -20,6 +20,119 @@ PATIENCE = 2**14
 PAUSE = 1e-5  # seconds
 
 
+class LevelTables:
+    """What a sweep over consecutive levels needs besides memory for fields, made once.
+
+    Parameters
+    ----------
+    levels : list of Level
+        Finest first, down to a single point.
+    weights : array
+        Stiffness of each level, in the precision of the fields.
+    softness : array of float64
+        Weight of each level in the sums of a sweep.
+    fields : int
+        Number of fields of the first level: 2 (r, t) or 3 (r, t, x); all others have r and t.
+    nominal : list of (s_x, s_y), optional
+        The two factors of the indicator of the surface on each level; default: 1 everywhere.
+
+    Attributes
+    ----------
+    dtype : dtype
+        Precision of the fields.
+    size : int
+        Numbers that all fields take, the last `zeros` of which stand for a level of zeros.
+    zeros : int
+        See `size`.
+    points : int
+        Of the first level.
+    longest_row : int
+        Points along the longest row of a level.
+    pieces, levels, tables, numbers, softness : arrays
+        As kernels/multilevel.py: sweep_levels takes them.
+    restricted : int
+        How many of the pieces restrict; the others smooth.
+    """
+
+    def __init__(
+        self,
+        levels: Sequence[Level],
+        weights: np.ndarray,
+        softness: ArrayLike,
+        fields: int = 2,
+        nominal: Sequence[Sequence[np.ndarray]] | None = None,
+    ):
+        dtype = self.dtype = weights.dtype
+        shapes = [level.n for level in levels]
+        coarser = [*shapes[1:], shapes[-1]]
+        counts = [fields] + [2] * (len(levels) - 1) + [1]
+        sizes = [
+            count * (n_x + 2) * n_y for count, (n_x, n_y) in zip(counts, [*shapes, shapes[-1]])
+        ]
+        begins = np.cumsum([0, *sizes])
+        self.size = int(begins[-1])
+        self.zeros = sizes[-1]
+        self.points = shapes[0][0] * shapes[0][1]
+        self.longest_row = max(n_y for _, n_y in shapes)
+        rows_before = np.cumsum([0, *(n_x for n_x, _ in shapes)])
+        columns_before = np.cumsum([0, *(n_y for _, n_y in shapes)])
+        along = [axis_mode(n[1], m[1]) for n, m in zip(shapes, coarser)] + [0]
+        rows, columns = (
+            [axis_tables(n[axis], m[axis], dtype) for n, m in zip(shapes, coarser)]
+            for axis in (0, 1)
+        )
+        self.pieces, self.restricted = _pieces_of(shapes, [J_x for J_x, _ in rows])
+        self.levels = np.array(
+            [
+                (begin, count, n_x, n_y, mode, at_x, at_y)
+                for begin, count, (n_x, n_y), mode, at_x, at_y in zip(
+                    begins, counts, [*shapes, shapes[-1]], along, rows_before, columns_before
+                )
+            ],
+            np.int64,
+        )
+        if nominal is None:
+            nominal = [[np.ones(n_x), np.ones(n_y)] for n_x, n_y in shapes]
+        self.tables = (
+            np.concatenate([J_x + np.int32(1) for J_x, _ in rows]),
+            np.concatenate([f_x for _, f_x in rows]),
+            np.concatenate([J_y for J_y, _ in columns]),
+            np.concatenate([f_y for _, f_y in columns]),
+            np.concatenate([s_x for s_x, _ in nominal]).astype(dtype),
+            np.concatenate([s_y for _, s_y in nominal]).astype(dtype),
+        )
+        factors = [m[0] / n[0] * m[1] / n[1] for n, m in zip(shapes, coarser)]
+        self.numbers = np.array([weights, factors], dtype).T.copy()
+        self.softness = np.asarray(softness, np.float64)
+
+
+def _pieces_of(
+    shapes: Sequence[tuple[int, int]], coarse_rows: Sequence[np.ndarray]
+) -> tuple[np.ndarray, int]:
+    """Return the pieces of a sweep, and how many of them restrict.
+
+    They depend on the sizes of the levels alone, so that no sum depends on threads.
+
+    Parameters
+    ----------
+    shapes : sequence of (int, int)
+        Points of each level.
+    coarse_rows : sequence of ndarray
+        The coarse row before each row of each level.
+    """
+    passes = [
+        passes_of(J_x, max(1, piece_rows(n_y) // PIECES))
+        for (_, n_y), J_x in zip(shapes, coarse_rows)
+    ]
+    down = [(k, False) for k in range(len(shapes) - 1)]
+    up = [(k, True) for k in reversed(range(len(shapes)))]
+    pieces: list[tuple] = []
+    for k, is_smoothed in down + up:
+        stage = len(pieces), len(pieces) + len(passes[k])
+        pieces += [(k, i0, i1, is_smoothed, *stage) for i0, i1 in passes[k]]
+    return np.array(pieces, np.int64), sum(len(passes[k]) for k, _ in down)
+
+
 class CoarsestLevels:
     """Consecutive levels, down to a single point, that one rank sweeps alone, with their memory.
 
@@ -27,16 +140,8 @@ class CoarsestLevels:
 
     Parameters
     ----------
-    levels : list of Level
-        Finest first.
-    weights : array
-        Stiffness of each level, in the precision of the fields.
-    softness : array of float64
-        Weight of each level in the sums that `smooth` returns.
-    fields : int
-        Number of fields of the first level: 2 (r, t) or 3 (r, t, x); all others have r and t.
-    nominal : list of (s_x, s_y), optional
-        The two factors of the indicator of the surface on each level; default: 1 everywhere.
+    tables : LevelTables
+        Of these levels.
     threads : int
         Threads of this rank; of them take part as many as the first level has work for.
 
@@ -53,62 +158,18 @@ class CoarsestLevels:
         How often threads looked in vain whether they can go on, in the last call.
     """
 
-    def __init__(
-        self,
-        levels: Sequence[Level],
-        weights: np.ndarray,
-        softness: ArrayLike,
-        fields: int = 2,
-        nominal: Sequence[Sequence[np.ndarray]] | None = None,
-        threads: int = 1,
-    ):
-        dtype = weights.dtype
-        shapes = [level.n for level in levels]
-        coarser = [*shapes[1:], shapes[-1]]
-        counts = [fields] + [2] * (len(levels) - 1) + [1]
-        sizes = [
-            count * (n_x + 2) * n_y for count, (n_x, n_y) in zip(counts, [*shapes, shapes[-1]])
+    def __init__(self, tables: LevelTables, threads: int = 1):
+        dtype = tables.dtype
+        self._tables = tables
+        self._damping = np.array([DAMPING], dtype)[0]
+        self._memory = empty_aligned((tables.size,), dtype)
+        self._memory[-tables.zeros :] = 0
+        self._threads = threads_for(tables.points, threads)
+        self._scratch = [
+            empty_aligned((2, tables.longest_row), dtype) for _ in range(self._threads)
         ]
-        begins = np.cumsum([0, *sizes])
-        rows_before = np.cumsum([0, *(n_x for n_x, _ in shapes)])
-        columns_before = np.cumsum([0, *(n_y for _, n_y in shapes)])
-        along = [axis_mode(n[1], m[1]) for n, m in zip(shapes, coarser)] + [0]
-        shapes.append(shapes[-1])  # the level of zeros
-        self._levels = np.array(
-            [
-                (begin, count, n_x, n_y, mode, at_x, at_y)
-                for begin, count, (n_x, n_y), mode, at_x, at_y in zip(
-                    begins, counts, shapes, along, rows_before, columns_before
-                )
-            ],
-            np.int64,
-        )
-        rows, columns = (
-            [axis_tables(n[axis], m[axis], dtype) for n, m in zip(shapes, coarser)]
-            for axis in (0, 1)
-        )
-        if nominal is None:
-            nominal = [[np.ones(n_x), np.ones(n_y)] for n_x, n_y in shapes[:-1]]
-        self._tables = (
-            np.concatenate([J_x + np.int32(1) for J_x, _ in rows]),
-            np.concatenate([f_x for _, f_x in rows]),
-            np.concatenate([J_y for J_y, _ in columns]),
-            np.concatenate([f_y for _, f_y in columns]),
-            np.concatenate([s_x for s_x, _ in nominal]).astype(dtype),
-            np.concatenate([s_y for _, s_y in nominal]).astype(dtype),
-        )
-        factors = [m[0] / n[0] * m[1] / n[1] for n, m in zip(shapes, coarser)]
-        self._numbers = np.array([weights, factors], dtype).T.copy()
-        self._softness = np.asarray(softness, np.float64)
-        self._damping = dtype.type(DAMPING)
-        self._memory = empty_aligned((int(begins[-1]),), dtype)
-        self._memory[begins[-2] :] = 0
-        self._threads = threads_for(shapes[0][0] * shapes[0][1], threads)
-        scratch = (2, max(n_y for _, n_y in shapes))
-        self._scratch = [empty_aligned(scratch, dtype) for _ in range(self._threads)]
-        self._pieces, self._restricted = self._pieces_of(shapes[:-1], [J_x for J_x, _ in rows])
         self._turns = zeros_aligned((TURNS,), np.int64)
-        self._sums = np.empty((len(self._pieces), SUMS))
+        self._sums = np.empty((len(tables.pieces), SUMS))
         self._totals = np.empty(TOTALS)
         self.looks = 0
         self.fields = self._fields_of(0)
@@ -116,41 +177,14 @@ class CoarsestLevels:
         self.mode = np.zeros(0, dtype)
         self.mode_level = 0
 
-    @staticmethod
-    def _pieces_of(
-        shapes: Sequence[tuple[int, int]], coarse_rows: Sequence[np.ndarray]
-    ) -> tuple[np.ndarray, int]:
-        """Return `pieces` as kernels/multilevel.py: sweep_levels has them, and how many restrict.
-
-        They depend on the sizes of the levels alone, so that no sum depends on threads.
-
-        Parameters
-        ----------
-        shapes : sequence of (int, int)
-            Points of each level.
-        coarse_rows : sequence of ndarray
-            The coarse row before each row of each level.
-        """
-        passes = [
-            passes_of(J_x, max(1, piece_rows(n_y) // PIECES))
-            for (_, n_y), J_x in zip(shapes, coarse_rows)
-        ]
-        down = [(k, False) for k in range(len(shapes) - 1)]
-        up = [(k, True) for k in reversed(range(len(shapes)))]
-        pieces: list[tuple] = []
-        for k, is_smoothed in down + up:
-            stage = len(pieces), len(pieces) + len(passes[k])
-            pieces += [(k, i0, i1, is_smoothed, *stage) for i0, i1 in passes[k]]
-        return np.array(pieces, np.int64), sum(len(passes[k]) for k, _ in down)
-
     def sweep(self) -> tuple[float, ...]:
         """Restrict r and t of `fields` to all levels and replace r by z; return `smooth`'s sums."""
-        self._do(0, len(self._pieces))
+        self._do(0, len(self._tables.pieces))
         return tuple(self._totals[: MEAN + 1].tolist())
 
     def restrict(self) -> None:
         """Restrict r and t of the first level to all coarser ones, in the memory of this object."""
-        self._do(0, self._restricted)
+        self._do(0, self._tables.restricted)
 
     def smooth(self) -> tuple[float, ...]:
         """Replace r by z on every level, from the coarsest one to the first, after `restrict`.
@@ -161,7 +195,7 @@ class CoarsestLevels:
             <r, z> and <x, z> on the first level; <r, r>, <t, t>, <r, t>, <t, s> and <r, s>, summed
             over levels times their softness; the mean of r.
         """
-        self._do(self._restricted, len(self._pieces))
+        self._do(self._tables.restricted, len(self._tables.pieces))
         return tuple(self._totals[: MEAN + 1].tolist())
 
     def _do(self, begin: int, end: int) -> None:
@@ -180,16 +214,17 @@ class CoarsestLevels:
     def _do_some(self, end: int, scratch: np.ndarray) -> int:
         """Do pieces on one thread until none is left, or others take too long; returns what
         kernels/multilevel.py: sweep_levels does."""
+        tables = self._tables
         return sweep_levels(
-            self._pieces,
+            tables.pieces,
             end,
             self._turns,
             PATIENCE,
             self._memory,
-            self._levels,
-            self._tables,
-            self._numbers,
-            self._softness,
+            tables.levels,
+            tables.tables,
+            tables.numbers,
+            tables.softness,
             self._damping,
             self.mode,
             self.mode_level,
@@ -241,5 +276,5 @@ class CoarsestLevels:
 
     def _fields_of(self, k: int) -> np.ndarray:
         """Return the fields of level k with their halo rows, (fields, rows + 2, n), a view."""
-        begin, count, rows, n = self._levels[k, :4].tolist()
+        begin, count, rows, n = self._tables.levels[k, :4].tolist()
         return self._memory[begin : begin + count * (rows + 2) * n].reshape(count, rows + 2, n)

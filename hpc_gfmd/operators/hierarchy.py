@@ -22,6 +22,7 @@ from ..parallel.coarsening import Level, Transfer, agglomerated, levels, owned_r
 from ..parallel.comm import stages
 from ..parallel.grid import Grid
 from ..parallel.halo import Overlaps, Windows
+from .coarsest import LevelTables
 from .deflation import GapMode
 from .nominal import NominalArea
 
@@ -249,3 +250,15 @@ class Hierarchy:
         ]
         alone = len(self.steps)
         self.gap_mode = GapMode(grid, body, self.levels[alone:], self.weights[alone:])
+
+    @cached_property
+    def coarsest_tables(self) -> LevelTables:
+        """Tables of the levels that a rank has alone."""
+        alone = slice(len(self.steps), None)
+        return LevelTables(
+            self.levels[alone],
+            self.weights[alone],
+            self.area.weights[alone],
+            self.steps[-1].fields,
+            self.area.s[alone],
+        )

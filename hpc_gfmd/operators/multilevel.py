@@ -101,16 +101,7 @@ class Multilevel:
         complete_on = steps[-1].ranks
         self.last_comm = self.comm.subcomm(complete_on)
         if self.last_comm is not None:
-            alone = slice(len(steps), None)
-            area = hierarchy.area
-            self.coarsest = CoarsestLevels(
-                hierarchy.levels[alone],
-                hierarchy.weights[alone],
-                area.weights[alone],
-                steps[-1].fields,
-                area.s[alone],
-                grid.threads,
-            )
+            self.coarsest = CoarsestLevels(hierarchy.coarsest_tables, grid.threads)
         # Level 1 is in the windows of all ranks in any case: that is what the solver's passes write
         # to and read from.
         self.fields = [np.zeros(step.window_shape, self.dtype) for step in steps[:-1]]
