@@ -45,6 +45,7 @@ class Observable:
     absent: str = ""
 
     def __call__(self, contact: Contact) -> float | None:
+        """Return the number of a contact, None where it has no value."""
         return self.of(contact)
 
 
@@ -72,6 +73,7 @@ class Distribution:
     periodic: bool = False
 
     def __call__(self, contact: Contact) -> Arrays | None:
+        """Return {name: array} of a contact, None if no point contributes."""
         return self.of(contact)
 
 

@@ -41,9 +41,11 @@ def critical_gap(axis: int, contact: Contact) -> float:
     whole = np.dtype(f"i{g.dtype.itemsize}")
 
     def bits(value: float) -> int:
+        """Return the bit pattern of a gap as an integer."""
         return int(g.dtype.type(value).view(whole))
 
     def spans(level: float) -> bool:
+        """Whether points with a gap of at least `level` reach from edge to edge. Collective."""
         wide = contact.clusters_of(lambda i0, i1: g[i0:i1] >= level, open_axis=axis)
         return wide.percolates[axis]
 

@@ -27,6 +27,7 @@ def pressure(contact: Contact) -> Arrays | None:
     """
 
     def values(i0: int, i1: int) -> np.ndarray:
+        """Return the pressures at points in contact in some local rows."""
         touching = contact.touching(i0, i1)
         return contact.pressure_rows(i0, i1)[touching].astype(np.float64)
 
@@ -38,6 +39,7 @@ def pressure(contact: Contact) -> Arrays | None:
     highest_bin = floor(high / width)
 
     def bins(i0: int, i1: int) -> np.ndarray:
+        """Return the bin numbers of these pressures."""
         return (values(i0, i1) / width).astype(np.int64)
 
     counts = _counts(contact, bins, lowest_bin, highest_bin)
@@ -59,6 +61,7 @@ def gap(contact: Contact) -> Arrays | None:
     lowest = -GAP_BINS * GAP_OCTAVES - 1
 
     def bins(i0: int, i1: int) -> np.ndarray:
+        """Return the bin numbers of the finite gaps at open points in some local rows."""
         g = contact.gap_rows(i0, i1).astype(np.float64) * unit
         gaps = g[~contact.touching(i0, i1) & np.isfinite(g)]
         with np.errstate(divide="ignore"):
@@ -82,6 +85,7 @@ def _range(contact: Contact, values: OfRows) -> tuple[float, float]:
     grid = contact.grid
 
     def ends(i0: int, i1: int) -> tuple[float, float]:
+        """Return (-lowest, highest) value of some local rows."""
         of_rows = values(i0, i1).astype(np.float64)
         return -of_rows.min(initial=np.inf), of_rows.max(initial=-np.inf)
 
@@ -99,6 +103,7 @@ def _counts(contact: Contact, bins: OfRows, lowest: int, highest: int) -> np.nda
     zeros = np.zeros(highest - lowest + 1)
 
     def counts(i0: int, i1: int) -> np.ndarray:
+        """Return the number of points per bin in some local rows."""
         return np.bincount(bins(i0, i1) - lowest, minlength=len(zeros))
 
     return grid.comm.sum(np.sum([zeros, *grid.by_rows(counts, grid.inside[0])], axis=0))

@@ -61,6 +61,7 @@ def _difference_of_pressures(contact: Any, other: Any) -> float:
     """
 
     def squares(i0: int, i1: int) -> tuple[float, float]:
+        """Return the sums of (p - q)^2 and p^2 over some local rows."""
         p, q = (one.pressure_rows(i0, i1).astype(np.float64) for one in (contact, other))
         return float(((p - q) ** 2).sum()), float((p**2).sum())
 

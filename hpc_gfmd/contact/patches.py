@@ -34,13 +34,16 @@ def _of_patches(corners: bool) -> dict[str, Observable]:
     shared = "a side or a corner" if corners else "a side"
 
     def number(contact: Contact) -> int:
+        """Return the number of patches on all ranks. Collective."""
         return int(contact.grid.comm.sum([len(contact.clusters(corners=corners).sizes)])[0])
 
     def largest(contact: Contact) -> float:
+        """Return the area of the largest patch on all ranks, 0 without one. Collective."""
         of_rank = contact.clusters(corners=corners).sizes.max(initial=0)
         return float(contact.grid.comm.max([of_rank])[0]) * _area(contact)
 
     def mean(contact: Contact) -> float | None:
+        """Return the mean area of the patches, None without one. Collective."""
         patches = number(contact)
         return contact.contact_points * _area(contact) / patches if patches else None
 
@@ -112,6 +115,7 @@ def patch_table(contact: Contact) -> Arrays:
     count = np.bincount(of, minlength=patches)
 
     def mean(values: np.ndarray) -> np.ndarray:
+        """Return the mean over each patch of values at the points in contact."""
         return np.bincount(of, values, patches) / count
 
     table: Arrays = {"area": count * _area(contact)}

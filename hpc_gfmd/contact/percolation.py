@@ -31,6 +31,7 @@ def _percolates(
     """
 
     def percolates(contact: Contact) -> bool:
+        """Whether the contact, or the gap, percolates. Collective."""
         return contact.clusters(name == "contact", corners, open_axis).percolates[axis]
 
     along = "xy"[axis]

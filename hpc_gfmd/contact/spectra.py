@@ -56,6 +56,7 @@ def power(name: str, contact: Contact) -> Arrays | None:
     scale = np.prod(_lengths(grid)) * (fft.scale * _unit(contact, name)) ** 2
 
     def sums(block: np.ndarray, m: int) -> np.ndarray:
+        """Return the ring sums of |f_q|^2 in a block of columns."""
         mine = slice(*fft.columns_of(m))
         q = np.hypot(q_x, q_y[mine, None])
         use = (q > 0) & (weight[mine, None] > 0)
@@ -89,6 +90,7 @@ def autocorrelation(name: str, contact: Contact) -> Arrays:
     fft = _transforms(contact)
 
     def square(block: np.ndarray, m: int) -> None:
+        """Replace a block of columns by its |f_q|^2, with 0 at q = 0."""
         block *= fft.dtype.type(fft.scale)
         block[...] = block.real**2 + block.imag**2
         if fft.columns_of(m)[0] == 0:
@@ -104,6 +106,7 @@ def autocorrelation(name: str, contact: Contact) -> Arrays:
     nearest = min((a for a, n in zip(grid.spacings, grid.n) if n > 1), default=1.0)
 
     def sums(i0: int, i1: int, values: np.ndarray) -> np.ndarray:
+        """Return the ring sums of A(r) in some local rows."""
         r = np.hypot(x[i0:i1, None], y)
         use = r <= min(_lengths(grid)) / 2
         return _ring_sums(r[use], nearest, np.ones(np.count_nonzero(use)), values[: i1 - i0][use])
@@ -151,6 +154,7 @@ def _columns(
         add = contact.surface.add_spectrum(fft)
 
         def added(block: np.ndarray, m: int) -> Any:
+            """Add the generated heights to a block of zeros, and apply."""
             add(block, m)
             return apply(block, m)
 
@@ -158,6 +162,7 @@ def _columns(
     rows = {"pressure": contact.pressure_rows, "gap": contact.gap_rows}
 
     def fill(i0: int, i1: int, out: np.ndarray) -> None:
+        """Write some local rows of the field to `out`."""
         out[: i1 - i0] = rows[name](i0, i1) if name in rows else h[i0:i1]
 
     fft.forward_rows(fill)

@@ -1,5 +1,5 @@
-"""Compile every kernel on one rank, once per installation; the other ranks then find them in the
-cache."""
+"""Compile the kernels of a scene on one rank, once per installation; the other ranks then load them
+from the cache."""
 
 from collections.abc import Callable
 
@@ -38,20 +38,23 @@ def compile_once(
     observe: Callable[[Contact], object],
     say: Callable[[str], object] | None = None,
 ) -> None:
-    """Solve a tiny contact as a scene would, first on rank 0, then on the others.
+    """Compile the kernels of a scene by solving a tiny contact, on rank 0 before the others.
 
-    Collective.
+    Rank 0 fills the cache of compiled kernels on disk, from which the others load them. On several
+    ranks double precision is compiled as well if a load may need it. Collective; an error of one
+    rank is raised on all.
 
     Parameters
     ----------
     comm : Comm
         All ranks.
     scene : Scene
-        Whose solver, precision, boundary and material are used.
+        The scene whose solver, precision, boundary and material are used.
     observe : callable
-        Called with the solved Contact, so that its kernels are compiled, too.
+        Called with each solved Contact on every rank, to compile the kernels of observables.
     say : callable, optional
-        Called with a text, on rank 0, before something is compiled that has not been kept.
+        Called with messages for the user, on rank 0 only: before the first kernel is compiled that
+        is not in the cache, and afterwards with the time that it took.
     """
 
     def solve() -> None:
@@ -67,14 +70,18 @@ def compile_once(
 
 
 def _tiny_attraction(material: Material) -> Law | None:
-    """Return a weak attraction by the law that a material means, for the tiny contact."""
+    """Return a weak attraction by the material's law; None without adhesion."""
     adhesion = material.adhesion
     return None if adhesion is None else law_named(adhesion.law, *TINY_ATTRACTION)
 
 
 def _tiny_contact(scene: Scene, observe: Callable[[Contact], object], on_ranks: bool) -> None:
-    """Solve a tiny contact in the precision that the run of a scene begins with; on ranks in every
-    one that it may use, and with distributed levels. One process compiles what a load asks for."""
+    """Solve a tiny contact of 3 iterations on this rank alone, and observe it.
+
+    Its precision is that of the scene's first load; with `on_ranks` also double if a load may need
+    it, and levels are distributed as they are over ranks. The contact has the scene's solver,
+    material and boundary.
+    """
     settings = scene.solver
     material = scene.material
     surface = TINY | {"boundary": scene.surface.boundary or "periodic"}

@@ -40,7 +40,7 @@ TURNS = 24  # numbers of an array that holds them
 
 @inline
 def restrict_row(fine, coarse, factor, mode, J_y, f_y):
-    """Set coarse = factor P^T fine along one row.
+    """Restrict one row: coarse = factor P^T fine, P being linear interpolation.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def restrict_row(fine, coarse, factor, mode, J_y, f_y):
 
 @inline
 def interpolate_row(coarse, fine, mode, J_y, f_y):
-    """Set fine = P coarse along one row.
+    """Interpolate one periodic row linearly from the coarse level: fine = P coarse.
 
     Parameters
     ----------
@@ -171,20 +171,20 @@ def gather_rows(fine, start, end, f_x, complete, following):
 
 @kernel
 def restrict_level(fine, coarse, transfer, i0, i1, scratch):
-    """Set coarse = R fine for the coarse rows that own rows i0 <= i < i1 lie on or after.
+    """Restrict fields to the coarse rows that own rows i0 <= i < i1 lie on or after.
 
-    With the last own row also the coarse row after it; coarse rows that no fine row lies beside are
-    left as they are. Rows are added up first: that is contiguous, and leaves half as many rows to
-    restrict along the other axis.
+    This is full weighting. With the last own row also the coarse row after it is set; coarse rows
+    that no fine row lies beside are left as they are. Rows are added up first: that is contiguous,
+    and leaves half as many rows to restrict along the other axis.
 
     Parameters
     ----------
     fine : (>= fields, rows + 2, n)
         Its own rows are read.
     coarse : (fields, coarse rows + 2, m)
-        With halo rows, which are written to like the others.
+        Gets the result; halo rows are written to like the others.
     transfer : tuple
-        Between the two, see the head of the file.
+        Tables between the two, see the head of the file.
     i0, i1 : int
         i0 is the first of the rows beside its coarse row.
     scratch : (>= 2, >= n)
@@ -218,14 +218,16 @@ def restrict_level(fine, coarse, transfer, i0, i1, scratch):
 
 @kernel
 def smooth_level(fields, z_coarse, out, weight, damping, transfer, nominal, i0, i1, scratch):
-    """Set z = r/(weight + damping t) + P z_coarse on own rows i0 <= i < i1.
+    """Set z = r/(weight + damping t) + P z_coarse on own rows i0 <= i < i1 of a level.
 
-    Sums are in the precision of the fields along a row, over rows in double precision.
+    r is the pressure out of contact, t the share of contact, both restricted to the level, and P
+    linear interpolation. Sums are in the precision of the fields along a row, over rows in double
+    precision.
 
     Parameters
     ----------
     fields : (2 or 3, rows + 2, n)
-        r, t and perhaps x.
+        r, t and perhaps a third field x.
     z_coarse : (coarse rows + 2, m)
         z of the next coarser level, with valid halo rows.
     out : (rows + 2, n)
@@ -233,9 +235,9 @@ def smooth_level(fields, z_coarse, out, weight, damping, transfer, nominal, i0, 
     weight, damping : float
         Of this level, in the precision of the fields.
     transfer : tuple
-        See the head of the file.
+        Tables between the levels, see the head of the file.
     nominal : (s_x, s_y)
-        (rows,) and (n,).
+        (rows,) and (n,): factors of s, the indicator of the surface.
     i0, i1 : int
         Own rows.
     scratch : (>= 2, >= n)
@@ -304,8 +306,10 @@ def sweep_levels(
 ):
     """Sweep over consecutive levels, down to a single point, that one rank has completely.
 
-    All threads of the rank call this at the same time. Each takes the next piece of the sweep when
-    all stages before it are closed; who ends the last piece of a stage closes it.
+    r is the pressure out of contact, t the share of contact: both are restricted to all levels, and
+    r of every level becomes z, what the preconditioner makes of it (`smooth_level`). All threads
+    of the rank call this at the same time. Each takes the next piece of the sweep when all stages
+    before it are closed; who ends the last piece of a stage closes it.
 
     Parameters
     ----------

@@ -32,9 +32,10 @@ class LevelTables:
     softness : array of float64
         Weight of each level in the sums of a sweep.
     fields : int
-        Number of fields of the first level: 2 (r, t) or 3 (r, t, x); all others have r and t.
+        Number of fields of the first level: 2 (r, t) or 3 (r, t and another field x); all others
+        have r and t.
     nominal : list of (s_x, s_y), optional
-        The two factors of the indicator of the surface on each level; default: 1 everywhere.
+        The two factors of s, the indicator of the surface, on each level; default: 1 everywhere.
 
     Attributes
     ----------
@@ -136,7 +137,8 @@ def _pieces_of(
 class CoarsestLevels:
     """Consecutive levels, down to a single point, that one rank sweeps alone, with their memory.
 
-    Letters as in kernels/multilevel.py. No method is collective.
+    A sweep applies the coarse part of the preconditioner: from r, the pressure out of contact, and
+    t, the share of contact, it makes z (kernels/multilevel.py). No method is collective.
 
     Parameters
     ----------

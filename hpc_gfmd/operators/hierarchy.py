@@ -35,6 +35,9 @@ GATHERED_ROWS = 4  # that ranks have at least where rows are gathered
 class Step:
     """The step from one level to the next coarser one, as one rank sees it.
 
+    The rank's window is the coarse rows that its fine rows lie on or beside. Windows of neighbours
+    overlap; each holds its part of a sum over ranks.
+
     Attributes
     ----------
     transfer : Transfer

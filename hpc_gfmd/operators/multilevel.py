@@ -40,10 +40,11 @@ EQUIVALENCE = 1.8
 
 
 class Multilevel:
-    """Sweep over the coarse levels of a grid for one body in one precision.
+    """Sweep of the multilevel preconditioner M over the coarse levels of a grid, in one precision.
 
-    `update`, `restrict` or `restrict_from` put the fields of a state on level 1; `sweep` makes z
-    there, from which the solver interpolates. Making one is collective.
+    `update`, `restrict` or `restrict_from` put a state on level 1: r, the pressure out of contact,
+    t, 1 in contact and 0 elsewhere, and K d, the change of the pressure. `sweep` makes z = M r
+    there, from which the solver interpolates. Making a Multilevel is collective.
 
     Parameters
     ----------
@@ -69,8 +70,8 @@ class Multilevel:
     transfers : list of Transfer
         From each level to the next coarser one, as this rank sees it.
     fields : list of array (fields, window rows + 2, m)
-        Of levels 1, 2, ...: this rank's window of r, t and, on level 1, K d on F; of a single
-        process the whole level (coarsest.py).
+        Of levels 1, 2, ...: this rank's window, its part of a sum over ranks, of r, t and, on level
+        1, K d on F, the points out of contact; of a single process the whole level (coarsest.py).
     ends : array (passes, 2)
         First row and end of each pass of the solver.
     scratch : list of (array, array)
@@ -224,10 +225,10 @@ class Multilevel:
         Returns
         -------
         tuple
-            This rank's shares, to be summed over ranks: <p, M' p> and <K d, M' p>, both on F, as
-            sums over level 1 times N/N_1; the mean of p on F; and <r, r>, <t, t>, <r, t>, <t, s>
-            and <r, s>, each summed over the coarse levels times softness N/N_l. r and t are p on F
-            and the indicator of A, restricted to the level; s is 1 on the surface and 0 beyond.
+            This rank's shares, to be summed over ranks: <p, M' p> and <K d, M' p>, both out of
+            contact, as sums over level 1 times N/N_1; the mean of p out of contact; and <r, r>, <t,
+            t>, <r, t>, <t, s> and <r, s>, each summed over the coarse levels times softness N/N_l.
+            s is 1 on the surface and 0 beyond.
         """
         for k in range(self.distributed):
             self._gather(k)
@@ -270,16 +271,17 @@ class Multilevel:
         Parameters
         ----------
         k : int
-            0: the grid itself.
+            Level of `fields`; 0: the grid itself.
         fields : array (2 or 3, rows + 2, n)
-            r, t and, if the sum <x, z> is wanted, x.
+            r, t and, if the sum <x, z> is wanted, a field x.
         out : array (rows + 2, n)
             Gets z on all of these rows; may be the memory of r.
 
         Returns
         -------
         array
-            The sums of kernels/multilevel.py: smooth_level, over the rows that this rank counts.
+            <r, z>, <x, z>, <r, r>, <t, t>, <r, t>, <t, s> and <r, s> over the rows that this rank
+            counts.
         """
         z_coarse = self.fields[k][0]
         transfer = self.transfers[k]

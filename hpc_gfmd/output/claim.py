@@ -94,8 +94,8 @@ def _earlier_run(
 ) -> EarlierRun:
     """Return what an earlier run has left in the locked folder; empty it unless that is resumed.
 
-    `files` are those of its finished loads, by number. Raises SceneError if loads or a result would
-    be lost without `force`.
+    `files` are those of its finished loads, by number; `identity`, `resume` and `force` as for
+    `claim`. Raises SceneError if loads or a result would be lost without `force`.
     """
     has_begun = (folder / HEAD).exists()
     loads = len(files) if has_begun else 0

@@ -142,6 +142,7 @@ def to_netcdf(result: Result, path: Path, about: About) -> None:
     fields = common_fields(result)
 
     def described(file: Any) -> None:
+        """Add attributes, scales and numbers to the open file."""
         file.attrs.update(result.facts)
         scales = coordinates(file, surface, numbers(result.steps), about)
         for name in fields:
@@ -233,6 +234,7 @@ def to_gwy(result: Result, path: Path, about: About) -> None:
     lengths = dict(zip(("xreal", "yreal"), map(float, surface["physical_sizes"])))
 
     def unit_of_field(name: str) -> Any:
+        """Return the unit of a field as a GwySIUnit, without name unless it is m or Pa."""
         unit = dataset_attributes(name, surface, {})["units"]
         return GwySIUnit(unitstr=unit if unit in ("m", "Pa") else "")
 

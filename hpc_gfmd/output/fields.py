@@ -37,6 +37,7 @@ class LazyField:
     by_rows: Callable[[Callable[[int, int], None], int], Any]
 
     def __getitem__(self, rows: slice) -> np.ndarray:
+        """Compute some local rows and return them as a new array."""
         i0, i1, _ = rows.indices(self.shape[0])
         out = np.empty((max(i1 - i0, 0), self.shape[1]), self.dtype)
 
@@ -47,6 +48,7 @@ class LazyField:
         return out
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray:
+        """Compute all local rows and return them as a new array."""
         return np.array(self[:], dtype=dtype)
 
 

@@ -135,6 +135,7 @@ def finite_element_table(law: InterfaceLaw) -> tuple[np.ndarray, np.ndarray]:
         raise SceneError("law: found no gap_mean, allowed for finite elements: a law that has it")
 
     def overclosure(pressure: np.ndarray) -> np.ndarray:
+        """Return `gap_at_touch` minus the mean gap at some pressures."""
         return law.gap_at_touch - interpolate(law.pressure, law.values["gap_mean"], pressure)
 
     pressure = law.pressure[np.isfinite(law.values["gap_mean"])]

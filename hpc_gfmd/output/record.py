@@ -102,6 +102,7 @@ class RunFile(AbstractContextManager):
         self._lock: int | None = None  # on rank 0
 
         def claimed() -> EarlierRun:
+            """Lock the folder and store the descriptor; return what an earlier run has left."""
             self._lock, earlier_run = claim(self.path, head.get("identity"), resume, force)
             return earlier_run
 
@@ -284,6 +285,7 @@ class RunFile(AbstractContextManager):
             self._lock = None
 
     def __exit__(self, kind: type | None, *_: object) -> None:
+        """Release the lock; keep what is finished for a later run, see the class."""
         refused = kind is not None and issubclass(kind, SceneError)
         begun = bool(self.finished) or self.resumed
         self.close(keep=self._resume and (begun or not refused))  # a wrong scene leaves nothing

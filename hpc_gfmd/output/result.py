@@ -57,6 +57,7 @@ class Result:
     version: int = field(default=FORMAT_VERSION, repr=False)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
+        """Restore from a pickle. Raises SceneError if another version has written it."""
         if state.get("version") != FORMAT_VERSION:
             raise SceneError("a pickle of another version of hpc_gfmd, allowed: of this one")
         vars(self).update(state)
@@ -179,7 +180,10 @@ class Result:
 
     @property
     def missing_loads(self) -> str:
-        """Sentence that lists the loads of the scene that the result lacks, if any."""
+        """Sentence that lists the loads of the scene that the result lacks.
+
+        "all loads are finished" if it has all.
+        """
         key, loads = self.scene.load.prescribed
         missing = [
             f"{k + 1} ({key} = {format_quantity(load)})"

@@ -53,6 +53,7 @@ def surface_line(surface: dict) -> str:
     unit = surface["unit"] if isinstance(surface.get("unit"), str) else ""
 
     def lengths(values: list[float], digits: int) -> str:
+        """Return lengths as text with a common unit, such as "1 x 2 um"."""
         scale, name = prefixed(values, unit)
         return f"{' x '.join(f'{value / scale:.{digits}g}' for value in values)} {name}".strip()
 

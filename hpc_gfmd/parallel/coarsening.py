@@ -203,11 +203,11 @@ def agglomerated(starts: ArrayLike, points: int, share: int) -> np.ndarray:
 
 
 class Transfer:
-    """This rank's part of the transfer between the fine rows that it has of a level, n points, and
-    the next coarser one, m points. Its tables are made when they are first asked for.
+    """One rank's part of the transfer between a level (n points) and the next coarser one.
 
-    It writes to and reads from a window of coarse rows: all those that its fine rows lie on or
-    beside; none where it has no fine rows. An array of the window has a row more before and after.
+    Its tables are made when they are first asked for. It writes to and reads from a window of
+    coarse rows: all those that its fine rows lie on or beside; none if it has no fine rows. An
+    array of the window has a row more before and after.
 
     Parameters
     ----------

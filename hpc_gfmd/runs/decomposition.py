@@ -87,8 +87,8 @@ class Share:
     def hierarchy(self) -> tuple[list[Step], list[Level]]:
         """(steps, levels) of the preconditioner.
 
-        The steps are those between distributed levels, and the first one to a level that is not
-        distributed; the levels are all.
+        The steps are those to the distributed levels and the first one to a level that is not
+        distributed. The levels are all of them.
         """
         return steps_of(self.grid, self.dtype)
 

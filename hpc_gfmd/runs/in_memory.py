@@ -179,6 +179,7 @@ def surfaces_of(
     array = _array_of(wall)
 
     def rows_of(start: int, stop: int) -> np.ndarray:
+        """Return some rows of the heights in double precision."""
         return np.asarray(array[start:stop], dtype=np.float64)
 
     ready = None

@@ -94,6 +94,7 @@ def interface_law(
     unit = " Pa" if isinstance(low, Quantity) else ""
 
     def sample(pressures: list[float]) -> list[Steps]:
+        """Solve all surfaces at some pressures; return the attributes of their loads."""
         return sampler([f"{p!r}{unit}" if unit else p for p in pressures])
 
     curves = _Curves(quantities, error)
@@ -151,7 +152,8 @@ class _Curves:
     ) -> bool:
         """Whether an interval needs no further load, judged by the solved load in its middle.
 
-        `predicted` are the values that the law had there without it. The deviations are stored.
+        True if the load deviates little enough from `predicted`, the values that the law had there
+        without it, or if the interval is short. The deviations are stored in `deviations`.
         """
         deviations = {}
         accepted = True
@@ -285,7 +287,10 @@ def _positive_pressure(value: float | str, where: str) -> float:
 
 
 def _plain_number(value: float | str) -> float | None:
-    """Return a number that has no unit; None for a text that may have one."""
+    """Return a number that has no unit; None for any text that is no plain number.
+
+    Raises TypeError for other objects.
+    """
     try:
         return float(value)
     except ValueError:

@@ -224,9 +224,10 @@ class SceneSampler:
 
 
 def _realisations(scene: str | PathLike | Scene, realisations: int) -> list[Scene]:
-    """Return copies of a scene with consecutive seeds, from its own on; one: the scene itself.
+    """Return copies of a scene with the seeds seed, seed + 1, ..., as many as `realisations`.
 
-    Reads the scene if it is a path. Raises SceneError if the surface has no seed.
+    1: only the scene itself. It is read if it is a path. Raises SceneError if more are requested of
+    a surface without a seed.
     """
     original = scene if isinstance(scene, Scene) else load_scene(scene)
     if realisations == 1:

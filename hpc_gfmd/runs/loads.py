@@ -38,11 +38,11 @@ STATUS_ORDER = "converged", "separated", "max_iterations", "stagnated", "nonfini
 
 
 def check(scene: Scene) -> None:
-    """Raise SceneError for a scene that is valid by itself but not in this program.
+    """Raise SceneError for invalid names and combinations that `Scene` itself does not check.
 
-    That is for unknown names (solver, observables, distributions, law), distributions that need a
-    periodic surface, an accuracy that free boundaries do not reach, and fields and low_memory that
-    exclude each other. Nothing is read or allocated.
+    These are unknown names (solver, observables, distributions, law), distributions that need a
+    periodic surface, an accuracy that free boundaries do not reach, fields that the material or
+    low_memory excludes, and low_memory with adhesion. Nothing is read or allocated.
     """
     require_periodic(scene.output.distributions, scene.surface.free, "output.distributions")
     for key, names, allowed in (
@@ -224,6 +224,7 @@ def solved(
         def watched(
             iterations: int, progress: Progress, index: int = index, begun: float = begun
         ) -> bool:
+            """Show the progress after an iteration; return whether the load has to stop."""
             say.watch(iterations, progress)
             return watch(index, time.monotonic() - begun)
 

@@ -120,6 +120,7 @@ def _solutions(
         idle.put(worker)
 
     def solve_one(surface: Any) -> Outcome:
+        """Solve a surface by the next idle worker, for which it waits. Called in a thread."""
         worker = idle.get()
         try:
             return worker.solve(surface, arguments)
@@ -131,6 +132,7 @@ def _solutions(
     submitted = 0
 
     def next_solution() -> Solutions | Exception:
+        """Wait for the first pending surface, pass on its warnings, return its outcome."""
         number = submitted - len(pending)
         solutions, warned = pending.popleft().result()
         if bar is not None:

@@ -134,7 +134,7 @@ def _files(
 def text_of(plan: dict[str, Any]) -> str:
     """Return a plan as the text that `hpc-gfmd plan` prints.
 
-    The plan needs a number that `plan_of` does not give: "gib_available", of this machine.
+    The plan must have "gib_available" (of this machine), too, which `plan_of` does not set.
     """
     n_x, n_y = plan["n"]
     cell_x, cell_y = plan["cell"]

@@ -115,6 +115,7 @@ class PreparedSurface:
         return height_map(self.heights, self.sizes, self.unit, **how)
 
     def __repr__(self) -> str:
+        """Return one line: points, sizes, roughness, edges, operations and notes."""
         attributes = {
             "n": self.heights.shape,
             "physical_sizes": self.sizes,

@@ -232,7 +232,7 @@ class _Run:
     def _solve(self, missing: list[int]) -> None:
         """Solve and write the loads of these indices. Collective.
 
-        If the run has to stop within a load, its gap is written; then raises Stopped.
+        Raises Stopped as soon as the run has to stop; within a load its gap is written first.
         """
         for index, contact, seconds in solved(
             self.scene,

@@ -175,9 +175,10 @@ class Solution(Solved):
         return self.pressure > 0
 
     def value(self, name: str) -> Any:
-        """Return a number by its name in the result file.
+        """Return a number, text or list by its name in the result file.
 
-        An `observable` that the result does not have is computed; None if it has no value.
+        An observable that the result does not have is computed, see `observable`; None if it has no
+        value. Raises SceneError for an unknown name.
         """
         return self._step[name] if name in self._step else self.observable(name)
 
@@ -258,6 +259,7 @@ class Solution(Solved):
         return table
 
     def __repr__(self) -> str:
+        """Return one line with the most important numbers."""
         return f"<Solution: {summary(self._step, self.result.surface)}>"
 
     def _repr_html_(self) -> str:

@@ -88,6 +88,7 @@ class Solutions(Solved, Sequence[Solution]):
         return chosen
 
     def __len__(self) -> int:
+        """Return the number of loads."""
         return len(self._all)
 
     @property
@@ -121,6 +122,7 @@ class Solutions(Solved, Sequence[Solution]):
     _get = values
 
     def __repr__(self) -> str:
+        """Return a line on the surface, one for each load, and the notes."""
         lines = [
             f"<{len(self)} solution{'s' * (len(self) != 1)}: {surface_line(self.result.surface)},"
             f" {self.status}"
@@ -154,6 +156,7 @@ class Interrupted(KeyboardInterrupt):
         self.solutions = solutions
 
     def __reduce__(self) -> tuple:
+        """Pickle by the solutions."""
         return Interrupted, (self.solutions,)
 
 

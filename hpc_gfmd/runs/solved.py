@@ -53,6 +53,7 @@ class Solved:
         self.rows = rows or (0, int(result.surface["n"][0]))
 
     def __reduce__(self) -> tuple:
+        """Pickle with all fields in memory. Raises SceneError if they are spread over ranks."""
         if any(self.result.fields):
             self._require_whole("pickle")
         in_memory = [
@@ -92,6 +93,10 @@ class Solved:
         yield from default_observables()
 
     def __getattr__(self, name: str) -> Any:
+        """Return a number of the result, or one that is cheap to compute, by its name.
+
+        Raises AttributeError for other names, and tells if `observable` can compute it.
+        """
         if name.startswith("_") or name not in self._number_names():
             reason = "no such number or method"
             if not name.startswith("_") and name in all_observables():
@@ -100,6 +105,7 @@ class Solved:
         return self._get(name)
 
     def __dir__(self) -> list[str]:
+        """List the attributes, with the numbers of the result."""
         return sorted({*super().__dir__(), *self._number_names()})
 
     def save(self, path: str | PathLike, force: bool = False) -> Path:
@@ -180,6 +186,8 @@ class Solved:
         SceneError
             For another suffix, if the format cannot hold the fields, or if they are spread over
             ranks.
+        GfmdError
+            If writing fails.
         """
         self._require_whole("export")
         kinds = {extension: kind for kind, (_, extension) in FORMATS.items()}
@@ -198,6 +206,8 @@ class Solved:
         axis: str = "x",
     ) -> Any:
         """Estimate the leak rate of a seal from the critical gap, see `theory.leak.leak_rate`.
+
+        The critical gap is computed if the result does not have it.
 
         Parameters
         ----------
@@ -269,6 +279,7 @@ class Solved:
         columns = numbers(result.steps)
 
         def variable(name: str, dims: tuple[str, ...], values: Any) -> tuple:
+            """Return (dims, values, attributes) as xarray takes them."""
             return dims, values, dataset_attributes(name, result.surface, all_numbers())
 
         content = {name: variable(name, ("load",), values) for name, values in columns.items()}

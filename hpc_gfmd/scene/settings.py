@@ -172,7 +172,7 @@ class Material(Table):
 class LoadTable(Table):
     """The loads of a sweep, in order: mean pressures, or another quantity.
 
-    Of another quantity, such as a contact area, the mean pressure is searched.
+    For another quantity, such as a contact area, the mean pressure is found by a search.
     """
 
     p_star: Loads[Signed] | None = key(

@@ -48,6 +48,7 @@ def _with_unit(dimension: str) -> WrapValidator:
     """Return a validator that also accepts a text with a unit of this dimension, as a Quantity."""
 
     def read(value: Any, check: Any) -> float:
+        """Return a plain number, or the Quantity of a text; `check` validates its size."""
         if not isinstance(value, str | Quantity):
             return check(value)
         value = parse(value, dimension) if isinstance(value, str) else value
@@ -58,7 +59,7 @@ def _with_unit(dimension: str) -> WrapValidator:
 
 
 def _from_folder(path: str, scene: ValidationInfo) -> str:
-    """Return a relative path joined to the folder of the scene file, if that is known."""
+    """Return a path; a relative one is joined to the folder of the scene file, if that is known."""
     return os.path.join(scene.context, path) if scene.context else path
 
 
