@@ -16,18 +16,18 @@ With a hardness H, G+ and Y being the sums of the gaps and of the depths of dent
 solution, 0 <= <p*, e> + H Y <= G and sum(e) = G+ - Y. So the first v bounds p0 G+ + (H - p0) Y, the
 second one G+ - Y, and the error of the mean gap is their mean, with weights p0/H and 1 - p0/H.
 
-Where the surface ends within the cell the first is a bound of the mean of e over the cell. That
-over the surface alone is different by <v, e>/N, v = 1 on the surface (less its mean): |v|_S is
-known beforehand, it is the self-energy of the nominal area. The second v is -1 on the surface out
-of contact, constant in contact and 0 beyond: on every level t N/n - s, t and s being the indicators
-of the n points in contact and of the surface.
+With free edges the first v bounds the mean of e over the cell. The mean over the surface alone
+differs by <v, e>/N, where v = 1 on the surface (less its mean); its |v|_S, the self-energy of the
+nominal area, is known beforehand. The second v is -1 on the open points of the surface, constant in
+contact and 0 beyond: t N/n - s on every level, where t and s are the indicators of the n points in
+contact and of the surface.
 
-An error dS of S itself (Body.error) acts as heights wrong by dS p, smooth ones: the pressure is
-wrong by about -K dS p where all is closed, elsewhere by less. The mean gap follows it as it follows
-the load, by |v|_S^2 with the second v: of the open points alone by less than that, unless they are
-at the edges of the surface, where most of that error is. All of it may be where the last m points
-are open, as in corners: it opens them by the root of m times its norm, times the compliance of m
-points.
+An error dS of S itself (Body.error) acts like smooth errors dS p of the heights. The pressure is
+wrong by about -K dS p in full contact, by less otherwise. The mean gap changes with it as with the
+load, by |v|_S^2 with the second v; the gap of the open points alone changes by less, unless they
+are at the edges of the surface, where most of this error is. If only the last m points are open, as
+in corners, all of the error may be there: it opens them by sqrt(m) times its norm, times the
+compliance of m points.
 """
 
 from __future__ import annotations

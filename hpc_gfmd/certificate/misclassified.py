@@ -108,12 +108,12 @@ def _likely_to_change(
 
 
 def _lone_point_factor(problem: Problem, contact: float) -> float:
-    """Return the factor on the total squared error for open points, which touch more easily.
+    """Return the factor by which histograms overestimate the squared pressure that closes a gap.
 
-    The histograms of `_uncertain_points` use the compliance of the stiffest wave. A single point
-    has a larger one, S00. If it takes over a pressure from n points in contact, this moves it by
-    S00 (1 + 1/n) relative to them, and adds (1 + 1/n) times its square to the error. Returns 1 or
-    more.
+    The histograms of `_uncertain_points` use the compliance of the stiffest wave for open points. A
+    single point has a larger one, S00. If it takes over a pressure from n points in contact, this
+    moves it by S00 (1 + 1/n) relative to them, and adds (1 + 1/n) times its square to the error.
+    The factor is 1 or more; it allows the same error to close more open points.
     """
     grid = problem.grid
     softer = problem.body.point_compliance(grid) * problem.body.scale(grid)

@@ -217,7 +217,7 @@ class _Search:
             mu, weights = self._best(V, KV, directions)
             s = 1 - mu
             self._combine(V, KV, directions, weights)
-            self._leave(V[0], KV[0], mu)
+            self._set_residual(V[0], KV[0], mu)
             missing = self._precondition()  # <R, M R>; <e, K e> is 1
             doubt = np.sqrt(max(missing, 0.0))
             lowest = s - 2 * doubt
@@ -291,14 +291,14 @@ class _Search:
 
         self.grid.by_rows(combine)
 
-    def _leave(self, e: np.ndarray, Ke: np.ndarray, mu: float) -> None:
+    def _set_residual(self, e: np.ndarray, Ke: np.ndarray, mu: float) -> None:
         """Set self.residual to R = D e - mu K e. Local."""
         real = self.dtype.type(mu)
 
-        def leave(i0: int, i1: int) -> None:
+        def subtract(i0: int, i1: int) -> None:
             self.residual[i0:i1] = self.D[i0:i1] * e[i0:i1] - real * Ke[i0:i1]
 
-        self.grid.by_rows(leave)
+        self.grid.by_rows(subtract)
 
     def _normalise(self, field: np.ndarray) -> None:
         """Scale a field in place so that its largest absolute value over all ranks is about 1."""

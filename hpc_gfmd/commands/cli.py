@@ -84,6 +84,7 @@ class PrintCompletion(Action):
     """
 
     def __call__(self, parser: ArgumentParser, namespace: Any, values: Any, *_: Any) -> None:
+        """Print the script for the shell `values` and exit the process."""
         import shtab
 
         print(shtab.complete(parser, values))
@@ -140,7 +141,7 @@ def main(
     if exit_code or unwritten is None or arguments[:1] in WRITE_FILES:
         return exit_code
     if not isinstance(unwritten, BrokenPipeError):
-        _complain(f"standard output: {reason(unwritten)}")
+        _print_error(f"standard output: {reason(unwritten)}")
     return 1
 
 
@@ -246,10 +247,12 @@ def _leave_together(
     """
     from ..parallel.world import collective_exit
 
-    collective_exit(exit_code, seconds, partial(_complain, message, details) if message else None)
+    collective_exit(
+        exit_code, seconds, partial(_print_error, message, details) if message else None
+    )
 
 
-def _complain(message: str, details: str = "") -> None:
+def _print_error(message: str, details: str = "") -> None:
     """Print one line on standard error, after details for developers; errors are ignored."""
     if sys.stderr is None:
         return

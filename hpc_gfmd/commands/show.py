@@ -48,9 +48,10 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Print one result, or means of several; returns 0.
+    """Print one result, or means of several, as a table or JSON; returns 0.
 
-    Raises SceneError if a file is missing, damaged, foreign or too new.
+    With --json notes go to standard error. Raises SceneError if a file is missing, damaged, foreign
+    or too new.
     """
     from ..output.read import read_result
 

@@ -228,9 +228,9 @@ class Limits:
             self._note_contact(progress.contact)
 
     def _note_contact(self, contact: float) -> None:
-        """Count a change of the number of points in contact as progress, with an attraction.
+        """Count a change of the number of points in contact by more than a percent as progress.
 
-        The contact may close or open as an avalanche, while errors rise.
+        With an attraction the contact may close or open as an avalanche, while errors rise.
         """
         if abs(contact - self.contact) > max(CALIBRATION.avalanche * self.contact, 1):
             self.contact = contact

@@ -30,7 +30,10 @@ class GapSearch(SecantSearch):
         return max(-1 - 2 * self.target * surface.slope / surface.h_rms, log(alone))
 
     def straight(self, y: float) -> float:
-        """Return log(log(top/y)), as the mean gap decreases like top exp(-c p0^s)."""
+        """Return log(log(top/y)), as the mean gap decreases like top exp(-c p0^s).
+
+        -inf from y = top on (at most one point touches), inf for y <= 0.
+        """
         if y <= 0:
             return inf
         return log(log(self.heights.top / y)) if y < self.heights.top else -inf
@@ -78,8 +81,8 @@ class OpeningSearch(GapSearch):
     opens: float = 0.0
 
     def begin_below(self, closes_at: float) -> None:
-        """Set `closes_at`, the load of full contact, and x to a load that is `opens` (at most half)
-        below it."""
+        """Set `closes_at`, the load of full contact, and p0 to closes_at - opens (half of it at
+        least)."""
         self.closes_at = closes_at
         self.x = log(closes_at) + log(max(closes_at / self.opens - 1, 1.0))
 

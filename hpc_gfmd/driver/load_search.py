@@ -323,7 +323,10 @@ class SecantSearch(LoadSearch):
         return None
 
     def may_be_met(self, solver: Solver, progress: Progress, accuracy: float) -> bool:
-        """Return whether area and value may be accurate enough for a certificate to be of use."""
+        """Return whether a certificate now may find both the area and the value accurate enough.
+
+        The error of the value may be what the predicted miss leaves of the accuracy. Collective.
+        """
         missed = self._predicted_miss(solver, progress)
         room = accuracy - missed if missed < accuracy else accuracy
         return area_may_be_met(solver, progress, accuracy) and self.within(solver, progress, room)

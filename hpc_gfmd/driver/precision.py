@@ -134,7 +134,7 @@ def too_little(settings: SolverTable, N: int, p_star: float) -> bool:
     Returns
     -------
     bool
-        True if too few points touch, or if the pressure is out of the range of single precision.
+        True if too few points touch for an accurate area, or if `single_solves` refuses the load.
     """
     return few_points(N, p_star, settings.accuracy) or not single_solves(p_star, N)
 

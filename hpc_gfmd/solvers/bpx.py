@@ -70,7 +70,7 @@ class Bpx(Solver):
 
     @cached_property
     def gradient(self) -> float:
-        """Coefficient a of a plain projected gradient step, d = -a z."""
+        """Coefficient a of a plain projected gradient step, d = -a z with z = compliance r."""
         return 1.0 / (self.compliance * self.problem.body.bounds(self.grid)[1])
 
     def make_room(self) -> None:
@@ -112,7 +112,7 @@ class Bpx(Solver):
 
     def refresh(self, uKu: float | None = None) -> None:
         """Begin a new descent at the present g and p, without an FFT; uKu: their <u, K u>, the
-        stored one if None."""
+        stored one if None. With a hardness g and p may change, see `_begin`."""
         self.uKu = self.uKu if uKu is None else uKu
         self.d[...] = 0
         self._begin(self.levels.restrict(self.g, self.p, self.problem.limit))
@@ -136,12 +136,14 @@ class Bpx(Solver):
         """
         self.s = 1.0
         self.rayleigh = FIRST
-        self._measure(sums, anew=True)
+        self._measure(sums, new_contact=True)
         if self.problem.hardness is not None and self.law is None:
             if dent_rigidly(self.problem, self.p0, self.p_cell, self.g, self.p, self.uKu):
                 self.d[...] = 0
                 self.uKu = 0.0
-                self._measure(self.levels.restrict(self.g, self.p, self.problem.limit), anew=True)
+                self._measure(
+                    self.levels.restrict(self.g, self.p, self.problem.limit), new_contact=True
+                )
             a, b = self._coefficients()
             self._balance(0.5 * (a * self.rz + b * self.rd))
 
@@ -171,7 +173,11 @@ class Bpx(Solver):
             self.refresh()
 
     def step(self) -> None:
-        """Make one iteration: one FFT pair."""
+        """Make one iteration, with one FFT pair: update g, p and all scalars in place.
+
+        If nothing touches, the body is first lowered to its first contact. With a spring p0
+        changes, too; with a hardness the body may be shifted after the step.
+        """
         if self.contact == 0:
             self._descend_to_contact()
         a, b, (pd, deeper, td, gained) = self._choose_step()
@@ -188,7 +194,7 @@ class Bpx(Solver):
         sums, stiffer = self._update(self.s)
         self.rayleigh = self._rayleigh_quotient(a, b, dKd + stiffer)
         # with a hardness the elastic contact may have become another one
-        self._measure(sums, anew=plain and self.problem.hardness is not None)
+        self._measure(sums, new_contact=plain and self.problem.hardness is not None)
         # K u = p - t - p_cell
         Kud = pd - td - self.p_cell * self.grid.cell_points * mean
         of_spring = spring * self.grid.cell_points * mean**2
@@ -259,7 +265,7 @@ class Bpx(Solver):
             self.g[i0:i1] -= shift
 
         self.grid.by_rows(lower)
-        self._measure(self.levels.restrict(self.g, self.p, self.problem.limit), anew=True)
+        self._measure(self.levels.restrict(self.g, self.p, self.problem.limit), new_contact=True)
 
     def _coefficients(self) -> tuple[float, float]:
         """Return a and b of the step -(a z + b d) of least energy in the plane of z and d.
@@ -332,13 +338,13 @@ class Bpx(Solver):
         t, _ = self.grid.comm.sum(added(self.grid.by_rows(add), 2)).tolist()
         self.attracted = t
 
-    def _measure(self, sums: UpdateSums, anew: bool = False) -> None:
+    def _measure(self, sums: UpdateSums, new_contact: bool = False) -> None:
         """Compute z on the levels, and set all scalars of the next step and of `progress`.
 
-        sums: this rank's, of the present state. anew: whether to compute the deflation vector for
-        the present contact first.
+        sums: this rank's, of the present state. new_contact: whether to compute the
+        deflation vector for the present contact first.
         """
-        totals = self.grid.comm.sum([*sums, *self.levels.sweep(anew)]).tolist()
+        totals = self.grid.comm.sum([*sums, *self.levels.sweep(new_contact)]).tolist()
         rz1, xz1, self.mean, *self.level_sums = totals[len(sums) :]
         sums = UpdateSums(*totals[: len(sums)])
         s = self.s
@@ -353,7 +359,7 @@ class Bpx(Solver):
         self.changing = max(sums.opening, sums.closing)
         self.yielded = sums.yielded
         elastic_share = (self.contact - self.yielded) / self.grid.cell_points
-        if anew and self.levels.gap_mode.wanted(elastic_share):
+        if new_contact and self.levels.gap_mode.wanted(elastic_share):
             self.elastic.pairs += self.levels.gap_mode.pairs
 
     # -- how far

@@ -245,15 +245,15 @@ def read_netcdf(contents: Contents, spec: Any) -> Map:
 def one_of(shapes: Mapping[str, tuple[int, ...]], spec: Any) -> tuple[str, tuple[str, ...]]:
     """Choose the height map of a file: the array that the scene names, or else the only one.
 
-    Arrays without two axes are never chosen; an array "mask" and, if there are others, arrays with
-    one row or column only if they are named.
+    Arrays without two axes are never chosen. An array "mask" and, beside wider arrays, those with a
+    single row or column are chosen only by name.
 
     Parameters
     ----------
     shapes : mapping
         {name of an array: shape}
     spec : scene.File
-        Its `dataset` is the name, or ANY.
+        Its `dataset` is the name, or ANY if the scene gives none.
 
     Returns
     -------

@@ -63,7 +63,7 @@ def open_map(spec: Any) -> Map:
         if kind == "text" and contents.claimed not in ("", "text"):
             kind = f"{contents.claimed}; it is a text"
         raise SceneError(f"surface.path: {path} cannot be read as {kind}: {reason}") from None
-    _require_keys_apply(spec, kind, heights)
+    _require_keys_apply(spec, kind)
     if kind not in ("text", "tiff", "png"):  # which look for them before they make heights
         metadata = replace(metadata, missing=missing_numbers(spec, path))
     return heights, replace(metadata, reader=metadata.reader or kind)
@@ -99,10 +99,10 @@ def _hdf5(contents: Contents, spec: Any) -> Map:
     return instruments.of_zygo(contents, spec) or arrays_in_files.read_hdf5(contents, spec)
 
 
-def _require_keys_apply(spec: Any, kind: str, heights: Any) -> None:
+def _require_keys_apply(spec: Any, kind: str) -> None:
     """Raise SceneError if the scene sets a key that has no meaning for a format.
 
-    kind: name of the format that was read. heights are not used.
+    kind: name of the format that was read, such as "text".
     """
     of_pictures = () if kind in ("tiff", "png") else ("height_range",)
     for key in (*(() if kind == "text" else OF_TEXT), *of_pictures):

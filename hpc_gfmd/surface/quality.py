@@ -146,7 +146,7 @@ def quality_of(topography: Topography, comm: Any) -> MapQuality:
     MapQuality
         The same on all ranks.
     """
-    return on_rank_0(comm, "reading the surface", lambda: _looked_at(topography))
+    return on_rank_0(comm, "reading the surface", lambda: _measure_quality(topography))
 
 
 def notes_on(topography: Topography, spec: Any, comm: Any) -> tuple[tuple[str, ...], MapQuality]:
@@ -275,7 +275,7 @@ class _Differences:
     square: float
 
 
-def _looked_at(topography: Topography) -> MapQuality:
+def _measure_quality(topography: Topography) -> MapQuality:
     """Compute the quality of a map from at most DOUBT.rows rows and their neighbours.
 
     Not collective: called on rank 0.

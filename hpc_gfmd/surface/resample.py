@@ -39,12 +39,14 @@ def resampled(
     rows_read = row_starts(topography.n[0], comm.size)
     columns = row_starts(n[1], comm.size)
     rows_wanted = nominal_part(grid_of(n, topography.sizes, comm, free)).starts
-    turned = _turned(topography.rows, rows_read, columns, free[1], comm)
-    rows = _turned(turned, columns, rows_wanted, free[0], comm)
+    turned = _resampled_columns(topography.rows, rows_read, columns, free[1], comm)
+    rows = _resampled_columns(turned, columns, rows_wanted, free[0], comm)
     return topography.after(f"resampled to {n[0]} x {n[1]} points", n=n, rows=rows)
 
 
-def _turned(rows: Rows, before: np.ndarray, after: np.ndarray, ends: bool, comm: Any) -> Rows:
+def _resampled_columns(
+    rows: Rows, before: np.ndarray, after: np.ndarray, ends: bool, comm: Any
+) -> Rows:
     """Resample the rows of a map to after[-1] points and transpose it. Collective.
 
     before, after: first row (or column) of each rank before and after the transposition, and their

@@ -36,8 +36,8 @@ def own_slabs(topography: Any, comm: Any) -> list[tuple[int, int]]:
     Returns
     -------
     list of (int, int)
-        (start, stop) of this rank's pieces. All ranks together have the same pieces for any number
-        of ranks.
+        (start, stop) of this rank's pieces. The map is cut in the same places for any number of
+        ranks.
     """
     pieces = slabs(0, topography.n[0])
     starts = row_starts(len(pieces), comm.size)

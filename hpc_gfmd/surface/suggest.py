@@ -110,10 +110,10 @@ def _about(topography: Topography, user_keys: dict) -> list[str]:
             f"channel {metadata.channel}" + (f"; others: {other_names}" if other_names else "")
         )
     lines += metadata.remarks
-    return lines + [note for note in topography.notes if not _is_told(note, metadata)]
+    return lines + [note for note in topography.notes if not _is_repeated(note, metadata)]
 
 
-def _is_told(note: str, metadata: Metadata) -> bool:
+def _is_repeated(note: str, metadata: Metadata) -> bool:
     """Whether a note repeats a line of `_about`."""
     is_remark = any(note.endswith(remark) for remark in metadata.remarks)
     return is_remark or metadata.direction in note or "is pressed; others" in note
@@ -204,12 +204,12 @@ def _by_heights(
     if result.missing:
         plain |= {"physical_sizes": (1.0, 1.0), "crop": None}
 
-    def looked_at() -> tuple[Topography, MapQuality]:
+    def prepared_map() -> tuple[Topography, MapQuality]:
         spec = make(values | plain)
         heights = prepare(open_topography(spec), spec, SerialComm())
         return heights, quality_of(heights, SerialComm())
 
-    heights, quality = looked_at()
+    heights, quality = prepared_map()
     result.about.append(f"{heights.filled or 'no'} points without a height")
     if heights.filled and "fill" not in user_keys:
         values["fill"] = "harmonic"
@@ -220,7 +220,7 @@ def _by_heights(
     if quality.tilt > DOUBT.tilt and "detrend" not in user_keys:
         values["detrend"] = "tilt"
         why["detrend"] = tilt
-        heights, quality = looked_at()
+        heights, quality = prepared_map()
     edges = f"opposite edges differ by {max(quality.jumps):.2g} times what neighbours differ by"
     result.about.append(edges)
     if stray:
@@ -238,7 +238,7 @@ def _by_heights(
         note
         for note in heights.notes
         if note not in result.about
-        and not _is_told(note, heights.metadata)
+        and not _is_repeated(note, heights.metadata)
         and "the jump is pressed" not in note  # the line on edges says it
     ]
     if not result.missing:

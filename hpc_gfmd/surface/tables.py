@@ -126,7 +126,7 @@ def without_coordinates(table: np.ndarray, labels: Labels, coordinates: str | No
         not evenly spaced.
     """
     if coordinates is not None:
-        return _as_told(table, labels, coordinates)
+        return _split_declared(table, labels, coordinates)
     if labels.above is not None:
         return _with_both(table[:, 1:], table[:, 0], labels.above)
     if labels.corner is not None and changes_evenly(table[0, 1:], 2):
@@ -168,11 +168,11 @@ def _with_numbers_in_the_corner(table: np.ndarray, labels: Labels) -> Matrix:
 
 
 def _is_label(table: np.ndarray, is_whole_line: bool, place: str) -> bool:
-    """Whether the first line of a table is not heights but numbers the columns from 0 on.
+    """Whether the first line of a table only numbers the columns, from 0 on.
 
-    is_whole_line: it has whole numbers, all others have decimals. place: "line" or "column", for
-    the message (a column is passed as the line of a transposed table). Raises ValueError if it may
-    be heights too.
+    To ask for the first column, pass the transposed table. is_whole_line: the first line has whole
+    numbers and all others have decimals. place: "line" or "column", for the message. Raises
+    ValueError if the line may be heights too.
     """
     line = table[0]
     if len(table) < 3 or line.size < 3 or not changes_evenly(line):
@@ -196,7 +196,7 @@ def _with_both(heights: np.ndarray, of_lines: np.ndarray, of_columns: np.ndarray
     return Matrix(heights, of_lines, of_columns)
 
 
-def _as_told(table: np.ndarray, labels: Labels, coordinates: str) -> Matrix:
+def _split_declared(table: np.ndarray, labels: Labels, coordinates: str) -> Matrix:
     """Separate the coordinates that the scene declares ("none", "line", "column" or "both").
 
     Coordinates of the columns in a line above the table (labels.above) take the place of its first

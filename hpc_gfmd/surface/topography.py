@@ -207,7 +207,7 @@ def topography_of(data: Any, metadata: Metadata, spec: Any) -> Topography:
         If scene and file contradict each other, or sizes are not positive.
     """
     path = Path(spec.path)
-    metadata = _turned(metadata, spec)
+    metadata = _with_first_axis(metadata, spec)
     units = MapUnits(metadata, spec, path)
     if not all(0 < size < inf for size in units.sizes):
         raise SceneError(
@@ -270,7 +270,7 @@ def _sum(lower: Topography, upper: Topography) -> Topography:
     )
 
 
-def _turned(metadata: Metadata, spec: Any) -> Metadata:
+def _with_first_axis(metadata: Metadata, spec: Any) -> Metadata:
     """Return metadata with the direction of x that the scene's first_axis gives.
 
     Sizes and directions of the axes are exchanged if the file says otherwise.

@@ -150,7 +150,9 @@ class SlopeProfile:
         )
 
     def integrate(self, p_star: ArrayLike, kernel: Function, power: int) -> np.ndarray:
-        """Integrate (g/g_rms)^power (q_0/q) kernel(x) d ln g, with x = sqrt(2) p_star g_rms/g.
+        """Integrate (g/g_rms)^power (q_0/q) kernel(x) d ln g over all roughness, for each load.
+
+        Here x = sqrt(2) p_star g_rms/g, and g rises from 0 to g_rms.
 
         Parameters
         ----------

@@ -101,12 +101,16 @@ class Correction:
 
 
 def paper_table() -> Table:
-    """Return the paper's four tables, read from data/paper_tfc.json."""
+    """Return the paper's four tables of coefficients, read from data/paper_tfc.json.
+
+    It is a dict {"tables": [{"observable": ..., "p_star": ..., "rows": [...]}, ...]} with a row for
+    each Hurst exponent.
+    """
     return table_of("paper")
 
 
 def our_table() -> Table:
-    """Return tables like those of `paper_table`, fitted to our own runs, with uncertainties."""
+    """Return tables of the form of `paper_table`, fitted to our own runs, with uncertainties."""
     return table_of("ours")
 
 
