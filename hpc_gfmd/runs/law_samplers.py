@@ -214,7 +214,7 @@ class SceneSampler:
         ]
 
     def facts(self) -> dict[str, Any]:
-        """Return what the law tells of its surfaces, as HeightSampler.facts."""
+        """Return what the law tells of its surfaces, as HeightSampler.facts. Not collective."""
         titles = [scene.title for scene in self.scenes if scene.title]
         return {
             "surface": self.surface,
