@@ -37,7 +37,9 @@ PARITIES = [(a, b) for a in (1, -1) for b in (1, -1)]
 
 @dataclass(frozen=True)
 class Images:
-    """The operator T of one shape of the cell.
+    """The operator T that is added to S of a periodic cell to get S of free space.
+
+    It acts on the lowest modes of the cell and is right between points of the surface.
 
     Attributes
     ----------
@@ -92,7 +94,9 @@ def images(
     free: tuple[bool, bool],
     modes: tuple[int, int],
 ) -> Images:
-    """Compute the operator T of one shape of the cell. The last 16 are kept.
+    """Compute the operator T that takes the images out of S, for one shape of the cell.
+
+    The last 16 are kept.
 
     Parameters
     ----------
@@ -171,10 +175,11 @@ class _Nodes:
 
 
 def _in_modes(D: np.ndarray, *axes: tuple[_Nodes, int]) -> np.ndarray:
-    """Return the least T with basis T basis' = D along some axes, each with its nodes and parity.
+    """Fit a kernel D in the lowest modes: return the least T with basis T basis' = D.
 
-    D: the function at the axes' offsets. Where a product of singular values is below LEAST,
-    relative to the largest, only rounding errors are left: T is 0 there.
+    D: the kernel at the axes' offsets; axes: each with its nodes and a parity. Where a product of
+    singular values is below LEAST, relative to the largest, only rounding errors are left: T is 0
+    there.
     """
     fits = [nodes.fits[parity] for nodes, parity in axes]
     size = np.ones(())
@@ -231,7 +236,9 @@ def _without_mean(T: np.ndarray, q: np.ndarray, basis: np.ndarray) -> tuple[np.n
 
 
 def kernel(x: np.ndarray, y: np.ndarray, X: float, Y: float) -> np.ndarray:
-    """Return c for two free axes: Ewald's sum over the images, without the origin itself.
+    """Return c, what free space has more than the cell in S between two points, for two free axes.
+
+    It is Ewald's sum over the images, without the origin itself.
 
     Parameters
     ----------
@@ -272,7 +279,9 @@ def kernel(x: np.ndarray, y: np.ndarray, X: float, Y: float) -> np.ndarray:
 
 
 def kernel_of_wave(x: np.ndarray, X: float, q: float) -> np.ndarray:
-    """Return c for a wave along a periodic axis, as a function of the offset along the free one.
+    """Return c, what free space has more than the cell in S, of a wave along a periodic axis.
+
+    The other axis is free.
 
     Parameters
     ----------

@@ -161,7 +161,7 @@ class Starter:
         return 1 / WARM_DOWN < load.p0 / before < WARM_UP
 
     def _continue(self, working: WorkingSurface, load: Load) -> Start:
-        """Start from the solution of the load before: set p0 and the counts of the solver."""
+        """Continue the solver at the load's p0, from its present solution, with its counts at 0."""
         solver = self.solver
         assert solver is not None
         solver.reset_counts()

@@ -277,8 +277,8 @@ class Sweep:
         """Solve a load in the present precision. Collective; its search changes.
 
         gap: where to start, None if the starter chooses; pairs: FFT pairs that the load has taken
-        before; may_need_double: whether to return no contact if single precision turns out not to
-        suffice. watch, unfinished: see `solve`.
+        before, to which those of the attempt are added; may_need_double: whether to return no
+        contact if single precision turns out not to suffice. watch, unfinished: see `solve`.
         """
         if load.search is not None:
             load.search.measure(lambda: self.working.heights)

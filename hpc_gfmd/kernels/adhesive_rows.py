@@ -24,7 +24,7 @@ def work_of_step(law, g, d_rows, i0, i1, inside):
     Parameters
     ----------
     law : Law
-        In the precision of g.
+        Energy phi(g) and attraction t = phi'(g), in the precision of g.
     g : (n_loc, n_y)
         Gap before the step.
     d_rows : (>= i1 - i0, n_y)
@@ -59,7 +59,7 @@ def add_change(law, g, d, Kd, s, i0, i1, inside):
     Parameters
     ----------
     law : Law
-        In the precision of g.
+        Energy phi(g) and attraction t = phi'(g), in the precision of g.
     g : (n_loc, n_y)
         Gap before the step.
     d : (>= i1 - i0, n_y), encoded
@@ -106,7 +106,7 @@ def add_attraction(law, g, x, i0, i1, inside):
     Parameters
     ----------
     law : Law
-        In the precision of x.
+        Energy phi(g) and attraction t = phi'(g), in the precision of x.
     g : (n_loc, n_y)
         Gap.
     x : (>= i1 - i0, n_y)
@@ -146,7 +146,7 @@ def shift_gap(law, g, p, by, i0, i1, inside):
     Parameters
     ----------
     law : Law
-        In the precision of g.
+        Energy phi(g) and attraction t = phi'(g), in the precision of g.
     g, p : (n_loc, n_y)
         Gap, no less than `by` on the surface, and pressure of the wall; become the new ones.
     by : float
@@ -183,7 +183,7 @@ def softening(law, g, closed, x, i0, i1, inside):
     Parameters
     ----------
     law : Law
-        In the precision of g.
+        Energy phi(g) and attraction t = phi'(g), in the precision of g.
     g : (n_loc, n_y)
         Gap.
     closed : (n_loc, n_y)
@@ -224,7 +224,7 @@ def gain_along(law, g, e, length, i0, i1, inside):
     Parameters
     ----------
     law : Law
-        In the precision of g.
+        Energy phi(g) and attraction t = phi'(g), in the precision of g.
     g, e : (n_loc, n_y)
         Gap and a direction; they stay as they are.
     length : float
@@ -255,7 +255,7 @@ def pull_along(law, g, e, length, i0, i1, inside):
     Parameters
     ----------
     law : Law
-        In double precision.
+        Energy phi(g) and attraction t = phi'(g), in double precision.
     g, e : (n_loc, n_y)
         Gap and a direction; they stay as they are.
     length : float

@@ -69,7 +69,7 @@ def _decay(x):
 
 
 def energy_at(law, g):
-    """Return the energy per area phi at a gap. Only kernels can call it.
+    """Return the energy per area phi of the attraction at a gap. Only kernels can call it.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def energy_at(law, g):
 
 
 def traction_at(law, g):
-    """Return the attraction t = phi' at a gap. Only kernels can call it.
+    """Return the attraction t = phi' at a gap, phi being its energy. Only kernels can call it.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def traction_at(law, g):
 
 
 def curvature_at(law, g):
-    """Return phi'' at a gap. Only kernels can call it.
+    """Return the second derivative phi'' of the energy at a gap. Only kernels can call it.
 
     Parameters
     ----------

@@ -81,8 +81,9 @@ def compiled_on_first_use(function: Callable[..., Any], **options: Any) -> Any:
 
 
 class KernelFiles:
-    """The files with the machine code of one kernel, one for each signature and kind of processor;
-    has the methods of numba's `IndexDataCacheFile`.
+    """The files with the machine code of one kernel, one for each signature and kind of processor.
+
+    Has the methods of numba's `IndexDataCacheFile`.
 
     Parameters
     ----------

@@ -78,14 +78,18 @@ class KktExtremes(NamedTuple):
 
 @kernel
 def displacement_rows(g, h, x, i0, i1, level):
-    """Set x = u - level with u = g - h, and u = g beyond the surface, in the precision of x.
+    """Set x = u - level on some rows, u = g - h on the surface and u = g beyond it.
 
     Parameters
     ----------
-    g, h, x, i0, i1
-        See the top of this file.
+    g, h : arrays, local slabs
+        Gap, and initial gap of the surface alone.
+    x : array (>= i1 - i0, n_y)
+        Gets rows i0 <= i < i1, in its own precision.
+    i0, i1 : int
+        Local rows i0 <= i < i1.
     level : float
-        Is taken off u.
+        Is subtracted from u.
     """
     for i in range(i0, i1):
         m = points_inside(i, h.shape)
@@ -101,16 +105,20 @@ def kkt_residuals(g, p, x, p0, H, inside, i0, i1):
 
     Parameters
     ----------
-    g, i0, i1, inside
-        See the top of this file.
+    g : array, local slab
+        Gap, or the displacement beyond the surface.
     p : array, local slab
         Its rows i0 to i1 are overwritten.
-    x : array
-        K u.
+    x : array (>= i1 - i0, n_y)
+        K u from row i0 on, u being the displacement.
     p0 : float
         Mean pressure over the grid.
     H : float or None
         Hardness.
+    inside : (rows, points)
+        This rank's part of the surface: its first rows and points.
+    i0, i1 : int
+        Local rows i0 <= i < i1.
 
     Returns
     -------
@@ -167,13 +175,17 @@ def open_moments(g, p, H, inside):
 
     Parameters
     ----------
-    g, p, H, inside
-        See the top of this file; rows of a slab.
+    g, p : array, rows of a local slab
+        Gap and pressure.
+    H : float or None
+        Hardness.
+    inside : (rows, points)
+        Rows and points of each row that are summed.
 
     Returns
     -------
     squares, fourth : float64
-        Over the surface.
+        In double precision.
     """
     squares = fourth = 0.0
     at_limit = limit(H, 0.0)
@@ -290,10 +302,15 @@ def dual_rows(g, p, x, scale, shift, H, inside, i0, i1):
 
     Parameters
     ----------
-    g, p, x, H, inside, i0, i1
-        See the top of this file; x is overwritten.
+    g, p : array, local slab
+        Gap and pressure.
+    x : array (>= i1 - i0, n_y)
+        Gets the result from row i0 on.
     scale, shift : float
         Of the pressure in elastic contact.
+    H, inside, i0, i1
+        Hardness, this rank's part of the surface, and the rows i0 <= i < i1: see the top of this
+        file.
 
     Returns
     -------

@@ -85,7 +85,9 @@ def join(parts, shift_x, shift_y, norm, unit, positive, negative):
 
     Parameters
     ----------
-    parts, shift_x, shift_y, norm
+    parts : (4, m_x, m_y)
+        The products, which stay as they are.
+    shift_x, shift_y, norm
         See the head of the file.
     unit : float
         Factor.

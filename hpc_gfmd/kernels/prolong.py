@@ -191,9 +191,10 @@ def _wrap(row):
 
 @inline
 def _relax(ring, at, i, n, inner, deepest, couplings):
-    """Make one gradient step of v for row i, whose first `inner` points belong to the surface.
+    """Make one gradient step of v, the correction of the displacement, for row i.
 
-    at: where the ring of its input begins in `ring`; that of its output follows.
+    v of the row's first `inner` points stays >= -g_c, where the gap is closed, but for dents. at:
+    where the ring of the step's input begins in `ring`; that of its output follows.
     """
     with_itself, along_x, along_y, diagonal = couplings
     slot = (i + RING) % RING

@@ -74,7 +74,7 @@ def self_affine(block, keep, factor, j0, columns, n_y, spectrum):
     n_y : int
         Points along y.
     spectrum : tuple
-        As for `_mode`.
+        (seed, aspect, low, high, rolloff, exponent), as for `_mode`.
     """
     W, n_x = block.shape
     for w in range(W):

@@ -25,6 +25,8 @@ PIECE = 1024  # numbers that are summed up in their own precision
 def multiply_blocks(columns, k0, k1, numbers, factors, inverse, backward, sums):
     """Transform the blocks k0 <= k < k1 of columns, multiply them by K or 1/K, and transform back.
 
+    K is the stiffness of the body. Everything happens in the memory of `columns`.
+
     Parameters
     ----------
     columns : tuple
@@ -71,13 +73,13 @@ def multiply(columns, k, inverse, scale, weight, q_x, q_y, table):
     scale : float
         In the precision of the columns.
     weight : (blocks, W)
-        See the head of the file.
+        How often each column of the half spectrum occurs in the full one.
     q_x : (2 n_x,)
         Every wave number twice.
     q_y : (blocks, W)
         Wave numbers of the columns.
     table : (blocks, W, n_x//2 + 1) or None
-        K of q_x = 0 and the positive ones; None where K = |q|/2.
+        Stiffness K of q_x = 0 and the positive ones; None: K = |q|/2.
 
     Returns
     -------

@@ -22,8 +22,10 @@ def subspace_products(V, KV, D, k, i0, i1, sums):
 
     Parameters
     ----------
-    V, KV, D
-        See the head of the file.
+    V, KV : (3, n_loc, n_y)
+        Directions of the gap, and the stiffness K times each.
+    D : (n_loc, n_y)
+        Diagonal of a second operator, as a stiffness.
     k : int
         The first k directions are used.
     i0, i1 : int
@@ -51,8 +53,8 @@ def combine_directions(V, KV, k, weights, i0, i1):
 
     Parameters
     ----------
-    V, KV : arrays
-        See the head of the file.
+    V, KV : (3, n_loc, n_y)
+        Directions of the gap, and the stiffness K times each; [0] and [2] are overwritten.
     k : int
         The first k directions are used.
     weights : (3,)

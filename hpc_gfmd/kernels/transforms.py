@@ -58,19 +58,23 @@ def transform(_, function, plan, source, target):
 
 
 def no_rows(real):
-    """Return the `rows` of a thread for given real rows (R, n_y) that are never transformed."""
+    """Return `rows` of a thread, (real, spectra), for given real rows that are never transformed.
+
+    real: (R, n_y); the spectra are empty.
+    """
     nothing = np.zeros(1)
     return real, (nothing, nothing, np.zeros(1, np.int64), 0, (0, 0, 0, 0), (0, 0, 0, 0))
 
 
 @kernel
 def store_rows(spectra, i0, i1):
-    """Transform the real rows of a pass and copy their spectra to the blocks.
+    """Transform the real rows of a pass and copy their spectra to the blocks of this rank.
 
     Parameters
     ----------
     spectra : tuple
-        Of one thread, see the head of the file.
+        Transform and memory of one thread: (half, blocks, edges, n_loc, forward, backward), see the
+        head of the file. Its half and blocks are overwritten.
     i0, i1 : int
         The rows i0 <= i < i1 of this rank.
     """
@@ -96,7 +100,8 @@ def load_rows(spectra, i0, i1):
     Parameters
     ----------
     spectra : tuple
-        Of one thread, see the head of the file.
+        Transform and memory of one thread: (half, blocks, edges, n_loc, forward, backward), see the
+        head of the file. Its half and the real rows are overwritten.
     i0, i1 : int
         The rows i0 <= i < i1 of this rank.
     """
@@ -117,12 +122,13 @@ def load_rows(spectra, i0, i1):
 
 @part
 def load_columns(columns, k, forward):
-    """Fill the scratch with the columns of a block, transformed along x.
+    """Fill a thread's scratch with the columns of a block of the spectrum, transformed along x.
 
     Parameters
     ----------
     columns : tuple
-        Of one thread, see the head of the file.
+        Transform and memory of one thread: (moved, address, near, far, function, plans), see the
+        head of the file; moved is the scratch.
     k : int
         Block of this rank.
     forward : bool
@@ -146,7 +152,8 @@ def store_columns(columns, k):
     Parameters
     ----------
     columns : tuple
-        Of one thread, see the head of the file.
+        Transform and memory of one thread: (moved, address, near, far, function, plans), see the
+        head of the file; moved is the scratch.
     k : int
         Block of this rank.
     """

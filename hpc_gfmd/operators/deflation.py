@@ -21,7 +21,7 @@ from scipy import fft
 from ..bodies.base import Body
 from ..parallel.coarsening import Level
 from ..parallel.grid import Grid
-from .coarsest import DAMPING, CoarsestLevels
+from .coarsest import DAMPING, CoarsestLevels, LevelTables
 
 
 @dataclass(frozen=True)
@@ -54,6 +54,9 @@ CALIBRATION = DeflationCalibration()
 
 class GapMode:
     """Computes the deflation vectors of contacts on one grid.
+
+    Such a vector is the wave w for which the preconditioner M is far too stiff: how everything that
+    is out of contact rises if the load falls.
 
     Parameters
     ----------
@@ -91,8 +94,9 @@ class GapMode:
         if self.level is None:
             return
         self.pairs = CALIBRATION.steps * points[self.level] / grid.cell_points
+        coarser = slice(self.level, None)
         self.levels = CoarsestLevels(
-            levels[self.level :], weights[self.level :], weights[self.level :]
+            LevelTables(levels[coarser], weights[coarser], weights[coarser])
         )
         n = levels[self.level].n
         q_x, q_y = (
@@ -111,10 +115,10 @@ class GapMode:
         return self.level is not None and 0 < share < 1
 
     def find(self, t: np.ndarray) -> np.ndarray:
-        """Return the vector w sqrt((1 - mu)/<1, w>), whose outer product with itself is added to M.
+        """Return w sqrt((1 - mu)/<1, w>), whose outer product with itself is to be added to M.
 
-        t, the share of contact at each point of `level`, stays as it is; the vector has its shape
-        and precision. Not collective.
+        mu = <1, M 1>/<1, w> is what M has of w already. t is the share of contact at each point of
+        `level`; it stays as it is, and the result has its shape and precision. Not collective.
         """
         real = t.dtype.type
         w = np.zeros_like(t)

@@ -15,7 +15,11 @@ RowFunction = Callable[[int, int, np.ndarray], Any]  # makes or uses rows i0..i1
 
 
 class Elastic:
-    """Applies K, or its inverse S, to fields that the caller makes and uses a few rows at a time.
+    """Applies the stiffness K of a body, or its inverse S, to fields, a few rows at a time.
+
+    K turns a displacement u into a pressure, S a pressure p into a displacement. An application is
+    three calls: `pressure_rows`, then `pressure_columns` (K) or `displacement_columns` (S), then
+    `use_rows`. Functions of the caller make and use the rows.
 
     Parameters
     ----------

@@ -112,8 +112,9 @@ def tangent(
 def _steps(elastic: Elastic, contact: np.ndarray) -> Iterator[tuple[float, float]]:
     """Yield, for each step of conjugate gradients, its gains of b K_FF^-1 b and of the sum of v.
 
-    The sum of v is over the surface, and 0 on a grid without padding. Both are sums over all ranks.
-    The steps never end by themselves. Collective.
+    v is the response of the displacement out of contact (F) to a load of 1, b is 1 on F and 0
+    elsewhere. The sum of v is over the surface, and its gain 0 on a grid without padding. Both are
+    sums over all ranks. The steps never end by themselves. Collective.
     """
     grid = elastic.grid
     dtype = elastic.dtype

@@ -111,7 +111,7 @@ class _Block:
 
 
 class _Joiner:
-    """Joins blocks; n, periodic and corners are those of `find_clusters`.
+    """Joins blocks (`_Block`); n, periodic and corners are those of `find_clusters`.
 
     Its methods append to `whole` the sizes of clusters that no longer reach a border, and set
     `percolates` (2,) for an axis along which a cluster or a part of one percolates.

@@ -48,7 +48,8 @@ class SlabFFT(Layout):
     """Transforms of one grid in one precision.
 
     They are planned when the object is made, which is collective. `blocks` holds one spectrum at a
-    time: every transform overwrites it.
+    time: `forward_rows` overwrites it, and so do `columns` and `multiply_columns` unless told not
+    to transform back.
 
     Parameters
     ----------
@@ -251,9 +252,9 @@ class SlabFFT(Layout):
         Returns
         -------
         float
-            Sum of what kernels/spectral.py: multiply returns for the columns of this rank.
+            This rank's share of <u, K u>, or with 1/K of <u, u/K>, u being the field before.
         float
-            Mean of the field before, on rank 0; 0 on the others.
+            Mean of this field on rank 0; 0 on the others.
         """
         sums = np.zeros((self.K, 2))
 

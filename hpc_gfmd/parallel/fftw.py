@@ -1,4 +1,4 @@
-"""FFTW, which comes with mpi4py-fft, where it is installed."""
+"""FFTW, loaded from mpi4py-fft if that is installed."""
 
 import ctypes
 from functools import cache

@@ -69,7 +69,7 @@ class Grid:
         Points along each axis that the surface has, from point 0; by default all. The others are
         padding, where nothing can touch. Means and counts are over the nominal area.
     tables : GridTables, optional
-        Transforms and tables of a grid of the same size; by default they are made anew.
+        Transforms and tables of a grid of the same size; by default new ones are made.
     """
 
     def __init__(

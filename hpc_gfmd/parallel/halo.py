@@ -18,7 +18,10 @@ Pieces = dict[int, list[slice]]  # rows of an array by the rank that they go to,
 
 
 class Windows:
-    """Which rank sends which rows to which. Stores no field; only `fill` and `add` send.
+    """Which rank sends which rows to which, to fill windows of rows that others own.
+
+    The rows of a field form a ring: row n is row 0. This stores no field; only `fill` and `add`
+    send.
 
     Parameters
     ----------
@@ -27,7 +30,7 @@ class Windows:
     starts : array_like of int, shape (ranks + 1,)
         First row that each rank owns, and the row after the last one that is owned.
     lo, hi : array_like of int, shape (ranks,)
-        Window of each rank.
+        Window lo <= i < hi of each rank; may reach around the ring.
     n : int, optional
         Length of the ring, more than starts[-1] if the last rows belong to no rank: those are left
         as they are. Default: starts[-1].

@@ -45,14 +45,14 @@ def pieces_of(rows: int, n_y: int) -> list[tuple[int, int]]:
 
 
 def threads_for(points: int, threads: int) -> int:
-    """Return how many of some threads get a piece of a grid; more would have nothing to do.
+    """Return how many threads are useful for a grid: each of them must get a piece.
 
     Parameters
     ----------
     points : int
         Of the grid.
     threads : int
-        Number of threads.
+        Number of threads that there are.
 
     Returns
     -------
@@ -160,7 +160,7 @@ def added(parts: Sequence[Sequence[float]], count: int) -> np.ndarray:
 
 
 class _Helper:
-    """A thread that does one piece of work after another.
+    """A thread that waits for work, does it, and waits again, until the process ends.
 
     Two locks take a third of the time of an executor's queue and futures.
     """
@@ -175,16 +175,17 @@ class _Helper:
         threading.Thread(target=self._run, name="hpc-gfmd", daemon=True).start()
 
     def begin(self, work: Callable[[], None]) -> None:
-        """Begin with some work, after the work before has ended."""
+        """Have the thread call work(), and return at once; `wait` before the next `begin`."""
         self.error = None
         self._work = work
         self._begun.release()
 
     def wait(self) -> None:
-        """Wait until the work has ended; its error is in `error`."""
+        """Wait until the work has ended; `error` is then the exception that it raised, or None."""
         self._ended.acquire()
 
     def _run(self) -> None:
+        """Do in the thread whatever `begin` asks for, forever."""
         while True:
             self._begun.acquire()
             try:
@@ -200,7 +201,7 @@ _free_helpers: list[_Helper] = []  # of this process; whoever needs one takes it
 
 
 def _free_helper() -> _Helper:
-    """Take a helper that has nothing to do, or make one."""
+    """Take a helper that has no work out of `_free_helpers`, or make a new one."""
     try:
         return _free_helpers.pop()
     except IndexError:

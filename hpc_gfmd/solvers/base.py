@@ -158,7 +158,7 @@ class Solver:
         return self.p0 * (self.grid.N / self.grid.cell_points)
 
     def start(self, g: np.ndarray) -> None:
-        """Begin a solution at a gap, and compute its pressure.
+        """Begin at a gap: set self.g, and compute self.p and self.uKu. Takes one FFT pair.
 
         Parameters
         ----------

@@ -33,7 +33,7 @@ EXTRAS = {  # of setup.cfg, by the packages in them
 
 
 def how_to_install(package: str) -> str:
-    """Return the pip command, as text, that installs a missing package."""
+    """Return the pip command that installs a missing package, as a text for a message."""
     extra = EXTRAS.get(package)
     return f"pip install 'hpc-gfmd[{extra}]'" if extra else f"pip install {package}"
 
