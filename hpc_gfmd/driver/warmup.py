@@ -58,8 +58,7 @@ def compile_once(
     """
 
     def solve() -> None:
-        # a single process compiles double precision where a load asks for it
-        _tiny_contact(scene, observe, every_precision=comm.size > 1)
+        _tiny_contact(scene, observe, on_ranks=comm.size > 1)
 
     with collective_errors(comm, "compiling"):
         if comm.rank == 0:
@@ -76,20 +75,19 @@ def _tiny_attraction(material: Material) -> Law | None:
     return None if adhesion is None else law_named(adhesion.law, *TINY_ATTRACTION)
 
 
-def _tiny_contact(
-    scene: Scene, observe: Callable[[Contact], object], every_precision: bool
-) -> None:
+def _tiny_contact(scene: Scene, observe: Callable[[Contact], object], on_ranks: bool) -> None:
     """Solve a tiny contact of 3 iterations on this rank alone, and observe it.
 
-    Its precision is that of the scene's first load; with `every_precision` also double if a load
-    may need it. The contact has the scene's solver, material and boundary.
+    Its precision is that of the scene's first load; with `on_ranks` also double if a load may need
+    it, and levels are distributed as they are over ranks. The contact has the scene's solver,
+    material and boundary.
     """
     settings = scene.solver
     material = scene.material
     surface = TINY | {"boundary": scene.surface.boundary or "periodic"}
     tiny = Scene.from_dict({"surface": surface, "load": {"p_star": 0.05}}).surface
     usual = "single" if first_precision(settings) == np.float32 else "double"
-    may_need_double = every_precision and settings.precision == "auto"
+    may_need_double = on_ranks and settings.precision == "auto"
     for precision in {usual, "double"} if may_need_double else {usual}:
         sweep = make_sweep(
             lambda dtype: build_surface(tiny, SerialComm(), dtype),
@@ -104,6 +102,6 @@ def _tiny_contact(
         if solver is not None:
             solver.expected_area(Estimate(squares=1.0))
         observe(contact)
-        grid = sweep.surface.grid
-        # for the levels that only larger grids distribute
-        Multilevel(grid, HALF_SPACE, sweep.dtype, grid.n[0], coarsest_points=0).sweep()
+        if on_ranks:  # for the levels that only larger grids distribute
+            grid = sweep.surface.grid
+            Multilevel(grid, HALF_SPACE, sweep.dtype, grid.n[0], coarsest_points=0).sweep()

@@ -21,7 +21,7 @@ from scipy import fft
 from ..bodies.base import Body
 from ..parallel.coarsening import Level
 from ..parallel.grid import Grid
-from .coarsest import DAMPING, CoarsestLevels
+from .coarsest import DAMPING, CoarsestLevels, LevelTables
 
 
 @dataclass(frozen=True)
@@ -94,8 +94,9 @@ class GapMode:
         if self.level is None:
             return
         self.pairs = CALIBRATION.steps * points[self.level] / grid.cell_points
+        coarser = slice(self.level, None)
         self.levels = CoarsestLevels(
-            levels[self.level :], weights[self.level :], weights[self.level :]
+            LevelTables(levels[coarser], weights[coarser], weights[coarser])
         )
         n = levels[self.level].n
         q_x, q_y = (

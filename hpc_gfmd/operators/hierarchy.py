@@ -22,12 +22,11 @@ from ..parallel.coarsening import Level, Transfer, agglomerated, levels, owned_r
 from ..parallel.comm import stages
 from ..parallel.grid import Grid
 from ..parallel.halo import Overlaps, Windows
+from .coarsest import LevelTables
 from .deflation import GapMode
 from .nominal import NominalArea
 
-COARSEST_POINTS = 128 * 128  # levels of at most this many points are swept by one rank
-# of one process: so many points are swept in a single call, without other threads
-COARSEST_POINTS_OF_ONE = 2**17
+COARSEST_POINTS = 128 * 128  # of several ranks: levels of at most so many points each has alone
 FEWEST_ROWS = 2  # of a level on one rank: with fewer, windows reach beyond neighbours
 GATHERED_ROWS = 4  # that ranks have at least where rows are gathered
 
@@ -120,8 +119,8 @@ def steps_of(
     dtype : dtype
         Precision of the tables.
     coarsest_points : int, optional
-        A rank has levels of at most so many points alone; default: COARSEST_POINTS, or
-        COARSEST_POINTS_OF_ONE for one process.
+        A rank has levels of at most so many points alone; default: COARSEST_POINTS, and one
+        process has all of them.
 
     Returns
     -------
@@ -131,8 +130,8 @@ def steps_of(
         All levels, finest first; those from number len(steps) on a rank has alone.
     """
     rank = grid.comm.rank
-    alone_points = COARSEST_POINTS if grid.comm.size > 1 else COARSEST_POINTS_OF_ONE
-    alone_points = alone_points if coarsest_points is None else coarsest_points
+    if coarsest_points is None:
+        coarsest_points = COARSEST_POINTS if grid.comm.size > 1 else grid.cell_points
     hierarchy = levels(grid)
     if len(hierarchy) == 1:  # a single point: a level that equals it, so that there is always one
         hierarchy = hierarchy * 2
@@ -142,7 +141,7 @@ def steps_of(
     for fine, coarse in zip(hierarchy, hierarchy[1:]):
         transfer = Transfer(fine.n, coarse.n, begin, end, rank, dtype)
         starts = owned_rows(counted, fine.n[0], coarse.n[0])
-        alone = coarse.n[0] * coarse.n[1] <= alone_points or coarse is hierarchy[-1]
+        alone = coarse.n[0] * coarse.n[1] <= coarsest_points or coarse is hierarchy[-1]
         begin, end = transfer.lo, transfer.hi
         has_rows = end > begin
         windows = None
@@ -254,3 +253,15 @@ class Hierarchy:
         ]
         alone = len(self.steps)
         self.gap_mode = GapMode(grid, body, self.levels[alone:], self.weights[alone:])
+
+    @cached_property
+    def coarsest_tables(self) -> LevelTables:
+        """Tables of the levels that a rank has alone."""
+        alone = slice(len(self.steps), None)
+        return LevelTables(
+            self.levels[alone],
+            self.weights[alone],
+            self.area.weights[alone],
+            self.steps[-1].fields,
+            self.area.s[alone],
+        )

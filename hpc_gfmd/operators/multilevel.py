@@ -71,7 +71,7 @@ class Multilevel:
         From each level to the next coarser one, as this rank sees it.
     fields : list of array (fields, window rows + 2, m)
         Of levels 1, 2, ...: this rank's window, its part of a sum over ranks, of r, t and, on level
-        1, K d on F, the points out of contact.
+        1, K d on F, the points out of contact; of a single process the whole level (coarsest.py).
     ends : array (passes, 2)
         First row and end of each pass of the solver.
     scratch : list of (array, array)
@@ -98,27 +98,25 @@ class Multilevel:
         self.gap_mode = hierarchy.gap_mode
         self.transfers = [step.transfer for step in steps]
         self.distributed = len(steps) - 1
+        self.coarsest: CoarsestLevels | None = None
+        complete_on = steps[-1].ranks
+        self.last_comm = self.comm.subcomm(complete_on)
+        if self.last_comm is not None:
+            self.coarsest = CoarsestLevels(hierarchy.coarsest_tables, grid.threads)
         # Level 1 is in the windows of all ranks in any case: that is what the solver's passes write
         # to and read from.
-        self.fields = [np.zeros(step.window_shape, self.dtype) for step in steps]
+        self.fields = [np.zeros(step.window_shape, self.dtype) for step in steps[:-1]]
+        # the window of a single process is the whole level
+        self.fields.append(
+            self.coarsest.fields
+            if self.coarsest is not None and self.comm.size == 1
+            else np.zeros(steps[-1].window_shape, self.dtype)
+        )
         # the rows that this rank goes on with
         self.owned = [
             field if step.windows is None else np.zeros(step.owned_shape, self.dtype)
             for step, field in zip(steps[:-1], self.fields)
         ]
-        self.coarsest: CoarsestLevels | None = None
-        complete_on = steps[-1].ranks
-        self.last_comm = self.comm.subcomm(complete_on)
-        if self.last_comm is not None:
-            alone = slice(len(steps), None)
-            area = hierarchy.area
-            self.coarsest = CoarsestLevels(
-                hierarchy.levels[alone],
-                hierarchy.weights[alone],
-                area.weights[alone],
-                steps[-1].fields,
-                area.s[alone],
-            )
         to_level_1 = self.transfers[0]
         self.ends = np.array(to_level_1.passes(longest), np.int64).reshape(-1, 2)
         gathered = (6, grid.n[1] + LINE // self.dtype.itemsize)
@@ -420,20 +418,28 @@ class Multilevel:
             self._add_group(k)
             return nothing
         transfer = self.transfers[k]
-        add_all(
-            self.last_comm,
-            self.fields[k][:, 1:-1],
-            [(int(transfer.lo[r]), int(transfer.hi[r])) for r in self.steps[k].ranks],
-            coarsest.fields[:, 1:-1],
-        )
+        fields = coarsest.fields
+        is_whole = self.fields[k] is fields
+        if is_whole:
+            fields[:, 1] += fields[:, -1]  # the row after the last is the first
+        else:
+            add_all(
+                self.last_comm,
+                self.fields[k][:, 1:-1],
+                [(int(transfer.lo[r]), int(transfer.hi[r])) for r in self.steps[k].ranks],
+                fields[:, 1:-1],
+            )
         self._add_group(k)
-        coarsest.restrict()
         if new_contact:
+            coarsest.restrict()
             self._find_mode(coarsest)
-        sums = coarsest.smooth()
-        rows = np.arange(transfer.lo[transfer.rank], transfer.hi[transfer.rank])
-        z = self.fields[k][0, 1:-1]
-        np.take(coarsest.fields[0, 1:-1], rows, axis=0, out=z, mode="wrap")
+            sums = coarsest.smooth()
+        else:
+            sums = coarsest.sweep()
+        if not is_whole:
+            rows = np.arange(transfer.lo[transfer.rank], transfer.hi[transfer.rank])
+            z = self.fields[k][0, 1:-1]
+            np.take(fields[0, 1:-1], rows, axis=0, out=z, mode="wrap")
         return sums if self.last_comm.rank == 0 else nothing
 
     def _find_mode(self, coarsest: CoarsestLevels) -> None:

@@ -281,19 +281,36 @@ class Transfer:
         return self.passes(piece_rows(self.n[1]))
 
     def passes(self, longest: int) -> list[tuple[int, int]]:
-        """Split its fine rows into ranges (begin, end) of at most `longest` rows.
+        """Split its fine rows into ranges of at most `longest` rows, see `passes_of`."""
+        return passes_of(self.k0, longest)
 
-        Each begins at the first fine row of a coarse row, unless a coarse row has more than
-        `longest` of them.
-        """
-        passes = []
-        begin = 0
-        n_loc = len(self.k0)
-        firsts = np.flatnonzero(np.diff(self.k0, prepend=-2)).tolist()  # that open a coarse row
-        while begin < n_loc:
-            end = min(begin + longest, n_loc)
-            opens = firsts[bisect_right(firsts, end) - 1]
-            end = opens if begin < opens and end < n_loc else end
-            passes.append((begin, end))
-            begin = end
-        return passes
+
+def passes_of(coarse_rows: np.ndarray, longest: int) -> list[tuple[int, int]]:
+    """Split fine rows into ranges (begin, end) of at most `longest` rows.
+
+    Each begins at the first fine row of a coarse row, unless a coarse row has more than `longest`
+    of them.
+
+    Parameters
+    ----------
+    coarse_rows : ndarray of int
+        The coarse row before each of the fine rows.
+    longest : int
+        Rows of a range.
+
+    Returns
+    -------
+    list of (int, int)
+        In order.
+    """
+    passes = []
+    begin = 0
+    count = len(coarse_rows)
+    firsts = np.flatnonzero(np.diff(coarse_rows, prepend=-2)).tolist()  # that open a coarse row
+    while begin < count:
+        end = min(begin + longest, count)
+        opens = firsts[bisect_right(firsts, end) - 1]
+        end = opens if begin < opens and end < count else end
+        passes.append((begin, end))
+        begin = end
+    return passes

@@ -109,7 +109,11 @@ class Share:
     def level_bytes(self) -> int:
         """Bytes of the levels of the preconditioner on this rank."""
         steps, _ = self.hierarchy
-        numbers = sum(math.prod(step.window_shape) for step in steps)
+        numbers = sum(math.prod(step.window_shape) for step in steps[:-1])
+        last = steps[-1]
+        if self.grid.comm.size > 1:  # one process has the last window where the whole level is
+            numbers += math.prod(last.window_shape)
+        numbers += (last.fields - 2) * math.prod(last.transfer.m)
         numbers += sum(math.prod(step.owned_shape) for step in steps[:-1] if step.windows)
         return (numbers + 2 * self._points_alone) * self.dtype.itemsize
 
