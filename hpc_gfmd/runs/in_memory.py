@@ -29,9 +29,10 @@ from ..util.errors import SceneError
 from ..util.versions import versions
 from .keywords import scene_of_keywords
 from .loads import check, solved, step_attributes, surface_attributes, sweep_of, worst_status
-from .prepared import PreparedSurface, surface_of_topography
+from .prepared import PreparedSurface
 from .progress import Reporter, bar_stream
 from .solutions import Solutions
+from .surfaces import surface_of_topography
 from .table import GrowingTable
 
 Heights = Any  # an array, a PreparedSurface or a Topography of SurfaceTopography
