@@ -76,7 +76,7 @@ def compose(
     what : str or sequence of str
         Kind of surface, or the path of a height map, or two paths of height maps.
     path : Path
-        Where the scene will be. Paths of maps in the scene are relative to its folder.
+        Path of the scene to be written. Paths of maps in the scene are relative to its folder.
     overrides : sequence of str
         Settings "table.key=value".
 

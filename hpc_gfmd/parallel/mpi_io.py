@@ -68,12 +68,18 @@ def _failure_to_open(comm: Comm, folder: Path) -> str:
     from mpi4py import MPI
 
     def make_probe() -> str | None:
+        """Make a file of one byte; return None if it cannot be made: the writer says why."""
         try:
             descriptor, name = tempfile.mkstemp(prefix=".hpc-gfmd-", dir=folder)
-        except OSError:  # whoever writes the file itself says why
+        except OSError:
             return None
-        os.write(descriptor, b"0")
-        os.close(descriptor)
+        try:
+            os.write(descriptor, b"0")
+        except OSError:  # such as a full disk
+            os.unlink(name)
+            return None
+        finally:
+            os.close(descriptor)
         return name
 
     probe = on_rank_0(comm, f"writing in {folder}", make_probe)

@@ -29,7 +29,8 @@ def distributions(contexts: Sequence[FigureContext], names: list[str]) -> Page:
     contexts : sequence of FigureContext
         Only the first is used.
     names : list of str
-        Of NAMES. Distributions that are not in the result file are made from the fields.
+        "pressure", "gap" or "patches". Distributions that are not in the result file are made from
+        the fields.
 
     Returns
     -------

@@ -36,7 +36,7 @@ def maps(contexts: Sequence[FigureContext], names: list[str]) -> Page:
     contexts : sequence of FigureContext
         Only the first is used.
     names : list of str
-        Of FIELDS.
+        Keys of FIELDS: "contact", "pressure", "gap", ...
 
     Returns
     -------

@@ -24,7 +24,7 @@ def spectra(contexts: Sequence[FigureContext], names: list[str]) -> Page:
     contexts : sequence of FigureContext
         Only the first is used.
     names : list of str
-        Of PANELS.
+        Entries of PANELS: "heights_spectrum", "gap_autocorrelation", ...
 
     Returns
     -------

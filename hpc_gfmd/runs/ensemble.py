@@ -107,7 +107,10 @@ class Ensemble:
 
     @property
     def names(self) -> list[str]:
-        """Names of the numbers that all loads of all results have, without loads and effort."""
+        """Names of the numbers that all loads of all results have and of which a mean makes sense.
+
+        Targets of loads, FFT pairs, times, iterations and seeds are left out.
+        """
         steps = [step for result in self.results for step in result.result.steps]
         return [
             name

@@ -29,7 +29,7 @@ from ..util.errors import SceneError
 from ..util.versions import versions
 from .keywords import scene_of_keywords
 from .loads import check, solved, step_attributes, surface_attributes, sweep_of, worst_status
-from .prepared import PreparedSurface, prepare_surface
+from .prepared import PreparedSurface, surface_of_topography
 from .progress import Reporter, bar_stream
 from .solutions import Solutions
 from .table import GrowingTable
@@ -75,7 +75,7 @@ def scene_of(
         On all ranks, for invalid arguments, or different ones on some ranks.
     """
     with collective_errors(comm, "reading the arguments"):
-        wall = prepare_surface(heights) if is_topography(heights) else heights
+        wall = surface_of_topography(heights) if is_topography(heights) else heights
         prepared = wall if isinstance(wall, PreparedSurface) else None
         scene = scene_of_keywords(keywords, more, prepared)
         check(scene)

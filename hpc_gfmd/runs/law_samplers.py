@@ -21,7 +21,7 @@ from ..surface import build_surface, surface_size
 from ..surface.arrays import is_topography
 from ..util.errors import SceneError
 from .loads import check, solved, step_attributes, surface_attributes, sweep_of
-from .prepared import PreparedSurface, prepare_surface
+from .prepared import PreparedSurface, surface_of_topography
 from .progress import Reporter
 from .solve import solve
 
@@ -98,7 +98,8 @@ class HeightSampler:
         progress: bool,
     ) -> None:
         self.surfaces = [
-            prepare_surface(surface) if is_topography(surface) else surface for surface in surfaces
+            surface_of_topography(surface) if is_topography(surface) else surface
+            for surface in surfaces
         ]
         accuracy = {"accuracy": ACCURACY_SHARE * error} if "residual" not in keys else {}
         self.keys = accuracy | {"observables": list(quantities), "fields": ()} | dict(keys)
@@ -213,7 +214,7 @@ class SceneSampler:
         ]
 
     def facts(self) -> dict[str, Any]:
-        """Return what the law tells of its surfaces, as HeightSampler.facts."""
+        """Return what the law tells of its surfaces, as HeightSampler.facts. Not collective."""
         titles = [scene.title for scene in self.scenes if scene.title]
         return {
             "surface": self.surface,

@@ -14,9 +14,11 @@ from ..parallel.comm import SerialComm
 from ..scene import Scene
 from ..scene.height_maps import Reading
 from ..surface import build_surface
-from ..surface.arrays import checked_array, is_topography, of_topography, unreliable
+from ..surface.arrays import checked_array, complete_array, is_topography, of_topography, unreliable
+from ..surface.heights import checked
 from ..surface.metadata import Metadata
 from ..surface.prepare import prepare
+from ..surface.quality import notes_on
 from ..surface.topography import Topography, open_topography, topography_of
 from ..surface.two_scans import combined, placed
 from ..util.errors import SceneError
@@ -185,19 +187,56 @@ def prepare_surface(heights: Any, **keys: Any) -> PreparedSurface:
     SceneError
         As `read_surface`.
     """
+    return _prepared(*_in_memory(heights, keys))
+
+
+def surface_of_topography(topography: Any) -> PreparedSurface:
+    """Return the surface that a Topography of SurfaceTopography shows as it is.
+
+    Parameters
+    ----------
+    topography : SurfaceTopography.Topography
+
+    Returns
+    -------
+    PreparedSurface
+        As `prepare_surface` without keys.
+
+    Raises
+    ------
+    SceneError
+        For a Topography without sizes, or with points that have no height.
+    """
+    as_it_is, spec = _in_memory(topography, {})
+    checked(complete_array(topography.heights()), 0, "heights")
+    if as_it_is.lacks:
+        raise SceneError("; ".join(as_it_is.lacks.values()))
+    notes, _ = notes_on(as_it_is, spec, SerialComm())
+    return _surface(replace(as_it_is, notes=(*as_it_is.notes, *notes)), spec)
+
+
+def _in_memory(heights: Any, keys: dict[str, Any]) -> tuple[Topography, Any]:
+    """Return heights in memory as a map that can be read, and the [surface] of a scene with these
+    keys.
+
+    `heights` and `keys` are those of `prepare_surface`. Edges and sizes that the keys do not give
+    are those of the heights. Raises SceneError.
+    """
     metadata = Metadata()
-    doubt = None
+    notes = []
     if is_topography(heights):
         doubt = unreliable(heights)
+        if doubt:
+            _, note = doubt
+            notes.append(note)
         heights, metadata = of_topography(heights)
         if not metadata.periodic and not keys.keys() & OF_EDGES:
-            keys["boundary"] = "free"
+            keys = keys | {"boundary": "free"}
     elif not keys.keys() & {"physical_sizes", "unit"}:
-        keys["physical_sizes"] = 1.0, 1.0
+        keys = keys | {"physical_sizes": (1.0, 1.0)}
     scene, _ = _scene({"kind": "file", "path": "the array"} | keys, "hpc_gfmd.prepare_surface")
     topography = topography_of(checked_array(heights), metadata, scene.surface)
-    surface = _prepared(topography, scene.surface)
-    return replace(surface, notes=(*surface.notes, doubt[1])) if doubt else surface
+    return replace(topography, notes=(*topography.notes, *notes)), scene.surface
 
 
 def combine_surfaces(
@@ -304,9 +343,16 @@ def _scan(surface: Any, path: str, spec: Any, keys: dict[str, Any]) -> Topograph
 def _prepared(topography: Topography, spec: Any) -> PreparedSurface:
     """Return the PreparedSurface that a scene's [surface] makes of a height map.
 
-    All heights are read, and copied if they belong to the caller. Raises SceneError as `prepare`.
+    All heights are read. Raises SceneError as `prepare`.
     """
-    topography = prepare(topography, spec, SerialComm())
+    return _surface(prepare(topography, spec, SerialComm()), spec)
+
+
+def _surface(topography: Topography, spec: Any) -> PreparedSurface:
+    """Read all heights of a map, which is pressed as it is, with the edges of a scene's [surface].
+
+    Heights that belong to the caller are copied; those of the result cannot be written to.
+    """
     heights = topography.rows(0, topography.n[0])
     if not heights.flags.owndata:  # those of the caller, who may change them
         heights = heights.copy()

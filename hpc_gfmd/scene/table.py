@@ -45,7 +45,10 @@ def each(value: Any) -> tuple:
 
 
 def _with_unit(dimension: str) -> WrapValidator:
-    """Return a validator that also accepts a text with a unit of this dimension, as a Quantity."""
+    """Return a validator of numbers that also accepts a text with a unit, as a Quantity.
+
+    `dimension` is that of the unit, such as "length".
+    """
 
     def read(value: Any, check: Any) -> float:
         """Return a plain number, or the Quantity of a text; `check` validates its size."""

@@ -111,7 +111,7 @@ def by_axes(heights: Mapping[str, Any], axes: list) -> Metadata:
     heights : mapping
         Attributes of the variable.
     axes : list of (name, attributes, coordinates)
-        Of both dimensions, in the order of the array; coordinates may be None.
+        The first and the second axis of the array; coordinates may be None.
 
     Returns
     -------
