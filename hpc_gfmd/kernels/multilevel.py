@@ -314,14 +314,15 @@ def sweep_levels(
     Parameters
     ----------
     pieces : (pieces, 6) int64
-        In their order, of each: level, its rows i0 <= i < i1, whether they are smoothed or
-        restricted, and the first piece of its stage and the one after the last. A stage is one
+        In their order, of each: level, its rows i0 <= i < i1, 1 if they are smoothed and 0 if they
+        are restricted, and the first piece of its stage and the one after the last. A stage is one
         level on the way down or up.
     end : int
-        Number of pieces to do, counted from the first.
+        The piece after the last one to do.
     turns : array of int64
         Counters that threads have in common, at NEXT, ENDED and CLOSED: the next piece, the number
-        of pieces that have ended, and that of pieces in closed stages.
+        of pieces that have ended, and that of pieces in closed stages. The caller sets all three to
+        the first piece to do, with which a stage begins.
     patience : int
         How often a thread looks at a stage that is not closed before it returns.
     memory : flat array
@@ -355,8 +356,8 @@ def sweep_levels(
     Returns
     -------
     int
-        How often this thread looked at stages that were not closed; -1 less that if it returns
-        before the end.
+        How often this thread looked at stages that were not closed. -1 less that if it returns
+        before the end: the thread calls again, and nothing is lost.
     """
     J_x, f_x, J_y, f_y, s_x, s_y = tables
     coarsest = levels.shape[0] - 2

@@ -212,7 +212,8 @@ class SlabFFT(Layout):
         Parameters
         ----------
         apply : function
-            apply(block, m), block: (width, n_x) complex, which it may change, m: its number.
+            apply(block, m), called on several threads at once. block: (width, n_x) complex, memory
+            of a thread that apply may change and must not keep; m: its number.
         forward, backward : bool
             False leaves out the transform along x before, or after it. Without `forward` apply gets
             zeros; without `backward` what apply makes of a block is lost.

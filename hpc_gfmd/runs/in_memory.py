@@ -374,9 +374,10 @@ def _fields(names: Iterable[str], contact: Contact) -> dict[str, Slab]:
 
 
 def _quality_notes(comm: Comm, topography: Topography) -> tuple[str, ...]:
-    """Return notes on an array that may not be periodic. Collective.
+    """Return notes on an array that is taken as periodic: on jumps and kinks where its edges meet,
+    tilt, and a spectrum that the grid does not resolve.
 
-    Raises SceneError if heights are not finite.
+    Collective; rank 0 looks at some of the rows. Raises SceneError if a height there is not finite.
     """
     rows = topography.rows
     checked_topography = replace(topography, rows=lambda i, j: checked(rows(i, j), i, "surface"))

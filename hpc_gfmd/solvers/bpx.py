@@ -111,8 +111,11 @@ class Bpx(Solver):
         self._begin(sums)
 
     def refresh(self, uKu: float | None = None) -> None:
-        """Begin a new descent at the present g and p, without an FFT; uKu: their <u, K u>, the
-        stored one if None. With a hardness g and p may change, see `_begin`."""
+        """Forget the last step and begin a new descent at the present g and p, without an FFT.
+
+        uKu: their <u, K u>, the stored one if None. With an attraction `self.attracted` must be
+        that of g already. With a hardness g and p may change, see `_begin`. Collective.
+        """
         self.uKu = self.uKu if uKu is None else uKu
         self.d[...] = 0
         self._begin(self.levels.restrict(self.g, self.p, self.problem.limit))
@@ -339,10 +342,12 @@ class Bpx(Solver):
         self.attracted = t
 
     def _measure(self, sums: UpdateSums, new_contact: bool = False) -> None:
-        """Compute z on the levels, and set all scalars of the next step and of `progress`.
+        """Sweep r and t on the levels to z, and set the products and counts that the next step and
+        `progress` need. Collective.
 
-        sums: this rank's, of the present state. new_contact: whether to compute the
-        deflation vector for the present contact first.
+        r and t are on the levels already. sums: this rank's, of the present state, as
+        `levels.restrict` or `update` returned them. new_contact: whether to compute the gap mode
+        of the present contact first, which takes FFT pairs.
         """
         totals = self.grid.comm.sum([*sums, *self.levels.sweep(new_contact)]).tolist()
         rz1, xz1, self.mean, *self.level_sums = totals[len(sums) :]
