@@ -7,7 +7,7 @@ the order of the pieces: so no number does either.
 import os
 import threading
 from collections.abc import Callable, Iterable, Sequence
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any, TypeVar
 
 import numpy as np
@@ -87,6 +87,40 @@ def shares(count: int, threads: int) -> list[tuple[int, int]]:
         share = max(smallest, rest // (2 * threads)) if threads > 1 else rest
         ends.append(ends[-1] + min(share, rest))
     return list(zip(ends, ends[1:]))
+
+
+class Shares:
+    """A range in parts that threads take by themselves, in compiled calls that run at once.
+
+    Parameters
+    ----------
+    count : int
+        Length of the range.
+    threads : int
+        That share it.
+
+    Attributes
+    ----------
+    parts : ndarray (parts, 2)
+        As `shares` returns them.
+    turns : ndarray (1,)
+        The next part, for kernels/atomic.py.
+    """
+
+    def __init__(self, count: int, threads: int):
+        self.parts = _parts(count, threads)
+        self.turns = np.zeros(1, np.int64)
+        self._threads = min(threads, len(self.parts))
+
+    def on_threads(self, work: Callable[[Any], Any], scratch: Sequence[Any]) -> None:
+        """Call work(scratch of the thread) once on each of the threads that get a part."""
+        on_threads(self._threads, work, [()] * self._threads, scratch)
+
+
+@lru_cache(maxsize=256)
+def _parts(count: int, threads: int) -> np.ndarray:
+    """Return `shares` as an array (parts, 2), which must not be written to."""
+    return np.array(shares(count, threads), np.int64).reshape(-1, 2)
 
 
 def on_threads(
