@@ -16,7 +16,6 @@ T = TypeVar("T")
 
 PIECE_POINTS = 2**17  # of a field, which a thread works on at a time
 PIECE_ROWS = 8  # at least
-SMALLEST_SHARE = 32  # of a compiled pass: a thread's equal part over this
 
 
 def piece_rows(n_y: int) -> int:
@@ -80,12 +79,11 @@ def shares(count: int, threads: int) -> list[tuple[int, int]]:
     list of (int, int)
         (start, stop) of each part, in order.
     """
-    smallest = max(1, count // (SMALLEST_SHARE * threads))
     ends = [0]
     while ends[-1] < count:
         rest = count - ends[-1]
-        share = max(smallest, rest // (2 * threads)) if threads > 1 else rest
-        ends.append(ends[-1] + min(share, rest))
+        share = max(1, rest // (2 * threads)) if threads > 1 else rest
+        ends.append(ends[-1] + share)
     return list(zip(ends, ends[1:]))
 
 
