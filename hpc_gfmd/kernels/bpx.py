@@ -108,17 +108,14 @@ def search_passes(
 ):
     """Make the step d on the rows of some passes and transform these rows: lines 1 to 3.
 
-    All threads of the rank call this at the same time; each takes one share of the passes after
-    another.
+    Every thread of the rank calls this, and takes one share of the passes after another.
 
     Parameters
     ----------
     passes : (passes, 2) int
         First row of each pass, and the row after its last one.
-    shares : (shares, 2) int
-        First pass of each share, and the pass after its last one.
-    turns : (1,) int64
-        Counter that threads have in common: the next share, 0 before.
+    shares, turns
+        As of kernels/spectral.py: multiply_blocks.
     rows : tuple
         Row transforms of one thread (transforms.py), whose memory gets the step and its spectra.
     scratch : (>= 2, >= n_y)
@@ -169,8 +166,7 @@ def update_passes(
 ):
     """Transform rows of K d back and set g += s d and p += s K d, pass after pass: line 6.
 
-    The new state is restricted to level 1; the coarse row that two passes of a share have in common
-    gets the sum of their parts.
+    The new state is restricted to level 1, where passes of one share add up a row that both have.
 
     Parameters
     ----------
@@ -179,8 +175,7 @@ def update_passes(
     scratch : tuple
         Memory of one thread: `gathered` and `shared` of `update_state`.
     first_rows : (shares, 3, m)
-        Gets the part of the first pass of each share in the coarse row that it has in common with
-        the pass before.
+        Gets the part of each share's first pass in the coarse row that the pass before has, too.
     sums : (passes, 10) float64
         Gets the UpdateSums of each pass.
     g, p, s, coarse, transfer, H, inside
