@@ -111,7 +111,15 @@ class Shares:
         self._threads = min(threads, len(self.parts))
 
     def on_threads(self, work: Callable[[Any], Any], scratch: Sequence[Any]) -> None:
-        """Call work(scratch of the thread) once on each of the threads that get a part."""
+        """Call a function once on each of the threads that get a part.
+
+        Parameters
+        ----------
+        work : callable
+            work(scratch of the thread) takes parts by `turns` until none is left.
+        scratch : sequence
+            Of each thread its own.
+        """
         on_threads(self._threads, work, [()] * self._threads, scratch)
 
 
