@@ -166,6 +166,8 @@ def contests():
     peer_rows = rows("peers*")
     for row in peer_rows:
         row["kind"] = "hardness" if row.get("hardness") else row["boundary"]
+        if row.get("L_over_lam_l", 2) != 2:
+            row["kind"] += f" with {row['L_over_lam_l']:g} waves"
         row["peer"] = PEERS.get(row["code"].partition("-")[0], "ours")
     refuse_unlike(peer_rows)
     pairs_of_rows = []
