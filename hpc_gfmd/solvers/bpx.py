@@ -24,7 +24,7 @@ from ..kernels.bpx import UpdateSums, search_passes
 from ..operators.multilevel import Multilevel
 from ..operators.problem import Problem
 from ..operators.rigid import balancing_shift, dent_rigidly
-from ..parallel.threads import added, on_threads, shares
+from ..parallel.threads import Shares, added
 from .base import Progress, Solver
 
 FIRST = 0.75  # Rayleigh quotient of first steps: 0.52 to 0.75 was seen; less makes them too long
@@ -300,16 +300,19 @@ class Bpx(Solver):
         step = tuple(self.problem.dtype.type(x) for x in (a, b * self.s, coupling, self.compliance))
         fields = self.g, self.p, self.d, levels.z, levels.transfers[0].tables
         limits = self.problem.limit, self.grid.inside
-        sums_of_shares = np.zeros((len(ends), 2))
+        sums_of_passes = np.zeros((len(ends), 2))
         work = np.zeros((len(ends) if self.law is not None else 0, 2))
 
-        def passes(k0: int, k1: int, thread: int) -> None:
-            scratch = fft.rows[thread], levels.scratch[thread][0], sums_of_shares
-            search_passes(ends, k0, k1, *scratch, *fields, step, *limits, self.law, work)
+        shares = Shares(len(ends), fft.threads)
 
-        parts = shares(len(ends), fft.threads)
-        on_threads(fft.threads, passes, parts, range(fft.threads))
-        sums = np.sum(sums_of_shares, axis=0)
+        def passes(thread: int) -> None:
+            scratch = fft.rows[thread], levels.scratch[thread][0], sums_of_passes
+            search_passes(
+                ends, shares.parts, shares.turns, *scratch, *fields, step, *limits, self.law, work
+            )
+
+        shares.on_threads(passes, range(fft.threads))
+        sums = np.sum(sums_of_passes, axis=0)
         if self.law is None:
             return [*self.grid.comm.sum(sums).tolist(), 0.0, 0.0]
         return self.grid.comm.sum([*sums, *np.sum(work, axis=0)]).tolist()
