@@ -173,7 +173,7 @@ def on_threads(
         work_on(0)
     finally:
         for helper in helpers:
-            helper.wait()
+            helper.end()
     errors = [helper.error for helper in helpers if helper.error is not None]
     _free_helpers.extend(helpers)
     if errors:
@@ -200,14 +200,14 @@ def added(parts: Sequence[Sequence[float]], count: int) -> np.ndarray:
 
 
 class _Helper:
-    """A thread that waits for work, does it, and waits again, until the process ends.
+    """A thread that does one piece of work after another.
 
     Two locks take a third of the time of an executor's queue and futures.
     """
 
     def __init__(self) -> None:
         self.error: BaseException | None = None
-        self._work: Callable[[], None] | None = None
+        self._work: list[Callable[[], None]] = []  # at most one; whoever takes it out has it
         self._begun = threading.Lock()
         self._ended = threading.Lock()
         self._begun.acquire()
@@ -215,25 +215,35 @@ class _Helper:
         threading.Thread(target=self._run, name="hpc-gfmd", daemon=True).start()
 
     def begin(self, work: Callable[[], None]) -> None:
-        """Have the thread call work(), and return at once; `wait` before the next `begin`."""
+        """Begin with some work, after `end` of the work before."""
         self.error = None
-        self._work = work
-        self._begun.release()
+        self._work.append(work)
+        if self._begun.locked():  # if not, it has yet to wake up for work that was withdrawn
+            self._begun.release()
 
-    def wait(self) -> None:
-        """Wait until the work has ended; `error` is then the exception that it raised, or None."""
-        self._ended.acquire()
+    def end(self) -> None:
+        """Wait until the work has ended, or withdraw it if the thread has not woken up yet.
+
+        An error of the work is in `error` then.
+        """
+        try:
+            self._work.pop()
+        except IndexError:
+            self._ended.acquire()
 
     def _run(self) -> None:
-        """Do in the thread whatever `begin` asks for, forever."""
+        """Do work whenever some has begun."""
         while True:
             self._begun.acquire()
             try:
-                if self._work is not None:
-                    self._work()
+                work = self._work.pop()
+            except IndexError:
+                continue
+            try:
+                work()
             except BaseException as error:
                 self.error = error
-            self._work = None  # it refers to fields
+            del work  # it refers to fields
             self._ended.release()
 
 
