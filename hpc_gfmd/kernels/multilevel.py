@@ -422,7 +422,7 @@ def _begin_smoothing(memory, levels, mode, mode_level, totals):
 
 @inline
 def _close_smoothing(fields, sums, softness, has_mode, mode, totals):
-    """Finish a level: add its pieces' sums to `totals`, the gap mode to z, and set z's halo rows."""
+    """Finish a level: add its pieces' sums to `totals` and the gap mode to z; set z's halo rows."""
     rows = fields.shape[1] - 2
     n = fields.shape[2]
     for c in range(SUMS):
