@@ -318,10 +318,11 @@ def sweep_levels(
         are restricted, and the first piece of its stage and the one after the last. A stage is one
         level on the way down or up.
     end : int
-        The piece before which this call ends; `turns` says with which one it begins.
+        The piece after the last one to do.
     turns : array of int64
-        Counters that threads share, at NEXT, ENDED and CLOSED: the next piece, the number of pieces
-        that have ended, and that of pieces in closed stages. They are changed.
+        Counters that threads share and change, at NEXT, ENDED and CLOSED: the next piece, the
+        number of pieces that have ended, and that of pieces in closed stages. The caller sets all
+        three to the first piece to do, with which a stage begins.
     patience : int
         How often a thread looks at a stage that is not closed before it returns.
     memory : flat array
@@ -354,8 +355,8 @@ def sweep_levels(
     Returns
     -------
     int
-        How often this thread looked in vain at a stage that was not closed. If it lost patience, -1
-        less that number: it must be called again.
+        How often this thread looked in vain at a stage that was not closed. -1 less that number if
+        it lost patience: it must call again, and nothing is lost.
     """
     J_x, f_x, J_y, f_y, s_x, s_y = tables
     coarsest = levels.shape[0] - 2

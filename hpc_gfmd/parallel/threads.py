@@ -7,7 +7,7 @@ the order of the pieces: so no number does either.
 import os
 import threading
 from collections.abc import Callable, Iterable, Sequence
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any, TypeVar
 
 import numpy as np
@@ -16,7 +16,6 @@ T = TypeVar("T")
 
 PIECE_POINTS = 2**17  # of a field, which a thread works on at a time
 PIECE_ROWS = 8  # at least
-SMALLEST_SHARE = 32  # of a compiled pass: a thread's equal part over this
 
 
 def piece_rows(n_y: int) -> int:
@@ -80,13 +79,54 @@ def shares(count: int, threads: int) -> list[tuple[int, int]]:
     list of (int, int)
         (start, stop) of each part, in order.
     """
-    smallest = max(1, count // (SMALLEST_SHARE * threads))
     ends = [0]
     while ends[-1] < count:
         rest = count - ends[-1]
-        share = max(smallest, rest // (2 * threads)) if threads > 1 else rest
-        ends.append(ends[-1] + min(share, rest))
+        share = max(1, rest // (2 * threads)) if threads > 1 else rest
+        ends.append(ends[-1] + share)
     return list(zip(ends, ends[1:]))
+
+
+class Shares:
+    """A range in parts that threads take by themselves, in compiled calls that run at once.
+
+    Parameters
+    ----------
+    count : int
+        Length of the range.
+    threads : int
+        That share it.
+
+    Attributes
+    ----------
+    parts : ndarray (parts, 2)
+        As `shares` returns them.
+    turns : ndarray (1,)
+        The next part, for kernels/atomic.py.
+    """
+
+    def __init__(self, count: int, threads: int):
+        self.parts = _parts(count, threads)
+        self.turns = np.zeros(1, np.int64)
+        self._threads = min(threads, len(self.parts))
+
+    def on_threads(self, work: Callable[[Any], Any], scratch: Sequence[Any]) -> None:
+        """Call a function once on each of the threads that get a part.
+
+        Parameters
+        ----------
+        work : callable
+            work(scratch of the thread) takes parts by `turns` until none is left.
+        scratch : sequence
+            Of each thread its own.
+        """
+        on_threads(self._threads, work, [()] * self._threads, scratch)
+
+
+@lru_cache(maxsize=256)
+def _parts(count: int, threads: int) -> np.ndarray:
+    """Return `shares` as an array (parts, 2), which must not be written to."""
+    return np.array(shares(count, threads), np.int64).reshape(-1, 2)
 
 
 def on_threads(
