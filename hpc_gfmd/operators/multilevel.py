@@ -449,7 +449,11 @@ class Multilevel:
         return sums if self.last_comm.rank == 0 else nothing
 
     def _find_mode(self, coarsest: CoarsestLevels) -> None:
-        """Set the gap mode from the contact on the levels; none unless wanted. Collective."""
+        """Compute the gap mode of the contact on the levels; set none if it is not wanted.
+
+        It is kept in `coarsest`, or in this object if ranks share its level. Collective over the
+        ranks that have the coarsest levels.
+        """
         coarsest.mode = coarsest.mode[:0]
         self._mode = None
         level = self.gap_mode.level
