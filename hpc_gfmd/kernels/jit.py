@@ -15,7 +15,6 @@ FASTMATH = {"reassoc", "contract", "nsz", "arcp"}
 
 def kernel(
     function: Callable[..., Any],
-    makes_arrays: bool = False,
     piece: bool = False,
     part: bool = False,
 ) -> Any:
@@ -24,14 +23,12 @@ def kernel(
     Parameters
     ----------
     function : function
-        Of arrays and numbers.
-    makes_arrays : bool
-        Set if it allocates or returns arrays; enables reference counting, also of every row that a
-        loop takes, which is slow.
+        Of arrays and numbers. It must not make arrays: counting references, also of every row that
+        a loop takes, would be slow.
     piece : bool
         Of other kernels, small: its machine code is copied into theirs. As a function of its own,
         kept code would have another copy of it than code that has just been compiled, and other
-        last bits.
+        last bits. Python must not call it: there is nothing to call, and the process ends.
     part : bool
         Of one other kernel, large: its source is copied into that one before anything is compiled,
         which takes half as long as compiling both.
@@ -46,15 +43,16 @@ def kernel(
         nogil=True,
         error_model="numpy",
         fastmath=FASTMATH,
-        _nrt=makes_arrays,
+        _nrt=False,
         forceinline=piece,
         inline="always" if part else "never",
+        no_cpython_wrapper=piece,
+        no_cfunc_wrapper=True,
     )
 
 
 inline = partial(kernel, piece=True)
 part = partial(kernel, part=True)
-making_arrays = partial(kernel, makes_arrays=True)
 
 
 @inline
