@@ -1,5 +1,6 @@
-"""Elastic contact of rough surfaces: Green's function molecular dynamics on slabs, from a laptop to
-a cluster.
+"""Elastic contact of rough surfaces, by Green's function molecular dynamics.
+
+It runs on a laptop or, with its fields split into slabs, on a cluster.
 
     import hpc_gfmd
     surface = hpc_gfmd.read_surface("scan.x3p")             # or make_surface(...), or a NumPy array
@@ -9,9 +10,9 @@ a cluster.
     solutions = hpc_gfmd.load("contact.h5")                 # the same from a result file
     hpc_gfmd.run("scene.toml")                              # as the command line does
 
-`reference` has contact areas and mean gaps of self-affine surfaces with their uncertainties.
-The names are listed in __init__.pyi. Importing this package neither starts MPI nor compiles
-anything; its parts are imported when they are first used.
+`reference` has contact areas and mean gaps of self-affine surfaces with their uncertainties. The
+names are listed in __init__.pyi. Importing this package neither starts MPI nor compiles anything;
+its parts are imported when they are first used.
 """
 
 import lazy_loader

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from ..scene import Material
     from .base import Body
 
-COMMON = ("base", "images")  # files that are no body
+COMMON = ("base", "images")  # files without a body
 
 
 def body_classes() -> dict[str, type[Body]]:
@@ -22,24 +22,24 @@ def body_classes() -> dict[str, type[Body]]:
 
 
 def body_of(material: Material, free: tuple[bool, bool] = (False, False)) -> Body:
-    """Return the elastic body that a scene means.
+    """Return the elastic body that a scene describes.
 
     Parameters
     ----------
     material : scene.Material
-        Its keys say which.
+        Table of the scene.
     free : (bool, bool)
-        Whether the surface ends along x, along y.
+        Whether the boundaries along x, along y are free instead of periodic.
 
     Returns
     -------
     Body
-        The first of the bodies that recognises itself.
+        The first body of `body_classes` whose `of` accepts these keys and boundaries.
 
     Raises
     ------
     SceneError
-        If no body has these keys and boundaries.
+        If no body does: a thickness with a free boundary.
     """
     for cls in body_classes().values():
         if body := cls.of(material, free):

@@ -2,8 +2,8 @@
 from it.
 
 Units as in operators/problem.py: E* = 1, in-plane lengths in grid spacings a. Load control
-eliminates the rigid translation, so on a grid K(0) = 0 and S = 1/K has zero mean; what a uniform
-pressure does (`stiffness` at q = 0) counts for the approach alone.
+eliminates the rigid translation, so on a grid K(0) = 0 and S = 1/K has zero mean; the response to a
+uniform pressure (`stiffness` at q = 0) enters the approach alone.
 """
 
 from __future__ import annotations
@@ -33,7 +33,10 @@ Waves = tuple[np.ndarray, np.ndarray]  # wave numbers along x and along y
 
 
 def once_per_grid(method: Callable[[Any, Grid], T]) -> Callable[[Any, Grid], T]:
-    """Make a method of bodies find what it gives once for each grid."""
+    """Decorate a method of bodies: compute its value once for each body and size of grid.
+
+    `Grid.once` keeps the values.
+    """
 
     @wraps(method)
     def known(self: Any, grid: Grid) -> T:
@@ -43,29 +46,32 @@ def once_per_grid(method: Callable[[Any, Grid], T]) -> Callable[[Any, Grid], T]:
 
 
 class Multipliers:
-    """Multiplies the columns of a spectrum by K or S, in place and with 1/N folded in.
+    """Multiplies the columns of a spectrum by K/N or S/N in place (the transforms leave out 1/N).
 
     Parameters
     ----------
     grid : Grid
         Of the fields.
     fft : SlabFFT
-        Whose columns they are.
+        The transforms that the columns belong to.
     q : (q_x, q_y)
         Wave numbers (n_x,) and (blocks of this rank, W), in 1/a, of K = |q|/2.
     table : array (blocks, W, n_x//2 + 1), optional
-        K where it is another one.
+        K of these columns, for a body with another K than |q|/2.
     uniform : float
-        K(0), which load control leaves out.
+        See below.
 
     Attributes
     ----------
     uniform : float
-        The K(0) that load control leaves out: 0 where the body gives way without end.
+        Stiffness K(0) against a uniform pressure, in 1/a, which the multiplication leaves out. A
+        uniform pressure moves some bodies without end: 0 for the periodic half-space, nan for one
+        that is free along one axis alone.
     factors : tuple
-        What kernels/spectral.py multiplies by.
+        The factors as kernels/spectral.py: multiply takes them.
     alone : bool
-        Whether that is all, so that whole passes are multiplied at once.
+        Whether these factors are all there is: if so, compiled passes multiply many blocks in one
+        call; if not, `multiply` must be called for every block.
     """
 
     alone = True
@@ -87,7 +93,7 @@ class Multipliers:
         self.factors = fft.dtype.type(fft.scale), weight, *waves, table
 
     def couple(self, fft: SlabFFT, inverse: bool) -> None:
-        """Prepare modes of different columns that belong together: here there are none.
+        """Prepare the coupling of modes in different columns; does nothing for this class.
 
         To be called once before the columns of a field are multiplied. Collective.
 
@@ -96,7 +102,7 @@ class Multipliers:
         fft : SlabFFT
             Holds the row spectra of the field.
         inverse : bool
-            Whether it is to be multiplied by S.
+            Whether the field will be multiplied by S.
         """
 
     def multiply(self, block: np.ndarray, m: int, inverse: bool) -> float:
@@ -107,36 +113,35 @@ class Multipliers:
         block : array (W, n_x), complex
             Columns of the spectrum.
         m : int
-            The block's number.
+            The block's number, among the blocks of all ranks.
         inverse : bool
             Multiply by S.
 
         Returns
         -------
         float
-            Their share of <u, K u>, or of <p, S p>.
+            What these columns add to <u, K u>, or to <p, S p>, of the field before.
         """
         return float(multiply(block.view(self.dtype), m // self.ranks, inverse, *self.factors))
 
 
 class Body:
-    """An elastic body, given by the radial function `stiffness`. Instances are hashable: frozen
-    dataclasses.
+    """An elastic body, given by its stiffness K as a function of |q|.
 
     To add a body, put a file into bodies/ with a subclass that has `of` and `stiffness`; all else
-    follows from these.
+    follows from these. Bodies are frozen dataclasses and so hashable.
 
     Attributes
     ----------
     name : str
         The file's.
     table_share : float
-        Numbers that are kept for every point of a grid and each precision.
+        Numbers that are stored per point of a grid, for each precision.
     full_p_star : float
-        Below this p* full contact is out of the question, because the pressure that flattens a
-        surface varies by std(p) >= E* g_rms/2 about its mean (unless the surface is very skewed).
+        Below this p* full contact is taken to be impossible: the pressure that flattens a surface
+        varies by std(p) >= E* g_rms/2 about its mean (unless the surface is very skewed).
     error : float
-        Relative error of the pressure field (L2) from what S is not known to, at most.
+        Bound of the relative error of the pressure (L2) that comes from approximations in S.
     sources : tuple of str
         Papers that K is from, with DOI.
     """
@@ -152,19 +157,19 @@ class Body:
 
     @classmethod
     def of(cls, material: Material, free: Sequence[bool]) -> Body | None:
-        """Return the body of this kind that a scene means.
+        """Return the body of this kind that a scene describes.
 
         Parameters
         ----------
         material : scene.Material
             Of the scene; lengths in the unit of the surface's.
         free : pair of bool
-            Whether the surface ends along x, along y.
+            Whether the boundaries along x, along y are free instead of periodic.
 
         Returns
         -------
         Body or None
-            None where the scene does not mean this kind.
+            None if the scene describes another kind of body.
         """
         raise NotImplementedError
 
@@ -191,7 +196,7 @@ class Body:
         raise NotImplementedError
 
     def waves(self, grid: Grid, q_x: np.ndarray, q_y: np.ndarray) -> Waves:
-        """Return the wave numbers along both axes as `stiffness` is to take them on a grid.
+        """Return the wave numbers that take the place of a grid's in K; here its own.
 
         Parameters
         ----------
@@ -203,14 +208,14 @@ class Body:
         Returns
         -------
         tuple of array
-            In the shapes of q_x and q_y.
+            Along x and along y, in the shapes of q_x and q_y.
         """
         return q_x, q_y
 
     def multipliers(self, grid: Grid, fft: SlabFFT) -> Multipliers:
-        """Return the Multipliers for the transforms of a grid, made once for each plan of them.
+        """Return this body's Multipliers for the transforms of a grid. Collective.
 
-        Collective.
+        They are made at the first call and kept in `fft`.
 
         Parameters
         ----------
@@ -231,16 +236,16 @@ class Body:
         return fft.multipliers[self]
 
     def make_multipliers(self, grid: Grid, fft: SlabFFT, q: Waves) -> Multipliers:
-        """Make the Multipliers from a table of K for this rank's columns, which is even in q_x.
+        """Make the Multipliers from a table of K for this rank's columns. Collective.
 
-        Collective.
+        K is even in q_x, so the table has the columns' non-negative wave numbers.
 
         Parameters
         ----------
         grid : Grid
             The grid.
         fft : SlabFFT
-            Its transforms in one precision; the Multipliers do not hold it.
+            Its transforms in one precision; the Multipliers keep no reference to it.
         q : (q_x, q_y)
             Wave numbers (n_x,) and (blocks of this rank, W), in 1/a.
 
@@ -261,13 +266,15 @@ class Body:
 
     @once_per_grid
     def scale(self, grid: Grid) -> float:
-        """Return K of the shortest wave of the grid (the corner of the Brillouin zone) over sqrt 2:
-        what the finest level is weighted by."""
+        """Return K of the grid's shortest wave over sqrt 2: the weight of the finest level, in 1/a.
+
+        The shortest wave is the corner of the Brillouin zone.
+        """
         return float(self.stiffness(np.array([SQRT2 * grid.q_nyquist]), grid.a)[0]) / SQRT2
 
     @once_per_grid
     def bounds(self, grid: Grid) -> tuple[float, float]:
-        """Return the smallest and the largest K of all waves of the grid."""
+        """Return the smallest and the largest K of all waves of the grid, in 1/a."""
         shortest = SQRT2 * grid.q_nyquist
         longest = min(
             (2 * np.pi * grid.a / size for size, n in zip(grid.sizes, grid.n) if n > 1),
@@ -278,9 +285,11 @@ class Body:
 
     @once_per_grid
     def typical(self, grid: Grid) -> float:
-        """Return what K is on the average over what solvers leave, so that it tells the error of
-        the pressure from that of the energy: times a constant, `scale` where K is proportional to
-        q."""
+        """Return a typical K of the waves in the residual that solvers leave, in 1/a.
+
+        It converts an error of the energy into one of the pressure. It is the largest K up to LEFT
+        times the shortest wave number, scaled to equal `scale` where K is proportional to q.
+        """
         shortest = SQRT2 * grid.q_nyquist
         K = self.stiffness(
             np.append(np.linspace(0, LEFT * shortest, SAMPLES)[1:], LEFT * shortest), grid.a
@@ -288,15 +297,14 @@ class Body:
         return float(K.max()) / (SQRT2 * LEFT)
 
     def weights(self, grid: Grid) -> np.ndarray:
-        """Return the stiffness of every level of the grid's hierarchy in the multilevel
-        preconditioner, relative to the finest.
+        """Return the stiffness of each level of the preconditioner, relative to the finest.
 
         A wave is corrected on its own level and on all finer ones. So K of a level is the largest
-        of all waves as long as its own or longer, and where it falls less than in proportion to q
-        from a level to the next (a thin layer pressed by long waves) the next one has little to
-        add, or nothing: NOTHING. Where it falls more (a soft base) it is no more than twice the K
-        of waves twice as long, of which the next level sees but a part. The last level is the rigid
-        translation, which nothing resists but contact.
+        of all waves as long as its own or longer. Where it falls less than in proportion to q from
+        a level to the next (a thin layer pressed by long waves), the next one has little to add, or
+        nothing: its weight rises up to NOTHING. Where it falls more (a soft base), it is at most
+        twice the K of waves twice as long, of which the next level sees only a part. The last level
+        is the rigid translation, which nothing resists but contact.
         """
         q = np.array([level.q for level in levels(grid)])
         longer = np.append(np.geomspace(q[-1] / q[0], 1.0, SAMPLES), 0)
@@ -316,11 +324,12 @@ class Body:
         return weights
 
     def softness(self, grid: Grid) -> np.ndarray:
-        """Return what every level adds to S, over S of the shortest wave: of a field of zero mean,
-        <r, S r> is bounded by its squares on the levels times this (operators/multilevel.py). Not
-        1/weights where K is flat: S of a level is the largest of all waves as short, and has to do
-        for waves up to STEEP times as long, of which coarser levels see a part: where S rises in
-        proportion to 1/q it does.
+        """Return what each level adds to S, over S of the shortest wave; finest level first.
+
+        For a field r of zero mean, <r, S r> is bounded by the squares of r on the levels times
+        these numbers (operators/multilevel.py). They are not 1/weights where K is flat: S of a
+        level is the largest of all shorter waves. It also has to serve waves up to STEEP times as
+        long, of which coarser levels see a part, as it does where S rises in proportion to 1/q.
         """
         q = np.array([level.q for level in levels(grid)])
         shorter = np.append(np.geomspace(q[-1] / q[0], 1.0, SAMPLES) * q[0], q)
@@ -334,8 +343,11 @@ class Body:
 
     @once_per_grid
     def near(self, grid: Grid) -> np.ndarray:
-        """Return K between a point and itself, its neighbours along x, along y, and the diagonal
-        ones (0 where there are none)."""
+        """Return K in real space, in 1/a: at a point itself, and at its nearest neighbours.
+
+        The four numbers couple a point with itself, its neighbours along x, along y, and the
+        diagonal ones; 0 for an axis of less than three points.
+        """
         n_x, n_y = (min(k, NEAR_POINTS) for k in grid.n)
         q_x, q_y = (
             2 * np.pi * np.fft.fftfreq(k) * grid.a / s for k, s in zip((n_x, n_y), grid.spacings)
@@ -350,19 +362,21 @@ class Body:
 
     @once_per_grid
     def point_compliance(self, grid: Grid) -> float:
-        """Return S between a point and itself: how far a pressure of 1 on this point alone presses
-        it down, relative to the mean, in units of a.
+        """Return S between a point and itself, in units of a.
+
+        That is how far a pressure of 1 on this point alone presses it down, relative to the mean.
 
         Parameters
         ----------
         grid : Grid
-            Its spacings and numbers of points count.
+            Its spacings and numbers of points are used.
 
         Returns
         -------
         float
-            The mean of 1/K over all waves but the uniform one. Summed over NEAR_POINTS along an
-            axis, with the longest waves on finer and finer wave numbers, so it takes no table.
+            The mean of 1/K over all waves but the uniform one. It is summed over NEAR_POINTS wave
+            numbers per axis, with finer and finer ones for the longest waves, so no table is
+            needed.
         """
         left, unit, total = np.array(grid.n), np.array(grid.spacings) / grid.a, 0.0
         weight = 1.0

@@ -18,7 +18,8 @@ class Coating(Body):
         K = |q|/2 [1 - (l + k + 4 k x^2) e + l k e^2]/[1 + 4 k x e - l k e^2],
         k = (ratio - 1)/(ratio + b),    l = (ratio b_base - b)/(1 + ratio b_base)
 
-    Long waves see the half-space alone: K -> |q|/2 times its modulus over that of the coating.
+    Long waves are resisted by the half-space alone: K -> |q|/2 times its modulus over that of the
+    coating.
 
     Attributes
     ----------
@@ -42,19 +43,19 @@ class Coating(Body):
 
     @classmethod
     def of(cls, material: Material, free: Sequence[bool]) -> Body | None:
-        """Return the coating that a scene means: a thickness with a base that has a modulus.
+        """Return the coating that a scene describes: a thickness, and a base with a modulus.
 
         Parameters
         ----------
         material : scene.Material
             Lengths in the unit of the surface's.
         free : pair of bool
-            Whether the surface ends along x, along y.
+            Whether the boundaries along x, along y are free instead of periodic.
 
         Returns
         -------
         Coating or None
-            None of other materials, and of a surface that ends.
+            None for other materials, and if a boundary is free.
         """
         t = material.thickness
         nu = material.nu1

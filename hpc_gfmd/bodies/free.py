@@ -1,13 +1,13 @@
-"""The elastic half-space under a surface that ends: free boundaries along one axis or both.
+"""The elastic half-space under a surface with free boundaries along one axis or both.
 
 The grid is a cell longer than the surface along each free axis, and points beyond the surface never
-touch. For two points of the surface S must be that of free space, for others it may be anything: it
-is that of the periodic half-space and, in the lowest modes of the cell, what takes the images out
-of it (bodies/images.py). K is its inverse: |q|/2 again, but that these modes are coupled.
+touch. Between two points of the surface S must be that of free space; between others it is
+arbitrary. So S is that of the periodic half-space plus, in the lowest modes of the cell, what
+cancels the images (bodies/images.py). K is its inverse: |q|/2, except that these modes are coupled.
 
 On a grid |q| has a kink where the wave numbers end, which gives S a tail, (-1)^i/i^2 along either
-axis, and so images of its own that are no 1/r. The wave numbers of an axis that ends are rounded
-there, so that K is smooth and S knows nothing of the cell.
+axis, and so images of its own that do not decay as 1/r. The wave numbers of a free axis are rounded
+there, so that K is smooth and S does not depend on the cell.
 """
 
 from collections.abc import Sequence
@@ -35,18 +35,19 @@ Matrices = dict[bool, dict[tuple[int, int], np.ndarray]]
 
 
 class Shape(NamedTuple):
-    """What `images` takes for a grid; lengths in the unit of the root of the cell's area.
+    """What `images` needs to know of a grid; lengths in units of the root of the cell's area.
 
     Attributes
     ----------
     cell, inside : (float, float)
         Sizes of the cell, and of the surface in it.
     free : (bool, bool)
-        Whether the surface ends along each axis.
+        Whether each axis is free instead of periodic.
     modes : (int, int)
-        The highest along each axis.
+        The highest mode number along each axis.
     points : (int, int)
-        Points along each axis, as far as modes can tell.
+        Points along each axis; at most three times as many as modes, beyond which they do not
+        matter.
     """
 
     cell: tuple[float, float]
@@ -58,12 +59,12 @@ class Shape(NamedTuple):
 
 @dataclass(frozen=True)
 class Free(HalfSpace):
-    """A half-space under a surface that ends along at least one axis.
+    """A half-space under a surface with free boundaries along at least one axis.
 
     Attributes
     ----------
     free : (bool, bool)
-        Whether the surface ends along x, along y.
+        Whether the boundaries along x, along y are free instead of periodic.
     """
 
     free: tuple[bool, bool]
@@ -76,35 +77,38 @@ class Free(HalfSpace):
 
     @classmethod
     def of(cls, material: Material, free: Sequence[bool]) -> Body | None:
-        """Return the half-space under a surface that ends, where a scene has no thickness.
+        """Return the half-space under a free surface, if the scene has no thickness.
 
         Parameters
         ----------
         material : scene.Material
             Lengths in the unit of the surface's.
         free : pair of bool
-            Whether the surface ends along x, along y.
+            Whether the boundaries along x, along y are free instead of periodic.
 
         Returns
         -------
         Free or None
-            None of layers, and of a periodic surface.
+            None if the material has a thickness, or both axes are periodic.
         """
         return cls((free[0], free[1])) if material.thickness is None and any(free) else None
 
     @classmethod
     def examples(cls) -> list[Body]:
-        """Return a surface that ends along both axes, and along either, for the contract tests."""
+        """Return bodies free along both axes, along x and along y, for the contract tests."""
         return [cls((True, True)), cls((True, False)), cls((False, True))]
 
     @once_per_grid
     def bounds(self, grid: Grid) -> tuple[float, float]:
-        """Return bounds of K on a grid: the coupled modes are softer than those of the cell."""
+        """Return bounds of K on a grid, in 1/a.
+
+        The lower one is below the smallest K of the waves: coupled modes are softer.
+        """
         smallest, largest = super().bounds(grid)
         return 0.4 * smallest, largest  # S of a mode is at most 2.5 times that of the cell
 
     def waves(self, grid: Grid, q_x: np.ndarray, q_y: np.ndarray) -> Waves:
-        """Return the wave numbers with the kink at the shortest wave rounded along axes that end.
+        """Return the wave numbers, without their kink at the shortest wave along free axes.
 
         Parameters
         ----------
@@ -129,14 +133,15 @@ class Free(HalfSpace):
         grid : Grid
             The grid.
         fft : SlabFFT
-            Its transforms in one precision; the Multipliers do not hold it.
+            Its transforms in one precision; the Multipliers keep no reference to it.
         q : (q_x, q_y)
             Wave numbers (n_x,) and (blocks of this rank, W), in 1/a.
 
         Returns
         -------
         Multipliers
-            Coupled, or those of the periodic half-space on a grid of too few points to end.
+            Coupled; those of the periodic half-space if no free axis of the grid has more than two
+            points.
         """
         shape = self._shape(grid)
         return (
@@ -146,12 +151,12 @@ class Free(HalfSpace):
         )
 
     def exchanged(self, grid: Grid) -> int:
-        """Return how many numbers a multiplication sums over all ranks."""
+        """Return how many numbers one multiplication by K sums over all ranks."""
         shape = self._shape(grid)
         return 4 * (shape.modes[0] + 1) * (shape.modes[1] + 1) if shape else 0
 
     def _shape(self, grid: Grid) -> Shape | None:
-        """Return the Shape of a grid, None where nothing ends."""
+        """Return the Shape of a grid; None if no free axis has more than two points."""
         free = self.free[0] and grid.n[0] > 2, self.free[1] and grid.n[1] > 2
         if not any(free):
             return None
@@ -177,7 +182,7 @@ class Free(HalfSpace):
 
 
 def rounded(q: np.ndarray, spacing: float, ends: bool) -> np.ndarray:
-    """Return |q| along an axis, without the kink at pi/spacing where the axis ends.
+    """Return the wave numbers of an axis; if it is free, |q| without the kink at pi/spacing.
 
     Parameters
     ----------
@@ -186,12 +191,12 @@ def rounded(q: np.ndarray, spacing: float, ends: bool) -> np.ndarray:
     spacing : float
         Of the points, in this unit.
     ends : bool
-        Whether the surface ends along the axis: |q| is averaged over a normal distribution then.
+        Whether the axis is free: |q| is averaged over a normal distribution then.
 
     Returns
     -------
     array
-        In the shape of q.
+        In the shape of q; q itself, signs included, unless the axis is free.
     """
     from scipy.special import erfc
 
@@ -204,8 +209,7 @@ def rounded(q: np.ndarray, spacing: float, ends: bool) -> np.ndarray:
 
 @lru_cache(maxsize=16)
 def _half_space(shape: Shape, dtype: np.dtype) -> tuple[Images, Matrices]:
-    """Return the Images of a shape, and what couples the modes, in a precision: of K and, by True,
-    of S."""
+    """Return the Images of a shape and its `matrices_of` in a precision. The last 16 are kept."""
     waves = [2 * np.pi / size * np.arange(k + 1) for size, k in zip(shape.cell, shape.modes)]
     q_x, q_y = map(rounded, waves, np.divide(shape.cell, shape.points), shape.free)
     q = np.hypot(q_x[:, None], q_y)
@@ -215,21 +219,22 @@ def _half_space(shape: Shape, dtype: np.dtype) -> tuple[Images, Matrices]:
 
 
 def matrices_of(of_shape: Images, S: np.ndarray, dtype: np.dtype) -> Matrices:
-    """Return what couples the modes.
+    """Return the matrices that couple the lowest modes, for K and for S.
 
     Parameters
     ----------
     of_shape : Images
         What is added to S of the cell.
     S : array (m_x, m_y)
-        That of the cell alone.
+        S of the cell alone, of each mode.
     dtype : dtype
         Precision of the matrices.
 
     Returns
     -------
     dict
-        By whether S is meant, of dicts by the parities along x and y: (stack, m, m).
+        [inverse][parity along x, parity along y] is an array (stack, m, m): what is added to K, or
+        with inverse = True to S.
     """
     return {
         inverse: {parity: matrix.astype(dtype) for parity, matrix in matrices.items()}
@@ -238,7 +243,9 @@ def matrices_of(of_shape: Images, S: np.ndarray, dtype: np.dtype) -> Matrices:
 
 
 class Coupled(Multipliers):
-    """Multipliers that couple the lowest modes of the cell.
+    """Multipliers that also couple the lowest modes of the cell.
+
+    `couple` computes what coupling adds to the product, `multiply` adds it to the columns.
 
     Parameters
     ----------
@@ -275,16 +282,16 @@ class Coupled(Multipliers):
         self.energy = 0.0
 
     def couple(self, fft: SlabFFT, inverse: bool) -> None:
-        """Multiply the lowest modes of what the row spectra hold, for `multiply` to add.
+        """Compute what the coupling of the lowest modes adds to the product. Collective.
 
-        Collective.
+        `multiply` adds it to the columns.
 
         Parameters
         ----------
         fft : SlabFFT
-            Holds the row spectra of the field.
+            Holds the row spectra of the field; they stay as they are.
         inverse : bool
-            Multiply by S.
+            Whether the field will be multiplied by S.
         """
         from scipy.fft import fft as transform
 
@@ -320,14 +327,15 @@ class Coupled(Multipliers):
         block : array (W, n_x), complex
             Columns of the spectrum.
         m : int
-            The block's number.
+            The block's number, among the blocks of all ranks.
         inverse : bool
             Multiply by S.
 
         Returns
         -------
         float
-            Their share of <u, K u>, or of <p, S p>; block 0 has that of the coupled modes.
+            What these columns add to <u, K u>, or to <p, S p>; block 0 also has what the coupled
+            modes add.
         """
         energy = super().multiply(block, m, inverse)
         columns = slice(int(self.edges[m]), int(min(self.edges[m + 1], self.modes[1] + 1)))

@@ -13,26 +13,26 @@ from .base import Body, Multipliers, Waves
 
 @dataclass(frozen=True)
 class HalfSpace(Body):
-    """Linear elastic, infinitely deep, periodic in the plane."""
+    """A linear elastic, infinitely deep body under a surface that is periodic along both axes."""
 
     name = "halfspace"
     table_share = 0.0
 
     @classmethod
     def of(cls, material: Material, free: Sequence[bool]) -> Body | None:
-        """Return the half-space, where a scene has no thickness and its surface is periodic.
+        """Return the half-space, if a scene has no thickness and periodic boundaries.
 
         Parameters
         ----------
         material : scene.Material
             Lengths in the unit of the surface's.
         free : pair of bool
-            Whether the surface ends along x, along y.
+            Whether the boundaries along x, along y are free instead of periodic.
 
         Returns
         -------
         HalfSpace or None
-            None of layers, and of a surface that ends.
+            None if the material has a thickness, or a boundary is free.
         """
         return HALF_SPACE if material.thickness is None and not any(free) else None
 
@@ -44,7 +44,7 @@ class HalfSpace(Body):
         q : array
             Wave numbers >= 0, in units of 1/a.
         a : float
-            Grid spacing; a half-space has no length of its own, so it does not count.
+            Not used: a half-space has no length of its own.
 
         Returns
         -------
@@ -54,14 +54,14 @@ class HalfSpace(Body):
         return q / 2
 
     def make_multipliers(self, grid: Grid, fft: SlabFFT, q: Waves) -> Multipliers:
-        """Make the Multipliers without a table: |q|/2 is computed as it is needed.
+        """Make the Multipliers without a table: |q|/2 is computed as it is needed. Not collective.
 
         Parameters
         ----------
         grid : Grid
             The grid.
         fft : SlabFFT
-            Its transforms in one precision; the Multipliers do not hold it.
+            Its transforms in one precision; the Multipliers keep no reference to it.
         q : (q_x, q_y)
             Wave numbers (n_x,) and (blocks of this rank, W), in 1/a.
 

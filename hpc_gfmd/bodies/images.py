@@ -1,13 +1,13 @@
-"""What the images of a surface that ends add to its displacement in a periodic cell, and how to
-take that out again.
+"""What the images of a surface with free boundaries add to its displacement in a periodic cell, and
+an operator that takes it out again.
 
-S of free space and that of the cell differ by c(r), the sum over the images of the origin. Between
-points of a surface that leaves a part of the cell free c is smooth: an operator T on the lowest
-modes of the cell gives it to ten digits. What T does beyond the surface, where the pressure is 0,
-is arbitrary: it is the least one, in the norm of S, so that S + T is positive and nearly S. It
-leaves the mean alone but for a constant, because load control does not know which point is at rest:
-on the surface other modes have to stand for the mean, and the more digits they give, the less S + T
-is like S. Seven it is.
+S of free space is S of the cell plus c(r), where -c is the sum over the images of the origin.
+Between points of a surface that leaves a part of the cell empty c is smooth: an operator T on the
+lowest modes of the cell reproduces it to ten digits. What T does beyond the surface, where the
+pressure is 0, is arbitrary: T is the least one, in the norm of S, so that S + T is positive and
+nearly S. T leaves the mean alone, up to a constant, because load control does not know which point
+is at rest. On the surface other modes have to represent the mean, and the more digits they give,
+the less S + T is like S; seven digits are a compromise.
 
 Modes are products of cos (parity 1) and sin (-1) of both coordinates, from the middle of the
 surface, orthonormal over the cell; T does not mix parities. Lengths are in any unit, E* = 1.
@@ -37,19 +37,22 @@ PARITIES = [(a, b) for a in (1, -1) for b in (1, -1)]
 
 @dataclass(frozen=True)
 class Images:
-    """The operator T of one shape of the cell.
+    """The operator T that is added to S of a periodic cell to get S of free space.
+
+    It acts on the lowest modes of the cell and is right between points of the surface.
 
     Attributes
     ----------
     T : dict of array (stack, m, m)
-        By the parities along x and y, of the modes in the order of `stacked`.
+        By the parities along x and y: matrices between modes in the order of `stacked`. Without the
+        mode k = 0 along an axis of parity -1.
     free : (bool, bool)
-        Whether the surface ends along each axis.
+        Whether each axis is free instead of periodic.
     modes : (int, int)
-        The highest along each axis.
+        The highest mode number along each axis.
     constant : float
-        Of the kernel, what T leaves to the mean: S of a uniform pressure on the whole cell, over
-        its area.
+        What S + T leaves to the mean: S of a uniform pressure on the whole cell, over its area; nan
+        if one axis is periodic.
     """
 
     T: dict[tuple[int, int], np.ndarray]
@@ -58,15 +61,20 @@ class Images:
     constant: float
 
     def stacked(self, a: np.ndarray) -> np.ndarray:
-        """Return numbers of modes (m_x, m_y) as T has them, (stack, m): a periodic axis does not
-        couple."""
+        """Arrange numbers of modes (m_x, m_y) in the order of T: (stack, m).
+
+        If both axes are free, T couples all modes: one row of m_x m_y. If one is periodic, T
+        couples only modes with the same number along it: a row for each.
+        """
         if all(self.free):
             return a.reshape(1, -1)
         return a.T if self.free[0] else a
 
     def inverse(self, S: np.ndarray) -> dict[tuple[int, int], np.ndarray]:
-        """Return (S + T)^-1 - 1/S, as T is stacked, 0 for the mean; S: of all modes k_x, k_y >=
-        0."""
+        """Return (S + T)^-1 - 1/S for each pair of parities, in the form of T; 0 for the mean.
+
+        S: array (m_x, m_y) of all modes k_x, k_y >= 0; it stays as it is.
+        """
         out = {}
         for (a, b), T in self.T.items():
             S_of_parity = S[int(a < 0) :, int(b < 0) :].copy()
@@ -86,21 +94,23 @@ def images(
     free: tuple[bool, bool],
     modes: tuple[int, int],
 ) -> Images:
-    """Find the operator T of one shape of the cell.
+    """Compute the operator T that takes the images out of S, for one shape of the cell.
+
+    The last 16 are kept.
 
     Parameters
     ----------
     cell, inside : (float, float)
         Sizes of the cell, and of the surface in it, in any unit.
     free : (bool, bool)
-        Whether the surface ends along each axis.
+        Whether each axis is free instead of periodic; at least one is.
     modes : (int, int)
-        The highest along each axis.
+        The highest mode number along each axis.
 
     Returns
     -------
     Images
-        Found once for each shape.
+        Not to be changed: the same object for the same shape.
     """
     k_x, k_y = (np.arange(highest + 1) for highest in modes)
     q = 2 * np.pi * np.hypot(k_x[:, None] / cell[0], k_y / cell[1])
@@ -126,9 +136,11 @@ def images(
 
 
 class _Nodes:
-    """Points of one half of the surface along an axis, for functions of either parity. fits: by
-    parity, the basis = U s V', V as S weights it; even: the even basis turned to as few rows as it
-    has columns."""
+    """Points of one half of the surface along an axis, to fit functions of either parity.
+
+    offsets: distances between points of the whole surface; fits: by parity, what `_fit` returns;
+    even: the even basis, rotated to as few rows as it has columns.
+    """
 
     def __init__(self, cell: float, inside: float, modes: int):
         half = int(np.ceil(NODES * (modes + 1) / 2))
@@ -144,25 +156,30 @@ class _Nodes:
 
     @staticmethod
     def _fit(basis: np.ndarray, k: np.ndarray) -> tuple[np.ndarray, ...]:
-        """Return the singular value decomposition of a basis, weighted by the root of S."""
+        """Return U, s and V of the singular value decomposition of a basis times the root of S.
+
+        V is multiplied by this root once more. k: mode numbers of the basis.
+        """
         root = k**-0.5  # of S, about
         U, s, V = np.linalg.svd(basis * root, full_matrices=False)
         return U, s, V.T * root[:, None]
 
     def pairs(self, parity: int) -> list[tuple[float, np.ndarray]]:
-        """Return the part of an even function of the distance that keeps a parity: weights, and
-        which of the offsets they are of."""
+        """Return how an even function of the distance acts on functions of a parity: two terms.
+
+        Each is a weight and an array of indices to `offsets`, from point to point of the half.
+        """
         i = self._i[:, None]
         j = self._i
         return [(0.5, abs(i - j)), (0.5 * parity, i + j + 1)]
 
 
 def _in_modes(D: np.ndarray, *axes: tuple[_Nodes, int]) -> np.ndarray:
-    """Return the least T with basis T basis' = D of the offsets along some axes, each with a
-    parity.
+    """Fit a kernel D in the lowest modes: return the least T with basis T basis' = D.
 
-    Of small singular values only products with large ones count: of the others nothing is left but
-    rounding errors.
+    D: the kernel at the axes' offsets; axes: each with its nodes and a parity. Where a product of
+    singular values is below LEAST, relative to the largest, only rounding errors are left: T is 0
+    there.
     """
     fits = [nodes.fits[parity] for nodes, parity in axes]
     size = np.ones(())
@@ -179,13 +196,16 @@ def _in_modes(D: np.ndarray, *axes: tuple[_Nodes, int]) -> np.ndarray:
 
 
 def _without_mean(T: np.ndarray, q: np.ndarray, basis: np.ndarray) -> tuple[np.ndarray, float]:
-    """Return what is T on the surface but for a constant, which is the second thing returned, with
-    0 for the mean (the first mode, q = 0).
+    """Return a T that is the given one on the surface, up to a constant, but 0 for the mean mode.
+
+    The mean is the first mode, q = 0. Also returns the constant. q: wave numbers of the modes;
+    basis: their values at points of the surface.
 
     On the surface the mean is a combination m of the other modes. With t of the mean and A of the
-    others in T, modes scaled so that S is 1, T is A + m t' + t m' + x m m', x free by the constant.
-    In the plane of m and t two eigenvalues over those of 1 + A are then not 1: x is such that the
-    smaller is SOFTEST. m has as many singular values as leave the larger below STIFFEST.
+    others in T, modes scaled so that S is 1, T is A + m t' + t m' + x m m', where the constant
+    makes x free. In the plane of m and t two eigenvalues relative to those of 1 + A are then not 1:
+    x makes the smaller one SOFTEST. m has as many singular values as leave the larger one below
+    STIFFEST.
     """
     root = np.sqrt(2 / q[1:])  # of S
     U, s, V = np.linalg.svd(basis[:, 1:] * root, full_matrices=False)
@@ -216,7 +236,9 @@ def _without_mean(T: np.ndarray, q: np.ndarray, basis: np.ndarray) -> tuple[np.n
 
 
 def kernel(x: np.ndarray, y: np.ndarray, X: float, Y: float) -> np.ndarray:
-    """Return c where both axes are free: Ewald's sum over the images, without the origin itself.
+    """Return c, what free space has more than the cell in S between two points, for two free axes.
+
+    It is Ewald's sum over the images, without the origin itself.
 
     Parameters
     ----------
@@ -228,7 +250,7 @@ def kernel(x: np.ndarray, y: np.ndarray, X: float, Y: float) -> np.ndarray:
     Returns
     -------
     array (x, y)
-        In the inverse of this unit, E* = 1.
+        c at all pairs of offsets, in the inverse of this unit, E* = 1.
     """
     from scipy.special import erf, erfc
 
@@ -257,21 +279,23 @@ def kernel(x: np.ndarray, y: np.ndarray, X: float, Y: float) -> np.ndarray:
 
 
 def kernel_of_wave(x: np.ndarray, X: float, q: float) -> np.ndarray:
-    """Return c of a wave along the periodic axis, where the other one is free.
+    """Return c, what free space has more than the cell in S, of a wave along a periodic axis.
+
+    The other axis is free.
 
     Parameters
     ----------
     x : array
-        Offsets along the axis that is free.
+        Offsets along the free axis.
     X : float
         Size of the cell along it, in the unit of the offsets.
     q : float
-        Wave number along the other one, in the inverse of this unit.
+        Wave number along the periodic axis, in the inverse of this unit.
 
     Returns
     -------
     array
-        In the shape of x.
+        In the shape of x, E* = 1.
     """
     from scipy.special import k0
 

@@ -28,7 +28,7 @@ class Layer(Body):
     thickness : float
         t, in the unit of the surface's lengths.
     nu : float
-        Poisson's ratio, below 1/2 where bonded.
+        Poisson's ratio, below 1/2 if bonded.
     base : str
         "bonded" or "frictionless".
     """
@@ -41,19 +41,19 @@ class Layer(Body):
 
     @classmethod
     def of(cls, material: Material, free: Sequence[bool]) -> Body | None:
-        """Return the layer that a scene means: a thickness on a rigid base.
+        """Return the layer that a scene describes: a thickness on a rigid base.
 
         Parameters
         ----------
         material : scene.Material
             Lengths in the unit of the surface's.
         free : pair of bool
-            Whether the surface ends along x, along y.
+            Whether the boundaries along x, along y are free instead of periodic.
 
         Returns
         -------
         Layer or None
-            None of other materials, and of a surface that ends.
+            None for other materials, and if a boundary is free.
         """
         t = material.thickness
         nu = material.nu1

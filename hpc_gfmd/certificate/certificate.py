@@ -1,21 +1,21 @@
 """The independent check of a solution, from its displacement alone.
 
-The pressure p = p0 + K u is computed anew, in double precision where rounding errors would count.
-What it violates of u >= -h, p >= 0, p g = 0 and mean(p) = p0 (the Karush-Kuhn-Tucker conditions) is
-the certificate. How far that is from the solution follows from the duality gap, which bounds the
-error of the energy without any knowledge of the solution:
+The pressure p = p0 + K u is recomputed, in double precision if rounding errors would spoil it. A
+certificate lists by how much it violates u >= -h, p >= 0, p g = 0 and mean(p) = p0 (the
+Karush-Kuhn-Tucker conditions). The distance from the solution follows from the duality gap, which
+bounds the error of the energy without any knowledge of the solution:
 
     E(u) - E* <= G = <p^, g> + 1/2 <p^ - p, S (p^ - p)>,    S = 1/K,
 
-for every admissible pressure p^ >= 0 of mean p0; p^ is p where it is in contact, rescaled. With a
-hardness H p^ is at most that, H where there is a dent, and G has <H - p^, g^-> besides <p^, g^+>.
-The norm S of p^ - p is bounded without a transform by sums of squares on the levels of the
-multilevel operator (EQUIVALENCE). From G follow bounds of the errors of the mean gap and of the
+for every admissible pressure p^ >= 0 of mean p0; p^ is the rescaled p of the points in contact.
+With a hardness H, p^ is at most H and equal to H in dents, and G has <H - p^, g^-> besides
+<p^, g^+>. The S norm of p^ - p is bounded without a transform by sums of squares on the levels of
+the multilevel operator (EQUIVALENCE). From G follow bounds of the errors of the mean gap and of the
 pressure (error_estimates.py), and from that of the pressure how many points may be in the wrong
 set, in contact or out of it (misclassified.py).
 
-In single precision what is smaller than the rounding errors of the heights, which count towards the
-errors, cannot be seen.
+In single precision violations below the rounding errors of the heights cannot be seen; these
+rounding errors count towards the errors.
 """
 
 from __future__ import annotations
@@ -40,53 +40,56 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class Certificate:
-    """What a state violates, how far it is from the solution, and what its fresh pressure adds up
-    to. Lengths and pressures are in the problem's units.
+    """The violations and estimated errors of a state, and sums of its recomputed pressure.
+
+    The same on all ranks; immutable. Lengths and pressures are in the problem's units. "The mean
+    pressure" is that of the wall: p0, plus the mean attraction if there is one.
 
     Attributes
     ----------
     penetration : float
-        Largest -g that is no dent.
+        Largest -g outside of dents.
     tension : float
-        Largest -p on closed points, over the mean pressure of the wall.
+        Largest -p on closed points, over the mean pressure.
     complementarity : float
         Mean of |p| g, over the mean pressure times the mean gap.
     load_balance : float
-        Difference between the mean pressure in contact and that asked for, relative.
+        |load of the wall - load of the points in contact|, over the load of the wall.
     duality_gap : float or None
-        G over N times the mean pressure times the mean gap; None if it was not asked for.
+        G over N times the mean pressure times the mean gap; None if it was not computed.
     residual : float
         rms of the pressure out of contact, over the mean pressure.
     errors : tuple of float
-        Estimated relative errors of area, mean gap and pressure field; nan if not asked for.
+        Estimated relative errors of area, mean gap and pressure field; nan if not estimated.
     attainable : tuple of float
-        The part of the errors of mean gap and pressure field that no iteration makes smaller.
+        Rounding errors that further iterations cannot reduce: the relative error of mean gap and
+        pressure field due to them if that is the larger part, else 0.
     energy : float
-        Elastic energy per area. That of a uniform pressure is left out where a half-space is
-        periodic along both axes; nan where it is so along one of them.
+        Elastic energy per area. It does not include the energy of the uniform pressure for a
+        half-space that is periodic along both axes; nan if it is periodic along one axis.
     approach : float
-        How far the bodies have come together since they touched, without any deformation. nan
-        where a half-space is periodic: it gives way to a uniform pressure without end.
+        Distance that the bodies have approached since their first contact without deformation. nan
+        for a periodic half-space, which has no finite displacement under a uniform pressure.
     uKu : float
         <u, K u>.
     pressures : float
-        L2 norm of the pressure in contact, over points.
+        Root of the sum of p^2 over points in contact.
     contact : int
-        Points in contact.
+        Number of points in contact, yielded ones included.
     yielded : int
-        Those of them that yield.
+        Number of points that yield.
     gap_mean : float
-        Mean gap; dents count as 0.
+        Mean gap over the surface; dents count as 0.
     pairs : float
-        FFT pairs that this took.
+        FFT pairs that the certificate took.
     precision : str
-        In which it was computed: "float32" or "float64".
+        Precision of its transforms: "float32" or "float64".
     attraction : float
-        Mean attraction, 0 without a law.
+        Mean attraction, a pressure; 0 without a law.
     energy_of_attraction : float
-        Its energy per area.
+        Energy of the attraction per area.
     stability : float
-        Of the equilibrium (stability.py); nan without an attraction.
+        Stability of the equilibrium (stability.py); nan if not computed.
     """
 
     penetration: float = 0.0
@@ -111,7 +114,7 @@ class Certificate:
     stability: float = np.nan
 
     def attributes(self) -> dict[str, Any]:
-        """Return the violations by name, and the precision in which they were computed."""
+        """Return the four violations by name, and the precision under "certificate_precision"."""
         names = ("penetration", "tension", "complementarity", "load_balance")
         return {name: getattr(self, name) for name in names} | {
             "certificate_precision": self.precision
@@ -119,27 +122,27 @@ class Certificate:
 
     @property
     def finite(self) -> bool:
-        """Whether all numbers are finite."""
+        """Whether residual, mean gap and <u, K u> are finite."""
         return bool(np.isfinite([self.residual, self.gap_mean, self.uKu]).all())
 
 
 class _Recomputed(NamedTuple):
-    """What follows from the displacement of a state, on all ranks.
+    """Sums that follow from the displacement of a state, over all ranks.
 
     Attributes
     ----------
     sums : KktSums
-        Of the fresh pressure and the gap.
+        Sums of the recomputed pressure and the gap.
     extremes : KktExtremes
-        Of both.
+        Largest penetration and tension.
     uKu : float
         <u, K u>.
     mean : float
-        Mean of u - level on the surface.
+        Mean of u - level over the grid.
     level : float
-        What was taken off u before the transform.
+        Constant that was subtracted from u before the transform.
     attraction, energy_of_attraction : float
-        Sums over points.
+        Sums of t and phi over points; 0 without a law.
     """
 
     sums: KktSums
@@ -160,29 +163,34 @@ def certify(
     dual: bool = False,
     stability: Stability | None = None,
 ) -> Certificate:
-    """Certify a gap at the load of a problem: one FFT pair, half of one more if dual. Collective.
+    """Recompute the pressure of a gap at the load of a problem, and measure all violations.
+
+    Takes one FFT pair, half of one more with `dual`. Collective. A state that is not finite raises
+    nothing: see `Certificate.finite`.
 
     Parameters
     ----------
     problem : Problem
-        With the load.
+        The contact with its load p0.
     g : array, local slab
-        Gap.
+        Gap of the state; does not change.
     p : array, local slab
-        Is overwritten with the fresh pressure.
+        Gets the recomputed pressure; its values are not read.
     levels : Multilevel, optional
-        Of the grid, whose fields are overwritten. Without it there are no errors.
+        Multilevel operator of the grid; its fields are overwritten. Without it the errors of the
+        certificate are nan.
     dtype : dtype
         Precision of the transforms.
     dual : bool
         Whether to compute the duality gap.
     stability : Stability, optional
-        Of the state, where there is an attraction. Errors are those of the contact with this
-        attraction frozen, over what is to be reckoned with.
+        Stability of the state, with an attraction. The errors are those of the contact with this
+        attraction frozen, divided by `stability.lowest`.
 
     Returns
     -------
     Certificate
+        The same on all ranks.
     """
     grid, N = problem.grid, problem.grid.N
     elastic = Elastic(grid, problem.body, dtype)
@@ -227,7 +235,10 @@ def certify(
 
 
 def _recompute(problem: Problem, elastic: Elastic, g: np.ndarray, p: np.ndarray) -> _Recomputed:
-    """Write the pressure of a gap to p, and return what both add up to."""
+    """Overwrite p with the pressure of the gap g, and return the sums of both over all ranks.
+
+    Collective, one FFT pair of `elastic`.
+    """
     grid = problem.grid
     level = problem.level(g)
     elastic.pressure_rows(problem.displacement_rows(g, level))
@@ -268,8 +279,11 @@ def _duality_gap(
     sums: KktSums,
     wall_load: float,
 ) -> float:
-    """Return G over the load times the sum of gaps; infinite where the contact has no admissible
-    pressure."""
+    """Return the duality gap G over (wall_load times the sum of gaps).
+
+    Infinite if the contact has no admissible pressure, or if G > 0 while all gaps are 0. sums: of g
+    and its pressure p, over all ranks. Collective, half an FFT pair of `elastic`.
+    """
     grid = problem.grid
     load = grid.N * wall_load
     scale, shift = _admissible(problem, load, load - sums.open_p, sums)
@@ -288,8 +302,11 @@ def _duality_gap(
 def _admissible(
     problem: Problem, load: float, closed_p: float, sums: KktSums
 ) -> tuple[float, float]:
-    """Return the scale of p in elastic contact, and what is added to it, that give a pressure of
-    the right mean between 0 and the hardness: a scale below 0 where there is none."""
+    """Return (scale, shift) such that scale p + shift in elastic contact makes p^ admissible.
+
+    p^ is then between 0 and the hardness and carries `load`, of which the contact with p carries
+    `closed_p`. A scale of -1: no such pressure exists.
+    """
     missing = load - closed_p
     if problem.hardness is None:
         return (load / closed_p if closed_p > 0 else -1.0), 0.0
@@ -311,10 +328,10 @@ def _errors(
     wall_load: float,
     stability: Stability | None,
 ) -> tuple[tuple[float, float, float], tuple[float, float]]:
-    """Return the relative errors of area, mean gap and pressure field, and what no iteration makes
-    smaller of the last two.
+    """Return `errors` and `attainable` of a Certificate: relative, infinite where not known.
 
-    sums, uKu: of all ranks; wall_load: mean pressure that the wall bears.
+    Collective; overwrites the fields of `levels`. sums, uKu: of all ranks; wall_load: mean pressure
+    that the wall bears.
     """
     grid, contact = problem.grid, sums.contact
     levels.restrict(g, p, problem.limit)

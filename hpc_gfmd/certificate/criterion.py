@@ -1,4 +1,4 @@
-"""What a solve has to reach."""
+"""The accuracy that the solution of a load has to reach."""
 
 from __future__ import annotations
 
@@ -10,26 +10,25 @@ from numpy.typing import DTypeLike
 
 @dataclass(frozen=True)
 class StoppingCriterion:
-    """Either an accuracy or a residual, and how it is certified.
+    """When a load counts as solved: at an accuracy or at a residual; and how to certify it.
 
     Attributes
     ----------
     accuracy : float or None
-        Relative, of area, mean gap and pressure.
+        Largest relative error of area, mean gap and pressure field; None if `residual` is given.
     residual : float or None
-        rms of the pressure out of contact over the mean pressure.
+        Largest rms pressure out of contact, over the mean pressure; None if `accuracy` is given.
     max_iterations : int
-        Of one load.
+        Largest number of iterations of one load.
     certificate_dtype : dtype
         Precision of the certificate.
     duality : bool
-        Whether the certificate has to give the duality gap.
+        Whether the certificate computes the duality gap.
     in_turn : bool
-        Whether the transforms of the certificate take the memory of those of the solver, and of its
-        last step.
+        Whether the solver frees its transforms and its last step while a certificate is computed.
     closes : bool
-        Whether the load is to be the least that closes the gap. A point that is about to open is
-        then no error of the area, nor of the gap.
+        Whether the smallest load that closes the gap is sought. Points that are about to open then
+        do not count as errors of area and gap.
     """
 
     accuracy: float | None = None
@@ -42,5 +41,5 @@ class StoppingCriterion:
 
     @property
     def tolerance(self) -> float:
-        """The accuracy, or else the residual."""
+        """The accuracy if there is one, else the residual; 0 without both."""
         return self.accuracy or self.residual or 0.0

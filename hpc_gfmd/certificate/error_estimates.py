@@ -16,18 +16,18 @@ With a hardness H, G+ and Y being the sums of the gaps and of the depths of dent
 solution, 0 <= <p*, e> + H Y <= G and sum(e) = G+ - Y. So the first v bounds p0 G+ + (H - p0) Y, the
 second one G+ - Y, and the error of the mean gap is their mean, with weights p0/H and 1 - p0/H.
 
-Where the surface ends within the cell the first is a bound of the mean of e over the cell. That
-over the surface alone is different by <v, e>/N, v = 1 on the surface (less its mean): |v|_S is
-known beforehand, it is the self-energy of the nominal area. The second v is -1 on the surface out
-of contact, constant in contact and 0 beyond: on every level t N/n - s, t and s being the indicators
-of the n points in contact and of the surface.
+With free edges the first v bounds the mean of e over the cell. The mean over the surface alone
+differs by <v, e>/N, where v = 1 on the surface (less its mean); its |v|_S, the self-energy of the
+nominal area, is known beforehand. The second v is -1 on the open points of the surface, constant in
+contact and 0 beyond: t N/n - s on every level, where t and s are the indicators of the n points in
+contact and of the surface.
 
-An error dS of S itself (Body.error) acts as heights wrong by dS p, smooth ones: the pressure is
-wrong by about -K dS p where all is closed, elsewhere by less. The mean gap follows it as it follows
-the load, by |v|_S^2 with the second v: of the open points alone by less than that, unless they are
-at the edges of the surface, where most of that error is. All of it may be where the last m points
-are open, as in corners: it opens them by the root of m times its norm, times the compliance of m
-points.
+An error dS of S itself (Body.error) acts like smooth errors dS p of the heights. The pressure is
+wrong by about -K dS p in full contact, by less otherwise. The mean gap changes with it as with the
+load, by |v|_S^2 with the second v; the gap of the open points alone changes by less, unless they
+are at the edges of the surface, where most of this error is. If only the last m points are open, as
+in corners, all of the error may be there: it opens them by sqrt(m) times its norm, times the
+compliance of m points.
 """
 
 from __future__ import annotations
@@ -50,34 +50,35 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class EstimateCalibration:
-    """How large the errors are that sums alone do not bound.
+    """Calibrated factors of the error estimates, for what sums over points do not bound.
 
-    Calibrated on true errors of walls of all kinds (scripts/campaign), with a margin such that a
-    true error is above its estimate once in a thousand loads or less.
+    Calibrated on true errors of walls of all kinds (scripts/campaign): at most one true error in a
+    thousand loads exceeds its estimate.
 
     Attributes
     ----------
     pressure : float
-        The error of the pressure field over the bound with the compliance of a typical wave in
-        place of the stiffest: 0.64 was seen.
+        Error of the pressure field, over its bound computed with the stiffness of a typical wave
+        instead of the stiffest; the largest seen was 0.64.
     unknown : float
-        In the error of the mean gap, the part of the bound that stands for what is not known of
-        the solution: at most a half.
+        Factor on the bound of the mean gap's error, for the unknown part of p* (in theory at most
+        0.5).
     shift : float
-        S of long waves over its sum over levels.
+        S of long waves over the sum over levels that stands for it.
     loaded, corner : float
-        What an error of S does to the mean gap, over what as large an error of the load does, with
-        all points counted as open; of its norm, where the last points are open (0.04 and 0.22 were
-        seen).
+        Effect of an error of S on the mean gap. `loaded`: over the effect of an equal relative
+        error of the load, all points counted as open. `corner`: over the norm of that error, while
+        only the last points are open. The largest seen were 0.04 and 0.22.
     reach : float
-        Points change sides if that takes less than so many times the rms error of the pressure,
-        where that error is: 0.5 for random roughness, 1.3 for lattices of alike points. One half of
-        this range counts, the one with more points: random roughness has as many in both. Counts
-        of n points scatter by the root of n, which is added.
+        Points may change sides if this takes a change of pressure below `reach` times its rms error
+        (taken over the points that have it): 0.5 for random roughness, 1.3 for lattices of equal
+        points. Only one half of this range counts, the one with more points: in random roughness
+        both have equally many. Counts of n points scatter by sqrt(n), which is added.
     farthest, few : float
-        So many points change sides if that takes less than `farthest` times that rms.
+        Up to `few` points may change sides if this takes less than `farthest` times that rms error.
     rounding : float
-        Times the rms rounding errors of the pressure: less tells no side.
+        Changes of pressure below this factor times its rms rounding error cannot tell on which side
+        a point is.
     """
 
     pressure: float = 0.7
@@ -95,26 +96,26 @@ CALIBRATION = EstimateCalibration()
 
 
 class State(NamedTuple):
-    """Sums over all points of a state, on all ranks.
+    """Sums over the points of a state, over all ranks, in the problem's units.
 
     Attributes
     ----------
     p0 : float
         Mean pressure that the wall bears.
     open_p, open_pp : float
-        Sums of p and p^2 out of contact; where a point yields, of the pressure beyond the hardness.
+        Sums of p and p^2 over open points; points that yield add p less the hardness.
     closed_pp : float
-        Sum of p^2 in contact.
+        Sum of p^2 over points in contact.
     contact : float
         Number of points in contact, yielded ones included.
     yielded : float
         Number of points that yield.
     gap : float
-        Sum of the gaps.
+        Sum of the gaps; dents count as 0.
     uKu : float
         <u, K u>.
     level_sums : sequence of float
-        What Multilevel.sweep returns of the pressure out of contact.
+        The last five sums that Multilevel.sweep returns, over all ranks.
     """
 
     p0: float
@@ -129,33 +130,34 @@ class State(NamedTuple):
 
     @property
     def elastic(self) -> float:
-        """Number of points that carry what is missing: those in elastic contact, at least the one
-        that balances the load where all others yield."""
+        """Number of points in elastic contact, which can carry a missing load; 1 if all of the
+        contact yields."""
         if self.contact == self.yielded > 0:
             return 1.0
         return self.contact - self.yielded
 
 
 class Estimate(NamedTuple):
-    """Errors that are expected of a state.
+    """Estimated errors of a state. All defaults together mean that nothing is known.
 
     Attributes
     ----------
     gap, pressure : float
-        Relative, of the mean gap and of the pressure field.
+        Relative errors of the mean gap and of the pressure field (L2 norm).
     attainable : tuple of float
-        The part of both that no iteration makes smaller, where that is most of it, else 0.
+        Their parts (gap, pressure) that further iterations cannot reduce, the rounding errors, if
+        these are larger than the rest; else 0.
     squares : float
-        Squares of the error of the pressure, summed over points.
+        Sum over points of the squared error of the pressure.
     shift : float
-        Error of the sum of gaps by the load that is missing or misplaced.
+        Signed estimate of how much the sum of gaps will still change.
     missing_load : float
-        Share of the load that is missing in contact; below 0 where the contact carries too much.
+        Share of the load that the contact does not carry; below 0 if it carries too much.
     fall : float
-        Height by which the body may move further than its elastic contact says, because all that
-        is elastic yields or opens (plastic_limits.py).
+        Height by which the body may move further than the linear estimate says, because all of the
+        elastic contact yields or opens (plastic_limits.py).
     distance : float
-        Bound of |u - T(u)|_K, T(u) being the contact with the attraction frozen.
+        Bound of |u - T(u)|_K, where T(u) is the contact with the attraction of u frozen.
     """
 
     gap: float = np.inf
@@ -169,16 +171,16 @@ class Estimate(NamedTuple):
 
 
 class Norms(NamedTuple):
-    """Norms of what is left of the pressure, in the problem's units.
+    """S norms and product of the residual pressure p^ - p and the test pressure v.
 
     Attributes
     ----------
     missing : float
-        |p^ - p|_S.
+        |p^ - p|_S; with an attraction divided by the stability.
     response : float
-        |v|_S of the test pressure v that is -1 on open points and makes up for it in contact.
+        |v|_S, where v is -1 on open points and a constant in contact that gives it zero mean.
     shift : float
-        <v, S (p - p^)>.
+        <v, S (p - p^)>; with an attraction divided by the stability.
     """
 
     missing: float
@@ -189,32 +191,34 @@ class Norms(NamedTuple):
 def estimate(
     problem: Problem, levels: Multilevel, g: np.ndarray, state: State, stability: float = 1.0
 ) -> Estimate:
-    """Return the errors of a state, for solver and certificate alike. Collective.
+    """Estimate the errors of a state from its sums, without an FFT. Collective.
 
-    p^ is the pressure in contact, more by as much at each point as makes up for what is left out of
-    contact. Rounding errors of the working precision are those of the heights, which are
-    independent from point to point, and those of the pressure, as a load that is wrong by as much.
+    Solvers and certificates use it alike; nothing is changed. p^ is the pressure in contact plus a
+    constant that makes up for the pressure out of contact. Rounding errors of the working precision
+    are those of the heights, which are independent from point to point, and those of the pressure,
+    which count as an error of the load.
 
-    With an attraction all this is about the contact under the same attraction, frozen. The
-    equilibrium is 1/stability as far away (stability.py).
+    With an attraction the estimate is first that of the contact under the same attraction, frozen.
+    The equilibrium is farther away by a factor of 1/stability (stability.py).
 
     Parameters
     ----------
     problem : Problem
-        The contact; its load does not count.
+        The contact. `state.p0` is used instead of its load.
     levels : Multilevel
-        Of the grid.
+        Multilevel operator of the grid; only its norms are used, not its fields.
     g : array, local slab
         Gap of the state.
     state : State
         Sums over all ranks.
     stability : float
-        Of the equilibrium.
+        Stability of the equilibrium, 1 without an attraction.
 
     Returns
     -------
     Estimate
-        All infinite where nothing is known.
+        The same on all ranks. Infinite errors if a sum is not finite, nothing is in contact, or the
+        stability or the load of the wall is not positive.
     """
     N = problem.grid.N
     is_finite = isfinite(state.open_pp + state.gap + state.uKu)
@@ -257,7 +261,7 @@ def estimate(
 
 
 def _norms(problem: Problem, levels: Multilevel, state: State, stability: float) -> Norms:
-    """Return the norms of what is left of the pressure, by sums over levels."""
+    """Return the Norms of a state, by sums over levels; `stability` divides two of them. Local."""
     compliance = 1.0 / problem.body.scale(problem.grid)
     share = state.elastic / problem.grid.N
     residual, test, product = levels.test_products(
@@ -271,11 +275,12 @@ def _norms(problem: Problem, levels: Multilevel, state: State, stability: float)
 
 
 def _error_of_gaps(problem: Problem, state: State, norms: Norms) -> float:
-    """Estimate the absolute error of the sum of gaps, as long as points in elastic contact stay
-    so (`further_movement` has the rest). Local.
+    """Estimate the absolute error of the sum of gaps, without rounding errors. Local.
 
-    It is the smaller one of the two tests at the head of the file, by the load and by the
-    contact, or their weighted mean where points yield."""
+    It holds while points in elastic contact stay so; `further_movement` adds the rest. It is the
+    smaller of the estimates by the two test pressures at the head of the file. With yielded points
+    the first of them is a weighted mean of both.
+    """
     by_load = inf  # where an attraction differs from point to point this test says nothing
     if problem.attraction is None:
         norm = sqrt(max(state.uKu, 0.0))
@@ -289,7 +294,10 @@ def _error_of_gaps(problem: Problem, state: State, norms: Norms) -> float:
 
 
 def _rounding_of_pressure(problem: Problem, state: State) -> float:
-    """Return the relative error of the pressure field that no iteration makes smaller."""
+    """Return the relative error of the pressure field due to rounding errors and an error of S.
+
+    Iterations cannot reduce it. Collective when the rounding error of the problem is first read.
+    """
     # with a hardness most of the contact may yield
     points = state.elastic if problem.hardness is None else state.contact
     of_heights = problem.rounding / sqrt(state.closed_pp / points)
@@ -297,7 +305,7 @@ def _rounding_of_pressure(problem: Problem, state: State) -> float:
 
 
 def _rounding_of_gaps(problem: Problem, state: State, norms: Norms) -> float:
-    """Return the error of the sum of gaps that no iteration makes smaller."""
+    """Return the absolute error of the sum of gaps due to rounding errors and an error of S."""
     N = problem.grid.N
     free = N - state.elastic
     width = sqrt(free)
@@ -321,14 +329,15 @@ def relative_error(wrong: float, value: float) -> float:
     Parameters
     ----------
     wrong : float
-        How far it may be from the true one.
+        Largest distance of the number from the true one, >= 0.
     value : float
-        The number.
+        The number, >= 0.
 
     Returns
     -------
     float
-        Infinite where the true one may be 0.
+        wrong/(value - wrong), the largest that is possible; 0 if `wrong` is 0, infinite if the true
+        number may be 0.
     """
     if wrong < value:
         return float(wrong / (value - wrong))
@@ -336,8 +345,11 @@ def relative_error(wrong: float, value: float) -> float:
 
 
 def full_contact_error(problem: Problem) -> float:
-    """Return the relative error of the pressure field where all points touch: of S and of storing
-    heights and pressures in the working precision."""
+    """Return the relative error of the pressure field in full contact, which takes no iterations.
+
+    It is that of S and of storing heights and pressures in the working precision. Collective when
+    the rounding error of the problem is first read.
+    """
     return float(
         np.linalg.norm([problem.rounding / problem.p0, _epsilon(problem), problem.body.error])
     )

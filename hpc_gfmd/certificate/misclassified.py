@@ -1,8 +1,8 @@
 """How many points may be in the wrong set, in contact or out of it.
 
-The area cannot be bounded, because a whole ring of points may change sides together on an ordered
-wall. What is known is how much error the pressure has, how it is spread, and what it takes to move
-each point to the other side.
+The error of the area cannot be bounded: on an ordered wall a whole ring of points may change sides
+together. It is estimated from the error of the pressure, from the number of points over which this
+error is spread, and from the change of pressure that would move each point to the other side.
 """
 
 from __future__ import annotations
@@ -22,12 +22,13 @@ if TYPE_CHECKING:
 def misclassified_points(
     problem: Problem, g: np.ndarray, p: np.ndarray, errors: Estimate, spread: float, contact: float
 ) -> float:
-    """Return how many points may be in the wrong set, in contact or out of it. Collective.
+    """Estimate how many points are in the wrong set, in contact or out of it. Collective.
 
-    Those whose change takes little beside the rms error of the pressure, no more than it takes to
-    use the squares of that error up, the easiest first. Points in contact and out of it are counted
-    apart: they change the area in opposite ways. With a hardness no fewer points touch than carry
-    the load.
+    A point may change sides if the change of pressure that this takes is not large beside the rms
+    error of the pressure. No more points count than the total squared error can move, the easiest
+    first. Points in contact and open points change the area in opposite directions, so the larger
+    of the two numbers is returned. With a hardness the contact keeps as many points as carry the
+    load.
 
     Parameters
     ----------
@@ -36,22 +37,22 @@ def misclassified_points(
     g, p : array, local slabs
         Gap and pressure of the state.
     errors : Estimate
-        Of the state.
+        Estimated errors of the state.
     spread : float
-        Number of points that the error of the pressure is spread over.
+        Number of points over which the error of the pressure is spread, see `spread_of`.
     contact : float
-        Number of points in contact.
+        Number of points in contact on all ranks.
 
     Returns
     -------
     float
-        Number of points, whole.
+        A number of points, not always whole; the same on all ranks.
     """
     mean_square = errors.squares / spread
     tie = CALIBRATION.rounding * problem.rounding
     is_double = problem.dtype == np.float64
     sure = 0.0 if is_double else tie
-    squares_outside = errors.squares * _square_of_lone_point(problem, contact)
+    squares_outside = errors.squares * _lone_point_factor(problem, contact)
     largest = max(min(mean_square * CALIBRATION.farthest**2, squares_outside), sure**2)
     if largest <= 0:
         return 0.0
@@ -80,10 +81,23 @@ def misclassified_points(
 def _likely_to_change(
     problem: Problem, points: np.ndarray, takes: np.ndarray, mean_square: float, follow_load: float
 ) -> float:
-    """Return how many points of a histogram are likely to change sides.
+    """Return how many points of a histogram will probably change sides, with a margin for scatter.
 
-    With a hardness all within reach count, otherwise one half of the range, the one with more. They
-    are no fewer than those that follow the load which is missing (below 0: the other way).
+    With a hardness all points within reach count, otherwise those of the fuller half of the range;
+    in both cases at least `follow_load`, the points that a correction of the load would move.
+
+    Parameters
+    ----------
+    problem : Problem
+        The contact.
+    points : array (BINS,)
+        Histogram of the points by `takes`.
+    takes : array (BINS,)
+        Square of the change of pressure that moves the points of each bin.
+    mean_square : float
+        Mean square error of the pressure where that error is.
+    follow_load : float
+        Number of points; below 0 if the load moves points in the other direction.
     """
     near, within = (
         points[takes < mean_square * x**2].sum() for x in (CALIBRATION.reach / 2, CALIBRATION.reach)
@@ -93,13 +107,13 @@ def _likely_to_change(
     return max(expected + np.sqrt(expected), min(points.sum(), CALIBRATION.few))
 
 
-def _square_of_lone_point(problem: Problem, contact: float) -> float:
-    """Return by how much the square of what an open point takes to touch may be less than a
-    histogram says, which takes the compliance of the stiffest wave.
+def _lone_point_factor(problem: Problem, contact: float) -> float:
+    """Return the factor by which histograms overestimate the squared pressure that closes a gap.
 
-    A point among open ones has a compliance of its own, S00. A pressure that it takes over from n
-    points in contact moves it by S00 (1 + 1/n) against them, and adds (1 + 1/n) of its square to
-    the error.
+    The histograms of `_uncertain_points` use the compliance of the stiffest wave for open points. A
+    single point has a larger one, S00. If it takes over a pressure from n points in contact, this
+    moves it by S00 (1 + 1/n) relative to them, and adds (1 + 1/n) times its square to the error.
+    The factor is 1 or more; it allows the same error to close more open points.
     """
     grid = problem.grid
     softer = problem.body.point_compliance(grid) * problem.body.scale(grid)
@@ -115,8 +129,11 @@ def _uncertain_points(
     largest: float,
     fall: float,
 ) -> np.ndarray:
-    """Return histograms of the points in contact and out of it, (2, BINS), by the square of what
-    their change takes (kernels/certify.py: count_uncertain). Collective."""
+    """Return histograms (2, BINS) of the points in contact and of open points, over all ranks.
+
+    They are by the square of the change of pressure that moves a point to the other side. For the
+    other arguments see kernels/certify.py: count_uncertain. Collective.
+    """
     grid = problem.grid
     compliance = 1.0 / problem.body.scale(grid)
 
@@ -131,8 +148,9 @@ def _uncertain_points(
 
 
 def moments_of_open(problem: Problem, g: np.ndarray, p: np.ndarray) -> np.ndarray:
-    """Return the sums of p^2 and p^4 out of contact on this rank; where a point yields, of the
-    pressure beyond the hardness.
+    """Return the sums of p^2 and p^4 over the open points of this rank. Not collective.
+
+    Points that yield count with the pressure beyond the hardness.
 
     Parameters
     ----------
@@ -144,6 +162,7 @@ def moments_of_open(problem: Problem, g: np.ndarray, p: np.ndarray) -> np.ndarra
     Returns
     -------
     array (2,)
+        The two sums, on the surface only.
     """
     (rows, points), limit = problem.grid.inside, problem.limit
 
@@ -154,22 +173,24 @@ def moments_of_open(problem: Problem, g: np.ndarray, p: np.ndarray) -> np.ndarra
 
 
 def spread_of(squares: float, fourth: float, contact: float, N: int) -> float:
-    """Return the number of points that the error of the pressure is spread over, as what is left
-    out of contact is; no more than are in contact, or out of it.
+    """Estimate over how many points the error of the pressure is spread.
+
+    It is taken as spread like the pressure out of contact: (sum p^2)^2/(sum p^4) points, but no
+    more than are in contact and no more than are open.
 
     Parameters
     ----------
     squares, fourth : float
-        Sums of p^2 and p^4 out of contact, on all ranks.
+        Sums of p^2 and p^4 over open points, on all ranks.
     contact : float
-        Number of points in contact.
+        Number of points in contact on all ranks.
     N : int
         Number of points of the surface.
 
     Returns
     -------
     float
-        At least 1.
+        At least 1; 1 as well if no pressure is left out of contact.
     """
     participating = squares**2 / fourth if fourth > 0 else 1.0
     return max(min(participating, contact, N - contact), 1.0)

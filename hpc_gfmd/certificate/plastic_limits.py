@@ -1,4 +1,4 @@
-"""How much further a body may move where its elastic contact can take little more load.
+"""How much further a body may move if its elastic contact can take little more load.
 
 With a hardness H the contact carries between H times the yielded points and H times all points in
 contact. Where the load is close to either limit, a small error of the pressure stands for a large
@@ -50,30 +50,30 @@ def further_movement(
     e: float,
     response: float,
 ) -> float:
-    """Bound what plastic limits add to the linear estimate of the error of the gap. Collective.
+    """Bound the error of the sum of gaps that yielding adds to the linear estimate. Collective.
 
     Parameters
     ----------
     problem : Problem
-        With or without a hardness.
+        The contact, with or without a hardness.
     load : float
-        N p0.
+        N times the mean pressure of the wall.
     g : array, local slab
         Gap of the state.
     gap : float
-        Sum of the gaps of all open points.
+        Sum of the gaps of all open points, over all ranks.
     contact : float
-        Number of points in contact, yielded ones included.
+        Number of points in contact on all ranks, yielded ones included; less than N.
     e : float
-        sqrt(<p^ - p, S (p^ - p)>).
+        |p^ - p|_S, the error of the pressure.
     response : float
-        sqrt(<v, S v>) of the direction that lowers the pressure of every open point by 1.
+        |v|_S of the direction v that lowers the pressure of every open point by 1.
 
     Returns
     -------
     float
-        In the problem's unit of height, summed over open points; 0 without a hardness, and where
-        the elastic contact can take or give up enough load.
+        >= 0, in the problem's unit of height, summed over open points; 0 without a hardness, or if
+        the elastic contact can take up and give up enough load.
     """
     if problem.hardness is None:
         return 0.0
@@ -101,7 +101,7 @@ def further_movement(
 def _counts_near_contact(
     problem: Problem, g: np.ndarray, largest: float
 ) -> tuple[float, float, np.ndarray, np.ndarray]:
-    """Count the points of the surface by the height between them and contact. Collective.
+    """Count points by the size of their gap or dent, up to `largest`, over all ranks. Collective.
 
     Returns
     -------
@@ -110,8 +110,8 @@ def _counts_near_contact(
     dented : float
         Points with g < 0.
     open_points, dents : array (BINS,)
-        Points with 0 < g <= largest, and with 0 < -g <= largest, by height: bin k reaches from
-        largest 2^(-k/PER_OCTAVE) down to the next one, the last bin to 0.
+        Histograms of the points with 0 < g <= largest, and with 0 < -g <= largest: bin k holds
+        sizes from largest 2^(-k/PER_OCTAVE) down to bin k + 1, the last bin down to 0.
     """
     grid = problem.grid
     points = grid.inside[1]

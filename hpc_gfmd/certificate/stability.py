@@ -1,4 +1,4 @@
-"""How stable an equilibrium with attraction is, and in which direction the least.
+"""How stable an equilibrium with attraction is, and along which displacement it is least stable.
 
 At fixed contact A a small displacement e of the open points changes the energy by
 1/2 <e, (K + phi'') e>, where phi'' <= 0. The stability is
@@ -7,21 +7,21 @@ At fixed contact A a small displacement e of the open points changes the energy 
 
 1 without attraction, 0 where the surfaces are about to jump, and below 0 at a saddle, from which
 the energy falls along e. It is 1 - mu, mu being the largest eigenvalue of D = -phi'' with respect
-to K. It is found by locally optimal conjugate gradients (Knyazev 2001) in the space of e, the
-preconditioned residual and the last change of e: one application of K a step. The first e is
-M D 1, which has no change of sign, like the mode that is looked for; with it comes the mode that
-was found before, if there is one.
+to K. It is computed by locally optimal conjugate gradients (Knyazev 2001) in the space of e, the
+preconditioned residual and the last change of e, with one application of K per step. The first e is
+M D 1, which does not change sign, like the mode that is sought; the mode of an earlier search is
+added if there is one.
 
-A value that is found so is never too small. How much too large it may be follows from the residual
-R = D e - mu K e, as there is an eigenvalue within |R|_S/|e|_K of mu; M stands for S = 1/K on open
-points. Before the search has come to rest there may be a larger one, so twice as much counts then.
-Where single points are soft there may be modes of few points, which the first e hardly has a part
-of: the search goes on for some steps then.
+This value of s is never too small. How much too large it may be follows from the residual
+R = D e - mu K e: there is an eigenvalue within |R|_S/|e|_K of mu, where M stands for S = 1/K on
+open points. Before the search has converged there may be a larger eigenvalue, so twice this
+uncertainty counts. If single points are soft there may be modes of few points, of which the first e
+hardly has a part: then the search makes some steps more.
 
-An equilibrium at the distance m/s, m = |u - T(u)|_K, is one to first order. On the way phi''
-changes: just beyond a jump there are states with a small m and s > 0, but no equilibrium. So what
-counts is s of the secant: 1 + <t(g + x e) - t(g), e>/x on both sides, |e|_K = 1, where x is the
-smallest x with x s >= m. Where there is none nothing says that there is an equilibrium.
+To first order there is an equilibrium at the distance m/s, m = |u - T(u)|_K. But phi'' changes on
+the way: just beyond a jump there are states with a small m and s > 0, but without an equilibrium.
+So s of the secant counts: 1 + <t(g + x e) - t(g), e>/x, the smaller of both directions, |e|_K = 1,
+where x is the smallest x with x s >= m. If there is no such x, there may be no equilibrium.
 """
 
 from __future__ import annotations
@@ -39,30 +39,31 @@ from ..operators.multilevel import Multilevel
 if TYPE_CHECKING:
     from ..operators.problem import Problem
 
-STEPS = 60  # at most
-SOFT, FEWEST = 0.5, 4  # softening over stiffness of a point, above which so many steps are made
-TOLERANCE = 0.02  # of s, by which the last step may have changed it
-DOUBTED = 0.25  # share of an s that counts at least, however badly it is known
-LEAST = 0.02  # an s to the accuracy of which smaller ones are found
-INDEPENDENT = 1e-10  # of the largest eigenvalue of the Gram matrix: less is no direction
-FARTHER = 20  # distances that are tried, each as far as the stability up to the last one says
-NEAR_ENOUGH = 0.95  # share of a distance that is the same
+STEPS = 60  # largest number of steps of a search
+SOFT, FEWEST = 0.5, 4  # softening over stiffness of a point, above which at least 4 steps are made
+TOLERANCE = 0.02  # relative change of s in a step below which the search has converged
+DOUBTED = 0.25  # `lowest` is at least this share of a positive s, however uncertain s is
+LEAST = 0.02  # smaller values of s are computed with the absolute accuracy of this one
+INDEPENDENT = 1e-10  # smallest eigenvalue of the Gram matrix that is kept, over the largest
+FARTHER = 20  # largest number of distances that `stability_up_to_equilibrium` tries
+NEAR_ENOUGH = 0.95  # ratio of two successive stabilities from which on they count as equal
 
 
 @dataclass(frozen=True)
 class Stability:
-    """What is known of the stability of a state.
+    """The stability of a state with an attraction, and its least stable mode; immutable.
 
     Attributes
     ----------
     value : float
-        s, from above.
+        Computed s, an upper bound; 1 without attraction, below 0 at a saddle.
     lowest : float
-        s that is to be reckoned with.
+        Smallest s that is likely, by the uncertainty of `value`. It divides the errors.
     mode : array or None
-        e, local slab, positive where the gap opens; None where no open point attracts.
+        Displacement e, local slab, normalised to <e, K e> = 1 and with a positive sum (the gap
+        opens); None if no open point is attracted.
     pairs : float
-        FFT pairs that it took.
+        FFT pairs that the search took.
     """
 
     value: float
@@ -81,29 +82,30 @@ def stability_of(
     mode: np.ndarray | None = None,
     tolerance: float = TOLERANCE,
 ) -> Stability:
-    """Find the stability of a state.
+    """Compute the stability of a state by an iterative search.
 
-    Collective.
+    Collective. It takes one or two FFT pairs at the start and one per step (at most 60 steps); none
+    if no open point is attracted.
 
     Parameters
     ----------
     problem : Problem
-        With an attraction.
+        The contact, with an attraction.
     g, p : array, local slabs
-        Gap, and pressure of the wall.
+        Gap, and pressure of the wall; do not change.
     levels : Multilevel
-        Of the grid, in the working precision; its fields are overwritten.
+        Multilevel operator of the grid, in the working precision; its fields are overwritten.
     enough, too_little : float
-        Bounds (high, low) of interest: the search ends once `lowest` is above the first, or `value`
-        is below the second.
-    mode : array, local slab
-        Where the search begins; its memory is used.
+        The search ends early once `lowest` is above `enough`, or `value` is below `too_little`.
+    mode : array, local slab, optional
+        Mode of an earlier search, to begin with; does not change.
     tolerance : float
-        Relative change of s in the last step.
+        The search has converged once a step changes s by less than this, relative.
 
     Returns
     -------
     Stability
+        The same on all ranks, but for the local mode.
     """
     search = _Search(problem, g, p, levels)
     if not search.attracts:
@@ -112,32 +114,33 @@ def stability_of(
 
 
 def stability_up_to_equilibrium(
-    problem: Problem, g: np.ndarray, found: Stability, distance: float
+    problem: Problem, g: np.ndarray, stability: Stability, distance: float
 ) -> float:
-    """Return the stability by which errors are to be divided, no more than `found.lowest`: 0 where
-    the attraction changes so much on the way that there may be no equilibrium.
+    """Return the stability that divides the errors: that of the secant up to the equilibrium.
 
-    Collective. No FFT.
+    Collective, without an FFT.
 
     Parameters
     ----------
     problem : Problem
-        With an attraction.
+        The contact, with an attraction.
     g : array, local slab
-        Gap.
-    found : Stability
-        Of this gap.
+        Gap of the state.
+    stability : Stability
+        Stability of the state, as `stability_of` computed it.
     distance : float
-        |u - T(u)|_K, from the contact under this attraction, frozen.
+        |u - T(u)|_K, the distance from the contact with the attraction of this state frozen.
 
     Returns
     -------
     float
-        The same on all ranks.
+        At most `stability.lowest`, the same on all ranks; 0 if the attraction changes so much on
+        the way that there may be no equilibrium.
     """
-    mode, law = found.mode, problem.law(np.dtype(np.float64))
-    if mode is None or found.lowest <= 0 or distance == 0:
-        return found.lowest
+    mode = stability.mode
+    law = problem.law(np.dtype(np.float64))
+    if mode is None or stability.lowest <= 0 or distance == 0:
+        return stability.lowest
     grid = problem.grid
 
     def pull(length: float) -> float:
@@ -147,21 +150,25 @@ def stability_up_to_equilibrium(
         (total,) = grid.comm.sum([sum(grid.by_rows(pull_of_rows))])
         return float(total)
 
-    doubt = found.value - found.lowest
-    stability = found.lowest
+    doubt = stability.value - stability.lowest
+    s = stability.lowest
     for _ in range(FARTHER):
-        way = distance / stability
+        way = distance / s
         secant = 1 + min(pull(way), -pull(-way)) / way - doubt
-        if secant >= NEAR_ENOUGH * stability:
-            return min(secant, stability)
+        if secant >= NEAR_ENOUGH * s:
+            return min(secant, s)
         if not secant > 0:
             break
-        stability = secant
+        s = secant
     return 0.0
 
 
 class _Search:
-    """The fields of one search."""
+    """The search of `stability_of`: its fields, and the steps on them. Collective.
+
+    It overwrites the fields of `levels`. `attracts` is whether any open point is attracted,
+    `softness` the largest softening of a point over its stiffness.
+    """
 
     def __init__(self, problem: Problem, g: np.ndarray, p: np.ndarray, levels: Multilevel):
         self.problem, self.levels = problem, levels
@@ -180,15 +187,15 @@ class _Search:
             self.closed[here] = (g[here] <= 0) & (p[here] > 0)
             return softening(law, g, self.closed, self.D, i0, i1, inside)
 
-        found = [(0.0, 0.0), *self.grid.by_rows(soften)]
-        self.attracts = bool(self.grid.comm.sum([sum(total for total, _ in found)])[0] > 0)
-        (largest,) = self.grid.comm.max([max(float(x) for _, x in found)])
+        parts = [(0.0, 0.0), *self.grid.by_rows(soften)]
+        self.attracts = bool(self.grid.comm.sum([sum(total for total, _ in parts)])[0] > 0)
+        (largest,) = self.grid.comm.max([max(float(x) for _, x in parts)])
         self.softness = largest / float(problem.body.near(self.grid)[0])
 
     def run(
         self, enough: float, too_little: float, mode: np.ndarray | None, tolerance: float
     ) -> Stability:
-        """Step until s is known well enough."""
+        """Step until s is known well enough; for arguments and result see `stability_of`."""
         shape = (3, *self.grid.shape)
         V, KV = np.zeros(shape, self.dtype), np.zeros(shape, self.dtype)
         self.residual[...] = self.D
@@ -210,7 +217,7 @@ class _Search:
             mu, weights = self._best(V, KV, directions)
             s = 1 - mu
             self._combine(V, KV, directions, weights)
-            self._leave(V[0], KV[0], mu)
+            self._set_residual(V[0], KV[0], mu)
             missing = self._precondition()  # <R, M R>; <e, K e> is 1
             doubt = np.sqrt(max(missing, 0.0))
             lowest = s - 2 * doubt
@@ -229,7 +236,7 @@ class _Search:
         return Stability(s, min(lowest, s), V[0] if upward else -V[0], self.elastic.pairs)
 
     def _apply(self, field: np.ndarray, out: np.ndarray) -> None:
-        """Set out = K field on open points, 0 in contact."""
+        """Set out = K field on open points and 0 in contact, with one FFT pair."""
 
         def fill(i0: int, i1: int, x: np.ndarray) -> None:
             x[: i1 - i0] = field[i0:i1]
@@ -242,7 +249,7 @@ class _Search:
         self.elastic.use_rows(use)
 
     def _precondition(self) -> float:
-        """Make z = M residual on open points; returns <residual, z>."""
+        """Set self.z = M residual on open points, and return <residual, z> over all ranks."""
         self.levels.restrict_from(0, self.residual_and_contact)
         self.levels.sweep()
         rz = self.levels.smooth(0, self.residual_and_contact, self.z)[0]
@@ -255,8 +262,8 @@ class _Search:
         return compliance * float(self.grid.comm.sum([rz])[0])
 
     def _best(self, V: np.ndarray, KV: np.ndarray, k: int) -> tuple[float, np.ndarray]:
-        """Return the largest eigenvalue of D in the first k directions, and the weights of its
-        direction, of which <e, K e> = 1."""
+        """Return the largest eigenvalue mu of D (with respect to K) in the span of V[:k], and the
+        weights (3,) that combine V to its direction e with <e, K e> = 1. No FFT."""
 
         def products(i0: int, i1: int) -> np.ndarray:
             sums = np.zeros((2, 3, 3))
@@ -276,7 +283,7 @@ class _Search:
         return float(mu[-1]), weights
 
     def _combine(self, V: np.ndarray, KV: np.ndarray, k: int, weights: np.ndarray) -> None:
-        """Set V[0] to the best direction, and V[2] to what is new in it."""
+        """Set V[0] to the best direction, V[2] to its change; the same for KV. Local, in place."""
         real = weights.astype(self.dtype)
 
         def combine(i0: int, i1: int) -> None:
@@ -284,17 +291,17 @@ class _Search:
 
         self.grid.by_rows(combine)
 
-    def _leave(self, e: np.ndarray, Ke: np.ndarray, mu: float) -> None:
-        """Set the residual R = D e - mu K e on open points."""
+    def _set_residual(self, e: np.ndarray, Ke: np.ndarray, mu: float) -> None:
+        """Set self.residual to R = D e - mu K e. Local."""
         real = self.dtype.type(mu)
 
-        def leave(i0: int, i1: int) -> None:
+        def subtract(i0: int, i1: int) -> None:
             self.residual[i0:i1] = self.D[i0:i1] * e[i0:i1] - real * Ke[i0:i1]
 
-        self.grid.by_rows(leave)
+        self.grid.by_rows(subtract)
 
     def _normalise(self, field: np.ndarray) -> None:
-        """Scale a field so that its largest value is about 1: only its direction counts."""
+        """Scale a field in place so that its largest absolute value over all ranks is about 1."""
         largest = self.grid.comm.max([float(np.abs(field).max(initial=0.0))])[0]
         if largest > 0:
             field *= self.dtype.type(1 / largest)

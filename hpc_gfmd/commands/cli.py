@@ -1,5 +1,7 @@
-"""The command line: arguments in, exit code out, an error as one line on standard error, printed
-once whatever the number of ranks."""
+"""The command line: arguments in, exit code out.
+
+An error is one line on standard error, printed once whatever the number of ranks.
+"""
 
 import difflib
 import errno
@@ -46,7 +48,7 @@ class Parser(ArgumentParser):
     """An ArgumentParser that raises SceneError, so that under MPI an error is printed once."""
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """Parse as argparse does, but refuse what is left over here, where `prog` is known.
+        """Parse arguments as argparse does, but refuse unknown ones here, where `prog` is known.
 
         Parameters
         ----------
@@ -63,7 +65,7 @@ class Parser(ArgumentParser):
         Raises
         ------
         SceneError
-            For arguments that the parser does not have.
+            If an argument is unknown or wrong.
         """
         namespace, unknown = super().parse_known_args(args, namespace)
         if unknown:
@@ -71,14 +73,18 @@ class Parser(ArgumentParser):
         return namespace, unknown
 
     def error(self, message: str) -> NoReturn:
-        """Raise SceneError with the message and a hint at the help of this very command."""
+        """Raise SceneError with the message and a hint at the --help of this command."""
         raise SceneError(f"{one_line(message, 400)} (see {self.prog} --help)")
 
 
 class PrintCompletion(Action):
-    """Print a script that makes a shell complete commands, options and files, and exit."""
+    """Option that prints a script for a shell and exits.
+
+    The script completes commands, options and files.
+    """
 
     def __call__(self, parser: ArgumentParser, namespace: Any, values: Any, *_: Any) -> None:
+        """Print the script for the shell `values` and exit the process."""
         import shtab
 
         print(shtab.complete(parser, values))
@@ -86,7 +92,7 @@ class PrintCompletion(Action):
 
 
 def build_parser() -> ArgumentParser:
-    """Make the parser of all commands."""
+    """Make the parser of hpc-gfmd with all commands, whose files it imports."""
     parser = Parser(prog="hpc-gfmd", description=DESCRIPTION)
     version = versions().get("hpc_gfmd", "that is not installed")
     parser.add_argument("--version", action="version", version=f"hpc-gfmd {version}")
@@ -109,21 +115,22 @@ def build_parser() -> ArgumentParser:
 def main(
     argv: Sequence[str] | None = None, script: Callable[[], ArgumentParser] | None = None
 ) -> int:
-    """Run one command.
+    """Run one command; errors are printed on standard error and do not raise. Collective.
 
     Parameters
     ----------
     argv : sequence of str, optional
         Arguments; by default those of the process.
     script : function, optional
-        Makes the Parser of another program than hpc-gfmd; each of its commands has the default
+        Makes the Parser of another program than hpc-gfmd. Each of its commands has the default
         `main`, a function of the parsed arguments that returns an exit code or None.
 
     Returns
     -------
     int
-        Exit code: 0 success, 1 failed, 2 wrong input, or what the command returned. Output that
-        cannot be written is a failure.
+        Exit code: 0 success, 1 failed, 2 wrong input, 130 interrupted, or what the command
+        returned. It is 1 if output cannot be written, except for commands that write their result
+        to files.
     """
     occupy_standard_descriptors()
     if isinstance(sys.stdout, io.TextIOWrapper):
@@ -134,12 +141,15 @@ def main(
     if exit_code or unwritten is None or arguments[:1] in WRITE_FILES:
         return exit_code
     if not isinstance(unwritten, BrokenPipeError):
-        _complain(f"standard output: {reason(unwritten)}")
+        _print_error(f"standard output: {reason(unwritten)}")
     return 1
 
 
 def _flush_error() -> OSError | None:
-    """Flush standard output; returns the error where not all of it could be written."""
+    """Flush standard output, and return the error if not all of it could be written, else None.
+
+    A broken stream is then redirected to the null device.
+    """
     if sys.stdout is None:
         return OSError(errno.EBADF, os.strerror(errno.EBADF))
     try:
@@ -151,7 +161,10 @@ def _flush_error() -> OSError | None:
 
 
 def _run(arguments: Sequence[str], script: Callable[[], ArgumentParser] | None) -> int:
-    """Run one command; returns its exit code after all ranks have got here."""
+    """Run one command and return its exit code; errors are printed. Collective.
+
+    After an error it waits for the other ranks (see `_leave_together`).
+    """
     command = arguments[0] if arguments else ""
     try:
         return _parsed(arguments, script)
@@ -174,7 +187,10 @@ def _run(arguments: Sequence[str], script: Callable[[], ArgumentParser] | None) 
 
 
 def _parsed(arguments: Sequence[str], script: Callable[[], ArgumentParser] | None) -> int:
-    """Parse the arguments and call `main` of their command."""
+    """Parse the arguments, call `main` of their command and return its exit code, 0 if None.
+
+    Raises SceneError for wrong arguments, and whatever the command raises.
+    """
     for argument in arguments:
         require_decoded(argument)
     if script is None and arguments and not arguments[0].startswith("-"):
@@ -184,7 +200,7 @@ def _parsed(arguments: Sequence[str], script: Callable[[], ArgumentParser] | Non
 
 
 def _require_command(name: str) -> None:
-    """Raise SceneError, which names the nearest command, unless there is one of this name."""
+    """Raise SceneError, which names the nearest command, if hpc-gfmd has no command `name`."""
     if name not in COMMANDS:
         (nearest,) = difflib.get_close_matches(name[:80], COMMANDS, n=1, cutoff=0)
         raise SceneError(
@@ -194,7 +210,7 @@ def _require_command(name: str) -> None:
 
 
 def _missing(command: str, error: ImportError) -> str:
-    """Describe what has to be installed for a command."""
+    """Return an error message on what has to be installed for a command."""
     if isinstance(error, ModuleNotFoundError):
         package = (error.name or str(error)).partition(".")[0]
         return f"{command} needs {package}, which is not installed: {how_to_install(package)}"
@@ -202,7 +218,10 @@ def _missing(command: str, error: ImportError) -> str:
 
 
 def _of_exception(command: str, error: Exception) -> tuple[int, str]:
-    """Return the exit code and the line for an exception that is no GfmdError."""
+    """Return (exit code, one-line message) for an exception that is not a GfmdError.
+
+    Lack of memory, of permission or of disk space is explained; all else is an "internal error".
+    """
     number = getattr(error, "errno", None)
     name = getattr(error, "filename", None) or command
     if isinstance(error, MemoryError) or number == errno.ENOMEM:
@@ -222,14 +241,19 @@ def _of_exception(command: str, error: Exception) -> tuple[int, str]:
 def _leave_together(
     exit_code: int, message: str = "", details: str = "", seconds: float = 10.0
 ) -> None:
-    """Print an error once and wait for the other ranks, for some seconds at most."""
+    """Print an error (if any) once, and wait until all ranks are about to leave with one.
+
+    A rank that is still alone after `seconds` ends the whole job with exit_code.
+    """
     from ..parallel.world import collective_exit
 
-    collective_exit(exit_code, seconds, partial(_complain, message, details) if message else None)
+    collective_exit(
+        exit_code, seconds, partial(_print_error, message, details) if message else None
+    )
 
 
-def _complain(message: str, details: str = "") -> None:
-    """Print one line, after details for those who mend the program, on standard error."""
+def _print_error(message: str, details: str = "") -> None:
+    """Print one line on standard error, after details for developers; errors are ignored."""
     if sys.stderr is None:
         return
     try:
@@ -239,7 +263,7 @@ def _complain(message: str, details: str = "") -> None:
 
 
 def _on_rank() -> str:
-    """Name this rank where a launcher started several."""
+    """Return " on rank R" if a launcher started several ranks, else ""."""
     from ..parallel.launcher import launched, launcher_rank
 
     return f" on rank {launcher_rank()}" if launched()[0] else ""

@@ -61,7 +61,7 @@ def add_quiet(parser: ArgumentParser) -> None:
 
 
 def number(text: str) -> float:
-    """Read a decimal number or a ratio of two; raises ValueError for any other text."""
+    """Convert a decimal number or a ratio such as 1/1024. Raises ValueError for other texts."""
     numerator, slash, denominator = text.partition("/")
     try:
         return float(numerator) / float(denominator) if slash else float(numerator)

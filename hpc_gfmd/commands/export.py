@@ -12,7 +12,7 @@ also open the result file itself."""
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """Add the arguments of the command."""
+    """Add the arguments of the command to its parser."""
     add_result_file(parser)
     parser.add_argument(
         "--to",
@@ -32,9 +32,9 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Convert a result and print the name of the file.
+    """Convert a result to the file of another program and print its name; returns 0.
 
-    Raises SceneError if the result cannot be read or the file cannot be written where it should be.
+    Raises SceneError if the result cannot be read or the file cannot be written.
     """
     from ..contact import all_numbers
     from ..output.export import export

@@ -17,7 +17,7 @@ ABOUT_NUMBERS = (
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """Add the arguments of the command."""
+    """Add the arguments of the command to its parser."""
     parser.add_argument(
         "topic",
         metavar="scene|observables|COMMAND",
@@ -31,7 +31,10 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Print the help; raises SceneError for an unknown topic or key."""
+    """Print help on commands, scene keys or numbers; returns 0.
+
+    Raises SceneError for an unknown topic or key.
+    """
     if args.key is not None and (args.topic != "scene" or args.markdown):
         raise SceneError(f"help: found {args.key}, allowed: a key after scene, without --markdown")
     if args.topic == "scene":
@@ -44,7 +47,10 @@ def main(args: Namespace) -> int:
 
 
 def _scene_keys(key: str | None, markdown: bool) -> str:
-    """Return the help on the keys of a scene: on one or on a table as text, or all as markdown."""
+    """Return help on the keys of a scene.
+
+    As text it is on one key or table, or on all if key is None; as Markdown it is always on all.
+    """
     from ..contact import all_distributions, observable_names
     from ..scene import reference
     from ..solvers import solver_names
@@ -58,7 +64,10 @@ def _scene_keys(key: str | None, markdown: bool) -> str:
 
 
 def _number_rows() -> list[tuple[str, str, str, str]]:
-    """List (name, unit, name under which it is requested, meaning) of all numbers of a load."""
+    """List (name, unit, name in output.observables, meaning) of all numbers of a load.
+
+    The third is "" for numbers that are always computed.
+    """
     from ..contact import all_numbers, default_observables, observable_names, observables_named
 
     groups = {name: observables_named([name]) for name in observable_names()}
@@ -74,7 +83,7 @@ def _number_rows() -> list[tuple[str, str, str, str]]:
 
 
 def _numbers_text() -> str:
-    """Return the table of all numbers of a load as text."""
+    """Return the table of all numbers of a load as text, with a line on their units."""
     rows = [("name", "unit", "on request", "meaning"), *_number_rows()]
     lines = [
         f"{name:<36} {unit:<18} {requested_as:<14} {text}"
@@ -84,7 +93,7 @@ def _numbers_text() -> str:
 
 
 def _numbers_page() -> str:
-    """Return the table of all numbers of a load as a page of markdown."""
+    """Return the table of all numbers of a load as a page of Markdown."""
     rows = [
         f"| `{name}` | {unit} | {requested_as} | {text} |"
         for name, unit, requested_as, text in _number_rows()
@@ -94,7 +103,10 @@ def _numbers_page() -> str:
 
 
 def _print_command_help(name: str | None) -> None:
-    """Print the help of a command, or of the program. Raises SceneError for an unknown command."""
+    """Print the help of a command, or of the program if name is None.
+
+    Exits the process after the help of a command. Raises SceneError for an unknown command.
+    """
     from .cli import COMMANDS, build_parser
 
     if name is None:

@@ -9,12 +9,12 @@ DESCRIPTION = (
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """Add the arguments of the command."""
+    """Leave the parser as it is: the command has no arguments."""
     del parser  # the command takes no arguments
 
 
 def main(args: Namespace) -> int:
-    """Print one line per fact."""
+    """Print one line per fact about this installation; returns 0."""
     del args  # it has none
     for name, value in facts().items():
         print(f"{name + ':':16}{value}")
@@ -22,7 +22,13 @@ def main(args: Namespace) -> int:
 
 
 def facts() -> dict[str, str]:
-    """Collect name and value of everything that speed or results may depend on."""
+    """Collect what speed or results may depend on: versions, libraries, cores, memory, cache.
+
+    Returns
+    -------
+    dict of str to str
+        Text by name, in the order of printing.
+    """
     import h5py
 
     from ..parallel.fftw import fft_library
@@ -43,7 +49,10 @@ def facts() -> dict[str, str]:
 
 
 def _io() -> str:
-    """Describe how several ranks write a file; the attribute `io` of results has the same word."""
+    """Describe how several ranks write a file: "parallel: ..." or "serial: ...".
+
+    The word in parentheses is the attribute `io` of results.
+    """
     import h5py
 
     return (
@@ -54,7 +63,7 @@ def _io() -> str:
 
 
 def _mpi_library() -> str:
-    """Return name and version of the MPI library, or why there is none."""
+    """Return name and version of the MPI library, or "none" with the reason; MPI is not started."""
     from ..util.errors import one_line
 
     try:

@@ -19,7 +19,7 @@ edges are free. Two height maps are those of two rough bodies that face each oth
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """Add the arguments of the command."""
+    """Add the arguments of the command to its parser."""
     add_file(
         parser,
         "what",
@@ -40,8 +40,11 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Write the scene and say what is still to be filled in; raises SceneError if it cannot be
-    written or the map cannot be read."""
+    """Write a scene file and print remarks and what is still to be filled in; returns 0.
+
+    Raises SceneError if the file exists (unless --force) or cannot be written, or if the height map
+    cannot be read.
+    """
     path = Path(args.output)
     if path.exists() and not args.force:
         raise SceneError(
@@ -66,14 +69,14 @@ def main(args: Namespace) -> int:
 def compose(
     what: str | Sequence[str], path: Path, overrides: Sequence[str] = ()
 ) -> tuple[str, list[str], list[str]]:
-    """Compose a scene.
+    """Compose the text of a scene; height maps are read, nothing is written.
 
     Parameters
     ----------
     what : str or sequence of str
-        Kind of surface, or the path of a height map, or of two.
+        Kind of surface, or the path of a height map, or two paths of height maps.
     path : Path
-        Where the scene will be; a relative path of the map counts from its folder.
+        Path of the scene to be written. Paths of maps in the scene are relative to its folder.
     overrides : sequence of str
         Settings "table.key=value".
 
@@ -97,11 +100,11 @@ def compose(
     from ..scene.template import CHOSEN, Suggestion, template
 
     names = [what] if isinstance(what, str) else list(what)
-    given: dict[str, Any] = {"title": " + ".join(Path(name).name for name in names)}
+    settings: dict[str, Any] = {"title": " + ".join(Path(name).name for name in names)}
     for override in overrides:
-        apply_override(given, override)
+        apply_override(settings, override)
     tables = {
-        name: keys for name, keys in given.items() if name == "title" or isinstance(keys, dict)
+        name: keys for name, keys in settings.items() if name == "title" or isinstance(keys, dict)
     }
     for name, usual in CHOSEN.items():
         keys = tables.get(name, {})
@@ -109,27 +112,31 @@ def compose(
     made = [kind for kind in KINDS if kind != "file"]
     if names[0] in made and len(names) == 1:
         kind = names[0]
-        found = Suggestion()
+        suggested = Suggestion()
     elif len(names) <= 2 and all(Path(name).is_file() for name in names):
         kind = "file"
-        found = _of_maps(names, path, tables)
+        suggested = _of_maps(names, path, tables)
     else:
         raise SceneError(
             f"init: found {' '.join(names)}, allowed: a kind of surface ({', '.join(made)}) or the"
             " path of a height map, or of two"
         )
     head = f"hpc-gfmd run {path.name}. Lines that begin with # show defaults and examples."
-    text = template(kind, tables, found, head)
-    if not found.missing:
+    text = template(kind, tables, suggested, head)
+    if not suggested.missing:
         data = tomllib.loads(text)
-        for name, keys in given.items():  # a key that no scene has is in no template
+        for name, keys in settings.items():  # a key that no scene has is in no template
             data[name] = data.get(name, {}) | keys if isinstance(keys, dict) else keys
         Scene.from_dict(data, "init", path.parent)
-    return text, found.missing, found.about
+    return text, suggested.missing, suggested.about
 
 
 def _of_maps(maps: list[str], path: Path, tables: dict[str, Any]) -> Any:
-    """Make the Suggestion for one height map or two; paths count from the folder of the scene."""
+    """Read one height map or two and return the Suggestion for them.
+
+    Its paths are relative to the folder of the scene, which will be at `path`. tables: settings of
+    the user by table; those of "surface" take part.
+    """
     from ..scene import Scene
     from ..surface.doubtful_numbers import NO_MODULUS
     from ..surface.suggest import suggestion
@@ -145,12 +152,12 @@ def _of_maps(maps: list[str], path: Path, tables: dict[str, Any]) -> Any:
         surface = {"kind": "file"} | named([os.path.abspath(name) for name in maps]) | values
         return Scene.from_dict({"surface": surface, "load": {"p_star": 1.0}}, "init").surface
 
-    found = suggestion(make, tables.get("surface", {}))
-    found.values = (
-        named([os.path.relpath(name, path.parent) for name in maps], found.unit) | found.values
+    result = suggestion(make, tables.get("surface", {}))
+    result.values = (
+        named([os.path.relpath(name, path.parent) for name in maps], result.unit) | result.values
     )
-    if found.unit and "material" not in tables:
-        found.about.append(NO_MODULUS)
+    if result.unit and "material" not in tables:
+        result.about.append(NO_MODULUS)
     if len(maps) == 1:
-        found.about = [f"{maps[0]}: {line}" for line in found.about]
-    return found
+        result.about = [f"{maps[0]}: {line}" for line in result.about]
+    return result

@@ -22,13 +22,13 @@ one, give the mean and its scatter. Files: .csv (all, with units), .inp (Calculi
 
 
 def share(text: str) -> float:
-    """Read a share, such as 1% or 0.01; raises ValueError for any other text."""
+    """Convert a share such as 1% or 0.01 to a number. Raises ValueError for other texts."""
     percent = text.strip().removesuffix("%")
     return float(percent) / 100 if percent != text.strip() else float(percent)
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """Add the arguments of the command."""
+    """Add the arguments of the command to its parser."""
     add_file(parser, "scene", metavar="SCENE.toml", nargs="+", help="scene files")
     parser.add_argument(
         "--from", dest="start", metavar="P", required=True, help='lowest mean pressure, as "1 MPa"'
@@ -84,7 +84,10 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Find a law, print it and write its files."""
+    """Compute an interface law, print it and write its files; returns 0. Collective.
+
+    Raises SceneError if the scenes are wrong, or if a file exists (unless --force).
+    """
     from ..output.interface_law import QUANTITIES
     from ..output.law_files import harmonic_mean, require_suffix, write_law
     from ..parallel.guard import on_rank_0
@@ -126,7 +129,7 @@ def main(args: Namespace) -> int:
 
 
 def as_dict(law: InterfaceLaw) -> dict:
-    """Return the law under the names of its CSV file."""
+    """Return a law for JSON: its remarks, units and columns, by the names of its CSV file."""
     table = law.to_dataframe()
     columns = {name: table[name].tolist() for name in table}
     return {
@@ -139,7 +142,7 @@ def as_dict(law: InterfaceLaw) -> dict:
 
 
 def as_text(law: InterfaceLaw) -> str:
-    """Write the law as a table: values with their errors, in units."""
+    """Write a law as a table of values with their errors, after its remarks."""
     from ..output.summary import with_error
 
     headings = ["pressure", *law.values]
@@ -157,7 +160,10 @@ def as_text(law: InterfaceLaw) -> str:
 
 
 def _tightness(law: InterfaceLaw) -> list[str]:
-    """Return a line for each axis along which a seal closes within the law."""
+    """Return a line for each axis along which all channels close within the law.
+
+    A seal that is tight already at the lowest pressure gets no line.
+    """
     unit = law.units["pressure"]
     lines = []
     for axis in "xy":

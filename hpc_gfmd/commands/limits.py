@@ -1,5 +1,7 @@
-"""Extrapolation of the steps of a result to the thermodynamic, fractal and continuum (TFC) limits,
-where the tabulated coefficients cover them."""
+"""Extrapolation of a result to the thermodynamic, fractal and continuum (TFC) limits.
+
+It works where the tabulated coefficients cover the load steps.
+"""
 
 from math import isfinite
 from typing import Any
@@ -18,7 +20,7 @@ SCATTER = (
 
 
 def to_limits(result: Result, table: str = "ours") -> dict:
-    """Extrapolate the steps of a result.
+    """Extrapolate contact area and mean gap of all load steps of a result to the TFC limit.
 
     Parameters
     ----------
@@ -30,15 +32,15 @@ def to_limits(result: Result, table: str = "ours") -> dict:
     Returns
     -------
     dict
-        "table": its name; "steps": one dict per load step with its number, p_star and, by
-        observable, a dict with value, sigma, the corrections t, f, c and their sum,
-        "extrapolated" with its sigma (of the value and, where the table has it, of the
-        coefficients) and notes, or else "refused" with the reason.
+        "table": its name; "steps": one dict per load step with "step" (its number), "p_star" and,
+        for each of "kappa" and "gap_over_h_rms" that it has, a dict with "value", "sigma" and
+        either "refused" (the reason) or the corrections, "extrapolated", "extrapolated_sigma" (of
+        the value and, if the table has it, of the coefficients), "converged" and "notes".
 
     Raises
     ------
     SceneError
-        For a surface that is not self-affine.
+        If the surface is not self-affine, or the table cannot be read.
     """
     surface = result.surface
     missing = [
@@ -64,7 +66,7 @@ def to_limits(result: Result, table: str = "ours") -> dict:
 
 
 def limits_text(limits: dict) -> str:
-    """Write what `to_limits` returned: one line per observable and step, and each note once."""
+    """Write what `to_limits` returned as text: a line per number and load step, then notes."""
     lines = [
         "extrapolated to the thermodynamic, fractal and continuum limits with the coefficients"
         f" {limits['table']}"
@@ -92,7 +94,11 @@ def limits_text(limits: dict) -> str:
 def _limit(
     step: dict, observable: str, error_name: str, parameters: dict[str, Any]
 ) -> dict[str, Any]:
-    """Extrapolate one observable of one step; `parameters` of the surface and the table."""
+    """Extrapolate one observable of a load step; returns its dict as described in `to_limits`.
+
+    error_name: key of its relative error. parameters: arguments of `tfc.extrapolate` that all steps
+    share.
+    """
     value = step[observable]
     relative_error = step.get(error_name)
     sigma = None
@@ -116,5 +122,5 @@ def _limit(
 
 
 def _with_sigma(value: float, sigma: float | None) -> str:
-    """Return "value +- sigma", without the latter where it is not known."""
+    """Return "value +- sigma", or the value alone if sigma is None."""
     return f"{value:.4f}" + (f" +- {sigma:.1g}" if sigma is not None else "")

@@ -13,7 +13,7 @@ in E* g_rms/h_rms, stiffness_lam_s in E*/lam_s. Numbers may be written as 0.25, 
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """Add the arguments of the command."""
+    """Add the arguments of the command to its parser."""
     parser.add_argument("--hurst", type=number, required=True, help="Hurst exponent, 0 to 1")
     parser.add_argument("--eps-f", type=number, required=True, help="lam_s/lam_l, 0 to 1")
     pressures = parser.add_mutually_exclusive_group(required=True)
@@ -43,7 +43,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Print the curve of the theory; raises SceneError for numbers out of range."""
+    """Print curves of Persson's theory; returns 0. Raises SceneError for numbers out of range."""
     from pandas import DataFrame
 
     from ..theory import persson
@@ -70,7 +70,7 @@ def main(args: Namespace) -> int:
 
 
 def _pressures(args: Namespace) -> Any:
-    """Return the pressures p_star of the arguments; raises SceneError for numbers out of range."""
+    """Return the pressures p_star of the arguments, 1D. Raises SceneError if out of range."""
     import numpy as np
 
     from ..theory.checks import within

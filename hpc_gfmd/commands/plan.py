@@ -12,7 +12,7 @@ into this machine."""
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """Add the arguments of the command."""
+    """Add the arguments of the command to its parser."""
     add_file(parser, "scene", metavar="SCENE.toml", help="scene file")
     parser.add_argument(
         "--ranks", metavar="K", type=int, default=1, help="number of ranks (default: %(default)s)"
@@ -32,7 +32,11 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Print the plan; raises SceneError if the scene is wrong or does not fit into this machine."""
+    """Print grid, memory and time that a scene would take; returns 0.
+
+    Raises SceneError if the scene is wrong or, after printing, if it does not fit into this
+    machine.
+    """
     from ..parallel.thread_count import auto_threads, ranks_per_node
     from ..runs.loads import check
     from ..runs.plan import plan_of, text_of

@@ -15,7 +15,7 @@ Fields of any size are read piece by piece."""
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """Add the arguments of the command."""
+    """Add the arguments of the command to its parser."""
     add_file(
         parser,
         "file",
@@ -69,9 +69,9 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Draw the pictures and print their names, then remarks on the result.
+    """Draw pictures of results, save them, and print their names and remarks; returns 0.
 
-    Raises SceneError if the file, the folder or an argument is unusable.
+    Raises SceneError if a file, the folder or an argument is unusable.
     """
     from ..output.read import read_result
     from ..plotting import plot_result
@@ -96,7 +96,10 @@ def main(args: Namespace) -> int:
 
 
 def _plot_together(args: Namespace) -> int:
-    """Draw the curves of several results in one picture each."""
+    """Draw and save curves of several results, one picture for each of --what; returns 0.
+
+    Raises SceneError if --step or --window are given.
+    """
     from pathlib import Path
 
     from ..plotting import plot, save_picture
@@ -117,7 +120,10 @@ def _plot_together(args: Namespace) -> int:
 
 
 def _remarks(result: Any, args: Namespace) -> list[str]:
-    """Describe which load steps the pictures leave out, and those that are not accurate."""
+    """Return lines on load steps that pictures leave out or that are not converged.
+
+    Notes on the load steps follow.
+    """
     from ..output.summary import converged
     from ..plotting import chosen_steps
 

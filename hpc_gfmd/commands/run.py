@@ -11,7 +11,7 @@ did not converge."""
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """Add the arguments of the command."""
+    """Add the arguments of the command to its parser."""
     add_file(parser, "scene", metavar="SCENE.toml", help="scene file")
     add_file(
         parser,
@@ -30,7 +30,10 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Solve a scene; returns 3 if a load did not converge."""
+    """Solve a scene and write its result; returns its exit code. Collective.
+
+    3 means that a load did not converge.
+    """
     from ..runs.simulation import run_scene
 
     return run_scene(

@@ -20,7 +20,7 @@ that caused by the grid spacing together."""
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """Add the arguments of the command."""
+    """Add the arguments of the command to its parser."""
     add_file(
         parser,
         "file",
@@ -48,7 +48,11 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Print a result; raises SceneError if the file is missing, damaged, foreign or too new."""
+    """Print one result, or means of several, as a table or JSON; returns 0.
+
+    With --json notes go to standard error. Raises SceneError if a file is missing, damaged, foreign
+    or too new.
+    """
     from ..output.read import read_result
 
     if len(args.file) > 1:
@@ -75,7 +79,10 @@ def main(args: Namespace) -> int:
 
 
 def _show_ensemble(args: Namespace) -> int:
-    """Print means and standard deviations of several results."""
+    """Print means and standard deviations of several results, as text or JSON; returns 0.
+
+    Raises SceneError for --tfc, --references and --errors.
+    """
     from ..runs.ensemble import Ensemble
 
     if args.tfc is not None or args.references or args.errors:
@@ -92,19 +99,19 @@ def _show_ensemble(args: Namespace) -> int:
 
 
 def as_dict(result: Result) -> dict:
-    """Return surface, steps and status of a result under the names of its file."""
+    """Return {"surface": ..., "steps": ..., "status": ...} of a result, for JSON."""
     return {"surface": result.surface, "steps": result.steps, "status": result.status}
 
 
 def as_text(result: Result, errors: bool = False) -> str:
-    """Write head, table and remarks of a result.
+    """Write head, table and notes of a result.
 
     Parameters
     ----------
     result : Result
         What a result file holds.
     errors : bool
-        Whether errors of solver and grid have columns of their own.
+        Whether to print errors of solver and grid in separate columns.
 
     Returns
     -------

@@ -1,5 +1,4 @@
-"""`hpc-gfmd tfc`: corrections to the thermodynamic, fractal and continuum limits, and fits of their
-coefficients."""
+"""`hpc-gfmd tfc`: corrections to the thermodynamic, fractal and continuum limits; fits of them."""
 
 from argparse import ArgumentParser, Namespace
 from typing import Any
@@ -20,7 +19,7 @@ others), or fit the coefficients to the runs in a CSV file. Numbers may be writt
 
 
 def add_arguments(parser: ArgumentParser) -> None:
-    """Add the arguments of the command."""
+    """Add the arguments of the command to its parser."""
     parser.add_argument("--observable", default="kappa", help="kappa (default) or gap_over_h_rms")
     parser.add_argument("--hurst", type=number, help="Hurst exponent of the surface")
     parser.add_argument("--p-star", type=number, help="pressure p0/(E* g_rms)")
@@ -55,9 +54,9 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Extrapolate a value or fit coefficients.
+    """Extrapolate a value, or fit coefficients to runs, and print the outcome; returns 0.
 
-    Raises SceneError for what is missing or out of range.
+    Raises SceneError if arguments are missing, out of range or do not go together.
     """
     not_allowed = EXTRAPOLATION if args.fit else FIT
     unused = [name for name, default in not_allowed.items() if getattr(args, name) != default]
@@ -71,12 +70,12 @@ def main(args: Namespace) -> int:
 
 
 def _options(names: list[str]) -> str:
-    """Write attributes of the arguments as the options that set them."""
+    """Write names of arguments as options: "--p-star, --eps-t"."""
     return ", ".join(f"--{name.replace('_', '-')}" for name in names)
 
 
 def _extrapolate(args: Namespace) -> tuple[dict[str, Any], str]:
-    """Return the report and the text of an extrapolation."""
+    """Return an extrapolation as a dict for JSON and as text. Raises SceneError."""
     from ..theory import tfc
 
     values = {name: getattr(args, name) for name in REQUIRED}
@@ -111,7 +110,10 @@ def _extrapolate(args: Namespace) -> tuple[dict[str, Any], str]:
 
 
 def _fit(args: Namespace) -> tuple[dict[str, Any], str]:
-    """Return the report and the text of a fit."""
+    """Fit coefficients to the runs in args.fit; returns a dict for JSON, and text.
+
+    Raises SceneError if the file cannot be read or the runs do not determine the coefficients.
+    """
     from ..theory import tfc
 
     if set(args.free) - set(args.terms):

@@ -1,14 +1,18 @@
-"""A solved load and its observables, one idea per file: OBSERVABLES = {name: Observable(function of
-a contact, meaning, unit)}. A function returns a number, or None, which is left out of the result.
+"""Observables: the numbers and arrays that are computed from a solved load, one idea per file.
 
-ON_REQUEST = True marks a file whose observables take FFT pairs or passes over the fields of their
-own: only where the scene names them. TOGETHER = {name: names of observables} has names that stand
-for several. DISTRIBUTIONS = {name: Distribution(function of a contact, meaning, units)}, always on
-request, becomes the attributes NAME_WHAT of a load step. base.py has these classes, and what is
-said of the other numbers of a load.
+A file of this folder may define
 
-`contact` is a contact.contact.Contact; sums that several observables share are its cached
-properties, so that only what is requested is computed. Numbers are in the scene's units.
+* OBSERVABLES = {name: Observable(function of a contact, meaning, unit)}. The function returns a
+  number, or None, and then the number is left out of the result.
+* ON_REQUEST = True if its observables take FFT pairs or passes over the fields. Then they are
+  computed only if the scene names them.
+* TOGETHER = {name: names of observables}: names that stand for several observables.
+* DISTRIBUTIONS = {name: Distribution(function of a contact, meaning, units)}: arrays, always on
+  request. They become the attributes NAME_ARRAY of a load step, one for each array.
+
+base.py defines these classes and describes the other numbers of a load. A contact is a
+contact.contact.Contact. Sums that several observables share are its cached properties, so that only
+what is requested is computed. Numbers are in the scene's units.
 """
 
 from collections.abc import Iterable
@@ -24,13 +28,15 @@ COMMON = ("base", "contact", "notes", "attraction_notes", "other_branch")  # no 
 
 
 def all_observables() -> dict[str, Observable]:
-    """Return {name: Observable}, those of one file in the order they are given there."""
+    """Return {name: Observable} of this package and of plugins, those of one file in its order."""
     return _merged("OBSERVABLES")
 
 
 def default_observables() -> list[str]:
-    """Return the names of the observables that cost no more than a look at each point: every result
-    has them."""
+    """Return the names of the observables that every result has, because they are cheap to compute.
+
+    These are the observables of files without ON_REQUEST.
+    """
     return [
         name
         for module in _observables()
@@ -40,13 +46,15 @@ def default_observables() -> list[str]:
 
 
 def observable_names() -> set[str]:
-    """Return what a scene may ask for: names of observables, and names that stand for several of
-    them."""
+    """Return the names that a scene may request: of single observables and of groups (TOGETHER)."""
     return {*all_observables(), *_merged("TOGETHER")}
 
 
 def observables_named(names: Iterable[str]) -> dict[str, Observable]:
-    """Return {name: Observable} of those that these names stand for."""
+    """Return {name: Observable} of requested names, those of groups (TOGETHER) expanded.
+
+    Unknown names are ignored. The order is that of `all_observables`.
+    """
     together = _merged("TOGETHER")
     members = {member for name in names for member in together.get(name, (name,))}
     observables = all_observables()
@@ -54,13 +62,15 @@ def observables_named(names: Iterable[str]) -> dict[str, Observable]:
 
 
 def all_distributions() -> dict[str, Distribution]:
-    """Return {name: Distribution} of all of them."""
+    """Return {name: Distribution} of this package and of plugins."""
     return _merged("DISTRIBUTIONS")
 
 
 def all_numbers() -> dict[str, tuple[str, str]]:
-    """Return {name: (meaning, unit)} of all that a result may have of a load, distributions
-    included; for units see base.py."""
+    """Return {name: (meaning, unit)} of every number and array that a load may have in a result.
+
+    The arrays of a distribution have one entry each, NAME_ARRAY. For units see base.py.
+    """
     counted = {
         f"{name}_{array}": (f"{distribution.meaning}; {array}", unit)
         for name, distribution in all_distributions().items()
@@ -74,16 +84,21 @@ def all_numbers() -> dict[str, tuple[str, str]]:
 
 
 def require_periodic(names: Iterable[str], free: tuple[bool, bool], key: str) -> None:
-    """Raise SceneError where a distribution needs periodic boundaries and the surface has others.
+    """Raise SceneError if a distribution needs a periodic surface and this one has free edges.
 
     Parameters
     ----------
     names : iterable of str
-        Distributions that are asked for.
+        Requested distributions.
     free : (bool, bool)
         Whether the surface has free edges along x, along y.
     key : str
-        Where the names stand, for the message.
+        The key that holds the names, with which the message begins.
+
+    Raises
+    ------
+    SceneError
+        With the first such name, and the distributions that do not need a periodic surface.
     """
     distributions = all_distributions()
     periodic = [name for name in distributions if distributions[name].periodic and any(free)]
@@ -97,7 +112,10 @@ def require_periodic(names: Iterable[str], free: tuple[bool, bool], key: str) ->
 
 @cache
 def _merged(table: str) -> dict[str, Any]:
-    """Return a table of this name, such as OBSERVABLES, of all files together."""
+    """Return the tables of one name, such as "OBSERVABLES", of all files merged into one dict.
+
+    Files without such a table are skipped. Cached: callers must not change the dict.
+    """
     return {
         name: entry
         for module in _observables()
@@ -107,5 +125,5 @@ def _merged(table: str) -> dict[str, Any]:
 
 @cache
 def _observables() -> list[ModuleType]:
-    """Return the modules of this folder and of plugins that define observables."""
+    """Import and return the modules that may define observables: of this folder and of plugins."""
     return [module_in(__name__, name) for name in names_in(__name__, COMMON)]

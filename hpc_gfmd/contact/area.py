@@ -1,11 +1,11 @@
-"""Relative contact area, kappa = a_r/p*, both with the edge correction, and what the size of a grid
-point does to them.
+"""Relative contact area a_r, kappa = a_r/p*, both with an edge correction, and the error of a_r due
+to the size of a grid point.
 
-A point counts as touching or not as a whole, and along the edge of the contact more of them touch
-than would on a finer grid. By Yastrebov, Anciaux, Molinari (2017) the area that is too much is
-EDGE_CORRECTION a^2 per boundary segment (side of a point that touches beside one that does not).
-That is an average over all directions of the edge on square points: it does not hold for contacts
-that vary along one axis only, nor where points are not square; a_r_corrected and kappa_corrected
+A point is in contact as a whole or not at all, and along the edge of the contact more points touch
+than would on a finer grid. By Yastrebov, Anciaux, Molinari (2017) the excess area is
+EDGE_CORRECTION a^2 per boundary segment (the side between a point in contact and one that is not).
+This is an average over all directions of the edge on square points. It does not hold for contacts
+that vary along one axis only, nor on points that are not square; a_r_corrected and kappa_corrected
 are None there.
 """
 
@@ -26,24 +26,27 @@ SQUARE = 0.01  # relative difference of a_x and a_y up to which points count as 
 
 
 def a_r(contact: Contact) -> float:
-    """Return points in contact over all points."""
+    """Return the fraction of the surface's points that are in contact."""
     return contact.contact_points / contact.N
 
 
 def contact_area(contact: Contact) -> float:
-    """Return the contact area: a_r times the nominal area."""
+    """Return the contact area in the unit of length squared: a_r times the nominal area."""
     L_x, L_y = contact.surface.sizes
     return a_r(contact) * L_x * L_y
 
 
 def a_plastic(contact: Contact) -> float | None:
-    """Return points at the hardness over all points; None without a hardness."""
+    """Return the fraction of points that yield (pressure = hardness); None without a hardness."""
     return None if contact.hardness is None else contact.certificate.yielded / contact.N
 
 
 def a_r_corrected(contact: Contact) -> float | None:
-    """Return a_r less the area that the pixels on the contact boundary do not fill; None where
-    EDGE_CORRECTION does not hold."""
+    """Return a_r minus the excess area along the contact edge; None if the correction is invalid.
+
+    EDGE_CORRECTION is invalid on a grid of one point along an axis, and on points whose sides
+    differ by more than SQUARE.
+    """
     a_x, a_y = contact.grid.spacings
     if 1 in contact.grid.nominal or abs(a_x / a_y - 1) > SQUARE:
         return None
@@ -51,22 +54,23 @@ def a_r_corrected(contact: Contact) -> float | None:
 
 
 def a_r_discretisation(contact: Contact) -> float:
-    """Estimate the relative error of a_r by the size of a grid point, which says nothing of the
-    solver's; inf where nothing touches.
+    """Estimate the relative error of a_r that is due to the grid spacing; inf if nothing touches.
 
-    (b S + sqrt(S/12))/n_c for n_c points in contact with S boundary segments: the whole edge
-    correction b S, and whole points missing each segment by chance, which counts where they are
-    few. Found against grids up to 16 times as fine (the finest edge-corrected):
+    The solver's error comes on top. The estimate is (b S + sqrt(S/12))/n_c for n_c points in
+    contact and S boundary segments: the full edge correction b S, plus the random error of rounding
+    each segment to whole points, which matters if they are few. It was tested against grids up to
+    16 times as fine (the finest edge-corrected):
 
-    * 126 self-affine contacts (H = 0.3, 0.8; p* = 0.007, 0.05, 0.35; lam_s/a = 2, 4, 8, 16): a_r is
-      always too large, at H = 0.3, p* = 0.007, lam_s/a = 2 by 57 to 87 %; the error is 0.95 edge
+    * 126 self-affine contacts (H = 0.3, 0.8; p* = 0.007, 0.05, 0.35; lam_s/a = 2, 4, 8, 16): a_r
+      is always too large, at H = 0.3, p* = 0.007, lam_s/a = 2 by 57 to 87 %; the error is 0.95 edge
       corrections in the mean, from 0.65 to 1.3 (but for one of 18 points): half the correction
       would hide half of the error. Error over estimate: 0.87 in the mean, at most 1.05;
-    * 45 contacts of one sphere (1 to 70,000 points): 0.7 edge corrections in the mean, from -0.8 to
-      1.6, as it is chance how a circle lies on its grid; error over estimate up to 1.3;
-    * rough with points of 1:2, 1:4, 1:8: 0.7 to 1.1 edge corrections, not to be relied on: the
-      correction itself does not hold there;
-    * 320 profiles (Westergaard): 0.2 +- 0.3 points per edge, 0.7 at most, hence b = EDGE_1D there.
+    * 45 contacts of one sphere (1 to 70,000 points): 0.7 edge corrections in the mean, from -0.8
+      to 1.6, as it is chance how a circle lies on its grid; error over estimate up to 1.3;
+    * rough surfaces with points of 1:2, 1:4, 1:8: 0.7 to 1.1 edge corrections. The correction
+      does not hold there, so this is no rule;
+    * 320 profiles (Westergaard): 0.2 +- 0.3 points per edge, 0.7 at most, hence b = EDGE_1D
+      there.
     """
     segments = contact.boundary_segments
     bias = EDGE_1D if 1 in contact.grid.nominal else EDGE_CORRECTION
@@ -78,18 +82,18 @@ def a_r_discretisation(contact: Contact) -> float:
 
 
 def kappa(area: Callable[[Contact], float | None], contact: Contact) -> float | None:
-    """Return an area over p_star.
+    """Return a relative contact area divided by p_star.
 
     Parameters
     ----------
     area : callable
-        Of a Contact: a relative contact area, or None.
+        Function of a Contact that returns the relative contact area, or None.
     contact : Contact
 
     Returns
     -------
     float or None
-        None where the area has no value, on a flat surface and without a pressure.
+        None if the area is None, the surface is flat or the mean pressure is 0.
     """
     if contact.g_rms == 0 or contact.p_mean == 0:
         return None

@@ -1,4 +1,4 @@
-"""What an attraction of the surfaces (material.adhesion) does in a contact."""
+"""Numbers of a contact with an attraction of the surfaces (material.adhesion)."""
 
 from math import isfinite
 
@@ -6,18 +6,22 @@ from .base import Contact, Observable
 
 
 def attraction(contact: Contact) -> float | None:
-    """Return the mean attraction over the nominal area, by which the mean pressure where the
-    surfaces touch exceeds that of the load; None without an attraction."""
+    """Return the mean attractive pressure over the nominal area, in the unit of E_star, positive.
+
+    The mean pressure of the wall exceeds the load by it. None without a law of attraction and for
+    separated bodies.
+    """
     if contact.attraction is None or contact.is_separated:
         return None
     return contact.certificate.attraction * contact.pressure_unit
 
 
 def separation_work(contact: Contact) -> float | None:
-    """Return the work per nominal area that takes the bodies from here to where they do not
-    attract each other, undeformed: minus their energy, elastic and of attraction.
+    """Return the work per nominal area needed to separate the bodies and remove their deformation.
 
-    None without an attraction, and where the elastic energy has no end.
+    It is minus the sum of the elastic energy and the energy of attraction, in the unit of E_star
+    times length. None without a law of attraction, for separated bodies, and where the elastic
+    energy is undefined (a half-space that is periodic along one axis only).
     """
     if contact.attraction is None or contact.is_separated or not isfinite(contact.energy):
         return None
@@ -26,8 +30,10 @@ def separation_work(contact: Contact) -> float | None:
 
 
 def stability(contact: Contact) -> float | None:
-    """Return how far the equilibrium is from a jump, see certificate/stability.py; None without an
-    attraction, and where it was not looked for."""
+    """Return the stability of an equilibrium: 1 without attraction, 0 at a jump, < 0 at a saddle.
+
+    See certificate/stability.py. None without a law of attraction, or if it was not computed.
+    """
     share = contact.certificate.stability
     return share if isfinite(share) else None
 

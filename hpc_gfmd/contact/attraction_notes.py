@@ -1,4 +1,4 @@
-"""What a user has to know of a contact with an attraction, before its numbers."""
+"""Notes on a contact with an attraction: what limits the meaning of its numbers."""
 
 from __future__ import annotations
 
@@ -12,7 +12,10 @@ RESOLVED, FLIPPING = 0.5, 1.0  # softening over stiffness of one point: fine; fl
 
 
 def attraction_notes(contact: Any) -> list[str]:
-    """Return remarks on the stability and the resolution of a Contact; none without attraction."""
+    """Return notes on stability, uniqueness and grid resolution of a Contact with an attraction.
+
+    Empty without a law of attraction, for separated bodies, and if there is nothing to remark.
+    """
     if contact.attraction is None or contact.is_separated:
         return []
     notes = []
@@ -39,8 +42,11 @@ def attraction_notes(contact: Any) -> list[str]:
 
 
 def resolution(contact: Any) -> float:
-    """Return how much the attraction softens a single point, at most, over its stiffness: above 1
-    it jumps alone."""
+    """Return the largest softening of a point by the attraction over the point's elastic stiffness.
+
+    Dimensionless. Above 1 a single point can jump without its neighbours. The contact must have a
+    law of attraction.
+    """
     law, grid = contact.attraction, contact.grid
     stiffness = float(contact.body.near(grid)[0]) * contact.E_star / grid.a
     return steepest(law) / stiffness

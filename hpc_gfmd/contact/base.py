@@ -1,7 +1,7 @@
-"""What is said of each number and each distribution of a load: meaning, sign, unit.
+"""Descriptions of the numbers and arrays of a load: meaning, sign, unit.
 
-Units are products of "length", "pressure" and "force"; `util.quantities.in_units` puts in those of
-a surface. "" is dimensionless.
+Units are products of "length", "pressure" and "force"; `util.quantities.in_units` replaces these by
+the units of a surface. "" is dimensionless.
 """
 
 from collections.abc import Callable, Mapping
@@ -20,20 +20,22 @@ Arrays = dict[str, np.ndarray]
 
 @dataclass(frozen=True)
 class Observable:
-    """A number of a contact.
+    """A number that is computed from a Contact, and its description.
+
+    Calling it with a Contact returns the number, or None where it has no value.
 
     Attributes
     ----------
     of : callable
-        Of a Contact; returns None where the number has no value.
+        Function of a Contact that returns the number, or None where it has no value.
     meaning : str
         What the number is, a phrase.
     unit : str
-        Product of "length", "pressure" and "force"; "" without dimension.
+        Product of "length", "pressure" and "force"; "" if dimensionless.
     sources : tuple of str
-        Papers, with DOI.
+        Papers to cite, with DOI.
     absent : str
-        Why a contact may have no value, a phrase.
+        Why a contact may have no value, a phrase for the user; "" if there is nothing to explain.
     """
 
     of: Callable[[Contact], float | None]
@@ -43,23 +45,26 @@ class Observable:
     absent: str = ""
 
     def __call__(self, contact: Contact) -> float | None:
+        """Return the number of a contact, None where it has no value."""
         return self.of(contact)
 
 
 @dataclass(frozen=True)
 class Distribution:
-    """Arrays of a contact: a histogram, a spectrum.
+    """Arrays that are computed from a Contact, such as a histogram or spectrum, and their meaning.
+
+    Calling it with a Contact returns {name: array}, or None if no point contributes.
 
     Attributes
     ----------
     of : callable
-        Of a Contact: arrays by name; returns None where there is nothing to count.
+        Function of a Contact that returns {name: array}, or None if no point contributes.
     meaning : str
         What the arrays are, a phrase.
     units : dict of str to str
-        Of each array, as `Observable.unit`.
+        Unit of each array by name, as `Observable.unit`.
     periodic : bool
-        Whether it needs periodic boundaries.
+        Whether it can be computed for periodic surfaces only.
     """
 
     of: Callable[[Contact], Arrays | None]
@@ -68,6 +73,7 @@ class Distribution:
     periodic: bool = False
 
     def __call__(self, contact: Contact) -> Arrays | None:
+        """Return {name: array} of a contact, None if no point contributes."""
         return self.of(contact)
 
 

@@ -14,11 +14,12 @@ ON_REQUEST = True
 
 
 def conductance(contact: Contact) -> float | None:
-    """Return the stiffness over E*: by the mean gap of a periodic surface, by the approach of one
-    that ends.
+    """Return the contact conductance per nominal area over 2 k1 k2/(k1 + k2), in 1/length.
 
-    None for layers, for surfaces that end along one axis alone, where nothing touches and where
-    everything does.
+    It is the contact stiffness over E_star: that of the mean gap for a periodic surface, that of
+    the approach for a surface with free edges along both axes. None for layers and coatings, for
+    free edges along one axis only, and if no point or every point touches. Collective; the first
+    call that needs `contact.tangent` takes FFT pairs.
     """
     from ..bodies.halfspace import HalfSpace
 

@@ -27,44 +27,47 @@ ROUNDING = 16  # times the rounding error of the heights: a mean gap below that 
 
 @dataclass(frozen=True)
 class Contact:
-    """Result of one load; observables are functions of it. Its numbers are in the scene's
-    units, the same on all ranks.
+    """The solution of one load. Observables are functions of it.
+
+    Its numbers are in the scene's units and the same on all ranks; its fields are local slabs.
 
     Attributes
     ----------
     surface : Surface
-        The rigid surface, and the grid it was solved on.
+        The rigid surface, and the grid that the load was solved on.
     E_star : float
-        Effective modulus; pressures are in its unit.
+        Effective modulus; other pressures are in its unit.
     p_mean : float
         Mean pressure over the nominal area.
     g, p : array, local slabs of the grid
-        Gap and pressure of the solution, in the program's units (operators/problem.py); the next
+        Gap and pressure of the solution, in the program's units (operators/problem.py). The next
         load of a sweep overwrites them.
     status : str
-        "converged", "stagnated", "max_iterations", "nonfinite", "interrupted", or "separated",
-        where the load pulls more than the attraction: there is no contact then, and the fields are
+        "converged", "stagnated", "max_iterations", "nonfinite", "interrupted", or "separated" if
+        the load pulls more than the attraction holds. Then there is no contact, and the fields are
         those of undeformed bodies.
     certificate : Certificate
         The independent check of this solution, with its errors.
     accuracy : float
-        Relative, of what observables still have to solve for.
+        Relative accuracy that was required of the solution; observables that solve further
+        equations, such as the stiffness, have to reach it, too.
     lam_s : float or None
-        Shortest wavelength of the surface, where that is known.
+        Shortest wavelength of the surface; None if unknown.
     body : Body
-        What is pressed.
+        The elastic body.
     remark : str or None
-        On how the load was found, where it was not given.
+        Note on how the pressure of this load was found; None if it was prescribed or there is
+        nothing to say.
     iterations : int
-        On the fine grid.
+        Iterations on the finest grid.
     pairs : float
-        FFT pairs of the solve, as many of the fine grid.
+        FFT pairs that the solution took; those of coarser grids count by their share of the points.
     hardness : float or None
-        The largest pressure, in the unit of E_star; None: there is none.
+        The largest pressure, in the unit of E_star; None if unlimited.
     attraction : Law or None
-        Law of attraction, in the unit of E_star and that of lengths; None: there is none.
+        Law of attraction, in the unit of E_star and that of lengths; None without attraction.
     other_branch : OtherBranch or None
-        What the load has come to on the other branch, where that was asked for and found.
+        What the same load gives on the other branch; None if that was not requested or not solved.
     """
 
     surface: Surface
@@ -86,27 +89,27 @@ class Contact:
 
     @property
     def grid(self) -> Grid:
-        """The grid that was solved."""
+        """The grid that the load was solved on."""
         return self.surface.grid
 
     @property
     def N(self) -> int:
-        """Number of points of the surface."""
+        """Number of points of the surface, without padding of the grid."""
         return self.grid.N
 
     @property
     def g_rms(self) -> float:
-        """Realised rms gradient."""
+        """Rms gradient of the heights as they are on the grid."""
         return self.surface.g_rms
 
     @property
     def h_rms(self) -> float:
-        """Realised rms height."""
+        """Rms height of the surface as it is on the grid."""
         return self.surface.h_rms
 
     @property
     def pressure_unit(self) -> float:
-        """What one unit of p is in the unit of E_star."""
+        """The program's unit of pressure, in the unit of E_star: E_star times `surface.slope`."""
         return self.E_star * self.surface.slope
 
     @property
@@ -116,18 +119,17 @@ class Contact:
 
     @property
     def wall_pressure(self) -> float:
-        """Mean pressure that the wall bears, in the unit of E_star: p_mean, and the attraction."""
+        """Mean pressure on the wall in the unit of E_star: p_mean plus the mean attraction."""
         return self.p_mean + self.certificate.attraction * self.pressure_unit
 
     @property
     def approach(self) -> float:
-        """How far the bodies have come together since they touched undeformed; nan for a
-        periodic half-space, whose displacement is unbounded."""
+        """How far the bodies have approached since they touched undeformed; nan if unbounded."""
         return self.certificate.approach * self.surface.height_unit
 
     @property
     def is_separated(self) -> bool:
-        """Whether the load has pulled the bodies apart."""
+        """Whether the load pulls more than the attraction holds, so that there is no contact."""
         return self.status == "separated"
 
     @property
@@ -137,28 +139,31 @@ class Contact:
 
     @property
     def gap_mean(self) -> float:
-        """Mean gap over the nominal area."""
+        """Mean gap over the nominal area; points in contact and dents count as 0."""
         return self.certificate.gap_mean * self.surface.height_unit
 
     @property
     def energy(self) -> float:
-        """Elastic energy per area."""
+        """Elastic energy per nominal area; nan if undefined (`Certificate.energy`)."""
         return self.certificate.energy * self.pressure_unit * self.surface.height_unit
 
     @property
     def note(self) -> str | None:
-        """What a reader should know before the numbers, one line; None if there is nothing."""
+        """All notes on this contact joined into one line; None if there are none."""
         return "; ".join(notes_on(self)) or None
 
     @property
     def gap_is_rounding(self) -> bool:
-        """Whether the points that are open are so by less than rounding errors of the heights."""
+        """Whether the gap is open somewhere, but its mean is below rounding errors of heights."""
         rounding_errors = ROUNDING * float(np.finfo(self.g.dtype).eps) * self.h_rms
         return self.contact_points < self.N and self.gap_mean < rounding_errors
 
     @cached_property
     def tangent(self) -> Tangent:
-        """The operators.tangent.Tangent of this contact. Collective; some FFT pairs."""
+        """Response to a small change of the load at a fixed set of points in contact.
+
+        Collective. Computed once, by conjugate gradients; the FFT pairs are added to `asked_pairs`.
+        """
         rows, points = self.grid.inside
         touching = np.zeros(self.g.shape, dtype=bool)
         touching[:rows, :points] = self.touching(0, rows)
@@ -168,38 +173,40 @@ class Contact:
 
     @cached_property
     def asked_pairs(self) -> list[float]:
-        """FFT pairs of the observables that were asked for so far."""
+        """FFT pairs taken by observables of this contact. Observables append to this list."""
         return []
 
     @property
     def fft_pairs(self) -> float:
-        """Everything counted: `pairs` and `asked_pairs`."""
+        """All FFT pairs so far: those of the solution and those of observables."""
         return self.pairs + sum(self.asked_pairs)
 
     @property
     def periodic(self) -> tuple[bool, bool]:
-        """Whether opposite edges of the surface touch, along x and along y."""
+        """Whether the surface is periodic along x, along y; False if it has free edges there."""
         nominal = self.grid.nominal
         n = self.grid.n
         return nominal[0] == n[0], nominal[1] == n[1]
 
     def touching(self, i0: int, i1: int) -> np.ndarray:
-        """Return which points touch in some rows of this rank.
+        """Return a mask of the points in contact, in some rows of this rank.
 
         Parameters
         ----------
         i0, i1 : int
-            First row and the one behind the last, counted within this rank's part of the surface.
+            First row and the one behind the last, counted from the first row of this rank, within
+            the surface.
 
         Returns
         -------
         ndarray of bool, shape (i1 - i0, n_y)
+            n_y is that of the surface, without padding.
         """
         points = self.grid.nominal[1]
         return (self.g[i0:i1, :points] <= 0) & (self.p[i0:i1, :points] > 0)
 
     def pressure_rows(self, i0: int, i1: int) -> np.ndarray:
-        """Return the pressure in some rows of this rank.
+        """Return the pressure in some rows of this rank as a new array.
 
         Parameters
         ----------
@@ -209,7 +216,8 @@ class Contact:
         Returns
         -------
         ndarray, shape (i1 - i0, n_y)
-            In units of E* g_rms: 0 out of contact, the hardness where a point yields.
+            In the program's units (`pressure_unit`): 0 out of contact, the hardness where a point
+            yields.
         """
         points = self.grid.nominal[1]
         g = self.g[i0:i1, :points]
@@ -221,7 +229,7 @@ class Contact:
         return p
 
     def gap_rows(self, i0: int, i1: int) -> np.ndarray:
-        """Return the gap in some rows of this rank.
+        """Return the gap in some rows of this rank, with 0 where there is a dent.
 
         Parameters
         ----------
@@ -231,7 +239,8 @@ class Contact:
         Returns
         -------
         ndarray, shape (i1 - i0, n_y)
-            In units of g_rms a: 0 where there is a dent.
+            In the program's units (`surface.height_unit`). Without a hardness it is a view of `g`;
+            do not change it.
         """
         g = self.g[i0:i1, : self.grid.nominal[1]]
         return g if self.hardness is None else np.maximum(g, 0)
@@ -239,18 +248,19 @@ class Contact:
     def clusters(
         self, of_contact: bool = True, corners: bool = False, open_axis: int | None = None
     ) -> Clusters:
-        """Return the connected clusters of the points that touch, or of those that do not.
+        """Return the connected clusters of the points in contact, or of the points that are open.
 
-        Found once. Collective.
+        Computed once for each choice of arguments. Collective.
 
         Parameters
         ----------
         of_contact : bool
-            Whether of the points that touch.
+            True: clusters of points in contact; False: of open points.
         corners : bool
-            Whether points that share only a corner belong together.
+            Whether points that share only a corner are connected.
         open_axis : int, optional
-            Axis along which no cluster goes around the cell, though it may be periodic.
+            Axis along which the surface is treated as not periodic: a cluster percolates along it
+            if it reaches from the first point to the last.
 
         Returns
         -------
@@ -269,12 +279,12 @@ class Contact:
         corners: bool = False,
         open_axis: int | None = None,
     ) -> Clusters:
-        """Return the connected clusters of the points of a mask. Collective.
+        """Return the connected clusters of the points of a mask. Collective; nothing is kept.
 
         Parameters
         ----------
         mask : callable
-            Of rows (i0, i1), as `touching`.
+            mask(i0, i1) returns rows of the mask, as `touching` does.
         corners, open_axis
             As for `clusters`.
 
@@ -289,15 +299,14 @@ class Contact:
 
     @cached_property
     def _clusters(self) -> dict[tuple[bool, bool, int | None], Clusters]:
-        """Connected areas that were found so far, by the arguments of `clusters`."""
+        """Results of `clusters` so far, by its arguments."""
         return {}
 
     @cached_property
     def edges(self) -> tuple[int, int]:
-        """Grid-cell sides between a point in contact and one that is not: how many of them run
-        along x, and how many along y.
+        """Number of grid-cell sides between contact and open points: (along x, along y).
 
-        The edge of a surface that ends is none.
+        On all ranks; free edges of a surface are not counted. Collective at first use.
         """
         grid = self.grid
         rows, points = grid.inside
@@ -322,20 +331,24 @@ class Contact:
 
     @property
     def boundary_segments(self) -> int:
-        """The same, of either direction."""
+        """Number of grid-cell sides between contact and open points. Collective at first use."""
         return sum(self.edges)
 
     def field(self, name: str) -> LazyField:
-        """Return one of output.fields.FIELDS as a local slab of the whole grid, computed as it is
-        read.
+        """Return a field as a local slab that is computed when it is sliced, a few rows at a time.
 
-        In the precision of the solution, or in double precision where single cannot hold it in the
-        scene's units.
+        Parameters
+        ----------
+        name : str
+            "pressure" (>= 0, and 0 out of contact), "gap" (>= 0), "displacement" (>= -h, positive
+            away from the rigid surface, dents included) or "plastic" (depth of dents, >= 0).
 
-        It refers to the solver's own arrays: the next load of a sweep overwrites them.
-
-        pressure: >= 0 and 0 out of contact; gap: >= 0; displacement: >= -h, positive away from
-        the rigid surface, dents included; plastic: the depth of dents.
+        Returns
+        -------
+        LazyField
+            This rank's rows of the surface, in the scene's units. The precision is that of the
+            solution, or double if single cannot hold such values. It reads the solver's own arrays,
+            which the next load of a sweep overwrites.
         """
         dtype = field_dtype(name, self.g.dtype, self.wall_pressure, self.surface)
         real = dtype.type
@@ -355,8 +368,10 @@ class Contact:
 
 
 def heights_of(surface: Surface) -> LazyField:
-    """Return the heights of a surface.Surface in the scene's unit, peaks up, <= 0 with the highest
-    at 0: as Contact.field."""
+    """Return the heights of a surface as a local slab that is computed when it is sliced.
+
+    In the scene's unit, peaks up, the highest at 0. The surface must store its heights.
+    """
     h = surface.h
     assert h is not None  # asked for before a sweep in low memory gives them away
     dtype = field_dtype("heights", h.dtype, 0.0, surface)
@@ -368,8 +383,11 @@ def heights_of(surface: Surface) -> LazyField:
 def _on_the_whole_grid(
     surface: Surface, values: Callable[[int, int], np.ndarray], dtype: np.dtype
 ) -> LazyField:
-    """Make the local slab, with an axis that was left out, of what values(rows of the arrays)
-    gives."""
+    """Return the LazyField of a surface whose values are computed from the solver's arrays.
+
+    `values(i0, i1)` returns rows of these arrays, in units of the result. If an axis was left out
+    because nothing varies along it, the values are repeated along it.
+    """
     left_out = surface.reduced_axis
 
     def rows(i0: int, i1: int) -> np.ndarray:

@@ -1,8 +1,9 @@
 """The critical constriction of a leak: the narrowest place of the widest channel.
 
-Lower the level t from the largest gap: at some t the points whose gap is more than t first reach
-from edge to edge (points connected where they share a side; periodic along the other axis, if the
-surface is). Most of what leaks passes there (Persson and Yang 2008).
+Lower a level t from the largest gap. At some t the points whose gap is at least t first connect one
+edge with the opposite one (points connect where they share a side, and across the border of the
+other axis if the surface is periodic along it). Most of the fluid's pressure drops there (Persson
+and Yang 2008).
 """
 
 from functools import partial
@@ -18,21 +19,21 @@ SOURCES = (
 
 
 def critical_gap(axis: int, contact: Contact) -> float:
-    """Return the critical gap along an axis, in the unit of heights. Collective.
+    """Return the largest t for which points with a gap >= t reach from edge to edge. Collective.
 
-    Found by bisection over the bits of the gap: those of positive numbers, read as a whole number,
-    are in the order of the numbers.
+    Found by bisection over the bit patterns of the gap: those of positive floating-point numbers,
+    read as integers, have the same order as the numbers. So the result is exact.
 
     Parameters
     ----------
     axis : int
-        0: along x, 1: along y.
+        0: edges at both ends of x, 1: of y.
     contact : Contact
 
     Returns
     -------
     float
-        0 where the widest channel is closed.
+        In the unit of heights, the same on all ranks; 0 if no channel is open.
     """
     rows, points = contact.grid.inside
     g = contact.g[:rows, :points]
@@ -40,9 +41,11 @@ def critical_gap(axis: int, contact: Contact) -> float:
     whole = np.dtype(f"i{g.dtype.itemsize}")
 
     def bits(value: float) -> int:
+        """Return the bit pattern of a gap as an integer."""
         return int(g.dtype.type(value).view(whole))
 
     def spans(level: float) -> bool:
+        """Whether points with a gap of at least `level` reach from edge to edge. Collective."""
         wide = contact.clusters_of(lambda i0, i1: g[i0:i1] >= level, open_axis=axis)
         return wide.percolates[axis]
 

@@ -1,8 +1,8 @@
 """Distributions of pressure and gap: edges of bins, and the density in them, which integrates to 1.
 
-The bins follow from the numbers 2^k and h_rms, so that they are the same on any number of ranks,
-and those of other loads are joined or split to be compared. Rows of the fields are looked at a few
-at a time.
+The edges depend on powers of two and on h_rms only, so that they are the same on any number of
+ranks, and bins of different loads can be merged to compare them. Fields are read a few rows at a
+time.
 """
 
 from collections.abc import Callable
@@ -19,13 +19,15 @@ GAP_BINS = 4  # in a factor of two
 
 
 def pressure(contact: Contact) -> Arrays | None:
-    """Return the distribution of the pressure at points that touch: a_r times it is Persson's P(p)
-    at p > 0. Linear bins, their width a power of two in units of E* g_rms.
+    """Return the distribution of the pressure at points in contact. Collective.
 
-    edges: pressures; density: per pressure. None where nothing touches.
+    "edges": pressures, equally spaced, by a power of two in units of E* g_rms; "density": share of
+    the points in contact per pressure. a_r times the density is Persson's P(p) at p > 0. None if
+    nothing touches.
     """
 
     def values(i0: int, i1: int) -> np.ndarray:
+        """Return the pressures at points in contact in some local rows."""
         touching = contact.touching(i0, i1)
         return contact.pressure_rows(i0, i1)[touching].astype(np.float64)
 
@@ -37,6 +39,7 @@ def pressure(contact: Contact) -> Arrays | None:
     highest_bin = floor(high / width)
 
     def bins(i0: int, i1: int) -> np.ndarray:
+        """Return the bin numbers of these pressures."""
         return (values(i0, i1) / width).astype(np.int64)
 
     counts = _counts(contact, bins, lowest_bin, highest_bin)
@@ -45,10 +48,11 @@ def pressure(contact: Contact) -> Arrays | None:
 
 
 def gap(contact: Contact) -> Arrays | None:
-    """Return the distribution of the gap at points that do not touch: 1 - a_r times it is P(g) at g
-    > 0. Four bins in a factor of two, from h_rms down to 1e-6 h_rms.
+    """Return the distribution of the gap at open points. Collective.
 
-    edges: gaps; density: per gap. None where all points touch.
+    "edges": gaps, four bins per factor of two from 1e-6 h_rms up, and one bin for all smaller ones;
+    "density": share of the open points per gap. 1 - a_r times the density is P(g) at g > 0. None if
+    all points touch or the surface is flat.
     """
     surface = contact.surface
     if surface.h_rms == 0:
@@ -57,6 +61,7 @@ def gap(contact: Contact) -> Arrays | None:
     lowest = -GAP_BINS * GAP_OCTAVES - 1
 
     def bins(i0: int, i1: int) -> np.ndarray:
+        """Return the bin numbers of the finite gaps at open points in some local rows."""
         g = contact.gap_rows(i0, i1).astype(np.float64) * unit
         gaps = g[~contact.touching(i0, i1) & np.isfinite(g)]
         with np.errstate(divide="ignore"):
@@ -73,10 +78,14 @@ OfRows = Callable[[int, int], np.ndarray]
 
 
 def _range(contact: Contact, values: OfRows) -> tuple[float, float]:
-    """Return (lowest, highest) of all ranks; (inf, -inf) where there is none."""
+    """Return (lowest, highest) value over all ranks; (inf, -inf) if there are none. Collective.
+
+    `values(i0, i1)` returns the values in some local rows, in any number.
+    """
     grid = contact.grid
 
     def ends(i0: int, i1: int) -> tuple[float, float]:
+        """Return (-lowest, highest) value of some local rows."""
         of_rows = values(i0, i1).astype(np.float64)
         return -of_rows.min(initial=np.inf), of_rows.max(initial=-np.inf)
 
@@ -86,18 +95,25 @@ def _range(contact: Contact, values: OfRows) -> tuple[float, float]:
 
 
 def _counts(contact: Contact, bins: OfRows, lowest: int, highest: int) -> np.ndarray:
-    """Count the points of all ranks in each bin from the lowest to the highest number."""
+    """Return the number of points in each of the bins `lowest` to `highest`, on all ranks.
+
+    Collective. `bins(i0, i1)` returns the bin number of each point in some local rows.
+    """
     grid = contact.grid
     zeros = np.zeros(highest - lowest + 1)
 
     def counts(i0: int, i1: int) -> np.ndarray:
+        """Return the number of points per bin in some local rows."""
         return np.bincount(bins(i0, i1) - lowest, minlength=len(zeros))
 
     return grid.comm.sum(np.sum([zeros, *grid.by_rows(counts, grid.inside[0])], axis=0))
 
 
 def _density(edges: np.ndarray, counts: np.ndarray) -> Arrays:
-    """Return the histogram as a density, without empty bins at its ends; counts: per bin."""
+    """Return {"edges", "density"} of a histogram: counts over their sum and the bin widths.
+
+    Empty bins at both ends are dropped; at least one bin must not be empty.
+    """
     filled = np.nonzero(counts)[0]
     start = filled[0]
     stop = filled[-1] + 1

@@ -1,10 +1,11 @@
-"""The duality gap G of the certificate, and the bounds that follow from it without any estimate.
+"""The duality gap G of the certificate, and the strict error bounds that follow from it.
 
-With e = u - u* the distance from the solution, <e, K e> <= 2 G. So the pressure is wrong by at most
-sqrt(2 G K_max) (L2), and by what is left of it out of contact, where it is not counted; the mean
-gap, without a hardness, by at most |e|_K (|u*|_K/p0 + |v|_S)/N, see certificate/error_estimates.py.
-Errors of rounding and of the operator (Body.error) come on top. Half an FFT pair, so only on
-request (and for solvers without error estimates).
+With e = u - u* the distance from the solution, <e, K e> <= 2 G. So the L2 error of the pressure is
+at most sqrt(2 G K_max), plus the pressure that the solver leaves out of contact, which the result
+sets to 0. The error of the mean gap, without a hardness, is at most |e|_K (|u*|_K/p0 + |v|_S)/N,
+see certificate/error_estimates.py. Errors of rounding and of the operator (Body.error) come on top.
+G takes half an FFT pair, so it is computed on request only (and for solvers without error
+estimates).
 """
 
 import numpy as np
@@ -13,15 +14,19 @@ from .base import Contact, Observable
 
 
 def duality_gap(contact: Contact) -> float | None:
-    """Return G/(p0 gap_mean), which bounds the error of the energy from above (see
-    certificate/certificate.py); None where it was not asked for."""
+    """Return the duality gap G over (p0 gap_mean), a bound of the relative error of the energy.
+
+    See certificate/certificate.py. None if it was not computed.
+    """
     return contact.certificate.duality_gap
 
 
 def pressure_bound(contact: Contact) -> float | None:
-    """Bound the relative L2 error of the pressure field; None where the duality gap was not asked
-    for, where the error reaches the pressure itself, and with an attraction: the distance to the
-    equilibrium is that to the contact under the same attraction over a stability that is estimated.
+    """Return an upper bound of the relative L2 error of the pressure field.
+
+    Rounding is not included. None if the duality gap was not computed or is not finite, if the
+    bound is not below 1, and with an attraction: there it would depend on a stability that is only
+    estimated.
     """
     energy = _energy_norm(contact)
     certificate = contact.certificate
@@ -34,8 +39,11 @@ def pressure_bound(contact: Contact) -> float | None:
 
 
 def gap_bound(contact: Contact) -> float | None:
-    """Bound the relative error of the mean gap; None as for the pressure, and with a hardness: gaps
-    and dents together have a bound then, the gaps alone have none."""
+    """Return an upper bound of the relative error of the mean gap.
+
+    None in the cases of `pressure_bound`, and with a hardness: then only gaps and dents together
+    have a bound.
+    """
     from ..operators.problem import self_energy  # names of observables need no kernels
 
     energy = _energy_norm(contact)
@@ -49,7 +57,10 @@ def gap_bound(contact: Contact) -> float | None:
 
 
 def _energy_norm(contact: Contact) -> float | None:
-    """Return |e|_K at most; None where it is not known."""
+    """Return an upper bound of |e|_K, the energy norm of the error of the displacement.
+
+    In the program's units, summed over points. None without a finite duality gap.
+    """
     certificate = contact.certificate
     if certificate.duality_gap is None or not np.isfinite(certificate.duality_gap):
         return None
@@ -59,7 +70,10 @@ def _energy_norm(contact: Contact) -> float | None:
 
 
 def _relative(wrong: float, value: float) -> float | None:
-    """Return what is wrong over the true value, at most."""
+    """Return an upper bound of the relative error from a bound of the error and the value found.
+
+    None if the error may be as large as the value.
+    """
     if wrong == 0:
         return 0.0
     return float(wrong / (value - wrong)) if wrong < value else None

@@ -1,23 +1,28 @@
-"""Mean gap, absolute and in units of the surface."""
+"""Mean gap, as a length and relative to lengths of the surface."""
 
 from .base import Contact, Observable
 
 
 def gap_mean(contact: Contact) -> float | None:
-    """Return the mean of u + h over the nominal area, without the depth of dents; None where the
-    bodies are separated."""
+    """Return the mean gap over the nominal area, a length; None for separated bodies.
+
+    Points in contact and dents count as 0.
+    """
     return None if contact.is_separated else contact.gap_mean
 
 
 def gap_over_h_rms(contact: Contact) -> float | None:
-    """Return the mean gap over the rms height."""
+    """Return the mean gap over the rms height; None on a flat surface and for separated bodies."""
     if contact.is_separated or contact.h_rms == 0:
         return None
     return contact.gap_mean / contact.h_rms
 
 
 def gap_over_g_rms_lam_s(contact: Contact) -> float | None:
-    """Return the mean gap over g_rms lam_s; only for surfaces whose lam_s is known."""
+    """Return the mean gap over (g_rms lam_s), lam_s being the shortest wavelength of the surface.
+
+    None if lam_s is unknown, on a flat surface and for separated bodies.
+    """
     return (
         contact.gap_mean / (contact.g_rms * contact.lam_s)
         if contact.lam_s and contact.g_rms > 0 and not contact.is_separated

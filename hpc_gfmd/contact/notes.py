@@ -1,4 +1,4 @@
-"""What a reader has to know of a contact before its numbers: what limits what they mean."""
+"""Notes on a contact that a reader needs before its numbers: what limits their meaning."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ YIELDS_AT = 50  # metals yield where the contact pressure is E* over about this
 
 
 def notes_on(contact: Any) -> list[str]:
-    """Return remarks on a Contact, a line each, the most important first."""
+    """Return all notes on a Contact, one line each, the most important first; may be empty."""
     notes = [
         _doubt(contact),
         *attraction_notes(contact),
@@ -29,7 +29,11 @@ def notes_on(contact: Any) -> list[str]:
 
 
 def _doubt(contact: Any) -> str | None:
-    """Return why a solution that is converged may yet say little; None where it does not."""
+    """Return the first reason why even a converged solution may be of little use, or None.
+
+    Reasons are: separated bodies, a flat surface, full contact, few points in contact, a gap below
+    rounding errors, an accuracy of the gap that no iteration can reach.
+    """
     points = contact.contact_points
     if contact.is_separated:
         return "separated: the load pulls more than the attraction holds"
@@ -53,8 +57,10 @@ def _doubt(contact: Any) -> str | None:
 
 
 def _yields(contact: Any) -> str | None:
-    """Return why metals would yield in a contact whose modulus is elastic at any pressure; None
-    where they would not."""
+    """Return a note if metals would yield at the mean contact pressure; None if not.
+
+    Only for contacts without a hardness and with the modulus of a metal (METALLIC).
+    """
     is_soft = contact.E_star < METALLIC
     if contact.hardness is not None or is_soft or contact.contact_points == 0:
         return None

@@ -1,4 +1,4 @@
-"""The same load on the other branch, where there is an attraction."""
+"""Comparison of the two branches of a load with attraction: approaching, or pulled apart."""
 
 from typing import Any, NamedTuple
 
@@ -8,14 +8,14 @@ SOLVED = "converged", "separated"  # a status that says which equilibrium there 
 
 
 class OtherBranch(NamedTuple):
-    """The same load, reached from the other side.
+    """What the same load gives when it is reached from the other side (approach or retraction).
 
     Attributes
     ----------
     a_r : float
-        Relative contact area.
+        Relative contact area on the other branch.
     agrees : bool
-        Whether it is the same equilibrium, within the errors of both.
+        Whether both branches have the same equilibrium, within the errors of both.
     """
 
     a_r: float
@@ -23,17 +23,20 @@ class OtherBranch(NamedTuple):
 
 
 def compared(contact: Any, other: Any) -> OtherBranch | None:
-    """Compare two contacts at one load; None where one of them is not solved. Collective.
+    """Compare the contacts of one load on both branches. Collective.
+
+    They agree if contact points, mean gap and pressure field differ by no more than the sum of
+    their estimated errors.
 
     Parameters
     ----------
     contact, other : Contact
-        On both branches, on the same grid.
+        On either branch, on the same grid.
 
     Returns
     -------
     OtherBranch or None
-        About `other`.
+        With the area of `other`; None if one of the contacts is neither converged nor separated.
     """
     if contact.status not in SOLVED or other.status not in SOLVED:
         return None
@@ -52,10 +55,13 @@ def compared(contact: Any, other: Any) -> OtherBranch | None:
 
 
 def _difference_of_pressures(contact: Any, other: Any) -> float:
-    """Return the L2 norm of the difference of two pressure fields, over that of the first.
-    Collective."""
+    """Return the L2 norm of the difference of two pressure fields over that of the first.
+
+    inf if the first one is 0. Collective.
+    """
 
     def squares(i0: int, i1: int) -> tuple[float, float]:
+        """Return the sums of (p - q)^2 and p^2 over some local rows."""
         p, q = (one.pressure_rows(i0, i1).astype(np.float64) for one in (contact, other))
         return float(((p - q) ** 2).sum()), float((p**2).sum())
 

@@ -1,9 +1,9 @@
 """Contact patches: how many, how large, and how their sizes are distributed.
 
-Points belong to one patch where they share a side (4-connected), also across the periodic border:
-the boundary of the contact is made of such sides, and it is what others count (scipy,
-ContactMechanics). Whether two points that share a corner only would be joined on a finer grid
-is unknown; names that end in _8 join them (8-connected). Sizes are areas, in the unit of length
+Points that share a side belong to one patch (4-connected), also across the border of a periodic
+surface: the boundary of the contact consists of such sides, and others count so, too (scipy,
+ContactMechanics). Whether two points that share only a corner would be connected on a finer grid is
+unknown; names that end in _8 connect them (8-connected). Sizes are areas, in the unit of length
 squared.
 """
 
@@ -19,24 +19,31 @@ BINS_PER_OCTAVE = 2
 
 
 def _area(contact: Contact) -> float:
-    """Return the area of one point."""
+    """Return the area of one grid point, in the unit of length squared."""
     a_x, a_y = contact.grid.spacings
     return a_x * a_y
 
 
 def _of_patches(corners: bool) -> dict[str, Observable]:
-    """Return the observables: number of patches, largest and mean size; a mean needs a patch."""
+    """Return {name: Observable} of the number of patches and their largest and mean area.
+
+    With `corners` points that share a corner are connected, too, and the names end in _8. All three
+    are collective; the mean is None if there is no patch.
+    """
     suffix = "_8" if corners else ""
     shared = "a side or a corner" if corners else "a side"
 
     def number(contact: Contact) -> int:
+        """Return the number of patches on all ranks. Collective."""
         return int(contact.grid.comm.sum([len(contact.clusters(corners=corners).sizes)])[0])
 
     def largest(contact: Contact) -> float:
+        """Return the area of the largest patch on all ranks, 0 without one. Collective."""
         of_rank = contact.clusters(corners=corners).sizes.max(initial=0)
         return float(contact.grid.comm.max([of_rank])[0]) * _area(contact)
 
     def mean(contact: Contact) -> float | None:
+        """Return the mean area of the patches, None without one. Collective."""
         patches = number(contact)
         return contact.contact_points * _area(contact) / patches if patches else None
 
@@ -52,19 +59,19 @@ def _of_patches(corners: bool) -> dict[str, Observable]:
 
 
 def sizes(corners: bool, contact: Contact) -> Arrays | None:
-    """Return the distribution of patch sizes. Collective.
+    """Return the distribution of patch areas. Collective.
 
     Parameters
     ----------
     corners : bool
-        Whether points that share only a corner are one patch.
+        Whether points that share only a corner are connected.
     contact : Contact
 
     Returns
     -------
     dict of str to ndarray, or None
-        "edges" of bins, two in a factor of two (1, 2, 3, 4, 6, 8, 12, ... points), and "density",
-        the share of the patches per area, which integrates to 1. None without a patch.
+        "edges" of bins, two per factor of two (1, 2, 3, 4, 6, 8, 12, ... points), and "density",
+        the share of the patches per area, which integrates to 1. None if there is no patch.
     """
     comm = contact.grid.comm
     of_rank = contact.clusters(corners=corners).sizes
@@ -82,9 +89,12 @@ def sizes(corners: bool, contact: Contact) -> Arrays | None:
 
 
 def patch_table(contact: Contact) -> Arrays:
-    """Return arrays over the patches, the largest first: area, load (the force it carries), centre
-    x and y, perimeter, periodic (whether it goes on across an edge of the cell). On one process
-    only."""
+    """Return the contact patches as {column: array}, the largest patch first. On one process only.
+
+    Columns: area, load (force on the patch), x and y (centre), perimeter, periodic (whether the
+    patch continues across the border of the cell). Points that share a side are connected.
+    TABLE_UNITS has the units.
+    """
     from scipy import ndimage
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
@@ -105,6 +115,7 @@ def patch_table(contact: Contact) -> Arrays:
     count = np.bincount(of, minlength=patches)
 
     def mean(values: np.ndarray) -> np.ndarray:
+        """Return the mean over each patch of values at the points in contact."""
         return np.bincount(of, values, patches) / count
 
     table: Arrays = {"area": count * _area(contact)}

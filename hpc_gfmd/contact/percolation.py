@@ -1,18 +1,17 @@
-"""Whether the contact percolates, and whether the gap does: an open channel for a fluid. True or
-false, along x and along y.
+"""Whether the contact percolates, and whether the gap does (an open channel for a fluid).
 
-Periodic surfaces have no edges to connect: a cluster percolates along x where it holds a closed way
-that goes around the cell along x (wrapping, Newman and Ziff 2001), that is where it has no end
-along x if the cell is repeated. Reaching from one edge of the cell to the other (spanning) is
-neither needed nor enough. Points are connected where they share a side, as those of patches.py: a
-fluid does not pass between two points that touch and share a corner. By names that end in _8 it
-does, and contact passes, too: where no contact that shares sides goes around, a gap that shares
-corners does. At random both happen near a contact area of 0.40 (`python scripts/paper percolation`;
-0.42: Dapp, Luecke, Persson, Mueser 2012), the truth being between the two.
+A periodic surface has no edges to connect. A cluster percolates along x if it contains a closed
+path that goes around the cell along x (wrapping, Newman and Ziff 2001); then it is infinite along x
+when the cell is repeated. Reaching from one edge of the cell to the other (spanning) is neither
+necessary nor sufficient. Points that share a side are connected, as in patches.py: a fluid does not
+pass between two points in contact that share a corner. With names that end in _8 it does pass, and
+contact connects across corners, too: if no side-connected contact goes around, a corner-connected
+gap does. On random surfaces both happen near a contact area of 0.40 (`python scripts/paper
+percolation`; 0.42: Dapp, Luecke, Persson, Mueser 2012); the truth is between the two.
 
-gap_spans_x: whether the gap reaches along x from edge to edge, the cell being periodic along y
-alone: a fluid that enters along one edge of a seal comes out at the other. In a finite cell it does
-so up to larger contact areas.
+gap_spans_x: whether the gap reaches along x from edge to edge of a cell that is periodic along y
+only: a fluid that enters at one edge of a seal leaves at the other. In a finite cell it does so up
+to larger contact areas.
 """
 
 from .base import Contact, Observable
@@ -24,9 +23,15 @@ SOURCES = ("Newman, Ziff, Phys. Rev. E 64 (2001) 016706, doi:10.1103/PhysRevE.64
 def _percolates(
     name: str, axis: int, corners: bool = False, open_axis: int | None = None
 ) -> Observable:
-    """Make the observable whether contact or gap (name) percolates along an axis."""
+    """Return the observable that is true if the contact, or the gap, percolates along an axis.
+
+    `name` is "contact" or "gap". With `open_axis` a cluster percolates along that axis if it
+    reaches from edge to edge, otherwise if it goes around the periodic cell. The observable is
+    collective.
+    """
 
     def percolates(contact: Contact) -> bool:
+        """Whether the contact, or the gap, percolates. Collective."""
         return contact.clusters(name == "contact", corners, open_axis).percolates[axis]
 
     along = "xy"[axis]
@@ -41,8 +46,11 @@ def _percolates(
 
 
 def _all(corners: bool) -> dict[str, Observable]:
-    """Return the observables of percolation around the cell by name; corners: points also connect
-    diagonally."""
+    """Return {name: Observable} of the percolation of contact and gap around the cell.
+
+    Along x and along y. With `corners` points that share only a corner are connected, too, and the
+    names end in _8.
+    """
     end = "_8" if corners else ""
     return {
         f"{name}_percolates_{'xy'[axis]}{end}": _percolates(name, axis, corners)

@@ -1,4 +1,4 @@
-"""Length of the edge of the contact."""
+"""Length of the contact edge."""
 
 import numpy as np
 
@@ -8,15 +8,13 @@ ON_REQUEST = True
 
 
 def perimeter(contact: Contact) -> float:
-    """Return the length of the edges of all patches, from the sides between points that touch and
-    points that do not.
+    """Return the length of the edges of all contact patches, in the unit of length. Collective.
 
-    By Cauchy and Crofton: a line of length S with no preferred direction crosses the rows and the
-    columns of a grid as often as the sides of grid points say, whose lengths add up to 4/pi S,
-    whatever the shape of a point. So it is pi/4 of those lengths (as in Yastrebov, Anciaux,
-    Molinari 2017), an average over directions: an edge along x or y alone counts pi/4 of its
-    length. Contacts that vary along one axis only have such edges alone: there it is the lengths
-    themselves.
+    The grid-cell sides between points in contact and open points add up to 4/pi times the length of
+    an edge that has no preferred direction (Cauchy and Crofton), whatever the shape of a point. So
+    the result is pi/4 of these sides (as in Yastrebov, Anciaux, Molinari 2017). This is an average
+    over directions: a straight edge along x or y gives pi/4 of its length. Contacts that vary along
+    one axis only have no other edges, and for these the sides are not multiplied by pi/4.
     """
     along_x, along_y = contact.edges
     a_x, a_y = contact.grid.spacings
@@ -24,7 +22,10 @@ def perimeter(contact: Contact) -> float:
 
 
 def average_direction(contact: Contact) -> float:
-    """Return the length of an edge over that of the sides of points along it, see `perimeter`."""
+    """Return the length of an edge over the length of the grid-cell sides along it, on average.
+
+    pi/4, and 1 on a grid of one point along an axis; see `perimeter`.
+    """
     return 1.0 if 1 in contact.grid.nominal else np.pi / 4
 
 

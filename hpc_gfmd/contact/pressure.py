@@ -1,18 +1,23 @@
-"""The pressure where the surfaces touch: its mean and its largest value."""
+"""The pressure in contact: its mean and its largest value."""
 
 from .base import Contact, Observable
 
 
 def contact_pressure_mean(contact: Contact) -> float | None:
-    """Return the load over the contact area, in the unit of E_star, with what an attraction adds to
-    it; None where nothing touches."""
+    """Return the mean pressure over the contact area, in the unit of E_star; None without contact.
+
+    The attraction, if any, adds to the load.
+    """
     if contact.contact_points == 0:
         return None
     return contact.wall_pressure * contact.N / contact.contact_points
 
 
 def contact_pressure_max(contact: Contact) -> float:
-    """Return the largest pressure of a grid point, in the unit of E_star. Collective."""
+    """Return the largest pressure at a grid point, in the unit of E_star. Collective.
+
+    0 if nothing touches.
+    """
     grid = contact.grid
     largest = grid.by_rows(
         lambda i0, i1: float(contact.pressure_rows(i0, i1).max(initial=0.0)), grid.inside[0]

@@ -1,5 +1,4 @@
-"""Power spectra and autocorrelations of heights, pressure and gap, averaged over directions, by the
-transforms of the grid.
+"""Power spectra and autocorrelations of heights, pressure and gap, averaged over directions.
 
 With f_q = (1/N) sum_r f(r) exp(-i q.r), without the mean (q = 0):
 
@@ -8,9 +7,10 @@ With f_q = (1/N) sum_r f(r) exp(-i q.r), without the mean (q = 0):
 
 The variance of f is sum_q C(q)/(L_x L_y) = A(0).
 
-Rings are RINGS to a factor of two, beginning at the longest wave and at the nearest neighbours; q
-and r are means over their points. Along one axis alone (the other has one point) C is L <|f_q|^2>.
-Transforms are those that the solve has planned, in the better precision of them.
+There are RINGS rings per factor of two, starting at the longest wave and at the nearest neighbours;
+the q and r that are returned are means over the points of a ring. On a grid of one point along an
+axis, C is L <|f_q|^2>. The transforms are those that the solver has planned, in double precision if
+it has both.
 """
 
 from __future__ import annotations
@@ -32,18 +32,20 @@ FIELDS = {"heights": "length", "pressure": "pressure", "gap": "length"}
 
 
 def power(name: str, contact: Contact) -> Arrays | None:
-    """Return the radial power spectrum of a field. Half an FFT pair. Collective.
+    """Return the radial power spectrum of a field. Collective; counts as half an FFT pair.
 
     Parameters
     ----------
     name : str
         One of FIELDS.
     contact : Contact
+        Its `asked_pairs` grows by 0.5.
 
     Returns
     -------
     dict of str to ndarray, or None
-        Wave numbers "q" and "power" C(q); None on a grid of one point.
+        Wave numbers "q", ascending, and "power" C(q), in the scene's units; the same on all ranks.
+        None on a grid of one point.
     """
     grid = contact.grid
     fft = _transforms(contact)
@@ -54,6 +56,7 @@ def power(name: str, contact: Contact) -> Arrays | None:
     scale = np.prod(_lengths(grid)) * (fft.scale * _unit(contact, name)) ** 2
 
     def sums(block: np.ndarray, m: int) -> np.ndarray:
+        """Return the ring sums of |f_q|^2 in a block of columns."""
         mine = slice(*fft.columns_of(m))
         q = np.hypot(q_x, q_y[mine, None])
         use = (q > 0) & (weight[mine, None] > 0)
@@ -68,23 +71,26 @@ def power(name: str, contact: Contact) -> Arrays | None:
 
 
 def autocorrelation(name: str, contact: Contact) -> Arrays:
-    """Return the radial autocorrelation of a field. One FFT pair. Collective.
+    """Return the radial autocorrelation of a field. Collective; counts as one FFT pair.
 
     Parameters
     ----------
     name : str
         One of FIELDS.
     contact : Contact
+        Its `asked_pairs` grows by 1.
 
     Returns
     -------
     dict of str to ndarray
-        Distances "r" up to half of the cell, and "correlation" A(r).
+        Distances "r", ascending, up to half of the shorter side of the cell, and "correlation"
+        A(r), in the scene's units; the same on all ranks.
     """
     grid = contact.grid
     fft = _transforms(contact)
 
     def square(block: np.ndarray, m: int) -> None:
+        """Replace a block of columns by its |f_q|^2, with 0 at q = 0."""
         block *= fft.dtype.type(fft.scale)
         block[...] = block.real**2 + block.imag**2
         if fft.columns_of(m)[0] == 0:
@@ -100,6 +106,7 @@ def autocorrelation(name: str, contact: Contact) -> Arrays:
     nearest = min((a for a, n in zip(grid.spacings, grid.n) if n > 1), default=1.0)
 
     def sums(i0: int, i1: int, values: np.ndarray) -> np.ndarray:
+        """Return the ring sums of A(r) in some local rows."""
         r = np.hypot(x[i0:i1, None], y)
         use = r <= min(_lengths(grid)) / 2
         return _ring_sums(r[use], nearest, np.ones(np.count_nonzero(use)), values[: i1 - i0][use])
@@ -109,20 +116,22 @@ def autocorrelation(name: str, contact: Contact) -> Arrays:
 
 
 def _transforms(contact: Contact) -> SlabFFT:
-    """Return the transforms of the grid that are planned already, in double precision if there are
-    such."""
+    """Return the transforms already planned for the contact's grid, double precision first.
+
+    If there are none, plan them in the precision of the gap.
+    """
     grid = contact.grid
     planned = grid.planned() or [grid.fft(contact.g.dtype)]
     return max(planned, key=lambda fft: fft.dtype.itemsize)
 
 
 def _lengths(grid: Grid) -> list[float]:
-    """Return the lengths of the cell along axes of more than one point."""
+    """Return the lengths of the cell along axes of more than one point, [1.0] if there are none."""
     return [size for size, n in zip(grid.sizes, grid.n) if n > 1] or [1.0]
 
 
 def _unit(contact: Contact, name: str) -> float:
-    """Return the factor from the program's unit of a field to the scene's."""
+    """Return the program's unit of a field in the scene's unit."""
     return contact.pressure_unit if name == "pressure" else contact.surface.height_unit
 
 
@@ -133,18 +142,19 @@ def _columns(
     apply: Callable[[np.ndarray, int], Any],
     backward: bool,
 ) -> list:
-    """Transform a field, in the program's units, and return the list of apply(block, m) over
-    this rank's blocks of columns. Collective.
+    """Transform a field, return the results of apply(block, m) for this rank's blocks of columns.
 
-    apply may change the block in place; with backward the changed columns are transformed back
-    along axis 0, ready for `fft.backward_rows`. Heights that are not stored come with the
-    opposite sign."""
+    Collective. The field is in the program's units. `apply` may change the block in place; with
+    `backward` the changed columns are transformed back along axis 0, ready for `fft.backward_rows`.
+    Heights that are generated instead of stored have the opposite sign.
+    """
     h: Any = contact.surface.h
     if name == "heights" and h is None:
         assert contact.surface.add_spectrum is not None
         add = contact.surface.add_spectrum(fft)
 
         def added(block: np.ndarray, m: int) -> Any:
+            """Add the generated heights to a block of zeros, and apply."""
             add(block, m)
             return apply(block, m)
 
@@ -152,6 +162,7 @@ def _columns(
     rows = {"pressure": contact.pressure_rows, "gap": contact.gap_rows}
 
     def fill(i0: int, i1: int, out: np.ndarray) -> None:
+        """Write some local rows of the field to `out`."""
         out[: i1 - i0] = rows[name](i0, i1) if name in rows else h[i0:i1]
 
     fft.forward_rows(fill)
@@ -159,8 +170,11 @@ def _columns(
 
 
 def _means(grid: Grid, parts: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """Return means over the rings (distance, value) of what all blocks of all ranks summed up,
-    without empty rings."""
+    """Return (mean distance, mean value) over the rings, from the sums of `_ring_sums`. Collective.
+
+    `parts` are the sums of this rank, with any number of rings each. Empty rings are left out. The
+    result is the same on all ranks.
+    """
     rings = int(grid.comm.max([max((part.shape[1] for part in parts), default=0)])[0])
     total = np.zeros((3, rings))
     for part in parts:
@@ -173,8 +187,10 @@ def _means(grid: Grid, parts: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndar
 def _ring_sums(
     distance: np.ndarray, innermost: float, weight: np.ndarray, values: np.ndarray
 ) -> np.ndarray:
-    """Return sums over the points in each ring of (weight, weight distance, weight value), (3,
-    rings); ring 0 is distance 0."""
+    """Return sums of weight, weight*distance and weight*value over each ring, shape (3, rings).
+
+    Ring 0 is distance 0; ring 1 is centred at the distance `innermost`.
+    """
     with np.errstate(divide="ignore"):
         ring = np.maximum(1 + np.floor(RINGS * np.log2(distance / innermost) + 0.5), 0).astype(
             np.int64

@@ -1,4 +1,4 @@
-"""Whether a rough wall sticks: the criterion of Pastewka and Robbins, of this contact."""
+"""The criterion of Pastewka and Robbins for whether a rough wall sticks, applied to a contact."""
 
 from .base import Contact, Observable
 from .perimeter import perimeter
@@ -7,11 +7,11 @@ ON_REQUEST = True
 
 
 def stickiness(contact: Contact) -> float | None:
-    """Return the attraction in a ring around the contact over the repulsion in it; the wall sticks
-    above 1, and far below 1 adhesion can be neglected.
+    """Return the attraction in a ring around the contact over the repulsion in the contact.
 
-    With the area, the perimeter and the load that this contact has. None without an attraction,
-    where nothing touches, and where there is no edge.
+    The wall sticks above 1; far below 1 adhesion is negligible. Computed from the area, the
+    perimeter and the load of this contact. None without a law of attraction, for separated bodies,
+    on a flat surface, and if no contact edge exists (nothing or everything touches). Collective.
     """
     from math import pi
 

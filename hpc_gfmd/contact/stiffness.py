@@ -1,4 +1,4 @@
-"""Contact stiffness: the tangent of the load curve."""
+"""Contact stiffness: the slope of the load against the mean gap."""
 
 from math import inf
 
@@ -8,11 +8,12 @@ ON_REQUEST = True
 
 
 def stiffness(contact: Contact) -> float | None:
-    """Return -dp/d(mean gap) while no point changes sides, with a relative error of at most the
-    accuracy asked for.
+    """Return the stiffness -dp/d(mean gap) at a fixed set of points in contact.
 
-    None with an attraction, which it does not count in, in full contact, where it is infinite,
-    where nothing touches, and where it was not found to that accuracy.
+    A pressure per length. Its relative error is at most `contact.accuracy`. Collective; the first
+    call that needs `contact.tangent` takes FFT pairs. None with an attraction (which it would have
+    to include), in full contact (where it is infinite), if nothing touches, and if the accuracy was
+    not reached.
     """
     if contact.attraction is not None:
         return None

@@ -1,17 +1,20 @@
-"""Whether the equilibrium with an attraction is the only one: the same load on the other branch
-(load.unique)."""
+"""Whether an equilibrium with attraction is the only one at its load, by the other branch
+(load.unique).
+"""
 
 from .base import Contact, Observable
 
 
 def unique(contact: Contact) -> float | None:
-    """Return 1 where both branches have the same equilibrium, 0 where they have not; None where
-    the other one was not asked for, or not found."""
+    """Return 1 if both branches have the same equilibrium, 0 if not, None if one is unknown.
+
+    The other branch is unknown unless the scene requests it (load.unique) and its load converged.
+    """
     return None if contact.other_branch is None else float(contact.other_branch.agrees)
 
 
 def a_r_other_branch(contact: Contact) -> float | None:
-    """Return the relative contact area on the other branch; None as `unique`."""
+    """Return the relative contact area on the other branch; None if that was not solved."""
     return None if contact.other_branch is None else contact.other_branch.a_r
 
 

@@ -1,11 +1,11 @@
 """The search for the load that gives a contact area, which is a number of points.
 
-It is met to the tolerance or to one point. Between two loads the number of points is found by what
-is continuous in the load: how far those points are from a change of sides that the target has, or
-has not (side_changes.py). In ordered walls many points change sides at the same load. The area
-jumps there, and where it jumps over the target the nearer side is taken, and `note` says so. It is
-a jump where the points in which the contacts on both sides differ are alike to rounding errors, or
-where the loads themselves are.
+The target is met to the tolerance or to one point. The number of points is not continuous in the
+load. Between two loads the search uses a quantity that is: the change of pressure that would give
+the contact the right number of points (side_changes.py). In ordered walls many points change sides
+at the same load. The area jumps there; if it jumps over the target, the nearer side is taken and
+`note` reports it. It counts as a jump if the points that are in only one of the contacts on both
+sides need the same change of pressure, except for rounding errors, or if the two loads are equal.
 """
 
 from __future__ import annotations
@@ -29,25 +29,26 @@ if TYPE_CHECKING:
     from ..solvers.base import Progress, Solver
     from ..surface import Surface
 
-POINT = 1.001  # points of the map by which an area may be missed
-BEYOND = 0.5  # of the way to the end of a plateau that is gone beyond it
+POINT = 1.001  # number of points of the map by which an area may always be missed
+BEYOND = 0.5  # how far the load goes beyond the end of a plateau, over the way to this end
 
 
 @dataclass
 class AreaSearch(SecantSearch):
-    """A search for a contact area; all else that it knows: see `SecantSearch`.
+    """A search for the load that gives a contact area. For other attributes see `SecantSearch`.
 
     Attributes
     ----------
     map_points : int
-        Points of the map that a point of the grid stands for: more than one where the map varies
-        along one axis only.
+        Number of points of the map that one point of the grid stands for; more than 1 if the map
+        varies along one axis only.
     extrapolated : bool
-        Whether the present load is where a plateau was expected to end.
+        Whether the present load is the expected end of a plateau.
     jumps : bool
-        Whether the area jumps over the target.
+        Whether the area jumps over the target, as far as the precision can tell.
     undecided : float
-        By how much the pressure has to be more accurate to know that, above 1 where it has.
+        Factor by which the pressure must become more accurate to decide whether it jumps; 0 if that
+        is decided.
     """
 
     usual = 1.0
@@ -60,18 +61,21 @@ class AreaSearch(SecantSearch):
     # -- the quantity
 
     def guess(self, surface: Surface) -> float:
-        """Guess by an area of about 2 p*; with a hardness `straight` is about x."""
+        """Guess x by an area of 2 p0; with a hardness by f(target), which is about x."""
         return log(self.half_area) if isinf(self.closes_at) else self.straight(self.target)
 
     @property
     def half_area(self) -> float:
-        """Half of the contact area that is asked for."""
+        """Half of the prescribed contact area."""
         return self.target / 2
 
     @property
     def aim(self) -> float:
-        """The area that this grid has, by Persson's theory, where the finest has the target, or the
-        least that it has at any load."""
+        """The area on this grid at the load that gives the target on the finest one.
+
+        On a coarse grid, whose slopes are smaller, this follows from Persson's theory. It is at
+        least the area of the highest points, which touch at any load.
+        """
         aim = self.target
         finer = self.finest.steepness / (self.heights.steepness or inf)
         if finer > 1 > aim:
@@ -80,17 +84,18 @@ class AreaSearch(SecantSearch):
 
     @property
     def allowed(self) -> float:
-        """Points of this grid by which the aim may be missed."""
+        """Number of points of this grid by which the aim may be missed (a fraction if the grid
+        stands for a larger map)."""
         point = POINT / self.map_points
         return max(self.tolerance * self.aim * self.heights.points, point)
 
     def miss(self, y: float) -> float:
-        """Return how far y is from the aim, relative; a point more or less is none."""
+        """Return the relative distance of y from the aim; 0 up to one point of the map."""
         miss = super().miss(y)
         return miss if miss * self.aim * self.heights.points * self.map_points > POINT else 0.0
 
     def straight(self, y: float) -> float:
-        """Invert Persson's area, erf(c p0), and p0 over the hardness."""
+        """Return f(y) by Persson's area, erf(c p0), with a hardness also by y = p0/hardness."""
         y = min(y, 1 - 0.25 / self.heights.points)
         if y <= 0:
             return -inf
@@ -101,36 +106,39 @@ class AreaSearch(SecantSearch):
         return -log(1 / p0 - 1 / self.closes_at)
 
     def predicted(self, solver: Solver, progress: Progress, errors: Errors) -> Value | None:
-        """Predict the area by the load that the points in contact carry: as uncertain as the
-        pressure."""
+        """Predict the area by `progress.predicted`, with the relative error of the pressure."""
         return (round(progress.predicted[0]) / solver.N, errors[1]) if progress.predicted else None
 
     def may_be_met(self, solver: Solver, progress: Progress, accuracy: float) -> bool:
-        """Return whether the certificate may find the target met, or surely missed."""
+        """Return whether a certificate may find the target met, or certainly missed."""
         missed = self._predicted_miss(solver, progress)
         room = accuracy - missed if missed < accuracy else missed
         return area_may_be_met(solver, progress, room)
 
     def certified(self, solver: Solver, certificate: Certificate) -> Value:
-        """Return the area of the certificate."""
+        """Return the certified relative area and its error."""
         return certificate.contact / solver.N, certificate.errors[0]
 
     @property
     def _alone(self) -> float:
+        """The load p_1 that the highest point carries alone."""
         return self.heights.alone
 
     @property
     def needs_double(self) -> bool:
-        """Whether the target asks for heights that single precision cannot tell apart, or what it
-        found may be a jump but for its rounding errors."""
+        """Whether single precision cannot distinguish the heights of the points in contact, or
+        whether the area jumps: single precision cannot tell a jump from rounding errors."""
         finest = self.finest
         return self.jumps or finest.indistinct > max(self.target * finest.points, finest.highest)
 
     # -- between two loads
 
     def distance(self, solver: Solver, y: float) -> float:
-        """Return the pressure by which points are beyond the state in the middle of those that meet
-        the target."""
+        """Return minus the change of pressure that would take the state to the aim.
+
+        It is that to the middle of all states whose number of points meets the aim, in the
+        program's unit. Below 0 if the load is too small. `y` is not used. Collective.
+        """
         points = self.aim * self.heights.points
         fewest = max(ceil(points - self.allowed), 1)
         too_many = min(max(floor(points + self.allowed) + 1, fewest), solver.N)
@@ -138,17 +146,21 @@ class AreaSearch(SecantSearch):
         return -0.5 * (changes.of_rank(fewest) + changes.of_rank(too_many))
 
     def begin(self, problem: Problem | None = None) -> float:
-        """Begin at the load of the grid before."""
+        """Begin on another grid at the present load; forget jumps, too."""
         self.jumps = False
         self.undecided = 0.0
         return super().begin(problem)
 
     def adjust(self, solver: Solver, progress: Progress) -> bool:
-        """Follow predictions until the target lies between two loads."""
+        """Change p0 by predictions until the bracket is closed; return whether it has changed."""
         return not self.bracket.is_closed and super().adjust(solver, progress)
 
     def learn(self, solver: Solver, certificate: Certificate) -> float:
-        """Learn as of any value, and whether the area jumps over the target."""
+        """Add the load to the bracket, and decide whether the area jumps over the target.
+
+        Sets `undecided`, `jumps` and `note`. Returns the miss over the tolerance, but no less than
+        `undecided`; at a jump 0 on its nearer side.
+        """
         if self.jumps:
             return self._confirm(solver, certificate)
         left = super().learn(solver, certificate)
@@ -167,8 +179,8 @@ class AreaSearch(SecantSearch):
         return left
 
     def _step_note(self) -> str | None:
-        """Return what has to be said of a target that is met, where steps of the area are large
-        beside it."""
+        """Return the note on a target that is met although one point is a large step of the area;
+        None if it is not."""
         points = self.target * self.heights.points * self.map_points
         allowed = max(self.tolerance * self.target, POINT / self.heights.points)
         if self.aim - self.target > allowed:
@@ -178,7 +190,11 @@ class AreaSearch(SecantSearch):
         return None
 
     def correct(self, solver: Solver, certificate: Certificate, solved: bool) -> bool:
-        """Go to the nearer side of a jump, or between the bounds."""
+        """Change p0: to the nearer side of a jump, between the bounds, or beyond a plateau.
+
+        Returns whether it has changed: not if the target is not certainly missed, nor while the
+        solution is too inaccurate to decide on a jump.
+        """
         if self.corrections == CALIBRATION.corrections:
             return False
         if self.jumps:
@@ -196,8 +212,10 @@ class AreaSearch(SecantSearch):
         return self._go(end + BEYOND * (end - self.x), solver)
 
     def _between(self, solver: Solver) -> float:
-        """Return the next x between two bounds: the end of a plateau, where it was not just tried,
-        or what the bracket says."""
+        """Return the next x between the two bounds, and set `extrapolated`.
+
+        It is the end of a plateau, unless this was tried last time, else that of the bracket.
+        """
         end = self._end_of_plateau()
         self.extrapolated = not self.extrapolated and end is not None
         if end is None or not self.extrapolated or self.bracket.excludes(end):
@@ -205,9 +223,9 @@ class AreaSearch(SecantSearch):
         return end
 
     def _end_of_plateau(self) -> float | None:
-        """Return x where a plateau ends, None where the last two loads are not on one.
+        """Return x at the expected end of a plateau; None if the last two loads are not on one.
 
-        While the same points touch, pressures and gaps are linear in the load.
+        On a plateau the same points touch; pressures and gaps are then linear in the load.
         """
         bracket = self.bracket
         newest = bracket.low if bracket.newest_is_low else bracket.high
@@ -220,13 +238,17 @@ class AreaSearch(SecantSearch):
         return end if isfinite(end) else None
 
     def _rounding(self, solver: Solver) -> float:
-        """Return the difference of pressures that may be rounding errors."""
+        """Return the largest difference of two pressures that may be due to rounding errors."""
         of_load = float(np.finfo(np.float64).eps) * solver.p0
         return CLOSED * max(solver.problem_now.rounding, of_load)
 
     def _accuracy_needed(self, solver: Solver, certificate: Certificate) -> float:
-        """Return by how much the pressure has to be more accurate to tell whether the points that
-        change sides between the bounds are alike; 0 where that is known. Collective."""
+        """Return the factor by which the pressure must become more accurate to decide on a jump.
+
+        To decide is whether all points that change sides between the bounds do so at the same
+        load. 0 if that is decided, without two bounds, or if iterations cannot improve the
+        pressure. Collective.
+        """
         estimate = solver.progress().estimate
         if estimate is None or certificate.attainable[1] or not self.bracket.is_closed:
             return 0.0
@@ -238,8 +260,10 @@ class AreaSearch(SecantSearch):
         return min((error / apart) ** 2, error / rounding)
 
     def _apart(self, solver: Solver) -> float:
-        """Return by how much pressures differ that take the points in which the contacts at the
-        bounds differ to the other side. Collective."""
+        """Return the spread of the changes of pressure that move the points between the bounds.
+
+        These are the points that touch at the upper bound only. Needs both bounds. Collective.
+        """
         low, high = self.bracket.bounds
         changes = SideChanges(solver, solver.problem_now.rounding)
         nearest = changes.of_rank(round(low.value * solver.N) + 1)
@@ -247,7 +271,10 @@ class AreaSearch(SecantSearch):
         return farthest - nearest
 
     def _changes_at_once(self, solver: Solver) -> bool:
-        """Return whether the contact changes at once from one bound to the other. Collective."""
+        """Return whether all points between the bounds change sides at the same load, a jump.
+
+        False without two bounds, and if the present load is neither. Collective.
+        """
         if not self.bracket.is_closed:
             return False
         low, high = self.bracket.bounds
@@ -260,10 +287,15 @@ class AreaSearch(SecantSearch):
 
     @property
     def _nearer(self) -> Bound:
+        """The bound whose area is closer to the aim."""
         return min(self.bracket.bounds, key=lambda bound: abs(bound.value - self.aim))
 
     def _confirm(self, solver: Solver, certificate: Certificate) -> float:
-        """Return 0 at the nearer side of a jump, as it was found; where it is not, begin anew."""
+        """Check a certificate at a jump: return 0 on its nearer side, infinity on the other one.
+
+        If the nearer side turns out to have another area, the search begins again: the bracket,
+        jump and note are cleared, and the miss over the tolerance is returned.
+        """
         nearer = self._nearer
         y, _ = self.certified(solver, certificate)
         point = POINT / self.heights.points

@@ -1,4 +1,4 @@
-"""Two loads that enclose the one that is searched for, and the next load between them.
+"""The two loads that enclose the one that is sought, and the next load to try between them.
 
 Source: Chandrupatla, Adv. Eng. Softw. 28 (1997) 145, doi:10.1016/S0965-9978(96)00051-8.
 """
@@ -11,20 +11,20 @@ from typing import NamedTuple
 
 
 class Bound(NamedTuple):
-    """A load that is known to be too small, or too large.
+    """A solved load that is certainly too small, or certainly too large.
 
     Attributes
     ----------
     x : float
-        The variable of the search.
+        The variable of the search, which rises with the load.
     value : float
-        What this load gives.
+        The sought quantity at this load, for example the area.
     distance : float
-        A continuous function of the load with its zero at the target: below 0 where the load is too
+        A continuous function of the load that is 0 at the target and below 0 if the load is too
         small. It may be infinite.
     plateau : float
-        x of the first load on this side that gave the same value: further from the target, so that
-        it takes less accuracy to know the value.
+        x of the first load on this side with the same value. It is further from the target, where
+        a less accurate solution suffices to know the value.
     """
 
     x: float
@@ -35,16 +35,17 @@ class Bound(NamedTuple):
 
 @dataclass
 class Bracket:
-    """The loads nearest to the target so far.
+    """The solved loads nearest to the target, one on each side.
 
     Attributes
     ----------
     low, high : Bound or None
-        The largest load that is too small, the smallest that is too large.
+        The largest load that is too small and the smallest that is too large; None until there is
+        one.
     newest_is_low : bool
-        Which of them was found last.
+        Whether `low` was added last, not `high`.
     replaced : Bound or None
-        The bound in whose place that one came.
+        The bound that the newest one replaced.
     """
 
     low: Bound | None = None
@@ -54,28 +55,30 @@ class Bracket:
 
     @property
     def is_closed(self) -> bool:
-        """Whether the target is known to lie between two loads."""
+        """Whether there is a bound on both sides of the target."""
         return self.low is not None and self.high is not None
 
     @property
     def bounds(self) -> list[Bound]:
-        """The bounds that there are."""
+        """The existing bounds in a list, low before high; it may be empty."""
         return [bound for bound in (self.low, self.high) if bound is not None]
 
     def excludes(self, x: float) -> bool:
-        """Return whether a load is known to be too small or too large."""
+        """Return whether x is not strictly between the bounds."""
         too_small = self.low is not None and x <= self.low.x
         too_large = self.high is not None and x >= self.high.x
         return too_small or too_large
 
     def add(self, bound: Bound, is_low: bool) -> None:
-        """Add a load that misses the target, or one that is there, solved more accurately. A bound
-        on the other side that contradicts it was wrong, and is dropped.
+        """Replace the bound of one side by a new one.
+
+        It may be the same load, solved more accurately. If the bound of the other side contradicts
+        the new one, it was wrong and is dropped.
 
         Parameters
         ----------
         bound : Bound
-            The load and what it gives; its `plateau` is found here.
+            The new bound. Its `plateau` is ignored, and set here.
         is_low : bool
             Whether the load is too small.
         """
@@ -97,18 +100,20 @@ class Bracket:
                 self.low = None
 
     def between(self, meet: float) -> float:
-        """Return x of the next load between two bounds: by inverse quadratic interpolation where
-        that may be trusted, else the middle; first by a secant.
+        """Return x of the next load to try between the two bounds, which must exist.
+
+        It follows from a secant at first, later from inverse quadratic interpolation if
+        Chandrupatla's conditions hold; else it is the middle. Changes nothing.
 
         Parameters
         ----------
         meet : float
-            Difference of x below which two bounds are the same load. The next load keeps that
-            distance from both.
+            Smallest distance in x that the next load keeps from both bounds, if there is room.
 
         Returns
         -------
         float
+            Strictly between the bounds, apart from rounding errors.
         """
         assert self.low is not None
         assert self.high is not None
@@ -119,8 +124,11 @@ class Bracket:
 
 
 def _share(a: Bound, b: Bound, c: Bound | None) -> float:
-    """Return where between a, the newest bound, and b the zero is expected; c: the bound that a
-    replaced."""
+    """Return where the zero of `distance` is expected, as a share of the way from a to b.
+
+    a is the newest bound, b the opposite one, c the one that a replaced. 0.5 if the interpolation
+    cannot be trusted.
+    """
     distances = [bound.distance for bound in (a, b, c) if bound is not None]
     if not all(isfinite(distance) for distance in distances) or a.distance == b.distance:
         return 0.5

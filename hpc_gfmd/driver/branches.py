@@ -1,5 +1,5 @@
-"""With an attraction a load may have several equilibria: from which of them the next one starts,
-and how a solver leaves a saddle.
+"""With an attraction a load may have several equilibria: which one a load starts from, and how a
+solver leaves a saddle.
 
 The approach branch comes down from larger gaps: from the contact without attraction, or from a
 smaller load before. The retraction branch comes up from smaller gaps: from the larger load before.
@@ -19,25 +19,27 @@ if TYPE_CHECKING:
     from ..solvers.base import Solver
 
 APPROACH, RETRACTION = "approach", "retraction"
-ENOUGH = 1.1  # times the stability that the errors ask for is enough
-KICKS = 12  # saddles that a load may be led away from
+ENOUGH = 1.1  # a stability is accurate enough above this factor times what the errors require
+KICKS = 12  # largest number of kicks away from saddles for one load
 # lengths of a kick that are tried: its largest change of the gap, in ranges of the attraction
 KICK_LENGTHS = (0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0)
 
 
 def goes_on(branch: str, p0: float, p0_before: float) -> bool:
-    """Return whether a load follows the one before on a branch.
+    """Return whether a load may start from the solution of the load before on a branch.
 
     Parameters
     ----------
     branch : str
         "approach" or "retraction".
     p0, p0_before : float
-        Mean pressures of the load and of the one before.
+        Mean pressures of the load and of the one before, in the same unit.
 
     Returns
     -------
     bool
+        On retraction, if the load does not rise; on approach, if it does not fall and the load
+        before was above 0.
     """
     if branch == RETRACTION:
         return p0 <= p0_before
@@ -45,22 +47,22 @@ def goes_on(branch: str, p0: float, p0_before: float) -> bool:
 
 
 class SaddleGuard:
-    """Finds the stability of a solver's state, and leads it away from saddles.
+    """Computes the stability of a solver's state, and kicks the solver away from saddles.
 
     Parameters
     ----------
     solver : Solver
-        With an attraction.
+        A solver of a contact with attraction; the guard changes its state.
     branch : str
-        "approach" or "retraction": where the solver comes from.
+        "approach" or "retraction": the direction in which a kick is tried first.
 
     Attributes
     ----------
     kicks : int
-        Saddles left so far.
+        Number of kicks so far.
     at_saddle : bool
-        Whether no equilibrium is known to be near the state that was looked at last: it is a
-        saddle, or the surfaces are about to jump.
+        Whether the last `look` found no equilibrium near the state: it is a saddle, or the surfaces
+        are about to jump.
     """
 
     def __init__(self, solver: Solver, branch: str):
@@ -69,23 +71,25 @@ class SaddleGuard:
         self.kicks = 0
         self.at_saddle = False
         self._mode: np.ndarray | None = None
-        self._value = np.nan  # of the stability that was found last
+        self._value = np.nan  # of the last stability that was computed
 
     def look(self, measure: float = np.inf) -> float:
-        """Find the stability of the present state, `solver.stability`; return the FFT pairs that it
-        took. Collective.
+        """Compute the stability of the present state, and return the FFT pairs that this took.
+
+        Sets `solver.stability` and `at_saddle`, and prepares the solver's next step. Collective.
 
         Parameters
         ----------
         measure : float
-            The solver's own measure of the error over what is asked for, without the stability,
-            which is needed no better than the error asks for. 0: no errors are asked for.
+            The estimated error of the solver over the requested one, without the stability. The
+            stability is computed only until it is clear whether it exceeds this number. Infinite:
+            as accurately as possible. 0: if no errors are requested.
         """
         solver = self.solver
         solver.stability = None
         estimate = solver.progress().estimate
         distance = estimate.distance if estimate is not None and measure > 0 else 0.0
-        found = stability_of(
+        stability = stability_of(
             solver.problem_now,
             solver.g,
             solver.p,
@@ -94,17 +98,21 @@ class SaddleGuard:
             measure if 0 < measure < np.inf else -LEAST,
             self._mode,
         )
-        self._mode = found.mode
-        lowest = stability_up_to_equilibrium(solver.problem_now, solver.g, found, distance)
+        self._mode = stability.mode
+        lowest = stability_up_to_equilibrium(solver.problem_now, solver.g, stability, distance)
         self.at_saddle = lowest <= 0
-        self._value = found.value
-        solver.stability = replace(found, lowest=lowest)
+        self._value = stability.value
+        solver.stability = replace(stability, lowest=lowest)
         solver.after_stability()
-        return found.pairs
+        return stability.pairs
 
     def leave_saddle(self) -> bool:
-        """Lead the solver away from a saddle, along the direction in which the energy falls;
-        return whether it may try. Collective."""
+        """Kick the solver away from a saddle, along the mode in which the energy falls.
+
+        The kick changes the gap, and with a spring p0, and starts the solver there (one FFT pair).
+        Returns False, and changes nothing, if the last stability was above 0, if no kick lowers the
+        energy, or after KICKS kicks. Collective.
+        """
         solver, mode = self.solver, self._mode
         if self.kicks >= KICKS or mode is None or self._value > 0:
             return False
@@ -131,10 +139,10 @@ class SaddleGuard:
         return True
 
     def _length_of_kick(self, mode: np.ndarray) -> float:
-        """Return the length along the mode, of which <e, K e> = 1, that lowers the energy most.
+        """Return the step along the mode e, <e, K e> = 1, that lowers the energy most.
 
-        The side to which the branch goes comes first; 0 where the energy falls on neither.
-        Collective.
+        Above 0 the gap opens: retraction tries that sign first, approach the other one. The second
+        sign is only tried if the first does not lower the energy; 0 if neither does. Collective.
         """
         work, largest = self._work_along(mode)
         law = self.solver.problem.attraction
@@ -153,8 +161,8 @@ class SaddleGuard:
         return 0.0
 
     def _work_along(self, mode: np.ndarray) -> tuple[float, float]:
-        """Return <w, e>, w being the pressure of the body, and the largest |e| on the surface.
-        Collective."""
+        """Return <w, e>, where w is the pressure of the body, and the largest |e| on the surface;
+        e is the mode. Collective."""
         solver = self.solver
         grid, law = solver.grid, solver.problem.attraction
         assert law is not None
@@ -175,7 +183,10 @@ class SaddleGuard:
         return float(total), float(most)
 
     def _gain_along(self, mode: np.ndarray, length: float) -> float:
-        """Return what a step along a mode adds to the energy of attraction. Collective."""
+        """Return the change of the energy of attraction by a step of `length` along a mode.
+
+        Changes nothing. Collective.
+        """
         solver, law = self.solver, self.solver.problem.law()
         step, inside = solver.problem.dtype.type(length), solver.grid.inside
 

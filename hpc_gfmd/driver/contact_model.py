@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ContactModel:
-    """The elastic body and its material.
+    """The elastic body, its material, and how branches are followed; immutable.
 
     Attributes
     ----------
@@ -24,16 +24,16 @@ class ContactModel:
     body : Body
         The elastic body, see bodies/.
     hardness : float or None
-        The largest pressure, in the unit of E_star; None: there is none.
+        The largest pressure, in the unit of E_star; None for an elastic solid.
     attraction : Law or None
-        Law of attraction, in the unit of E_star and that of the surface's lengths; None: there is
-        none.
+        Law of attraction, in the unit of E_star and that of the surface's lengths; None without
+        attraction.
     branch : str
-        "approach" or "retraction", see branches.py.
+        Which equilibrium is sought with an attraction: "approach" or "retraction", see branches.py.
     unique : bool
-        Whether each load is solved on the other branch, too.
+        Whether each load is also solved on the other branch, to compare the two.
     lam_s : float or None
-        Shortest wavelength of the surface, in its unit of length, where that is known.
+        Shortest wavelength of the surface, in its unit of length; None if unknown.
     """
 
     E_star: float = 1.0
@@ -46,16 +46,16 @@ class ContactModel:
 
     @property
     def on_other_branch(self) -> ContactModel:
-        """The same on the other branch, alone."""
+        """A copy with the other branch, and with `unique` off."""
         branch = APPROACH if self.branch == RETRACTION else RETRACTION
         return replace(self, branch=branch, unique=False)
 
     @property
     def without_attraction(self) -> ContactModel:
-        """The same of surfaces that do not attract each other."""
+        """A copy without attraction, on the approach branch, and with `unique` off."""
         return replace(self, attraction=None, branch=APPROACH, unique=False)
 
     @property
     def retracts(self) -> bool:
-        """Whether each load starts from the larger one before."""
+        """Whether each load starts from the load before: with an attraction, on retraction."""
         return self.attraction is not None and self.branch == RETRACTION

@@ -1,5 +1,5 @@
-"""The only loop: iterate a solver until its load is solved, its limits or a request to stop, and
-certify what it returns."""
+"""The only loop: iterate a solver until its load is solved, a limit is exceeded or the run has to
+stop, and certify the result."""
 
 from __future__ import annotations
 
@@ -23,29 +23,33 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class LoopCalibration:
-    """When a solver is certified, and when it counts as stagnated.
+    """When a certificate is computed, and when a solver counts as stagnated.
 
-    What ends an iteration is the certificate: these numbers cost or save pairs only.
+    A certificate alone decides that a load is solved; these numbers cost or save FFT pairs only.
+    "Refused" means: a certificate found larger errors than requested. "Measure" means: the error
+    that the solver estimates, over the requested one (`measure_of`).
 
     Attributes
     ----------
     refusals : int
-        Times that the certificate may refuse without having come nearer, before the solver counts
-        as stagnated.
+        Number of refused certificates in a row without a smaller error after which the solver
+        counts as stagnated.
     patience_at_floor : float
-        Share of its patience that a solver has after a refusal: only rounding errors are left.
+        Factor on the solver's patience once a certificate was refused: then only rounding errors
+        are left.
     improvement : float
-        Factor on a measure of the error that counts as progress.
+        Factor by which a measure or an error must decrease to count as progress.
     look_again, look_again_after : float, int
-        Share of the measure at which the stability was found to be too small, and iterations
-        since: when it is looked for again, whichever comes first.
+        If the stability was too small, it is computed again once the measure has decreased to this
+        share, or after this number of iterations.
     waits : int
-        Every so many times that a state is a saddle it is left by force.
+        Number of looks at a saddle after which the solver is kicked away from it.
     avalanche : float
-        Share of the contact by which it changes: that is progress with an attraction.
+        Relative change of the number of points in contact that counts as progress, with an
+        attraction.
     patience_with_attraction : float
-        Times its patience that a solver has with an attraction: on its way from a saddle the errors
-        rise for a while.
+        Factor on the solver's patience with an attraction: on the way from a saddle the errors rise
+        for a while.
     """
 
     refusals: int = 5
@@ -62,16 +66,17 @@ CALIBRATION = LoopCalibration()
 
 
 class Outcome(NamedTuple):
-    """What the iterations of a load have come to.
+    """How the iterations of a load have ended.
 
     Attributes
     ----------
     status : str
-        See `contact.Contact`.
+        The status of the load, see `contact.Contact`.
     certificate : Certificate
-        Of the solver's gap; solver.p is its pressure, in the solver's precision.
+        Certificate of the solver's final gap; the solver's p is the pressure it recomputed. Without
+        content if the bodies are separated.
     pairs : float
-        FFT pairs that certificates took.
+        FFT pairs that certificates and searches for the stability took.
     """
 
     status: str
@@ -86,27 +91,28 @@ def drive(
     search: LoadSearch | None = None,
     guard: SaddleGuard | None = None,
 ) -> Outcome:
-    """Iterate a solver that has been started.
+    """Iterate a started solver until a certificate meets the criterion, or until it has to end.
 
     Collective.
 
     Parameters
     ----------
     solver : Solver
-        At its start.
+        A solver that has been started at the load. Its state becomes the solution.
     criterion : StoppingCriterion
-        What the solution has to reach.
+        The accuracy that the solution has to reach, and the limit of iterations.
     watch : callable, optional
-        Called after every step, ``watch(iterations, progress)``; a true value stops.
+        Called before every step, ``watch(iterations, progress)``, unless a certificate is due.
+        A true value ends the iterations with the status "interrupted".
     search : LoadSearch, optional
-        Finds the mean pressure meanwhile, where it is not given.
+        Changes the mean pressure during the iterations until its target is met.
     guard : SaddleGuard, optional
-        Finds the stability, and leads away from saddles, where there is an attraction.
+        Computes the stability and leaves saddles; required with an attraction.
 
     Returns
     -------
     Outcome
-        How the load has ended.
+        Status and certificate of the final state, the same on all ranks.
     """
     limits = Limits(solver, criterion)
     pairs = 0.0
@@ -160,8 +166,8 @@ def drive(
 def _goes_elsewhere(
     solver: Solver, criterion: StoppingCriterion, search: LoadSearch | None, outcome: Outcome
 ) -> bool:
-    """Return whether a search goes on at another load, where the solution at this one is as
-    accurate as asked. Collective."""
+    """Let a search change the load if the iterations stagnated at a sufficiently accurate solution;
+    return whether it changed p0 of the solver. Collective."""
     certificate = outcome.certificate
     is_solved = (
         error_left(certificate, criterion) < 1 and _status_of(certificate, criterion) == "converged"
@@ -172,8 +178,8 @@ def _goes_elsewhere(
 
 
 def _leaves_saddle(limits: Limits, guard: SaddleGuard) -> bool:
-    """Return whether the guard has led the solver away from a saddle, at which it has been for long
-    enough. Collective."""
+    """Let the guard kick the solver away from a saddle if it has been there for long enough; return
+    whether it did (gap and pressure are new then, and `limits` begins again). Collective."""
     if not guard.at_saddle or limits.wait_at_saddle() or not guard.leave_saddle():
         return False
     limits.begin_again()
@@ -181,17 +187,18 @@ def _leaves_saddle(limits: Limits, guard: SaddleGuard) -> bool:
 
 
 class Limits:
-    """Decides when the certificate is asked, and when a solver has had enough iterations.
+    """Decides when a certificate is computed, and when a solver has iterated long enough.
 
-    The solver's own measure of the error is compared with a threshold. Where the certificate
-    refuses, the threshold is lowered by as much as the certificate misses.
+    A certificate is due once the measure (`measure_of`) is below a threshold, 1 at first. If the
+    certificate finds larger errors than requested, the threshold is lowered by this factor. The
+    solver is only read, never changed.
 
     Parameters
     ----------
     solver : Solver
-        What iterates.
+        The iterating solver.
     criterion : StoppingCriterion
-        What the solution has to reach.
+        The accuracy that the solution has to reach, and the limit of iterations.
     """
 
     def __init__(self, solver: Solver, criterion: StoppingCriterion):
@@ -200,7 +207,7 @@ class Limits:
         self.begin_again()
 
     def begin_again(self) -> None:
-        """Forget what was reached so far: the load has changed."""
+        """Forget all progress and all refused certificates, because load or state have changed."""
         self.refusals = 0
         self.saddles = 0
         self.least_refused = np.inf  # the smallest error that the certificate refused
@@ -212,7 +219,7 @@ class Limits:
         self.best_at = self.solver.iterations
 
     def note(self, progress: Progress) -> None:
-        """Note the progress of an iteration."""
+        """Record the progress of an iteration: its measure, and whether it is the best so far."""
         self.measure = self.asked = measure_of(progress, self.criterion)
         if self.measure < CALIBRATION.improvement * self.best:
             self.best = self.measure
@@ -221,26 +228,28 @@ class Limits:
             self._note_contact(progress.contact)
 
     def _note_contact(self, contact: float) -> None:
-        """Note progress where the contact still changes: with an attraction it may close or open as
-        an avalanche, while errors rise."""
+        """Count a change of the number of points in contact by more than a percent as progress.
+
+        With an attraction the contact may close or open as an avalanche, while errors rise.
+        """
         if abs(contact - self.contact) > max(CALIBRATION.avalanche * self.contact, 1):
             self.contact = contact
             self.best_at = self.solver.iterations
 
     def ask_for_certificate(self, progress: Progress) -> bool:
-        """Return whether the solver believes that it is there."""
+        """Return whether a certificate is due: the measure is below the threshold."""
         is_time = self.measure < self.look_below or self.solver.iterations >= self.look_at
         return progress.finite and self.measure < self.threshold and is_time
 
     def note_refusal(self, certificate: Certificate, left: float) -> None:
-        """Note a certificate that refuses.
+        """Record a certificate that did not meet the criterion: lower the threshold.
 
         Parameters
         ----------
         certificate : Certificate
-            Of the solver's gap.
+            Certificate of the solver's gap.
         left : float
-            By what factor it misses what is asked for.
+            Its error, or the miss of a search, over the requested one; at least 1.
         """
         by_residual = self.criterion.residual is not None
         error = certificate.residual if by_residual else certificate.errors[2]
@@ -252,19 +261,23 @@ class Limits:
         self._look_later(share)
 
     def wait_at_saddle(self) -> bool:
-        """Note that the state is a saddle, which it may be on its way only; return whether to
-        iterate further before anything is done."""
+        """Count a look at a saddle, and return whether to iterate further before leaving it.
+
+        The solver may leave the saddle by itself: two of three calls return True.
+        """
         self.saddles += 1
         self._look_later(0.0)
         return self.saddles % CALIBRATION.waits != 0
 
     def is_stable_enough(self, progress: Progress) -> bool:
-        """Return whether the solver still believes that it is there after its stability was found.
+        """Return whether the certificate is still due, with the stability in the errors.
+
+        If not, the next look at the stability is postponed.
 
         Parameters
         ----------
         progress : Progress
-            With this stability.
+            Progress of the solver, whose estimate includes the stability.
         """
         self.asked = measure_of(progress, self.criterion)
         if self.asked < self.threshold:
@@ -273,18 +286,18 @@ class Limits:
         return False
 
     def _look_later(self, share: float) -> None:
-        """Note when the stability, which changes meanwhile, is looked for next: where the measure
-        is this share of what it is, or a bit less."""
+        """Postpone the next certificate until the measure has decreased to this share of its value
+        (0.3 at least), or for ten iterations."""
         self.look_below = max(share, CALIBRATION.look_again) * self.measure
         self.look_at = self.solver.iterations + CALIBRATION.look_again_after
 
     @property
     def refused_too_often(self) -> bool:
-        """Whether further iterations bring the certificate no nearer."""
+        """Whether too many certificates in a row were refused without a smaller error."""
         return self.refusals > CALIBRATION.refusals
 
     def exceeded(self, progress: Progress) -> str | None:
-        """Return the status of a load that has to end here, None where it may go on."""
+        """Return the status with which the iterations have to end; None if they may continue."""
         if not progress.finite:
             return "nonfinite"
         if self.solver.iterations >= self.criterion.max_iterations:
@@ -302,8 +315,11 @@ class Limits:
 def _may_be_met(
     solver: Solver, progress: Progress, criterion: StoppingCriterion, search: LoadSearch | None
 ) -> bool:
-    """Return whether the certificate may find what takes a look at all points: the area, and the
-    target of a search."""
+    """Return whether a certificate may find the area accurate and the target of a search met.
+
+    This takes a pass over all points, unlike the measure. True if a residual is requested.
+    Collective.
+    """
     if criterion.accuracy is None:
         return True
     if search is None:
@@ -319,8 +335,11 @@ def _conclude(
     reason: str,
     pairs: float,
 ) -> Outcome:
-    """Return the outcome of a load that ends for a reason other than its certificate; it may have
-    reached what is asked for all the same."""
+    """Certify the final state of a load that ends for `reason`, and return its outcome.
+
+    If the certificate meets the criterion all the same, its status replaces the reason (except for
+    "nonfinite" and "interrupted"). pairs: FFT pairs of the certificates so far. Collective.
+    """
     if guard is not None:
         pairs += guard.look()
     certificate = certificate_of(solver, criterion)
@@ -333,19 +352,23 @@ def _conclude(
 
 
 def certificate_of(solver: Solver, criterion: StoppingCriterion) -> Certificate:
-    """Certify the solver's gap; solver.p becomes its pressure. Collective.
+    """Certify the solver's gap, and overwrite its pressure with the recomputed one. Collective.
+
+    The solver needs `after_certificate` or `begin_at` before its next step.
 
     Parameters
     ----------
     solver : Solver
-        At a gap.
+        The solver, at any gap. The fields of its levels are overwritten; with `criterion.in_turn`
+        its last step is lost.
     criterion : StoppingCriterion
-        What the certificate has to give, and in which precision.
+        Precision of the certificate, and whether it computes the duality gap.
 
     Returns
     -------
     Certificate
-        The same on all ranks.
+        The same on all ranks. With `criterion.closes` and all points in contact, its errors of
+        area and mean gap are 0.
     """
     if criterion.in_turn:
         solver.make_room()
@@ -368,20 +391,20 @@ def certificate_of(solver: Solver, criterion: StoppingCriterion) -> Certificate:
 
 
 def measure_of(progress: Progress, criterion: StoppingCriterion) -> float:
-    """Return the solver's own measure of the error over what is asked for.
+    """Return the residual, or the error that a solver estimates, over the requested one.
 
     Parameters
     ----------
     progress : Progress
-        Of the solver.
+        Progress of the solver.
     criterion : StoppingCriterion
-        What is asked for.
+        The requested accuracy or residual.
 
     Returns
     -------
     float
-        Below 1 the solver believes that it is there; infinite after a step in which it has not
-        estimated its errors.
+        Below 1 the solver expects to meet the criterion, apart from the area, which takes a look at
+        all points. Infinite if an accuracy is requested but this step has estimated no errors.
     """
     if criterion.residual is not None:
         return progress.residual / criterion.residual
@@ -393,19 +416,22 @@ def measure_of(progress: Progress, criterion: StoppingCriterion) -> float:
 
 
 def error_left(certificate: Certificate, criterion: StoppingCriterion) -> float:
-    """Return the certified error over what is asked for.
+    """Return the certified residual or error over the requested one.
+
+    Errors that further iterations cannot reduce to the tolerance are left out.
 
     Parameters
     ----------
     certificate : Certificate
-        Of the solver's gap.
+        Certificate of the solver's gap.
     criterion : StoppingCriterion
-        What is asked for.
+        The requested accuracy or residual.
 
     Returns
     -------
     float
-        Below 1 that is reached.
+        Below 1 no iterations are needed any more. Infinite if the state is not finite or not
+        stable.
     """
     if not certificate.finite or certificate.stability <= 0:
         return np.inf
@@ -419,7 +445,11 @@ def _largest_over_tolerance(
     errors: tuple[float, float, float],
     attainable: tuple[float, float],
 ) -> float:
-    """Return the largest error over the tolerance, of those that iterations make smaller."""
+    """Return the largest error over the tolerance, without those that are limited by rounding.
+
+    errors: of area, mean gap and pressure; attainable: the limits of the last two. 0 if all errors
+    are left out.
+    """
     at_best = (0.0, *attainable)
     errors_left = [
         error for error, best in zip(errors, at_best, strict=True) if best < criterion.tolerance
@@ -428,6 +458,6 @@ def _largest_over_tolerance(
 
 
 def _status_of(certificate: Certificate, criterion: StoppingCriterion) -> str:
-    """Return the status of a solution that is as accurate as it will be."""
+    """Return "converged", or "stagnated" if an error limited by rounding exceeds the tolerance."""
     met = criterion.residual is not None or max(certificate.errors) < criterion.tolerance
     return "converged" if met else "stagnated"

@@ -1,10 +1,10 @@
-"""Full contact: its solution, u = -h, and the least load that closes the gap.
+"""Full contact: its solution, u = -h, and the smallest load that closes the gap.
 
-On a surface that does not end the latter is the largest tension without any load. On one that ends
-the solution is linear in the load where all is closed: p = p0 p1 + p_h, p1 being the pressure of a
-flat surface at a mean of 1. So in the course of the iterations, which then only relax what is
-beyond the surface, the load is put right without a transform: to max(-p_h/p1), which just leaves no
-point in tension.
+On a periodic surface this load is the largest tension of the closed contact at p0 = 0. With free
+edges the closed solution is linear in the load: p = p0 p1 + p_h, where p1 is the pressure of a flat
+surface at a mean of 1. The iterations then only relax the displacement beyond the surface. In their
+course the load is corrected without a transform, to max(-p_h/p1), at which the last point is just
+not in tension.
 """
 
 from __future__ import annotations
@@ -24,31 +24,32 @@ if TYPE_CHECKING:
     from ..solvers.base import Progress, Solver
     from .load import Load
 
-CLOSED = 8.0  # rounding errors that the pressures of a closed contact may have
+CLOSED = 8.0  # factor on the rounding errors of a closed contact's pressures that may occur
 
 
 def closed_contact(
     problem: Problem, dtype: DTypeLike = np.float64, dual: bool = False
 ) -> tuple[np.ndarray, np.ndarray, Certificate]:
-    """Return full contact, whether or not it is the solution.
+    """Compute the state of full contact, g = 0, whether or not it is the solution.
 
-    Collective.
+    Collective, one FFT pair.
 
     Parameters
     ----------
     problem : Problem
-        With stored heights, on a surface that does not end.
+        The contact, with stored heights and without padding.
     dtype : dtype
-        Precision of the certificate.
+        Precision of the transforms.
     dual : bool
-        Whether it has to give the duality gap.
+        Whether the certificate has the duality gap.
 
     Returns
     -------
     g, p : ndarray
-        The gap, 0 everywhere, and its pressure, local slabs.
+        The gap, 0 everywhere, and its pressure, new local slabs.
     certificate : Certificate
-        Points in tension do not count as contact.
+        Certificate of this state, without errors. Points in tension do not count as contact, so it
+        shows whether full contact is the solution.
     """
     g = np.zeros_like(problem.heights)
     p = np.empty_like(problem.heights)
@@ -56,25 +57,25 @@ def closed_contact(
 
 
 def tension_of(grid: Grid, p: np.ndarray, unit: np.ndarray | None = None) -> tuple[float, float]:
-    """Return the largest tension of a closed contact.
+    """Return the largest tension, max(-p/unit) over the surface, of a closed contact.
 
     Collective.
 
     Parameters
     ----------
     grid : Grid
-        Of the contact.
+        Grid of the contact.
     p : ndarray
         Its pressure, local slab.
     unit : ndarray, optional
-        By which the pressure is divided, local slab.
+        Field that divides the pressure, local slab; 1 by default.
 
     Returns
     -------
     tension : float
-        Below 0 where all points are pressed.
+        Below 0 if all points are pressed.
     rounding : float
-        Rounding error of the pressure.
+        Rounding error of the pressure that may occur, not divided.
     """
     rows, points = grid.inside
 
@@ -89,16 +90,16 @@ def tension_of(grid: Grid, p: np.ndarray, unit: np.ndarray | None = None) -> tup
 
 
 class ClosingSearch(LoadSearch):
-    """A search for the least load that closes the gap.
+    """A search for the smallest load that closes the gap. It starts from a closed gap.
 
     Attributes
     ----------
     tolerance : float
-        Relative, of the load.
+        Largest relative error of the load.
     unit : ndarray or None
-        The solution for a flat surface at a mean pressure of 1, local slab: the pressure on the
-        surface, the displacement beyond it. To be set before the iterations where the surface ends;
-        None where it does not.
+        With free edges: the solution for a flat surface at a mean pressure of 1, local slab, the
+        pressure on the surface and the displacement beyond it. Set it before the iterations. None
+        for a periodic surface.
     """
 
     from_full_contact = True
@@ -110,22 +111,22 @@ class ClosingSearch(LoadSearch):
 
     @property
     def p0(self) -> float:
-        """The mean pressure to begin with; in the end the solver's is the least."""
+        """The mean pressure to begin with. It stays; the result is `solver.p0`."""
         return self._p0
 
     def begin_at(self, p0: float) -> None:
-        """Begin with this mean pressure."""
+        """Set the mean pressure to begin with."""
         self._p0 = p0
 
     def adjust(self, solver: Solver, progress: Progress) -> bool:
-        """Change the load where points are in tension.
+        """Raise the load if a point is in tension, so that none is. Collective.
 
         Parameters
         ----------
         solver : Solver
-            At the present mean pressure.
+            The iterating solver; its p0, p and, with free edges, g change.
         progress : Progress
-            Of the solver.
+            Not used.
 
         Returns
         -------
@@ -139,16 +140,16 @@ class ClosingSearch(LoadSearch):
         return self._press(solver, rounding - lowest + more)
 
     def may_be_met(self, solver: Solver, progress: Progress, accuracy: float) -> bool:
-        """Return True: a point that is about to open is no error of the area.
+        """Return True: a point that is about to open does not count as an error of the area.
 
         Parameters
         ----------
         solver : Solver
-            At the present mean pressure.
+            Not used.
         progress : Progress
-            Of the solver.
+            Not used.
         accuracy : float
-            As requested.
+            Not used.
 
         Returns
         -------
@@ -158,35 +159,38 @@ class ClosingSearch(LoadSearch):
         return True
 
     def learn(self, solver: Solver, certificate: Certificate) -> float:
-        """Return 0 once every point is closed at the smallest such load, else infinity.
+        """Return 0 if every point is closed at the smallest such load, else infinity. Collective.
 
         Parameters
         ----------
         solver : Solver
-            At the present mean pressure.
+            The solver, whose gap was certified.
         certificate : Certificate
-            Of its gap.
+            Its certificate.
 
         Returns
         -------
         float
-            How far the target is missed.
+            Miss of the target over the tolerance.
         """
         lowest, rounding = self._lowest(solver)
         is_smallest = lowest <= max(2 * rounding, self.tolerance * solver.p0)
         return 0.0 if certificate.contact == solver.N and is_smallest else np.inf
 
     def correct(self, solver: Solver, certificate: Certificate, solved: bool) -> bool:
-        """Go to the smallest load that closes the gap, once it is known.
+        """Change the load of an accurate solution to the smallest one that closes the gap.
+
+        Collective.
 
         Parameters
         ----------
         solver : Solver
-            At the present mean pressure.
+            The solver, whose gap was certified; its p0, p and, with free edges, g change.
         certificate : Certificate
-            Of its gap.
+            Not used.
         solved : bool
-            Whether the solution at the present load is as accurate as asked.
+            Whether the solution at the present load meets the requested accuracy. If not, nothing
+            changes.
 
         Returns
         -------
@@ -199,14 +203,17 @@ class ClosingSearch(LoadSearch):
         return self._press(solver, rounding - lowest)
 
     def _lowest(self, solver: Solver) -> tuple[float, float]:
-        """Return the load beyond that at which the first point opens, and its rounding error.
-        Collective."""
+        """Return by how much the present load exceeds that at which the first point opens, and the
+        rounding error of this. Below 0 if points are in tension. Collective."""
         tension, rounding = tension_of(solver.grid, solver.p, self.unit)
         stored = solver.problem_now.rounding if self.unit is not None else 0.0
         return -tension, max(rounding, stored)
 
     def _press(self, solver: Solver, by: float) -> bool:
-        """Go to a load that is so much larger, and to its solution. Collective."""
+        """Raise solver.p0 by an amount, and its fields to the closed solution there; returns True.
+
+        Takes no FFT. Collective.
+        """
         rows, points = solver.grid.inside
         by = float(by)
 
@@ -227,19 +234,20 @@ class ClosingSearch(LoadSearch):
 
 
 def needs_double(contact: Contact, load: Load, problem: Problem) -> bool:
-    """Return whether single precision turned out to be too little for a load.
+    """Return whether a load must be solved again, in double precision.
 
-    A gap that is closed everywhere is so where the smallest pressure is more than rounding errors,
-    unless the load is to be the least that closes it. Collective.
+    It must if the solution in single precision stagnated or is not finite, if points are open
+    but the mean gap is below rounding errors, or if all points are closed but rounding errors may
+    hide a tension (unless the smallest load that closes it is sought). Collective.
 
     Parameters
     ----------
     contact : Contact
-        As found in single precision.
+        The contact as solved in single precision.
     load : Load
-        What was asked for.
+        The load.
     problem : Problem
-        At its mean pressure.
+        The problem at the load's mean pressure.
 
     Returns
     -------

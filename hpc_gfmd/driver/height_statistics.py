@@ -1,4 +1,4 @@
-"""What a search for a load knows of the heights before anything is solved."""
+"""Statistics of the heights that a search for a load uses before anything is solved."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 if TYPE_CHECKING:
     from ..operators.problem import Problem
 
-TIE = 64  # rounding errors of a height up to which two peaks are equally high
+TIE = 64  # factor on rounding errors: a smaller difference of two heights counts as none
 
 
 class HeightStatistics(NamedTuple):
@@ -18,21 +18,22 @@ class HeightStatistics(NamedTuple):
     Attributes
     ----------
     points : int
-        Number of points.
+        Number of points of the surface.
     highest : int
-        Points as high as the highest peak, which touch at any load.
+        Number of points as high as the highest one; they touch at any load.
     indistinct : int
-        Points that solutions in the working precision cannot tell from the highest peak, at least
-        `highest`.
+        Number of points whose height solutions in the working precision cannot distinguish from
+        the highest one; at least `highest`.
     top : float
-        Mean gap where the highest peak just touches, over the unit of slopes.
+        Mean of the initial gap above that of the highest point, in lengths over the unit of slopes.
     lowest : float
-        Gap at the highest peak there, which is not 0 on a coarse grid that misses the peak.
+        Initial gap of the highest point of this grid, in the same unit: 0, unless a coarse grid
+        lacks the highest peak.
     steepness : float
-        rms slope between neighbours in a row.
+        rms slope between neighbours in a row, over the unit of slopes.
     alone : float
-        A mean pressure, in the program's unit, up to which a single highest point carries all; 0
-        where several are as high.
+        A mean pressure, in the program's unit, up to which the highest point certainly carries the
+        load alone; 0 if several points are as high.
     """
 
     points: int
@@ -45,9 +46,7 @@ class HeightStatistics(NamedTuple):
 
     @classmethod
     def of(cls, problem: Problem) -> HeightStatistics:
-        """Measure the initial gap of a problem, which is stored.
-
-        Collective.
+        """Measure the initial gap of a problem, whose heights must be stored. Collective.
 
         Returns
         -------
@@ -72,24 +71,25 @@ class HeightStatistics(NamedTuple):
 
 
 def carried_alone(problem: Problem, depth: float) -> float:
-    """Return a mean pressure at which a single point carries all and has not gone down to the next
-    one yet, which is `depth` below it.
+    """Return a mean pressure up to which a single highest point certainly carries the load alone.
 
-    A mean pressure p0 presses the point down by N p0 S_00 relative to the mean of the surface. The
-    next one may rise against that mean, but by less than S_00 over the points along the shorter
-    axis. A point that yields carries no more than the hardness.
+    A lower bound of the load at which the next point touches. A mean pressure p0 presses the point
+    down by N p0 S_00 relative to the mean of the surface. The next point may rise relative to this
+    mean, but by less than that divided by the number of points along the shorter axis. A point that
+    yields carries no more than the hardness.
 
     Parameters
     ----------
     problem : Problem
-        The contact; its load does not count.
+        The contact; its load is not used.
     depth : float
-        Height of the point above the next one, in the problem's unit; infinite without a next one.
+        Height of the highest point above the next one, in the problem's unit; infinite without a
+        next one.
 
     Returns
     -------
     float
-        Mean pressure in the program's unit, 0 without a next point.
+        Mean pressure in the program's unit; 0 without a next point.
     """
     if not np.isfinite(depth):
         return 0.0

@@ -1,14 +1,14 @@
-"""With an attraction: a mean gap or an approach that is held by a spring.
+"""With an attraction: how a spring holds a mean gap or an approach.
 
-Under a dead load the bodies jump where the gap would fall although the load falls, too. Through a
-spring of stiffness k (operators/problem.py) the states there are stable, as long as k is more than
-the contact's own slope -dp0/dgap is below 0. Each solution is an equilibrium at its own p0, so
-nothing changes in what certifies it but its stability, which counts the spring in.
+Under a dead load the bodies jump wherever the gap decreases while the load decreases, too. With a
+spring of stiffness k (operators/problem.py) these states are stable if k exceeds the slope dp0/dgap
+of the contact there. Each solution is an equilibrium at its own p0, so its certificate is the usual
+one, but its stability includes the spring.
 
 - An approach: k is the body's stiffness against a uniform pressure. The mean displacement and p0
-  then add up to the approach whatever they are, so it stays as it is from the first step on.
-- A mean gap: k is that of a wave as long as the cell. The end of the spring is moved, by a secant
-  method, until the gap is the one asked for.
+  then always add up to the same approach, which does not change from the first step on.
+- A mean gap: k is eight times the stiffness against a wave as long as the cell. A secant method
+  moves the end of the spring until the mean gap is the prescribed one.
 """
 
 from __future__ import annotations
@@ -25,29 +25,30 @@ if TYPE_CHECKING:
     from ..operators.problem import Problem
     from ..solvers.base import Solver
 
-STIFF = 8.0  # times the stiffness of a wave as long as the cell
+STIFF = 8.0  # k of a mean gap, over the stiffness against a wave as long as the cell
 
 
 class Held(LoadSearch):
-    """Moves the end of the spring until a mean gap or an approach is met.
+    """A search that moves the end of a spring until a mean gap or an approach is met.
 
     Parameters
     ----------
     quantity : str
-        "gap_mean" or "approach".
+        "gap_mean" or "approach", attributes of a Certificate.
     target : float
-        In the program's units.
+        Its prescribed value, in the program's units.
     tolerance : float
-        Relative; of an approach that is shorter than the range of the attraction, of that.
+        Largest error, relative to the target, or to the range of the attraction for an approach
+        that is shorter than this range.
     p0 : float
         Mean pressure at the start.
     problem : Problem
-        Of the finest grid.
+        The contact on the finest grid.
 
     Attributes
     ----------
     spring : float
-        Its stiffness.
+        Stiffness of the spring, see `spring_of`.
     """
 
     def __init__(self, quantity: str, target: float, tolerance: float, p0: float, problem: Problem):
@@ -60,35 +61,42 @@ class Held(LoadSearch):
         self.tolerance = tolerance
         self._p0 = p0
         self.spring = spring_of(quantity, problem)
-        # of solutions: where the end of the spring is, in units of p0, and what is too much
-        self._known: list[tuple[float, float]] = []
+        # of each solution: end of the spring as a p0, and by how much the bodies are too far apart
+        self._solutions: list[tuple[float, float]] = []
 
     @property
     def p0(self) -> float:
-        """The present mean pressure."""
+        """Mean pressure at the start, then that of the last certified solution."""
         return self._p0
 
     @property
     def half_area(self) -> float:
-        """About half of the relative contact area: at least that of a small load."""
+        """A rough estimate of half the relative contact area: |p0|."""
         return abs(self._p0)
 
     def begin_at(self, p0: float) -> None:
-        """Begin with this mean pressure, that of the gap that the solver is given."""
+        """Set the mean pressure at the start, that of the gap from which the solver starts."""
         self._p0 = p0
 
     def _value(self, certificate: Certificate) -> float:
+        """Return the mean gap or approach that a certificate found."""
         return float(getattr(certificate, self.quantity))
 
     def learn(self, solver: Solver, certificate: Certificate) -> float:
-        """Learn the present load, and how far its gap or approach is from the one asked for."""
+        """Store the solver's p0; return the miss of the target over the tolerance (met below 1).
+
+        The certified error of the mean gap is subtracted from the tolerance first.
+        """
         self._p0 = solver.p0
         error = certificate.errors[1] * certificate.gap_mean / self.unit
         room = max(self.tolerance - error, 0.1 * self.tolerance)
         return abs(self._value(certificate) - self.target) / self.unit / room
 
     def correct(self, solver: Solver, certificate: Certificate, solved: bool) -> bool:
-        """Move the end of the spring once the solution is as accurate as asked."""
+        """Move the end of the spring to where a secant expects the target, and continue there.
+
+        Does nothing and returns False unless `solved`; changes p0 of the solver otherwise.
+        """
         if not solved:
             return False
         missed = self._value(certificate) - self.target
@@ -96,11 +104,11 @@ class Held(LoadSearch):
         share = solver.grid.cell_points / solver.N
         end = solver.p0 - self.spring * share * certificate.gap_mean
         step = self.spring * share * missed
-        if self._known:
-            end_before, missed_before = self._known[-1]
+        if self._solutions:
+            end_before, missed_before = self._solutions[-1]
             slope = (missed - missed_before) / (end - end_before) if end != end_before else 0.0
             step = -missed / slope if slope < 0 else step
-        self._known.append((end, missed))
+        self._solutions.append((end, missed))
         solver.continue_at(solver.p0 + step)
         return True
 
@@ -113,12 +121,13 @@ def spring_of(quantity: str, problem: Problem) -> float:
     quantity : str
         "gap_mean" or "approach".
     problem : Problem
-        Of the finest grid.
+        The contact on the finest grid.
 
     Returns
     -------
     float
-        Mean pressure of the cell over displacement, in the program's units.
+        Mean pressure of the cell per displacement, in the program's units. Collective for an
+        approach.
     """
     grid = problem.grid
     if quantity == "approach":

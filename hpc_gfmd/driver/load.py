@@ -14,20 +14,20 @@ if TYPE_CHECKING:
 
 @dataclass
 class Load:
-    """What is asked of one load, and the mean pressure that gives it.
+    """One prescribed load of a sweep, and the mean pressure that belongs to it.
 
     Attributes
     ----------
     quantity : str
-        "pressure", "a_r", "gap_mean" or "approach".
+        Which quantity is prescribed: "pressure", "a_r", "gap_mean" or "approach".
     value : float
-        What is asked for: a pressure in the unit of E_star, a length in the unit of the heights, or
-        a relative area.
+        Its prescribed value: a pressure in the unit of E_star, a length in the unit of the heights,
+        or a relative area.
     given_p0 : float
-        The mean pressure in the program's units, where it follows from `value`; nan before the
-        sweep comes to this load.
+        The mean pressure in the program's unit, if it is known without a search; nan until
+        `Searches.begin` has prepared the load.
     search : LoadSearch or None
-        Finds the mean pressure; None where no iteration is needed for that.
+        Finds the mean pressure during the iterations; None if it is known without one.
     """
 
     quantity: str
@@ -37,27 +37,27 @@ class Load:
 
     @property
     def p0(self) -> float:
-        """The present mean pressure, in the program's units."""
+        """The mean pressure in the program's unit, the given one or that of the search."""
         return self.given_p0 if self.search is None else self.search.p0
 
     @property
     def half_area(self) -> float:
-        """About half of the relative contact area."""
+        """An estimate of half the relative contact area, from the load alone."""
         return self.given_p0 if self.search is None else self.search.half_area
 
     @property
     def is_pressure(self) -> bool:
-        """Whether the mean pressure is what is asked for."""
+        """Whether the prescribed quantity is the mean pressure."""
         return self.quantity == "pressure"
 
     def is_beyond(self, separated: Load | None) -> bool:
-        """Return whether it holds the bodies as far apart as a load at which they came apart, or
-        further.
+        """Return whether this load holds the bodies at least as far apart as another one.
 
         Parameters
         ----------
         separated : Load or None
-            Of the same quantity; None where they are together.
+            The load, of the same quantity (mean gap or approach), at which the bodies came apart;
+            None, which gives False, if they have not.
         """
         if separated is None:
             return False
@@ -67,37 +67,39 @@ class Load:
 
     @property
     def closes(self) -> bool:
-        """Whether the load is to be the least that closes the gap everywhere."""
+        """Whether the smallest load that closes the gap everywhere is sought (an area of 1)."""
         return self.quantity == "a_r" and self.value == 1
 
     @property
     def from_full_contact(self) -> bool:
-        """Whether the iterations begin with a closed gap."""
+        """Whether the iterations start from a gap of 0 everywhere."""
         return self.search is not None and self.search.from_full_contact
 
     @property
     def spring(self) -> float:
-        """Stiffness of the spring through which the body is pressed."""
+        """Stiffness of the spring that presses the body (see Problem); 0 for a dead load."""
         return 0.0 if self.search is None else self.search.spring
 
     @property
     def note(self) -> str | None:
-        """What a user has to know of the load that was found."""
+        """A remark of the search for the user; None without one."""
         return None if self.search is None else self.search.note
 
 
 class Unfinished(NamedTuple):
-    """What is kept of a load that was stopped in its middle.
+    """State of a load whose iterations were interrupted, from which a later run continues.
 
     Attributes
     ----------
     gap : ndarray
-        Local slab of the grid, in the program's unit and in the precision of that run.
+        The last gap, local slab of the grid, in the program's unit; its dtype is the precision in
+        which the load was iterated.
     p_mean : float
-        The mean pressure that it belongs to, in the unit of E_star.
+        Mean pressure of this gap, in the unit of E_star.
     iterations : int
+        Iterations that the load has taken so far.
     pairs : float
-        Iterations and FFT pairs that the load has taken so far.
+        FFT pairs that the load has taken so far.
     """
 
     gap: np.ndarray

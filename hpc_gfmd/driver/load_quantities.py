@@ -1,5 +1,5 @@
-"""The quantities that a load is searched for by: how each goes with the load, and what is known of
-it before, in the course of the iterations and in the end."""
+"""The quantities that a load may prescribe, and how each depends on the load: the first guess, the
+straightened value, the predicted and the certified one. The area is in area_search.py."""
 
 from __future__ import annotations
 
@@ -20,37 +20,44 @@ if TYPE_CHECKING:
 
 
 class GapSearch(SecantSearch):
-    """A search for a mean gap."""
+    """A search for the load that gives a mean gap."""
 
     usual = 0.4
 
     def guess(self, surface: Surface) -> float:
-        """Guess as of self-affine walls, or where one point carries all."""
+        """Guess x by the gap of self-affine walls, or of a single point that carries the load."""
         alone = (self.heights.top - self.target) / (surface.grid.a * self.heights.points)
         return max(-1 - 2 * self.target * surface.slope / surface.h_rms, log(alone))
 
     def straight(self, y: float) -> float:
-        """Use that the mean gap decreases like exp(-c p0^s)."""
+        """Return log(log(top/y)), as the mean gap decreases like top exp(-c p0^s).
+
+        -inf from y = top on (at most one point touches), inf for y <= 0.
+        """
         if y <= 0:
             return inf
         return log(log(self.heights.top / y)) if y < self.heights.top else -inf
 
     def predicted(self, solver: Solver, progress: Progress, errors: Errors) -> Value | None:
-        """Predict the mean gap: as uncertain as it is, or as the pressure where nothing is open
-        yet."""
+        """Predict the mean gap by `progress.predicted`.
+
+        Its error is that of the mean gap; at full contact that of the pressure if it is larger.
+        """
         error = max(errors) if progress.contact == solver.N else errors[0]
         return (progress.predicted[1] * solver.grid.a, error) if progress.predicted else None
 
     def within(self, solver: Solver, progress: Progress, room: float) -> bool:
-        """Compare the estimated error of the mean gap."""
+        """Return whether the error of the mean gap is below `room`, or limited by rounding."""
         estimate = progress.estimate
         if estimate is None:
             return True
         return estimate.gap < room or estimate.attainable[0] >= self.tolerance
 
     def certified(self, solver: Solver, certificate: Certificate) -> Value:
-        """Return the mean gap of the certificate, without an error where no iteration makes that
-        smaller."""
+        """Return the certified mean gap and its error.
+
+        The error is 0 if rounding errors keep it above the tolerance: iterations cannot help.
+        """
         is_limited = certificate.attainable[0] >= self.tolerance
         error = 0.0 if is_limited else certificate.errors[1]
         return certificate.gap_mean * solver.grid.a, error
@@ -58,14 +65,14 @@ class GapSearch(SecantSearch):
 
 @dataclass
 class OpeningSearch(GapSearch):
-    """A search for a mean gap next to full contact, which is a power of p0/(closes_at - p0).
+    """A search for a mean gap close to full contact, a power of (closes_at - p0)/p0.
 
-    `begin_below` begins it, once the load of full contact is known.
+    Call `begin_below` before the iterations, once the load of full contact is known.
 
     Attributes
     ----------
     opens : float
-        By how much p0 is below `closes_at` where a single point is open.
+        Distance of p0 from `closes_at` at which a single open point would give this mean gap.
     """
 
     usual = 1.5
@@ -74,30 +81,31 @@ class OpeningSearch(GapSearch):
     opens: float = 0.0
 
     def begin_below(self, closes_at: float) -> None:
-        """Start below the load of full contact, closes_at, where a single point is open."""
+        """Set `closes_at`, the load of full contact, and p0 to closes_at - opens (half of it at
+        least)."""
         self.closes_at = closes_at
         self.x = log(closes_at) + log(max(closes_at / self.opens - 1, 1.0))
 
     def straight(self, y: float) -> float:
-        """Take the logarithm of that power."""
+        """Return log(top/y), which is linear in log(p0/(closes_at - p0))."""
         return log(self.heights.top / y) if y > 0 else inf
 
 
 class ApproachSearch(SecantSearch):
-    """A search for an approach."""
+    """A search for the load that gives an approach of the bodies."""
 
     usual = 0.8
 
     def guess(self, surface: Surface) -> float:
-        """Guess as of a punch as large as the surface."""
+        """Guess x by the approach of a flat punch as large as the surface."""
         return log(self.target / max(surface.sizes))
 
     def straight(self, y: float) -> float:
-        """Use that the approach is a power of the load."""
+        """Return log(y), as the approach is a power of the load."""
         return log(y) if y > 0 else -inf
 
     def predicted(self, solver: Solver, progress: Progress, errors: Errors) -> Value | None:
-        """Predict the approach by the displacement as it is."""
+        """Return the approach of the present displacement, and its error."""
         grid = solver.grid
         heights = self.heights
         share = grid.N / grid.cell_points
@@ -108,21 +116,22 @@ class ApproachSearch(SecantSearch):
         return y, _error_of_approach(y, progress.gap_mean * grid.a, *errors)
 
     def within(self, solver: Solver, progress: Progress, room: float) -> bool:
-        """Compare the error of what is predicted."""
+        """Return whether the error of the predicted approach is below `room`."""
         prediction = self._prediction(solver, progress)
         return prediction is None or prediction[1] < room
 
     def certified(self, solver: Solver, certificate: Certificate) -> Value:
-        """Return the approach of the certificate."""
+        """Return the certified approach and its error."""
         a = solver.grid.a
         y = certificate.approach * a
         return y, _error_of_approach(y, certificate.gap_mean * a, *certificate.errors[1:])
 
 
 def _error_of_approach(y: float, gap: float, gap_error: float, pressure_error: float) -> float:
-    """Return the relative error of an approach y at a mean gap.
+    """Return the relative error of an approach y; infinite unless y > 0.
 
-    gap_error, pressure_error: relative, of the mean gap and of the pressure field.
+    gap: the mean gap, in the unit of y; gap_error, pressure_error: relative errors of the mean gap
+    and of the pressure field.
     """
     return gap_error * gap / y + CALIBRATION.field * pressure_error if y > 0 else inf
 
@@ -143,29 +152,30 @@ def search_for(
     history: Sequence[dict[str, float]] = (),
     hardness: float | None = None,
 ) -> SecantSearch:
-    """Begin the search for the load that gives an area, a mean gap or an approach.
+    """Make the search for the load that gives an area, a mean gap or an approach.
 
     Parameters
     ----------
     load : Load
-        What is asked for.
+        The prescribed quantity and its value.
     surface : Surface
         The surface.
     heights : HeightStatistics
-        Of the surface.
+        Statistics of the finest grid.
     tolerance : float
-        Relative, of what is asked for.
+        Largest relative miss of the value.
     error_counts : bool
-        Whether the error of the solution counts towards the tolerance.
+        Whether miss and error of the solution together must not exceed the tolerance.
     history : sequence of dict
-        Loads that were solved before: `p0`, in the program's unit, and what each gave, by quantity.
+        Loads that were solved before, the newest last: `p0`, in the program's unit, and the values
+        that it gave, by quantity.
     hardness : float, optional
         The largest pressure, in the program's unit.
 
     Returns
     -------
     SecantSearch
-        At its first load.
+        At its first load: extrapolated from `history`, or guessed without it. Nothing is solved.
     """
     value = load.value if load.quantity == "a_r" else load.value / surface.slope
     kind = SEARCHES[load.quantity]

@@ -1,12 +1,12 @@
 """The search for the load that gives an area, a mean gap or an approach: a bracketed secant method
 with inexact solves.
 
-All three are monotone in the mean pressure p0, and the default solver goes on at another p0 without
-a transform. So after every iteration, on every coarse grid, too, the load is changed where the
-value that the solver predicts misses the target by more than the prediction may be wrong by.
-Once the contact is solved the certified value counts: it bounds the load, and a secant, or a load
-between the bounds, leads on. What is missed and the error of the solution are together no more than
-the accuracy asked for.
+All three are monotone in the mean pressure p0, and the default solver continues at another p0
+without a transform. So after every iteration, also on coarse grids, the load is changed if the
+value that the solver predicts misses the target by more than a share of the prediction's error.
+Once the contact is solved the certified value counts: it bounds the load, and the next load follows
+from a secant, or lies between the bounds. The miss of the target and the error of the solution are
+together no more than the requested accuracy.
 """
 
 from __future__ import annotations
@@ -31,24 +31,25 @@ if TYPE_CHECKING:
 class SearchCalibration:
     """When a search changes the load, and how far.
 
-    Measured on the areas, gaps and approaches of 24 walls of three spectra: the pairs that a search
-    takes over those at the pressure that it finds. They cost or save pairs only: what a search ends
-    with is certified.
+    Measured on areas, gaps and approaches of 24 walls with three spectra, by the FFT pairs of a
+    search over those of a solution at the pressure that it finds. The numbers cost or save pairs
+    only, because the final value is certified.
 
     Attributes
     ----------
     step : float
-        Longest change of log p0 by a slope.
+        Largest change of log p0 by a secant.
     steepest : float
-        Largest slope of a straightened value that is believed, and 1 over the least.
+        Largest slope of the straightened value that is used; the smallest is 1/steepest.
     share : float
-        Of the tolerance and of the error of a prediction: a predicted miss beyond it is corrected.
+        Share of the tolerance, and of the error of a prediction, above which a predicted miss is
+        corrected.
     coarse : float
-        Relative miss up to which a coarse grid is content: it knows the value no better.
+        Relative miss that is accepted on a coarse grid, which cannot tell the value better.
     field : float
-        Share of the error of the pressure field that counts towards that of an approach.
+        Share of the error of the pressure field that counts towards the error of an approach.
     trials, corrections : int
-        Most corrections by predictions on one grid; most corrections in all.
+        Largest number of changes of p0 by predictions on one grid, and of all changes together.
     """
 
     step: float = log(2.0)
@@ -68,39 +69,40 @@ Errors = tuple[float, float]  # relative errors of the mean gap and of the press
 
 @dataclass
 class SecantSearch(LoadSearch):
-    """What a search knows: plain numbers. A subclass knows a quantity.
+    """A bracketed secant search for p0; a subclass defines the quantity y that has a target.
 
-    The variable x is log p0, less what a single tall point carries alone, and rises to infinity
-    where p0 comes to `closes_at`.
+    The variable is x = log(p0 - p_1), where p_1 is the load that a single tall point carries alone
+    (0 unless an area is sought). Near `closes_at` x is stretched: it goes to infinity there. The
+    secant is that of the straightened value f(y) (`straight`), which is nearly linear in x.
 
     Attributes
     ----------
     usual : float
-        The slope of the straightened value over x before anything is known.
+        Slope of f over x that is used before any has been measured.
     target : float
-        The area, or the length over the unit of slopes, that is asked for.
+        The prescribed value: a relative area, or a length over the unit of slopes.
     tolerance : float
-        Relative.
+        Largest relative miss of the target.
     error_counts : bool
-        Whether the error of the solution counts towards the tolerance.
+        Whether miss and error of the solution together must not exceed the tolerance.
     finest, heights : HeightStatistics
-        Of the finest grid, and of the present one.
+        Statistics of the finest grid, and of the present one.
     closes_at : float
-        p0 that closes the gap, or the hardness; inf: neither is known.
+        An upper bound of p0: the load that closes the gap, or the hardness; inf if unknown.
     x : float
-        The variable, at the present load.
+        The variable at the present load.
     slope : float
-        Of the straightened value over x.
+        Slope of f over x, as last measured.
     bracket : Bracket
-        Certified values that bound the load.
+        Certified loads that are too small or too large, on the present grid.
     certified_before : pair of float, or None
-        x and straightened value of the certificate before.
+        x and f of the last certificate on this grid.
     trials, corrections : int
-        Changes of the load: by predictions on this grid; in all.
+        Number of changes of the load by predictions on this grid, and of all changes.
     looked_at : int
-        The last iteration at which a prediction was asked for.
+        Number of the last iteration whose prediction was used.
     note : str or None
-        What a user has to know of the load that was found.
+        A remark for the user on the load that was found.
     """
 
     usual: ClassVar[float]
@@ -120,98 +122,103 @@ class SecantSearch(LoadSearch):
     looked_at: int = -1
     note: str | None = None
 
-    # -- the quantity: what a subclass has to know
+    # -- the quantity: a subclass defines it
 
     def guess(self, surface: Surface) -> float:
-        """Return a first x."""
+        """Return the x to begin with if no load has been solved before. Changes nothing."""
         raise NotImplementedError
 
     def straight(self, y: float) -> float:
-        """Return the straightened value of y, which rises about in proportion to x: -inf where
-        nothing touches, inf where all does."""
+        """Return f(y), the straightened value, which rises nearly linearly with x.
+
+        It is -inf for the y of no contact and inf for that of full contact.
+        """
         raise NotImplementedError
 
     def predicted(self, solver: Solver, progress: Progress, errors: Errors) -> Value | None:
-        """Return the value that the solution at the present load is expected to have.
+        """Predict the value y of the converged solution at the present load.
 
         Collective.
 
         Parameters
         ----------
         solver : Solver
-            At the present mean pressure.
+            The iterating solver; it is not changed.
         progress : Progress
-            Of the solver.
+            Progress of the solver.
         errors : tuple of float
             Estimated relative errors of the mean gap and of the pressure field.
 
         Returns
         -------
         tuple of float, or None
-            The value and its relative error; None where the solver cannot tell.
+            The value and its relative error; None if the solver makes no prediction.
         """
         raise NotImplementedError
 
     def certified(self, solver: Solver, certificate: Certificate) -> Value:
-        """Return the value that a certificate found.
+        """Return the value y of a certificate.
 
         Parameters
         ----------
         solver : Solver
-            At the present mean pressure.
+            The solver, whose gap was certified.
         certificate : Certificate
-            Of its gap.
+            Its certificate.
 
         Returns
         -------
         tuple of float
-            The value and its relative error.
+            The value and its certified relative error.
         """
         raise NotImplementedError
 
     def within(self, solver: Solver, progress: Progress, room: float) -> bool:
-        """Return whether the certificate may find the value accurate enough.
-
-        Parameters
-        ----------
-        solver : Solver
-            At the present mean pressure.
-        progress : Progress
-            Of the solver.
-        room : float
-            Relative error that the value may have.
-
-        Returns
-        -------
-        bool
-        """
-        raise NotImplementedError
-
-    @property
-    def aim(self) -> float:
-        """The target, or what is nearest to it on this grid."""
-        return self.target
-
-    def miss(self, y: float) -> float:
-        """Return how far y is from the aim, relative."""
-        return abs(y / self.aim - 1)
-
-    def distance(self, solver: Solver, y: float) -> float:
-        """Return how far a certified state is beyond the target.
+        """Return whether a certificate may find the error of the value y small enough.
 
         Collective.
 
         Parameters
         ----------
         solver : Solver
-            At the certified state.
+            The iterating solver; it is not changed.
+        progress : Progress
+            Progress of the solver.
+        room : float
+            Largest relative error of the value.
+
+        Returns
+        -------
+        bool
+            The same on all ranks; True without an estimate.
+        """
+        raise NotImplementedError
+
+    @property
+    def aim(self) -> float:
+        """The value sought on the present grid: the target, or what a coarse grid has instead."""
+        return self.target
+
+    def miss(self, y: float) -> float:
+        """Return the relative distance |y/aim - 1| of a value from the aim."""
+        return abs(y / self.aim - 1)
+
+    def distance(self, solver: Solver, y: float) -> float:
+        """Return a continuous measure of how far a certified state is beyond the aim.
+
+        Collective.
+
+        Parameters
+        ----------
+        solver : Solver
+            The solver, at the certified state; it is not changed.
         y : float
-            The value that was certified.
+            The certified value.
 
         Returns
         -------
         float
-            See `Bound.distance`.
+            Below 0 if the load is too small, see `Bound.distance`.
         """
         return self.straight(y) - self.straight(self.aim)
 
@@ -219,17 +226,19 @@ class SecantSearch(LoadSearch):
 
     @property
     def p0(self) -> float:
-        """The mean pressure, in the program's units."""
+        """The mean pressure at the present x, in the program's unit."""
         return self.p0_of(self.x)
 
     def p0_of(self, x: float) -> float:
-        """Return the mean pressure at x."""
+        """Return the mean pressure at x, the inverse of `x_of`."""
         x = min(max(x, -700.0), 700.0)  # no overflow
         return self._alone + 1 / (exp(-x) + 1 / (self.closes_at - self._alone))
 
     def x_of(self, p0: float) -> float:
-        """Return x at a mean pressure: -inf where a single point carries it, inf beyond the
-        largest."""
+        """Return x at a mean pressure.
+
+        It is -inf up to the load that a single point carries, and inf from `closes_at` on.
+        """
         shared = p0 - self._alone
         if shared <= 0:
             return -inf
@@ -238,17 +247,17 @@ class SecantSearch(LoadSearch):
 
     @property
     def _alone(self) -> float:
-        """Return p_1, the mean pressure that x = log(p0 - p_1) leaves out: 0 but for an area."""
+        """The load p_1 in x = log(p0 - p_1); 0, unless an area is sought."""
         return 0.0
 
     # -- from grid to grid
 
     def measure(self, heights: Callable[[], HeightStatistics]) -> None:
-        """Take over the statistics of the finest grid in the precision of the solver."""
+        """Store the statistics of the finest grid in `finest`. Collective."""
         self.finest = heights()
 
     def begin(self, problem: Problem | None = None) -> float:
-        """Begin at the load of the grid before."""
+        """Begin on another grid at the present load: measure its heights, and clear the bracket."""
         self.heights = self.finest
         if problem is not None:
             self.heights = HeightStatistics.of(problem)
@@ -260,7 +269,7 @@ class SecantSearch(LoadSearch):
         return self.p0
 
     def begin_at(self, p0: float) -> None:
-        """Begin with this mean pressure, whose solution is about known."""
+        """Set x to that of a mean pressure; does nothing if that is not finite."""
         x = self.x_of(p0)
         if isfinite(x):
             self.x = x
@@ -268,15 +277,21 @@ class SecantSearch(LoadSearch):
     # -- in the course of the iterations
 
     def near(self, solver: Solver, progress: Progress) -> bool:
-        """Return whether the value is as near as this grid knows it: not without the highest
-        peak."""
+        """Return whether p0 stays on this coarse grid; else move it to the predicted target.
+
+        It stays if the predicted miss is small enough, after `trials` changes, and on a grid that
+        lacks the highest peak.
+        """
         lacks_peak = self.heights.lowest > self.heights.top
         if lacks_peak or self.trials == CALIBRATION.trials:
             return True
         return not self._follow_prediction(solver, progress, CALIBRATION.coarse)
 
     def adjust(self, solver: Solver, progress: Progress) -> bool:
-        """Change the load where more than a share of the tolerance is missed."""
+        """Change p0 if the predicted miss exceeds a share of the tolerance; return whether it did.
+
+        At most once per iteration, and not any more once there is a note.
+        """
         is_known = solver.iterations == self.looked_at
         if is_known or self.note or self.trials == CALIBRATION.trials:
             return False
@@ -284,7 +299,11 @@ class SecantSearch(LoadSearch):
         return self._follow_prediction(solver, progress, CALIBRATION.share * self.tolerance)
 
     def _follow_prediction(self, solver: Solver, progress: Progress, allowed: float) -> bool:
-        """Go where the prediction has the target, if it misses it by more than is allowed."""
+        """Go to where a secant has the target, if the prediction misses it by more than `allowed`.
+
+        Returns whether p0 of the solver has changed. It does not if the error of the prediction is
+        too large, or if the new load is outside of the bracket.
+        """
         prediction = self._prediction(solver, progress)
         if prediction is None:
             return False
@@ -297,20 +316,26 @@ class SecantSearch(LoadSearch):
         return self._go(x, solver)
 
     def _prediction(self, solver: Solver, progress: Progress) -> Value | None:
-        """Return what the solver predicts, once it is far enough."""
+        """Return the prediction of the value; None while the error of the pressure is too large."""
         errors = progress.estimates if progress.finite else None
         if errors and errors[1] < CALIBRATION.step:
             return self.predicted(solver, progress, errors)
         return None
 
     def may_be_met(self, solver: Solver, progress: Progress, accuracy: float) -> bool:
-        """Return whether the certificate may find the target met, or has to say what is missed."""
+        """Return whether a certificate now may find both the area and the value accurate enough.
+
+        The error of the value may be what the predicted miss leaves of the accuracy. Collective.
+        """
         missed = self._predicted_miss(solver, progress)
         room = accuracy - missed if missed < accuracy else accuracy
         return area_may_be_met(solver, progress, accuracy) and self.within(solver, progress, room)
 
     def _predicted_miss(self, solver: Solver, progress: Progress) -> float:
-        """Return how far the target is expected to be missed, 0 where that is not known."""
+        """Return the relative miss that the prediction expects.
+
+        0 without a prediction, with a note, and if the error of the solution does not count.
+        """
         if self.note or not self.error_counts:
             return 0.0
         prediction = self._prediction(solver, progress)
@@ -319,7 +344,10 @@ class SecantSearch(LoadSearch):
     # -- once the contact is solved
 
     def learn(self, solver: Solver, certificate: Certificate) -> float:
-        """Bound the load by a value that surely misses the target."""
+        """Add the load to the bracket if it misses the target by more than the certified error.
+
+        Returns the miss over the tolerance, with the error if that counts.
+        """
         y, error = self.certified(solver, certificate)
         missed = self.miss(y)
         if missed > error:
@@ -331,7 +359,11 @@ class SecantSearch(LoadSearch):
         return (missed + error) / max(missed, self.tolerance)
 
     def correct(self, solver: Solver, certificate: Certificate, solved: bool) -> bool:
-        """Go where a secant has the target, between the bounds; over a plateau twice as far."""
+        """Go to where a secant has the target, or between the bounds; twice as far on a plateau.
+
+        Returns whether p0 of the solver has changed: not if the miss is within the error of a
+        solution that is not accurate enough, nor after `corrections` changes.
+        """
         y, error = self.certified(solver, certificate)
         is_exhausted = self.corrections == CALIBRATION.corrections
         if is_exhausted or not (solved or self.miss(y) > error):
@@ -344,19 +376,20 @@ class SecantSearch(LoadSearch):
         return self._go(x, solver)
 
     def secant(self, y: float, error: float = 0.0) -> float:
-        """Learn the slope from the last two certified values.
+        """Set `slope` by the last two certified values, if they differ enough.
 
         Parameters
         ----------
         y : float
             The newest value, at the present x.
         error : float
-            Its relative error: a change of x that explains no more is not used.
+            Its relative error. A change of x whose effect is not larger is not used.
 
         Returns
         -------
         float
-            By how much x has to change at least; more than 0 where the value hardly changes.
+            Smallest change of x that the next step should make: twice the last one if the value has
+            hardly changed with it (a plateau), else 0.
         """
         f = self.straight(y)
         before = self.certified_before
@@ -371,12 +404,16 @@ class SecantSearch(LoadSearch):
         return 2 * abs(self.x - before[0]) if slope <= 1 / CALIBRATION.steepest else 0.0
 
     def _way(self, y: float) -> float:
-        """Return by how much x is to change: not at all where this grid cannot have the target."""
+        """Return the change of x, with its sign, by which a secant reaches the aim from y.
+
+        At most `step`; 0 if the aim is that of full contact or of no contact.
+        """
         wanted = self.straight(self.aim)
         way = (wanted - self.straight(y)) / self.slope
         return min(max(way, -CALIBRATION.step), CALIBRATION.step) if isfinite(wanted) else 0.0
 
     def _go(self, x: float, solver: Solver) -> bool:
+        """Set x, and continue the solver at its p0. Counts a correction; returns True."""
         self.x = x
         self.corrections += 1
         solver.continue_at(self.p0)

@@ -1,13 +1,13 @@
-"""The working surface for the largest systems: the heights are not kept while iterating, so four
-fields and a bit are all there is.
+"""The working surface for the largest systems: the heights are not kept while iterating, so that
+little more than four fields are in memory.
 
-The starting gap takes the memory of the heights; where p = p0 + K u needs the displacement u = g -
-h, the transform of h, which is known mode by mode, is added in Fourier space. Every load that does
-not start from the one before makes the surface anew. Where the surface ends, its heights take a
-quarter or half of a field, and are kept.
+The starting gap overwrites the heights. The displacement u = g - h, which p = p0 + K u requires, is
+completed in Fourier space, where the transform of h is known mode by mode. Every load that does not
+start from the one before makes the surface again. With free edges the heights take a quarter or
+half of a field, and are kept.
 
-Where the first pressure and the certificates are in double precision, on large grids at small
-loads, their transforms take the memory of the solver's and of its last step meanwhile.
+On large grids at small loads the first pressure and the certificates are in double precision; the
+solver then frees its transforms and its last step while they are computed.
 """
 
 from __future__ import annotations
@@ -30,14 +30,14 @@ if TYPE_CHECKING:
 
 
 class LowMemorySurface(WorkingSurface):
-    """A surface whose heights are given away while iterating.
+    """A surface whose heights are not stored during the iterations.
 
-    Parameters and attributes are those of `WorkingSurface`.
+    Parameters and attributes are those of `WorkingSurface`; `surface` changes from load to load.
 
     Raises
     ------
     SceneError
-        For a surface that is not known by its spectrum.
+        If the periodic surface is not self-affine: only that kind is known by its spectrum.
     """
 
     full_contact_is_known = False  # nested iteration finds out
@@ -45,20 +45,27 @@ class LowMemorySurface(WorkingSurface):
     solver_makes_room = True
 
     def _plan(self) -> None:
+        """Plan nothing, to save memory; raise SceneError for surfaces without a spectrum."""
         if self.surface.add_spectrum is None and not self.surface.grid.padded:
             raise SceneError(
                 'solver.low_memory: found true, allowed: with surface.kind = "self-affine"'
             )
 
     def problem_to_start(self, p0: float) -> Problem:
-        """Return the problem at p0, with heights that are made anew where there are none."""
+        """Return the problem at p0 with stored heights; make the surface again if they are gone.
+
+        Collective.
+        """
         if self.surface.h is None:
             self.surface = self.make_surface(self.dtype)
         problem = self.problem(p0)
         return replace(problem, h_rms=problem.root_mean_square)  # while there are heights
 
     def problem_to_iterate(self, problem: Problem) -> Problem:
-        """Return the same problem with heights that are known by their spectrum alone."""
+        """Return the problem with the spectrum in place of the heights, which are freed.
+
+        With free edges the heights stay. Memory that the C library holds goes back to the system.
+        """
         if self.surface.add_spectrum is not None:
             spectrum = HeightSpectrum(self.surface.add_spectrum, self.dtype)
             problem = replace(problem, h=spectrum)
@@ -67,35 +74,38 @@ class LowMemorySurface(WorkingSurface):
         return problem
 
     def memory_for_gap(self, problem: Problem, solver: Solver | None) -> np.ndarray | None:
-        """Return the memory of the heights, which are given away.
+        """Return the array of the heights, which the starting gap then overwrites.
 
         Parameters
         ----------
         problem : Problem
-            As for `problem_to_start`.
+            The problem that `problem_to_start` has returned.
         solver : Solver or None
-            None here.
+            Not used.
 
         Returns
         -------
         ndarray or None
-            Local slab of the grid; None where the surface ends, whose heights are kept.
+            Local slab of the grid; None with free edges, where the heights are kept.
         """
         return None if self.surface.grid.padded else problem.heights
 
     def nested(self) -> Nested | None:
-        """Return new coarser grids: their transforms go as soon as they are not used."""
+        """Return new coarser grids, whose transforms are freed with them. Collective."""
         return Nested(self.surface.grid, self.dtype)
 
     def rounding_counts(self, problem: Problem, criterion: StoppingCriterion) -> bool:
-        """Return whether rounding errors may count, False where double precision takes tables.
+        """Return whether the certificate must be computed in double precision.
+
+        It must if transforms are too noisy for the criterion. Always False for bodies whose
+        stiffness takes a table in memory.
 
         Parameters
         ----------
         problem : Problem
-            At its mean pressure.
+            The problem at its mean pressure.
         criterion : StoppingCriterion
-            What the solution has to reach.
+            The accuracy that the solution has to reach.
 
         Returns
         -------
@@ -106,7 +116,9 @@ class LowMemorySurface(WorkingSurface):
 
 
 def _give_back() -> None:
-    """Let the system have what the C library keeps of the memory of coarser grids: 60 to 100 MB
-    at n = 4096."""
+    """Return free memory that the C library holds to the system (60 to 100 MB at n = 4096).
+
+    Does nothing without glibc.
+    """
     with suppress(AttributeError, OSError):
         ctypes.CDLL(None).malloc_trim(0)

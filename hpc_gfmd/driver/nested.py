@@ -1,14 +1,14 @@
 """Nested iteration (cascadic multigrid): solve on decimated grids first, roughly, and interpolate
 the displacement to the next finer grid.
 
-The finer grid's own heights are then given way to locally, without an FFT (kernels/prolong.py):
-that saves one or two iterations.
+The displacement is then corrected locally for the finer grid's own heights, without an FFT
+(kernels/prolong.py). This saves one or two iterations.
 
-Decimation (every second point) keeps the heights of the asperities; averages and envelopes do not,
-and start worse at small loads.
+Decimation (every second point) keeps the heights of the asperities. Averages and envelopes do not,
+and give worse starts at small loads.
 
-Coarse grids are agglomerated on fewer and fewer ranks: the others wait until the solution comes
-back to their rows.
+Coarse grids are distributed over fewer and fewer ranks. The other ranks wait until they get the
+solution in their rows.
 """
 
 from __future__ import annotations
@@ -35,30 +35,31 @@ if TYPE_CHECKING:
 
     MakeSolver = Callable[[Problem], Solver]
 
-SLIM = 4  # points that a cubic takes: an axis of fewer is not decimated
+SLIM = 4  # an axis with fewer points is not decimated: cubic interpolation takes 4
 
 
 @dataclass(frozen=True)
 class NestedCalibration:
-    """How the coarse grids are solved.
+    """How the coarse grids are chosen and solved.
 
-    Measured by the pairs and the time of self-affine walls: errors are those of the finest grid.
+    Measured by FFT pairs and time of self-affine walls. The numbers do not affect the accuracy of
+    the solution on the finest grid.
 
     Attributes
     ----------
     coarsest : int
-        Points along an axis, in the geometric mean, below which there is no coarser grid.
+        Smallest number of points along an axis of a coarse grid (geometric mean of both axes).
     reduction : float
-        Residual of a coarse solution over that of its start, for each grid that is finer: what a
-        finer grid adds is about what this one adds to the coarser, so that a better solution is of
-        no use, but the coarser, the cheaper it is.
+        Factor by which the residual is reduced on a coarse grid, once for each finer grid. More
+        would be of no use, because each finer grid adds about as much residual again, but coarser
+        grids are cheap.
     iterations : int
-        At most, on a coarse grid.
+        Largest number of iterations on a coarse grid.
     rank_points : int
-        Of a coarse grid on one rank, at least: fewer are solved faster than they are sent.
+        Smallest number of points per rank of a coarse grid; fewer are solved faster than sent.
     tension : float
-        Share of points under tension in a closed coarse contact up to which the fine one may be
-        without any.
+        Largest share of points in tension in the closed contact of a coarse grid with which full
+        contact on the fine one is still considered likely.
     """
 
     coarsest: int = 32
@@ -72,10 +73,11 @@ CALIBRATION = NestedCalibration()
 
 
 def cold_gap(problem: Problem) -> np.ndarray:
-    """Press a flat displacement into the surface: the gap of a rigid plane that rests on the
-    heights above mean + rms.
+    """Return the gap of a rigid plane that is pressed into the surface down to mean + rms height.
 
-    Beyond the surface the displacement is that of the plane.
+    Heights above the plane are cut off: the gap is 0 there. Beyond the surface it is the
+    displacement of the plane. A new array, local slab; the problem needs stored heights.
+    Collective.
     """
     h = problem.heights
     N = problem.grid.N
@@ -94,7 +96,10 @@ def cold_gap(problem: Problem) -> np.ndarray:
 
 
 def undeformed_gap(problem: Problem) -> np.ndarray:
-    """Return the gap of the undeformed body, with a displacement of 0 everywhere."""
+    """Return the gap of the undeformed body, which touches the highest point only.
+
+    That is h on the surface and 0 beyond. A new array, local slab; needs stored heights.
+    """
     h = problem.heights
     rows, points = problem.grid.inside
     g = np.zeros(problem.grid.shape, h.dtype)
@@ -104,22 +109,22 @@ def undeformed_gap(problem: Problem) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Decimation:
-    """A grid and its decimation.
+    """A grid and the coarse grid of every second point; transfers fields between the two.
 
     Attributes
     ----------
     fine : Grid
-        The grid.
+        The fine grid.
     coarse : Grid or None
-        Its decimation; None on ranks that have no part in it.
+        The coarse grid; None on ranks that own none of its rows.
     n : (int, int)
-        Points of the decimation.
+        Number of points of the coarse grid along each axis.
     nominal : (int, int)
-        Of these, those of the surface.
+        How many of them are on the surface.
     beside : ndarray of int
-        First coarse row among the fine rows of every rank, and the number of rows.
+        For every rank the first coarse row within its fine rows; at the end the number of rows.
     starts : ndarray of int
-        First coarse row that every rank owns, and the number of rows.
+        For every rank the first coarse row that it owns; at the end the number of rows.
     """
 
     fine: Grid
@@ -131,8 +136,10 @@ class Decimation:
 
     @classmethod
     def of(cls, grid: Grid) -> Decimation | None:
-        """Decimate a grid; None where it is coarse already. Takes no memory, but communicators:
-        collective."""
+        """Return the decimation of a grid; None if it is too coarse for one, the same on all ranks.
+
+        Allocates no fields, but creates communicators. Collective.
+        """
         n, _ = halved(grid.n, grid.spacings, SLIM)
         coarsened = [a != b for a, b in zip(n, grid.n)]
         points = [k for k, c in zip(n, coarsened) if c]
@@ -152,12 +159,15 @@ class Decimation:
 
     @property
     def steps(self) -> list[int]:
-        """Fine points to a coarse one along each axis."""
+        """Fine points per coarse point along x and y, each 1 or 2."""
         return [2 if a != b else 1 for a, b in zip(self.n, self.fine.n, strict=True)]
 
     def problem(self, problem: Problem) -> Problem | None:
-        """Return the problem of every second point, None where this rank has none. Units of height
-        and pressure stay, lengths become those of the coarser grid. Collective."""
+        """Return the problem on the coarse grid, with the heights of every second point.
+
+        None on ranks without coarse rows. The unit of length is the spacing of the coarse grid; a
+        pressure keeps its number, a height is divided by the ratio of the spacings. Collective.
+        """
         step = self.steps
         h = problem.heights[(-self.fine.rows[0]) % step[0] :: step[0], :: step[1]]
         beside, starts = (np.minimum(rows, self.nominal[0]) for rows in (self.beside, self.starts))
@@ -175,8 +185,11 @@ class Decimation:
         return replace(problem, grid=self.coarse, h=heights)
 
     def around(self, a: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the rows of a coarse field beside this rank's fine rows: HALO before, these, and
-        HALO after them. a: this rank's own rows of it, perhaps none. Collective."""
+        """Return the rows of a coarse field that this rank's fine rows need, in three arrays.
+
+        These are HALO rows before, the rows within the fine rows (`beside`), and HALO rows after,
+        all periodic. a: the rows of the field that this rank owns, perhaps none. Collective.
+        """
         comm = self.fine.comm
         if np.array_equal(self.beside, self.starts):
             before, after = neighbours(comm, a, self.starts, HALO)
@@ -186,16 +199,18 @@ class Decimation:
 
 
 class Nested:
-    """The decimated grids of a grid, planned once. Collective, as are its methods.
+    """All coarser grids of a grid, with their transforms; makes starts on it.
+
+    Creating it and calling its methods is collective.
 
     Parameters
     ----------
     grid : Grid
-        The grid whose contacts are started.
+        The grid on which contacts are started.
     dtype : dtype
-        The working precision.
+        The working precision, for which transforms are planned.
     finer : int
-        Number of grids that are finer.
+        Number of grids that are finer than this one.
     """
 
     def __init__(self, grid: Grid, dtype: DTypeLike, finer: int = 0):
@@ -209,12 +224,12 @@ class Nested:
 
     @property
     def is_coarsest(self) -> bool:
-        """Whether the grid has no coarser one, the same on all ranks."""
+        """Whether the grid has no coarser one. The same on all ranks."""
         return self.step is None
 
     @property
     def grids(self) -> list[Grid]:
-        """The coarse grids that this rank has a part in, finest first."""
+        """The coarser grids of which this rank owns rows, finest first."""
         return [self.coarser.grid, *self.coarser.grids] if self.coarser is not None else []
 
     def start(
@@ -224,30 +239,32 @@ class Nested:
         search: LoadSearch | None,
         into: np.ndarray | None = None,
     ) -> tuple[np.ndarray, float]:
-        """Solve a problem on the coarser grids, and interpolate the solution.
+        """Solve a problem roughly on the coarser grids, and interpolate to a start on this grid.
+
+        On the coarsest grid the start is a rigid plane (`cold_gap`).
 
         Parameters
         ----------
         problem : Problem
-            On the grid, with stored heights.
+            The problem on this grid, with stored heights.
         make_solver : callable
             Makes the solver of a problem: ``make_solver(problem)``.
         search : LoadSearch or None
-            Finds the mean pressure on every grid; None where it is given.
+            Finds the mean pressure on every grid, and is changed; None if that of `problem` holds.
         into : ndarray, optional
-            Memory for the gap; may be that of problem.h, which is then lost.
+            Array that gets the gap; it may be that of problem.h, which is then overwritten.
 
         Returns
         -------
         gap : ndarray
-            To start from, local slab of the grid.
+            The gap to start from, local slab of the grid: `into`, or a new array.
         pairs : float
-            FFT pairs that it took, in pairs of this grid.
+            FFT pairs that it took, converted to pairs of this grid.
 
         Raises
         ------
         Stopped
-            On all ranks, when the run is to stop.
+            On all ranks, if a signal asks the run to stop.
         """
         if self.step is None:
             g = cold_gap(problem)
@@ -278,8 +295,11 @@ class Nested:
         return _prolong(problem, self.step, coarse, solver, full, into), pairs
 
     def may_be_full(self, problem: Problem) -> tuple[bool, float]:
-        """Return whether full contact is likely, by the pressure of the closed contact on the next
-        grid, and the FFT pairs this took."""
+        """Return whether full contact on this grid is likely, and the FFT pairs that this took.
+
+        It is if nearly no point is in tension in the closed contact of the next coarser grid. True
+        without a coarser grid. The same on all ranks.
+        """
         if self.step is None:
             return True, 0.0
         coarse = self.step.problem(problem)
@@ -300,30 +320,33 @@ def roughly_solved(
     reduction: float,
     search: LoadSearch | None,
 ) -> Solver:
-    """Iterate a solver until its residual is small enough for a coarse grid. Collective.
+    """Make a solver, and iterate until its residual is small enough for a coarse grid. Collective.
+
+    No certificate is computed. After NestedCalibration.iterations, or if the state is not finite,
+    the solver is returned as it is.
 
     Parameters
     ----------
     problem : Problem
-        On the coarse grid.
+        The problem on the coarse grid.
     make_solver : callable
-        Makes the solver of a problem.
+        Makes the solver of a problem: ``make_solver(problem)``.
     g : ndarray
         Gap to start from, local slab.
     reduction : float
-        Residual to come to, over that of the start.
+        Residual to reach, over that of the start.
     search : LoadSearch or None
-        Finds the mean pressure meanwhile.
+        Changes the mean pressure during the iterations.
 
     Returns
     -------
     Solver
-        With the solution.
+        A new one, at the approximate solution.
 
     Raises
     ------
     Stopped
-        On all ranks, when the run is to stop.
+        On all ranks, if a signal asks the run to stop.
     """
     solver = make_solver(problem)
     solver.start(g)
@@ -347,9 +370,24 @@ def _prolong(
     full: bool,
     into: np.ndarray | None,
 ) -> np.ndarray:
-    """Return the gap on the grid of `problem` from a solver on the coarse one, whose gap is lost;
-    coarse and solver: the coarse problem, None where this rank has no part in it. into: memory for
-    the gap, or None."""
+    """Interpolate a coarse solution to the grid of `problem`, and return the gap there. Collective.
+
+    The displacement is corrected locally for the finer heights. The gap of the coarse solver is
+    overwritten.
+
+    Parameters
+    ----------
+    problem : Problem
+        The problem on the fine grid, with stored heights.
+    step : Decimation
+        Of the fine grid.
+    coarse, solver : Problem and Solver, or None
+        The coarse problem and its solver; None on ranks without coarse rows.
+    full : bool
+        Whether the coarse solution is full contact: the gap is 0 then.
+    into : ndarray or None
+        Array that gets the gap, perhaps that of the heights; None for a new one.
+    """
     fine = problem.grid
     real = problem.dtype.type
     out = fine.empty(problem.dtype) if into is None else into

@@ -1,5 +1,5 @@
-"""Where single precision is enough, and where the certificate has to be in double: what runs follow
-and plans read."""
+"""When single precision suffices, and when the certificate must be in double precision: rules that
+runs follow and plans predict."""
 
 from __future__ import annotations
 
@@ -20,26 +20,26 @@ if TYPE_CHECKING:
     from ..certificate.criterion import StoppingCriterion
     from ..scene import Scene, SolverTable
 
-COARSE = 512  # points along an axis that tell heights and slopes
+COARSE = 512  # points along an axis of the coarse surface that `known_heights` makes, at most
 
 
 @dataclass(frozen=True)
 class PrecisionCalibration:
-    """Where single precision is too little.
+    """Limits of single precision.
 
-    Measured on the true errors of the campaign: what is too small for single precision ends
-    "stagnated" in it and is solved again in double, so these numbers cost or save time only.
+    Measured on the true errors of the campaign. They cost or save time only: a load that single
+    precision cannot solve stagnates and is solved again in double precision.
 
     Attributes
     ----------
     accuracy : float
-        The finest that is tried in single precision: below, points too close to tell spoil the
-        area.
+        Finest accuracy that is tried in single precision; below it indistinguishable heights spoil
+        the area.
     few_points : float
-        Points on the wrong side that single precision may have.
+        Number of points that single precision may put into the wrong set.
     noise : float
-        Rounding errors of the transforms, over what counts, beyond which the certificate is in
-        double precision.
+        Largest rounding error of transforms, over the pressure error that the accuracy allows, with
+        which a certificate may be in single precision.
     """
 
     accuracy: float = 2e-4
@@ -51,7 +51,11 @@ CALIBRATION = PrecisionCalibration()
 
 
 def first_precision(settings: SolverTable) -> np.dtype:
-    """Return the precision that a sweep begins with; settings: the table [solver] of a scene."""
+    """Return float32 or float64, the precision of a sweep's first load.
+
+    settings: the table [solver] of a scene. With "auto" it is single if an accuracy of 2e-4 or more
+    is requested.
+    """
     if settings.precision != "auto":
         return np.dtype({"single": np.float32, "double": np.float64}[settings.precision])
     loose = settings.accuracy is not None and settings.accuracy >= CALIBRATION.accuracy
@@ -59,21 +63,23 @@ def first_precision(settings: SolverTable) -> np.dtype:
 
 
 def few_points(N: int, p_star: float, accuracy: float | None) -> bool:
-    """Return whether too few points will touch for the area to reach the accuracy in single
-    precision, which may get a few points wrong.
+    """Return whether too few points will touch for the area to be accurate in single precision.
+
+    Single precision may put a few points into the wrong set.
 
     Parameters
     ----------
     N : int
-        Points of the surface.
+        Number of points of the surface.
     p_star : float
-        Mean pressure over E* g_rms. At 0 and below, with an attraction, any number may touch.
+        Mean pressure over E* g_rms.
     accuracy : float or None
-        Requested; None if a residual is, which gives False.
+        Requested accuracy; None if a residual is requested.
 
     Returns
     -------
     bool
+        True if p_star <= 0, as then any number of points may touch; False without an accuracy.
     """
     if p_star <= 0:
         return True
@@ -82,22 +88,23 @@ def few_points(N: int, p_star: float, accuracy: float | None) -> bool:
 
 
 def too_soft(accuracy: float | None, h_rms: float, hardness: float | None) -> bool:
-    """Return whether the heights are stored in single precision too coarsely for this hardness.
+    """Return whether rounding errors of single-precision heights are too large for a hardness.
 
-    Their rounding errors are an error of the pressure, which is nowhere more than the hardness.
+    They cause an error of the pressure, which is compared with the hardness, the largest pressure.
 
     Parameters
     ----------
     accuracy : float or None
-        Requested; None if a residual is, which gives False.
+        Requested accuracy; None if a residual is requested.
     h_rms : float
         rms height over g_rms times the grid spacing.
     hardness : float or None
-        Over E* g_rms.
+        Hardness over E* g_rms; None for an elastic solid.
 
     Returns
     -------
     bool
+        False without an accuracy or a hardness.
     """
     if accuracy is None or hardness is None:
         return False
@@ -105,26 +112,29 @@ def too_soft(accuracy: float | None, h_rms: float, hardness: float | None) -> bo
 
 
 def rounding_in_single(h_rms: float) -> float:
-    """Return the rms error of the pressure, over E* g_rms, from storing heights in single
-    precision; h_rms: over g_rms times the grid spacing."""
+    """Return the rms error of the pressure due to storing heights in single precision.
+
+    It is over E* g_rms; h_rms: rms height over g_rms times the grid spacing.
+    """
     return ROUNDING * float(np.finfo(np.float32).eps) * h_rms
 
 
 def too_little(settings: SolverTable, N: int, p_star: float) -> bool:
-    """Return whether single precision is too little for a load.
+    """Return whether single precision certainly does not suffice for a load, by its pressure.
 
     Parameters
     ----------
     settings : scene.SolverTable
-        The table [solver] of a scene.
+        The table [solver] of a scene; only its accuracy is used.
     N : int
-        Points of the surface.
+        Number of points of the surface.
     p_star : float
         Mean pressure over E* g_rms.
 
     Returns
     -------
     bool
+        True if too few points touch for an accurate area, or if `single_solves` refuses the load.
     """
     return few_points(N, p_star, settings.accuracy) or not single_solves(p_star, N)
 
@@ -132,23 +142,24 @@ def too_little(settings: SolverTable, N: int, p_star: float) -> bool:
 def precisions(
     scene: Scene, n: tuple[int, int], unknown: DTypeLike | None = None
 ) -> list[np.dtype | None]:
-    """Return the precision of each load, as far as it is known beforehand.
+    """Predict the precision of each load of a scene; nothing is solved.
 
-    It is the first one, unless few points turn out to touch, or rounding errors to count. Once a
-    load is in double precision all others are.
+    It is the first one, unless too few points touch or rounding errors are too large. Once a load
+    is in double precision, all later ones are.
 
     Parameters
     ----------
     scene : Scene
-        What is to be solved.
+        The scene.
     n : pair of int
-        Points of its surface along x and y.
+        Number of points of its surface along x and y.
     unknown : dtype, optional
-        What is returned where that is not known.
+        Precision to assume for a load whose precision cannot be predicted, and then for later ones.
 
     Returns
     -------
     list of dtype or None
+        One for each load; None if it cannot be predicted and `unknown` is not given.
     """
     settings = scene.solver
     precision = first_precision(settings)
@@ -174,19 +185,20 @@ def precisions(
 
 
 def least_precision(scene: Scene, N: int) -> np.dtype:
-    """Return the precision that a scene needs at least, as far as its keys alone show.
+    """Return the lowest precision in which a scene may run, by its keys alone.
 
     Parameters
     ----------
     scene : Scene
-        What is to be solved.
+        The scene.
     N : int
-        Points of the surface.
+        Number of points of the surface.
 
     Returns
     -------
     dtype
-        float64 if it is asked for, or if too few points will touch; else the first precision.
+        float64 if the scene requests it, or if too few points touch at any of its loads; else the
+        precision of the first load.
     """
     settings = scene.solver
     if settings.precision == "auto":
@@ -197,26 +209,27 @@ def least_precision(scene: Scene, N: int) -> np.dtype:
 
 
 def known_p_stars(scene: Scene, g_rms: float | None) -> list[float | None]:
-    """Return p* of each load, as far as it is known beforehand.
+    """Return p* = p0/(E* g_rms) of each load of a scene, without solving anything.
 
     Parameters
     ----------
     scene : Scene
-        What is to be solved.
+        The scene.
     g_rms : float or None
-        rms slope of its surface, where that is known.
+        rms slope of its surface; None if unknown.
 
     Returns
     -------
     list of float or None
-        Half of a prescribed area, which is about p* where that is small.
+        One for each load. For a prescribed area its half, which is about p* at light loads. None
+        for a gap or an approach, and for a pressure without `g_rms`.
     """
-    name, values = scene.load.given
+    name, values = scene.load.prescribed
     if name == "p_star":
         return list(values)
     if name == "a_r":
         return [value / 2 for value in values]
-    if scene.load.found or not g_rms:
+    if scene.load.is_searched or not g_rms:
         return [None] * len(values)
     unit = scene.material.E_star * g_rms
     area = math.prod(scene.surface.physical_sizes or ())
@@ -224,19 +237,23 @@ def known_p_stars(scene: Scene, g_rms: float | None) -> list[float | None]:
 
 
 def known_heights(scene: Scene, n: tuple[int, int]) -> tuple[float | None, float | None]:
-    """Return slope and height of a surface, as far as its table or a coarse grid tells them.
+    """Return rms slope and height of a scene's surface, without making it on its full grid.
+
+    For a self-affine surface they follow from its keys, for others from a surface on a coarse
+    grid that is made here.
 
     Parameters
     ----------
     scene : Scene
-        With the surface.
+        The scene with the surface.
     n : pair of int
-        Its points along x and y.
+        Number of its points along x and y.
 
     Returns
     -------
     g_rms, h_rms : float or None
-        rms slope, and rms height over g_rms times the grid spacing; None of a map and on a form.
+        rms slope, and rms height over g_rms times the grid spacing. Both None for a height map from
+        a file and for roughness on a round body; h_rms None for a flat surface.
     """
     surface = scene.surface
     if surface.kind == "file" or (surface.kind == "self-affine" and surface.radius):
@@ -251,20 +268,19 @@ def known_heights(scene: Scene, n: tuple[int, int]) -> tuple[float | None, float
 
 
 def pressure_that_counts(target: StoppingCriterion | SolverTable, p_star: float) -> float:
-    """Return the rms error of the pressure at all open points that counts as much as what is asked
-    for.
+    """Return the rms error of the pressure at open points that the requested accuracy allows.
 
     Parameters
     ----------
     target : StoppingCriterion or scene.SolverTable
-        The residual, or else the accuracy, that is asked for.
+        Its residual is used, or its accuracy if it has no residual.
     p_star : float
         Mean pressure over E* g_rms.
 
     Returns
     -------
     float
-        Over E* g_rms.
+        A pressure over E* g_rms. It is 0 if p_star <= 0 and an accuracy is requested.
     """
     if target.residual:
         return target.residual * p_star

@@ -1,4 +1,4 @@
-"""The loads that a scene asks for, and what cannot be had."""
+"""The loads that a scene prescribes, and the refusal of those that are impossible."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ if TYPE_CHECKING:
     from .working_surface import WorkingSurface
 
 FLAT_HAS_NONE = ("p_star", "gap_mean", "gap_over_h_rms", "a_r")
-LENGTHS = 100.0  # rounding errors of the largest height that a gap or an approach may have
+LENGTHS = 100.0  # rounding error of a gap or an approach, over that of the largest height
 
 
 def loads_of(
     table: LoadTable, working: WorkingSurface, settings: SolverTable, solver: type[Solver]
 ) -> list[Load]:
-    """Return the loads that a scene asks for, in their order.
+    """Return the loads that a scene prescribes, in their order; refuse impossible ones.
 
-    A mean gap of 0 is a contact area of 1. Collective.
+    A mean gap of 0 becomes an area of 1. Collective.
 
     Parameters
     ----------
@@ -38,20 +38,20 @@ def loads_of(
     settings : scene.SolverTable
         The table [solver].
     solver : type of Solver
-        What solves the loads.
+        Class of the solver.
 
     Returns
     -------
     list of Load
-        For `Sweep.solve`.
+        The loads for `Sweep.solve`, without searches.
 
     Raises
     ------
     SceneError
-        For what a flat surface does not have, what the precision cannot hold, and what no pressure
-        gives.
+        If a flat surface does not have the quantity, the precision is too low for a value, no
+        pressure gives it, or the solver cannot solve contacts with this hardness or attraction.
     """
-    name, values = table.given
+    name, values = table.prescribed
     surface = working.surface
     E_star = working.model.E_star
     has_none = name in FLAT_HAS_NONE or (name == "approach" and working.is_flat)
@@ -85,7 +85,10 @@ def loads_of(
 
 
 def _require_single(pressures: Sequence[float], unit: float, points: int) -> None:
-    """Raise SceneError for pressures that single precision cannot solve; unit: E* g_rms."""
+    """Raise SceneError for a pressure that single precision cannot solve.
+
+    unit: E* g_rms, which the pressures are compared with; points: of the surface.
+    """
     for p_mean in pressures:
         if p_mean > 0 and not single_solves(p_mean / unit, points):
             raise SceneError(
@@ -95,7 +98,7 @@ def _require_single(pressures: Sequence[float], unit: float, points: int) -> Non
 
 
 def _require_areas(values: Sequence[float], surface: Surface) -> None:
-    """Raise SceneError for areas of less than half a point; of less than half a line where the
+    """Raise SceneError for an area of less than half a point, or of less than half a line if the
     heights vary along one axis only."""
     points = surface.grid.N
     kind = "points" if points == np.prod(surface.n) else "lines"
@@ -115,8 +118,11 @@ def _require_lengths(
     working: WorkingSurface,
     settings: SolverTable,
 ) -> None:
-    """Raise SceneError for mean gaps that no pressure gives, and for lengths that rounding errors
-    spoil; unit: of the values, in the surface's unit of length."""
+    """Raise SceneError for a mean gap that no pressure gives, or a length that rounding spoils.
+
+    name: key of the scene, for messages; quantity: "gap_mean" or "approach"; unit: that of the
+    values, in the surface's unit of length. Collective.
+    """
     stays = settings.precision == "single" or settings.low_memory
     rounding = float(np.finfo(working.dtype if stays else np.float64).eps)
     # the least length over the largest that rounding errors leave as accurate as asked
@@ -144,25 +150,26 @@ def require_dents(
     values: Sequence[float],
     pressures: Sequence[float],
 ) -> None:
-    """Require that a solver can do with a hardness, and that a pressure below it gives the loads.
+    """Check that loads are possible with a hardness, and that the solver supports one.
 
     Parameters
     ----------
     solver : type of Solver
-        What solves the loads.
+        Class of the solver.
     hardness : float
-        In the unit of E_star.
+        The largest pressure, in the unit of E_star.
     name : str
-        Key of the scene's [load].
+        Key of the scene's [load] that prescribes the loads.
     values : sequence of float
-        What it asks for.
+        Its values.
     pressures : sequence of float
-        Mean pressures, where these are known, in the unit of E_star.
+        The mean pressures of the loads, in the unit of E_star; empty if they are unknown.
 
     Raises
     ------
     SceneError
-        Where one of them does not hold.
+        If the solver does not support a hardness, a mean pressure reaches it, or full contact (an
+        area of 1, a value of 0) is prescribed.
     """
     if not solver.dents:
         raise SceneError(

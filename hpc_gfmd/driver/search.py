@@ -1,4 +1,4 @@
-"""What the iterations ask a search for a load."""
+"""The interface between the iterations and a search for a load."""
 
 from __future__ import annotations
 
@@ -14,21 +14,22 @@ if TYPE_CHECKING:
 
 
 class LoadSearch:
-    """A search for the mean pressure of a load that is prescribed by something else.
+    """A search for the mean pressure p0 of a load that prescribes another quantity.
 
-    The loop (`drive.py`) asks it after every iteration and after every certificate, nested
+    That quantity has a target, for example an area. The search changes p0 of a solver while it
+    iterates: the loop (`drive.py`) calls it after every iteration and every certificate, nested
     iteration on every coarse grid. Numbers are in the program's units, the same on all ranks.
 
     Attributes
     ----------
     p0 : float
-        The present mean pressure.
+        The mean pressure at which the solver is, or with which it has to begin.
     note : str or None
-        What a user has to know of the load that is found.
+        A remark for the user on the load that was found.
     from_full_contact : bool
-        Whether the iterations begin with a closed gap.
+        Whether the iterations start from a gap of 0 everywhere.
     spring : float
-        Stiffness of the spring through which the body is pressed (operators/problem.py).
+        Stiffness of the spring that presses the body (operators/problem.py); 0 for a dead load.
     """
 
     note: str | None = None
@@ -42,83 +43,88 @@ class LoadSearch:
 
     @property
     def half_area(self) -> float:
-        """About half of the relative contact area, which is about p0 where that is small."""
+        """An estimate of half the relative contact area; by default p0, right at light loads."""
         return self.p0
 
     @property
     def needs_double(self) -> bool:
-        """Whether what is known so far cannot be trusted in single precision."""
+        """Whether the search needs double precision, by what it has found so far."""
         return False
 
     def measure(self, heights: Callable[[], HeightStatistics]) -> None:
-        """Take over what has to be known of the heights in the precision of the solver.
+        """Store the statistics of the heights, in the precision of the solver. Collective.
 
-        Collective. heights: finds the statistics of the finest grid.
+        heights: called without arguments, returns those of the finest grid. By default nothing is
+        stored.
         """
 
     def begin(self, problem: Problem | None = None) -> float:
-        """Begin on the grid of `problem`, or on the finest one, and return p0. Collective."""
+        """Begin on the grid of `problem`, or on the finest one (None); return p0 to begin with.
+
+        Forgets what was found on the grid before, except p0. Collective.
+        """
         return self.p0
 
     def begin_at(self, p0: float) -> None:
-        """Begin with this mean pressure, whose solution is about known."""
+        """Set the mean pressure to begin with, that of an approximate solution."""
         raise NotImplementedError
 
     def agree(self, comm: Comm) -> None:
-        """Take over on all ranks what rank 0 has found. Collective."""
+        """Copy all attributes of this search from rank 0 to all ranks. Collective."""
         vars(self).update(comm.bcast(vars(self)))
 
     def near(self, solver: Solver, progress: Progress) -> bool:
-        """Return whether p0 is as near as a coarse grid knows it; if not, it may be changed.
+        """Return whether p0 is as close as a coarse grid can tell; else perhaps change it.
 
-        Collective.
+        Collective on the ranks of this coarse grid.
 
         Parameters
         ----------
         solver : Solver
-            At the present mean pressure.
+            The solver on the coarse grid; gets the new p0 if it changes.
         progress : Progress
-            Of the solver.
+            Progress of the solver.
 
         Returns
         -------
         bool
-            The same on all ranks of the grid.
+            Whether the coarse solution may be accepted with regard to p0.
         """
         return True
 
     def adjust(self, solver: Solver, progress: Progress) -> bool:
-        """Change p0 of the solver where it predicts that the target is missed.
+        """Change p0 if the converged solution at the present one would probably miss the target.
 
-        Collective.
+        Called after every iteration. Collective.
 
         Parameters
         ----------
         solver : Solver
-            At the present mean pressure.
+            The iterating solver; gets the new p0 if it changes.
         progress : Progress
-            Of the solver.
+            Progress of the solver.
 
         Returns
         -------
         bool
-            Whether p0 has changed.
+            Whether p0, and with it the state of the solver, has changed.
         """
         return False
 
     def may_be_met(self, solver: Solver, progress: Progress, accuracy: float) -> bool:
-        """Return whether the certificate may find the target met.
+        """Return whether a certificate now may find the target met, or tell more of the search.
 
+        Asked once the estimated errors of gap and pressure are small enough. Changes nothing.
         Collective.
 
         Parameters
         ----------
         solver : Solver
-            At the present mean pressure.
+            The iterating solver.
         progress : Progress
-            Of the solver.
+            Progress of the solver.
         accuracy : float
-            As requested.
+            The requested relative accuracy.
 
         Returns
         -------
@@ -128,64 +134,64 @@ class LoadSearch:
         return area_may_be_met(solver, progress, accuracy)
 
     def learn(self, solver: Solver, certificate: Certificate) -> float:
-        """Learn from a certificate.
+        """Record the certified value at the present p0, and return how far it misses the target.
 
-        Collective.
+        Changes the search only, neither p0 nor the solver. Collective.
 
         Parameters
         ----------
         solver : Solver
-            At the present mean pressure.
+            The solver, whose gap was certified.
         certificate : Certificate
-            Of its gap.
+            Its certificate.
 
         Returns
         -------
         float
-            How far the target is missed over the tolerance; below 1 where it is met.
+            Miss over tolerance: below 1 the target is met.
         """
         return 0.0
 
     def correct(self, solver: Solver, certificate: Certificate, solved: bool) -> bool:
-        """Change p0 of the solver after a certificate that missed the target.
+        """Change p0 after a certificate that missed the target; `learn` has recorded it.
 
         Collective.
 
         Parameters
         ----------
         solver : Solver
-            At the present mean pressure.
+            The solver, whose gap was certified; gets the new p0 if it changes.
         certificate : Certificate
-            Of its gap.
+            Its certificate.
         solved : bool
-            Whether the solution at the present p0 is as accurate as asked.
+            Whether the solution at the present p0 meets the requested accuracy.
 
         Returns
         -------
         bool
-            Whether p0 has changed.
+            Whether p0, and with it the state of the solver, has changed.
         """
         return False
 
 
 def area_may_be_met(solver: Solver, progress: Progress, accuracy: float) -> bool:
-    """Return whether the certificate may find the contact area accurate: a look at all points.
+    """Return whether a certificate may find the contact area accurate enough.
 
-    Collective.
+    This takes a pass over all points. Collective.
 
     Parameters
     ----------
     solver : Solver
-        At a gap.
+        The solver, at any gap; it is not changed.
     progress : Progress
-        Of the solver.
+        Progress of the solver.
     accuracy : float
-        As requested.
+        Largest relative error of the area.
 
     Returns
     -------
     bool
-        The same on all ranks.
+        The same on all ranks; True without estimated errors.
     """
     estimate = progress.estimate
     return estimate is None or solver.expected_area(estimate) < accuracy

@@ -1,4 +1,4 @@
-"""Which search finds the mean pressure of a load, with what is known from the loads before."""
+"""Choose the search that finds the mean pressure of a load; earlier loads help it."""
 
 from __future__ import annotations
 
@@ -15,41 +15,42 @@ if TYPE_CHECKING:
     from .search import LoadSearch
     from .working_surface import WorkingSurface
 
-# Loads that open a single point, of E* g_rms, below which a mean gap is searched for from full
-# contact: full contact takes 0.3 to 20.
+# An `opening_load` below which the search for a mean gap starts from full contact, over E* g_rms;
+# full contact takes 0.3 to 20.
 NEARLY_CLOSED = 0.2
 
 
 class Searches:
-    """Begins the search for each load of a sweep.
+    """Prepares each load of a sweep: its mean pressure, or the search for it.
 
     Parameters
     ----------
     settings : scene.SolverTable
-        The accuracy that is asked for.
+        The table [solver] of a scene; only accuracy and residual are used.
     """
 
     def __init__(self, settings: SolverTable):
         self.tolerance: float = settings.tolerance
         self.is_accuracy = settings.accuracy is not None
-        self._history: list[dict[str, float]] = []  # what the last two loads gave
+        self._history: list[dict[str, float]] = []  # results of the last two loads
 
     def begin(self, load: Load, working: WorkingSurface) -> Load:
-        """Give a load its mean pressure, or the search for it; solve nothing.
+        """Return a copy of a load with its mean pressure, or with the search for it.
 
-        Collective where a search needs the statistics of the heights.
+        Nothing is solved. Collective, as a search needs the statistics of the heights.
 
         Parameters
         ----------
         load : Load
-            As the scene asks for it.
+            A load as the scene prescribes it; it is not changed.
         working : WorkingSurface
             The surface.
 
         Returns
         -------
         Load
-            A copy that is ready to be solved.
+            The copy. Its p0 is in the program's unit; for full contact without a search it is 1
+            until `full_contact` replaces it.
         """
         if load.is_pressure:
             return replace(load, given_p0=load.value / working.pressure_unit)
@@ -58,6 +59,8 @@ class Searches:
         return replace(load, search=self._search_for(load, working))
 
     def _search_for(self, load: Load, working: WorkingSurface) -> LoadSearch:
+        """Make the search for a load that is not a pressure: for full contact, for a gap next to
+        it, or for an area, gap or approach by the results of earlier loads."""
         if load.closes:
             return ClosingSearch(self.tolerance)
         heights = working.heights
@@ -85,7 +88,7 @@ class Searches:
         )
 
     def remember(self, contact: Contact, working: WorkingSurface) -> None:
-        """Remember what a solved load gave, for the searches after it.
+        """Store load, area, gap and approach of a solution, for the searches of later loads.
 
         Parameters
         ----------
@@ -105,19 +108,19 @@ class Searches:
 
 
 def opening_load(gap_mean: float, working: WorkingSurface) -> float:
-    """Return by how much a load is below that of full contact where a single point is open.
+    """Return how far a load is below full contact if one open point alone makes a mean gap.
 
     Parameters
     ----------
     gap_mean : float
-        The mean gap then, in the surface's unit of length.
+        The mean gap, in the surface's unit of length.
     working : WorkingSurface
         The surface.
 
     Returns
     -------
     float
-        Mean pressure, in the program's unit.
+        Difference of mean pressures, in the program's unit.
     """
     grid = working.surface.grid
     gap_of_point = gap_mean / working.surface.height_unit * grid.N

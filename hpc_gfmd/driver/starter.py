@@ -1,5 +1,5 @@
-"""Where a solver starts at a load: the load before, a gap that was stored, coarser grids, or a flat
-plane."""
+"""Where a solver starts at a load: at the solution of the load before, at a stored gap, at one from
+coarser grids, or at that of a flat plane."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ if TYPE_CHECKING:
     from .load import Load
     from .working_surface import WorkingSurface
 
-# A load up to so much larger or smaller starts from the one before, others from coarser grids.
-# These are not round numbers, nor are their neighbours: p* has rounding errors.
+# A load starts from the one before if it is larger or smaller by less than these factors, else from
+# coarser grids. Not round numbers, because p* has rounding errors.
 WARM_UP = 1.45
 WARM_DOWN = 1.26
-# A start with so many times the energy of an undeformed body is replaced by that: rough strips have
-# up to 400 times, and start better than undeformed; flat tops at loads that the iterations never
-# solve have 80,000 times and more.
+# A start with more than so many times the energy of an undeformed body is replaced by the latter.
+# Rough strips have up to 400 times, and start better so than undeformed; flat tops have 80,000
+# times and more at loads that the iterations would never solve.
 WORSE_THAN_UNDEFORMED = 1e4
-# What is left of the residual of the contact without attraction, from which one with it starts
+# Residual, over that of its start, of the contact without attraction from which one with it starts
 WITHOUT_ATTRACTION = 0.02
 
 
@@ -39,11 +39,11 @@ class Start(NamedTuple):
     Attributes
     ----------
     solver : Solver
-        At the starting gap, with its counts at 0 before that.
+        At the starting gap and its pressure. It counts iterations and FFT pairs from this start on.
     criterion : StoppingCriterion
-        What the load has to reach.
+        The accuracy that the load has to reach, and the precision of its certificate.
     pairs : float
-        FFT pairs that the start took beside those that the solver counts.
+        FFT pairs that the start took, apart from those that the solver counts.
     """
 
     solver: Solver
@@ -52,24 +52,24 @@ class Start(NamedTuple):
 
 
 class Starter:
-    """Gives the solver of a sweep its start at each load, and keeps it from load to load.
+    """Makes the solver of a sweep, starts it at each load, and keeps it from load to load.
 
     Parameters
     ----------
     settings : scene.SolverTable
-        Name and options of the solver, and what it has to reach.
+        The table [solver] of a scene: name and options of the solver, and the accuracy.
     duality : bool
-        Whether the certificate has to give the duality gap.
+        Whether certificates compute the duality gap.
 
     Attributes
     ----------
     solver_class : type of Solver
-        What is made.
+        The class of the solver.
     solver : Solver or None
         The solver, at the solution of the load before; None before the first load, and after
         `forget`.
     criterion : StoppingCriterion
-        What every load has to reach.
+        The accuracy that every load has to reach.
     """
 
     def __init__(self, settings: SolverTable, duality: bool = False):
@@ -82,42 +82,44 @@ class Starter:
 
     @property
     def nests(self) -> bool:
-        """Whether contacts are solved on coarser grids first."""
+        """Whether contacts without a previous solution are first solved on coarser grids."""
         return self.settings.nested == "auto" or self.settings.nested
 
     def forget(self) -> None:
-        """Give the solver's memory back: the next load starts afresh."""
+        """Drop the solver and its memory: the next load cannot start from the last solution."""
         self.solver = None
 
     @property
     def gap(self) -> np.ndarray:
-        """The gap of the load before, local slab of the grid."""
+        """The solver's array of the gap at the load before, local slab; there must be a solver."""
         assert self.solver is not None  # there is one
         return self.solver.g
 
     def start(self, working: WorkingSurface, load: Load, gap: np.ndarray | None = None) -> Start:
-        """Start the solver at a load.
+        """Start the solver at a load, and make the solver if there is none.
 
-        Collective.
+        In this order: at `gap`; at the solution of the load before (see `follows`); undeformed, if
+        an attraction acts without a positive load; with a closed gap, if the load asks for that; or
+        at the solution on coarser grids. Collective.
 
         Parameters
         ----------
         working : WorkingSurface
             The surface in the precision of the solver.
         load : Load
-            The load; its search, if it has one, begins on the coarsest grid.
+            The load. Its search, if it has one, changes: coarser grids already use it.
         gap : ndarray, optional
-            A gap to start from, local slab of the grid, which is copied.
+            A gap to start from, local slab of the grid. It is copied.
 
         Returns
         -------
         Start
-            The solver and what it has to reach.
+            The solver, which the next start uses again, and its criterion.
 
         Raises
         ------
         Stopped
-            On all ranks, when the run is to stop while coarser grids are solved.
+            On all ranks, if a signal asks the run to stop while coarser grids are solved.
         """
         if gap is not None:
             return self._start_at(working, load, gap)
@@ -132,14 +134,16 @@ class Starter:
     # -- the ways to start
 
     def follows(self, working: WorkingSurface, load: Load) -> bool:
-        """Return whether a load starts from the one before.
+        """Return whether a load starts from the solution of the load before.
+
+        It does if the two are close; on retraction always, if the load does not rise.
 
         Parameters
         ----------
         working : WorkingSurface
             The surface.
         load : Load
-            With its mean pressure.
+            The load, whose mean pressure (or a first guess) must be known.
 
         Returns
         -------
@@ -157,7 +161,7 @@ class Starter:
         return 1 / WARM_DOWN < load.p0 / before < WARM_UP
 
     def _continue(self, working: WorkingSurface, load: Load) -> Start:
-        """Start from the solution of the load before."""
+        """Continue the solver at the load's p0, from its present solution, with its counts at 0."""
         solver = self.solver
         assert solver is not None
         solver.reset_counts()
@@ -165,7 +169,7 @@ class Starter:
         return Start(solver, self._criterion_for(working, load, solver), 0.0)
 
     def _start_at(self, working: WorkingSurface, load: Load, gap: np.ndarray | float) -> Start:
-        """Start from a gap, which is copied; a number: the same everywhere."""
+        """Start from a gap, which is copied; a number stands for the same gap everywhere."""
         problem = self._problem_to_start(working, load)
         memory = working.memory_for_gap(problem, self.solver)
         if memory is None:
@@ -175,7 +179,11 @@ class Starter:
         return Start(solver, criterion, _lay_down(solver, criterion, memory))
 
     def _start_cold(self, working: WorkingSurface, load: Load) -> Start:
-        """Start from the solution on the next coarser grid, or from a flat plane."""
+        """Start from the solution on the next coarser grid, or from a flat plane without nesting.
+
+        With an attraction the start is the contact without it. If the start has far too much energy
+        the undeformed body replaces it.
+        """
         problem = self._problem_to_start(working, load)
         memory = working.memory_for_gap(problem, self.solver)
         nested = working.nested()
@@ -198,7 +206,7 @@ class Starter:
         return Start(solver, criterion, pairs)
 
     def _start_undeformed(self, working: WorkingSurface, load: Load) -> Start:
-        """Start from the undeformed body where it just touches."""
+        """Start from the undeformed body, which touches the highest point only."""
         problem = self._problem_to_start(working, load)
         gap = undeformed_gap(problem)
         solver, criterion = self._solver_for(working, load, problem, gap)
@@ -207,25 +215,32 @@ class Starter:
     # -- their steps
 
     def _without_attraction(self, problem: Problem, gap: np.ndarray) -> tuple[np.ndarray, float]:
-        """Return the gap of about the contact without attraction, on a grid that has no coarser
-        one, and the FFT pairs that it took. The gap that is given is lost."""
+        """Solve the contact without attraction roughly, for a grid without a coarser one.
+
+        `problem` has no attraction. Starts from `gap`; returns the new gap, and the FFT pairs that
+        it took. Collective.
+        """
         solver = roughly_solved(problem, self._make, gap, WITHOUT_ATTRACTION, None)
         return solver.g, solver.pairs
 
     def _problem_to_start(self, working: WorkingSurface, load: Load) -> Problem:
+        """Return the problem at the load with stored heights; in low memory drop the solver."""
         if working.solver_makes_room:
             self.solver = None
         return replace(working.problem_to_start(load.p0), spring=load.spring)
 
     def _make(self, problem: Problem, gap: np.ndarray | None = None) -> Solver:
-        """Make a solver; gap: memory for its gap, which it takes over."""
+        """Make a solver; `gap` becomes its array of the gap (new memory without it)."""
         return self.solver_class(problem, self.settings.options, gap)
 
     def _solver_for(
         self, working: WorkingSurface, load: Load, problem: Problem, gap: np.ndarray
     ) -> tuple[Solver, StoppingCriterion]:
-        """Return the solver, made if there is none, at the load as it is now, and what it has to
-        reach."""
+        """Return the solver with its counts at 0 and its p0 at the load, and its criterion.
+
+        Makes the solver if there is none, with `gap` as its array. The search begins on the finest
+        grid. In low memory the heights are freed.
+        """
         p0 = load.p0 if load.search is None else load.search.begin()
         problem = working.problem_to_iterate(replace(problem, p0=p0))
         if self.solver is None:
@@ -237,8 +252,8 @@ class Starter:
     def _criterion_for(
         self, working: WorkingSurface, load: Load, solver: Solver
     ) -> StoppingCriterion:
-        """Return what a load has to reach, certified in double precision where rounding errors
-        would count."""
+        """Return the criterion of a load; its certificate is in double precision if rounding errors
+        would spoil one in the working precision."""
         double = working.rounding_counts(solver.problem_now, self.criterion)
         dtype = np.dtype(np.float64) if double else working.dtype
         return replace(
@@ -250,10 +265,10 @@ class Starter:
 
 
 def _lay_down(solver: Solver, criterion: StoppingCriterion, gap: np.ndarray) -> float:
-    """Give a solver a gap; return the FFT pairs that it does not count itself.
+    """Start a solver at a gap; return the FFT pairs that the solver does not count itself.
 
-    Where the certificate is in double precision, so is the first pressure: its rounding errors
-    would stay to the end, because only changes are added to it.
+    If the certificate is in double precision, so is the first pressure: its rounding errors would
+    stay to the end, because later only changes are added to it. Collective.
     """
     if criterion.certificate_dtype == solver.problem.dtype:
         solver.start(gap)
@@ -266,8 +281,11 @@ def _lay_down(solver: Solver, criterion: StoppingCriterion, gap: np.ndarray) -> 
 
 
 def _is_worse_than_undeformed(solver: Solver) -> bool:
-    """Return whether the start has far more energy than a flat body that just touches: at light
-    loads on flat tops what coarse grids make of edges is larger than what the load does."""
+    """Return whether the solver's state has far more energy than a flat body that just touches.
+
+    This happens at light loads on flat tops, whose edges coarse grids distort more than the load
+    does. Always False on a padded grid.
+    """
     if solver.grid.padded:
         return False
     undeformed = solver.p_cell * solver.N * solver.problem.root_mean_square

@@ -1,5 +1,5 @@
-"""One load after another on one surface: in which precision, from which start, and what comes
-out."""
+"""Solve one load after another on one surface: choose precision and start, iterate, return the
+contact."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def make_sweep(
     branch: str = "approach",
     unique: bool = False,
 ) -> Sweep:
-    """Compose the sweep of a surface.
+    """Make the surface, and compose the sweep that solves loads on it.
 
     Collective.
 
@@ -66,17 +66,17 @@ def make_sweep(
     E_star, body, hardness, lam_s, attraction, branch, unique
         See `ContactModel`.
     duality : bool
-        Whether the certificates have to give the duality gap.
-
-    Raises
-    ------
-    SceneError
-        For a solver, or a surface, that low memory cannot do with.
+        Whether certificates compute the duality gap.
 
     Returns
     -------
     Sweep
-        Which has made the surface in the first precision.
+        At its first load, with the surface in the first precision.
+
+    Raises
+    ------
+    SceneError
+        If low memory is requested with a solver or a surface that does not support it.
     """
     model = ContactModel(float(E_star), body, hardness, attraction, branch, unique, lam_s)
     return _sweep_with(make_surface, settings, model, duality)
@@ -85,7 +85,7 @@ def make_sweep(
 def _sweep_with(
     make_surface: MakeSurface, settings: SolverTable, model: ContactModel, duality: bool = False
 ) -> Sweep:
-    """Compose the sweep of a surface; see `make_sweep`."""
+    """Compose the sweep of a model on a surface; for the arguments see `make_sweep`."""
     starter = Starter(settings, duality)
     kind = WorkingSurface
     if settings.low_memory:
@@ -97,16 +97,17 @@ def _sweep_with(
 
 
 class Sweep:
-    """Solves loads on one surface in the order given.
+    """Solves loads on one surface, one after another; each may start from the one before.
 
     Parameters
     ----------
     surface_in : callable
-        Makes the WorkingSurface in a precision: ``surface_in(dtype)``. Collective.
+        Makes the WorkingSurface in a precision: ``surface_in(dtype)``. It is called at once, and
+        again if a load needs double precision. Collective.
     starter : Starter
         Starts the solver at each load.
     searches : Searches
-        Begins the search for each load that is no pressure.
+        Begins the search for each load that is not a pressure.
 
     Attributes
     ----------
@@ -122,7 +123,7 @@ class Sweep:
         self.searches = searches
         self.settings = starter.settings
         self._failed = False
-        self._separated_at: Load | None = None  # the load before, where it has pulled too much
+        self._separated_at: Load | None = None  # the load before, if the bodies came apart at it
         self._punch: np.ndarray | None = None  # see _flat_solution
         self.working = surface_in(first_precision(self.settings))
 
@@ -133,41 +134,48 @@ class Sweep:
 
     @property
     def dtype(self) -> np.dtype:
-        """The present precision; once a load is in double precision, all others are."""
+        """The present precision; once a load needs double precision, all later ones use it."""
         return self.working.dtype
 
     def loads(self, table: LoadTable) -> list[Load]:
-        """Return the loads that the table [load] of a scene asks for.
+        """Return the loads of the table [load] of a scene, to be solved in this order.
 
-        Collective. Raises SceneError for what this surface does not have, see `loads_of`.
+        Collective. Raises SceneError for loads that this surface cannot have, see `loads_of`.
         """
         return loads_of(table, self.working, self.settings, self.starter.solver_class)
 
     def solve(
         self, load: Load, watch: Watch | None = None, unfinished: Unfinished | None = None
     ) -> Contact:
-        """Solve one load.
+        """Solve one load, in single precision first if that may be enough.
 
-        Collective.
+        Collective. Changes the sweep: the solver stays at the solution, from which the next load
+        may start, and the surface may be made again in double precision.
 
         Parameters
         ----------
         load : Load
-            As for `loads`; it stays as it is.
+            A load as `loads` returns it; it is not changed.
         watch : callable, optional
-            Called after every iteration, ``watch(iterations, progress)``; a true value stops.
+            Called before every iteration, ``watch(iterations, progress)``; a true value ends the
+            load with the status "interrupted".
         unfinished : Unfinished, optional
-            What is there of this load from a run that was stopped: it goes on from there.
+            State of this load from an interrupted run; the iterations continue from there.
 
         Returns
         -------
         Contact
-            It refers to the solver's fields, which the next load overwrites.
+            The solution, or the last state of a load that was not solved: see its status. Its
+            fields are those of the solver, which the next load overwrites.
 
         Raises
         ------
         Stopped
-            On all ranks, when the run is to stop before the first iteration.
+            On all ranks, if a signal asks the run to stop during a start on coarser grids or during
+            another contact that this load requires.
+        SceneError
+            If the heights of the surface's file have changed since they were read in single
+            precision.
         """
         if self.working.is_flat:
             return flat_contact(self.working, load, self.starter.criterion)
@@ -211,7 +219,7 @@ class Sweep:
     # -- precisions
 
     def _precisions(self, load: Load, unfinished: Unfinished | None) -> list[np.dtype]:
-        """Return the precisions in which a load is tried, one after the other."""
+        """Return the precisions in which a load is tried, in this order; the last one is final."""
         if self.settings.precision != "auto" or self.dtype == DOUBLE:
             return [self.dtype]
         was_in_double = unfinished is not None and unfinished.gap.dtype == DOUBLE
@@ -220,14 +228,16 @@ class Sweep:
         return [self.dtype, DOUBLE]
 
     def _gap_before(self, load: Load) -> np.ndarray | None:
-        """Return a copy of the gap of the load before, from which a load on the retraction branch
-        starts in whatever precision; None where it starts by itself."""
+        """Return a copy of the gap of the load before, if a load on retraction starts from it.
+
+        A change of precision would lose it. None on approach and if the load does not start there.
+        """
         if self.working.model.retracts and self.starter.follows(self.working, load):
             return self.starter.gap.copy()
         return None
 
     def _is_too_little(self, load: Load) -> bool:
-        """Return whether single precision is known to be too little for a load."""
+        """Return whether single precision is known not to suffice for a load."""
         if load.search is not None and load.search.needs_double:
             return True
         settings = self.settings
@@ -238,8 +248,11 @@ class Sweep:
         return too_little(settings, surface.grid.N, load.half_area)
 
     def _work_in(self, dtype: np.dtype) -> None:
-        """Go on with the surface in another precision. Raises SceneError where its heights have
-        changed."""
+        """Make the surface again in a precision; drop the solver and the present surface.
+
+        Does nothing if it has this precision. SceneError: the checksum of the heights differs from
+        that of the present surface. Collective.
+        """
         if dtype == self.dtype:
             return
         checksum = self.surface.checksum
@@ -261,10 +274,11 @@ class Sweep:
         pairs: float,
         may_need_double: bool,
     ) -> Attempt:
-        """Solve a load in the present precision.
+        """Solve a load in the present precision. Collective; its search changes.
 
-        gap: where to start, None: as the starter finds it; pairs: FFT pairs that the load has taken
-        before; may_need_double: whether single precision may turn out to be too little.
+        gap: where to start, None if the starter chooses; pairs: FFT pairs that the load has taken
+        before, to which those of the attempt are added; may_need_double: whether to return no
+        contact if single precision turns out not to suffice. watch, unfinished: see `solve`.
         """
         if load.search is not None:
             load.search.measure(lambda: self.working.heights)
@@ -307,15 +321,15 @@ class Sweep:
         return Attempt(contact, pairs)
 
     def _status_of(self, outcome: Outcome, load: Load) -> str:
-        """Return the status of a load: what a search found in single precision is no target met
-        where that takes double precision."""
+        """Return the status of the outcome, but "stagnated" instead of "converged" if the target of
+        a search needs double precision and this is single precision."""
         doubtful = load.search is not None and load.search.needs_double
         if outcome.status == "converged" and doubtful and self.dtype != DOUBLE:
             return "stagnated"
         return outcome.status
 
     def _separated(self, load: Load, iterations: int, pairs: float) -> Attempt:
-        """Return what is left where the load pulls more than the attraction."""
+        """Return the contact of bodies that have come apart, and drop the solver."""
         self.starter.forget()
         criterion = self.starter.criterion
         contact = separated_contact(self.working, load, criterion, iterations, pairs)
@@ -324,16 +338,16 @@ class Sweep:
     # -- other contacts on the same surface
 
     def _on_same_surface(self, model: ContactModel) -> Sweep:
-        """Return a sweep of another model on this surface, in the present precision."""
+        """Return a new sweep of another model on this surface, in the present precision only."""
         precision = "double" if self.dtype == DOUBLE else "single"
         settings = self.settings.model_copy(update={"precision": precision})
         return _sweep_with(lambda dtype: self.surface, settings, model)
 
     def _with_other_branch(self, contact: Contact) -> Contact:
-        """Solve a load on the other branch, too, and say of its contact whether both agree.
+        """Solve the load on the other branch, and return the contact with `other_branch` set.
 
-        Retraction begins at closed surfaces, which are the smallest gaps that there are, approach
-        as it always does.
+        Retraction starts from closed surfaces, the smallest possible gaps; approach as always. The
+        FFT pairs of both count. Collective.
         """
         sweep = self._on_same_surface(self.working.model.on_other_branch)
         start = None
@@ -345,9 +359,12 @@ class Sweep:
         )
 
     def _held(self, load: Load, unfinished: Unfinished | None) -> tuple[Load, np.ndarray, float]:
-        """Return a load that is held by a spring, the gap from which it starts, and the FFT pairs
-        that this took: on retraction that of the load before, else the contact without attraction.
-        Collective."""
+        """Prepare a mean gap or an approach with attraction, which a spring holds.
+
+        Returns a copy of the load with its search, a `Held`; the gap to start from (the unfinished
+        one, or on retraction that of the load before, else that of the contact without attraction,
+        which is solved here); and the FFT pairs that this took. Collective.
+        """
         working, solver = self.working, self.starter.solver
         pairs = 0.0
         if unfinished is not None:
@@ -365,8 +382,11 @@ class Sweep:
     # -- what some loads need before their own
 
     def _solve_before(self, load: Load) -> float:
-        """Solve the contacts that the search for a load begins with; return the FFT pairs that they
-        took."""
+        """Solve the contacts that the search for a load requires, and give it their results.
+
+        That is a flat punch, or full contact; most searches require none. Returns the FFT pairs
+        that they took. Collective.
+        """
         search = load.search
         if isinstance(search, ClosingSearch) and self.surface.grid.padded:
             search.unit, pairs = self._flat_solution()
@@ -378,7 +398,11 @@ class Sweep:
         return 0.0
 
     def _flat_solution(self) -> tuple[np.ndarray, float]:
-        """Return what `ClosingSearch.unit` needs, solved once, and the FFT pairs that it took."""
+        """Solve a flat punch for `ClosingSearch.unit`, once per sweep; the solver is dropped.
+
+        Returns its pressure on the surface and displacement beyond, and the FFT pairs (0 if it was
+        solved before). Collective.
+        """
         if self._punch is not None:
             return self._punch, 0.0
         surface = self.surface
@@ -396,5 +420,5 @@ class Sweep:
         return self._punch, contact.pairs
 
     def _raise_if_stopped(self, *_: object) -> None:
-        """Raise Stopped on all ranks when the run is to stop: nothing of this contact is kept."""
+        """Raise Stopped on all ranks if a signal asks the run to stop; takes what `watch` takes."""
         interrupt.check(self.surface.grid.comm)

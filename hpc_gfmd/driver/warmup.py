@@ -1,5 +1,5 @@
-"""Compile every kernel on one rank, once per installation; the other ranks then find them in the
-cache."""
+"""Compile the kernels of a scene on one rank, once per installation; the other ranks then load them
+from the cache."""
 
 from collections.abc import Callable
 
@@ -38,25 +38,27 @@ def compile_once(
     observe: Callable[[Contact], object],
     say: Callable[[str], object] | None = None,
 ) -> None:
-    """Solve a tiny contact as a scene would, first on rank 0, then on the others.
+    """Compile the kernels of a scene by solving a tiny contact, on rank 0 before the others.
 
-    Collective.
+    Rank 0 fills the cache of compiled kernels on disk, from which the others load them. On several
+    ranks double precision is compiled as well if a load may need it. Collective; an error of one
+    rank is raised on all.
 
     Parameters
     ----------
     comm : Comm
         All ranks.
     scene : Scene
-        Whose solver, precision, boundary and material are used.
+        The scene whose solver, precision, boundary and material are used.
     observe : callable
-        Called with the solved Contact, so that its kernels are compiled, too.
+        Called with each solved Contact on every rank, to compile the kernels of observables.
     say : callable, optional
-        Called with a text, on rank 0, before something is compiled that has not been kept.
+        Called with messages for the user, on rank 0 only: before the first kernel is compiled that
+        is not in the cache, and afterwards with the time that it took.
     """
 
     def solve() -> None:
-        # a single process compiles double precision where a load asks for it
-        _tiny_contact(scene, observe, every_precision=comm.size > 1)
+        _tiny_contact(scene, observe, on_ranks=comm.size > 1)
 
     with collective_errors(comm, "compiling"):
         if comm.rank == 0:
@@ -68,22 +70,24 @@ def compile_once(
 
 
 def _tiny_attraction(material: Material) -> Law | None:
-    """Return a weak attraction by the law that a material means, for the tiny contact."""
+    """Return a weak attraction by the material's law; None without adhesion."""
     adhesion = material.adhesion
     return None if adhesion is None else law_named(adhesion.law, *TINY_ATTRACTION)
 
 
-def _tiny_contact(
-    scene: Scene, observe: Callable[[Contact], object], every_precision: bool
-) -> None:
-    """Solve a tiny contact in the precision that the run of a scene begins with, or in every one
-    that it may use."""
+def _tiny_contact(scene: Scene, observe: Callable[[Contact], object], on_ranks: bool) -> None:
+    """Solve a tiny contact of 3 iterations on this rank alone, and observe it.
+
+    Its precision is that of the scene's first load; with `on_ranks` also double if a load may need
+    it, and levels are distributed as they are over ranks. The contact has the scene's solver,
+    material and boundary.
+    """
     settings = scene.solver
     material = scene.material
     surface = TINY | {"boundary": scene.surface.boundary or "periodic"}
     tiny = Scene.from_dict({"surface": surface, "load": {"p_star": 0.05}}).surface
     usual = "single" if first_precision(settings) == np.float32 else "double"
-    may_need_double = every_precision and settings.precision == "auto"
+    may_need_double = on_ranks and settings.precision == "auto"
     for precision in {usual, "double"} if may_need_double else {usual}:
         sweep = make_sweep(
             lambda dtype: build_surface(tiny, SerialComm(), dtype),
@@ -98,6 +102,6 @@ def _tiny_contact(
         if solver is not None:
             solver.expected_area(Estimate(squares=1.0))
         observe(contact)
-        grid = sweep.surface.grid
-        # for the levels that only larger grids distribute
-        Multilevel(grid, HALF_SPACE, sweep.dtype, grid.n[0], coarsest_points=0).sweep()
+        if on_ranks:  # for the levels that only larger grids distribute
+            grid = sweep.surface.grid
+            Multilevel(grid, HALF_SPACE, sweep.dtype, grid.n[0], coarsest_points=0).sweep()

@@ -1,4 +1,4 @@
-"""Contacts that need no iteration: of a flat surface, in full contact, and pulled apart."""
+"""Contacts that need no iterations: of a flat surface, in full contact, and of separated bodies."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ EXACT = (0.0, 0.0, 0.0)  # errors of area, mean gap and pressure
 
 
 class Attempt(NamedTuple):
-    """What came of a load in one precision.
+    """The result of an attempt to solve a load.
 
     Attributes
     ----------
     contact : Contact or None
-        The solution; None where another way has to be taken.
+        The contact; None if the attempt does not apply: iterations or double precision are needed.
     pairs : float
-        All FFT pairs that the load has taken.
+        All FFT pairs that the load has taken so far.
     """
 
     contact: Contact | None
@@ -48,32 +48,33 @@ def contact_of(
     iterations: int = 0,
     pairs: float = 0.0,
 ) -> Contact:
-    """Return what a load has come to.
+    """Assemble the Contact of a solved load. Nothing is computed or copied.
 
     Parameters
     ----------
     working : WorkingSurface
-        The surface.
+        The surface, with the model.
     load : Load
-        What was asked for.
+        The load; its note becomes the remark of the contact.
     criterion : StoppingCriterion
-        What the solution had to reach.
+        The accuracy that the solution had to reach.
     p0 : float
-        Its mean pressure, in the program's unit.
+        Mean pressure of the solution, in the program's unit.
     g, p : ndarray
-        Its gap and pressure, local slabs of the grid.
+        Gap and pressure of the solution, local slabs of the grid.
     status : str
-        See `Contact`.
+        Status of the load, see `Contact`.
     certificate : Certificate
-        Of the gap.
+        Certificate of the gap.
     iterations : int
+        Iterations that the load has taken.
     pairs : float
-        That the load has taken.
+        FFT pairs that the load has taken.
 
     Returns
     -------
     Contact
-        Its mean pressure is as it was given, where it was, without rounding errors of the unit.
+        Its mean pressure is exactly the prescribed one if a pressure was prescribed.
     """
     model = working.model
     return Contact(
@@ -96,21 +97,21 @@ def contact_of(
 
 
 def flat_contact(working: WorkingSurface, load: Load, criterion: StoppingCriterion) -> Contact:
-    """Return the contact of a flat surface, which is closed at any load.
+    """Return the contact of a flat periodic surface, which is closed at any load.
 
     Parameters
     ----------
     working : WorkingSurface
         The surface.
     load : Load
-        A pressure.
+        The load, a pressure.
     criterion : StoppingCriterion
-        What the solution has to reach.
+        The requested accuracy.
 
     Returns
     -------
     Contact
-        Without errors.
+        Converged, with a uniform pressure and errors of 0.
     """
     g = np.zeros_like(working.surface.gap)
     p = np.full_like(g, load.value / working.model.E_star)
@@ -121,24 +122,26 @@ def flat_contact(working: WorkingSurface, load: Load, criterion: StoppingCriteri
 def separated_contact(
     working: WorkingSurface, load: Load, criterion: StoppingCriterion, iterations: int, pairs: float
 ) -> Contact:
-    """Return what is left where the load pulls more than the attraction: undeformed bodies.
+    """Return the contact of bodies that have come apart, because the load exceeds the attraction.
 
     Parameters
     ----------
     working : WorkingSurface
         The surface.
     load : Load
-        That pulls.
+        The load that pulls the bodies apart.
     criterion : StoppingCriterion
-        What the solution had to reach.
+        The requested accuracy.
     iterations : int
+        Iterations that the load has taken.
     pairs : float
-        That the load has taken.
+        FFT pairs that the load has taken.
 
     Returns
     -------
     Contact
-        Without contact.
+        With the status "separated", the gap of undeformed bodies that just touch, no pressure, and
+        a mean gap of nan. Its mean pressure is the prescribed one, 0 if none was.
     """
     g = undeformed_gap(working.problem(load.p0))
     certificate = Certificate(errors=EXACT, gap_mean=np.nan)
@@ -152,25 +155,26 @@ def separated_contact(
 def full_contact(
     working: WorkingSurface, load: Load, criterion: StoppingCriterion, pairs: float
 ) -> Attempt:
-    """Return the contact where u = -h is the solution.
+    """Return the contact of a load if full contact, u = -h, is its solution.
 
-    The load that closes the gap is known then, also where points yield. Collective.
+    Tried if the load is large enough, or if it is the smallest one that closes the gap, which is
+    computed here; not with an attraction or a search, nor in low memory. Collective.
 
     Parameters
     ----------
     working : WorkingSurface
         The surface.
     load : Load
-        Whose mean pressure is given, or which is to close the gap.
+        The load. If it `closes` the gap, its `given_p0` is set to the load that does.
     criterion : StoppingCriterion
-        What the solution has to reach.
+        Whether the certificate has the duality gap.
     pairs : float
         FFT pairs that the load has taken so far.
 
     Returns
     -------
     Attempt
-        Without a contact where u = -h is not the solution.
+        Without a contact if u = -h is not the solution, or if single precision cannot tell.
     """
     none = Attempt(None, pairs)
     attracts = working.model.attraction is not None

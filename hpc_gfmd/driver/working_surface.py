@@ -1,5 +1,5 @@
-"""The surface in one precision, with all that the contacts on it share: problems, transforms and
-coarser grids."""
+"""The surface in one precision, with all that its contacts share: problems, transforms and coarser
+grids."""
 
 from __future__ import annotations
 
@@ -32,9 +32,10 @@ class WorkingSurface:
     Parameters
     ----------
     make_surface : callable
-        Makes the surface.Surface in a precision: ``make_surface(dtype)``. Collective.
+        Makes the surface.Surface in a precision: ``make_surface(dtype)``. It is called at once, and
+        collective.
     model : ContactModel
-        What is pressed against it.
+        The body that is pressed against the surface, and its material.
     dtype : dtype
         The working precision.
     nests : bool
@@ -45,9 +46,9 @@ class WorkingSurface:
     surface : Surface
         The surface in this precision.
     full_contact_is_known : bool
-        Whether the solution of full contact, u = -h, can be written down without iterations.
+        Whether full contact, u = -h, can be computed without iterations (heights are stored).
     certifies_in_turn : bool
-        Whether the transforms of a certificate in double precision take the memory of the solver's.
+        Whether the solver frees its transforms while a certificate in double precision is computed.
     """
 
     full_contact_is_known = True
@@ -64,7 +65,7 @@ class WorkingSurface:
         self._plan()
 
     def _plan(self) -> None:
-        """Plan the transforms of the solver, the certificate and the coarser grids."""
+        """Plan the transforms of the solver, the certificate and the coarser grids. Collective."""
         self._nested: Nested | None = None
         if self.is_flat:
             return
@@ -75,25 +76,25 @@ class WorkingSurface:
             self._nested = Nested(grid, self.dtype)
 
     def release(self) -> None:
-        """Forget the transforms in this precision."""
+        """Free the transforms of the surface's grid in this precision."""
         self.surface.grid.forget_fft(self.dtype)
 
     # -- units
 
     @property
     def pressure_unit(self) -> float:
-        """What one unit of pressure in the program is in the unit of E_star."""
+        """The program's unit of pressure, E* times the unit of slopes, in the unit of E_star."""
         return self.model.E_star * self.surface.slope
 
     @property
     def hardness(self) -> float | None:
-        """The largest pressure, in the program's unit."""
+        """The largest pressure, in the program's unit; None for an elastic solid."""
         hardness = self.model.hardness
         return None if hardness is None else hardness / self.pressure_unit
 
     @property
     def attraction(self) -> Law | None:
-        """The law of attraction, in the program's units."""
+        """The law of attraction in the program's units; None without attraction."""
         law = self.model.attraction
         return None if law is None else scaled(law, self.pressure_unit, self.surface.height_unit)
 
@@ -101,12 +102,15 @@ class WorkingSurface:
 
     @property
     def is_flat(self) -> bool:
-        """Whether all points touch at any load; a flat surface that ends is a punch."""
+        """Whether the surface is flat and periodic, so that all points touch at any load."""
         return self.surface.g_rms == 0 and not self.surface.grid.padded
 
     @cached_property
     def heights(self) -> HeightStatistics:
-        """What a search for a load knows of the heights. Collective where it is first asked for."""
+        """Statistics of the heights for load searches. Collective at first access, then kept.
+
+        If the heights are not stored, the surface is made once more for this.
+        """
         surface = self.surface
         if surface.h is None:
             surface = self.make_surface(self.dtype)
@@ -115,10 +119,11 @@ class WorkingSurface:
     # -- problems
 
     def problem(self, p0: float) -> Problem:
-        """Return the problem at a mean pressure, in the program's unit, with stored heights."""
+        """Return the problem at a mean pressure p0, in the program's unit, with stored heights."""
         return self._problem_of(self.surface, p0)
 
     def _problem_of(self, surface: Surface, p0: float) -> Problem:
+        """Return the problem of the model on a surface at the mean pressure p0."""
         return Problem(
             surface.grid,
             surface.gap,
@@ -129,54 +134,54 @@ class WorkingSurface:
         )
 
     def problem_to_start(self, p0: float) -> Problem:
-        """Return the problem at p0 with stored heights, from which a starting gap is made."""
+        """Return the problem at p0 with stored heights, to make a starting gap from. Collective."""
         return self.problem(p0)
 
     def problem_to_iterate(self, problem: Problem) -> Problem:
-        """Return the same problem as the iterations need it."""
+        """Return the problem to iterate on; here the same one, with stored heights."""
         return problem
 
     def memory_for_gap(self, problem: Problem, solver: Solver | None) -> np.ndarray | None:
-        """Return memory for the starting gap of a problem.
+        """Return an existing array that the starting gap of a problem may overwrite.
 
         Parameters
         ----------
         problem : Problem
-            As for `problem_to_start`.
+            The problem that `problem_to_start` has returned.
         solver : Solver or None
-            The solver that there is.
+            The present solver.
 
         Returns
         -------
         ndarray or None
-            Local slab of the grid; None where new memory has to be taken.
+            The solver's gap, local slab of the grid; None if new memory has to be allocated.
         """
         return None if solver is None else solver.g
 
     def nested(self) -> Nested | None:
-        """Return the coarser grids, None without nested iteration. Collective."""
+        """Return the coarser grids; None without nesting or on a flat surface. Collective."""
         return self._nested
 
     @property
     def solver_makes_room(self) -> bool:
-        """Whether a new start needs the memory of the solver."""
+        """Whether the solver is dropped before each start, because its memory is needed."""
         return False
 
     # -- rounding errors
 
     def rounding_counts(self, problem: Problem, criterion: StoppingCriterion) -> bool:
-        """Return whether rounding errors are large enough that the certificate needs double
-        precision.
+        """Return whether the certificate must be computed in double precision.
 
-        It cannot tell them from pressure out of contact. They matter where few points touch,
-        where few are open, or where the transforms are too noisy for the criterion.
+        A certificate cannot distinguish rounding errors from pressure out of contact. They matter
+        if few points touch (or an unknown number, at p0 <= 0), if few are open, or if the
+        transforms are too noisy for the criterion.
 
         Parameters
         ----------
         problem : Problem
-            At its mean pressure.
+            The problem at its mean pressure.
         criterion : StoppingCriterion
-            What the solution has to reach.
+            The accuracy that the solution has to reach.
 
         Returns
         -------
@@ -190,14 +195,16 @@ class WorkingSurface:
         return few_touch or few_are_open or self.is_noisy(problem, criterion)
 
     def is_noisy(self, problem: Problem, criterion: StoppingCriterion) -> bool:
-        """Return whether rounding errors of the transforms may count.
+        """Return whether rounding errors of transforms are too large for the criterion.
+
+        They are compared with a share of the pressure error that the criterion allows.
 
         Parameters
         ----------
         problem : Problem
-            At its mean pressure.
+            The problem at its mean pressure, in the working precision.
         criterion : StoppingCriterion
-            What the solution has to reach.
+            The accuracy that the solution has to reach.
 
         Returns
         -------

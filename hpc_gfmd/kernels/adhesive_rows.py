@@ -19,16 +19,16 @@ from .jit import kernel, points_inside
 
 @kernel
 def work_of_step(law, g, d_rows, i0, i1, inside):
-    """Return what a step does to the attraction on rows i0 <= i < i1.
+    """Sum <t, d> and the change of phi that a full step d makes, over rows i0 <= i < i1.
 
     Parameters
     ----------
     law : Law
-        In the precision of g.
+        Energy phi(g) and attraction t = phi'(g), in the precision of g.
     g : (n_loc, n_y)
         Gap before the step.
     d_rows : (>= i1 - i0, n_y)
-        The step in full precision.
+        The step in full precision, from row i0 on.
     i0, i1 : int
         Local rows i0 <= i < i1.
     inside : (rows, points)
@@ -37,7 +37,7 @@ def work_of_step(law, g, d_rows, i0, i1, inside):
     Returns
     -------
     td : float
-        <t, d>.
+        <t, d>, t before the step.
     gained : float
         Sum of phi(g + d) - phi(g).
     """
@@ -54,18 +54,18 @@ def work_of_step(law, g, d_rows, i0, i1, inside):
 
 @kernel
 def add_change(law, g, d, Kd, s, i0, i1, inside):
-    """Make y of K d on rows i0 <= i < i1.
+    """Turn K d into y = K d + (t(g + s d) - t(g))/s, in place, on rows i0 <= i < i1.
 
     Parameters
     ----------
     law : Law
-        In the precision of g.
+        Energy phi(g) and attraction t = phi'(g), in the precision of g.
     g : (n_loc, n_y)
         Gap before the step.
     d : (>= i1 - i0, n_y), encoded
-        The step, see bpx.py.
+        The step from row i0 on, see bpx.py.
     Kd : (>= i1 - i0, n_y)
-        K d; becomes y.
+        K d from row i0 on; becomes y.
     s : float
         Step length, in the precision of g.
     i0, i1 : int
@@ -99,16 +99,18 @@ def add_change(law, g, d, Kd, s, i0, i1, inside):
 
 @kernel
 def add_attraction(law, g, x, i0, i1, inside):
-    """Add the attraction to a field on rows i0 <= i < i1.
+    """Add the attraction t(g) to a field x, in place, on rows i0 <= i < i1.
+
+    Gaps below 0 count as 0.
 
     Parameters
     ----------
     law : Law
-        In the precision of x.
+        Energy phi(g) and attraction t = phi'(g), in the precision of x.
     g : (n_loc, n_y)
         Gap.
     x : (>= i1 - i0, n_y)
-        Pressure of the body, from row i0 on; that of the wall afterwards.
+        Pressure of the body, from row i0 on; becomes that of the wall.
     i0, i1 : int
         Local rows i0 <= i < i1.
     inside : (rows, points)
@@ -137,12 +139,14 @@ def add_attraction(law, g, x, i0, i1, inside):
 
 @kernel
 def shift_gap(law, g, p, by, i0, i1, inside):
-    """Lower the gap by a constant on rows i0 <= i < i1, with the attraction that goes with it.
+    """Lower the gap by a constant on rows i0 <= i < i1, and change p by that of the attraction.
+
+    Beyond the surface only g changes.
 
     Parameters
     ----------
     law : Law
-        In the precision of g.
+        Energy phi(g) and attraction t = phi'(g), in the precision of g.
     g, p : (n_loc, n_y)
         Gap, no less than `by` on the surface, and pressure of the wall; become the new ones.
     by : float
@@ -179,7 +183,7 @@ def softening(law, g, closed, x, i0, i1, inside):
     Parameters
     ----------
     law : Law
-        In the precision of g.
+        Energy phi(g) and attraction t = phi'(g), in the precision of g.
     g : (n_loc, n_y)
         Gap.
     closed : (n_loc, n_y)
@@ -215,16 +219,16 @@ def softening(law, g, closed, x, i0, i1, inside):
 
 @kernel
 def gain_along(law, g, e, length, i0, i1, inside):
-    """Return what a step along a direction changes of the energy of attraction.
+    """Return how much a step along a direction changes the energy of the attraction.
 
     Parameters
     ----------
     law : Law
-        In the precision of g.
+        Energy phi(g) and attraction t = phi'(g), in the precision of g.
     g, e : (n_loc, n_y)
-        Gap and a direction.
+        Gap and a direction; they stay as they are.
     length : float
-        In the precision of g.
+        Length of the step, in the precision of g.
     i0, i1 : int
         Local rows i0 <= i < i1.
     inside : (rows, points)
@@ -233,7 +237,7 @@ def gain_along(law, g, e, length, i0, i1, inside):
     Returns
     -------
     float
-        Sum of phi(g + length e) - phi(g) over these rows, no gap counting as less than 0.
+        Sum of phi(g + length e) - phi(g) over these rows; new gaps below 0 count as 0.
     """
     zero = g.dtype.type(0)
     gained = 0.0
@@ -246,17 +250,16 @@ def gain_along(law, g, e, length, i0, i1, inside):
 
 @kernel
 def pull_along(law, g, e, length, i0, i1, inside):
-    """Return by how much a step along e changes the derivative of the attraction's energy along
-    e.
+    """Return how much a step along e changes the slope of the attraction's energy along e.
 
     Parameters
     ----------
     law : Law
-        In double precision.
+        Energy phi(g) and attraction t = phi'(g), in double precision.
     g, e : (n_loc, n_y)
-        Gap and a direction.
+        Gap and a direction; they stay as they are.
     length : float
-        In double precision.
+        Length of the step, in double precision.
     i0, i1 : int
         Local rows i0 <= i < i1.
     inside : (rows, points)
@@ -265,7 +268,7 @@ def pull_along(law, g, e, length, i0, i1, inside):
     Returns
     -------
     float
-        <t(g + length e) - t(g), e> over these rows, no gap counting as less than 0.
+        <t(g + length e) - t(g), e> over these rows; gaps below 0 count as 0.
     """
     changed = 0.0
     for i in range(i0, i1):

@@ -1,8 +1,8 @@
 """What an attraction (laws/) adds at one point: functions for kernels.
 
-The law is None where there is none: kernels leave these calls out then, and are compiled without
-them. Otherwise it is an instance of a law, a named tuple of numbers in the precision of the
-fields. Its class says which functions are compiled in.
+`law` is an instance of a law, a named tuple of numbers in the precision of the fields, whose class
+says which functions are compiled in. Without an attraction it is None, and kernels are compiled
+without these calls.
 """
 
 from math import factorial
@@ -27,7 +27,7 @@ _options = {
 
 
 def decay(x):
-    """Compute exp(-x) of x >= 0, in kernels by a polynomial that takes vectors of points.
+    """Return exp(-x) for x >= 0; kernels compute it by a polynomial that takes vectors of points.
 
     Parameters
     ----------
@@ -37,13 +37,14 @@ def decay(x):
     Returns
     -------
     float or array
-        In kernels 2e-28 instead of anything smaller, else to rounding errors.
+        Correct up to rounding errors; in kernels never less than exp(-64) = 2e-28.
     """
     return np.exp(-np.asarray(x))
 
 
 @overload(decay, jit_options=_options)
 def _decay(x):
+    """Return what numba compiles for `decay` of a float32 or float64."""
     real = np.float32 if x == types.float32 else np.float64
     middle, zero = real(0.5), real(0)
     terms = TERMS[types.float32 if x == types.float32 else types.float64]
@@ -68,7 +69,7 @@ def _decay(x):
 
 
 def energy_at(law, g):
-    """Return the energy per area phi of a gap, in kernels alone.
+    """Return the energy per area phi of the attraction at a gap. Only kernels can call it.
 
     Parameters
     ----------
@@ -85,7 +86,7 @@ def energy_at(law, g):
 
 
 def traction_at(law, g):
-    """Return the attraction t = phi' of a gap, in kernels alone.
+    """Return the attraction t = phi' at a gap, phi being its energy. Only kernels can call it.
 
     Parameters
     ----------
@@ -102,7 +103,7 @@ def traction_at(law, g):
 
 
 def curvature_at(law, g):
-    """Return phi'' of a gap, in kernels alone.
+    """Return the second derivative phi'' of the energy at a gap. Only kernels can call it.
 
     Parameters
     ----------
@@ -119,7 +120,7 @@ def curvature_at(law, g):
 
 
 def _overloaded(stub, method):
-    """Make numba compile a method of the law's class where a kernel calls the stub."""
+    """Make numba compile a method of the law's class where a kernel calls `stub`."""
 
     def implementation(law, g):
         function = inline(getattr(law.instance_class, method))

@@ -11,20 +11,21 @@ from numba.extending import overload
 
 
 def stored_dtype(dtype):
-    """Return the dtype of such numbers beside fields of `dtype`."""
+    """Return the dtype of such numbers: uint16 beside fields of float32, float32 beside float64."""
     return np.dtype(np.uint16 if np.dtype(dtype) == np.float32 else np.float32)
 
 
 def encode(number):
-    """Return a number as it is stored; in kernels alone, as `decode`."""
+    """Return a number as it is stored: float32 as uint16, float64 as float32. Only in kernels."""
 
 
 def decode(number):
-    """Return the number that a stored one stands for."""
+    """Return the number that a stored one stands for: the inverse of `encode`. Only in kernels."""
 
 
 @overload(encode)
 def _encode(number):
+    """Return what numba compiles for `encode`."""
     if number == types.float32:
         return lambda number: np.uint16(np.float32(number).view(np.uint32) >> np.uint32(16))
     return lambda number: np.float32(number)
@@ -32,13 +33,14 @@ def _encode(number):
 
 @overload(decode)
 def _decode(number):
+    """Return what numba compiles for `decode`."""
     if number == types.uint16:
         return lambda number: np.uint32(np.uint32(number) << np.uint32(16)).view(np.float32)
     return lambda number: np.float64(number)
 
 
 class Decoded:
-    """A stored array as one of float32, made where it is sliced."""
+    """View of a stored array as float32: a slice of it is converted when it is taken."""
 
     dtype = np.dtype(np.float32)
 
@@ -54,7 +56,7 @@ class Decoded:
 
 
 def encoded(numbers, dtype):
-    """Return numbers as they are stored.
+    """Convert numbers to the form in which they are stored.
 
     Parameters
     ----------

@@ -58,6 +58,9 @@ from .yielding import at_contact, landing, limit, yields
 class UpdateSums(NamedTuple):
     """Sums over the points of some rows that `update_state` makes, in its order.
 
+    A is the set of points in elastic contact, F all others; r is the pressure on F, less the
+    hardness H where a point yields, and d the step of the gap.
+
     Attributes
     ----------
     rr : float
@@ -110,13 +113,13 @@ def search_passes(
     k0, k1 : int
         The passes k0 <= k < k1 are made.
     rows : tuple
-        Row transforms of one thread, see transforms.py.
+        Row transforms of one thread (transforms.py), whose memory gets the step and its spectra.
     scratch : (>= 2, >= n_y)
         Memory of one thread.
     sums : (passes, 2) float64
         Gets what `projected_step` returns of each pass.
     g, p, d, z_1, transfer, step, H, inside
-        See `projected_step`.
+        See `projected_step`; d, the last step, becomes the new one.
     law : Law or None
         Law of attraction.
     work : (passes, 2) float64
@@ -154,14 +157,15 @@ def update_passes(
     law,
     attracted,
 ):
-    """Transform the rows of K d back and update the state by them, pass after pass: line 6.
+    """Transform rows of K d back and set g += s d and p += s K d, pass after pass: line 6.
 
-    The coarse row that a pass and the next one share is the sum of what both have of it.
+    The new state is restricted to level 1; the coarse row that two of these passes share gets the
+    sum of their parts.
 
     Parameters
     ----------
     passes, k0, k1, rows
-        See `search_passes`.
+        See `search_passes`; the memory of `rows` holds spectra of K d.
     scratch : tuple
         Memory of one thread: `gathered` and `shared` of `update_state`.
     first_row : (3, m)
@@ -169,7 +173,7 @@ def update_passes(
     sums : (passes, 10) float64
         Gets the UpdateSums of each pass.
     g, p, s, coarse, transfer, H, inside
-        See `update_state`.
+        See `update_state`; g, p and coarse are overwritten.
     d : (n_loc, n_y) or (rows of a pass, n_y)
         Last step, of the slab or the same one for every pass.
     spectra : bool
@@ -206,11 +210,11 @@ def update_passes(
 
 @part
 def projected_step(g, p, d, d_rows, i0, i1, z_1, transfer, step, H, inside, scratch):
-    """Make the step d = max(g - alpha z - beta d, 0) - g on F, 0 on A, for rows i0 <= i < i1.
+    """Make the step d = max(g - alpha z - beta d, 0) - g out of contact, 0 in contact.
 
-    z is formed on the fly; coupling = 0 gives the plain projected gradient step of line 3. With a
-    hardness the projection is the proximal map `landing` (yielding.py): a point may go through
-    contact and yield, or come out of it.
+    z, the preconditioned residual, is formed on the fly; coupling = 0 gives the plain projected
+    gradient step of line 3. With a hardness the projection is the proximal map `landing`
+    (yielding.py): a point may go through contact and yield, or come out of it.
 
     Parameters
     ----------
@@ -222,19 +226,22 @@ def projected_step(g, p, d, d_rows, i0, i1, z_1, transfer, step, H, inside, scra
         Gets the new step as it is stored, in full precision.
     i0, i1 : int
         Local rows i0 <= i < i1.
-    z_1, transfer, inside
-        See the head of the file.
+    z_1, transfer
+        z on level 1, and the tables between the grid and level 1: see the head of the file.
     step : tuple
         (alpha, beta, coupling, compliance), in the precision of g.
     H : float or None
         Hardness.
+    inside : (rows, points)
+        This rank's part of the surface: its first rows and points.
     scratch : (>= 2, >= n_y)
         Memory of one thread.
 
     Returns
     -------
     rd : float
-        <r, d>, with the work of dents.
+        <r, d>, with the work of dents; r is the pressure out of contact, less H where a point
+        yields.
     deeper : float
         By how much dents become deeper, summed over points.
     """
@@ -297,7 +304,10 @@ def projected_step(g, p, d, d_rows, i0, i1, z_1, transfer, step, H, inside, scra
 
 @part
 def update_state(g, p, d, Kd, s, i0, i1, coarse, shared, transfer, H, inside, gathered, sums):
-    """Set g += s d and p += s K d on rows i0 <= i < i1, and restrict r, t and K d on F to level 1.
+    """Set g += s d and p += s K d on rows i0 <= i < i1, and restrict the new state to level 1.
+
+    Restricted are r, the pressure out of contact (less H where a point yields), t, 1 in elastic
+    contact and 0 elsewhere, and K d out of contact.
 
     Parameters
     ----------
@@ -314,10 +324,11 @@ def update_state(g, p, d, Kd, s, i0, i1, coarse, shared, transfer, H, inside, ga
     coarse : (3, coarse rows + 2, m)
         r, t and K d on level 1 with halo rows; gets the coarse rows that these rows have alone.
     shared : (2, 3, m)
-        Gets the first coarse row and the one after the last, which the rows before and after have
-        a part of, too.
+        Gets the first coarse row and the one after the last, which the rows before and after have a
+        part of, too.
     transfer, H, inside
-        See the head of the file.
+        Tables between the grid and level 1, hardness, and this rank's part of the surface: see the
+        head of the file.
     gathered : (6, >= n_y)
         Scratch. 0 to 2: a complete coarse row of r, t and K d; 3 to 5: what is there of the next.
     sums : (10,) float64
@@ -361,9 +372,9 @@ def update_state(g, p, d, Kd, s, i0, i1, coarse, shared, transfer, H, inside, ga
 
 @inline
 def _step_rows(g, p, d, Kd, s, i0, start, end, H, inside):
-    """Set g += s d and p += s K d on rows start <= i < end; returns their UpdateSums.
+    """Set g += s d and p += s K d on rows start <= i < end; return their UpdateSums as a tuple.
 
-    d and Kd begin with row i0.
+    Row 0 of d and Kd is row i0 of the slab.
     """
     zero = g.dtype.type(0)
     one = g.dtype.type(1)
@@ -417,11 +428,11 @@ def _step_rows(g, p, d, Kd, s, i0, start, end, H, inside):
 
 @inline
 def _gather_rows(g, p, Kd, i0, start, end, f_x, H, inside, gathered):
-    """Add up r, t and K d on F of rows start <= i < end, which lie beside one coarse row.
+    """Add up r, t and K d over rows start <= i < end, which lie beside one coarse row.
 
     As `multilevel.gather_rows`: gathered[0:3] = gathered[3:6] + sum of (1 - f_x) row, and
     gathered[3:6] = sum of f_x row. In a loop of its own and with rows of one array: with more
-    pointers than this the compiler gives up on vectors.
+    pointers than this the compiler gives up on vectors. r, t and K d: see `update_state`.
     """
     zero = g.dtype.type(0)
     one = g.dtype.type(1)

@@ -38,7 +38,7 @@ SUFFIX = ".kernel"  # of the files
 
 
 def compiled_on_first_use(function: Callable[..., Any], **options: Any) -> Any:
-    """Return numba.njit(**options)(function), whose machine code is kept where it can be.
+    """Return numba.njit(**options)(function), which keeps its machine code in `folder()`.
 
     Parameters
     ----------
@@ -50,12 +50,13 @@ def compiled_on_first_use(function: Callable[..., Any], **options: Any) -> Any:
     Returns
     -------
     numba dispatcher
-        Compiles or reads the code of a signature when it is first called with it.
+        Compiles or reads the code of a signature when it is first called with it. Nothing is kept
+        if there is no folder.
 
     Raises
     ------
     SceneError
-        Where numba was told not to compile.
+        If NUMBA_DISABLE_JIT is set.
     """
     if numba.config.DISABLE_JIT:
         raise SceneError(
@@ -81,8 +82,9 @@ def compiled_on_first_use(function: Callable[..., Any], **options: Any) -> Any:
 
 
 class KernelFiles:
-    """The files with the machine code of one kernel, one for each signature and kind of processor;
-    has the methods of numba's `IndexDataCacheFile`.
+    """The files with the machine code of one kernel, one for each signature and kind of processor.
+
+    Has the methods of numba's `IndexDataCacheFile`.
 
     Parameters
     ----------
@@ -97,8 +99,10 @@ class KernelFiles:
         self.source = source
 
     def load(self, key: Any) -> Any:
-        """Return the code that was saved under a key (signature, processor, hash of the bytecode);
-        None if there is no intact one."""
+        """Return the code that was saved under a key (signature, processor, hash of the bytecode).
+
+        None if there is none, or if it is damaged or of another source.
+        """
         path, purpose = self._file(key)
         content = kept(path, purpose)
         if content is None:
@@ -107,7 +111,7 @@ class KernelFiles:
         return pickle.loads(content)
 
     def save(self, key: Any, data: Any) -> None:
-        """Keep code where there is room for it.
+        """Write code to the file of a key; errors of the file system are ignored.
 
         Parameters
         ----------
@@ -126,21 +130,24 @@ class KernelFiles:
             path.unlink(missing_ok=True)
 
     def _file(self, key: Any) -> tuple[Path, str]:
-        """Return the file of a key, and what is to be in it."""
+        """Return the file of a key, and the purpose that `keep` and `kept` check."""
         purpose = f"{stamp()} {self.stem.name} {self.source} {key!r}"
         digest = hashlib.sha256(repr(key).encode()).hexdigest()[:16]
         return self.stem.with_name(f"{self.stem.name}.{digest}{SUFFIX}"), purpose
 
 
 def _log(text: str) -> None:
-    """Print what numba prints of its own cache, where NUMBA_DEBUG_CACHE asks for it."""
+    """Print a line as numba's own cache does, if NUMBA_DEBUG_CACHE is set."""
     if numba.config.DEBUG_CACHE:
         print(f"[cache] {text}")
 
 
 @cache
 def stamp() -> str:
-    """Return a text that changes with any kernel and with all that makes machine code of them."""
+    """Return a hash of all kernels, laws of attraction, and versions that machine code depends on.
+
+    It also changes with the kind of processor.
+    """
     made_by = (
         numba.__version__,
         llvmlite.__version__,
@@ -158,7 +165,11 @@ def stamp() -> str:
 
 @contextmanager
 def on_first_compile(say: Callable[[str], object] | None) -> Iterator[None]:
-    """Call say(text), if it is not None, once in a block: before the first kernel is compiled."""
+    """Announce that kernels are compiled in this block: say(text) before the first one.
+
+    At the end say(text) tells how long all of them took, if that was TOLD_SECONDS or more. Nothing
+    is said if none is compiled, or if `say` is None.
+    """
 
     def announce() -> None:
         path = folder()
@@ -184,7 +195,7 @@ def on_first_compile(say: Callable[[str], object] | None) -> Iterator[None]:
 
 
 class _Clock(event.Listener):  # type: ignore[misc]
-    """Adds up the time of compilations, and calls a function when the first one begins.
+    """Measures the time of compilations, and calls a function when the first one begins.
 
     Python does not look for garbage meanwhile: of all that is there, again and again, which takes 7
     % of the time.
@@ -192,7 +203,7 @@ class _Clock(event.Listener):  # type: ignore[misc]
     Attributes
     ----------
     seconds : float
-        Of all that has been compiled.
+        Spent in compilations that have ended.
     """
 
     def __init__(self, announce: Callable[[], object]) -> None:
@@ -222,9 +233,10 @@ class _Clock(event.Listener):  # type: ignore[misc]
 
 
 def folder() -> Path | None:
-    """Return the folder of the present state, or None where there is none that can be written.
+    """Return the folder for machine code of the present `stamp`, which is made if it is missing.
 
-    The environment variable NUMBA_CACHE_DIR moves it.
+    It is in the cache folder of the user, or in NUMBA_CACHE_DIR. None if it cannot be written to,
+    or the disk is nearly full.
     """
     root: Path | None
     if numba.config.CACHE_DIR:
@@ -237,7 +249,10 @@ def folder() -> Path | None:
 
 @cache
 def _folder(root: Path, state: str) -> Path | None:
-    """Return the folder of a state in a root, as `folder`; making it removes the oldest ones."""
+    """Return the folder of a stamp in a root, as `folder`; if it is new, remove the oldest ones.
+
+    NEWEST folders stay.
+    """
     path = root / f"hpc-gfmd-{state}"
     try:
         if not path.is_dir():

@@ -78,14 +78,18 @@ class KktExtremes(NamedTuple):
 
 @kernel
 def displacement_rows(g, h, x, i0, i1, level):
-    """Set x = u - level with u = g - h, and u = g beyond the surface, in the precision of x.
+    """Set x = u - level on some rows, u = g - h on the surface and u = g beyond it.
 
     Parameters
     ----------
-    g, h, x, i0, i1
-        See the top of this file.
+    g, h : arrays, local slabs
+        Gap, and initial gap of the surface alone.
+    x : array (>= i1 - i0, n_y)
+        Gets rows i0 <= i < i1, in its own precision.
+    i0, i1 : int
+        Local rows i0 <= i < i1.
     level : float
-        Is taken off u.
+        Is subtracted from u.
     """
     for i in range(i0, i1):
         m = points_inside(i, h.shape)
@@ -101,16 +105,20 @@ def kkt_residuals(g, p, x, p0, H, inside, i0, i1, worst):
 
     Parameters
     ----------
-    g, i0, i1, inside
-        See the top of this file.
+    g : array, local slab
+        Gap, or the displacement beyond the surface.
     p : array, local slab
         Its rows i0 to i1 are overwritten.
-    x : array
-        K u.
+    x : array (>= i1 - i0, n_y)
+        K u from row i0 on, u being the displacement.
     p0 : float
         Mean pressure over the grid.
     H : float or None
         Hardness.
+    inside : (rows, points)
+        This rank's part of the surface: its first rows and points.
+    i0, i1 : int
+        Local rows i0 <= i < i1.
     worst : (2, n_y) float64
         0; becomes the largest penetration and tension of each column: a single maximum over all
         points would not use vectors.
@@ -167,12 +175,17 @@ def open_moments(g, p, H, inside):
 
     Parameters
     ----------
-    g, p, H, inside
-        See the top of this file; rows of a slab.
+    g, p : array, rows of a local slab
+        Gap and pressure.
+    H : float or None
+        Hardness.
+    inside : (rows, points)
+        Rows and points of each row that are summed.
 
     Returns
     -------
     squares, fourth : float64
+        In double precision.
     """
     squares = fourth = 0.0
     at_limit = limit(H, 0.0)
@@ -189,11 +202,11 @@ def open_moments(g, p, H, inside):
 
 @kernel
 def count_uncertain(g, p, inside, compliance, tie, sure, largest, fall, counts):
-    """Count the points that errors of the pressure might move into contact or out of it, by the
-    square of what that takes.
+    """Count points by the square of the pressure error that moves them into contact or out of it.
 
-    It takes |p| where g <= 0, elsewhere g/compliance less the pressure that is left there, which
-    closes the point by itself; where the body as a whole may be wrong by a height, as much less.
+    That error is |p| where g <= 0. Elsewhere it is g/compliance, less the pressure that is left
+    there, which closes the point by itself. Where the body as a whole may be too high or too low it
+    is less by fall/compliance.
 
     Parameters
     ----------
@@ -202,16 +215,17 @@ def count_uncertain(g, p, inside, compliance, tie, sure, largest, fall, counts):
     compliance : float
         1/K of the shortest wave.
     tie : float
-        Points whose change takes less than that are right on either side, and not counted.
+        Points with a smaller error, before these deductions, are right on either side: they are not
+        counted.
     sure : float
-        What is less than that counts as nothing.
+        Points with a smaller error, after them, are counted in the last bin.
     largest : float
-        Square of the largest that counts.
+        Square of the largest error that is counted.
     fall : float
         Height by which the body as a whole may be wrong.
     counts : array (2, BINS)
-        Points in contact and out of it. Bin k gets squares from largest 2^(-(k + 1)/PER_OCTAVE) on,
-        the last one all smaller ones.
+        Is increased by the points in contact, [0], and out of contact, [1]. Bin k gets squares from
+        largest 2^(-(k + 1)/PER_OCTAVE) on, the last one all smaller ones.
     """
     real = g.dtype.type
     by_fall = fall / compliance
@@ -257,11 +271,11 @@ def count_heights(g, inside, largest, counts):
     inside : tuple of int
         Rows and points of each row that belong to the surface.
     largest : float
-        Upper end of the first bin.
+        Upper end of the first bin; larger heights are not counted.
     counts : array (2, BINS + 1)
-        Open points and dents; bin k gets heights from largest 2^(-k/PER_OCTAVE) down to the next
-        one, bin BINS - 1 all smaller ones. The last column gets the points with g <= 0, and with
-        g < 0.
+        Is increased by the open points, [0], and the dents, [1]. Bin k gets heights from largest
+        2^(-k/PER_OCTAVE) down to the next one, bin BINS - 1 all smaller ones. The last column gets
+        the points with g <= 0, and with g < 0.
     """
     for i in range(inside[0]):
         for j in range(inside[1]):
@@ -281,17 +295,22 @@ def count_heights(g, inside, largest, counts):
 
 @kernel
 def dual_rows(g, p, x, scale, shift, H, inside, i0, i1):
-    """Set x = p^ - p, and return the sum of p^ g out of dents.
+    """Set x = p^ - p on some rows, and return the sum of p^ g over elastic contact.
 
     The admissible pressure p^ is scale p + shift in elastic contact, H where a point yields, and 0
     elsewhere.
 
     Parameters
     ----------
-    g, p, x, H, inside, i0, i1
-        See the top of this file.
+    g, p : array, local slab
+        Gap and pressure.
+    x : array (>= i1 - i0, n_y)
+        Gets the result from row i0 on.
     scale, shift : float
         Of the pressure in elastic contact.
+    H, inside, i0, i1
+        Hardness, this rank's part of the surface, and the rows i0 <= i < i1: see the top of this
+        file.
 
     Returns
     -------

@@ -10,7 +10,10 @@ from .jit import inline, kernel
 
 @inline
 def _root(node, parent, shift):
-    """Return the root of a node, which becomes the parent of all on the way there."""
+    """Return the root of a node.
+
+    All nodes on the way to it become its direct children, with `shift` counted from it.
+    """
     x = 0
     y = 0
     root = node
@@ -33,7 +36,7 @@ def _root(node, parent, shift):
 
 @kernel
 def join(edges, parent, shift, wraps):
-    """Make one tree of all pieces that edges join.
+    """Join the trees of all pieces that edges connect: changes parent, shift and wraps.
 
     Parameters
     ----------
@@ -44,8 +47,8 @@ def join(edges, parent, shift, wraps):
     shift : (nodes, 2) int
         0 at first; at the end borders crossed from the root to the piece.
     wraps : (2,) bool
-        Becomes true for an axis where two ways to the same piece differ: a closed way goes around
-        the cell.
+        Becomes true for an axis along which two ways to the same piece cross different numbers of
+        borders: a closed way goes around the cell. Never becomes false.
     """
     for k in range(edges.shape[0]):
         a = edges[k, 0]

@@ -47,9 +47,9 @@ class DynamicsSums(NamedTuple):
 
 @kernel
 def verlet_step(g, p, d, x, i0, i1, a, b, inside):
-    """Make one time step, d <- b d - a p, g <- g + d.
+    """Make one time step on rows i0 <= i < i1: d <- b d - a p, g <- g + d.
 
-    The constraint g >= 0 stops what hits the wall (zero restitution): there g = 0 and d = 0.
+    A point that hits the wall stops there (zero restitution): g = 0 and d = 0.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def verlet_step(g, p, d, x, i0, i1, a, b, inside):
 
 @kernel
 def update_pressure(g, p, d, x, i0, i1, inside):
-    """Set p <- p + x, x being K times the change of g.
+    """Set p <- p + x on rows i0 <= i < i1, x being K times the change of g; sum up the new state.
 
     Parameters
     ----------

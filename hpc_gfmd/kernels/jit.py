@@ -13,12 +13,8 @@ from .cache import compiled_on_first_use
 FASTMATH = {"reassoc", "contract", "nsz", "arcp"}
 
 
-def kernel(
-    function: Callable[..., Any],
-    piece: bool = False,
-    part: bool = False,
-) -> Any:
-    """Compile a function on first use, keep it in the cache, release the GIL while it runs.
+def kernel(function: Callable[..., Any], piece: bool = False, part: bool = False) -> Any:
+    """Make a function a kernel: compiled on first use, kept in the cache, run without the GIL.
 
     Parameters
     ----------
@@ -26,12 +22,13 @@ def kernel(
         Of arrays and numbers. It must not make arrays: counting references, also of every row that
         a loop takes, would be slow.
     piece : bool
-        Of other kernels, small: its machine code is copied into theirs. As a function of its own,
-        kept code would have another copy of it than code that has just been compiled, and other
-        last bits. Python must not call it: there is nothing to call, and the process ends.
+        Set for a small piece of other kernels: its machine code is copied into theirs. If it were
+        called instead, code from the cache and code that has just been compiled would contain
+        different copies of it, and results could differ in the last bits. Python must not
+        call it: there is no entry for Python, and the process would end.
     part : bool
-        Of one other kernel, large: its source is copied into that one before anything is compiled,
-        which takes half as long as compiling both.
+        Set for a large part of one other kernel: its source is copied into that one before anything
+        is compiled, which takes half as long as compiling both.
 
     Returns
     -------
@@ -57,10 +54,10 @@ part = partial(kernel, part=True)
 
 @inline
 def points_inside(i: int, inside: tuple[int, int]) -> np.uint64:
-    """Return how many points of row i belong to the surface.
+    """Return how many points of row i belong to the surface: the first ones of the row.
 
-    Without a sign: a loop that begins at a number that might be negative, counted from the end,
-    does not use vectors.
+    The number is unsigned: a loop that begins at a number that might be negative, counted from the
+    end, does not use vectors.
 
     Parameters
     ----------
@@ -72,6 +69,6 @@ def points_inside(i: int, inside: tuple[int, int]) -> np.uint64:
     Returns
     -------
     np.uint64
-        From the first point on.
+        0 in a row beyond the surface.
     """
     return np.uint64(inside[1] if i < inside[0] else 0)

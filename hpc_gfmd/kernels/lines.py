@@ -10,16 +10,16 @@ WIDTH = 8  # numbers in a line
 
 @intrinsic
 def move_line(_, target, i, source, j):
-    """Copy a line of WIDTH numbers between flat contiguous float64 arrays, in kernels alone.
+    """Copy a line of WIDTH numbers between flat contiguous float64 arrays. Only in kernels.
 
-    Sets target[i:i + WIDTH] = source[j:j + WIDTH].
+    Sets target[i:i + WIDTH] = source[j:j + WIDTH] without checking the bounds.
 
     Parameters
     ----------
     target, source : (...,) float64
-        Not checked for their lengths.
+        The array to copy to and the one to copy from.
     i, j : int
-        Where the line begins in each.
+        First index of the line in `target` and in `source`.
     """
 
     def generate(context, builder, signature, values):

@@ -15,12 +15,12 @@ from .jit import kernel
 
 @kernel
 def split(waves, shift_x, shift_y, norm, parts):
-    """Make the parts of columns that have been transformed.
+    """Split the lowest modes of a spectrum into products of cos and sin along both axes.
 
     Parameters
     ----------
     waves : (n_x, >= m_y) complex
-        Transformed along both axes.
+        The spectrum: transformed along both axes.
     shift_x, shift_y, norm
         See the head of the file.
     parts : (4, m_x, m_y)
@@ -42,12 +42,12 @@ def split(waves, shift_x, shift_y, norm, parts):
 
 @kernel
 def multiply(part, matrices, by_columns, x):
-    """Set part = matrices part, in place.
+    """Multiply the modes of one parity by their matrices, in place.
 
     Parameters
     ----------
     part : (rows, columns)
-        Modes of one parity.
+        The modes; overwritten.
     matrices : (stack, m, m)
         Symmetric: one matrix for all modes (stack = 1), or one for each column or row of them.
     by_columns : bool
@@ -58,7 +58,7 @@ def multiply(part, matrices, by_columns, x):
     Returns
     -------
     float
-        <part, matrices part>, of the part before.
+        <part, matrices part> of the modes before.
     """
     stack = matrices.shape[0]
     m = matrices.shape[1]
@@ -81,18 +81,20 @@ def multiply(part, matrices, by_columns, x):
 
 @kernel
 def join(parts, shift_x, shift_y, norm, unit, positive, negative):
-    """Undo `split`, times unit.
+    """Undo `split`, and multiply by `unit`: products of cos and sin become modes of a spectrum.
 
     Parameters
     ----------
-    parts, shift_x, shift_y, norm
+    parts : (4, m_x, m_y)
+        The products, which stay as they are.
+    shift_x, shift_y, norm
         See the head of the file.
     unit : float
         Factor.
     positive : (m_x, m_y) complex
-        Gets what stands at wave numbers k_x >= 0.
+        Gets the modes with wave numbers k_x >= 0.
     negative : (m_x - 1, m_y) complex
-        Gets what stands at -k_x < 0, the largest k_x first.
+        Gets those with -k_x < 0, the largest k_x first.
     """
     m_x = norm.shape[0]
     for k in range(m_x):

@@ -22,15 +22,25 @@ s              indicator of the surface, restricted: the product of s_x and s_y
 Fields of a level are one array (fields, rows + 2, n): own rows 1 to rows, halo rows 0 and rows + 1.
 """
 
+from .atomic import add, replace
 from .jit import inline, kernel
 from .views import view_fields
 
 SUMS = 7  # that smooth_level returns
+# of sweep_levels: its totals, and where those are that are no sums
+TOTALS = 9
+MEAN = 7
+AMPLITUDE = 8
+# counters that threads have in common, each in a cache line of its own
+NEXT = 0
+ENDED = 8
+CLOSED = 16
+TURNS = 24  # numbers of an array that holds them
 
 
 @inline
 def restrict_row(fine, coarse, factor, mode, J_y, f_y):
-    """Set coarse = factor P^T fine along one row.
+    """Restrict one row: coarse = factor P^T fine, P being linear interpolation.
 
     Parameters
     ----------
@@ -67,7 +77,7 @@ def restrict_row(fine, coarse, factor, mode, J_y, f_y):
 
 @inline
 def interpolate_row(coarse, fine, mode, J_y, f_y):
-    """Set fine = P coarse along one row.
+    """Interpolate one periodic row linearly from the coarse level: fine = P coarse.
 
     Parameters
     ----------
@@ -97,7 +107,7 @@ def interpolate_row(coarse, fine, mode, J_y, f_y):
 
 @inline
 def combine_rows(coarse, J, f, out):
-    """Set out = (1 - f) coarse[J] + f coarse[J + 1]: P along x, for one fine row.
+    """Interpolate along x for one fine row: out = (1 - f) coarse[J] + f coarse[J + 1].
 
     Parameters
     ----------
@@ -154,7 +164,7 @@ def rows_beside(start, end, f_x, zero, one):
 
 @inline
 def gather_rows(fine, start, end, f_x, complete, following):
-    """Add up own rows start <= i < end, all those beside one coarse row: R along x.
+    """Restrict along x: add up own rows start <= i < end, all those beside one coarse row.
 
     Sets complete = following + sum of (1 - f_x) row, and following = sum of f_x row.
 
@@ -167,7 +177,8 @@ def gather_rows(fine, start, end, f_x, complete, following):
     f_x : (rows,)
         Their weights.
     complete, following : (n,)
-        A coarse row that is complete, and what is there of the next one.
+        Get the coarse row, which is then complete, and what these rows add to the next one. On
+        entry `following` holds what earlier rows add to this coarse row.
     """
     real = complete.dtype.type
     a, b, of_a, of_b, next_a, next_b = rows_beside(start, end, f_x, real(0), real(1))
@@ -180,20 +191,20 @@ def gather_rows(fine, start, end, f_x, complete, following):
 
 @kernel
 def restrict_level(fine, coarse, transfer, i0, i1, scratch):
-    """Set coarse = R fine for the coarse rows that own rows i0 <= i < i1 lie on or after.
+    """Restrict fields to the coarse rows that own rows i0 <= i < i1 lie on or after.
 
-    With the last own row also the coarse row after it; coarse rows that no fine row lies beside
-    are left as they are. Rows are added up first: that is contiguous, and leaves half as many rows
-    to restrict along the other axis.
+    This is full weighting. With the last own row also the coarse row after it is set; coarse rows
+    that no fine row lies beside are left as they are. Rows are added up first: that is contiguous,
+    and leaves half as many rows to restrict along the other axis.
 
     Parameters
     ----------
     fine : (>= fields, rows + 2, n)
         Its own rows are read.
     coarse : (fields, coarse rows + 2, m)
-        Halo rows count.
+        Gets the result; halo rows are written to like the others.
     transfer : tuple
-        Between the two, see the head of the file.
+        Tables between the two, see the head of the file.
     i0, i1 : int
         i0 is the first of the rows beside its coarse row.
     scratch : (>= 2, >= n)
@@ -226,14 +237,16 @@ def restrict_level(fine, coarse, transfer, i0, i1, scratch):
 
 @kernel
 def smooth_level(fields, z_coarse, out, weight, damping, transfer, nominal, i0, i1, scratch):
-    """Set z = r/(weight + damping t) + P z_coarse on own rows i0 <= i < i1.
+    """Set z = r/(weight + damping t) + P z_coarse on own rows i0 <= i < i1 of a level.
 
-    Sums are in the precision of the fields along a row, over rows in double precision.
+    r is the pressure out of contact, t the share of contact, both restricted to the level, and P
+    linear interpolation. Sums are in the precision of the fields along a row, over rows in double
+    precision.
 
     Parameters
     ----------
     fields : (2 or 3, rows + 2, n)
-        r, t and perhaps x.
+        r, t and perhaps a third field x.
     z_coarse : (coarse rows + 2, m)
         z of the next coarser level, with valid halo rows.
     out : (rows + 2, n)
@@ -241,9 +254,9 @@ def smooth_level(fields, z_coarse, out, weight, damping, transfer, nominal, i0, 
     weight, damping : float
         Of this level, in the precision of the fields.
     transfer : tuple
-        See the head of the file.
+        Tables between the levels, see the head of the file.
     nominal : (s_x, s_y)
-        (rows,) and (n,).
+        (rows,) and (n,): factors of s, the indicator of the surface.
     i0, i1 : int
         Own rows.
     scratch : (>= 2, >= n)
@@ -293,40 +306,43 @@ def smooth_level(fields, z_coarse, out, weight, damping, transfer, nominal, i0, 
 
 
 @kernel
-def restrict_levels(memory, levels, tables, numbers, scratch):
-    """Restrict r and t through consecutive levels, down to a single point, that one rank has
-    completely.
+def sweep_levels(
+    pieces,
+    end,
+    turns,
+    patience,
+    memory,
+    levels,
+    tables,
+    numbers,
+    softness,
+    damping,
+    mode,
+    mode_level,
+    scratch,
+    sums,
+    totals,
+):
+    """Sweep over consecutive levels, down to a single point, that one rank has completely.
+
+    r is the pressure out of contact, t the share of contact: both are restricted to all levels, and
+    r of every level becomes z, what the preconditioner makes of it (`smooth_level`). All threads
+    of the rank call this at the same time. Each takes the next piece of the sweep when all stages
+    before it are closed; who ends the last piece of a stage closes it.
 
     Parameters
     ----------
-    memory, levels, tables, numbers, scratch
-        As for `smooth_levels`.
-    """
-    J_x, f_x, J_y, f_y, _, _ = tables
-    last = levels.shape[0] - 2
-    for k in range(last):
-        begin, _, rows, n, along, at_x, at_y = levels[k]
-        next_begin, _, next_rows, next_n, _, _, _ = levels[k + 1]
-        fine = view_fields(memory, begin, 2, rows + 2, n)
-        coarse = view_fields(memory, next_begin, 2, next_rows + 2, next_n)
-        transfer = (J_x[at_x:], f_x[at_x:], along, J_y[at_y:], f_y[at_y:], numbers[k, 1])
-        for c in range(2):
-            for j in range(next_n):
-                coarse[c, 0, j] = 0
-                coarse[c, next_rows + 1, j] = 0
-        restrict_level(fine, coarse, transfer, 0, rows, scratch)
-        for c in range(2):  # the axis is periodic: halo rows are rows of the other end
-            for j in range(next_n):
-                coarse[c, 1, j] += coarse[c, next_rows + 1, j]
-                coarse[c, next_rows, j] += coarse[c, 0, j]
-
-
-@kernel
-def smooth_levels(memory, levels, tables, numbers, softness, damping, mode, mode_level, scratch):
-    """Make z of consecutive levels, down to a single point, that one rank has completely.
-
-    Parameters
-    ----------
+    pieces : (pieces, 6) int64
+        In their order, of each: level, its rows i0 <= i < i1, whether they are smoothed or
+        restricted, and the first piece of its stage and the one after the last. A stage is one
+        level on the way down or up.
+    end : int
+        Number of pieces to do, counted from the first.
+    turns : array of int64
+        Counters that threads have in common, at NEXT, ENDED and CLOSED: the next piece, the number
+        of pieces that have ended, and that of pieces in closed stages.
+    patience : int
+        How often a thread looks at a stage that is not closed before it returns.
     memory : flat array
         Fields of all levels: r, t and on level 0 perhaps x. r of every level becomes z,
         with halo rows. A level of zeros follows the last one: what is coarser than a point.
@@ -347,51 +363,104 @@ def smooth_levels(memory, levels, tables, numbers, softness, damping, mode, mode
     mode_level : int
         The level of the gap mode.
     scratch : (>= 2, >= n)
-        n: points along a row of level 0, or of any other.
+        Memory of one thread; n: points along a row of level 0, or of any other.
+    sums : (pieces, SUMS) float64
+        Gets the sums of each piece that is smoothed.
+    totals : (TOTALS,) float64
+        Gets <r, z> and <x, z> on level 0; <r, r>, <t, t>, <r, t>, <t, s> and <r, s>, summed over
+        levels times their softness; r of the last level, a single point: the mean of r; and the
+        product of the gap mode with r.
 
     Returns
     -------
-    rz, xz : float
-        <r, z> and <x, z> on level 0.
-    rr, tt, rt, ts, rs : float
-        <r, r>, <t, t>, <r, t>, <t, s> and <r, s>, summed over levels times their softness.
-    mean : float
-        r of the last level, a single point: the mean of r.
+    int
+        How often this thread looked at stages that were not closed; -1 less that if it returns
+        before the end.
     """
     J_x, f_x, J_y, f_y, s_x, s_y = tables
     coarsest = levels.shape[0] - 2
-    begin = levels[coarsest, 0]
-    mean = 1.0 * memory[begin + levels[coarsest, 3]]
-    amplitude = memory.dtype.type(0)
-    if mode.shape[0] > 0:
-        begin = levels[mode_level, 0] + levels[mode_level, 3]
-        for i in range(mode.shape[0]):
-            amplitude += mode[i] * memory[begin + i]
-    rz = xz = rr = tt = rt = ts = rs = 0.0
-    for k in range(coarsest, -1, -1):
+    looks = 0
+    looks_in_turn = 0
+    while True:
+        piece = add(turns, NEXT, 0)
+        if piece >= end:
+            return looks
+        k, i0, i1, is_smoothed, stage, next_stage = pieces[piece]
+        if add(turns, CLOSED, 0) < stage:
+            looks += 1
+            looks_in_turn += 1
+            if looks_in_turn > patience:
+                return -1 - looks
+            continue
+        looks_in_turn = 0
+        if not replace(turns, NEXT, piece, piece + 1):
+            continue  # another thread has taken it
         begin, count, rows, n, along, at_x, at_y = levels[k]
         next_begin, _, next_rows, next_n, _, _, _ = levels[k + 1]
         fields = view_fields(memory, begin, count, rows + 2, n)
-        z_coarse = view_fields(memory, next_begin, 1, next_rows + 2, next_n)[0]
+        coarse = view_fields(memory, next_begin, 2 - is_smoothed, next_rows + 2, next_n)
         transfer = (J_x[at_x:], f_x[at_x:], along, J_y[at_y:], f_y[at_y:], numbers[k, 1])
-        nominal = (s_x[at_x:], s_y[at_y:])
-        z = fields[0]
-        rz, xz, level_rr, level_tt, level_rt, level_ts, level_rs = smooth_level(
-            fields, z_coarse, z, numbers[k, 0], damping, transfer, nominal, 0, rows, scratch
-        )
-        rr += softness[k] * level_rr
-        tt += softness[k] * level_tt
-        rt += softness[k] * level_rt
-        ts += softness[k] * level_ts
-        rs += softness[k] * level_rs
-        if k == mode_level and mode.shape[0] > 0:
-            rz += amplitude * amplitude
-            for i in range(mode.shape[0]):
-                memory[begin + n + i] += amplitude * mode[i]
-                if count > 2:
-                    x = memory[begin + 2 * (rows + 2) * n + n + i]
-                    xz += amplitude * (mode[i] * x)
-        for j in range(n):
-            z[0, j] = z[rows, j]
-            z[rows + 1, j] = z[1, j]
-    return rz, xz, rr, tt, rt, ts, rs, mean
+        if is_smoothed:
+            if k == coarsest:
+                _begin_smoothing(memory, levels, mode, mode_level, totals)
+            nominal = (s_x[at_x:], s_y[at_y:])
+            z = fields[0]
+            of_piece = smooth_level(
+                fields, coarse[0], z, numbers[k, 0], damping, transfer, nominal, i0, i1, scratch
+            )
+            for c in range(SUMS):
+                sums[piece, c] = of_piece[c]
+        else:
+            restrict_level(fields, coarse, transfer, i0, i1, scratch)
+        if add(turns, ENDED, 1) + 1 == next_stage:
+            if is_smoothed:
+                has_mode = k == mode_level and mode.shape[0] > 0
+                _close_smoothing(
+                    fields, sums[stage:next_stage], softness[k], has_mode, mode, totals
+                )
+            else:
+                for c in range(2):  # the axis is periodic: the row after the last is the first
+                    for j in range(next_n):
+                        coarse[c, 1, j] += coarse[c, next_rows + 1, j]
+            add(turns, CLOSED, next_stage - stage)
+
+
+@inline
+def _begin_smoothing(memory, levels, mode, mode_level, totals):
+    """Set the totals to what they are before any level is smoothed."""
+    coarsest = levels.shape[0] - 2
+    for c in range(TOTALS):
+        totals[c] = 0.0
+    totals[MEAN] = memory[levels[coarsest, 0] + levels[coarsest, 3]]
+    if mode.shape[0] > 0:
+        begin = levels[mode_level, 0] + levels[mode_level, 3]
+        amplitude = memory.dtype.type(0)
+        for i in range(mode.shape[0]):
+            amplitude += mode[i] * memory[begin + i]
+        totals[AMPLITUDE] = amplitude
+
+
+@inline
+def _close_smoothing(fields, sums, softness, has_mode, mode, totals):
+    """Add up the sums of a level's pieces, add the gap mode to its z, and set the halo rows."""
+    rows = fields.shape[1] - 2
+    n = fields.shape[2]
+    for c in range(SUMS):
+        total = 0.0
+        for piece in range(sums.shape[0]):
+            total += sums[piece, c]
+        totals[c] = total if c < 2 else totals[c] + softness * total
+    if has_mode:
+        amplitude = fields.dtype.type(totals[AMPLITUDE])
+        totals[0] += amplitude * amplitude
+        xz = 0.0
+        for i in range(rows):
+            for j in range(n):
+                mode_ij = mode[i * n + j]
+                fields[0, i + 1, j] += amplitude * mode_ij
+                if fields.shape[0] > 2:
+                    xz += amplitude * (mode_ij * fields[2, i + 1, j])
+        totals[1] += xz
+    for j in range(n):
+        fields[0, 0, j] = fields[0, rows, j]
+        fields[0, rows + 1, j] = fields[0, 1, j]

@@ -1,14 +1,14 @@
 """From the solution on the decimated grid to a start on the finer one.
 
 The displacement is interpolated; where the finer grid's heights poke through it, the solution
-differs from the interpolation nearby. That difference v = u - P u_c is found without an FFT, by a
-few projected gradient steps with the part of K that couples neighbours:
+differs from the interpolation nearby. That difference v = u - P u_c is computed without an FFT, by
+a few projected gradient steps with the part of K that couples neighbours:
 
     v <- max(v - compliance (P p_c + K_near v), -g_c),    g_c = P u_c + h,    g = g_c + v.
 
-A step that ends compliance times the hardness below -g_c makes a dent as deep as it is more.
+With a hardness H, a step that ends more than compliance H below -g_c makes a dent of the excess.
 
-Beyond the surface, where the grid goes on, nothing pokes through: h = 0 and g = u there, and v,
+Beyond the surface, in the padding of the grid, nothing pokes through: h = 0 and g = u there, and v,
 which follows the finer edge, is not bounded.
 
 Letters. Gaps are in g_rms a of the fine grid, pressures in E* g_rms, K in 1/a.
@@ -34,7 +34,7 @@ RING = SWEEPS + 1  # rows of every quantity that are kept
 
 
 def prolong_gap(u, p, h, g, fine_rows, coarse_rows, halved, compliance, stencil, deepest, nominal):
-    """Make the gap g on some rows from the solution on the decimated grid.
+    """Compute the gap g on some rows of the fine grid from the solution on the decimated grid.
 
     Between coarse points u is the cubic through the four nearest, (-1, 9, 9, -1)/16, and p the mean
     of two.
@@ -42,11 +42,12 @@ def prolong_gap(u, p, h, g, fine_rows, coarse_rows, halved, compliance, stencil,
     Parameters
     ----------
     u, p, h : tuple of three arrays
-        The rows before these, these, and the rows after: HALO of u and p, SWEEPS of h.
+        Rows before this rank's own, its own rows, and rows after them. There are HALO rows of the
+        coarse fields u and p on either side, and SWEEPS rows of h.
     g : (rows, n)
         Gets the gap; may be the memory of h.
     fine_rows, coarse_rows : (int, int)
-        The first of the rows and how many there are on all ranks.
+        Number of this rank's first row, and number of rows on all ranks.
     halved : (bool, bool)
         Whether the coarse grid has half as many points along x, along y.
     compliance : float
@@ -68,7 +69,11 @@ def prolong_gap(u, p, h, g, fine_rows, coarse_rows, halved, compliance, stencil,
 
 @kernel
 def _prolong(u, p, h, g, numbers, compliance, stencil, deepest, ring, line):
-    """Do the work of `prolong_gap`; numbers: of its rows and points; ring, line: its memory."""
+    """Fill g as `prolong_gap` describes.
+
+    numbers: its fine_rows, coarse_rows, halved and nominal in one array; ring, line: scratch
+    memory.
+    """
     real = g.dtype.type
     start, n_x, first_coarse, m_x, halve_x, halve_y, surface_rows, surface_points = numbers
     rows = g.shape[0]
@@ -129,10 +134,10 @@ def _prolong(u, p, h, g, numbers, compliance, stencil, deepest, ring, line):
 
 @inline
 def _coarse_line(field, k, between, factor, near, far, line):
-    """Set line[1:m + 1] = factor times row k of a field, or where the fine row lies between two of
-    them near (k + (k + 1)) + far ((k - 1) + (k + 2)).
+    """Set line[1:m + 1] to coarse row k of a field, or to a fine row between two coarse ones.
 
-    field: rows before this rank's own, these, and rows after.
+    It is factor times row k or, if `between`, near (k + (k + 1)) + far ((k - 1) + (k + 2)). field:
+    rows before this rank's own, its own, and rows after; k counts from the first of its own.
     """
     before = field[0].shape[0]
     owned_rows = field[1].shape[0]
@@ -156,7 +161,10 @@ def _coarse_line(field, k, between, factor, near, far, line):
 
 @inline
 def _interpolate_row(line, fine, halve_y, near, far):
-    """Set fine[1:-1] from the coarse points line[1:-2] of a row, which wraps around."""
+    """Set fine[1:-1] from the coarse points line[1:-2] of a periodic row, a copy unless halve_y.
+
+    A fine point between two coarse ones gets near times both neighbours and far times the next two.
+    """
     n = fine.shape[0] - 2
     m = line.shape[0] - 3
     if halve_y:
@@ -175,7 +183,7 @@ def _interpolate_row(line, fine, halve_y, near, far):
 
 @inline
 def _wrap(row):
-    """Set the points before and after a periodic row."""
+    """Copy the last point of a periodic row before its first, and the first after its last."""
     n = row.shape[0] - 2
     row[0] = row[n]
     row[n + 1] = row[1]
@@ -183,9 +191,10 @@ def _wrap(row):
 
 @inline
 def _relax(ring, at, i, n, inner, deepest, couplings):
-    """Make one step for row i, of which `inner` points are of the surface.
+    """Make one gradient step of v, the correction of the displacement, for row i.
 
-    at: where the ring of its input begins; that of its output follows.
+    v of the row's first `inner` points stays >= -g_c, where the gap is closed, but for dents. at:
+    where the ring of the step's input begins in `ring`; that of its output follows.
     """
     with_itself, along_x, along_y, diagonal = couplings
     slot = (i + RING) % RING

@@ -12,7 +12,7 @@ def count_digits(bits, inside, sign, shift, prefix, counts):
     """Count the values of the next digit among all numbers whose key begins with a known prefix.
 
     The key of a floating-point number orders as its value does: its bits with the sign bit set
-    where the number is positive, and all bits turned over where it is negative.
+    where the number is positive, and all bits inverted where it is negative.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def count_digits(bits, inside, sign, shift, prefix, counts):
 
 @kernel
 def depths_below(field, inside, level):
-    """Return the sums of the depths of all points below 0, and below a level.
+    """Sum up how far points lie below 0, and how far below a level.
 
     Parameters
     ----------
@@ -52,10 +52,12 @@ def depths_below(field, inside, level):
     inside : tuple of int
         Rows and points of each row that count.
     level : float
+        A height.
 
     Returns
     -------
     below_zero, below_level : float64
+        Sums of max(-height, 0) and of max(level - height, 0).
     """
     below_zero = below_level = 0.0
     for i in range(inside[0]):

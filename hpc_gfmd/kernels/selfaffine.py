@@ -29,11 +29,10 @@ def _uniform(x):
 
 @inline
 def _mode(k_x, k_y, spectrum):
-    """Return the amplitude of the mode (k_x, k_y), any signs: the conjugate of that of (-k_x,
-    -k_y); 0 outside the band.
+    """Return the amplitude (re, im) of the mode (k_x, k_y) of any signs; (0, 0) outside the band.
 
-    spectrum: (seed, aspect, low, high, rolloff, exponent); wave numbers k are in units of 2 pi/L_x,
-    aspect = L_y/L_x.
+    It is the conjugate of that of (-k_x, -k_y). spectrum: (seed, aspect, low, high, rolloff,
+    exponent); wave numbers k are in units of 2 pi/L_x, aspect = L_y/L_x.
     """
     seed, aspect, low, high, rolloff, exponent = spectrum
     y = k_y / aspect
@@ -61,13 +60,13 @@ def _mode(k_x, k_y, spectrum):
 def self_affine(block, keep, factor, j0, columns, n_y, spectrum):
     """Set block = keep block + factor times a random self-affine spectrum.
 
-    A mode number of exactly half the points is the sum of the two modes that the grid cannot tell
-    apart.
+    A mode number of exactly half the points is the sum of the two modes that the grid cannot
+    distinguish.
 
     Parameters
     ----------
     block : (W, n_x) complex
-        Complete columns of the half spectrum.
+        Complete columns of the half spectrum; overwritten.
     keep, factor : float
         See above.
     j0, columns : int
@@ -75,7 +74,7 @@ def self_affine(block, keep, factor, j0, columns, n_y, spectrum):
     n_y : int
         Points along y.
     spectrum : tuple
-        As for `_mode`.
+        (seed, aspect, low, high, rolloff, exponent), as for `_mode`.
     """
     W, n_x = block.shape
     for w in range(W):

@@ -25,6 +25,8 @@ PIECE = 1024  # numbers that are summed up in their own precision
 def multiply_blocks(columns, k0, k1, numbers, factors, inverse, backward, sums):
     """Transform the blocks k0 <= k < k1 of columns, multiply them by K or 1/K, and transform back.
 
+    K is the stiffness of the body. Everything happens in the memory of `columns`.
+
     Parameters
     ----------
     columns : tuple
@@ -38,9 +40,10 @@ def multiply_blocks(columns, k0, k1, numbers, factors, inverse, backward, sums):
     inverse : bool
         Multiply by 1/K.
     backward : bool
-        Transform back.
+        Transform back; if not, the blocks in memory stay as they are.
     sums : (blocks, 2) float64
-        [k] gets what `multiply` returns, and the real part of the first number before.
+        [k, 0] gets what `multiply` returns for block k, [k, 1] the real part of its first number
+        before the multiplication.
     """
     plans = columns[5]
     scale, weight, q_x, q_y, table = factors
@@ -70,13 +73,13 @@ def multiply(columns, k, inverse, scale, weight, q_x, q_y, table):
     scale : float
         In the precision of the columns.
     weight : (blocks, W)
-        See the head of the file.
+        How often each column of the half spectrum occurs in the full one.
     q_x : (2 n_x,)
         Every wave number twice.
     q_y : (blocks, W)
         Wave numbers of the columns.
     table : (blocks, W, n_x//2 + 1) or None
-        K of q_x = 0 and the positive ones; None where K = |q|/2.
+        Stiffness K of q_x = 0 and the positive ones; None: K = |q|/2.
 
     Returns
     -------
@@ -94,8 +97,11 @@ def multiply(columns, k, inverse, scale, weight, q_x, q_y, table):
 
 @inline
 def _multiply_by_q(column, q_x, q_y, scale, inverse):
-    """Multiply one column for K = |q|/2; the energy is summed up over PIECE numbers in their own
-    precision."""
+    """Multiply one column by scale K or scale/K, with K = |q|/2, in place; return its energy.
+
+    The energy is the sum of scale K |column|^2, or with 1/K, of the values before. PIECE numbers at
+    a time are summed up in their own precision.
+    """
     real = column.dtype.type
     qy2 = q_y * q_y
     zero = real(0)
@@ -124,7 +130,10 @@ def _multiply_by_q(column, q_x, q_y, scale, inverse):
 
 @inline
 def _multiply_by_table(column, table, scale, inverse):
-    """Multiply one column for a K that stands in a table; the energy likewise."""
+    """Multiply one column by scale K or scale/K, with K from a table, in place; return its energy.
+
+    As `_multiply_by_q` does. table: K of q_x >= 0 in this column.
+    """
     n_x = column.shape[0] // 2
     stored = table.shape[0]
     zero = column.dtype.type(0)

@@ -18,18 +18,20 @@ from .jit import kernel
 
 @kernel
 def subspace_products(V, KV, D, k, i0, i1, sums):
-    """Add up what k directions have to do with each other on rows i0 <= i < i1.
+    """Compute the products <V_a, K V_b> and <V_a, D V_b> of k directions over rows i0 <= i < i1.
 
     Parameters
     ----------
-    V, KV, D
-        See the head of the file.
+    V, KV : (3, n_loc, n_y)
+        Directions of the gap, and the stiffness K times each.
+    D : (n_loc, n_y)
+        Diagonal of a second operator, as a stiffness.
     k : int
-        The first k directions count.
+        The first k directions are used.
     i0, i1 : int
         Local rows i0 <= i < i1.
     sums : (2, 3, 3) float64
-        Becomes <V_a, K V_b> and <V_a, D V_b>, the part of these rows, for b <= a < k.
+        [0, a, b] becomes <V_a, K V_b> and [1, a, b] <V_a, D V_b>, for b <= a < k.
     """
     for a in range(k):
         for b in range(a + 1):
@@ -45,14 +47,16 @@ def subspace_products(V, KV, D, k, i0, i1, sums):
 
 @kernel
 def combine_directions(V, KV, k, weights, i0, i1):
-    """Make the best direction and what is new in it, on rows i0 <= i < i1.
+    """Replace the best direction by a weighted sum of all, on rows i0 <= i < i1.
+
+    V[0] becomes the sum of weights V, and V[2] the same sum without its first term; KV likewise.
 
     Parameters
     ----------
-    V, KV : arrays
-        V[0] becomes the sum of weights V, and V[2] that without its first term; KV likewise.
+    V, KV : (3, n_loc, n_y)
+        Directions of the gap, and the stiffness K times each; [0] and [2] are overwritten.
     k : int
-        The first k directions count.
+        The first k directions are used.
     weights : (3,)
         In the precision of V.
     i0, i1 : int

@@ -39,12 +39,12 @@ TILE = 8  # complex numbers of single precision in a cache line
 
 @intrinsic
 def transform(_, function, plan, source, target):
-    """Call a C function that transforms one array to another, in kernels.
+    """Call a C function that transforms one array to another. Only in kernels.
 
     Parameters
     ----------
     function, plan, source, target : int
-        Addresses of the function and of what it takes.
+        Addresses of the function, and of its arguments: the plan and the memory of both arrays.
     """
 
     def generate(context, builder, signature, values):
@@ -58,19 +58,23 @@ def transform(_, function, plan, source, target):
 
 
 def no_rows(real):
-    """Return the `rows` of a thread that has real rows (R, n_y) and no spectra."""
+    """Return `rows` of a thread, (real, spectra), for given real rows that are never transformed.
+
+    real: (R, n_y); the spectra are empty.
+    """
     nothing = np.zeros(1)
     return real, (nothing, nothing, np.zeros(1, np.int64), 0, (0, 0, 0, 0), (0, 0, 0, 0))
 
 
 @kernel
 def store_rows(spectra, i0, i1):
-    """Transform the real rows of a pass and copy their spectra to the blocks.
+    """Transform the real rows of a pass and copy their spectra to the blocks of this rank.
 
     Parameters
     ----------
     spectra : tuple
-        Of one thread, see the head of the file.
+        Transform and memory of one thread: (half, blocks, edges, n_loc, forward, backward), see the
+        head of the file. Its half and blocks are overwritten.
     i0, i1 : int
         The rows i0 <= i < i1 of this rank.
     """
@@ -96,7 +100,8 @@ def load_rows(spectra, i0, i1):
     Parameters
     ----------
     spectra : tuple
-        Of one thread, see the head of the file.
+        Transform and memory of one thread: (half, blocks, edges, n_loc, forward, backward), see the
+        head of the file. Its half and the real rows are overwritten.
     i0, i1 : int
         The rows i0 <= i < i1 of this rank.
     """
@@ -117,12 +122,13 @@ def load_rows(spectra, i0, i1):
 
 @part
 def load_columns(columns, k, forward):
-    """Fill the scratch with the transformed columns of a block.
+    """Fill a thread's scratch with the columns of a block of the spectrum, transformed along x.
 
     Parameters
     ----------
     columns : tuple
-        Of one thread, see the head of the file.
+        Transform and memory of one thread: (moved, address, near, far, function, plans), see the
+        head of the file; moved is the scratch.
     k : int
         Block of this rank.
     forward : bool
@@ -141,12 +147,13 @@ def load_columns(columns, k, forward):
 
 @part
 def store_columns(columns, k):
-    """Transform the scratch back and put it where the columns of a block stand.
+    """Transform the scratch back and write it to where `load_columns` read the block.
 
     Parameters
     ----------
     columns : tuple
-        Of one thread, see the head of the file.
+        Transform and memory of one thread: (moved, address, near, far, function, plans), see the
+        head of the file; moved is the scratch.
     k : int
         Block of this rank.
     """
@@ -158,7 +165,10 @@ def store_columns(columns, k):
 
 @inline
 def _transpose(memory, begins, rows, columns, width):
-    """Set columns[:width] = a block (n_x, width) transposed, a cache line of either at a time."""
+    """Set columns[:width] = a block (n_x, width) transposed, a cache line of either at a time.
+
+    memory, begins, rows: where rows of the block stand, see `near` at the head of the file.
+    """
     for r in range(begins.shape[0]):
         i0 = rows[r, 0]
         n = rows[r, 1] - i0
@@ -174,7 +184,7 @@ def _transpose(memory, begins, rows, columns, width):
 
 @inline
 def _transpose_back(columns, width, memory, begins, rows):
-    """Undo `_transpose`."""
+    """Write columns[:width] transposed to the memory that `_transpose` reads."""
     for r in range(begins.shape[0]):
         i0 = rows[r, 0]
         n = rows[r, 1] - i0

@@ -10,7 +10,7 @@ from .jit import inline
 
 @inline
 def limit(H, zero):
-    """Return the pressure of a point that yields.
+    """Return the pressure of a point that yields: H, or 0 without a hardness.
 
     Parameters
     ----------
@@ -22,7 +22,7 @@ def limit(H, zero):
     Returns
     -------
     float
-        H; 0 without a hardness.
+        H or zero.
     """
     if H is None:
         return zero
@@ -31,14 +31,14 @@ def limit(H, zero):
 
 @inline
 def yields(g, p, H, zero, one):
-    """Return whether a point has a dent, or is about to have one.
+    """Return 1 if a point yields, else 0: it has a dent (g < 0), or touches with p >= H.
 
     Parameters
     ----------
     g, p : float
         Gap and pressure of the point.
     H : float or None
-        Hardness.
+        Hardness; without one no point yields.
     zero, one : float
         0 and 1 in the precision of the fields.
 
@@ -61,7 +61,7 @@ def landing(v, plastic, length, H, zero):
     v : float
         Gap to which the step would take the point if there were no surface.
     plastic : float
-        What `yields` returns of the point before the step.
+        What `yields` returned for the point before the step.
     length : float
         Length of the step for a pressure of 1.
     H : float or None
@@ -72,7 +72,7 @@ def landing(v, plastic, length, H, zero):
     Returns
     -------
     float
-        At least 0 without a hardness.
+        At least 0 without a hardness; below 0: the depth of a dent.
     """
     if H is None:
         return max(v, zero)
@@ -83,7 +83,7 @@ def landing(v, plastic, length, H, zero):
 
 @inline
 def at_contact(w, g, e, H, zero):
-    """Return whether a point is in contact after a step, but for rounding.
+    """Return whether a step takes a point to g = 0, up to the rounding of the stored step.
 
     Parameters
     ----------
@@ -101,6 +101,7 @@ def at_contact(w, g, e, H, zero):
     Returns
     -------
     bool
+        True also if the stored step reaches or crosses g = 0 although w does not.
     """
     if H is None:
         return w <= zero or e <= -g

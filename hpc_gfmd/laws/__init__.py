@@ -11,23 +11,27 @@ from .base import Law, is_concave
 if TYPE_CHECKING:
     from ..scene import Material
 
-COMMON = ("base",)  # files that are no law
+COMMON = ("base",)  # files of this folder without a law
 
 
 def law_names() -> list[str]:
-    """Return the names of all laws of attraction, without importing them."""
+    """List the names of all laws, including those of other packages, without importing them."""
     return list(names_in(__name__, COMMON))
 
 
 def law_class(name: str) -> type[Law]:
-    """Return the class of the law of a name."""
+    """Import the file of a law and return its class.
+
+    GfmdError: the law of another package cannot be imported, or the file has no such class.
+    """
     return class_in(__name__, name)
 
 
 def attraction_of(material: Material) -> Law | None:
-    """Return the law that a material (scene.Material) means, None without an attraction.
+    """Make the law of attraction that a scene.Material describes; None if it has no adhesion.
 
-    In the unit of its moduli and that of the surface's lengths. Raises SceneError.
+    The law is in the units of the scene: lengths as the surface's, pressures as the moduli.
+    SceneError: the law belongs to another package and its energy is not concave.
     """
     adhesion = material.adhesion
     if adhesion is None:
@@ -36,26 +40,26 @@ def attraction_of(material: Material) -> Law | None:
 
 
 def law_named(name: str, work: float, reach: float) -> Law:
-    """Make a law of attraction.
+    """Make a law of attraction from its name and its two numbers.
 
     Parameters
     ----------
     name : str
         One of `law_names`.
     work : float
-        Work of adhesion per area: the energy between contact and infinity.
+        Work of adhesion per area: the energy that separates the surfaces from contact to infinity.
     reach : float
-        Range of the attraction, a length.
+        Range of the attraction, a length; each law defines what it means.
 
     Returns
     -------
     Law
-        In the units of its arguments.
+        In the units of `work` and `reach`.
 
     Raises
     ------
     SceneError
-        For a law of another package whose energy is not concave.
+        If the energy of the law is not concave (possible for laws of other packages).
     """
     law = law_class(name)(work, reach)
     if not is_concave(law):

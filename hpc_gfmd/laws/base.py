@@ -12,20 +12,20 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-SAMPLES = 2001  # gaps at which a law is looked at
-FARTHEST = 5.0  # of them, in ranges
-TOLERANCE = 1e-9  # of the largest curvature, by which rounding errors may miss 0
+SAMPLES = 2001  # number of gaps at which a law is sampled
+FARTHEST = 5.0  # the largest of these gaps, in ranges
+TOLERANCE = 1e-9  # rounding errors that `is_concave` ignores, relative to the largest value
 
 
 class Numbers(NamedTuple):
-    """The numbers of a law, as kernels take them.
+    """Work and range of a law: a plain named tuple, which kernels can take.
 
     Attributes
     ----------
     work : float
         Work of adhesion per area.
     range : float
-        Length over which the attraction falls.
+        Length over which the attraction falls; each law defines its meaning.
     """
 
     work: Any
@@ -33,43 +33,47 @@ class Numbers(NamedTuple):
 
 
 class Law(Numbers):
-    """A law of attraction, in the units of its numbers.
+    """A law of attraction between two surfaces; immutable.
+
+    Its units are those of `work` and `range`: energies per area as `work`, gaps as `range`,
+    pressures as work/range. The three methods take a gap >= 0, a number or an array, and return
+    the same shape.
 
     Attributes
     ----------
     work : float
         Work of adhesion per area.
     range : float
-        Length over which the attraction falls.
+        Length over which the attraction falls; each law defines its meaning.
     name : str
-        The file's.
+        Name of the law in a scene, and of its file.
     sources : tuple of str
-        Papers that the law is from, with DOI.
+        Papers that introduced the law, with DOI.
     """
 
     name = ""
     sources: tuple[str, ...] = ()
 
     def energy(self, g: Any) -> Any:
-        """Return phi(g), an energy per area: -work at 0, 0 far away."""
+        """Return phi(g), the energy per area at the gap g: -work at 0, rising to 0 far away."""
         raise NotImplementedError
 
     def traction(self, g: Any) -> Any:
-        """Return phi'(g) >= 0, a pressure."""
+        """Return phi'(g) >= 0, the attraction at the gap g as a pressure."""
         raise NotImplementedError
 
     def curvature(self, g: Any) -> Any:
-        """Return phi''(g) <= 0, a pressure per length."""
+        """Return phi''(g) <= 0, the slope of the attraction at the gap g, a pressure per length."""
         raise NotImplementedError
 
 
 def gaps_of(law: Law) -> np.ndarray:
-    """Return gaps from 0 on at which a law is looked at."""
+    """Return the gaps at which a law is sampled: 2001 from 0 to 5 ranges, evenly spaced."""
     return np.linspace(0, FARTHEST * float(law.range), SAMPLES)
 
 
 def is_concave(law: Law) -> bool:
-    """Return whether the attraction falls with the gap everywhere."""
+    """Return whether the attraction never rises with the gap, at the gaps of `gaps_of`."""
     curvature, traction = law.curvature(gaps_of(law)), law.traction(gaps_of(law))
     rises = TOLERANCE * np.abs(curvature).max()
     steeper = TOLERANCE * np.abs(traction).max()
@@ -77,42 +81,42 @@ def is_concave(law: Law) -> bool:
 
 
 def steepest(law: Law) -> float:
-    """Return the largest |phi''| of a law."""
+    """Return the largest |phi''| at the gaps of `gaps_of`, a pressure per length."""
     return float(np.abs(law.curvature(gaps_of(law))).max())
 
 
 def scaled(law: Law, pressure: float, length: float) -> Law:
-    """Return the same law in other units.
+    """Convert a law to other units; the law itself does not change.
 
     Parameters
     ----------
     law : Law
-        In units of a user.
+        In any units.
     pressure, length : float
-        The new units, in those of the law.
+        The new units of pressure and length, measured in those of the law.
 
     Returns
     -------
     Law
-        With its work in units of pressure times length.
+        A new one, with its work in units of ``pressure * length``, its range in ``length``.
     """
     return type(law)(law.work / (pressure * length), law.range / length)
 
 
 def in_precision(law: Law, dtype: np.dtype) -> Law:
-    """Return the same law as kernels take it.
+    """Convert the numbers of a law to a precision, as compiled kernels require.
 
     Parameters
     ----------
     law : Law
-        Any.
+        Does not change.
     dtype : dtype
-        Precision of the fields.
+        Precision of the fields, float32 or float64.
 
     Returns
     -------
     Law
-        With its numbers in this precision.
+        A new one whose `work` and `range` are NumPy scalars of this dtype.
     """
     real = dtype.type
     return type(law)(real(law.work), real(law.range))

@@ -8,29 +8,29 @@ from .base import Law
 
 
 class Cubic(Law):
-    """phi = -work (1 - g/range)^3 up to the range, 0 beyond.
+    """phi = -work (1 - g/range)^3 for g < range, 0 beyond.
 
     Attributes
     ----------
     work : float
         Work of adhesion per area.
     range : float
-        Gap at which the attraction ends; 3 work/range is the largest one.
+        Gap from which on there is no attraction. At g = 0 it is largest, 3 work/range.
     """
 
     name = "cubic"
 
     def energy(self, g: Any) -> Any:
-        """Return phi(g)."""
+        """Return phi(g), the energy per area."""
         left = np.maximum(1 - g / self.range, 0)
         return -self.work * left * left * left
 
     def traction(self, g: Any) -> Any:
-        """Return phi'(g)."""
+        """Return phi'(g), the attraction."""
         left = np.maximum(1 - g / self.range, 0)
         return 3 * self.work / self.range * left * left
 
     def curvature(self, g: Any) -> Any:
-        """Return phi''(g)."""
+        """Return phi''(g), the slope of the attraction."""
         left = np.maximum(1 - g / self.range, 0)
         return -6 * self.work / (self.range * self.range) * left

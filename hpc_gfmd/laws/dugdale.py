@@ -10,7 +10,7 @@ WIDTH = 0.1  # of the range: half of the ramp over which the attraction ends
 
 
 class Dugdale(Law):
-    """A traction of work/range up to the range, where it falls to 0 on a ramp from 0.9 to 1.1
+    """A constant attraction work/range up to the range; it falls linearly to 0 from 0.9 to 1.1
     ranges.
 
     Attributes
@@ -18,7 +18,7 @@ class Dugdale(Law):
     work : float
         Work of adhesion per area.
     range : float
-        Gap at which half of the attraction is left.
+        Gap at which the attraction is half of work/range.
     """
 
     name = "dugdale"
@@ -27,18 +27,18 @@ class Dugdale(Law):
     )
 
     def energy(self, g: Any) -> Any:
-        """Return phi(g)."""
+        """Return phi(g), the energy per area."""
         x = g / self.range
         ramp = np.minimum(np.maximum((1 + WIDTH - x) / (2 * WIDTH), 0), 1)
         return -self.work * (np.maximum(1 - WIDTH - x, 0) + WIDTH * ramp * ramp)
 
     def traction(self, g: Any) -> Any:
-        """Return phi'(g)."""
+        """Return phi'(g), the attraction."""
         x = g / self.range
         return self.work / self.range * np.minimum(np.maximum((1 + WIDTH - x) / (2 * WIDTH), 0), 1)
 
     def curvature(self, g: Any) -> Any:
-        """Return phi''(g)."""
+        """Return phi''(g), the slope of the attraction."""
         x = g / self.range
         on_ramp = np.abs(x - 1) < WIDTH
         return -self.work / (2 * WIDTH * self.range * self.range) * on_ramp

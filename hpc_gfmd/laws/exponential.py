@@ -14,20 +14,20 @@ class Exponential(Law):
     work : float
         Work of adhesion per area.
     range : float
-        Length over which the attraction falls to 1/e; work/range is the largest one.
+        Length over which the attraction falls to 1/e. At g = 0 it is largest, work/range.
     """
 
     name = "exponential"
     sources = ("Wang, Zhou, Müser, Lubricants 9 (2021) 17, doi:10.3390/lubricants9020017",)
 
     def energy(self, g: Any) -> Any:
-        """Return phi(g)."""
+        """Return phi(g), the energy per area."""
         return -self.work * decay(g / self.range)
 
     def traction(self, g: Any) -> Any:
-        """Return phi'(g)."""
+        """Return phi'(g), the attraction."""
         return self.work / self.range * decay(g / self.range)
 
     def curvature(self, g: Any) -> Any:
-        """Return phi''(g)."""
+        """Return phi''(g), the slope of the attraction."""
         return -self.work / (self.range * self.range) * decay(g / self.range)

@@ -1,41 +1,58 @@
-"""The coarse levels of the preconditioner that one rank sweeps alone, in two compiled calls."""
+"""The coarse levels of the preconditioner that one rank sweeps alone, in one compiled call of all
+its threads."""
 
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..kernels.multilevel import restrict_levels, smooth_levels
-from ..parallel.coarsening import Level, axis_mode, axis_tables
+from ..kernels.multilevel import CLOSED, ENDED, MEAN, NEXT, SUMS, TOTALS, TURNS, sweep_levels
+from ..parallel.coarsening import Level, axis_mode, axis_tables, passes_of
+from ..parallel.threads import on_threads, piece_rows, threads_for
+from ..util.aligned import empty_aligned, zeros_aligned
 
 DAMPING = 4.0  # of a level by the contact on it, over its stiffness
+# A sweep over coarse levels has less to do than a pass over the grid: smaller pieces share it out.
+PIECES = 8  # of a sweep, in a piece of a pass
+# A thread that waits for others looks so often, 0.2 ms, before it lets the system have its core
+PATIENCE = 2**14
+PAUSE = 1e-5  # seconds
 
 
-class CoarsestLevels:
-    """Consecutive levels, down to a single point, with memory for their fields.
+class LevelTables:
+    """What a sweep over consecutive levels needs besides memory for fields, made once.
 
     Parameters
     ----------
     levels : list of Level
-        Finest first.
+        Finest first, down to a single point.
     weights : array
         Stiffness of each level, in the precision of the fields.
     softness : array of float64
-        What the sums of each level are weighted by.
+        Weight of each level in the sums of a sweep.
     fields : int
-        Number of fields of the first level: r, t and perhaps x; all others have r and t.
+        Number of fields of the first level: 2 (r, t) or 3 (r, t and another field x); all others
+        have r and t.
     nominal : list of (s_x, s_y), optional
-        What the indicator of the surface is a product of on each level; default: 1.
+        The two factors of s, the indicator of the surface, on each level; default: 1 everywhere.
 
     Attributes
     ----------
-    fields : array (fields, rows + 2, n)
-        Those of the first level with a halo row before and after: r, t and perhaps x go in, z
-        comes out in place of r.
-    mode : flat array
-        The gap mode that is added to z; empty where there is none.
-    mode_level : int
-        The level of the gap mode.
+    dtype : dtype
+        Precision of the fields.
+    size : int
+        Numbers that all fields take, the last `zeros` of which stand for a level of zeros.
+    zeros : int
+        See `size`.
+    points : int
+        Of the first level.
+    longest_row : int
+        Points along the longest row of a level.
+    pieces, levels, tables, numbers, softness : arrays
+        As kernels/multilevel.py: sweep_levels takes them.
+    restricted : int
+        How many of the pieces restrict; the others smooth.
     """
 
     def __init__(
@@ -46,7 +63,7 @@ class CoarsestLevels:
         fields: int = 2,
         nominal: Sequence[Sequence[np.ndarray]] | None = None,
     ):
-        dtype = weights.dtype
+        dtype = self.dtype = weights.dtype
         shapes = [level.n for level in levels]
         coarser = [*shapes[1:], shapes[-1]]
         counts = [fields] + [2] * (len(levels) - 1) + [1]
@@ -54,26 +71,30 @@ class CoarsestLevels:
             count * (n_x + 2) * n_y for count, (n_x, n_y) in zip(counts, [*shapes, shapes[-1]])
         ]
         begins = np.cumsum([0, *sizes])
+        self.size = int(begins[-1])
+        self.zeros = sizes[-1]
+        self.points = shapes[0][0] * shapes[0][1]
+        self.longest_row = max(n_y for _, n_y in shapes)
         rows_before = np.cumsum([0, *(n_x for n_x, _ in shapes)])
         columns_before = np.cumsum([0, *(n_y for _, n_y in shapes)])
         along = [axis_mode(n[1], m[1]) for n, m in zip(shapes, coarser)] + [0]
-        shapes.append(shapes[-1])  # the level of zeros
-        self._levels = np.array(
-            [
-                (begin, count, n_x, n_y, mode, at_x, at_y)
-                for begin, count, (n_x, n_y), mode, at_x, at_y in zip(
-                    begins, counts, shapes, along, rows_before, columns_before
-                )
-            ],
-            np.int64,
-        )
         rows, columns = (
             [axis_tables(n[axis], m[axis], dtype) for n, m in zip(shapes, coarser)]
             for axis in (0, 1)
         )
+        self.pieces, self.restricted = _pieces_of(shapes, [J_x for J_x, _ in rows])
+        self.levels = np.array(
+            [
+                (begin, count, n_x, n_y, mode, at_x, at_y)
+                for begin, count, (n_x, n_y), mode, at_x, at_y in zip(
+                    begins, counts, [*shapes, shapes[-1]], along, rows_before, columns_before
+                )
+            ],
+            np.int64,
+        )
         if nominal is None:
-            nominal = [[np.ones(n_x), np.ones(n_y)] for n_x, n_y in shapes[:-1]]
-        self._tables = (
+            nominal = [[np.ones(n_x), np.ones(n_y)] for n_x, n_y in shapes]
+        self.tables = (
             np.concatenate([J_x + np.int32(1) for J_x, _ in rows]),
             np.concatenate([f_x for _, f_x in rows]),
             np.concatenate([J_y for J_y, _ in columns]),
@@ -82,57 +103,169 @@ class CoarsestLevels:
             np.concatenate([s_y for _, s_y in nominal]).astype(dtype),
         )
         factors = [m[0] / n[0] * m[1] / n[1] for n, m in zip(shapes, coarser)]
-        self._numbers = np.array([weights, factors], dtype).T.copy()
-        self._softness = np.asarray(softness, np.float64)
-        self._damping = dtype.type(DAMPING)
-        self._memory = np.zeros(begins[-1], dtype)
-        self._scratch = np.empty((2, max(n_y for _, n_y in shapes)), dtype)
+        self.numbers = np.array([weights, factors], dtype).T.copy()
+        self.softness = np.asarray(softness, np.float64)
+
+
+def _pieces_of(
+    shapes: Sequence[tuple[int, int]], coarse_rows: Sequence[np.ndarray]
+) -> tuple[np.ndarray, int]:
+    """Return the pieces of a sweep, and how many of them restrict.
+
+    They depend on the sizes of the levels alone, so that no sum depends on threads.
+
+    Parameters
+    ----------
+    shapes : sequence of (int, int)
+        Points of each level.
+    coarse_rows : sequence of ndarray
+        The coarse row before each row of each level.
+    """
+    passes = [
+        passes_of(J_x, max(1, piece_rows(n_y) // PIECES))
+        for (_, n_y), J_x in zip(shapes, coarse_rows)
+    ]
+    down = [(k, False) for k in range(len(shapes) - 1)]
+    up = [(k, True) for k in reversed(range(len(shapes)))]
+    pieces: list[tuple] = []
+    for k, is_smoothed in down + up:
+        stage = len(pieces), len(pieces) + len(passes[k])
+        pieces += [(k, i0, i1, is_smoothed, *stage) for i0, i1 in passes[k]]
+    return np.array(pieces, np.int64), sum(len(passes[k]) for k, _ in down)
+
+
+class CoarsestLevels:
+    """Consecutive levels, down to a single point, that one rank sweeps alone, with their memory.
+
+    A sweep applies the coarse part of the preconditioner: from r, the pressure out of contact, and
+    t, the share of contact, it makes z (kernels/multilevel.py). No method is collective.
+
+    Parameters
+    ----------
+    tables : LevelTables
+        Of these levels.
+    threads : int
+        Threads of this rank; of them take part as many as the first level has work for.
+
+    Attributes
+    ----------
+    fields : array (fields, rows + 2, n)
+        Fields of the first level with a halo row before and after. The caller writes r, t and
+        perhaps x; a sweep replaces r by z.
+    mode : flat array
+        The gap mode (deflation.py), which the caller sets and `smooth` applies; empty: none.
+    mode_level : int
+        The level of the gap mode.
+    looks : int
+        How often threads looked in vain whether they can go on, in the last call.
+    """
+
+    def __init__(self, tables: LevelTables, threads: int = 1):
+        dtype = tables.dtype
+        self._tables = tables
+        self._damping = np.array([DAMPING], dtype)[0]
+        self._memory = empty_aligned((tables.size,), dtype)
+        self._memory[-tables.zeros :] = 0
+        self._threads = threads_for(tables.points, threads)
+        self._scratch = [
+            empty_aligned((2, tables.longest_row), dtype) for _ in range(self._threads)
+        ]
+        self._turns = zeros_aligned((TURNS,), np.int64)
+        self._sums = np.empty((len(tables.pieces), SUMS))
+        self._totals = np.empty(TOTALS)
+        self.looks = 0
         self.fields = self._fields_of(0)
+        self.fields[:, [1, -1]] = 0  # rows that are added up, also of fields that nobody has set
         self.mode = np.zeros(0, dtype)
         self.mode_level = 0
 
     def sweep(self) -> tuple[float, ...]:
-        """Make z on the first level from r and t there; returns what `smooth` does."""
-        self.restrict()
-        return self.smooth()
+        """Restrict r and t of `fields` to all levels and replace r by z; return `smooth`'s sums."""
+        self._do(0, len(self._tables.pieces))
+        return tuple(self._totals[: MEAN + 1].tolist())
 
     def restrict(self) -> None:
-        """Restrict r and t of the first level to all others."""
-        restrict_levels(self._memory, self._levels, self._tables, self._numbers, self._scratch)
+        """Restrict r and t of the first level to all coarser ones, in the memory of this object."""
+        self._do(0, self._tables.restricted)
 
     def smooth(self) -> tuple[float, ...]:
-        """Make z on the first level from r and t on all levels.
+        """Replace r by z on every level, from the coarsest one to the first, after `restrict`.
 
         Returns
         -------
         tuple
-            <r, z> and <x, z> on the first level; <r, r>, <t, t>, <r, t>, <t, s> and <r, s> summed
+            <r, z> and <x, z> on the first level; <r, r>, <t, t>, <r, t>, <t, s> and <r, s>, summed
             over levels times their softness; the mean of r.
         """
-        return smooth_levels(
+        self._do(self._tables.restricted, len(self._tables.pieces))
+        return tuple(self._totals[: MEAN + 1].tolist())
+
+    def _do(self, begin: int, end: int) -> None:
+        """Do the pieces from `begin` to `end`, on all threads at the same time."""
+        self._turns[[NEXT, ENDED, CLOSED]] = begin
+
+        def work(scratch: np.ndarray) -> int:
+            looks = 0
+            while (result := self._do_some(end, scratch)) < 0:
+                looks += -1 - result
+                time.sleep(PAUSE)
+            return looks + result
+
+        self.looks = sum(on_threads(self._threads, work, [()] * self._threads, self._scratch))
+
+    def _do_some(self, end: int, scratch: np.ndarray) -> int:
+        """Do pieces on one thread until none is left, or others take too long; returns what
+        kernels/multilevel.py: sweep_levels does."""
+        tables = self._tables
+        return sweep_levels(
+            tables.pieces,
+            end,
+            self._turns,
+            PATIENCE,
             self._memory,
-            self._levels,
-            self._tables,
-            self._numbers,
-            self._softness,
+            tables.levels,
+            tables.tables,
+            tables.numbers,
+            tables.softness,
             self._damping,
             self.mode,
             self.mode_level,
-            self._scratch,
+            scratch,
+            self._sums,
+            self._totals,
         )
 
+    def time_of_a_look(self, clock: Callable[[], float]) -> float:
+        """Measure how long a thread takes to look once whether it can go on, for scripts/bench.
+
+        Parameters
+        ----------
+        clock : callable
+            Returns a time in seconds.
+
+        Returns
+        -------
+        float
+            Seconds.
+        """
+        self._turns[[NEXT, ENDED]] = 0
+        self._turns[CLOSED] = -1  # so that no piece may begin
+        begin = clock()
+        self._do_some(1, self._scratch[0])
+        return (clock() - begin) / PATIENCE
+
     def apply(self, r: np.ndarray, t: np.ndarray) -> np.ndarray:
-        """Return z on the first level.
+        """Copy r and t into `fields`, sweep, and return z on the first level.
 
         Parameters
         ----------
         r, t : array (rows, n)
-            Fields of the first level.
+            Fields of the first level; they stay as they are.
 
         Returns
         -------
         array (rows, n)
-            A view, overwritten by the next sweep.
+            z, a view of `fields`: the next sweep overwrites it.
         """
         self.fields[0, 1:-1] = r
         self.fields[1, 1:-1] = t
@@ -140,10 +273,10 @@ class CoarsestLevels:
         return self.fields[0, 1:-1]
 
     def contact(self, k: int) -> np.ndarray:
-        """Return t of level k, (rows, n)."""
+        """Return t of level k as `restrict` left it, (rows, n), a view."""
         return self._fields_of(k)[1, 1:-1]
 
     def _fields_of(self, k: int) -> np.ndarray:
-        """Return the fields of level k, (fields, rows + 2, n), a view of the common memory."""
-        begin, count, rows, n = self._levels[k, :4].tolist()
+        """Return the fields of level k with their halo rows, (fields, rows + 2, n), a view."""
+        begin, count, rows, n = self._tables.levels[k, :4].tolist()
         return self._memory[begin : begin + count * (rows + 2) * n].reshape(count, rows + 2, n)

@@ -1,15 +1,15 @@
-"""The deflation vector (gap mode): the wave that the multilevel preconditioner M takes for far too
-stiff.
+"""The deflation vector (gap mode): the wave for which the multilevel preconditioner M is too stiff.
 
-Where little touches, M K takes all waves to between 0.4 and 1.6 but for one that it takes to 0.15
-to 0.3, the less the larger the grid: the rise of all that is open, w = K_FF^-1 1, which answers a
-change of the load (tangent.py). So M gets w as one more function,
+If little of the surface touches, the eigenvalues of M K lie between 0.4 and 1.6, except for one of
+0.15 to 0.3, which is the smaller the larger the grid. Its wave is the rise of all that is open, w =
+K_FF^-1 1, the answer to a change of the load (tangent.py). So w is added to M,
 
     M + (1 - mu) w w^T/<1, w>,    mu = <1, M 1>/<1, w>: what M has of w as it is.
 
-A w of a coarse level will do, on which theta is the share of contact: a few steps of conjugate
-gradients for (K + theta) w = 1, K in units of that of the grid's shortest wave, preconditioned by
-the levels from there on. Single points in contact are as soft then as on the grid.
+A w of a coarse level is good enough, with theta the share of contact there: a few steps of
+conjugate gradients for (K + theta) w = 1, K in units of that of the grid's shortest wave,
+preconditioned by the levels from there on. Single points in contact are as soft then as on the
+grid.
 """
 
 from collections.abc import Sequence
@@ -21,21 +21,25 @@ from scipy import fft
 from ..bodies.base import Body
 from ..parallel.coarsening import Level
 from ..parallel.grid import Grid
-from .coarsest import DAMPING, CoarsestLevels
+from .coarsest import DAMPING, CoarsestLevels, LevelTables
 
 
 @dataclass(frozen=True)
 class DeflationCalibration:
-    """How well the vector is found: measured by the pairs of self-affine walls at small loads.
+    """Accuracy and level of the deflation vector, chosen by the FFT pairs of self-affine walls at
+    small loads.
 
     Attributes
     ----------
     steps : int
-        Of conjugate gradients.
+        Steps of conjugate gradients at most.
     solved : float
-        Relative, of <r, M r>: where contact is the same everywhere one step is enough.
-    coarser, fewest, most : int
-        The level has so many times fewer points than the grid, at least and at most so many.
+        The steps end once <r, M r> is below this, relative to its first value: one step is enough
+        where contact is the same everywhere.
+    coarser : int
+        How many times fewer points than the grid the level has, at least.
+    fewest, most : int
+        Number of points of the level, at least and at most.
     """
 
     steps: int = 3
@@ -49,7 +53,10 @@ CALIBRATION = DeflationCalibration()
 
 
 class GapMode:
-    """Finds the deflation vector of contacts on one grid.
+    """Computes the deflation vectors of contacts on one grid.
+
+    Such a vector is the wave w for which the preconditioner M is far too stiff: how everything that
+    is out of contact rises if the load falls.
 
     Parameters
     ----------
@@ -60,14 +67,15 @@ class GapMode:
     levels : list of Level
         Those that one rank has alone.
     weights : array
-        Of these, in the precision of the fields.
+        Stiffness of these levels, in the precision of the fields.
 
     Attributes
     ----------
     level : int or None
-        Which of the levels w is found on; None where the grid is small.
+        Index in `levels` of the one that w is computed on; None if the grid is too small for a
+        mode.
     pairs : float
-        FFT pairs of the grid that this takes.
+        Cost of one `find` in FFT pairs of the grid.
     """
 
     def __init__(self, grid: Grid, body: Body, levels: Sequence[Level], weights: np.ndarray):
@@ -86,8 +94,9 @@ class GapMode:
         if self.level is None:
             return
         self.pairs = CALIBRATION.steps * points[self.level] / grid.cell_points
+        coarser = slice(self.level, None)
         self.levels = CoarsestLevels(
-            levels[self.level :], weights[self.level :], weights[self.level :]
+            LevelTables(levels[coarser], weights[coarser], weights[coarser])
         )
         n = levels[self.level].n
         q_x, q_y = (
@@ -99,11 +108,18 @@ class GapMode:
         self.K = K.astype(weights.dtype)
 
     def wanted(self, share: float) -> bool:
-        """Return whether there is a mode where so much of the grid is in contact."""
+        """Return whether a contact with this share of points in contact gets a mode.
+
+        It does if the grid is large enough and 0 < share < 1.
+        """
         return self.level is not None and 0 < share < 1
 
     def find(self, t: np.ndarray) -> np.ndarray:
-        """Return w sqrt((1 - mu)/<1, w>) where t is the share of contact."""
+        """Return w sqrt((1 - mu)/<1, w>), whose outer product with itself is to be added to M.
+
+        mu = <1, M 1>/<1, w> is what M has of w already. t is the share of contact at each point of
+        `level`; it stays as it is, and the result has its shape and precision. Not collective.
+        """
         real = t.dtype.type
         w = np.zeros_like(t)
         r = np.ones_like(t)

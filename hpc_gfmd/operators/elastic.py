@@ -15,7 +15,11 @@ RowFunction = Callable[[int, int, np.ndarray], Any]  # makes or uses rows i0..i1
 
 
 class Elastic:
-    """Applies K, or its inverse S, to fields that the caller makes and uses a few rows at a time.
+    """Applies the stiffness K of a body, or its inverse S, to fields, a few rows at a time.
+
+    K turns a displacement u into a pressure, S a pressure p into a displacement. An application is
+    three calls: `pressure_rows`, then `pressure_columns` (K) or `displacement_columns` (S), then
+    `use_rows`. Functions of the caller make and use the rows.
 
     Parameters
     ----------
@@ -43,12 +47,15 @@ class Elastic:
         self.plan()
 
     def plan(self) -> None:
-        """Take the memory of the transforms. Collective."""
+        """Set `fft` and `multipliers`, which take the memory of the transforms. Collective."""
         self.fft = self.grid.fft(self.dtype)
         self.multipliers = self.body.multipliers(self.grid, self.fft)
 
     def make_room(self) -> None:
-        """Give the memory of the transforms back, until `plan`."""
+        """Drop the transforms, so that their memory is free until `plan` is called again.
+
+        Until then nothing can be applied. Small transforms stay in memory.
+        """
         del self.fft, self.multipliers
         self.grid.forget_fft(self.dtype)
 
@@ -59,10 +66,10 @@ class Elastic:
         add: Columns | None = None,
         spring: float = 0.0,
     ) -> float:
-        """Multiply all columns by K or S and transform them back; returns this rank's share of the
-        product.
+        """Multiply all columns by K or S and, if `backward`, transform them back. Collective.
 
-        Sets `mean`. add: completes a block of columns before it is multiplied. Collective.
+        Sets `mean`. Returns this rank's share of <u, K u> or <p, S p>. add(block, m) completes a
+        block of columns before it is multiplied; `spring` stands for K(0).
         """
         multipliers = self.multipliers
         multipliers.couple(self.fft, inverse)
@@ -87,45 +94,61 @@ class Elastic:
         return float(sum(self.fft.columns(apply, backward=backward)))
 
     def pressure_rows(self, fill: RowFunction) -> list:
-        """Begin an application of K: rows of u are made by fill; returns what it returned."""
+        """Begin an application of K or S: transform the rows that `fill` makes. Not collective.
+
+        fill(i0, i1, x) writes local rows i0 <= i < i1 of the field into x. Returns a list of what
+        it returned.
+        """
         return self.fft.forward_rows(fill)
 
     def pressure_columns(self, add: Columns | None = None, spring: float = 0.0) -> float:
-        """Multiply the columns by K, and return this rank's share of <u, K u>.
+        """Multiply the columns by K and transform them back, after `pressure_rows`. Collective.
+
+        Sets `mean`.
 
         Parameters
         ----------
         add : callable, optional
-            add(block, m) completes the columns first.
+            add(block, m) completes the columns of block m in place before they are multiplied.
         spring : float
-            K(0): the uniform pressure that a uniform displacement takes.
+            K(0): the uniform pressure that a uniform displacement of 1 takes.
 
         Returns
         -------
         float
-            Without the other ranks'.
+            This rank's share of <u, K u>; the sum over ranks is the product.
         """
         return self._columns(add=add, spring=spring)
 
     def use_rows(self, use: RowFunction) -> list:
-        """End an application of K: rows of K u are given to use; returns what it returned."""
+        """End an application: transform the rows of K u (or S p) back and hand them to `use`.
+
+        use(i0, i1, x) gets local rows i0 <= i < i1 in x. Counts one pair in `pairs`. Returns a list
+        of what `use` returned. Not collective.
+        """
         self.pairs += 1
         return self.fft.backward_rows(use)
 
     def displacement_columns(self) -> float:
-        """Multiply the columns by S after `pressure_rows` of a pressure, for `use_rows` of S p with
-        zero mean; returns this rank's share of <p, S p>."""
+        """Multiply the columns of a pressure p by S and transform them back. Collective.
+
+        To be called after `pressure_rows` and before `use_rows`, which gets S p with zero mean.
+        Sets `mean`. Returns this rank's share of <p, S p>.
+        """
         return self._columns(inverse=True)
 
     def compliance_columns(self) -> float:
-        """Return, after `pressure_rows` of a pressure, this rank's share of <p, S p>. Half a pair
-        in all, nothing is transformed back."""
+        """Return this rank's share of <p, S p>, after `pressure_rows` of a pressure p. Collective.
+
+        Nothing is transformed back: with the rows this takes half a pair, which is counted in
+        `pairs`. Sets `mean`.
+        """
         self.pairs += 0.5
         return self._columns(inverse=True, backward=False)
 
 
 def reader(field: np.ndarray) -> Rows:
-    """Return a fill function that copies rows of a local slab."""
+    """Return a function fill(i0, i1, x) that copies rows i0 <= i < i1 of a local slab to x."""
 
     def fill(i0: int, i1: int, x: np.ndarray) -> None:
         x[: i1 - i0] = field[i0:i1]

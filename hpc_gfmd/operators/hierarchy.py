@@ -1,12 +1,13 @@
-"""The levels below a grid as the multilevel preconditioner has them: which rows of each a rank has,
-what ranks send, what levels weigh. No field.
+"""The levels below a grid as the multilevel preconditioner uses them: the rows of each rank, what
+ranks send, and the weights of the levels. No field is stored here.
 
-Every rank restricts its rows of the grid through several levels before anything is sent: what it
-has of a coarse row is its part of a sum over ranks, and so is what it makes of that. Then ranks add
-up the rows that their windows share, of all these levels in one message to a neighbour, and each
-interpolates from its own windows without another one. Where ranks would have less than FEWEST_ROWS
-rows of a level these are gathered on fewer ranks (coarsening.py), which go on in the same way. The
-coarsest levels each of the ranks that are left has completely, and sweeps by itself.
+Every rank restricts its rows of the grid through several levels before anything is sent: its window
+of a coarse level holds its part of a sum over ranks, and so does the window of the next one. Then
+ranks add up the rows that their windows share, of all these levels in one message to a neighbour,
+and each interpolates from its own windows without another message. If a rank would have less than
+FEWEST_ROWS rows of a level, the rows are gathered on fewer ranks (coarsening.py), which go on in
+the same way. The coarsest levels are complete on each of the remaining ranks, which sweeps them
+alone.
 """
 
 from collections.abc import Sequence
@@ -21,33 +22,36 @@ from ..parallel.coarsening import Level, Transfer, agglomerated, levels, owned_r
 from ..parallel.comm import stages
 from ..parallel.grid import Grid
 from ..parallel.halo import Overlaps, Windows
+from .coarsest import LevelTables
 from .deflation import GapMode
 from .nominal import NominalArea
 
-COARSEST_POINTS = 128 * 128  # levels of at most this many points are swept by one rank
-# of one process: so many points are swept in a single call, without other threads
-COARSEST_POINTS_OF_ONE = 2**17
+COARSEST_POINTS = 128 * 128  # of several ranks: levels of at most so many points each has alone
 FEWEST_ROWS = 2  # of a level on one rank: with fewer, windows reach beyond neighbours
 GATHERED_ROWS = 4  # that ranks have at least where rows are gathered
 
 
 @dataclass(frozen=True)
 class Step:
-    """From one level to the next coarser one, as one rank sees it.
+    """The step from one level to the next coarser one, as one rank sees it.
+
+    The rank's window is the coarse rows that its fine rows lie on or beside. Windows of neighbours
+    overlap; each holds its part of a sum over ranks.
 
     Attributes
     ----------
     transfer : Transfer
         This rank's part of restriction and interpolation.
     counted : ndarray (ranks + 1,)
-        First fine row of every rank that it counts in sums, and the number of rows.
+        First of the fine rows that each rank counts in sums (windows overlap), and the number of
+        rows.
     fields : int
         Number of fields that are restricted.
     windows : Windows or None
-        Between the coarse rows of all ranks and those of the few on which they are gathered;
-        None: they are not gathered.
+        Between the coarse rows of all ranks and those of the few on which they are gathered; None:
+        they are not gathered.
     starts : ndarray (ranks + 1,)
-        First coarse row of every rank, gathered ones if they are, and the number of rows.
+        First coarse row of every rank, after gathering if there is any, and the number of rows.
     """
 
     transfer: Transfer
@@ -69,43 +73,44 @@ class Step:
 
     @property
     def owned(self) -> int:
-        """Number of coarse rows that this rank goes on with: those of its window, or of others."""
+        """Number of coarse rows that this rank goes on with: its window, or its gathered rows."""
         if self.windows is None:
             return self.window_rows
         return int(self.starts[self.windows.rank + 1] - self.starts[self.windows.rank])
 
     @property
     def owned_shape(self) -> tuple[int, int, int]:
-        """Shape of the fields on the rows that this rank goes on with, a row before and after."""
+        """Shape of the fields on these `owned` rows, with a row before and after."""
         return self.fields, _with_ends(self.owned), self.transfer.m[1]
 
     @cached_property
     def overlaps(self) -> Overlaps:
-        """The rows that its window shares with others."""
+        """The rows that this rank's window shares with the windows of other ranks."""
         transfer = self.transfer
         return Overlaps(transfer.rank, transfer.lo, transfer.hi, transfer.m[0])
 
     @property
     def counted_rows(self) -> tuple[int, int]:
-        """The first and the end of this rank's fine rows that it counts in sums."""
+        """Range (begin, end) of the rows that this rank counts in sums, among its own fine rows."""
         rank = self.transfer.rank
         begin = self.transfer.fine[0]
         return int(self.counted[rank] - begin), int(self.counted[rank + 1] - begin)
 
     @property
     def ranks(self) -> list[int]:
-        """The ranks that have a part in it."""
+        """The ranks whose window of coarse rows is not empty."""
         return np.flatnonzero(self.transfer.hi > self.transfer.lo).tolist()
 
 
 def _with_ends(rows: int) -> int:
+    """Return the number of rows with one before and one after; 0 if there are none."""
     return rows + 2 if rows else 0
 
 
 def steps_of(
     grid: Grid, dtype: DTypeLike, coarsest_points: int | None = None
 ) -> tuple[list[Step], list[Level]]:
-    """Decide which levels ranks share, and which a rank has alone.
+    """Decide which levels ranks share, and which a rank has alone. Not collective.
 
     Parameters
     ----------
@@ -114,19 +119,19 @@ def steps_of(
     dtype : dtype
         Precision of the tables.
     coarsest_points : int, optional
-        Levels of at most so many points a rank has alone; default: COARSEST_POINTS, or those
-        of one process.
+        A rank has levels of at most so many points alone; default: COARSEST_POINTS, and one
+        process has all of them.
 
     Returns
     -------
     steps : list of Step
-        Down to the first level that a rank has alone.
+        From the grid down to the first level that a rank has alone.
     levels : list of Level
-        All of them, finest first.
+        All levels, finest first; those from number len(steps) on a rank has alone.
     """
     rank = grid.comm.rank
-    alone_points = COARSEST_POINTS if grid.comm.size > 1 else COARSEST_POINTS_OF_ONE
-    alone_points = alone_points if coarsest_points is None else coarsest_points
+    if coarsest_points is None:
+        coarsest_points = COARSEST_POINTS if grid.comm.size > 1 else grid.cell_points
     hierarchy = levels(grid)
     if len(hierarchy) == 1:  # a single point: a level that equals it, so that there is always one
         hierarchy = hierarchy * 2
@@ -136,7 +141,7 @@ def steps_of(
     for fine, coarse in zip(hierarchy, hierarchy[1:]):
         transfer = Transfer(fine.n, coarse.n, begin, end, rank, dtype)
         starts = owned_rows(counted, fine.n[0], coarse.n[0])
-        alone = coarse.n[0] * coarse.n[1] <= alone_points or coarse is hierarchy[-1]
+        alone = coarse.n[0] * coarse.n[1] <= coarsest_points or coarse is hierarchy[-1]
         begin, end = transfer.lo, transfer.hi
         has_rows = end > begin
         windows = None
@@ -153,8 +158,11 @@ def steps_of(
 
 
 def groups_of(steps: Sequence[Step]) -> list[list[Step]]:
-    """List the levels that ranks restrict to before they send anything, and again after rows are
-    gathered; the last step of each belongs to rows that are gathered, or are complete on a rank."""
+    """Split the steps into groups within which a rank restricts without waiting for messages.
+
+    A group ends with a step whose rows are gathered, the last one with the level that a rank has
+    alone.
+    """
     groups: list[list[Step]] = [[]]
     for step in steps:
         groups[-1].append(step)
@@ -164,7 +172,7 @@ def groups_of(steps: Sequence[Step]) -> list[list[Step]]:
 
 
 def traffic_of(steps: Sequence[Step], itemsize: int) -> tuple[int, int]:
-    """Return what a rank sends in a sweep.
+    """Return how much a rank sends in one sweep.
 
     Parameters
     ----------
@@ -176,7 +184,7 @@ def traffic_of(steps: Sequence[Step], itemsize: int) -> tuple[int, int]:
     Returns
     -------
     nbytes, messages : int
-        In all.
+        Bytes and messages of all levels together.
     """
     numbers = messages = 0
     for group in groups_of(steps):
@@ -201,7 +209,8 @@ def traffic_of(steps: Sequence[Step], itemsize: int) -> tuple[int, int]:
 
 
 class Hierarchy:
-    """What the sweep of a grid, body and precision needs besides memory for fields, made once.
+    """What a sweep over the levels of a grid needs besides memory for fields; the same for all
+    sweeps of a grid, body and precision.
 
     Parameters
     ----------
@@ -212,7 +221,7 @@ class Hierarchy:
     dtype : dtype
         Precision of the fields.
     coarsest_points : int, optional
-        Levels of at most this many points are swept by rank 0 alone; default: COARSEST_POINTS.
+        See `steps_of`.
 
     Attributes
     ----------
@@ -225,10 +234,10 @@ class Hierarchy:
     area : NominalArea
         The indicator of the nominal area on all levels.
     nominal : list of (array, array)
-        Of every level that ranks share: what this indicator is a product of, on the rows that
-        this rank restricts.
+        The two factors of this indicator on every level that ranks share: on the rows that this
+        rank restricts, and on all columns.
     gap_mode : GapMode
-        Finds the deflation vector of a contact.
+        Computes the deflation vector of a contact.
     """
 
     def __init__(self, grid: Grid, body: Body, dtype: np.dtype, coarsest_points: int | None = None):
@@ -244,3 +253,15 @@ class Hierarchy:
         ]
         alone = len(self.steps)
         self.gap_mode = GapMode(grid, body, self.levels[alone:], self.weights[alone:])
+
+    @cached_property
+    def coarsest_tables(self) -> LevelTables:
+        """Tables of the levels that a rank has alone."""
+        alone = slice(len(self.steps), None)
+        return LevelTables(
+            self.levels[alone],
+            self.weights[alone],
+            self.area.weights[alone],
+            self.steps[-1].fields,
+            self.area.s[alone],
+        )

@@ -40,7 +40,11 @@ EQUIVALENCE = 1.8
 
 
 class Multilevel:
-    """Sweep over the coarse levels of a grid for one body in one precision.
+    """Sweep of the multilevel preconditioner M over the coarse levels of a grid, in one precision.
+
+    `update`, `restrict` or `restrict_from` put a state on level 1: r, the pressure out of contact,
+    t, 1 in contact and 0 elsewhere, and K d, the change of the pressure. `sweep` makes z = M r
+    there, from which the solver interpolates. Making a Multilevel is collective.
 
     Parameters
     ----------
@@ -60,13 +64,14 @@ class Multilevel:
     hierarchy : Hierarchy
         Levels, weights and tables, shared by all sweeps of this grid and body.
     gap_mode : GapMode
-        Finds the deflation vector of a contact.
+        Computes the deflation vector of a contact.
     distributed : int
         Number of coarse levels of which a rank may have a part; the others it has alone.
     transfers : list of Transfer
         From each level to the next coarser one, as this rank sees it.
     fields : list of array (fields, window rows + 2, m)
-        Of levels 1, 2, ...: this rank's window of r, t and, on level 1, K d on F.
+        Of levels 1, 2, ...: this rank's window, its part of a sum over ranks, of r, t and, on level
+        1, K d on F, the points out of contact; of a single process the whole level (coarsest.py).
     ends : array (passes, 2)
         First row and end of each pass of the solver.
     scratch : list of (array, array)
@@ -93,27 +98,25 @@ class Multilevel:
         self.gap_mode = hierarchy.gap_mode
         self.transfers = [step.transfer for step in steps]
         self.distributed = len(steps) - 1
+        self.coarsest: CoarsestLevels | None = None
+        complete_on = steps[-1].ranks
+        self.last_comm = self.comm.subcomm(complete_on)
+        if self.last_comm is not None:
+            self.coarsest = CoarsestLevels(hierarchy.coarsest_tables, grid.threads)
         # Level 1 is in the windows of all ranks in any case: that is what the solver's passes write
         # to and read from.
-        self.fields = [np.zeros(step.window_shape, self.dtype) for step in steps]
+        self.fields = [np.zeros(step.window_shape, self.dtype) for step in steps[:-1]]
+        # the window of a single process is the whole level
+        self.fields.append(
+            self.coarsest.fields
+            if self.coarsest is not None and self.comm.size == 1
+            else np.zeros(steps[-1].window_shape, self.dtype)
+        )
         # the rows that this rank goes on with
         self.owned = [
             field if step.windows is None else np.zeros(step.owned_shape, self.dtype)
             for step, field in zip(steps[:-1], self.fields)
         ]
-        self.coarsest: CoarsestLevels | None = None
-        complete_on = steps[-1].ranks
-        self.last_comm = self.comm.subcomm(complete_on)
-        if self.last_comm is not None:
-            alone = slice(len(steps), None)
-            area = hierarchy.area
-            self.coarsest = CoarsestLevels(
-                hierarchy.levels[alone],
-                hierarchy.weights[alone],
-                area.weights[alone],
-                steps[-1].fields,
-                area.s[alone],
-            )
         to_level_1 = self.transfers[0]
         self.ends = np.array(to_level_1.passes(longest), np.int64).reshape(-1, 2)
         gathered = (6, grid.n[1] + LINE // self.dtype.itemsize)
@@ -135,14 +138,16 @@ class Multilevel:
         law: Any = None,
         attracted: np.ndarray | None = None,
     ) -> UpdateSums:
-        """Make the solver's update of its state and restrict the new state to level 1.
+        """Set g += s d and p += s K d, and restrict the new state to this rank's window of level 1.
+
+        Not collective.
 
         Parameters
         ----------
         g, p : array, local slab
             Gap and pressure; become g + s d and p + s K d.
         d : array
-            Last step, of the slab or of one pass.
+            Last step, as it is stored (kernels/bfloat16.py), of the slab or of one pass.
         s : float
             Step length.
         rows : list of tuple
@@ -152,7 +157,7 @@ class Multilevel:
         spectra : bool
             Whether the rows of K d come as spectra, see kernels/bpx.py: update_passes.
         law : tuple, optional
-            Of attraction, as kernels take it.
+            Law of attraction, as kernels take it.
         attracted : array (passes, 2), optional
             Gets what kernels/adhesive_rows.py: add_change returns of each pass.
 
@@ -204,27 +209,26 @@ class Multilevel:
 
     @property
     def z(self) -> np.ndarray:
-        """The result on level 1, (window rows + 2, m)."""
+        """The result of `sweep` on level 1, a view: (window rows + 2, m)."""
         return self.fields[0][0]
 
     def sweep(self, new_contact: bool = False) -> tuple[float, ...]:
-        """Make z on level 1 from what was restricted to it in the windows of all ranks.
+        """Replace r by z on level 1, from the restricted state there. Collective.
 
-        z is there on all rows of this rank's window then. Collective.
+        z is M' r, M' being M without the finest level, on all rows of this rank's window.
 
         Parameters
         ----------
         new_contact : bool
-            Whether M gets the gap mode of this contact first.
+            Whether M first gets the gap mode of this contact; if not, it keeps the one it has.
 
         Returns
         -------
         tuple
-            This rank's share of <p, M' p> and <K d, M' p>, both on F, as sums over level 1 times
-            N/N_1: M' is M without the finest level; of the mean of p on F; and of the sums over
-            these levels of softness times <r, r>, <t, t>, <r, t>, <t, s> and <r, s>, r and t being
-            p on F and the indicator of A restricted to the level, times N/N_l, s being 1 on the
-            surface and 0 beyond.
+            This rank's shares, to be summed over ranks: <p, M' p> and <K d, M' p>, both out of
+            contact, as sums over level 1 times N/N_1; the mean of p out of contact; and <r, r>, <t,
+            t>, <r, t>, <t, s> and <r, s>, each summed over the coarse levels times softness N/N_l.
+            s is 1 on the surface and 0 beyond.
         """
         for k in range(self.distributed):
             self._gather(k)
@@ -241,12 +245,12 @@ class Multilevel:
         return rz * ratio, xz * ratio, mean, *sums
 
     def restrict_from(self, k: int, fine: np.ndarray) -> None:
-        """Restrict two fields of level k to this rank's window of the next one.
+        """Restrict r and t of level k to this rank's window of the next one. Not collective.
 
         Parameters
         ----------
         k : int
-            0: the grid itself.
+            Level of `fine`; 0: the grid itself.
         fine : array (2, rows + 2, n)
             Its own rows, between the first and the last, are read.
         """
@@ -262,21 +266,22 @@ class Multilevel:
         )
 
     def smooth(self, k: int, fields: np.ndarray, out: np.ndarray) -> np.ndarray:
-        """Make z of level k from that of the next one.
+        """Make z of level k from r and t there and z of the next level. Not collective.
 
         Parameters
         ----------
         k : int
-            0: the grid itself.
+            Level of `fields`; 0: the grid itself.
         fields : array (2 or 3, rows + 2, n)
-            r, t and perhaps a third one, of which the sum <x, z> is.
+            r, t and, if the sum <x, z> is wanted, a field x.
         out : array (rows + 2, n)
             Gets z on all of these rows; may be the memory of r.
 
         Returns
         -------
         array
-            The sums of kernels/multilevel.py: smooth_level, over the rows that this rank counts.
+            <r, z>, <x, z>, <r, r>, <t, t>, <r, t>, <t, s> and <r, s> over the rows that this rank
+            counts.
         """
         z_coarse = self.fields[k][0]
         transfer = self.transfers[k]
@@ -305,8 +310,11 @@ class Multilevel:
         return added(sums[: len(counted)], SUMS)
 
     def _gather(self, k: int) -> None:
-        """Send what is due before level k + 1 is restricted: nothing but where its rows are
-        gathered."""
+        """Bring the rows of level k + 1, if they are gathered, to the ranks that go on with them.
+
+        Also completes the sums of the levels before it that ranks share windows of. Does nothing if
+        the rows of level k + 1 are not gathered. Collective.
+        """
         step = self.steps[k]
         if step.windows is not None:
             rows = self.owned[k][:, 1:-1]
@@ -315,7 +323,11 @@ class Multilevel:
             self._add_group(k)
 
     def _add_group(self, end: int) -> None:
-        """Add up what ranks have of the levels, down to level `end`, that they share windows of."""
+        """Add up over ranks, in place, the rows that windows share before `fields[end]`.
+
+        These are the levels since rows were gathered last: one message to each neighbour.
+        Collective.
+        """
         begin = end
         while begin > 0 and self.steps[begin - 1].windows is None:
             begin -= 1
@@ -325,7 +337,7 @@ class Multilevel:
             add_overlaps(self.comm, [step.overlaps for step in steps], windows)
 
     def _hand_out(self, k: int) -> None:
-        """Copy z of level k + 1 into the windows of all ranks, where its rows are gathered."""
+        """Copy z of level k + 1, if its rows are gathered, into all ranks' windows. Collective."""
         windows = self.steps[k].windows
         if windows is not None:
             windows.fill(self.comm, self.owned[k][:1, 1:-1], self.fields[k][:1, 1:-1])
@@ -341,20 +353,20 @@ class Multilevel:
         ts: float,
         rs: float,
     ) -> tuple[float, float, float]:
-        """Return norms and product of the test pressure by sums over levels.
+        """Estimate norms and product of two pressures, w and the test pressure v, from sums.
 
-        w = r - missing t is the pressure r that is out of contact less that load in contact; v =
-        t/share - s the test pressure of certificate/error_estimates.py, share that of the surface
-        in contact, s the indicator of the surface.
+        w = r - missing t is the pressure r that is out of contact, less as much load spread evenly
+        over the contact. v = t/share - s is the test pressure of certificate/error_estimates.py,
+        with the share of the surface in contact and the indicator s of the surface.
 
         Parameters
         ----------
         open_p, open_pp : float
             Sums of r and of r^2 over all points.
         contact : float
-            Number of points in contact.
+            Number of points in contact, > 0.
         rr, tt, rt, ts, rs : float
-            As `sweep` returns them, of all ranks.
+            As `sweep` returns them, summed over ranks.
 
         Returns
         -------
@@ -373,12 +385,12 @@ class Multilevel:
     def restrict(
         self, g: np.ndarray, p: np.ndarray, hardness: np.floating | None = None
     ) -> UpdateSums:
-        """Restrict a state that no step has led to, as the update passes do.
+        """Restrict a given state to level 1, as `update` does after a step. Not collective.
 
         Parameters
         ----------
         g, p : array, local slab
-            Gap and pressure.
+            Gap and pressure; they stay as they are.
         hardness : float, optional
             Largest pressure, in the precision of the fields.
 
@@ -394,10 +406,10 @@ class Multilevel:
         return self.update(g, p, d, 0.0, rows, hardness, spectra=False)
 
     def _sweep_coarsest(self, new_contact: bool) -> tuple[float, ...]:
-        """Sweep the levels that this rank has alone. Collective.
+        """Sweep the levels that a rank has alone, and copy z into this rank's window. Collective.
 
-        Their part of r and t is added up from the windows of all ranks before. Returns the sums of
-        CoarsestLevels.smooth on the first of the ranks that have them, zeros on others.
+        First r and t are added up from the windows of all ranks. Returns the sums of
+        CoarsestLevels.smooth on the first of the ranks that have these levels, zeros on all others.
         """
         k = self.distributed
         nothing = (0.0,) * (SUMS + 1)
@@ -406,24 +418,32 @@ class Multilevel:
             self._add_group(k)
             return nothing
         transfer = self.transfers[k]
-        add_all(
-            self.last_comm,
-            self.fields[k][:, 1:-1],
-            [(int(transfer.lo[r]), int(transfer.hi[r])) for r in self.steps[k].ranks],
-            coarsest.fields[:, 1:-1],
-        )
+        fields = coarsest.fields
+        is_whole = self.fields[k] is fields
+        if is_whole:
+            fields[:, 1] += fields[:, -1]  # the row after the last is the first
+        else:
+            add_all(
+                self.last_comm,
+                self.fields[k][:, 1:-1],
+                [(int(transfer.lo[r]), int(transfer.hi[r])) for r in self.steps[k].ranks],
+                fields[:, 1:-1],
+            )
         self._add_group(k)
-        coarsest.restrict()
         if new_contact:
+            coarsest.restrict()
             self._find_mode(coarsest)
-        sums = coarsest.smooth()
-        rows = np.arange(transfer.lo[transfer.rank], transfer.hi[transfer.rank])
-        z = self.fields[k][0, 1:-1]
-        np.take(coarsest.fields[0, 1:-1], rows, axis=0, out=z, mode="wrap")
+            sums = coarsest.smooth()
+        else:
+            sums = coarsest.sweep()
+        if not is_whole:
+            rows = np.arange(transfer.lo[transfer.rank], transfer.hi[transfer.rank])
+            z = self.fields[k][0, 1:-1]
+            np.take(fields[0, 1:-1], rows, axis=0, out=z, mode="wrap")
         return sums if self.last_comm.rank == 0 else nothing
 
     def _find_mode(self, coarsest: CoarsestLevels) -> None:
-        """Give M the gap mode of the contact that the fields of the first of its levels have."""
+        """Set the gap mode of `coarsest` from the contact in its fields; none unless wanted."""
         coarsest.mode = coarsest.mode[:0]
         if not self.gap_mode.wanted(coarsest.fields[1, 1:-1].mean()):
             return

@@ -14,7 +14,9 @@ from ..parallel.coarsening import Level, restrict_axis
 
 
 class NominalArea:
-    """Norm and sums of the indicator s of the nominal area on the levels of a grid.
+    """Norm and sums of s, the indicator of the nominal area, on the levels of a grid.
+
+    s is 1 on the surface and 0 beyond it, restricted to each level.
 
     Parameters
     ----------
@@ -30,7 +32,7 @@ class NominalArea:
     weights : list of float
         softness N/N_l of every level; N, N_l: points of the grid and of the level.
     s : list of [array (n_x,), array (n_y,)]
-        The two factors of s on every level.
+        The two factors of s on every level, functions of the row and of the column.
     """
 
     def __init__(self, grid: Any, levels: Sequence[Level], softness: Iterable[float]):
@@ -44,7 +46,7 @@ class NominalArea:
 
     @cached_property
     def norm(self) -> float:
-        """sum over the coarse levels of softness <s, s> N/N_l."""
+        """Sum over the coarse levels of softness <s, s> N/N_l."""
         return float(
             sum(
                 weight * np.dot(x, x) * np.dot(y, y)

@@ -45,8 +45,8 @@ class HeightSpectrum:
     Attributes
     ----------
     add : function
-        add(fft) returns a function of (block, m) that adds the transform of minus the heights to
-        a block of columns.
+        add(fft) returns a function of (block, m) that subtracts the transform of the heights from
+        block m of the columns, in place.
     dtype : dtype
         Precision of the gap.
     """
@@ -68,7 +68,7 @@ class Problem:
     p0 : float
         Mean pressure over the nominal area.
     h_rms : float
-        What root_mean_square was, where that is known.
+        sqrt(mean h^2), if it is known already; None: `root_mean_square` computes it.
     body : Body
         See bodies/.
     hardness : float or None
@@ -90,14 +90,17 @@ class Problem:
     spring: float = 0.0
 
     def law(self, dtype: np.dtype | None = None) -> Law | None:
-        """Return the law of attraction as kernels take it, in a precision (the working one)."""
+        """Return the law of attraction in a precision (default: the working one), for kernels.
+
+        None if there is no attraction.
+        """
         if self.attraction is None:
             return None
         return in_precision(self.attraction, dtype or self.dtype)
 
     @property
     def limit(self) -> np.floating | None:
-        """The hardness as kernels take it."""
+        """The hardness in the working precision, as kernels take it; None without one."""
         return None if self.hardness is None else self.dtype.type(self.hardness)
 
     @property
@@ -107,7 +110,10 @@ class Problem:
 
     @cached_property
     def root_mean_square(self) -> float:
-        """sqrt(mean h^2). Collective where it is first asked for."""
+        """sqrt(mean h^2) over the surface. Collective at the first access.
+
+        `h_rms` if that is known; 0 for a HeightSpectrum of unknown h_rms.
+        """
         if self.h_rms is not None or self.stored is None:
             return self.h_rms or 0.0
         h = self.stored
@@ -120,12 +126,12 @@ class Problem:
 
     @property
     def stored(self) -> np.ndarray | None:
-        """The heights, where they are stored."""
+        """Heights as an array, the local part of the nominal area; None for a HeightSpectrum."""
         return None if isinstance(self.h, HeightSpectrum) else self.h
 
     @property
     def heights(self) -> np.ndarray:
-        """The heights, which are stored."""
+        """The heights as an array; AssertionError for a HeightSpectrum."""
         assert self.stored is not None
         return self.stored
 
@@ -136,9 +142,11 @@ class Problem:
 
     @cached_property
     def rounding(self) -> float:
-        """The rms error of the pressure that comes from storing h in the working precision, and the
-        displacement beyond the surface, which is of the order of p_cell times the size of the cell.
-        Collective."""
+        """Estimated rms error of the pressure because of the working precision.
+
+        It comes from storing h, and the displacement beyond the surface, which is of the order of
+        p_cell times the size of the cell. Collective at the first access.
+        """
         beyond = self.sunk if self.grid.padded else 0.0
         return (
             ROUNDING
@@ -148,12 +156,14 @@ class Problem:
 
     @property
     def sunk(self) -> float:
-        """How much the displacement varies where nothing but the load limits it, about."""
+        """Estimate of how much the displacement varies if nothing but the load limits it."""
         return float(self.p_cell * np.sqrt(self.grid.cell_points))
 
     def noise(self, h_rms: float) -> float:
-        """Return the rms error of the pressure from transforms in the working precision, at most;
-        h_rms: of the heights."""
+        """Return about the largest rms error of the pressure from transforms.
+
+        They are made in the working precision; h_rms is sqrt(mean h^2) of the heights.
+        """
         if self.stored is None:
             varies = h_rms
         else:
@@ -161,8 +171,11 @@ class Problem:
         return TRANSFORMED * float(np.finfo(self.dtype).eps) * varies
 
     def level(self, g: np.ndarray) -> float:
-        """Return about the mean of what is transformed of u = g - h. K does not see it, but
-        rounding errors go with it. Collective."""
+        """Estimate the mean of the field that is transformed, from some rows of g. Collective.
+
+        The field is u = g - h, or g if the heights are not stored. K ignores its mean, but rounding
+        errors grow with it, so `displacement_rows` subtracts it.
+        """
         every = max(1, len(g) // SAMPLE)
         few = g[::every]
         heights = 0.0 if self.stored is None else self.stored[::every].sum()
@@ -175,15 +188,16 @@ class Problem:
         Parameters
         ----------
         g : array, local slab
-            Gap, or displacement beyond the surface.
+            Gap, or displacement beyond the surface; read when the function is called.
         level : float
-            A constant that is taken off, about the mean: see `level`.
+            A constant to subtract, about the mean: see `level`.
 
         Returns
         -------
         function
-            fill(i0, i1, x) sets x to rows of u - level, u = g - h (g itself beyond the surface), or
-            of g where `adder` does the rest; x may be of another precision.
+            fill(i0, i1, x) sets x to rows of u - level, u = g - h on the surface and g beyond it.
+            If the heights are not stored u = g everywhere, and `adder` subtracts the heights. x may
+            be of another precision.
         """
         from ..kernels.certify import displacement_rows
 
@@ -191,16 +205,18 @@ class Problem:
         return lambda i0, i1, x: displacement_rows(g, h, x, i0, i1, level)
 
     def adder(self, fft: SlabFFT) -> Columns | None:
-        """Return what completes the columns of u after a transform of its rows: None where the rows
-        are those of u already."""
+        """Return the function (block, m) that subtracts the heights from columns of g.
+
+        None if the heights are stored: `displacement_rows` has subtracted them.
+        """
         return self.h.add(fft) if isinstance(self.h, HeightSpectrum) else None
 
 
 def self_energy(grid: Grid) -> float:
-    """Return an upper bound of sqrt(<v, S v>), S = 1/K, where v is 1 on the nominal area and 0
-    in the padding, minus its mean; 0 on a grid without padding.
+    """Return an upper bound of sqrt(<v, S v>), v being the indicator of the surface less its mean.
 
-    It bounds how much the mean gap over the surface may differ from that over the cell.
+    The indicator is 1 on the nominal area and 0 in the padding, and S = 1/K; 0 on a grid without
+    padding. It bounds how much the mean gap over the surface may differ from that over the cell.
 
     Of all shapes of equal area a disc has the largest <v, S v>, 0.958 area^(3/2). A strip, periodic
     along its length, has (4/pi^3) 1.05 area times width, doubled because the mean of S is arbitrary

@@ -1,8 +1,9 @@
-"""A body with a hardness that moves or dents the surface as a whole, at no elastic cost.
+"""Rigid moves of a body with a hardness: it sinks or rises as a whole, at no elastic cost, and
+dents the surface.
 
-The contact carries between H times the points with a dent and H times all points that touch. The
-energy is piecewise linear in the height of the body; its minimum is where the n-th smallest gap
-becomes 0, n being the load over H, rounded up.
+The contact carries at least H times the points with a dent and at most H times all points that
+touch. The energy is piecewise linear in the height of the body; its minimum is where the n-th
+smallest gap becomes 0, n being the load over H, rounded up.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def points_to_carry(problem: Problem, p0: float) -> int:
-    """Return how many points at the hardness carry a load, rounded up.
+    """Return how many points with the pressure H carry a load: load/H, rounded up.
 
     Parameters
     ----------
@@ -32,7 +33,7 @@ def points_to_carry(problem: Problem, p0: float) -> int:
     Returns
     -------
     int
-        1 to the number of points of the surface.
+        From 1 to the number of points of the surface.
     """
     hardness = problem.hardness or np.inf
     N = problem.grid.N
@@ -40,7 +41,9 @@ def points_to_carry(problem: Problem, p0: float) -> int:
 
 
 def balancing_shift(problem: Problem, p0: float, g: np.ndarray) -> tuple[np.floating, float]:
-    """Return by how much the gap is to be lowered so that the contact carries the load. Collective.
+    """Return by how much the gap must be lowered for the contact to carry the load. Collective.
+
+    The gap itself stays as it is.
 
     Parameters
     ----------
@@ -54,9 +57,9 @@ def balancing_shift(problem: Problem, p0: float, g: np.ndarray) -> tuple[np.floa
     Returns
     -------
     shift : float
-        Below 0 where the body is to rise; in the precision of g.
+        To be subtracted from every gap; below 0 if the body must rise; in the precision of g.
     gain : float
-        Energy that this gains.
+        By how much this lowers the energy.
     """
     grid = problem.grid
     shift = nth_smallest(grid, g, points_to_carry(problem, p0))
@@ -72,10 +75,11 @@ def balancing_shift(problem: Problem, p0: float, g: np.ndarray) -> tuple[np.floa
 def dent_rigidly(
     problem: Problem, p0: float, p_cell: float, g: np.ndarray, p: np.ndarray, uKu: float
 ) -> bool:
-    """Lay down a rigid body that dents the surface, where that has less energy than a state.
+    """Replace a state by a rigid body that dents the surface, if that has less energy. Collective.
 
-    What soft bodies start from, a coarser grid or a clipped plane, has pressures far beyond the
-    hardness; a rigid body has none but the load. Needs stored heights. Collective.
+    States that come from a coarser grid or a clipped plane, without a hardness, have pressures far
+    beyond it; a rigid body has a uniform pressure, the load. Does nothing without stored heights or
+    without a hardness.
 
     Parameters
     ----------
@@ -84,14 +88,14 @@ def dent_rigidly(
     p0, p_cell : float
         Mean pressure over the surface, and over the whole grid.
     g, p : array, local slabs
-        Gap and pressure of the state; are overwritten where the rigid body is better.
+        Gap and pressure of the state; overwritten if the rigid body is better.
     uKu : float
         <u, K u> of the state.
 
     Returns
     -------
     bool
-        Whether the rigid body was laid down.
+        Whether the state was replaced, the same on all ranks.
     """
     h, hardness = problem.stored, problem.hardness
     if h is None or hardness is None:

@@ -15,8 +15,9 @@ if TYPE_CHECKING:
 def nth_smallest(grid: Grid, field: np.ndarray, n: int) -> np.floating:
     """Return the n-th smallest number of a field over the surface. Collective.
 
-    It is found exactly, by radix selection: each pass over the field decides 16 more bits, so that
-    it takes two passes in single and four in double precision, and no copy of the field.
+    The result is exact: each pass of a radix selection over the field decides 16 more bits, so
+    single precision takes two passes and double precision four. The field is neither copied nor
+    changed.
 
     Parameters
     ----------

@@ -41,13 +41,14 @@ class Tangent:
     ----------
     compliance : float
         -d(mean gap)/dp0 in the problem's units; 0 in full contact, inf where nothing touches, nan
-        where it was not found to the accuracy asked for.
+        if the requested accuracy was not reached.
     error : float
-        Estimated, relative.
+        Estimated relative error of the compliance.
     pairs : float
         FFT pairs it took.
     approach : float
-        d(approach)/dp0, nan where there is none.
+        d(approach)/dp0; nan for a half-space with a periodic axis, which has no approach, in full
+        contact, and where nothing touches.
     """
 
     compliance: float
@@ -59,9 +60,9 @@ class Tangent:
 def tangent(
     grid: Grid, body: Body, contact: np.ndarray, dtype: DTypeLike, accuracy: float
 ) -> Tangent:
-    """Find the response of a contact to a small change of the load. Collective.
+    """Compute the response of a contact to a small change of the load. Collective.
 
-    Needs four fields and the levels of the preconditioner besides the transforms.
+    Takes the memory of four fields and of the levels of the preconditioner besides the transforms.
 
     Parameters
     ----------
@@ -74,7 +75,7 @@ def tangent(
     dtype : dtype
         Precision of the fields.
     accuracy : float
-        Wanted relative error of the compliance.
+        Requested relative error of the compliance.
 
     Returns
     -------
@@ -109,8 +110,12 @@ def tangent(
 
 
 def _steps(elastic: Elastic, contact: np.ndarray) -> Iterator[tuple[float, float]]:
-    """Make steps of conjugate gradients; gives by how much each makes b K_FF^-1 b, and the sum of v
-    over the surface, rise. Collective."""
+    """Yield, for each step of conjugate gradients, its gains of b K_FF^-1 b and of the sum of v.
+
+    v is the response of the displacement out of contact (F) to a load of 1, b is 1 on F and 0
+    elsewhere. The sum of v is over the surface, and its gain 0 on a grid without padding. Both are
+    sums over all ranks. The steps never end by themselves. Collective.
+    """
     grid = elastic.grid
     dtype = elastic.dtype
     levels = Multilevel(grid, elastic.body, dtype, elastic.fft.R)

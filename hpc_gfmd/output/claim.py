@@ -1,4 +1,6 @@
-"""The folder of a run before it begins: locked, and cleared of what is not to be gone on with."""
+"""Start of a run in its folder: lock it, find out what an earlier run has left, remove what is
+stale.
+"""
 
 from __future__ import annotations
 
@@ -14,16 +16,16 @@ from .result import Result
 
 
 class EarlierRun(NamedTuple):
-    """What an earlier run has left at the place of a result.
+    """What an earlier run has left where this run writes.
 
     Attributes
     ----------
     result : Result
-        Its finished loads; without any where nothing is gone on with.
+        Its finished loads and their fields; without loads if the new run starts from the beginning.
     is_resumed : bool
-        Whether the new run goes on with it.
+        Whether the new run continues it.
     notes : list of str
-        What a user has to know, a line each.
+        Notes for the user, one line each.
     """
 
     result: Result
@@ -32,33 +34,35 @@ class EarlierRun(NamedTuple):
 
 
 def claim(path: Path, identity: str | None, resume: bool, force: bool) -> tuple[int, EarlierRun]:
-    """Make and lock the folder for partial results of a run. Called on rank 0 only.
+    """Create and lock the folder for partial results of a run. Called on rank 0 only.
 
-    Unless an earlier run is resumed, everything in that folder but the lock is removed.
+    Everything in that folder but the lock is removed, unless an earlier run is resumed.
 
     Parameters
     ----------
     path : Path
-        The result file, OUT.h5.
+        The result file, OUT.h5. It is not changed.
     identity : str or None
-        Of the scene; a run of the same identity can be resumed.
+        `Scene.identity`; a run of the same identity can be resumed.
     resume : bool
-        Whether to go on with an interrupted run.
+        Whether to continue an interrupted run.
     force : bool
-        Whether to start over, discarding finished loads, and to overwrite any file at path.
+        Whether to start from the beginning even if that discards finished loads or replaces a file
+        at `path` that is not a result of this scene.
 
     Returns
     -------
     int
         The open descriptor that holds the lock, for `folder.release`.
     EarlierRun
-        What was there.
+        What was found.
 
     Raises
     ------
     SceneError
-        If the folder of OUT.h5 is missing or not writable, another run holds the lock, or,
-        without force, finished loads or the result of another scene would be lost.
+        If the folder of OUT.h5 is missing or not writable, another run holds the lock, or, without
+        `force`, finished loads or the result of another scene would be lost. Then the lock is
+        released.
     """
     require_name("output.path", path)
     if not path.parent.is_dir():
@@ -88,9 +92,10 @@ def _earlier_run(
     resume: bool,
     force: bool,
 ) -> EarlierRun:
-    """Return what is there; clear the folder unless the run goes on. Raises SceneError.
+    """Return what an earlier run has left in the locked folder; empty it unless that is resumed.
 
-    files: of the finished loads, by their numbers.
+    `files` are those of its finished loads, by number; `identity`, `resume` and `force` as for
+    `claim`. Raises SceneError if loads or a result would be lost without `force`.
     """
     has_begun = (folder / HEAD).exists()
     loads = len(files) if has_begun else 0
@@ -122,7 +127,10 @@ def _earlier_run(
 
 
 def _note_on_replaced(path: Path, identity: str | None, force: bool) -> str:
-    """Return a note on the file that will be replaced. Raises SceneError if it may not be."""
+    """Return a note on the existing file at `path`, which the run will replace.
+
+    Raises SceneError if it is not a result of this scene, unless `force` is set.
+    """
     try:
         is_same = read_file(path).head.get("identity") == identity
     except SceneError as error:

@@ -1,5 +1,6 @@
-"""What makes a result file open in other programs: coordinates, numbers and units (xarray, netCDF),
-and the group that ParaView reads."""
+"""Coordinates, numbers and units in a result file, so that other programs can read it (xarray,
+netCDF), and the group that ParaView reads.
+"""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -7,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from .numbers import About, Attributes, axes, numbers, said_of
+from .numbers import About, Attributes, axes, dataset_attributes, numbers
 
 # An attribute of each group with all its texts, as JSON of fixed length. HDF5 keeps texts of any
 # length, which other programs expect, where it has no checksums and where a flipped bit may crash
@@ -20,21 +21,23 @@ SIGNS = (
 
 
 def describe(file: Any, head: dict, surface: dict, steps: Mapping[str, dict], about: About) -> None:
-    """Add to a file that has all its fields what other programs need.
+    """Add what other programs need to an open result file whose fields are laid out.
 
-    These are the attributes of the root, the surface and the steps; load, x, y and the numbers of
-    all loads; steps/NNNN/x, y, p beside fields; VTKHDF, views of the fields.
+    The values of the fields need not be written yet. It writes the attributes of the root, the
+    surface and the steps; the arrays load, x, y and the numbers of all loads; links steps/NNNN/x,
+    y, p, heights beside fields; and the group VTKHDF with views of the fields. Before the surface
+    has its size "n", it writes only attributes.
 
     Parameters
     ----------
     file : h5py.File
-        Open for writing.
+        Open for writing; it is changed.
     head, surface : dict
         Attributes of the root and of the surface.
     steps : mapping of str to dict
-        Attributes of the load steps, by their groups.
+        Attributes of the load steps by name of their group.
     about : mapping
-        Meaning and unit of the numbers.
+        {name: (meaning, unit)} of the numbers.
     """
     set_attributes(file, {"/": head, "surface": surface, **steps})
     if "n" not in surface:
@@ -43,14 +46,14 @@ def describe(file: Any, head: dict, surface: dict, steps: Mapping[str, dict], ab
     groups = [file[name] for name in steps]
     for group in (file["surface"], *groups):
         for name in _fields(group):
-            name_it(group[name], surface, about, scales[1:])
+            describe_dataset(group[name], surface, about, scales[1:])
             if group != file["surface"]:
                 group[name].attrs["coordinates"] = "p"
         if _fields(group):
             group["x"], group["y"] = scales[1:]  # hard links
     for group, p in zip(groups, file["load"]):
         group["p"] = p
-        name_it(group["p"], surface, about)
+        describe_dataset(group["p"], surface, about)
         if "heights" in file["surface"]:
             group["heights"] = file["surface/heights"]
     if groups and min(surface["n"]) > 1:
@@ -60,62 +63,65 @@ def describe(file: Any, head: dict, surface: dict, steps: Mapping[str, dict], ab
 def coordinates(
     group: Any, surface: Attributes, of_loads: Mapping[str, np.ndarray], about: About
 ) -> list:
-    """Add the dimension scales load, x and y, and the numbers of all loads along the first of them.
+    """Write the dimension scales load, x and y into a group, and the numbers of all loads.
 
     Parameters
     ----------
     group : h5py.Group
-        Where they go.
+        The group that they are written to.
     surface : mapping
         Attributes of the surface.
     of_loads : mapping of str to ndarray
-        Numbers over the load steps, by name.
+        One array over the load steps for each number. "load" gets the values of "p", or nan without
+        it.
     about : mapping
-        Meaning and unit of the numbers.
+        {name: (meaning, unit)} of the numbers.
 
     Returns
     -------
     list of h5py.Dataset
-        The three scales.
+        The scales load, x and y.
     """
     unknown = np.full(len(next(iter(of_loads.values()), ())), np.nan)
     scales = {"load": of_loads.get("p", unknown), **axes(surface)}
     for name, values in scales.items():
         group.create_dataset(name, data=values).make_scale(name)
-        name_it(group[name], surface, about)
+        describe_dataset(group[name], surface, about)
     for name, values in of_loads.items():
         stored = {"U": object, "b": np.int8}.get(values.dtype.kind, values.dtype)
         group[name] = values.astype(stored)
-        name_it(group[name], surface, about, [group["load"]])
+        describe_dataset(group[name], surface, about, [group["load"]])
         if values.dtype == bool:
             group[name].attrs["dtype"] = "bool"  # as xarray stores and reads it
     return [group[name] for name in scales]
 
 
-def name_it(dataset: Any, surface: Attributes, about: About, scales: Sequence = ()) -> None:
-    """Add units, long_name and axes to a dataset.
+def describe_dataset(
+    dataset: Any, surface: Attributes, about: About, scales: Sequence = ()
+) -> None:
+    """Set `units` and `long_name` of a dataset and attach dimension scales to its axes.
 
     Parameters
     ----------
     dataset : h5py.Dataset
-        Its name says what it holds.
+        Is changed. The last part of its name tells which number or field it holds.
     surface : mapping
-        Attributes of the surface, which know the units.
+        Attributes of the surface, among them the units.
     about : mapping
-        Meaning and unit of the numbers.
+        {name: (meaning, unit)} of the numbers.
     scales : sequence of h5py.Dataset
-        Dimension scales of its axes.
+        Dimension scales of its first axes, in order.
     """
-    dataset.attrs.update(said_of(dataset.name.rpartition("/")[2], surface, about))
+    dataset.attrs.update(dataset_attributes(dataset.name.rpartition("/")[2], surface, about))
     for axis, scale in zip(dataset.dims, scales):
         axis.attach_scale(scale)
 
 
 def _views(file: Any, steps: Sequence, scales: Sequence, surface: Attributes, about: About) -> None:
-    """Add VTKHDF's ImageData with views of the fields that all steps have: (load, x, y), or (x, y)
-    of one load.
+    """Add a group VTKHDF (ImageData) with views of the fields that all steps have, if any.
 
-    VTK's first axis is the last one of an array, our y; Direction turns it back, so that x is x.
+    No data is copied. The fields are (load, x, y), or (x, y) of a single load. VTK's first axis is
+    the last one of an array, our y; the attribute Direction swaps them back, so that x is x.
     """
     import h5py
 
@@ -149,26 +155,29 @@ def _views(file: Any, steps: Sequence, scales: Sequence, surface: Attributes, ab
         )
         for k, source in enumerate(sources):
             layout[k] = h5py.VirtualSource(".", source.name, source.shape, source.dtype)
-        name_it(points.create_virtual_dataset(name, layout), surface, about, scales)
+        describe_dataset(points.create_virtual_dataset(name, layout), surface, about, scales)
         vtk[f"Steps/PointDataOffsets/{name}"] = np.arange(len(loads))
     for dataset in (vtk["Steps/Values"], *vtk["Steps/PointDataOffsets"].values()):
         dataset.dims[0].attach_scale(scales[0])
 
 
 def _fields(group: Any) -> list[str]:
-    """Return the names of the data sets of two axes in a group."""
+    """Return the names of the two-dimensional datasets in a group."""
     return [name for name, item in group.items() if getattr(item, "ndim", 0) == 2]
 
 
 def set_attributes(file: Any, groups: Mapping[str, dict]) -> None:
-    """Write attributes of groups; a dict as JSON, None not at all.
+    """Write attributes of groups, creating groups that are missing.
+
+    A dict is stored as JSON, and None not at all. All texts of a group are stored again as JSON in
+    its attribute RECORD, from which this program reads them.
 
     Parameters
     ----------
     file : h5py.File
-        Open for writing.
+        Open for writing; it is changed.
     groups : mapping of str to dict
-        Attributes by the names of the groups.
+        Attributes by name of the group.
     """
     for name, attributes in groups.items():
         stored = {

@@ -1,5 +1,7 @@
-"""A result for other programs: ParaView (VTKHDF), netCDF-4, NumPy arrays, a table, Gwyddion, and
-X3P. Fields are read a piece at a time where the format lets them be written so."""
+"""Export of a result to ParaView (VTKHDF), netCDF-4, NumPy arrays, a CSV table, Gwyddion, and X3P.
+
+Fields are read a piece at a time if the format can be written so.
+"""
 
 import os
 import zipfile
@@ -13,15 +15,15 @@ from ..parallel.h5 import lay_out
 from ..util.atomic import atomic_write
 from ..util.errors import GfmdError, SceneError, reason
 from ..util.libraries import surface_topography
-from .describe import coordinates, name_it
-from .numbers import About, axes, numbers, said_of, unit_of
+from .describe import coordinates, describe_dataset
+from .numbers import About, axes, dataset_attributes, numbers, unit_of
 from .result import Result
 
 HEIGHTS = "heights"  # the same for all loads
 
 
 def export(result: Result, kind: str, path: str | os.PathLike | None, about: About) -> Path:
-    """Write a result for another program; the whole file is there, or nothing.
+    """Write a result for another program. If that fails, no file is left.
 
     Parameters
     ----------
@@ -29,19 +31,21 @@ def export(result: Result, kind: str, path: str | os.PathLike | None, about: Abo
     kind : str
         One of FORMATS.
     path : path or None
-        Where to; None: beside the file of the result.
+        The file to write, which is replaced if it exists; None: beside the file of the result, with
+        the extension of the format.
     about : mapping
-        Meaning and unit of the numbers.
+        {name: (meaning, unit)} of the numbers.
 
     Returns
     -------
     Path
-        That was written.
+        The file that was written.
 
     Raises
     ------
     SceneError
-        If it cannot go there or into this format.
+        If `path` is the result itself, is not a file or has no folder, if the result has no
+        finished load, or if the format cannot hold the result.
     GfmdError
         If the numbers of the result are damaged or writing fails.
     """
@@ -63,19 +67,23 @@ def export(result: Result, kind: str, path: str | os.PathLike | None, about: Abo
 
 
 def to_vtkhdf(result: Result, path: Path, about: About) -> None:
-    """Write the fields as ImageData for ParaView.
+    """Write the fields that all loads have as ImageData for ParaView.
 
-    Arrays are (load, y, x), the order of VTK, so that all versions from 9.3 put every number at its
-    place. In result files they are (x, y), which versions below 9.7 exchange.
+    Arrays are (load, y, x), the order of VTK, so that all versions from 9.3 show every number in
+    its place. In result files they are (x, y), which versions below 9.7 swap.
 
     Parameters
     ----------
     result : Result
-        A result with fields.
     path : Path
-        The file to be written.
+        The file to write.
     about : mapping
-        Meaning and unit of the numbers.
+        {name: (meaning, unit)} of the numbers.
+
+    Raises
+    ------
+    SceneError
+        If the loads have no field in common, or the grid has one point along an axis.
     """
     import h5py
 
@@ -104,7 +112,7 @@ def to_vtkhdf(result: Result, path: Path, about: About) -> None:
             stored_loads = len(loads) if name != HEIGHTS else 1
             leading = (stored_loads,) if len(loads) > 1 else ()  # one load: no axis for it
             values = image.create_dataset(f"PointData/{name}", (*leading, n_y, n_x), dtype)
-            values.attrs.update(said_of(name, surface, about))
+            values.attrs.update(dataset_attributes(name, surface, about))
             for place, rows in _pieces(result, name):
                 load = place[0] if len(place) == 2 else 0
                 values[(*(load for _ in leading), slice(None), place[-1])] = rows.T
@@ -119,13 +127,14 @@ def to_vtkhdf(result: Result, path: Path, about: About) -> None:
 
 
 def to_netcdf(result: Result, path: Path, about: About) -> None:
-    """Write dimensions load, x, y; every number of the load steps and every field as a variable
-    with its unit and meaning.
+    """Write netCDF-4 with dimensions load, x, y: each number and each field is a variable.
+
+    Variables have a unit and a meaning. Fields that some load lacks are left out.
 
     Parameters
     ----------
     result, path, about
-        As for `to_vtkhdf`; fields are not needed.
+        As for `to_vtkhdf`.
     """
     import h5py
 
@@ -133,10 +142,11 @@ def to_netcdf(result: Result, path: Path, about: About) -> None:
     fields = common_fields(result)
 
     def described(file: Any) -> None:
+        """Add attributes, scales and numbers to the open file."""
         file.attrs.update(result.facts)
         scales = coordinates(file, surface, numbers(result.steps), about)
         for name in fields:
-            name_it(file[name], surface, about, scales[name == HEIGHTS :])
+            describe_dataset(file[name], surface, about, scales[name == HEIGHTS :])
 
     lay_out(path, fields, described)
     with open(path, "r+b") as stream, h5py.File(stream, "r+") as file:
@@ -146,8 +156,10 @@ def to_netcdf(result: Result, path: Path, about: About) -> None:
 
 
 def to_npz(result: Result, path: Path, about: About) -> None:
-    """Write arrays over the load steps by their names, x, y, heights (x, y) and the other fields
-    (load, x, y).
+    """Write a .npz archive with numbers over the loads, coordinates and fields.
+
+    Its arrays are one for each number, x, y, heights (x, y), and the other fields (load, x, y).
+    Fields that some load lacks are left out.
 
     Parameters
     ----------
@@ -167,18 +179,18 @@ def to_npz(result: Result, path: Path, about: About) -> None:
 
 
 def frame(result: Result, about: About) -> Any:
-    """Return a pandas table: a row for each load step, a column for each number.
+    """Return a pandas table with a row for each load step and a column for each number.
 
     Parameters
     ----------
     result : Result
     about : mapping
-        Meaning and unit of the numbers.
+        {name: (meaning, unit)} of the numbers.
 
     Returns
     -------
     pandas.DataFrame
-        `attrs["units"]` holds the unit of each column.
+        The index holds the numbers of the loads; `attrs["units"]` holds {column: unit}.
     """
     from pandas import DataFrame, Index
 
@@ -188,8 +200,9 @@ def frame(result: Result, about: About) -> Any:
 
 
 def to_csv(result: Result, path: Path, about: About) -> None:
-    """Write one line per load step, no fields; headings such as "gap_mean [m]" where a unit is
-    known.
+    """Write a CSV table with one line per load step and no fields.
+
+    Headings are such as "gap_mean [m]", without brackets if the unit is 1 or unknown.
 
     Parameters
     ----------
@@ -205,16 +218,15 @@ def to_csv(result: Result, path: Path, about: About) -> None:
 
 
 def to_gwy(result: Result, path: Path, about: About) -> None:
-    """Write a channel of Gwyddion for each field of each load.
+    """Write a Gwyddion file with one channel for each field of each load; heights only once.
 
     Parameters
     ----------
     result : Result
-        A result with fields.
     path : Path
-        The file to be written.
-    about : dict
-        Meaning and unit of all numbers, which this format does not need.
+        The file to write.
+    about : mapping
+        Not used: this format has no place for it.
     """
     from gwyfile.objects import GwyContainer, GwyDataField, GwySIUnit
 
@@ -222,7 +234,8 @@ def to_gwy(result: Result, path: Path, about: About) -> None:
     lengths = dict(zip(("xreal", "yreal"), map(float, surface["physical_sizes"])))
 
     def unit_of_field(name: str) -> Any:
-        unit = said_of(name, surface, {})["units"]
+        """Return the unit of a field as a GwySIUnit, without name unless it is m or Pa."""
+        unit = dataset_attributes(name, surface, {})["units"]
         return GwySIUnit(unitstr=unit if unit in ("m", "Pa") else "")
 
     content = GwyContainer()
@@ -239,12 +252,17 @@ def to_gwy(result: Result, path: Path, about: About) -> None:
 
 
 def to_x3p(result: Result, path: Path, about: About) -> None:
-    """Write one field of one load, a length, by SurfaceTopography.
+    """Write the only field of a result with one load as X3P. It must be a length in metres.
 
     Parameters
     ----------
     result, path, about
         As for `to_gwy`.
+
+    Raises
+    ------
+    SceneError
+        If the result has several fields or loads, or its field is no length in metres.
     """
     channels = list(_channels(result))
     surface = result.surface
@@ -275,8 +293,11 @@ FORMATS = {  # and the extension of each
 
 
 def common_fields(result: Result) -> dict[str, tuple[tuple[int, ...], np.dtype]]:
-    """Return the fields that all steps have: the shape over them, heights once, and the widest type
-    of each."""
+    """Return {name: (shape, dtype)} of the fields that all loads of a result have.
+
+    The shape is (loads, n_x, n_y), and (n_x, n_y) for heights, which are the same for all loads.
+    The dtype is the widest of any load.
+    """
     names = [name for name in result.fields[0] if all(name in fields for fields in result.fields)]
     shape = len(result.steps), *result.surface["n"]
     types = {name: [fields[name].dtype for fields in result.fields] for name in names}
@@ -284,14 +305,16 @@ def common_fields(result: Result) -> dict[str, tuple[tuple[int, ...], np.dtype]]
 
 
 def _channels(result: Result) -> Iterator[tuple[int, str]]:
-    """Yield (step, field) of all of them, heights once."""
+    """Yield (position of the load, name) of all common fields of all loads, heights only once."""
     for k in range(len(result.steps)):
         yield from ((k, name) for name in common_fields(result) if k == 0 or name != HEIGHTS)
 
 
 def _pieces(result: Result, name: str) -> Iterator[tuple[tuple, np.ndarray]]:
-    """Yield (place in an array over the loads, rows) of a field, a piece of memory at a time.
-    Raises GfmdError where it is damaged."""
+    """Yield (index, rows) of a field; index is where the rows belong in an array over all loads.
+
+    A piece of memory at a time. Raises GfmdError if stored numbers are damaged.
+    """
     for k, fields in enumerate(result.fields[: 1 if name == HEIGHTS else None]):
         for start, rows in fields[name].pieces():
             yield (k, slice(start, start + len(rows)))[name == HEIGHTS :], rows

@@ -1,5 +1,6 @@
-"""The fields of a contact by name, those that are computed as they are read, and those in memory
-that are read as if from a file."""
+"""Fields of a contact: computed when they are read, or in memory with the interface of stored
+fields.
+"""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -12,18 +13,22 @@ FIELDS = ("pressure", "gap", "displacement", "plastic")
 
 @dataclass(frozen=True, eq=False)
 class LazyField:
-    """A local slab that is computed a few rows at a time when it is sliced; np.asarray makes all of
-    it.
+    """A field on this rank whose rows are computed when it is sliced; nothing is kept.
+
+    `field[i0:i1]` computes these rows on all threads and returns a new array; `np.asarray` computes
+    all of them.
 
     Attributes
     ----------
     rows : callable
-        Of (i0, i1): the values of these rows.
+        rows(i0, i1) returns the values of these local rows.
     shape : (int, int)
-        Of the slab.
+        Shape of the local slab.
     dtype : numpy.dtype
+        Type of the values that slicing returns.
     by_rows : callable
-        Shares rows among threads, as Grid.by_rows.
+        by_rows(work, count) calls work(i0, i1) for pieces of the first `count` rows on all threads,
+        as Grid.by_rows.
     """
 
     rows: Callable[[int, int], np.ndarray]
@@ -32,6 +37,7 @@ class LazyField:
     by_rows: Callable[[Callable[[int, int], None], int], Any]
 
     def __getitem__(self, rows: slice) -> np.ndarray:
+        """Compute some local rows and return them as a new array."""
         i0, i1, _ = rows.indices(self.shape[0])
         out = np.empty((max(i1 - i0, 0), self.shape[1]), self.dtype)
 
@@ -42,12 +48,13 @@ class LazyField:
         return out
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray:
+        """Compute all local rows and return them as a new array."""
         return np.array(self[:], dtype=dtype)
 
 
 @dataclass(frozen=True)
 class Slab:
-    """A field in memory that is read like one of a file.
+    """This rank's rows of a field in memory, with the methods of `Stored`, a field in a file.
 
     Attributes
     ----------
@@ -65,12 +72,11 @@ class Slab:
 
     @property
     def dtype(self) -> np.dtype:
-        """Precision of the field."""
+        """Type of the values."""
         return np.dtype(self.data.dtype)
 
     def pieces(self) -> Iterator[tuple[int, np.ndarray]]:
-        """Yield all of it, as `Stored.pieces` gives a field of a file: (start, rows from
-        there on)."""
+        """Yield (global index of the first row, rows) once, with all rows of this rank."""
         yield self.start, self.read()
 
     def read(self, start: int | None = None, stop: int | None = None) -> np.ndarray:
@@ -79,11 +85,13 @@ class Slab:
         Parameters
         ----------
         start, stop : int, optional
-            Global indices, which must be among those of this rank; default: all of them.
+            Global indices start <= i < stop, which must be among those of this rank; default: all
+            of them.
 
         Returns
         -------
-        ndarray, shape (rows, n_y)
+        ndarray, shape (stop - start, n_y)
+            May be a view of `data`.
         """
         i0, i1 = (None if i is None else i - self.start for i in (start, stop))
         return np.ascontiguousarray(self.data[i0:i1])

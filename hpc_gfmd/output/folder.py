@@ -1,6 +1,8 @@
-"""The folder beside a result file, OUT.h5.partial, where a run keeps what is finished until all of
-it is: one run at a time has it, by a lock that the kernel gives back when its holder dies, however
-it dies."""
+"""The folder OUT.h5.partial beside a result file, where a run keeps finished loads until it ends.
+
+One run at a time holds its lock. The operating system releases the lock when that process ends, for
+whatever reason.
+"""
 
 import os
 import re
@@ -17,29 +19,31 @@ _OURS = re.compile(r"(head|step-\d+|checkpoint)\.h5(\.tmp)?")
 
 
 def followed(path: str | os.PathLike) -> Path:
-    """Return the file that a path stands for: a link is not replaced by a result, what it
-    names is."""
+    """Return the path, or its target if it is a symbolic link: a result replaces the target."""
     return Path(os.path.realpath(path)) if os.path.islink(path) else Path(path)
 
 
 def partial_folder(path: str | os.PathLike) -> Path:
-    """Return the folder where a run that writes `path` keeps its finished loads, and the gap of
-    one that was stopped."""
+    """Return the path of the folder in which a run that writes `path` keeps its partial results.
+
+    It need not exist. It holds the finished loads, and the gap of a load that was stopped.
+    """
     return Path(f"{followed(path)}.partial")
 
 
 def step_files(folder: Path) -> dict[int, Path]:
-    """Find the files of the finished steps, by index."""
+    """Return {number of the load: file} of the finished loads in a folder, in ascending order."""
     return dict(
         sorted((int(p.stem[5:]), p) for p in folder.glob("step-*.h5") if p.stem[5:].isdigit())
     )
 
 
 def acquire(folder: Path) -> int:
-    """Lock `folder`, made if it is missing, and return the open descriptor that holds the lock.
+    """Lock a folder, which is created if missing, and return the descriptor that holds the lock.
 
-    Raises SceneError naming the holder if another process has it. A file system without locks is
-    accepted.
+    The lock file then names this process. If the file system has no locks, the folder counts as
+    locked. Raises SceneError that names the holder if another process has the lock, and OSError if
+    the folder is not writable.
     """
     folder.mkdir(exist_ok=True)
     descriptor = os.open(folder / LOCK, os.O_RDWR | os.O_CREAT, 0o644)
@@ -60,16 +64,16 @@ def acquire(folder: Path) -> int:
 
 
 def release(folder: Path, lock: int, keep: bool = True) -> None:
-    """Give back the lock that `acquire` returned.
+    """Release the lock that `acquire` returned; remove the folder unless it is worth keeping.
 
     Parameters
     ----------
     folder : Path
-        Beside a result file.
+        Folder of partial results.
     lock : int
-        What `acquire` returned; closed.
+        Descriptor that `acquire` returned; it is closed.
     keep : bool
-        Whether the folder stays, if a run has begun in it; otherwise it is removed.
+        True: keep the folder if a run has begun in it (there is a head.h5). False: remove it.
     """
     if not keep or not (folder / HEAD).exists():
         clear(folder)
@@ -77,22 +81,24 @@ def release(folder: Path, lock: int, keep: bool = True) -> None:
 
 
 def is_held(folder: Path) -> bool:
-    """Return whether a run holds the lock of a folder."""
+    """Whether a running process holds the lock of a folder; False if there is no lock file."""
     with suppress(OSError), open(folder / LOCK, "rb") as file:
         return _taken(file.fileno(), alone=False)
     return False
 
 
 def clear(folder: Path, keep_lock: bool = False) -> None:
-    """Remove the files of a run, the head first: without head.h5 and without a lock a folder is
-    stale.
+    """Remove the files of a run from a folder, head.h5 first.
+
+    A folder without head.h5 and without a held lock is stale. Files of other names stay.
 
     Parameters
     ----------
     folder : Path
-        Beside a result file.
+        Folder of partial results.
     keep_lock : bool
-        Whether the lock and the folder stay.
+        True: keep the lock file and the folder. False: remove the lock file, and the folder if it
+        is empty then.
     """
     for file in sorted(folder.glob("*"), key=lambda file: not file.name.startswith(HEAD)):
         if _OURS.fullmatch(file.name):
@@ -104,7 +110,10 @@ def clear(folder: Path, keep_lock: bool = False) -> None:
 
 
 def _taken(descriptor: int, alone: bool) -> bool:
-    """Try to lock a file, alone or shared; return whether another process holds it."""
+    """Try to lock an open file, exclusively (`alone`) or shared; whether another process holds it.
+
+    If not, this descriptor holds the lock from now on, on systems that have locks.
+    """
     try:
         import fcntl
 

@@ -1,5 +1,6 @@
-"""The law of an interface: contact area, gap, stiffness and conductance against the mean pressure,
-each with an error, as other programs read it."""
+"""Interface law: contact area, gap, stiffness, conductance and others as functions of the mean
+pressure, with errors, for use in other programs.
+"""
 
 from __future__ import annotations
 
@@ -20,29 +21,29 @@ QUANTITIES = ("a_r", "gap_mean", "stiffness", "conductance", "critical_gap_x", "
 
 @dataclass(frozen=True, eq=False)
 class InterfaceLaw:
-    """Quantities of a rough interface against the mean pressure.
+    """Quantities of a rough interface as functions of the mean pressure.
 
     Attributes
     ----------
     pressure : ndarray, shape (k,)
         Mean pressures over the nominal area, ascending, in `units["pressure"]`.
     values : dict of str to ndarray, shape (k,)
-        Quantities by their names in a result file; means over the surfaces where there are several.
-        nan where a quantity has no value (the stiffness of full contact).
+        Quantities by their names in a result file, as means over the surfaces. nan where a quantity
+        has no value (the stiffness in full contact).
     errors : dict of str to ndarray, shape (k,)
-        Relative errors of `values`: of the solver, of the grid where it is estimated (a_r), and of
-        the interpolation beside the pressure.
+        Estimated relative errors of `values`: that of the solver, plus that of the grid where it is
+        estimated (a_r), plus that of interpolation in the intervals beside the pressure.
     scatter : dict of str to ndarray, shape (k,)
-        Standard deviations over the surfaces, in the units of `values`; 0 of a single surface.
+        Standard deviations over the surfaces, in the units of `values`; 0 for a single surface.
     gap_at_touch : float
-        Mean gap at which the highest point touches, where the pressure is 0.
+        Mean gap when the highest point just touches, at zero pressure; in the unit of lengths.
     units : dict of str to str
-        Of "pressure" and of each quantity: "Pa", "m", "1/m", ...; "1" without dimension, "" where
-        the unit has no name.
+        Unit of "pressure" and of each quantity: "Pa", "m", "1/m", ...; "1" if dimensionless, "" if
+        the unit is unknown.
     surfaces : int
-        Number of surfaces that the law is a mean of.
+        Number of surfaces that were averaged.
     about : tuple of str
-        What the law is of, a line each.
+        Description of the surfaces, the material and failed loads, one line each.
     """
 
     pressure: np.ndarray
@@ -55,7 +56,7 @@ class InterfaceLaw:
     about: tuple[str, ...] = ()
 
     def __call__(self, name: str, pressure: Any) -> Any:
-        """Interpolate a quantity.
+        """Interpolate a quantity at some pressures.
 
         Parameters
         ----------
@@ -67,7 +68,7 @@ class InterfaceLaw:
         Returns
         -------
         float or ndarray
-            In `units[name]`.
+            In `units[name]`; nan where the quantity has no value.
 
         Raises
         ------
@@ -101,13 +102,14 @@ class InterfaceLaw:
         Returns
         -------
         float
-            In `units["pressure"]`: the first pressure whose critical gap is 0. The law is refined
-            there until the pressure below it is nearer than the error that was asked for.
+            In `units["pressure"]`: the first pressure of the law with a critical gap of 0. The law
+            is refined there until the next lower pressure is within the requested relative error.
 
         Raises
         ------
         SceneError
-            Where the law has no critical gap along the axis, or its range holds no tight load.
+            If the law has no critical gap along the axis, or the seal is tight or open in its whole
+            range.
         """
         name = f"critical_gap_{axis}"
         if name not in self.values:
@@ -123,8 +125,11 @@ class InterfaceLaw:
         return float(self.pressure[tight[0]])
 
     def to_dataframe(self) -> DataFrame:
-        """Return a pandas table: a row for each pressure, columns of values, relative errors and
-        scatter; units by column in its `attrs`."""
+        """Return a pandas table with a row for each pressure.
+
+        For each quantity NAME it has the columns NAME, NAME_error (relative) and NAME_scatter.
+        `attrs["units"]` holds {column: unit}.
+        """
         from pandas import DataFrame
 
         columns = {"pressure": self.pressure}
@@ -140,6 +145,7 @@ class InterfaceLaw:
         return table
 
     def __repr__(self) -> str:
+        """Return one line: quantities, number and range of the pressures, number of surfaces."""
         unit = self.units["pressure"]
         number = f", mean of {self.surfaces} surfaces" if self.surfaces > 1 else ""
         return (
@@ -152,20 +158,21 @@ class InterfaceLaw:
 def interpolate(pressure: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.ndarray:
     """Interpolate monotonically in the logarithm of the pressure.
 
-    Positive values are interpolated by their logarithms. Behind the last positive value, where a
-    seal has closed, the value is 0.
+    Positive values are interpolated by their logarithms. From the first pressure whose value is 0
+    (a seal has closed) the result is 0; between the last positive value and that pressure it is the
+    last positive value.
 
     Parameters
     ----------
     pressure, values : ndarray, shape (k,)
-        Ascending pressures, and values that are 0 or positive; nan where there is none.
+        Ascending pressures, and values that are 0 or positive, or nan if unknown.
     at : ndarray
         Pressures within the range.
 
     Returns
     -------
     ndarray
-        With the shape of `at`; nan beyond the values that exist.
+        With the shape of `at`; nan outside the pressures that have values.
     """
     exists = np.isfinite(values)
     positive = exists & (values > 0)

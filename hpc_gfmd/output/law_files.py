@@ -1,4 +1,4 @@
-"""Files of the law of an interface: CSV with units, input of CalculiX and Abaqus, of MOOSE."""
+"""Files of an interface law: CSV with units, input for CalculiX and Abaqus, and for MOOSE."""
 
 from __future__ import annotations
 
@@ -25,37 +25,40 @@ def write_law(
     conductivity: float | Sequence[float] | None = None,
     name: str = "ROUGH",
 ) -> Path:
-    """Write a law in the format that the suffix of the path names.
+    """Write an interface law in the format that belongs to the suffix of the path.
 
     Parameters
     ----------
     law : InterfaceLaw
     path : path
-        ".csv": everything, with units. ".inp": CalculiX and Abaqus, `*SURFACE BEHAVIOR,
-        PRESSURE-OVERCLOSURE=TABULAR` and `*GAP CONDUCTANCE`. ".i": functions of MOOSE.
+        The file, which is replaced if it exists. ".csv": everything, with units. ".inp": CalculiX
+        and Abaqus, `*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR` and `*GAP CONDUCTANCE`. ".i":
+        functions of MOOSE.
     conductivity : float or pair of floats, optional
-        Thermal conductivities of the two bodies, in W/(m K) where lengths are in m: makes the
-        conductance of the law (1/length) one per area and kelvin. Without it finite elements get
-        no conductance.
+        Thermal conductivities of the two bodies, in W/(m K) if lengths are in m: multiplies the
+        conductance of the law (1/length) to give one per area and kelvin. Without it the files for
+        finite elements contain no conductance.
     name : str
-        Of the surface interaction.
+        Name of the surface interaction (.inp), or beginning of the names of functions (.i).
 
     Returns
     -------
     Path
-        That was written.
+        The file that was written.
 
     Raises
     ------
     SceneError
-        For another suffix, a law without a mean gap, and conductivities that are not positive.
+        For another suffix, for conductivities that are not positive, and if files for finite
+        elements are requested from a law without a mean gap, or with a conductivity from one
+        without conductance.
 
     Notes
     -----
-    The overclosure is the mean gap at which the highest point touches less the mean gap: 0 where
-    the pressure is 0. The reference planes of the finite elements are the mean planes of the two
-    surfaces, moved apart by that gap. Tables of finite elements are read by straight lines; they
-    have so many rows that these deviate by less than 0.1 % of the overclosure.
+    The overclosure is `gap_at_touch` minus the mean gap: 0 where the pressure is 0. The reference
+    planes of the finite elements are the mean planes of the two surfaces, moved apart by
+    `gap_at_touch`. Finite element programs interpolate these tables linearly; the tables have so
+    many rows that this deviates from the law by less than 0.1 % of the overclosure.
     """
     path = Path(path)
     require_suffix(path)
@@ -68,18 +71,18 @@ def write_law(
 
 
 def require_suffix(path: str | PathLike) -> None:
-    """Raise SceneError for a path whose suffix names no format of a law."""
+    """Raise SceneError if `write_law` has no format for the suffix of a path."""
     if Path(path).suffix not in WRITERS:
         raise SceneError(f"path: found {str(path)!r}, allowed: one in {', '.join(WRITERS)}")
 
 
 def harmonic_mean(conductivity: float | Sequence[float]) -> float:
-    """Return 2 k1 k2/(k1 + k2) of two conductivities, or the one that both bodies have.
+    """Return 2 k1 k2/(k1 + k2) of two conductivities, or the single value of both bodies.
 
     Raises
     ------
     SceneError
-        For other numbers than one or two that are positive.
+        Unless there are one or two positive numbers.
     """
     values = np.atleast_1d(np.asarray(conductivity, dtype=float))
     if values.size not in (1, 2) or not (np.isfinite(values) & (values > 0)).all():
@@ -90,13 +93,13 @@ def harmonic_mean(conductivity: float | Sequence[float]) -> float:
 
 
 def read_law(path: str | PathLike) -> InterfaceLaw:
-    """Read a law that `write_law` has written.
+    """Read an interface law from a file that `write_law` has written.
 
     Parameters
     ----------
     path : path
-        ".csv", ".inp" or ".i". Those for finite elements hold the mean gap and the conductance
-        alone, without errors (nan).
+        ".csv", ".inp" or ".i". Files for finite elements contain only the mean gap and the
+        conductance; errors and scatter are nan then.
 
     Returns
     -------
@@ -105,7 +108,7 @@ def read_law(path: str | PathLike) -> InterfaceLaw:
     Raises
     ------
     SceneError
-        For what is no law of an interface.
+        If the file cannot be read or is no interface law.
     """
     path = Path(path)
     if path.suffix not in READERS:
@@ -122,15 +125,17 @@ def read_law(path: str | PathLike) -> InterfaceLaw:
 
 
 def finite_element_table(law: InterfaceLaw) -> tuple[np.ndarray, np.ndarray]:
-    """Return (pressure, overclosure) at which straight lines follow the law, from (0, 0) on.
+    """Return arrays (pressure, overclosure), from (0, 0), for linear interpolation of the law.
 
-    Each interval between the loads of the law is halved until its straight line deviates from the
-    law by less than `STRAIGHT`; there are at most `MOST_ROWS` rows.
+    Each interval between the pressures of the law is halved until the straight line deviates from
+    the law by less than STRAIGHT (relative), or there are MOST_ROWS rows. Raises SceneError if the
+    law has no mean gap.
     """
     if "gap_mean" not in law.values:
         raise SceneError("law: found no gap_mean, allowed for finite elements: a law that has it")
 
     def overclosure(pressure: np.ndarray) -> np.ndarray:
+        """Return `gap_at_touch` minus the mean gap at some pressures."""
         return law.gap_at_touch - interpolate(law.pressure, law.values["gap_mean"], pressure)
 
     pressure = law.pressure[np.isfinite(law.values["gap_mean"])]
@@ -151,7 +156,10 @@ def finite_element_table(law: InterfaceLaw) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _heading(law: InterfaceLaw, mark: str, conductivity: float | None = None) -> str:
-    """Return the comment at the head of a file of a law; mark: begins a comment."""
+    """Return the comment lines at the head of a file; each begins with `mark`.
+
+    They hold the description of the law and facts such as "gap_at_touch = 1e-6 m".
+    """
     unit = law.units.get("gap_mean", "")
     facts = [f"gap_at_touch = {law.gap_at_touch!r} {unit}".rstrip(), f"surfaces = {law.surfaces}"]
     if conductivity is not None:
@@ -161,7 +169,7 @@ def _heading(law: InterfaceLaw, mark: str, conductivity: float | None = None) ->
 
 
 def _csv(law: InterfaceLaw, conductivity: float | None, name: str) -> str:
-    """Return the law as a CSV text, all columns with their units."""
+    """Return the law as CSV text with units in the headings. `name` is not used."""
     table = law.to_dataframe()
     units = table.attrs["units"]
     table.columns = [f"{column} [{units[column]}]" for column in table.columns]
@@ -170,7 +178,11 @@ def _csv(law: InterfaceLaw, conductivity: float | None, name: str) -> str:
 
 
 def _inp(law: InterfaceLaw, conductivity: float | None, name: str) -> str:
-    """Return the law as an input file of CalculiX or Abaqus; name: of the surface interaction."""
+    """Return the law as input of CalculiX or Abaqus. `name` is that of the surface interaction.
+
+    Raises SceneError if the law has no mean gap, or no conductance although `conductivity` is
+    given.
+    """
     pressure, closure = finite_element_table(law)
     lines = [f"*SURFACE INTERACTION, NAME={name}"]
     lines += ["*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR"]
@@ -183,7 +195,10 @@ def _inp(law: InterfaceLaw, conductivity: float | None, name: str) -> str:
 
 
 def _moose(law: InterfaceLaw, conductivity: float | None, name: str) -> str:
-    """Return the law as functions of MOOSE; name: what theirs begin with."""
+    """Return the law as functions of MOOSE, whose names begin with `name`.
+
+    Raises SceneError as `_inp`.
+    """
     pressure, closure = finite_element_table(law)
     tables = {f"{name}_pressure_of_closure": (closure, pressure)}
     if conductivity is not None:
@@ -197,12 +212,15 @@ def _moose(law: InterfaceLaw, conductivity: float | None, name: str) -> str:
 
 
 def _numbers(values: np.ndarray) -> str:
-    """Return numbers as MOOSE reads them, in one line."""
+    """Return numbers as text in one line, separated by blanks, as MOOSE reads them."""
     return " ".join(f"{value:.9E}" for value in values)
 
 
 def _conductance_rows(law: InterfaceLaw, conductivity: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return (pressure, conductance per area and kelvin) from (0, 0) on."""
+    """Return arrays (pressure, conductance per area and kelvin) of a law, from (0, 0).
+
+    Raises SceneError if the law has no conductance.
+    """
     if "conductance" not in law.values:
         raise SceneError(
             "conductivity: found with a law that has no conductance, allowed: with a half-space"
@@ -217,7 +235,7 @@ def _conductance_rows(law: InterfaceLaw, conductivity: float) -> tuple[np.ndarra
 
 
 def _read_csv(text: str) -> InterfaceLaw:
-    """Read what `_csv` wrote."""
+    """Return the law in a text that `_csv` has written."""
     from pandas import read_csv
 
     table = read_csv(StringIO(text), comment="#")
@@ -243,7 +261,7 @@ def _read_csv(text: str) -> InterfaceLaw:
 
 
 def _read_inp(text: str) -> InterfaceLaw:
-    """Read what `_inp` wrote: pressure, closure and conductance."""
+    """Return the law in a text that `_inp` has written: mean gap, and conductance if present."""
     tables: dict[str, list[list[float]]] = {}
     rows: list[list[float]] = []
     for line in text.splitlines():
@@ -258,7 +276,7 @@ def _read_inp(text: str) -> InterfaceLaw:
 
 
 def _read_moose(text: str) -> InterfaceLaw:
-    """Read what `_moose` wrote: pressure, closure and conductance."""
+    """Return the law in a text that `_moose` has written: mean gap, and conductance if present."""
     functions = re.findall(r"\[(\w+)\]\s+type.*?x = '(.*?)'\s+y = '(.*?)'", text, re.DOTALL)
     tables = {
         function.rsplit("_", 2)[0].rsplit("_", 1)[1]: np.array([x.split(), y.split()], float).T
@@ -271,7 +289,11 @@ def _read_moose(text: str) -> InterfaceLaw:
 def _of_finite_elements(
     text: str, behaviour: Sequence[Sequence[float]], conductance: Sequence[Sequence[float]]
 ) -> InterfaceLaw:
-    """Make a law of rows (pressure, overclosure) and (pressure, conductance)."""
+    """Return a law from rows (pressure, overclosure) and (pressure, conductance) of a file.
+
+    The first row of each is (0, 0) and is left out. `text` is the whole file; its heading has
+    gap_at_touch, the conductivity and the unit of length. Errors and scatter are nan.
+    """
     facts = _facts(text)
     pressure, closure = np.array(behaviour[1:], float).T
     values = {"gap_mean": facts["gap_at_touch"] - closure}
@@ -298,12 +320,12 @@ def _of_finite_elements(
 
 
 def _facts(text: str) -> dict[str, float]:
-    """Return the numbers of the comment at the head of a file by name, as "conductivity"."""
+    """Return {name: number} of the facts in the heading of a file, such as "conductivity"."""
     return {name: float(number) for name, number, _ in FACT.findall(text)}
 
 
 def _about(text: str) -> tuple[str, ...]:
-    """Return the lines of the heading that are neither its first one nor facts."""
+    """Return the description in the heading of a file: all but its first line and the facts."""
     heading = [line for line in text.splitlines() if line.startswith(("#", "**"))]
     lines = [re.sub(r"^[#*]+ ?", "", line) for line in heading]
     return tuple(line for line in lines[1:] if not FACT.match(line))

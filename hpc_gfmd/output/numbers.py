@@ -1,5 +1,4 @@
-"""The numbers of all loads as arrays along them, and what each number and each field is: units and
-meaning."""
+"""Numbers of all load steps as arrays, and the unit and meaning of each number and each field."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -30,9 +29,12 @@ MEANINGS = {
 }
 
 
-def names_of(steps: Sequence[Attributes]) -> dict[str, None]:
-    """List what load steps say in one number or text, in their order. What is no identifier stays
-    out: it may be a path."""
+def scalar_names(steps: Sequence[Attributes]) -> dict[str, None]:
+    """Return the names of attributes that are a number or a text in some load step, in order.
+
+    As keys of a dict whose values are None. Names that are no Python identifiers are left out: from
+    a damaged file they could be paths.
+    """
     return dict.fromkeys(
         name
         for step in steps
@@ -42,10 +44,12 @@ def names_of(steps: Sequence[Attributes]) -> dict[str, None]:
 
 
 def numbers(steps: Sequence[Attributes]) -> dict[str, np.ndarray]:
-    """Return the numbers and texts of `names_of` as arrays over the steps; nan or "" where a step
-    has none."""
+    """Return {name: array over the load steps} of their numbers and texts.
+
+    A step without a value has nan, or "" among texts. See `scalar_names`.
+    """
     arrays = {}
-    for name in names_of(steps):
+    for name in scalar_names(steps):
         values = [step.get(name) for step in steps]
         missing = "" if any(isinstance(value, str) for value in values) else np.nan
         arrays[name] = np.array([missing if value is None else value for value in values])
@@ -58,38 +62,39 @@ def unit_of(name: str, surface: Attributes, about: About) -> str:
     Parameters
     ----------
     name : str
-        Of the number.
+        Name of the number in a result file.
     surface : mapping
-        Attributes of the surface, which know the units.
+        Attributes of the surface, among them the units of length and pressure.
     about : mapping
-        Meaning and unit of the numbers.
+        {name: (meaning, unit)} of the numbers.
 
     Returns
     -------
     str
-        "1" without dimension, "" where the unit has no name.
+        Such as "m"; "1" if the number is dimensionless or unknown, "" if lengths or pressures have
+        no unit.
     """
     return in_units(about.get(name, ("", ""))[1], surface)
 
 
 def axes(surface: Attributes) -> dict[str, np.ndarray]:
-    """Return the positions of the points along x and along y."""
+    """Return {"x": positions, "y": positions} of the points, from 0, in the unit of length."""
     sides = zip("xy", surface["n"], surface["physical_sizes"], strict=True)
     return {name: np.arange(n) * (size / n) for name, n, size in sides}
 
 
-def said_of(name: str, surface: Attributes, about: About) -> dict[str, str]:
-    """Return the attributes `units` and `long_name` of a number or a field.
+def dataset_attributes(name: str, surface: Attributes, about: About) -> dict[str, str]:
+    """Return the attributes `units` and `long_name` of a dataset with a number or a field.
 
     Parameters
     ----------
     name, surface, about
-        As for `unit_of`.
+        As for `unit_of`; `name` may also be a field or "x", "y", "load".
 
     Returns
     -------
     dict of str to str
-        With the dimension, as "length", where the unit has no name.
+        If lengths or pressures have no unit, `units` is the dimension, such as "length".
     """
     meaning, unit = MEANINGS.get(name) or about.get(name, (name, ""))
     return {"units": in_units(unit, surface) or unit, "long_name": meaning}

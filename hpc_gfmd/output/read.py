@@ -1,5 +1,7 @@
-"""Reading result files, what an interrupted run left, and checkpoints. Executes nothing, needs no
-MPI."""
+"""Reading of result files, of what an interrupted run has left, and of checkpoints.
+
+Nothing in a file is executed, and MPI is not needed.
+"""
 
 import json
 import os
@@ -20,9 +22,11 @@ CHECKPOINT = "hpc-gfmd checkpoint"
 
 
 def read_result(path: str | os.PathLike) -> Result:
-    """Read a result file, or, if there is none, what an interrupted run left beside it. Raises
-    SceneError (one line) if there is nothing, or the file is no HDF5, damaged, foreign or of
-    another version."""
+    """Read a result file or, if there is none, the finished loads of an interrupted run beside it.
+
+    If a newer run is unfinished, a note says so. Raises SceneError if neither exists, or if the
+    file is damaged, no HDF5, of another program or of another format version.
+    """
     path = Path(path)
     folder = partial_folder(path)
     if not path.exists() and folder.is_dir():
@@ -41,7 +45,8 @@ def read_result(path: str | os.PathLike) -> Result:
 def read_partial(path: str | os.PathLike) -> Result:
     """Read the finished loads of a run that has not written `path` yet.
 
-    Its status is "interrupted", or "running". Raises SceneError as `read_result`.
+    The status of the result is "running" if the run holds its lock, otherwise "interrupted". Raises
+    SceneError if there are none, or as `read_result`.
     """
     path = Path(path)
     folder = partial_folder(path)
@@ -53,26 +58,26 @@ def read_partial(path: str | os.PathLike) -> Result:
 
 
 def read_parts(head: Path, steps: Mapping[int, Path]) -> Result:
-    """Read the files of a run that goes on, each of which is a result file of its own.
+    """Read the files of an unfinished run, each of which is a result file, and join them.
 
-    One that is damaged says nothing about the others: it is left out, and named in `notes`.
+    Files that are damaged or of another scene are left out, and a note names them.
 
     Parameters
     ----------
     head : Path
-        The file without a load.
+        The file without loads.
     steps : dict
         The files with one load each, by its number.
 
     Returns
     -------
     Result
-        With all loads that can be read.
+        With all loads that could be read. The fields are read later.
 
     Raises
     ------
     SceneError
-        Where nothing can be read.
+        If none of the files can be read.
     """
     parts: list[Result] = []
     notes = []
@@ -98,24 +103,24 @@ def read_parts(head: Path, steps: Mapping[int, Path]) -> Result:
 
 
 def read_checkpoint(path: Path, identity: str) -> Result | None:
-    """Read the gap of a load that was stopped, a file of the same layout with one load step.
+    """Read the gap of a load that was stopped before it converged.
 
     Parameters
     ----------
     path : Path
-        The file.
+        The file, of the layout of a result file with one load step.
     identity : str
-        Of the scene that it has to belong to.
+        `Scene.identity` that it has to have.
 
     Returns
     -------
     Result or None
-        With one step and its field "gap"; None if there is no such file.
+        With one step, which has the field "gap"; None if there is no such file.
 
     Raises
     ------
     SceneError
-        As `read_result`, and for what another scene or another version of the program wrote.
+        As `read_result`, and if another scene or another version of the program has written it.
     """
     if not path.exists():
         return None
@@ -129,24 +134,24 @@ def read_checkpoint(path: Path, identity: str) -> Result | None:
 
 
 def read_file(path: Path, kind: str = FORMAT) -> Result:
-    """Read all that one file says, its load steps in the order of their numbers.
+    """Read the attributes of one file, with the load steps in the order of their numbers.
 
     Parameters
     ----------
     path : Path
         The file.
     kind : str
-        Its format: FORMAT or CHECKPOINT.
+        The format it must have: FORMAT or CHECKPOINT.
 
     Returns
     -------
     Result
-        Fields are read later, slab by slab.
+        Its fields are `Stored`: they are read later, slab by slab.
 
     Raises
     ------
     SceneError
-        For whatever goes wrong.
+        For anything that goes wrong.
     """
     _require_hdf5(path)
     try:
@@ -186,7 +191,7 @@ def read_file(path: Path, kind: str = FORMAT) -> Result:
 
 
 def _require_hdf5(path: Path) -> None:
-    """Raise SceneError for what is no HDF5 file that may be read."""
+    """Raise SceneError unless `path` is an HDF5 file that may be read."""
     import h5py
 
     if not path.exists():
@@ -209,8 +214,11 @@ def _require_hdf5(path: Path) -> None:
 
 
 def _fields(path: Path, group: Any, n: list[int]) -> dict[str, Stored]:
-    """Find the fields in a group of an open file, to be read slab by slab later. Raises ValueError
-    if one does not fit the surface."""
+    """Return {name: Stored} of the fields in a group of the open file; their values are not read.
+
+    `n` are the points of the surface. Raises ValueError if a field has another shape, holds no
+    floating-point numbers or has unwritten points.
+    """
     fields = {}
     for name in group:
         data = inside(group, name)
@@ -231,8 +239,10 @@ def _fields(path: Path, group: Any, n: list[int]) -> dict[str, Stored]:
 
 
 def _attributes(group: Any) -> dict:
-    """Return attributes as Python numbers, texts and lists, in the order in which they were
-    written."""
+    """Return the attributes of a group as Python numbers, texts and lists, in the order of writing.
+
+    Texts are put on one line, except for the scene.
+    """
     texts = json.loads(group.attrs[RECORD])
     return {
         name: group.attrs[name].tolist()
@@ -245,8 +255,7 @@ def _attributes(group: Any) -> dict:
 
 
 def _printable(text: Any) -> Any:
-    """Put a text, or each of a list of them, in one line: a terminal would obey control
-    characters."""
+    """Return a text, or a list of texts, on one line each and without control characters."""
     if isinstance(text, str):
         return one_line(text, len(text) + 1)
     return [_printable(item) for item in text]

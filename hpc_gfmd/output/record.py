@@ -1,8 +1,9 @@
-"""The result file while it is being written.
+"""The result file while it is written.
 
-Everything finished goes at once into the folder OUT.h5.partial, one file per load step, and at the
-end all of it becomes OUT.h5 in one rename. So nothing finished is lost, and nothing half-written
-has a final name. Beside them lies the gap of a load that was stopped in its middle.
+Every finished load is written at once into the folder OUT.h5.partial, one file per load step. At
+the end all of them become OUT.h5 in one rename. So nothing finished is lost, and an incomplete file
+never has the final name. The folder also holds the gap of a load that was stopped before it
+converged.
 """
 
 import os
@@ -29,7 +30,11 @@ from .result import FORMAT_VERSION, Result, group_of
 
 
 class RunFile(AbstractContextManager):
-    """The result file of one run, used in a `with` statement. All methods are collective.
+    """The result file of one run, for use in a `with` statement. All methods are collective.
+
+    Creating it locks the folder OUT.h5.partial and may empty it (see `claim.claim`). Leaving the
+    `with` statement releases the lock; what is finished stays in the folder and can be resumed,
+    unless `resume` is False, or the scene was refused (SceneError) before any load was finished.
 
     Parameters
     ----------
@@ -40,36 +45,36 @@ class RunFile(AbstractContextManager):
     n : (int, int)
         Points of the surface.
     rows : (int, int)
-        Start and stop of this rank's rows, which may be none.
+        Start and stop of this rank's rows; there may be none.
     head : dict
         Root attributes, among them `scene` (TOML text), `identity` (of the scene), `versions`.
     surface : dict
         Attributes of the surface.
     resume : bool
-        Whether to go on with an interrupted run of the same identity, and to leave what a later one
-        can go on with.
+        Whether to continue an interrupted run of the same identity, and to leave a folder that a
+        later run can continue.
     force : bool
-        Whether to begin anew, and to replace even what is no result of this scene.
+        Whether to start from the beginning, and to replace any file at `path`.
     about : dict
-        What the numbers of the steps are, see `contact.all_numbers`.
+        {name: (meaning, unit)} of the numbers, see `contact.all_numbers`.
     **how
         As for `parallel.h5.write_file`.
 
     Attributes
     ----------
     finished : dict
-        Attributes of the finished loads by their indices.
+        Attributes of the finished loads, by number.
     resumed : bool
-        Whether an interrupted run goes on.
+        Whether an interrupted run is continued.
     notes : list of str
-        What was found, a line each.
+        Notes on earlier runs and on the way of writing, one line each.
     earlier : dict
-        Root attributes of the run that is resumed which hold for this one, too.
+        Root attributes of the resumed run that this run keeps (start time, origin of the heights).
 
     Raises
     ------
     SceneError
-        As `claim.claim`.
+        As `claim.claim`, on every rank.
     """
 
     def __init__(
@@ -97,6 +102,7 @@ class RunFile(AbstractContextManager):
         self._lock: int | None = None  # on rank 0
 
         def claimed() -> EarlierRun:
+            """Lock the folder and store the descriptor; return what an earlier run has left."""
             self._lock, earlier_run = claim(self.path, head.get("identity"), resume, force)
             return earlier_run
 
@@ -118,7 +124,7 @@ class RunFile(AbstractContextManager):
         }
 
     def __enter__(self) -> Self:
-        """Begin: from now on the run can be resumed. Raises GfmdError on every rank."""
+        """Write head.h5, after which the run can be resumed. Raises GfmdError on every rank."""
         try:
             self._head = {"io": self._io_way(), **self._head}
             self.update()
@@ -128,7 +134,10 @@ class RunFile(AbstractContextManager):
         return self
 
     def _io_way(self) -> str:
-        """Return how fields are written; a note says why not by MPI-IO where that is there."""
+        """Return how fields are written: "mpio" or "serial" (by rank 0). Collective.
+
+        Adds a note if HDF5 has MPI-IO and it cannot be used here.
+        """
         import h5py
 
         way = io_way(self.comm, self.partial / HEAD)
@@ -141,16 +150,18 @@ class RunFile(AbstractContextManager):
         return way
 
     def update(self, surface: dict | None = None, height_field: Any = None, **head: Any) -> None:
-        """Add to the head of the result. Collective.
+        """Add attributes and the heights to the head of the result, and write head.h5 again.
+
+        Collective.
 
         Parameters
         ----------
         surface : dict, optional
-            Attributes of the surface.
+            Attributes of the surface, which are added to those known.
         height_field : ndarray, shape (rows, n_y), optional
-            Local slab of the heights, kept once for all load steps.
+            Local slab of the heights, which are stored once for all load steps.
         **head
-            Root attributes.
+            Root attributes, which are added to those known.
 
         Raises
         ------
@@ -165,14 +176,16 @@ class RunFile(AbstractContextManager):
     def write_step(
         self, index: int, attributes: dict, fields: dict[str, Any] | None = None
     ) -> None:
-        """Write one finished load step. Collective.
+        """Write a finished load step to its file in the folder and add it to `finished`.
+
+        Collective.
 
         Parameters
         ----------
         index : int
             Number of the load, from 0.
         attributes : dict
-            Its numbers by name; None: it has none.
+            Its numbers by name; those that are None are left out.
         fields : dict of ndarray, optional
             Local slabs, shape (rows, n_y), by name.
 
@@ -190,14 +203,16 @@ class RunFile(AbstractContextManager):
         self.finished = dict(sorted((self.finished | {index: attributes}).items()))
 
     def write_checkpoint(self, grid: Grid, index: int, gap: np.ndarray, numbers: dict) -> None:
-        """Write the gap of a load that is stopped in its middle, from which it can go on.
+        """Write the gap of a load that was stopped before it converged, to restart from.
+
+        Collective. An earlier checkpoint is replaced.
 
         Parameters
         ----------
         grid : Grid
-            The grid of the solver, which is larger than the surface where that ends.
+            The grid of the solver, which is larger than a surface with free edges.
         index : int
-            Of the load.
+            Number of the load.
         gap : ndarray
             Local slab of the grid, in the program's unit.
         numbers : dict
@@ -228,26 +243,26 @@ class RunFile(AbstractContextManager):
         )
 
     def checkpoint(self) -> Result | None:
-        """Read the gap of the load that was stopped, None if there is none.
+        """Read what `write_checkpoint` has written; None if there is nothing. Collective.
 
-        Raises SceneError as `read_checkpoint`.
+        Raises SceneError as `read_checkpoint`, on every rank.
         """
         path = self.partial / STATE
         identity = self._head["identity"]
         return on_rank_0(self.comm, f"reading {path}", lambda: read_checkpoint(path, identity))
 
     def take(self, result: Result) -> None:
-        """Take all load steps of a result, numbered anew, which `finish` writes."""
+        """Replace the load steps by those of a result, numbered from 0. `finish` writes them."""
         result = replace(result, indices=list(range(len(result.steps))))
         self.finished = result.numbered
         self._fields = result.datasets
 
     def finish(self, status: str) -> None:
-        """Compose OUT.h5 from the finished steps, put it in place of any older one and remove the
-        folder.
+        """Write OUT.h5 with all finished steps, replace an older file and remove the folder.
 
-        Raises GfmdError on every rank if that fails, or the fields of a step are damaged; the
-        finished steps stay in the folder.
+        Collective. `status` is that of the whole run. Raises GfmdError on every rank if writing
+        fails or the stored fields of a step are damaged; then the finished steps stay in the
+        folder.
         """
         self._head["end_time"] = _now()
         steps = {group_of(index): step for index, step in self.finished.items()}
@@ -260,13 +275,17 @@ class RunFile(AbstractContextManager):
         on_rank_0(self.comm, f"removing {self.partial}", lambda: self.close(keep=False))
 
     def close(self, keep: bool = True) -> None:
-        """Give the file back; what is there can be resumed, unless it is not to be kept or was
-        never begun."""
+        """Release the lock; does nothing if it is released already.
+
+        The folder is kept if `keep` is set and the run has begun (head.h5 exists), and removed
+        otherwise.
+        """
         if self._lock is not None:
             release(self.partial, self._lock, keep)
             self._lock = None
 
     def __exit__(self, kind: type | None, *_: object) -> None:
+        """Release the lock; keep what is finished for a later run, see the class."""
         refused = kind is not None and issubclass(kind, SceneError)
         begun = bool(self.finished) or self.resumed
         self.close(keep=self._resume and (begun or not refused))  # a wrong scene leaves nothing
@@ -274,8 +293,11 @@ class RunFile(AbstractContextManager):
     def _write(
         self, path: Path, status: str, steps: dict[str, dict], fields: dict[str, Any]
     ) -> dict[str, Stored]:
-        """Write a file of the unfinished result, numbers and fields; returns where its fields are.
-        Collective."""
+        """Write a file with the head, the surface, some steps and fields.
+
+        `status` is that of the run. `fields` are local slabs or Stored, by their path in the file.
+        Returns {path in the file: Stored} of the fields in the new file. Collective.
+        """
         head = self._head | {"status": status}
         return write_file(
             self.comm,
@@ -288,5 +310,5 @@ class RunFile(AbstractContextManager):
 
 
 def _now() -> str:
-    """Return the time, as it stands in a file."""
+    """Return the present time as text, UTC, ISO 8601, to the second."""
     return datetime.now(UTC).isoformat(timespec="seconds")

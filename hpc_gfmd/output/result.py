@@ -1,4 +1,4 @@
-"""The content of a result file, or of a solution in memory."""
+"""Content of a result file, or of a solution in memory."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -10,7 +10,7 @@ from ..scene.model import parse_toml
 from ..util.errors import SceneError
 from ..util.quantities import format_quantity
 from .fields import Slab
-from .numbers import names_of
+from .numbers import scalar_names
 
 FORMAT_VERSION = 3
 # (table, key) that scenes in older files may have, and that changed no result
@@ -19,30 +19,30 @@ WITHDRAWN = (("machine", "checkpoint_seconds"),)
 
 @dataclass(frozen=True)
 class Result:
-    """The content of a result file, or of a solution in memory.
+    """Content of a result file, or of a solution in memory.
 
     Attributes
     ----------
     path : Path or None
-        Of the file; None in memory.
+        The file; None in memory.
     surface : dict
         Attributes of the surface.
     steps : list of dict
         Attributes of each load step.
     indices : list of int
-        Numbers of the load steps.
+        Number of each load step in the scene, from 0.
     status : str
-        Of the whole run; "running" or "interrupted" if it is not finished.
+        Status of the whole run; "running" or "interrupted" if it is not finished.
     head : dict
-        Attributes of the root.
+        Root attributes.
     fields : list of dict
         Fields of each load step by name: Stored in a file, Slab in memory.
     folder : Path or None
-        Of a run that is not finished.
+        Folder of partial results of an unfinished run; None if the run is finished.
     notes : tuple of str
-        What a reader should know, a line each.
+        Notes for the reader, one line each.
     version : int
-        Format version, which a pickle keeps.
+        Format version; a pickle of another version is refused.
     """
 
     path: Path | None
@@ -57,19 +57,23 @@ class Result:
     version: int = field(default=FORMAT_VERSION, repr=False)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
+        """Restore from a pickle. Raises SceneError if another version has written it."""
         if state.get("version") != FORMAT_VERSION:
             raise SceneError("a pickle of another version of hpc_gfmd, allowed: of this one")
         vars(self).update(state)
 
     @property
     def scene_toml(self) -> str:
-        """The scene that was solved."""
+        """The scene that was solved, as TOML text; "" if the result has none."""
         return str(self.head.get("scene", ""))
 
     @property
     def scene(self) -> Scene:
-        """The same; where heights were an array, with the sizes and the boundary alone as its
-        surface."""
+        """The scene that was solved; an ArrayScene if its heights were an array.
+
+        The surface of an ArrayScene has only sizes and boundary. Raises SceneError if the stored
+        scene is not valid.
+        """
         table = parse_toml(self.scene_toml, str(self.path))
         for name, key in WITHDRAWN:
             if isinstance(table.get(name), dict):
@@ -80,23 +84,25 @@ class Result:
 
     @property
     def remarks(self) -> list[str]:
-        """What to say beside what was made of it, a line each."""
+        """Lines to print beside any output: the notes, and a warning if the run is not finished."""
         unfinished = f"! the run is {self.status}: only its finished load steps are there"
         return [f"note: {note}" for note in self.notes] + [unfinished] * (self.folder is not None)
 
     @property
     def numbered(self) -> dict[int, dict]:
-        """The attributes of the load steps, by their numbers."""
+        """{number of the load step: its attributes}."""
         return dict(zip(self.indices, self.steps, strict=True))
 
     @property
     def groups(self) -> dict[str, dict]:
-        """The attributes of the load steps, by their groups in a file."""
+        """{group of the load step in a file: its attributes}."""
         return {group_of(index): step for index, step in self.numbered.items()}
 
     def places(self, numbers: Sequence[int]) -> list[int]:
-        """Return where load steps of these numbers are in `steps`. Raises SceneError for those that
-        are not there."""
+        """Return the positions in `steps` of load steps with these numbers.
+
+        Raises SceneError for numbers that the result does not have.
+        """
         for number in numbers:
             if number not in self.indices:
                 allowed = ", ".join(map(str, self.indices)) or "none"
@@ -105,7 +111,7 @@ class Result:
 
     @property
     def datasets(self) -> dict[str, Any]:
-        """The fields by their places in a file, heights once: Stored, or the slab in memory."""
+        """{path in a file: field} of all load steps, heights once; fields are Stored or arrays."""
         places = {"heights": "surface"}
         return {
             f"{places.get(name, group)}/{name}": field.data if isinstance(field, Slab) else field
@@ -115,23 +121,23 @@ class Result:
 
     @property
     def facts(self) -> dict[str, Any]:
-        """What the head says in one number or text."""
-        return {name: self.head[name] for name in names_of([self.head])}
+        """Root attributes that are a single number or text."""
+        return {name: self.head[name] for name in scalar_names([self.head])}
 
     def some(self, steps: slice | list[int], **changes: Any) -> "Result":
-        """Return a result with some of the load steps.
+        """Return a copy with some of the load steps, selected by position.
 
         Parameters
         ----------
         steps : slice or list of int
-            Their places in `steps`.
+            Their positions in `steps`.
         **changes
-            Attributes to replace.
+            Attributes of the copy to replace.
 
         Returns
         -------
         Result
-            A copy; this one stays as it is.
+            This result stays as it is; fields are shared.
         """
         places = range(len(self.steps))[steps] if isinstance(steps, slice) else steps
         names = "steps", "indices", "fields"
@@ -141,7 +147,7 @@ class Result:
     def only(
         self, indices: Sequence[int] | None = None, fields: Sequence[str] | None = None
     ) -> "Result":
-        """Return a result with some of the load steps and fields.
+        """Return a copy with some of the load steps and fields, selected by number and by name.
 
         Parameters
         ----------
@@ -153,12 +159,12 @@ class Result:
         Returns
         -------
         Result
-            A copy; this one stays as it is.
+            This result stays as it is; fields are shared.
 
         Raises
         ------
         SceneError
-            For those that the result does not have.
+            For numbers and names that the result does not have.
         """
         chosen = self if indices is None else self.some(self.places(indices))
         if fields is None:
@@ -174,8 +180,11 @@ class Result:
 
     @property
     def missing_loads(self) -> str:
-        """Which of the loads that its scene asks for are not there, as a text."""
-        key, loads = self.scene.load.given
+        """Sentence that lists the loads of the scene that the result lacks.
+
+        "all loads are finished" if it has all.
+        """
+        key, loads = self.scene.load.prescribed
         missing = [
             f"{k + 1} ({key} = {format_quantity(load)})"
             for k, load in enumerate(loads)
@@ -187,5 +196,5 @@ class Result:
 
 
 def group_of(index: int) -> str:
-    """Return the group of a load step in a file."""
+    """Return the name of the group of a load step in a file, from the number of the load."""
     return f"steps/{index:04d}"

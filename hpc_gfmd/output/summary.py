@@ -1,4 +1,6 @@
-"""One line on a load and one on a surface, and numbers with as many digits as they deserve."""
+"""One-line descriptions of a load and of a surface, and numbers rounded to their significant
+digits.
+"""
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -13,7 +15,7 @@ FINE = ("converged", "separated")  # statuses
 
 
 def summary(step: dict, surface: dict) -> str:
-    """Return what matters most of a load step, in one line with units.
+    """Return the most important numbers of a load step in one line, with units, status and note.
 
     Parameters
     ----------
@@ -23,7 +25,7 @@ def summary(step: dict, surface: dict) -> str:
     Returns
     -------
     str
-        Such as "a_r = 6.7 +- 0.6 %, mean gap = 31 nm".
+        Such as "a_r = 6.7 +- 0.6 %, mean gap = 31 nm, converged".
     """
     parts = []
     if step.get("a_r") is not None:
@@ -44,10 +46,14 @@ def summary(step: dict, surface: dict) -> str:
 
 
 def surface_line(surface: dict) -> str:
-    """Describe a surface in one line: points, size, roughness and the three ratios of lengths."""
+    """Return one line on a surface: points, sizes, roughness, ratios of lengths, preparation, seed.
+
+    `surface` holds attributes of the result file; what it lacks is left out.
+    """
     unit = surface["unit"] if isinstance(surface.get("unit"), str) else ""
 
     def lengths(values: list[float], digits: int) -> str:
+        """Return lengths as text with a common unit, such as "1 x 2 um"."""
         scale, name = prefixed(values, unit)
         return f"{' x '.join(f'{value / scale:.{digits}g}' for value in values)} {name}".strip()
 
@@ -69,13 +75,15 @@ def surface_line(surface: dict) -> str:
 
 
 def converged(step: dict) -> bool:
-    """Return whether the step reached what the scene asks for, separated bodies included."""
+    """Whether a load step has reached the scene's accuracy; separated bodies count as converged."""
     return step.get("status") in FINE
 
 
 def last_held(steps: Sequence[dict]) -> dict | None:
-    """Return the last load step before the load pulls the bodies apart; None where no load of a
-    sweep does."""
+    """Return the converged load step before the first one that pulls the bodies apart (pull-off).
+
+    None if no load separates them after a converged one.
+    """
     for before, after in pairwise(steps):
         if after.get("status") == "separated" and before.get("status") == "converged":
             return before
@@ -83,17 +91,18 @@ def last_held(steps: Sequence[dict]) -> dict | None:
 
 
 def with_error(value: float, relative: float | None) -> str:
-    """Return a value and its error as "0.0160 +- 0.0002", with as many digits as mean something.
+    """Return a value and its error as "0.0160 +- 0.0002", rounded to significant digits.
 
     Parameters
     ----------
     value : float
     relative : float or None
-        Relative error; None: not estimated.
+        Relative error; None: not estimated, and no error is shown.
 
     Returns
     -------
     str
+        With "+- ?" if the error is inf or nan; only the value if it is inf or nan itself.
     """
     if not isfinite(value):
         return str(value)
@@ -117,12 +126,12 @@ def with_error(value: float, relative: float | None) -> str:
 
 
 def combined_error(name: str, step: dict) -> float | None:
-    """Return the estimated relative error of a number of a load step; None where there is none.
+    """Return the estimated relative error of a number of a load step; None if there is no estimate.
 
     Parameters
     ----------
     name : str
-        Of the number, as in the result file.
+        Name of the number in the result file.
     step : dict
         Attributes of the load step.
 
@@ -132,8 +141,8 @@ def combined_error(name: str, step: dict) -> float | None:
 
     Notes
     -----
-    That of the contact area is the sum of the solver's and of what the size of a grid point adds;
-    that of the mean gap is the solver's on its grid.
+    The error of the contact area is the sum of those of the solver and of the grid; that of the
+    mean gap is the solver's on its grid. Other numbers have no estimate here.
     """
     if name in ("a_r", "contact_area"):
         parts = [step.get("a_r_error"), step.get("a_r_discretisation")]
@@ -144,13 +153,15 @@ def combined_error(name: str, step: dict) -> float | None:
 
 
 def is_number(value: object) -> TypeGuard[float]:
-    """Return whether a value of a file is a number."""
+    """Whether a value of a file is an int or a float (a bool, nan and inf are, too)."""
     return isinstance(value, int | float)
 
 
 def _numbers(value: object) -> list[float]:
-    """Return a list of finite numbers as it is, anything else as none: files may hold what they
-    like."""
+    """Return a list as it is if it holds finite numbers only, otherwise an empty list.
+
+    Attributes of a file may be anything.
+    """
     if isinstance(value, list | tuple) and all(is_number(x) and isfinite(x) for x in value):
         return list(value)
     return []

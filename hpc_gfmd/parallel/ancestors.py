@@ -1,5 +1,5 @@
-"""The processes that started this one, as far as /proc tells: an MPI launcher, and what is between
-it and this process."""
+"""The processes that started this one, as far as /proc shows them: an MPI launcher, and what is
+between it and this process."""
 
 import os
 import stat
@@ -45,8 +45,10 @@ class Process(NamedTuple):
 
 
 def ancestors(proc: Path = PROC) -> Iterator[Process]:
-    """Yield the parent of this process, its parent and so on, without the first of the system; ends
-    early where the system does not tell."""
+    """Yield the parent of this process, its parent and so on, up to process 1, which is left out.
+
+    Ends early if /proc cannot be read.
+    """
     pid = os.getppid()
     try:
         while pid > 1:
@@ -59,13 +61,12 @@ def ancestors(proc: Path = PROC) -> Iterator[Process]:
 
 
 def enclosing_mpi_program(proc: Path = PROC) -> str | None:
-    """Return the command line of the rank of another MPI program that started this process, or
-    None.
+    """Return the command line of the rank of another MPI program that started this process.
 
     Such a program may be an optimiser that runs under mpirun itself. This process then has the
-    variables of that rank, and MPI ends a second process that uses them. An ancestor with the same
+    variables of that rank, and MPI kills a second process that uses them. An ancestor with the same
     rank is a rank if it has loaded an MPI library; a shell or another wrapper between the launcher
-    and this process has not.
+    and this process has not. None if there is no such program, or /proc cannot be read.
     """
     variables = {name: os.environ[name] for name in LAUNCHER_RANK if name in os.environ}
     if not variables:
@@ -85,8 +86,11 @@ def enclosing_mpi_program(proc: Path = PROC) -> str | None:
 
 
 def launcher_is_watched(proc: Path = PROC) -> bool:
-    """Return whether the standard error of the mpirun that started this process is a terminal. Of
-    this process it is a pipe to mpirun, which prints what comes."""
+    """Return whether the mpirun that started this process writes its errors to a terminal.
+
+    (Standard error of this process is a pipe to mpirun.) False without an mpirun, or if /proc
+    cannot be read.
+    """
     for pid, name in ancestors(proc):
         if name.startswith(TERMINAL_LAUNCHERS):
             try:

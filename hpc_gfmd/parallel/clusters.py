@@ -1,11 +1,11 @@
 """Connected clusters of points on slabs, periodic or free: how large they are and whether one of
 them percolates.
 
-Every rank labels its rows strip by strip (scipy) and keeps of each strip no more than the clusters
-that reach its first or its last row: a block. Two blocks that touch are joined to one, those of the
-strips of a rank one after the other, those of the ranks up a tree; clusters that no longer reach a
-border are whole and counted where they become so. Messages are as long as two rows, a rank gets one
-for each doubling of their number at most, and the result is the same on any number of ranks.
+Every rank labels its rows strip by strip (scipy) and keeps of each strip only a block: the clusters
+that reach its first or its last row. Two blocks that touch are joined to one, those of the strips
+of a rank one after the other, those of the ranks up a tree. A cluster that no longer reaches a
+border is whole and is counted on that rank. Messages are as long as two rows, a rank gets at most
+one for each doubling of the number of ranks, and the result is the same on any number of ranks.
 """
 
 from __future__ import annotations
@@ -32,10 +32,10 @@ class Clusters:
     Attributes
     ----------
     sizes : ndarray of int
-        Points of the clusters that this rank counts; those of all ranks together are all clusters,
-        each once.
+        Points of each cluster that is counted on this rank, in no particular order; each cluster is
+        counted on one rank.
     percolates : (bool, bool)
-        Whether one of them percolates along x, along y; the same on all ranks.
+        Whether a cluster percolates along x, along y; the same on all ranks.
     """
 
     sizes: np.ndarray
@@ -52,10 +52,9 @@ def find_clusters(
 ) -> Clusters:
     """Find the clusters of the points where a mask is true. Collective.
 
-    A cluster percolates along a periodic axis where it holds a closed way that goes around the cell
-    along that axis, so that the cluster has no end there if the cell is repeated (a way that goes
-    around both axes counts for both); along a free one where it reaches from the first point to the
-    last.
+    Along a periodic axis a cluster percolates if it contains a closed way around the cell along
+    that axis, so that it has no end there if the cell is repeated (a way around both axes counts
+    for both). Along a free axis it percolates if it reaches from the first point to the last.
 
     Parameters
     ----------
@@ -70,13 +69,13 @@ def find_clusters(
     periodic : (bool, bool)
         Whether opposite edges touch, along x and along y.
     corners : bool
-        Whether points belong together that share a corner only (8-connected), instead of a side
-        (4-connected).
+        Whether points that share only a corner are connected (8-connected), or only those that
+        share a side (4-connected).
 
     Returns
     -------
     Clusters
-        Counted on one rank each.
+        Sizes of those that are counted on this rank.
     """
     joiner = _Joiner(n, periodic, corners)
     block = None
@@ -99,11 +98,11 @@ class _Block:
     Attributes
     ----------
     first_row, last_row : ndarray, shape (3, n_y)
-        Of every point of these rows its cluster, or NOTHING, and how many borders of the cell,
-        along x and along y, are crossed on the way to it from the root of that.
+        [0]: number of the cluster of each point of the row, or NOTHING. [1:]: borders of the cell
+        that are crossed, along x and along y, on the way to the point from the root of its cluster.
     counts : ndarray, shape (5, clusters)
-        Points in these rows, and how many of them in the first and in the last row, in the first
-        and in the last column of the cell.
+        Points of each cluster in these rows; how many of them are in the first and in the last row
+        of the cell, and in its first and last column.
     """
 
     first_row: np.ndarray
@@ -112,9 +111,11 @@ class _Block:
 
 
 class _Joiner:
-    """Makes one block of two, for n, periodic and corners as in `find_clusters`. whole: sizes of
-    the clusters that have no point in a border left; percolates (2,): whether any of them, or of
-    their pieces, has been found to do so."""
+    """Joins blocks (`_Block`); n, periodic and corners are those of `find_clusters`.
+
+    Its methods append to `whole` the sizes of clusters that no longer reach a border, and set
+    `percolates` (2,) for an axis along which a cluster or a part of one percolates.
+    """
 
     def __init__(self, n: tuple[int, int], periodic: tuple[bool, bool], corners: bool):
         self.n = n
@@ -124,7 +125,7 @@ class _Joiner:
         self.percolates = np.zeros(2, np.bool_)
 
     def labelled(self, mask: np.ndarray, i0: int) -> _Block:
-        """Make the block of a strip whose first row is i0."""
+        """Label the clusters of a strip whose first row is i0, and return its block."""
         from scipy import ndimage
 
         structure = ndimage.generate_binary_structure(2, 2 if self.corners else 1)
@@ -141,8 +142,7 @@ class _Joiner:
         return self._joined(pairs, counts, first_row, last_row)
 
     def together(self, upper: _Block | None, lower: _Block | None) -> _Block | None:
-        """Make one block of two, of which the second begins where the first one ends; None is
-        none."""
+        """Join two blocks, the second of which begins where the first one ends; None: no rows."""
         if upper is None or lower is None:
             return lower if upper is None else upper
         lower_first = lower.first_row.copy()
@@ -154,7 +154,7 @@ class _Joiner:
         return self._joined(pairs, counts, upper.first_row, lower_last)
 
     def close(self, block: _Block) -> None:
-        """Join the last row to the first one where they touch; all clusters are whole then."""
+        """Join the last row of all to the first one if they touch; count all remaining clusters."""
         pairs = self._pairs(block.last_row, block.first_row, (1, 0)) if self.periodic[0] else []
         border = block.first_row[:, :0]
         self._joined(pairs, block.counts, border, border)
@@ -162,8 +162,11 @@ class _Joiner:
     def _pairs(
         self, a: np.ndarray, b: np.ndarray, across: tuple[int, int] = (0, 0)
     ) -> list[np.ndarray]:
-        """Return the edges (4, m), as `join` takes them transposed, between the points that touch
-        on neighbouring lines. across: borders crossed from a to b."""
+        """Return the edges between points that touch on two neighbouring lines a and b.
+
+        A list of arrays (4, m), as `join` takes them transposed. across: borders crossed from a to
+        b.
+        """
         ways = [(slice(None), slice(None), 0)]
         if self.corners:
             ways += [(slice(0, -1), slice(1, None), 0), (slice(1, None), slice(0, -1), 0)]
@@ -184,8 +187,11 @@ class _Joiner:
         first_row: np.ndarray,
         last_row: np.ndarray,
     ) -> _Block:
-        """Make the block of rows from line `first` to line `last` whose pieces have these counts;
-        notes the clusters that reach neither line."""
+        """Join pieces of clusters that share edges, and return the block between two rows.
+
+        pairs: edges as `_pairs` returns them; counts: those of the pieces. Clusters that reach
+        neither of the rows are whole, and are counted.
+        """
         pieces = counts.shape[1]
         parent = np.arange(pieces)
         shift = np.zeros((pieces, 2), np.int64)

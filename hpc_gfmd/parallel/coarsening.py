@@ -61,7 +61,7 @@ def levels(grid: Grid) -> list[Level]:
 def halved(
     n: tuple[int, int], spacing: tuple[float, ...], fewest: int = 2
 ) -> tuple[tuple[int, int], tuple[float, ...]]:
-    """Return the next coarser level.
+    """Return the points of the next coarser level and their spacing.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def halved(
     spacing : (float, float)
         Of the points.
     fewest : int
-        Axes of fewer points stay as they are.
+        Axes of fewer points are not coarsened.
 
     Returns
     -------
@@ -85,7 +85,7 @@ def halved(
 
 
 def _nyquist(n: Sequence[int], spacing: Sequence[float]) -> float:
-    """Return the q_nyquist of a Grid of n points; 1 for a single point."""
+    """Return Grid.q_nyquist of a grid of n points with this spacing; 1 for a single point."""
     q = [np.pi / s for s, k in zip(spacing, n) if k > 1]
     return float(np.sqrt(sum(x * x for x in q) / 2)) or 1.0
 
@@ -94,7 +94,7 @@ def _nyquist(n: Sequence[int], spacing: Sequence[float]) -> float:
 def axis_tables(
     n: int, m: int, dtype: np.dtype, start: int = 0, stop: int | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return where the fine points of one axis lie on the next coarser level.
+    """Return the positions of the fine points of one axis on the next coarser level.
 
     Parameters
     ----------
@@ -110,14 +110,15 @@ def axis_tables(
     ndarray of int32
         J0, the coarse point before each of them (see kernels/multilevel.py).
     ndarray
-        f, the weight of the one after. Both are kept and must not be written to.
+        f, the weight of the coarse point after it. Both arrays are kept for later calls and must
+        not be changed.
     """
     i = np.arange(start, n if stop is None else stop, dtype=np.int64)
     return (i * m // n).astype(np.int32), ((i * m % n) / n).astype(dtype)
 
 
 def restrict_axis(x: np.ndarray, m: int) -> np.ndarray:
-    """Restrict a field of one axis to the next coarser level.
+    """Restrict a field of one periodic axis to the next coarser level by full weighting.
 
     Parameters
     ----------
@@ -129,7 +130,7 @@ def restrict_axis(x: np.ndarray, m: int) -> np.ndarray:
     Returns
     -------
     ndarray, shape (m,)
-        Of the same mean.
+        A new array with the same mean.
     """
     J0, f = axis_tables(len(x), m, np.float64)
     return (np.bincount(J0, (1 - f) * x, m) + np.bincount((J0 + 1) % m, f * x, m)) * (m / len(x))
@@ -152,8 +153,9 @@ def axis_mode(n: int, m: int) -> int:
 
 
 def owned_rows(starts: ArrayLike, n: int, m: int) -> np.ndarray:
-    """Return which coarse rows every rank owns: coarse row J belongs to the rank that owns the
-    first fine row with J0 = J.
+    """Return the coarse rows that every rank owns.
+
+    Row J belongs to the owner of the first fine row with J0 = J.
 
     Parameters
     ----------
@@ -171,22 +173,24 @@ def owned_rows(starts: ArrayLike, n: int, m: int) -> np.ndarray:
 
 
 def agglomerated(starts: ArrayLike, points: int, share: int) -> np.ndarray:
-    """Return which rows every rank has when the rows of a grid are agglomerated on ranks 0, s, 2 s,
-    ..., s the least power of two that leaves each of them enough.
+    """Return the rows of every rank after they are gathered on ranks 0, s, 2 s, ...
+
+    s is the smallest power of two that leaves each of these ranks enough points; the others have
+    none.
 
     Parameters
     ----------
     starts : array_like of int
-        First row of every rank now, and the number of rows.
+        First row of every rank before, and the number of rows.
     points : int
         Of the grid.
     share : int
-        Points that each of them has at least; each has a row as well.
+        Points that each of these ranks has on average at least; each has a row as well.
 
     Returns
     -------
     ndarray of int
-        First row of every rank then, and the number of rows.
+        First row of every rank afterwards, and the number of rows.
     """
     starts = np.asarray(starts)
     size = int(np.flatnonzero(np.diff(starts))[-1]) + 1  # the last rank that has any
@@ -199,11 +203,11 @@ def agglomerated(starts: ArrayLike, points: int, share: int) -> np.ndarray:
 
 
 class Transfer:
-    """This rank's part of the transfer between the fine rows that it has of a level, n points, and
-    the next coarser one, m points. Its tables are made when they are first asked for.
+    """One rank's part of the transfer between a level (n points) and the next coarser one.
 
-    It writes to and reads from a window of coarse rows: all those that its fine rows lie on or
-    beside; none where it has no fine rows. An array of the window has a row more before and after.
+    Its tables are made when they are first asked for. It writes to and reads from a window of
+    coarse rows: all those that its fine rows lie on or beside; none if it has no fine rows. An
+    array of the window has a row more before and after.
 
     Parameters
     ----------
@@ -245,8 +249,10 @@ class Transfer:
 
     @cached_property
     def tables(self) -> Tables:
-        """What kernels take as `transfer`: a plain tuple, which numba is called with as fast as
-        with its parts."""
+        """The tuple that kernels take as `transfer` (kernels/multilevel.py).
+
+        A plain tuple: numba takes it as fast as its parts.
+        """
         J0, f_x = axis_tables(self.n[0], self.m[0], self.dtype, *self.fine)
         # row numbers count the row before the window
         k0 = (J0 - self.lo[self.rank] + 1).astype(np.int32)
@@ -261,7 +267,7 @@ class Transfer:
 
     @property
     def k0(self) -> np.ndarray:
-        """The coarse row of each of its fine rows, the row before the window counted."""
+        """The coarse row before each of its fine rows, counted from the row before the window."""
         return self.tables[0]
 
     @property
@@ -275,16 +281,36 @@ class Transfer:
         return self.passes(piece_rows(self.n[1]))
 
     def passes(self, longest: int) -> list[tuple[int, int]]:
-        """List row ranges of at most `longest` rows (or one coarse row's) that begin where a coarse
-        row begins."""
-        passes = []
-        begin = 0
-        n_loc = len(self.k0)
-        firsts = np.flatnonzero(np.diff(self.k0, prepend=-2)).tolist()  # that open a coarse row
-        while begin < n_loc:
-            end = min(begin + longest, n_loc)
-            opens = firsts[bisect_right(firsts, end) - 1]
-            end = opens if begin < opens and end < n_loc else end
-            passes.append((begin, end))
-            begin = end
-        return passes
+        """Split its fine rows into ranges of at most `longest` rows, see `passes_of`."""
+        return passes_of(self.k0, longest)
+
+
+def passes_of(coarse_rows: np.ndarray, longest: int) -> list[tuple[int, int]]:
+    """Split fine rows into ranges (begin, end) of at most `longest` rows.
+
+    Each begins at the first fine row of a coarse row, unless a coarse row has more than `longest`
+    of them.
+
+    Parameters
+    ----------
+    coarse_rows : ndarray of int
+        The coarse row before each of the fine rows.
+    longest : int
+        Rows of a range.
+
+    Returns
+    -------
+    list of (int, int)
+        In order.
+    """
+    passes = []
+    begin = 0
+    count = len(coarse_rows)
+    firsts = np.flatnonzero(np.diff(coarse_rows, prepend=-2)).tolist()  # that open a coarse row
+    while begin < count:
+        end = min(begin + longest, count)
+        opens = firsts[bisect_right(firsts, end) - 1]
+        end = opens if begin < opens and end < count else end
+        passes.append((begin, end))
+        begin = end
+    return passes

@@ -14,7 +14,7 @@ T = TypeVar("T")
 
 
 class SerialComm:
-    """One process: every reduction is the identity.
+    """The communicator of a single process, with the methods of `MpiComm`: nothing is sent.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ class SerialComm:
     io_obstacles : dict
         Why MPI-IO cannot write, for each folder that was tried.
     node_ranks : ndarray of int
-        Ranks that have memory in common with this one.
+        Ranks that share memory with this one.
     """
 
     rank = 0
@@ -42,25 +42,25 @@ class SerialComm:
         self.parent = parent
 
     def sum(self, values: ArrayLike) -> np.ndarray:
-        """Sum over ranks of each number; returns an array of float64."""
+        """Return the sum over ranks of each number, float64, in the shape of `values`."""
         return np.asarray(values, dtype=np.float64)
 
     max = min = sum
 
     def bcast(self, obj: Any, root: int = 0) -> Any:
-        """Return the object of one rank on all ranks. Collective.
+        """Return the object of rank `root` on all ranks. Collective.
 
         Parameters
         ----------
         obj : object
-            Of this rank; what the others give is not looked at.
+            Of this rank; ignored on all ranks but `root`.
         root : int
-            The rank.
+            A rank.
 
         Returns
         -------
         object
-            Of that rank.
+            Of rank `root`.
         """
         return obj
 
@@ -73,18 +73,20 @@ class SerialComm:
         return [obj]
 
     def exchange(self, send: Mapping[int, np.ndarray], receive: Mapping[int, np.ndarray]) -> None:
-        """Pass messages between two ranks each. Collective for those that take part.
+        """Send arrays to other ranks and receive arrays from them.
+
+        Collective for those that take part.
 
         Parameters
         ----------
         send : dict of ndarray
-            What goes to each rank; contiguous.
+            The array for each rank; contiguous.
         receive : dict of ndarray
-            Arrays that are filled from each rank; contiguous.
+            The array to be filled from each rank; contiguous.
         """
 
     def allgather_arrays(self, send: np.ndarray, receive: np.ndarray, counts: list[int]) -> None:
-        """Hand the numbers of every rank to all. Collective.
+        """Fill `receive` on every rank with the arrays of all ranks. Collective.
 
         Parameters
         ----------
@@ -98,12 +100,12 @@ class SerialComm:
         receive[...] = send
 
     def alltoall_bytes(self, send: tuple, receive: tuple) -> None:
-        """Pass bytes from all ranks to all. Collective.
+        """Send bytes from every rank to every other: changes the receiving array. Collective.
 
         Parameters
         ----------
         send, receive : tuple
-            (array, bytes for or from each rank, their offsets).
+            (array, number of bytes for or from each rank, their offsets in the array).
         """
 
     def reduce(self, obj: T, join: Callable[[T, T], T]) -> T | None:
@@ -114,7 +116,8 @@ class SerialComm:
         obj : object
             Of this rank.
         join : function
-            join(object of some ranks, object of the ranks after them) returns that of all of them.
+            join(a, b) returns the joined object of all ranks of a and b, where the ranks of b
+            follow those of a.
 
         Returns
         -------
@@ -124,7 +127,7 @@ class SerialComm:
         return obj
 
     def subcomm(self, ranks: Sequence[int]) -> "Comm | None":
-        """Return the communicator of these ranks alone, rank 0 first; None on others."""
+        """Return the communicator of these ranks alone; None on ranks that are not among them."""
         return self
 
     def barrier(self) -> None:
@@ -183,43 +186,45 @@ class MpiComm:
         return recv
 
     def sum(self, values: ArrayLike) -> np.ndarray:
-        """Sum over ranks of each number; returns an array of float64. Collective."""
+        """Return the sum over ranks of each number, an array of float64. Collective."""
         return self._allreduce(values, "SUM")
 
     def max(self, values: ArrayLike) -> np.ndarray:
-        """Largest of all ranks of each number; returns an array of float64. Collective."""
+        """Return the largest of all ranks for each number, an array of float64. Collective."""
         return self._allreduce(values, "MAX")
 
     def min(self, values: ArrayLike) -> np.ndarray:
-        """Smallest of all ranks of each number; returns an array of float64. Collective."""
+        """Return the smallest of all ranks for each number, an array of float64. Collective."""
         return self._allreduce(values, "MIN")
 
     def bcast(self, obj: Any, root: int = 0) -> Any:
-        """Return the object of one rank on all ranks. Collective.
+        """Return the object of rank `root` on all ranks. Collective.
 
         Parameters
         ----------
         obj : object
-            Of this rank, pickled; what the others give is not looked at.
+            Of this rank, pickled; ignored on all ranks but `root`.
         root : int
-            The rank.
+            A rank.
 
         Returns
         -------
         object
-            Of that rank.
+            Of rank `root`.
         """
         return self.mpi.bcast(obj, root=root)
 
     def exchange(self, send: Mapping[int, np.ndarray], receive: Mapping[int, np.ndarray]) -> None:
-        """Pass messages between two ranks each, all at once. Collective for those that take part.
+        """Send arrays to other ranks and receive arrays from them, all at once.
+
+        Collective for those that take part.
 
         Parameters
         ----------
         send : dict of ndarray
-            What goes to each rank; contiguous.
+            The array for each rank; contiguous.
         receive : dict of ndarray
-            Arrays that are filled from each rank; contiguous.
+            The array to be filled from each rank; contiguous.
         """
         from mpi4py import MPI
 
@@ -228,7 +233,7 @@ class MpiComm:
         MPI.Request.Waitall(requests)
 
     def allgather_arrays(self, send: np.ndarray, receive: np.ndarray, counts: list[int]) -> None:
-        """Hand the numbers of every rank to all. Collective.
+        """Fill `receive` on every rank with the arrays of all ranks. Collective.
 
         Parameters
         ----------
@@ -242,12 +247,12 @@ class MpiComm:
         self.mpi.Allgatherv(send, [receive, counts])
 
     def alltoall_bytes(self, send: tuple, receive: tuple) -> None:
-        """Pass bytes from all ranks to all. Collective.
+        """Send bytes from every rank to every other: changes the receiving array. Collective.
 
         Parameters
         ----------
         send, receive : tuple
-            (array, bytes for or from each rank, their offsets).
+            (array, number of bytes for or from each rank, their offsets in the array).
         """
         from mpi4py import MPI
 
@@ -266,7 +271,8 @@ class MpiComm:
         obj : object
             Of this rank, pickled.
         join : function
-            join(object of some ranks, object of the ranks after them) returns that of all of them.
+            join(a, b) returns the joined object of all ranks of a and b, where the ranks of b
+            follow those of a.
 
         Returns
         -------
@@ -284,8 +290,11 @@ class MpiComm:
         return obj
 
     def subcomm(self, ranks: Sequence[int]) -> "Comm | None":
-        """Return the communicator of these ranks alone, rank 0 first; None on others. Made once:
-        MPI has few of them. Collective."""
+        """Return the communicator of these ranks alone; None on ranks that are not among them.
+
+        Made once for the same ranks, since MPI has a limited number of communicators. The first of
+        the ranks becomes rank 0. All ranks themselves: this communicator. Collective.
+        """
         from mpi4py import MPI
 
         ranks = tuple(map(int, ranks))
@@ -305,33 +314,35 @@ class MpiComm:
 
     @cached_property
     def machine(self) -> "Comm":
-        """The communicator of the ranks on the same machine. Collective where it is asked for
-        first."""
+        """The communicator of the ranks on the same machine. Collective at the first access."""
         return MpiComm(same_machine(self.mpi), self)
 
     @cached_property
     def node(self) -> "Comm":
-        """That of the ranks that have memory in common with this one: all on the machine, or none.
-        Collective as `machine`."""
+        """The communicator of the ranks that share memory with this one.
+
+        These are all ranks on the machine, or this one alone if they cannot share memory.
+        Collective at the first access.
+        """
         if self.machine.size > 1 and can_share(self.machine):
             return self.machine
         return SerialComm(self)
 
     @cached_property
     def node_ranks(self) -> np.ndarray:
-        """The numbers of these ranks, ascending. Collective as `node`."""
+        """The numbers of the ranks of `node`, ascending. Collective at the first access."""
         return np.array(self.node.allgather(self.rank))
 
 
 class DryRunComm:
-    """The communicator of a rank that does not exist: it knows who is where, and cannot send.
+    """The communicator of an imagined rank, to plan a run: it knows who is where, but cannot send.
 
     Parameters
     ----------
     rank, size : int
         Number of the rank, and of all.
     nodes : ndarray of int, shape (size,)
-        Number of the node of every rank; between nodes everything is a message.
+        Number of the node of every rank; ranks share memory within a node alone.
     """
 
     mpi = parent = None
@@ -343,11 +354,11 @@ class DryRunComm:
 
     @property
     def node_ranks(self) -> np.ndarray:
-        """The ranks on the same node."""
+        """The ranks on the same node, ascending."""
         return np.flatnonzero(self._nodes == self._nodes[self.rank])
 
     def subcomm(self, ranks: list[int]) -> "DryRunComm | None":
-        """Return the communicator of these ranks alone, None where this rank is not one of them."""
+        """Return the communicator of these ranks alone; None if this rank is not among them."""
         if self.rank not in ranks:
             return None
         return DryRunComm(ranks.index(self.rank), len(ranks), self._nodes[ranks])
@@ -357,7 +368,7 @@ Comm = SerialComm | MpiComm
 
 
 def same_machine(mpi: Any) -> Any:
-    """Return the part of an mpi4py communicator that is on one machine. Collective."""
+    """Return the mpi4py communicator of those ranks that run on this machine. Collective."""
     from mpi4py import MPI
 
     return mpi.Split_type(MPI.COMM_TYPE_SHARED, mpi.Get_rank())

@@ -47,6 +47,10 @@ T = TypeVar("T")
 class SlabFFT(Layout):
     """Transforms of one grid in one precision.
 
+    They are planned when the object is made, which is collective. `blocks` holds one spectrum at a
+    time: `forward_rows` overwrites it, and so do `columns` and `multiply_columns` unless told not
+    to transform back.
+
     Parameters
     ----------
     comm : Comm
@@ -67,7 +71,7 @@ class SlabFFT(Layout):
     scale : float
         1/(n_x n_y), which the transforms leave out.
     multipliers : dict
-        What bodies multiply these columns by, for their own use.
+        Bodies keep here, each under itself, what they multiply the columns by.
     """
 
     def __init__(
@@ -112,7 +116,10 @@ class SlabFFT(Layout):
         self.rows, self._columns = zip(*map(self._for_kernels, self._scratch))
 
     def _for_kernels(self, scratch: tuple[np.ndarray, ...]) -> tuple[tuple, tuple]:
-        """Return `rows` and `columns` of a thread, as kernels/transforms.py has them."""
+        """Return `rows` and `columns` of a thread, as described in kernels/transforms.py.
+
+        scratch: arrays of this thread, which both refer to.
+        """
         real, half, columns, received = scratch
         plans = self.plans
         widths = self._own_widths
@@ -140,8 +147,11 @@ class SlabFFT(Layout):
         )
 
     def _common(self, dtype: np.dtype) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return (memory, offsets, blocks): memory that the ranks of the node have in common, where
-        the part of each begins in it, and that of this rank, which holds its rows of the blocks."""
+        """Allocate the spectrum in memory that the ranks of the node share. Collective.
+
+        Returns (memory, offsets, blocks): all of this memory, where the part of each rank of the
+        node begins in it, and the part of this rank, which holds its rows of all blocks.
+        """
         node = self.comm.node
         length = self.n_loc * self.n_c
         if node.size == 1:
@@ -155,12 +165,16 @@ class SlabFFT(Layout):
         return memory, offsets, blocks
 
     def passes(self) -> list[tuple[int, int]]:
-        """Return the row ranges [(i0, i1), ...], local, that one pass handles at a time."""
+        """Return the ranges (i0, i1) of local rows that are transformed at a time."""
         return [(i, min(i + self.R, self.n_loc)) for i in range(0, self.n_loc, self.R)]
 
     def forward_rows(self, fill: Callable[[int, int, np.ndarray], T]) -> list[T]:
-        """Transform rows made by fill(i0, i1, x), x: (R, n_y) scratch; returns what fill returned,
-        in the order of the passes."""
+        """Transform the rows that `fill` makes, into `blocks`. Not collective.
+
+        fill(i0, i1, x) writes local rows i0 <= i < i1 into the first rows of x, (R, n_y) scratch.
+        It is called for all `passes`, on several threads. Returns what fill returned, in their
+        order.
+        """
 
         def one(i0: int, i1: int, rows: tuple) -> T:
             result = fill(i0, i1, rows[0])
@@ -170,8 +184,11 @@ class SlabFFT(Layout):
         return on_threads(self.threads, one, self.passes(), self.rows)
 
     def backward_rows(self, use: Callable[[int, int, np.ndarray], T]) -> list[T]:
-        """Hand the rows of the real field to use(i0, i1, x), x: (R, n_y) scratch; returns what use
-        returned, in order."""
+        """Transform the row spectra in `blocks` back and hand the rows to `use`. Not collective.
+
+        use(i0, i1, x) gets local rows i0 <= i < i1 in the first rows of x, (R, n_y) scratch. It is
+        called for all `passes`, on several threads. Returns what use returned, in their order.
+        """
 
         def one(i0: int, i1: int, rows: tuple) -> T:
             load_rows(rows[1], i0, i1)
@@ -180,7 +197,7 @@ class SlabFFT(Layout):
         return on_threads(self.threads, one, self.passes(), self.rows)
 
     def first_columns(self, count: int) -> np.ndarray:
-        """Return the first columns of the row spectra, (n_loc, count) complex."""
+        """Return a copy of the first columns of the row spectra, (n_loc, count) complex."""
         blocks = [
             self._slab(m, m + 1).reshape(self.n_loc, self.edges[m + 1] - self.edges[m])
             for m in range(np.searchsorted(self.edges, count))
@@ -195,15 +212,15 @@ class SlabFFT(Layout):
         Parameters
         ----------
         apply : function
-            apply(block, m), block: (width, n_x) complex, m: its number.
+            apply(block, m), block: (width, n_x) complex, which it may change, m: its number.
         forward, backward : bool
-            False leaves out the transform along axis 0 (and what goes before and after it) on that
-            side; a block that was not transformed forward is all zero.
+            False leaves out the transform along x before, or after it. Without `forward` apply gets
+            zeros; without `backward` what apply makes of a block is lost.
 
         Returns
         -------
         list
-            What apply returned, in order.
+            What apply returned, in the order of the blocks.
         """
         results: list[Any] = [None] * self.K
 
@@ -223,21 +240,21 @@ class SlabFFT(Layout):
     def multiply_columns(
         self, factors: tuple, inverse: bool, backward: bool
     ) -> tuple[float, float]:
-        """Multiply all columns as kernels/spectral.py: multiply does. Collective.
+        """Multiply all columns of `blocks` by K or 1/K in one compiled pass. Collective.
 
         Parameters
         ----------
         factors, inverse
             As of kernels/spectral.py: multiply.
         backward : bool
-            Whether to transform back.
+            Whether to transform back; if not, `blocks` stays as it is.
 
         Returns
         -------
         float
-            Sum of what `multiply` returns for the columns of this rank.
+            This rank's share of <u, K u>, or with 1/K of <u, u/K>, u being the field before.
         float
-            Mean of the field before; 0 where another rank has it.
+            Mean of this field on rank 0; 0 on the others.
         """
         sums = np.zeros((self.K, 2))
 
@@ -251,8 +268,11 @@ class SlabFFT(Layout):
     def _on_blocks(
         self, work: Callable[[int, int, tuple], None], forward: bool, backward: bool
     ) -> None:
-        """Call work(k0, k1, columns) for all of this rank's blocks, with what other nodes have of
-        them there. Collective."""
+        """Call work(k0, k1, columns) for all blocks of this rank, on all threads. Collective.
+
+        Before it, if `forward`, rows of the blocks are fetched from other nodes; after it, if
+        `backward`, they are sent back. The ranks of a node wait for each other before and after.
+        """
         self.comm.node.barrier()  # all rows of the node are there
         if self.far.any():
             for k0 in range(0, self.K, self.threads):
@@ -267,18 +287,23 @@ class SlabFFT(Layout):
         self.comm.node.barrier()  # all columns are back
 
     def _exchange(self, group: range, back: bool) -> None:
-        """Do the all-to-alls of some numbers, each into the scratch of a thread, or back from
-        it."""
+        """Exchange blocks with other nodes: fetch rows of blocks k in `group`, or send them back.
+
+        Each k has the scratch of a thread of its own. Collective.
+        """
         for k, scratch in zip(group, self._scratch):
             blocks = self._slab(k * self.size, (k + 1) * self.size)
             ends = (blocks, *self.sent(k)), (scratch[3], *self.received(k))
             self.comm.alltoall_bytes(*(reversed(ends) if back else ends))
 
     def _slab(self, m0: int, m1: int) -> np.ndarray:
-        """Return the memory of blocks m0 <= m < m1 of this rank's rows."""
+        """Return the part of `blocks` that holds blocks m0 <= m < m1, a view."""
         return self.blocks[self.n_loc * self.edges[m0] : self.n_loc * self.edges[m1]]
 
 
 def _moved(a: np.ndarray) -> np.ndarray:
-    """View the same memory in a type that the compiler moves at once."""
+    """View complex numbers of single precision as float64, which the compiler moves in one piece.
+
+    An array of another type is returned as it is.
+    """
     return a.view(np.float64) if a.dtype == np.complex64 else a

@@ -1,4 +1,4 @@
-"""FFTW, which comes with mpi4py-fft, where it is installed."""
+"""FFTW, loaded from mpi4py-fft if that is installed."""
 
 import ctypes
 from functools import cache
@@ -11,11 +11,11 @@ PREFIXES = {"float64": "fftw_", "float32": "fftwf_"}
 
 @cache
 def load_fftw() -> dict[str, ctypes.PyDLL] | None:
-    """Return the libraries that have FFTW's functions, by the names of their real numbers; None
-    where they, or the functions, are missing.
+    """Return the libraries with FFTW's functions, by "float32" and "float64".
 
-    They are mpi4py-fft's compiled modules, not imported: its packages import mpi4py, which starts
-    MPI, or, where told not to, is left as it is for whoever needs MPI later in this process.
+    None if a library or its functions are missing. They are mpi4py-fft's compiled modules, loaded
+    without importing the package. Importing it would import mpi4py, which starts MPI, or, if it is
+    told not to, stays like that for whoever needs MPI later in this process.
     """
     package = find_spec("mpi4py_fft")
     folders = (package and package.submodule_search_locations) or []
@@ -34,5 +34,5 @@ def load_fftw() -> dict[str, ctypes.PyDLL] | None:
 
 
 def fft_library() -> str:
-    """Name the library that does the transforms."""
+    """Return the name of the library that does the transforms: FFTW, or else scipy.fft."""
     return "FFTW (mpi4py-fft)" if load_fftw() else "scipy.fft"

@@ -69,7 +69,7 @@ class Grid:
         Points along each axis that the surface has, from point 0; by default all. The others are
         padding, where nothing can touch. Means and counts are over the nominal area.
     tables : GridTables, optional
-        Transforms and tables of a grid of the same size; by default they are made anew.
+        Transforms and tables of a grid of the same size; by default new ones are made.
     """
 
     def __init__(
@@ -106,7 +106,8 @@ class Grid:
     ) -> Grid:
         """Make a grid that shares transforms and tables with earlier grids of its size.
 
-        Only grids of one process share them, within a thread: scratch memory is among them.
+        They are shared only by grids of a single process, made in the same thread, because scratch
+        memory is among them.
 
         Parameters
         ----------
@@ -131,8 +132,7 @@ class Grid:
 
     @property
     def N(self) -> int:
-        """Number of points of the nominal area: all of them unless the surface ends within the
-        cell."""
+        """Number of points of the nominal area: all, unless the surface ends within the grid."""
         return self.nominal[0] * self.nominal[1]
 
     @property
@@ -142,25 +142,25 @@ class Grid:
 
     @property
     def padded(self) -> bool:
-        """Whether there are points beyond the surface."""
+        """Whether the grid has points beyond the surface."""
         return self.nominal != self.n
 
     @property
     def inside(self) -> tuple[int, int]:
-        """Shape of this rank's part of the nominal area: its first rows, and the first points of
-        each."""
+        """(rows, points) of this rank's part of the nominal area: its first local rows, and the
+        first points of each."""
         start, stop = self.nominal_rows
         return stop - start, self.nominal[1]
 
     @property
     def nominal_rows(self) -> tuple[int, int]:
-        """This rank's rows (start, stop) of the nominal area, perhaps none."""
+        """This rank's rows of the nominal area, by global numbers (start, stop), perhaps none."""
         start, stop = self.rows
         return min(start, self.nominal[0]), min(stop, self.nominal[0])
 
     @property
     def rows(self) -> tuple[int, int]:
-        """This rank's rows (start, stop)."""
+        """This rank's rows of the grid, by global numbers (start, stop)."""
         r = self.comm.rank
         return int(self.starts[r]), int(self.starts[r + 1])
 
@@ -192,21 +192,25 @@ class Grid:
 
     @cached_property
     def q_nyquist(self) -> float:
-        """|q| at the corner of the Brillouin zone divided by sqrt 2: pi/a on a square grid. An axis
-        of one point does not count."""
+        """|q| at the corner of the Brillouin zone over sqrt 2, in 1/a: pi on a square grid.
+
+        An axis of one point is left out; 1 for a single point.
+        """
         q = [np.pi * self.a / s for s, n in zip(self.spacings, self.n) if n > 1]
         return float(np.sqrt(sum(x * x for x in q) / 2)) or 1.0
 
     def multiplicity(self, j: ArrayLike) -> np.ndarray:
-        """Tell how often columns j of the half spectrum occur in the full one: 1 or 2; 0 beyond the
-        last column."""
+        """Return how often columns j of the half spectrum occur in the full one: 1 or 2.
+
+        0 for j beyond the last column.
+        """
         j = np.asarray(j)
         n_y = self.n[1]
         twice = (j > 0) & (2 * j != n_y)
         return np.where(j > n_y // 2, 0, np.where(twice, 2, 1))
 
     def fft(self, dtype: DTypeLike) -> SlabFFT:
-        """Return the transforms of this grid in one precision, planned once."""
+        """Return the transforms in one precision, planned at the first call. Collective."""
         dtype = np.dtype(dtype)
         transforms = self._tables.transforms
         if dtype not in transforms:
@@ -214,11 +218,14 @@ class Grid:
         return transforms[dtype]
 
     def planned(self) -> list[SlabFFT]:
-        """Return the transforms that have been planned, all precisions."""
+        """Return the transforms that exist at present, in any precision."""
         return list(self._tables.transforms.values())
 
     def forget_fft(self, dtype: DTypeLike) -> None:
-        """Free the memory of the transforms in one precision if it is large."""
+        """Forget the transforms in one precision if they take much memory.
+
+        The next call of `fft` plans them again.
+        """
         fft = self._tables.transforms.get(np.dtype(dtype))
         if fft is not None and fft.blocks.nbytes > SMALL:
             del self._tables.transforms[fft.dtype]
@@ -228,13 +235,15 @@ class Grid:
         return empty_aligned(self.shape, dtype)
 
     def pieces(self, rows: int | None = None) -> list[tuple[int, int]]:
-        """List ranges of all local rows, or of the first `rows` of them, that a thread works on at
-        a time."""
+        """List the ranges (i0, i1) of local rows that a thread works on at a time.
+
+        Together they are all local rows, or the first `rows` of them.
+        """
         rows = self.shape[0] if rows is None else rows
         return pieces_of(rows, self.n[1])
 
     def by_rows(self, work: Callable[[int, int], T], rows: int | None = None) -> list[T]:
-        """Work on the rows of a field piece by piece, on all threads.
+        """Call a function on the local rows piece by piece, on all threads. Not collective.
 
         Parameters
         ----------
@@ -251,19 +260,19 @@ class Grid:
         return on_threads(self.threads, work, self.pieces(rows))
 
     def once(self, key: Hashable, make: Callable[[], T]) -> T:
-        """Return what make() returns; it is called only the first time for this size of grid.
+        """Return what make() returned when it was called first with this key.
 
         Parameters
         ----------
         key : hashable
-            With the size of the grid it determines the value.
+            Together with the size of the grid it determines the value.
         make : function
-            Takes no arguments.
+            Takes no arguments; called only if there is no value yet.
 
         Returns
         -------
         object
-            The value, which grids of one size share.
+            The value, which is kept, and shared by the grids that share tables.
         """
         values = self._tables.values
         if key not in values:
@@ -271,8 +280,11 @@ class Grid:
         return values[key]
 
     def column_tables(self, fft: SlabFFT) -> tuple[np.ndarray, np.ndarray]:
-        """Return q_y and multiplicity of every column of the blocks of `fft`, shape (M, W), in its
-        precision; 0 beyond a narrower block."""
+        """Return wave number q_y and multiplicity of every column in the blocks of `fft`.
+
+        Both have shape (blocks of all ranks, W) and the precision of `fft`; 0 for missing columns
+        of a narrow block.
+        """
         j = fft.edges[:-1, None] + np.arange(fft.W)
         weight = np.where(j < fft.edges[1:, None], self.multiplicity(j), 0)
         q_y = np.where(weight > 0, self.q_y[np.minimum(j, self.n[1] // 2)], 0.0)
@@ -280,7 +292,10 @@ class Grid:
 
 
 class _Kept(threading.local):
-    """Tables of the grids that a thread has used last: threads never share scratch memory."""
+    """Tables of the grids that a thread has used last: threads never share scratch memory.
+
+    tables(n, sizes, threads, nominal) returns those of a size.
+    """
 
     def __init__(self) -> None:
         self.tables = lru_cache(maxsize=KEPT)(lambda *size: GridTables())

@@ -13,22 +13,23 @@ T = TypeVar("T")
 
 @contextmanager
 def collective_errors(comm: Comm, doing: str) -> Iterator[None]:
-    """Collective block: when any rank fails inside it, every rank leaves it with an error.
+    """Make a block raise on every rank if it raises on any. Collective.
 
-    The block itself must hold no collective call that a failing rank would skip, unless in a block
-    of this kind of its own.
+    The block must not contain a collective call that a failing rank would skip, unless that call is
+    in such a block of its own.
 
     Parameters
     ----------
     comm : Comm
         All ranks.
     doing : str
-        What the message begins with: "writing contact.h5".
+        Beginning of the message: "writing contact.h5".
 
     Raises
     ------
     GfmdError
-        On all ranks: a GfmdError stays what it is, any other exception becomes one.
+        On all ranks: a GfmdError stays what it is, any other exception becomes one. A rank that has
+        not failed gets the message of the first one that has.
     """
     error: GfmdError | None = None
     try:
@@ -42,26 +43,26 @@ def collective_errors(comm: Comm, doing: str) -> Iterator[None]:
 
 
 def on_rank_0(comm: Comm, doing: str, work: Callable[[], T]) -> T:
-    """Call a function on rank 0 alone; every rank gets what it returns, or its error. Collective.
+    """Call a function on rank 0 alone, and return its result on every rank. Collective.
 
     Parameters
     ----------
-    comm
-        A communicator, as `world` gives it.
+    comm : Comm
+        All ranks.
     doing : str
-        What the message of an error begins with: "writing contact.h5".
+        Beginning of an error's message: "writing contact.h5".
     work : function
-        Takes no arguments.
+        Takes no arguments; returns what can be pickled.
 
     Returns
     -------
     object
-        What work() returns, broadcast.
+        What work() returned, on all ranks.
 
     Raises
     ------
     GfmdError
-        On every rank, as `collective_errors` does.
+        On every rank if work raises, as `collective_errors` does.
     """
     result = None
     with collective_errors(comm, doing):
@@ -71,7 +72,7 @@ def on_rank_0(comm: Comm, doing: str, work: Callable[[], T]) -> T:
 
 
 def raise_on_all(comm: Comm, error: Exception | None) -> None:
-    """Raise on every rank if any rank has an error. Collective.
+    """Raise on every rank if any rank has an error; return if none has one. Collective.
 
     Parameters
     ----------
@@ -83,7 +84,7 @@ def raise_on_all(comm: Comm, error: Exception | None) -> None:
     Raises
     ------
     Exception
-        A rank's own error; on ranks without one that of the first rank that has one, as the same
+        A rank's own error. On ranks without one that of the first rank that has one: of the same
         type if it is a GfmdError, else as a GfmdError.
     """
     failing_rank = int(comm.min([comm.size if error is None else comm.rank])[0])

@@ -35,7 +35,7 @@ _SLACK, _PER_CHUNK = 2**16, 64  # bytes, generous; what is not needed is given b
 
 @dataclass(eq=False)
 class Stored:
-    """A field in a file.
+    """A field in a file, to be read piece by piece.
 
     Attributes
     ----------
@@ -48,9 +48,10 @@ class Stored:
     dtype : numpy.dtype
         Of its numbers.
     checksum : int
-        Of all its numbers.
+        Of all its numbers, as the file has it.
     passed : (int, int)
-        How many rows were read one after the other from the first on, and their checksum.
+        Progress of the check: number of rows that have been read from the first one on without a
+        gap, and their checksum.
     """
 
     path: Path
@@ -63,7 +64,7 @@ class Stored:
     def pieces(
         self, comm: Comm | None = None, rows: tuple[int, int] | None = None, ranks_at_once: int = 1
     ) -> Iterator[tuple[int, np.ndarray]]:
-        """Read rows piece by piece, in as many pieces on every rank. Collective.
+        """Yield this rank's rows piece by piece, in as many pieces on every rank. Collective.
 
         Parameters
         ----------
@@ -72,7 +73,8 @@ class Stored:
         rows : (int, int), optional
             (start, stop) of this rank; default: all.
         ranks_at_once : int
-            How many ranks' pieces one of them will hold.
+            Number of ranks whose pieces one rank holds at the same time; pieces are smaller by this
+            factor.
 
         Yields
         ------
@@ -84,8 +86,8 @@ class Stored:
         Raises
         ------
         GfmdError
-            On all ranks; for damaged numbers after the last row of a pass over all of them, in one
-            call or several.
+            On all ranks: if a rank cannot read; and after the last row, if all rows have been read
+            in order (in one call or several) and the numbers do not match their checksum.
         """
         comm = comm or SerialComm()
         rows = rows or (0, self.shape[0])
@@ -106,7 +108,7 @@ class Stored:
                 raise GfmdError(f"{self.path}: the numbers of {self.dataset} are damaged")
 
     def slab(self, comm: Comm, rows: tuple[int, int]) -> np.ndarray:
-        """Read this rank's rows in one array. Collective.
+        """Return this rank's rows as one array. Collective.
 
         Parameters
         ----------
@@ -132,7 +134,7 @@ class Stored:
         return slab
 
     def read(self, start: int = 0, stop: int | None = None) -> np.ndarray:
-        """Read rows. Not collective: every rank may read what it needs.
+        """Return some rows as one array. Not collective: every rank may read what it needs.
 
         Parameters
         ----------
@@ -162,21 +164,21 @@ def write_file(
     compressed: bool = False,
     dtype: str | None = None,
 ) -> dict[str, Stored]:
-    """Write one HDF5 file, all of it or nothing. Collective.
+    """Write or replace one HDF5 file, all of it or nothing. Collective.
 
     Parameters
     ----------
     comm : Comm
         The ranks that have parts of the fields.
     path : Path
-        The file.
+        The file; a file with .tmp appended to its name is written first.
     n : (int, int)
         (n_x, n_y) of all fields.
     rows : (int, int)
         (start, stop) of this rank, may be empty.
     fields : dict of ndarray or Stored
-        Local slab of each dataset, which is only sliced, or a field in another file; the same names
-        on every rank.
+        Local slab of each dataset (any object with `dtype` and slices), or a field in another file;
+        the same names on every rank.
     describe : function
         describe(file) is called by rank 0 when the datasets are there, still empty.
     compressed : bool
@@ -239,14 +241,15 @@ def write_file(
 
 
 def sync(path: Path, wait: bool = True) -> None:
-    """Bring a file or folder to the disk.
+    """Have the system write a file or folder to the disk.
 
     Parameters
     ----------
     path : Path
         The file or folder.
     wait : bool
-        False: only have the system begin; the disk is busy then while the next piece is made.
+        True: return once it is on the disk. False: only have the system begin, so that the disk is
+        busy while the next piece is made.
     """
     if os.name == "nt":  # no descriptor of a folder
         return
@@ -262,8 +265,11 @@ def sync(path: Path, wait: bool = True) -> None:
 
 @contextmanager
 def _opened(comm: Comm, path: Path, together: bool, doing: str) -> Iterator[Any]:
-    """Open an h5py file to fill in: by MPI-IO on all ranks together, else on rank 0 alone.
-    Collective."""
+    """Open a laid-out file to fill in: on all ranks by MPI-IO if `together`, else on rank 0 alone.
+
+    Yields the h5py file, or on ranks without it a context that does nothing, and closes it after
+    the block. Errors, also those of the block, raise GfmdError on all ranks. Collective.
+    """
     import h5py
 
     options = {"driver": "mpio", "comm": comm.mpi} if together else {"locking": False}
@@ -278,7 +284,10 @@ def _opened(comm: Comm, path: Path, together: bool, doing: str) -> Iterator[Any]
 
 
 def reading(path: Path) -> Any:
-    """Open an h5py file to read, also while it is written, or open elsewhere in this process."""
+    """Open an h5py file for reading, without locking it, and return it.
+
+    So it can be read while it is written, or while it is open elsewhere in this process.
+    """
     import h5py
 
     try:
@@ -290,25 +299,27 @@ def reading(path: Path) -> Any:
 
 
 def inside(group: Any, name: str) -> Any:
-    """Return a group or dataset that lies in the same file.
+    """Return a member of a group, which must be stored in the same file.
 
     Parameters
     ----------
     group : h5py.Group
-        Where it is looked for.
+        The group.
     name : str
-        Its name.
+        Name of the member.
 
     Returns
     -------
     h5py.Group or h5py.Dataset
-        What has the name.
+        The member.
 
     Raises
     ------
+    KeyError
+        If there is no such member.
     ValueError
         If it, or its numbers, lie in another file: a link, a virtual or an external dataset could
-        name any one of the machine.
+        name any file of the machine.
     """
     import h5py
 
@@ -326,13 +337,14 @@ def lay_out(
     describe: Callable[[Any], object],
     compressed: bool = False,
 ) -> None:
-    """Write a file without the numbers of its fields, and take the disk space for all of it. One
-    process only.
+    """Write a file without the numbers of its fields, and take the disk space for all of it.
+
+    Not collective: one process calls it.
 
     Parameters
     ----------
     path : Path
-        The file.
+        The file; overwritten if it exists.
     fields : dict
         (shape, dtype) of each dataset.
     describe, compressed
@@ -341,7 +353,7 @@ def lay_out(
     Raises
     ------
     OSError
-        With the space that is needed.
+        If the file cannot be written or the disk is full; the message has the space that is needed.
     """
     import h5py
 
@@ -374,7 +386,11 @@ def _pieces(
     ranks_at_once: int,
     doing: str,
 ) -> Iterator[tuple[int, np.ndarray]]:
-    """Yield (start, rows from there on) of a Stored field or a local slab."""
+    """Yield (start, rows from there on) of this rank's part of a Stored field or a local slab.
+
+    There are as many pieces on every rank, some of them perhaps empty. Raises GfmdError on all
+    ranks if a slab of one has a wrong shape. Collective.
+    """
     if isinstance(field, Stored):
         yield from field.pieces(comm, rows, ranks_at_once)
         return
@@ -387,8 +403,10 @@ def _pieces(
 
 
 def _cuts(comm: Comm, rows: tuple[int, int], row_bytes: int) -> list[tuple[int, int]]:
-    """Return (start, stop) of pieces of this rank's rows, as many on every rank. row_bytes: bytes
-    of memory that go with a row. Collective."""
+    """Cut this rank's rows into pieces (start, stop) of at most PIECE_BYTES, as many on every rank.
+
+    The last ones may be empty. row_bytes: bytes of memory that go with a row. Collective.
+    """
     step = max(1, PIECE_BYTES // row_bytes)
     count = int(comm.max([-((rows[0] - rows[1]) // step)])[0])
     return [
@@ -398,8 +416,10 @@ def _cuts(comm: Comm, rows: tuple[int, int], row_bytes: int) -> list[tuple[int, 
 
 
 def _write(dataset: Any, start: int, rows: np.ndarray) -> None:
-    """Write rows, together with all ranks by MPI-IO; low-level because h5py's own leaves out ranks
-    without rows."""
+    """Write rows to a dataset from row `start` on. Collective if the file is open by MPI-IO.
+
+    A rank without rows takes part, too; h5py's own way of writing leaves it out.
+    """
     from h5py import h5fd, h5p, h5s
 
     memory = h5s.create_simple(rows.shape)
@@ -412,8 +432,11 @@ def _write(dataset: Any, start: int, rows: np.ndarray) -> None:
 
 
 def _checksum(rows: np.ndarray, start: int) -> int:
-    """Return the checksum of rows start, start + 1, ...: the sum of their words, times an odd
-    number of the row; adds up over pieces and ranks."""
+    """Return the checksum of rows start, start + 1, ...: their words, weighted by row.
+
+    The sum of the words of row i is multiplied by 2 i + 1. Checksums add up over pieces and ranks,
+    modulo 2**64.
+    """
     words = rows.view("u8" if rows.shape[1] * rows.itemsize % 8 == 0 else "u4")
     return int(
         words.sum(axis=1, dtype=np.uint64)
@@ -422,6 +445,9 @@ def _checksum(rows: np.ndarray, start: int) -> int:
 
 
 def _sum_modulo(comm: Comm, checksum: int) -> int:
-    """Return the sum over ranks modulo 2**64; as halves, which float64 adds exactly."""
+    """Return the sum of checksums over ranks modulo 2**64. Collective.
+
+    Halves of 32 bits are summed, which float64 does exactly.
+    """
     high, low = comm.sum(divmod(checksum % 2**64, 2**32))
     return (int(high) * 2**32 + int(low)) % 2**64

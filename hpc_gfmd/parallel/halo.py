@@ -18,7 +18,10 @@ Pieces = dict[int, list[slice]]  # rows of an array by the rank that they go to,
 
 
 class Windows:
-    """Which rank sends which rows to which; holds no field and sends nothing until it is asked.
+    """Which rank sends which rows to which, to fill windows of rows that others own.
+
+    The rows of a field form a ring: row n is row 0. This stores no field; only `fill` and `add`
+    send.
 
     Parameters
     ----------
@@ -27,10 +30,10 @@ class Windows:
     starts : array_like of int, shape (ranks + 1,)
         First row that each rank owns, and the row after the last one that is owned.
     lo, hi : array_like of int, shape (ranks,)
-        Window of each rank.
+        Window lo <= i < hi of each rank; may reach around the ring.
     n : int, optional
-        Length of the ring, more than starts[-1] where the last rows belong to no rank: those are
-        left as they are. Default: starts[-1].
+        Length of the ring, more than starts[-1] if the last rows belong to no rank: those are left
+        as they are. Default: starts[-1].
 
     Attributes
     ----------
@@ -39,7 +42,7 @@ class Windows:
     take, give : dict of list of slice
         By the other rank: rows of the window that come from it; own rows that go to it.
     interior : slice
-        This rank's own rows in its window, where that is those and halo rows.
+        Place of this rank's own rows in its window, if the window is those and halo rows.
     """
 
     def __init__(
@@ -79,7 +82,7 @@ class Windows:
         self.interior = slice(begin, begin + int(starts[rank + 1] - starts[rank]))
 
     def fill(self, comm: Any, owned: np.ndarray, window: np.ndarray) -> None:
-        """Copy the rows of all windows from those that own them. Collective.
+        """Copy the rows of all windows from the ranks that own them. Collective.
 
         Parameters
         ----------
@@ -88,7 +91,7 @@ class Windows:
         owned : ndarray, shape (..., rows of this rank, m)
             What is copied.
         window : ndarray, shape (..., rows of the window, m)
-            What is filled; may be the same memory.
+            What is filled; `owned` may be a part of it.
         """
         received = _exchange(comm, owned, self.give, window, self.take)
         for rows, owned_rows in self._apart(owned, window):
@@ -97,7 +100,9 @@ class Windows:
             window[..., rows, :] = values
 
     def add(self, comm: Any, window: np.ndarray, owned: np.ndarray) -> None:
-        """Add the rows of all windows to those that own them: the transpose of `fill`. Collective.
+        """Add the rows of all windows to those of their owners, the transpose of `fill`.
+
+        Collective.
 
         Parameters
         ----------
@@ -106,7 +111,7 @@ class Windows:
         window : ndarray, shape (..., rows of the window, m)
             What is added.
         owned : ndarray, shape (..., rows of this rank, m)
-            What it is added to; may be the same memory.
+            What it is added to; may be a part of `window`.
         """
         received = _exchange(comm, window, self.take, owned, self.give)
         for rows, owned_rows in self._apart(owned, window):
@@ -115,20 +120,23 @@ class Windows:
             owned[..., owned_rows, :] += values
 
     def _apart(self, owned: np.ndarray, window: np.ndarray) -> list[tuple[slice, slice]]:
-        """List own pieces of the own window that are not the same memory."""
+        """List (rows of the window, own rows) that this rank must copy or add itself.
+
+        Own rows that are the same memory in both arrays are left out.
+        """
         is_same_memory = np.may_share_memory(owned, window)
         return [piece for piece in self.own if not (is_same_memory and piece[0] == self.interior)]
 
     def sent_rows(self, adding: bool) -> dict[int, int]:
-        """Return {rank: rows sent to it} by `add` or by `fill`."""
+        """Return how many rows this rank sends to each other rank, by `add` or by `fill`."""
         sent = self.take if adding else self.give
         return {peer: sum(map(_length, pieces)) for peer, pieces in sent.items()}
 
 
 class Overlaps:
-    """Rows that windows of several ranks have in common, each rank with its part of a sum.
+    """Rows that windows of several ranks have in common, where each rank has its part of a sum.
 
-    No memory, no message.
+    Stores no field and sends nothing; `add_overlaps` does.
 
     Parameters
     ----------
@@ -144,8 +152,8 @@ class Overlaps:
     give : dict
         Rows of this rank's window by the rank that they are sent to.
     parts : list of (int, slice, slice)
-        Who gives, which rows of its window, and to which rows of this rank's window, in an order
-        that all ranks add in.
+        Terms of the sums, in an order that is the same on all ranks: rank that the rows come from,
+        rows of its window, and the same rows of this rank's window.
     common : list of slice
         Rows of this rank's window that others have, too.
     """
@@ -183,7 +191,7 @@ class Overlaps:
 
     @property
     def taken_rows(self) -> dict[int, int]:
-        """Number of rows that come from each rank, this one among them."""
+        """Number of rows that come from each rank, this one included."""
         taken: dict[int, int] = {}
         for peer, _, rows in self.parts:
             taken[peer] = taken.get(peer, 0) + _length(rows)
@@ -191,8 +199,9 @@ class Overlaps:
 
 
 def add_overlaps(comm: Any, overlaps: Sequence[Overlaps], windows: Sequence[np.ndarray]) -> None:
-    """Add up what ranks have of the rows that their windows share, of several fields at once: one
-    message from a rank to another. Collective.
+    """Replace the rows that windows share by their sum over ranks, for several fields. Collective.
+
+    All fields go in one message from a rank to another.
 
     Parameters
     ----------
@@ -201,7 +210,7 @@ def add_overlaps(comm: Any, overlaps: Sequence[Overlaps], windows: Sequence[np.n
     overlaps : sequence of Overlaps
         Of each of the fields.
     windows : sequence of ndarray, shape (..., rows of the window, m)
-        This rank's windows, of one dtype; become the sums.
+        This rank's windows, all of one dtype; changed in place.
     """
     fields = list(zip(overlaps, windows))
     give: dict[int, list[np.ndarray]] = {}
@@ -237,7 +246,7 @@ def add_overlaps(comm: Any, overlaps: Sequence[Overlaps], windows: Sequence[np.n
 def add_all(
     comm: Any, window: np.ndarray, bounds: Sequence[tuple[int, int]], whole: np.ndarray
 ) -> None:
-    """Add up the windows of all ranks on every rank. Collective.
+    """Fill `whole` on every rank with the sum of the windows of all ranks. Collective.
 
     Parameters
     ----------
@@ -269,7 +278,7 @@ def add_all(
 
 
 def _joined(pieces: list[slice]) -> list[slice]:
-    """Join ranges that overlap or meet."""
+    """Return ranges in ascending order, with those that overlap or meet joined to one."""
     joined: list[slice] = []
     for piece in sorted(pieces, key=lambda rows: rows.start):
         if joined and piece.start <= joined[-1].stop:
@@ -283,7 +292,11 @@ _windows = lru_cache(maxsize=64)(Windows)
 
 
 def _exchange(comm: Any, a: np.ndarray, give: Pieces, b: np.ndarray, take: Pieces) -> list[tuple]:
-    """Send rows of a to other ranks; returns (rows of b, their values) for what they send."""
+    """Send rows of a to other ranks, and return what they send. Collective.
+
+    give: rows of a by rank; take: rows of b by rank. Returns a list of (rows of b, values that came
+    for them); b itself is not changed.
+    """
     send = {
         peer: np.concatenate([a[..., rows, :] for rows in pieces], axis=-2)
         for peer, pieces in give.items()
@@ -315,7 +328,7 @@ def rows_of(
     hi: np.ndarray,
     n: int | None = None,
 ) -> np.ndarray:
-    """Return the rows lo[rank] <= i < hi[rank] of a field. Collective.
+    """Return the rows lo[rank] <= i < hi[rank] of a field, from their owners. Collective.
 
     Parameters
     ----------
@@ -324,16 +337,16 @@ def rows_of(
     a : ndarray, shape (..., rows of this rank, m)
         This rank's part of the field.
     starts : array_like of int
-        First row of every rank, and their number.
-    lo, hi : ndarray of int
-        What every rank wants; may reach around the ring.
+        First row of every rank, and the number of rows.
+    lo, hi : ndarray of int, shape (ranks,)
+        Rows that every rank wants; may reach around the ring.
     n : int, optional
         Length of the ring, as of Windows.
 
     Returns
     -------
     ndarray, shape (..., hi - lo, m)
-        Rows that belong to no rank are 0.
+        A new array. Rows that belong to no rank are 0.
     """
     window = np.zeros((*a.shape[:-2], int(hi[comm.rank] - lo[comm.rank]), a.shape[-1]), a.dtype)
     rows = (tuple(np.asarray(ends).tolist()) for ends in (starts, lo, hi))
@@ -344,7 +357,7 @@ def rows_of(
 def neighbours(
     comm: Any, a: np.ndarray, starts: np.ndarray, width: int, owned: ArrayLike | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the rows before and after those of this rank. Collective.
+    """Return the rows before and after those of this rank, on the periodic ring. Collective.
 
     Parameters
     ----------
@@ -353,11 +366,12 @@ def neighbours(
     a : ndarray, shape (..., rows of this rank, m)
         This rank's part of the field.
     starts : ndarray of int
-        First row of every rank, and their number.
+        First row of every rank, and the number of rows.
     width : int
         How many rows on each side.
     owned : array_like of int, optional
-        The starts of the rows that a field has on each rank, if these are not all.
+        Like `starts`, of the rows that the field has, if it lacks the last rows of the ring: those
+        are 0.
 
     Returns
     -------
@@ -375,7 +389,7 @@ def neighbours(
 
 
 def next_row(comm: Any, a: np.ndarray, starts: ArrayLike) -> np.ndarray:
-    """Return the row after those of this rank; the first one after the last. Collective.
+    """Return the row after those of this rank; row 0 after the last one. Collective.
 
     Parameters
     ----------
@@ -384,7 +398,7 @@ def next_row(comm: Any, a: np.ndarray, starts: ArrayLike) -> np.ndarray:
     a : ndarray, shape (..., rows of this rank, m)
         This rank's part of the field.
     starts : array_like of int
-        First row of every rank, and their number.
+        First row of every rank, and the number of rows.
 
     Returns
     -------

@@ -18,8 +18,10 @@ _running: "Interrupt | None" = None  # the Interrupt that listens: signals are s
 
 
 class Stopped(Exception):
-    """What long work between two iterations is left with when the run is to stop; number: of the
-    signal."""
+    """The run is to stop; raised out of long work between two iterations.
+
+    number: of the signal.
+    """
 
     def __init__(self, number: int):
         super().__init__(f"stopped by signal {number}")
@@ -27,12 +29,11 @@ class Stopped(Exception):
 
 
 def check(comm: Comm) -> None:
-    """Raise Stopped on all ranks of a communicator if one of them was sent a signal while an
-    Interrupt listens. Collective.
+    """Raise Stopped on all ranks of a communicator if one of them was sent a signal. Collective.
 
-    Time that is up is left to `poll`: however short it is, a run then comes to an iteration, and
-    keeps its gap. Only for the communicator of the run and parts of it: what a rank does on its
-    own, such as compiling, it does to the end.
+    Does nothing unless an Interrupt listens on this communicator or on one that it is a part of.
+    The wall-clock budget is left to `poll`, so that a run with a short one still comes to an
+    iteration and keeps its gap. Work that a rank does alone, such as compiling, is not interrupted.
     """
     whole: Any = comm
     while whole.parent is not None:
@@ -46,17 +47,20 @@ def check(comm: Comm) -> None:
 
 
 def stop(number: int) -> NoReturn:
-    """Raise Stopped, agreed on by all ranks."""
+    """Raise Stopped with the number of a signal, which sets the Interrupt's exit code.
+
+    Sends nothing: all ranks must have agreed on it.
+    """
     if _running is not None:
         _running.agreed = number
     raise Stopped(number)
 
 
 class Interrupt:
-    """Listens for requests to stop, from `with` on.
+    """Listens for requests to stop in a `with` block: signals, and the wall-clock budget.
 
-    A second signal ends the process at once. The handlers that Python had before come back at the
-    end.
+    It installs handlers for HANDLED, and restores those of Python at the end of the block. A first
+    signal is noted for `poll` and `check`; a second one ends the process at once.
 
     Parameters
     ----------
@@ -101,7 +105,7 @@ class Interrupt:
             signal.signal(s, signal.SIG_DFL if handler is None else handler)
 
     def _note(self, number: int, _frame: object) -> None:
-        """Handle a signal: note it and announce it; a second one ends the process at once."""
+        """Handle a signal: remember it and announce it; a second one ends the process at once."""
         if self.signal:
             os._exit(128 + self.signal)
         self.signal = number
@@ -111,11 +115,14 @@ class Interrupt:
 
     @property
     def exit_code(self) -> int:
-        """130 for SIGINT, 143 for everything else that stopped the run."""
+        """Exit code of a stopped run: 130 after SIGINT, else (other signals, deadline) 143."""
         return 130 if self.agreed == signal.SIGINT else 143
 
     def poll(self) -> bool:
-        """Return whether to stop now, the same on all ranks. Collective."""
+        """Return whether to stop now, because of a signal to any rank or the deadline.
+
+        The same on all ranks. Collective.
+        """
         late = signal.SIGTERM if self._late else 0
         number = int(self.comm.max([self.signal or late])[0])
         if number:
@@ -123,8 +130,10 @@ class Interrupt:
         return bool(number)
 
     def require_time(self) -> None:
-        """Raise SceneError where the time was up before the first load: the same would happen again
-        and again. Collective."""
+        """Raise SceneError on all ranks if the deadline passed before the first load.
+
+        Resuming such a run would end in the same way again and again. Collective.
+        """
         seconds = self.comm.max([self._late and time.monotonic() - self.begun])[0]
         if seconds:
             raise SceneError(
@@ -134,5 +143,5 @@ class Interrupt:
 
     @property
     def _late(self) -> bool:
-        """Return whether the wall time is used up."""
+        """Whether the deadline of this rank has passed."""
         return self.deadline is not None and time.monotonic() - self.begun > self.deadline

@@ -13,10 +13,10 @@ LAUNCHER = "HPC_GFMD_LAUNCHER"
 
 
 def launched() -> tuple[bool, int | None]:
-    """Return whether an MPI launcher started this process, and the number of processes if the
-    launcher tells it (else None).
+    """Return whether an MPI launcher started this process, and how many processes it started.
 
-    The environment variable HPC_GFMD_LAUNCHER says "mpi" or "none" where that cannot be seen.
+    The number is None if the launcher does not tell it. The environment variable HPC_GFMD_LAUNCHER
+    overrides what other variables say: "mpi" or "none".
     """
     setting = os.environ.get(LAUNCHER)
     if setting == "none":
@@ -30,13 +30,15 @@ def launched() -> tuple[bool, int | None]:
 
 
 def srun_size() -> int | None:
-    """Return the number of processes that srun started with this one, or None."""
+    """Return the number of processes of this process's Slurm step, or None outside Slurm."""
     return environment_number("SLURM_STEP_NUM_TASKS")
 
 
 def tasks_per_node() -> int | None:
-    """Return the number of processes on each node (the fullest one) of the Slurm job around this
-    process, or None."""
+    """Return the number of processes on the fullest node of the Slurm job around this process.
+
+    None outside Slurm, or if Slurm does not tell it.
+    """
     text = os.environ.get("SLURM_NTASKS_PER_NODE") or os.environ.get("SLURM_TASKS_PER_NODE", "")
     # the latter as in "16(x3),8"
     counts = [int(digits) for digits in re.findall(r"(?:^|,)(\d+)", text)]
@@ -44,15 +46,14 @@ def tasks_per_node() -> int | None:
 
 
 def launcher_rank() -> int:
-    """Return this process's number as the launcher tells it; 0 without a launcher."""
+    """Return the number of this process as the launcher or Slurm tells it; 0 without one."""
     if os.environ.get(LAUNCHER) == "none":
         return 0
     return environment_number(*LAUNCHER_RANK, "SLURM_PROCID") or 0
 
 
 def environment_number(*names: str) -> int | None:
-    """Return the value of the first of these environment variables that is a whole number; None
-    without one."""
+    """Return the first of these environment variables that is a whole number; None if none is."""
     for name in names:
         text = os.environ.get(name, "")
         if text.isdigit():

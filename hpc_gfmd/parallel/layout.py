@@ -1,5 +1,5 @@
-"""Who has which rows of a field and which columns of its spectrum, and what ranks have to send each
-other: for fft.py."""
+"""The rows of a field and the columns of its spectrum that each rank has, and what ranks have to
+send each other: for fft.py."""
 
 from collections.abc import Sequence
 from functools import cached_property
@@ -16,7 +16,7 @@ MAX_WIDTH = 64
 
 
 def row_starts(n_x: int, size: int) -> np.ndarray:
-    """Return which rows every rank has by the block distribution of mpi4py-fft.
+    """Return the rows of every rank by the block distribution of mpi4py-fft.
 
     Parameters
     ----------
@@ -34,8 +34,9 @@ def row_starts(n_x: int, size: int) -> np.ndarray:
 
 
 class Layout:
-    """Who has which rows of a field and which columns of its half spectrum, and what is sent: no
-    memory, no message.
+    """The rows of a field and the columns of its half spectrum that each rank has.
+
+    Stores no field and sends nothing, but tells what ranks send each other.
 
     Parameters
     ----------
@@ -48,7 +49,7 @@ class Layout:
     itemsize : int
         Bytes of a complex number.
     node_ranks : array_like of int, optional
-        Ranks that have memory in common with this one, itself among them; default: itself.
+        Ranks that share memory with this one, itself among them; default: itself.
 
     Attributes
     ----------
@@ -61,13 +62,13 @@ class Layout:
     K : int
         Blocks of each rank.
     block_widths : ndarray of int, shape (K, size)
-        Their columns.
+        Number of columns of block k size + r, which belongs to rank r, at [k, r].
     W : int
         Columns of the widest block.
     R : int
         Rows that are transformed at a time.
     far : ndarray of bool, shape (size,)
-        Which ranks have to be sent what they want.
+        Which ranks do not share memory with this one, so that messages are needed.
     """
 
     def __init__(
@@ -95,12 +96,11 @@ class Layout:
         self.far[self.node_ranks] = False
 
     def _edges(self) -> np.ndarray:
-        """Return where blocks of complete columns begin, and the number of columns, so that a block
-        fits the cache.
+        """Choose blocks of columns that fit the cache: return their first columns, and n_c.
 
         All ranks have the same number of blocks, whose widths differ by one column at most. The
-        wider blocks are the last: so all others begin on cache lines. One rank alone needs no such
-        balance, and its blocks are whole cache lines wide.
+        wider blocks are the last, so that all others begin on cache lines. A single rank needs no
+        such balance, and its blocks are whole cache lines wide.
         """
         wanted = int(np.clip(COLUMN_BYTES // (self.n[0] * self.itemsize), MIN_WIDTH, MAX_WIDTH))
         if self.size > 1:
@@ -115,8 +115,10 @@ class Layout:
         return np.append(np.arange(0, self.n_c, W), self.n_c)
 
     def _rows_per_pass(self) -> int:
-        """Return how many rows one pass transforms, so that they fit the cache; the same on all
-        ranks."""
+        """Return how many rows to transform at a time, so that they fit the cache.
+
+        The same on all ranks.
+        """
         wanted = int(np.clip(ROW_BYTES // (self.n_c * self.itemsize), 8, 256))
         longest = int(np.diff(self.starts).max())  # on any rank: all plan alike
         passes = max(1, -(-longest // wanted))
@@ -124,24 +126,24 @@ class Layout:
         return R + R % 2 if R > 1 else R  # even: a coarse row then belongs to one pass
 
     def columns_of(self, m: int) -> tuple[int, int]:
-        """Return the columns [j0, j1) of the half spectrum that block m holds."""
+        """Return the columns (begin, end) of the half spectrum that block m holds."""
         return int(self.edges[m]), int(self.edges[m + 1])
 
     @property
     def columns_held(self) -> np.ndarray:
-        """Number of columns of every rank."""
+        """Number of columns of the half spectrum that each rank has."""
         return self.block_widths.sum(axis=0)
 
     @cached_property
     def widths(self) -> list[int]:
-        """The numbers of columns that are transformed at a time."""
+        """The numbers of columns for which transforms are planned, ascending."""
         if self.size == 1:
             return [self.W]
         return np.unique(self.block_widths[self.block_widths > 0]).tolist()
 
     @property
     def scratch_bytes(self) -> int:
-        """Bytes that each thread has for itself."""
+        """Bytes of scratch memory of each thread."""
         rows = self.R * (self.n[1] * self.itemsize // 2 + self.n_c * self.itemsize)
         return rows + self.W * self.n[0] * self.itemsize * (2 if self.far.any() else 1)
 
@@ -151,21 +153,26 @@ class Layout:
         return self.n_loc * self.n_c * self.itemsize
 
     def sent(self, k: int) -> tuple[np.ndarray, np.ndarray]:
-        """Return the bytes to every rank, and their offsets in the slab of the all-to-all number
-        k."""
+        """Return what this rank sends of its rows in the all-to-all number k.
+
+        The bytes for every rank, 0 for those that share memory, and their offsets in the blocks of
+        k.
+        """
         first_columns = self.edges[k * self.size : (k + 1) * self.size]
         column_bytes = self.n_loc * self.itemsize
         sizes = self.far * self.block_widths[k] * column_bytes
         return sizes, (first_columns - first_columns[0]) * column_bytes
 
     def received(self, k: int) -> tuple[np.ndarray, np.ndarray]:
-        """Return the bytes from every rank of complete columns, and their offsets."""
+        """Return what this rank receives of its columns in the all-to-all number k.
+
+        The bytes from every rank, 0 from those that share memory, and their offsets.
+        """
         row_bytes = self.block_widths[k, self.rank] * self.itemsize
         return self.far * np.diff(self.starts) * row_bytes, self.starts[:-1] * row_bytes
 
     def traffic(self) -> tuple[int, int]:
-        """Return (bytes, messages) that this rank sends to ranks on other nodes in a transform
-        there and back."""
+        """Return (bytes, messages) that this rank sends to other nodes in one FFT pair."""
         to_others = self.block_widths[:, self.far]
         mine = self.block_widths[:, self.rank]
         rows = np.diff(self.starts) * self.far

@@ -10,19 +10,21 @@ from .guard import on_rank_0
 
 
 def io_way(comm: Comm, path: Path) -> str:
-    """Return how a file is written: "mpio", where opening and closing are collective, or "serial".
+    """Return how a file is written: "mpio" (all ranks together) or "serial" (rank 0). Collective.
+
+    With "mpio" opening and closing the file are collective, too.
 
     Parameters
     ----------
     comm : Comm
         The ranks that have parts of the file's fields.
     path : Path
-        The file; its folder is there.
+        The file; its folder exists.
 
     Returns
     -------
     str
-        The same on all ranks. Collective.
+        The same on all ranks.
     """
     import h5py
 
@@ -32,22 +34,22 @@ def io_way(comm: Comm, path: Path) -> str:
 
 
 def mpi_io_obstacle(comm: Comm, path: Path) -> str:
-    """Return why MPI-IO cannot write a file. Collective.
+    """Return why MPI-IO cannot write a file, "" if it can. Collective.
 
-    A file of one byte is opened in the same folder, once for each folder. Open MPI needs room in
-    /dev/shm for that; some file systems lack what MPI-IO needs.
+    The first time for a folder, a file of one byte is made in it, opened by MPI-IO and removed.
+    Open MPI needs room in /dev/shm for that; some file systems lack what MPI-IO needs.
 
     Parameters
     ----------
     comm : MpiComm
-        Several ranks.
+        Several ranks; it keeps the answer for each folder.
     path : Path
-        The file; its folder is there.
+        The file; its folder exists.
 
     Returns
     -------
     str
-        For a person, the same on all ranks; empty if MPI-IO can write it.
+        For a person, the same on all ranks.
     """
     if ":" in os.fspath(path):
         return "it takes what is before a colon for the kind of a file system"
@@ -58,16 +60,26 @@ def mpi_io_obstacle(comm: Comm, path: Path) -> str:
 
 
 def _failure_to_open(comm: Comm, folder: Path) -> str:
-    """Return what MPI-IO says of a new file in a folder, empty if it can be written. Collective."""
+    """Return MPI-IO's error for a new file in a folder, "" if it can be written. Collective.
+
+    Also "" if rank 0 cannot make the file without MPI-IO: writing itself reports that. The file is
+    removed again.
+    """
     from mpi4py import MPI
 
     def make_probe() -> str | None:
+        """Make a file of one byte; return None if it cannot be made: the writer says why."""
         try:
             descriptor, name = tempfile.mkstemp(prefix=".hpc-gfmd-", dir=folder)
-        except OSError:  # whoever writes the file itself says why
+        except OSError:
             return None
-        os.write(descriptor, b"0")
-        os.close(descriptor)
+        try:
+            os.write(descriptor, b"0")
+        except OSError:  # such as a full disk
+            os.unlink(name)
+            return None
+        finally:
+            os.close(descriptor)
         return name
 
     probe = on_rank_0(comm, f"writing in {folder}", make_probe)

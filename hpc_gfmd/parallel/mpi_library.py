@@ -1,4 +1,4 @@
-"""mpi4py, or in one line why it cannot be had."""
+"""Import mpi4py, or say in one line why it cannot be imported."""
 
 from types import ModuleType
 from typing import Any
@@ -9,7 +9,7 @@ REBUILD = "pip install --force-reinstall --no-deps --no-cache-dir --no-binary=mp
 
 
 def load_mpi() -> Any:
-    """Import mpi4py.MPI, which starts MPI unless mpi4py.rc says otherwise.
+    """Import and return mpi4py.MPI, which starts MPI unless mpi4py.rc says otherwise.
 
     Returns
     -------
@@ -31,7 +31,10 @@ def load_mpi() -> Any:
 
 
 def _load(package: ModuleType) -> Any:
-    """Return mpi4py.MPI. Raises GfmdError, with the way out, where mpi4py finds no MPI library."""
+    """Import and return the MPI module of mpi4py.
+
+    Raises GfmdError, which tells how to rebuild mpi4py, if that finds no MPI library.
+    """
     try:
         from mpi4py import MPI
     except (ImportError, RuntimeError) as error:  # RuntimeError: of its wheels

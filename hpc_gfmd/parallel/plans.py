@@ -24,14 +24,15 @@ CALL = ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 3)
 class Plans:
     """The four transforms of a slab: rows forward and back, columns forward and back.
 
-    Rows go from real to complex numbers and back, columns stay complex, in place.
+    Rows go from real to complex numbers and back, columns stay complex, in place. Planning
+    measures, which overwrites the arrays; they must live as long as the plans.
 
     Parameters
     ----------
     real : ndarray, shape (R, n_y)
     half : ndarray, shape (R, n_y//2 + 1)
     blocks : sequence of ndarray, shape (columns, n_x)
-        Scratch arrays of the shapes to plan for. Their contents are lost.
+        Scratch arrays of the shapes to plan for.
 
     Attributes
     ----------
@@ -50,7 +51,11 @@ class Plans:
         self.columns_backward = {len(block): plan("", block, block, BACKWARD) for block in blocks}
 
     def _fftw(self, kind: str, x: np.ndarray, out: np.ndarray, *sign: int) -> Transform:
-        """Plan by measurement, with the lock of Python: FFTW plans for one thread at a time."""
+        """Plan by measurement a transform of FFTW from x to out, both of which are overwritten.
+
+        kind: "_r2c", "_c2r", or "" with a sign. It keeps Python's lock, because FFTW plans for one
+        thread at a time. The plan is destroyed with this object.
+        """
         libraries = load_fftw()
         assert libraries is not None
         real = x.real.dtype.name
@@ -66,7 +71,7 @@ class Plans:
         return _address(library[f"{prefix}execute_dft{kind}"]), plan
 
     def _scipy(self, kind: str, x: np.ndarray, out: np.ndarray, *sign: int) -> Transform:
-        """Make a transform of scipy that is called like one of FFTW."""
+        """Make a transform of scipy that is called like one of FFTW, see `_fftw`."""
         from scipy import fft
 
         back = {"axis": 1, "norm": "forward"}
@@ -82,19 +87,19 @@ class Plans:
         return _address(self._called), len(self._transforms)
 
     def _call(self, plan: int, source: int, target: int) -> None:
-        """Do what FFTW does, by the number of a plan."""
+        """Run transform number `plan` of scipy on the memory at two addresses."""
         transform, x, out = self._transforms[plan - 1]
         _at(target, out)[...] = transform(_at(source, x))
 
 
 def _at(address: int, like: np.ndarray) -> np.ndarray:
-    """View memory as an array of the type and shape of another one."""
+    """View the memory at an address as an array of the type and shape of `like`."""
     memory: Any = (ctypes.c_char * like.nbytes).from_address(address)
     return np.ndarray(like.shape, like.dtype, memory)
 
 
 def _address(function: Any) -> int:
-    """Return where a C function begins."""
+    """Return the address of a C function."""
     address = ctypes.cast(function, ctypes.c_void_p).value
     assert address is not None
     return address

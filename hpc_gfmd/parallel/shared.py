@@ -1,5 +1,5 @@
-"""Memory that the ranks of a node have in common: each reads and writes the parts of the others as
-its own, without a message.
+"""Memory that the ranks of a node share: each reads and writes the parts of the others as its own,
+without a message.
 
 It is a file without a name (memfd) that all of them map: it needs no room in /dev/shm and is gone
 with the last process that maps it, however that ends. MPI's own shared windows have to be freed by
@@ -16,7 +16,7 @@ PAGE = mmap.PAGESIZE
 
 
 def common_memory(comm: Any, nbytes: int) -> tuple[np.ndarray, np.ndarray]:
-    """Make memory that all ranks of a communicator have in common. Collective.
+    """Make memory that all ranks of a communicator share. Collective.
 
     Parameters
     ----------
@@ -28,14 +28,14 @@ def common_memory(comm: Any, nbytes: int) -> tuple[np.ndarray, np.ndarray]:
     Returns
     -------
     ndarray of uint8
-        The bytes of all ranks, zero.
+        The bytes of all ranks, zero at first.
     ndarray of int
-        Where those of each rank begin.
+        Offset of the bytes of each rank, at the beginning of a page.
 
     Raises
     ------
     OSError
-        On all ranks where they cannot have it together, such as on several machines.
+        On all ranks if they cannot share memory, such as on several machines.
     """
     offsets = np.concatenate([[0], np.cumsum(-(-np.array(comm.allgather(nbytes)) // PAGE) * PAGE)])
     total = max(int(offsets[-1]), PAGE)
@@ -64,13 +64,15 @@ def common_memory(comm: Any, nbytes: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _name(token: int) -> str:
-    """Return the name of the shared memory of a token."""
+    """Return the name of the memory with this token, a random number."""
     return f"hpc-gfmd-{token}"
 
 
 def _mapped(path: str, token: int, total: int) -> np.ndarray:
-    """Map the shared memory at a path of /proc as bytes. Raises OSError where it is not that of the
-    token."""
+    """Map the shared memory at a path of /proc and return its `total` bytes.
+
+    Raises OSError if the path is not the memory with this token.
+    """
     if os.readlink(path) != f"/memfd:{_name(token)} (deleted)":
         raise FileNotFoundError(f"{path}: of another process, as in another container")
     file = os.open(path, os.O_RDWR)
@@ -87,8 +89,10 @@ def _mapped(path: str, token: int, total: int) -> np.ndarray:
 
 
 def can_share(comm: Any) -> bool:
-    """Return whether the ranks of a communicator can have memory in common: on one machine, and
-    allowed to. Collective."""
+    """Return whether the ranks of a communicator can share memory, by trying it. Collective.
+
+    They must be on one machine, and be allowed to. The same on all ranks.
+    """
     try:
         common_memory(comm, 0)
     except OSError:

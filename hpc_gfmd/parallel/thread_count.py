@@ -12,27 +12,27 @@ THREADED_POINTS = 2**20  # of a surface; two threads take as long as one for a q
 
 
 def threads_of(comm: Comm, wanted: int | str, points: int) -> int:
-    """Choose the threads of each rank. Collective.
+    """Choose the number of threads of each rank. Collective.
 
     Parameters
     ----------
     comm : Comm
         All ranks.
     wanted : int or "auto"
-        A number as it is; "auto": what Slurm was asked for (--cpus-per-task), else as
-        `auto_threads`.
+        A number is returned as it is. "auto": what Slurm was asked for (--cpus-per-task), but not
+        more than the cores of this process, else `auto_threads`.
     points : int
         Of the surface.
 
     Returns
     -------
     int
-        Threads, the same on all ranks.
+        Threads, the same on all ranks if their numbers of cores are.
 
     Raises
     ------
     SceneError
-        On all ranks for more than some machine can bear: every thread takes memory of its own.
+        On all ranks, if `wanted` is more than THREADS_PER_CORE per core of a machine.
     """
     if wanted != "auto":
         wanted = int(wanted)
@@ -49,7 +49,7 @@ def threads_of(comm: Comm, wanted: int | str, points: int) -> int:
 
 
 def auto_threads(points: int, ranks: int, cores: int) -> int:
-    """Choose the threads of each rank where neither the scene nor Slurm says how many.
+    """Choose the number of threads of each rank if neither the scene nor Slurm gives it.
 
     Parameters
     ----------
@@ -58,38 +58,37 @@ def auto_threads(points: int, ranks: int, cores: int) -> int:
     ranks : int
         Number of ranks.
     cores : int
-        That this process may use.
+        Number of cores that this process may use.
 
     Returns
     -------
     int
-        One for each of several ranks; all cores for one process, or one where the points are so few
-        that more do not pay.
+        All cores for a single process with at least THREADED_POINTS points, else 1.
     """
     return cores if ranks == 1 and points >= THREADED_POINTS else 1
 
 
 def ranks_per_node(ranks: int, threads: int) -> int:
-    """Return how many ranks share a node where that is not said.
+    """Guess how many ranks share a node.
 
     Parameters
     ----------
     ranks : int
         Number of all ranks.
     threads : int
-        Of each.
+        Threads of each.
 
     Returns
     -------
     int
-        As many as Slurm starts on a node, else as the cores that this process may use are enough
-        for.
+        As many as Slurm starts on a node. Without Slurm as many as there are cores for, of those
+        that this process may use.
     """
     return min(ranks, tasks_per_node() or max(1, len(cores()) // threads))
 
 
 def oversubscription(comm: Comm, threads: int) -> str:
-    """Return what is to be said of cores that have more than one thread to do, empty if none has.
+    """Return a note if cores have to run more than one thread each, else "". Collective.
 
     Parameters
     ----------
@@ -101,7 +100,7 @@ def oversubscription(comm: Comm, threads: int) -> str:
     Returns
     -------
     str
-        A note for a person, the same on all ranks. Collective.
+        A note for a person, the same on all ranks.
     """
     usable = cores()
     machine = comm.machine

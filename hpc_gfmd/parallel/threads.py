@@ -5,9 +5,9 @@ the order of the pieces: so no number does either.
 """
 
 import os
+import threading
 from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import ThreadPoolExecutor, wait
-from functools import cache
+from functools import partial
 from typing import Any, TypeVar
 
 import numpy as np
@@ -20,12 +20,12 @@ SMALLEST_SHARE = 32  # of a compiled pass: a thread's equal part over this
 
 
 def piece_rows(n_y: int) -> int:
-    """Return how many rows of n_y points a thread works on at a time."""
+    """Return how many rows of n_y points make a piece, which a thread works on at a time."""
     return max(PIECE_ROWS, PIECE_POINTS // n_y)
 
 
 def pieces_of(rows: int, n_y: int) -> list[tuple[int, int]]:
-    """Cut rows evenly into what a thread works on at a time.
+    """Cut rows into pieces of nearly the same size, which a thread works on at a time.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ def pieces_of(rows: int, n_y: int) -> list[tuple[int, int]]:
     Returns
     -------
     list of (int, int)
-        (start, stop) of each piece, in order.
+        (start, stop) of each piece, in order. They do not depend on the number of threads.
     """
     count = max(1, rows // piece_rows(n_y))
     ends = [rows * k // count for k in range(count + 1)]
@@ -45,25 +45,25 @@ def pieces_of(rows: int, n_y: int) -> list[tuple[int, int]]:
 
 
 def threads_for(points: int, threads: int) -> int:
-    """Return how many threads pay: those that get a piece.
+    """Return how many threads are useful for a grid: each of them must get a piece.
 
     Parameters
     ----------
     points : int
         Of the grid.
     threads : int
-        That there are.
+        Number of threads that there are.
 
     Returns
     -------
     int
-        At least 1.
+        From 1 to `threads`.
     """
     return max(1, min(threads, points // PIECE_POINTS))
 
 
 def shares(count: int, threads: int) -> list[tuple[int, int]]:
-    """Cut a range into what a thread does in one compiled call.
+    """Cut range(count) into parts, each for one compiled call on a thread.
 
     On several threads large parts come first and small ones last: a thread that begins late, or is
     slower than the others, leaves them little to wait for.
@@ -73,7 +73,7 @@ def shares(count: int, threads: int) -> list[tuple[int, int]]:
     count : int
         Length of the range.
     threads : int
-        That share it.
+        Number of threads that share it.
 
     Returns
     -------
@@ -95,9 +95,10 @@ def on_threads(
     pieces: Iterable[tuple],
     scratch: Sequence[Any] | None = None,
 ) -> list[T]:
-    """Call work(*piece) for every piece, on whichever thread is free.
+    """Call work(*piece) for every piece, on whichever thread is free, and wait for all of them.
 
-    Threads run at the same time only where `work` leaves Python: in kernels, transforms and NumPy.
+    Threads run at the same time only while `work` has left Python: in kernels, transforms and
+    NumPy. An exception of `work` is raised once all threads have ended.
 
     Parameters
     ----------
@@ -108,7 +109,7 @@ def on_threads(
     pieces : iterable of tuple
         Its arguments.
     scratch : sequence, optional
-        One more argument, of each thread its own.
+        One more, last argument for each thread: scratch[thread].
 
     Returns
     -------
@@ -124,14 +125,19 @@ def on_threads(
         for k, piece in remaining:
             results[k] = work(*piece, *scratch_of_thread)
 
-    futures = [_pool().submit(work_on, thread) for thread in range(1, min(threads, len(pieces)))]
+    helpers: list[_Helper] = []
     try:
+        for thread in range(1, min(threads, len(pieces))):
+            helpers.append(_free_helper())
+            helpers[-1].begin(partial(work_on, thread))
         work_on(0)
     finally:
-        if futures:  # asking takes longer than a coarse grid
-            wait(futures)
-    for future in futures:
-        future.result()
+        for helper in helpers:
+            helper.wait()
+    errors = [helper.error for helper in helpers if helper.error is not None]
+    _free_helpers.extend(helpers)
+    if errors:
+        raise errors[0]
     return results
 
 
@@ -153,11 +159,54 @@ def added(parts: Sequence[Sequence[float]], count: int) -> np.ndarray:
     return np.sum(np.reshape(parts, (-1, count)), axis=0)
 
 
-@cache
-def _pool() -> ThreadPoolExecutor:
-    """Make the threads of this process, as they are needed."""
-    return ThreadPoolExecutor(2**16, "hpc-gfmd")
+class _Helper:
+    """A thread that waits for work, does it, and waits again, until the process ends.
+
+    Two locks take a third of the time of an executor's queue and futures.
+    """
+
+    def __init__(self) -> None:
+        self.error: BaseException | None = None
+        self._work: Callable[[], None] | None = None
+        self._begun = threading.Lock()
+        self._ended = threading.Lock()
+        self._begun.acquire()
+        self._ended.acquire()
+        threading.Thread(target=self._run, name="hpc-gfmd", daemon=True).start()
+
+    def begin(self, work: Callable[[], None]) -> None:
+        """Have the thread call work(), and return at once; `wait` before the next `begin`."""
+        self.error = None
+        self._work = work
+        self._begun.release()
+
+    def wait(self) -> None:
+        """Wait until the work has ended; `error` is then the exception that it raised, or None."""
+        self._ended.acquire()
+
+    def _run(self) -> None:
+        """Do in the thread whatever `begin` asks for, forever."""
+        while True:
+            self._begun.acquire()
+            try:
+                if self._work is not None:
+                    self._work()
+            except BaseException as error:
+                self.error = error
+            self._work = None  # it refers to fields
+            self._ended.release()
+
+
+_free_helpers: list[_Helper] = []  # of this process; whoever needs one takes it out
+
+
+def _free_helper() -> _Helper:
+    """Take a helper that has no work out of `_free_helpers`, or make a new one."""
+    try:
+        return _free_helpers.pop()
+    except IndexError:
+        return _Helper()
 
 
 if hasattr(os, "register_at_fork"):
-    os.register_at_fork(after_in_child=_pool.cache_clear)  # its threads are not forked
+    os.register_at_fork(after_in_child=_free_helpers.clear)  # threads are not forked

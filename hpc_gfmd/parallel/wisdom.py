@@ -3,7 +3,7 @@
 The same plan rounds in the same way, and planning by measurement takes seconds. So rank 0 plans,
 with what the user's cache knows, and the others take over its wisdom. There is one file for each
 kind of machine and precision, of bounded size. No process waits for another: of what two runs
-measure at the same moment one may be lost, and is measured again some day.
+measure at the same moment one may be lost, and is measured again later.
 """
 
 from __future__ import annotations
@@ -34,7 +34,10 @@ LIMIT = 2**20
 
 
 def planned(comm: Comm, dtype: DTypeLike, make: Callable[[], T], shapes: Hashable) -> T:
-    """Make plans by measurement so that all ranks plan alike. Collective.
+    """Make plans by measurement, the same ones on all ranks. Collective.
+
+    Rank 0 reads wisdom from the user's cache, plans, and adds to the cache what is new; the other
+    ranks get its wisdom. Without FFTW make() is called and nothing else happens.
 
     Parameters
     ----------
@@ -43,14 +46,14 @@ def planned(comm: Comm, dtype: DTypeLike, make: Callable[[], T], shapes: Hashabl
     dtype : dtype
         Of the real numbers.
     make : function
-        Makes the plans of this rank.
+        make() makes the plans of this rank; it is called once.
     shapes : hashable
-        Of these plans; what has been planned in this process is not written out again.
+        Identifies these plans: if a single process has made them before, the cache is left alone.
 
     Returns
     -------
     object
-        What make() returns.
+        What make() returned.
     """
     if load_fftw() is None:
         return make()
@@ -76,9 +79,11 @@ def planned(comm: Comm, dtype: DTypeLike, make: Callable[[], T], shapes: Hashabl
 
 
 def _take_over(comm: Comm, wisdom: _Wisdom) -> None:
-    """Give all ranks what rank 0 knows. It is up to a megabyte, which takes longer to read than to
-    send, and for most grids the same as for the one before: it is sent where a rank has another
-    version. Collective."""
+    """Replace the wisdom of all ranks by that of rank 0. Collective.
+
+    It has up to a megabyte, which takes longer to read than to send, and is mostly the same as for
+    the grid before: it is sent only if a rank has another version.
+    """
     text = wisdom.text() if comm.rank == 0 else None
     version = comm.bcast(text and hashlib.sha256(text).digest())
     if comm.max([version != wisdom.version])[0]:
@@ -89,16 +94,16 @@ def _take_over(comm: Comm, wisdom: _Wisdom) -> None:
 
 
 class _Wisdom:
-    """The wisdom of this process in one precision. What it knows already wins over what is read.
+    """The wisdom of this process in one precision, which FFTW itself holds.
 
     Attributes
     ----------
     made : set
         Shapes of the plans that were made.
     version : bytes or None
-        Of what rank 0 has sent; None where something else is known.
+        Hash of the wisdom that rank 0 has sent; None if other wisdom has come in since.
     kind : str
-        Changes with the version of FFTW and the kind of processor.
+        Hash of the version of FFTW and the kind of processor, for the name of the file.
     """
 
     def __init__(self, name: str):
@@ -118,15 +123,15 @@ class _Wisdom:
 
     @property
     def path(self) -> Path | None:
-        """The file of this kind of machine in the cache, if there is a cache."""
+        """The file in the cache for this kind of machine and precision; None without a cache."""
         folder = cache_folder()
         return folder and folder / "wisdom" / f"{self.kind}-{self.name}"
 
     def read(self) -> bytes:
-        """Take over what is in the cache, and return it: nothing where it cannot be understood.
+        """Add the wisdom in the cache to that of this process, and return it as text.
 
-        It is taken over only where it has changed, because that takes longer than making plans that
-        are known.
+        Returns b"" if there is none, or if FFTW rejects it. Wisdom that has not changed since the
+        last call is not added again, because that takes longer than making plans that are known.
         """
         content = (self.path and kept(self.path)) or b""
         if len(content) > LIMIT:
@@ -136,7 +141,7 @@ class _Wisdom:
         return self._read
 
     def text(self) -> bytes:
-        """Return all of it, as FFTW writes it."""
+        """Return all wisdom of this process as FFTW writes it."""
         export = self._function("export_wisdom_to_string")
         export.restype = ctypes.c_void_p
         memory = ctypes.c_void_p(export())
@@ -145,7 +150,10 @@ class _Wisdom:
         return text
 
     def replace(self, text: bytes) -> None:
-        """Know this and nothing else."""
+        """Make FFTW forget all wisdom of this precision and know this text instead.
+
+        Also clears `made` and `version`.
+        """
         self._read = b""
         self.version = None
         self.made.clear()
@@ -153,7 +161,7 @@ class _Wisdom:
         self._add(text)
 
     def _add(self, text: bytes) -> bool:
-        """Know this, too; tells whether it could be understood."""
+        """Add wisdom to that of this process; return whether FFTW accepted it."""
         return bool(self._function("import_wisdom_from_string")(text))
 
     def _function(self, name: str) -> Any:
@@ -166,11 +174,11 @@ _used: list[str] = []  # precisions
 
 @cache
 def _wisdom(name: str) -> _Wisdom:
-    """Return the wisdom of this process in a precision, and note that it was used."""
+    """Return the wisdom of this process in a precision, one object for each; adds it to `_used`."""
     _used.append(name)
     return _Wisdom(name)
 
 
 def _lines(text: bytes) -> set[bytes]:
-    """Split wisdom into lines: one for each (part of a) plan."""
+    """Split wisdom into its lines, each of which is a plan or a part of one."""
     return set(text.split(b"\n"))

@@ -20,7 +20,10 @@ _world: Comm | None = None
 
 
 def world() -> Comm:
-    """Return the communicator of all processes of this run.
+    """Return the communicator of all processes of this run, made at the first call.
+
+    The first call may start MPI; with several ranks it also sets sys.excepthook, so that an
+    uncaught exception of one rank ends them all.
 
     Returns
     -------
@@ -30,10 +33,10 @@ def world() -> Comm:
     Raises
     ------
     GfmdError
-        When a launcher started several processes that cannot talk to each other: they would all do
-        the same work.
+        If a launcher started several processes that cannot communicate: they would all do the same
+        work.
     SceneError
-        For a value of HPC_GFMD_LAUNCHER that means nothing.
+        If HPC_GFMD_LAUNCHER has a value that is not allowed.
     """
     global _world
     if _world is None:
@@ -42,7 +45,7 @@ def world() -> Comm:
 
 
 def _launched_world() -> Comm:
-    """Return the communicator of `world`, made anew."""
+    """Find out who started this process, and make the communicator that `world` returns."""
     setting = os.environ.get(LAUNCHER, "")
     if setting not in ("", "mpi", "none"):
         raise SceneError(f'{LAUNCHER}: found "{setting}", allowed: "mpi", "none"')
@@ -82,18 +85,20 @@ def _launched_world() -> Comm:
 def collective_exit(
     exit_code: int, seconds: float = 10.0, say: Callable[[], object] | None = None
 ) -> None:
-    """Wait until all ranks are about to leave with an error: mpirun ends the others, silently, as
-    soon as one has left.
+    """Wait until all ranks are about to leave with an error, then return.
+
+    mpirun kills the others, silently, as soon as one has left. If they do not come in time, this
+    rank ends the job (MPI's Abort).
 
     Parameters
     ----------
     exit_code : int
-        Of the job, where it is ended here.
+        Of the job if it is ended here.
     seconds : float
-        After which a rank that is alone with its error ends the job.
+        How long to wait for the other ranks.
     say : function, optional
-        Prints the error. Rank 0 calls it at once, another rank only where it is left alone, so that
-        it is heard once.
+        Prints the error. Rank 0 calls it at once, another rank only if it is left alone with its
+        error, so that it is printed once.
     """
     say = say or (lambda: None)
     if launcher_rank() == 0:
@@ -115,7 +120,7 @@ def collective_exit(
 
 
 def comm_of(argument: Any) -> Comm:
-    """Return the communicator that a caller means.
+    """Return the Comm for a communicator that a caller gives.
 
     Parameters
     ----------
@@ -125,7 +130,7 @@ def comm_of(argument: Any) -> Comm:
     Returns
     -------
     Comm
-        That of one process for a communicator of size 1.
+        A SerialComm for a communicator of size 1; a Comm is returned as it is.
 
     Raises
     ------
@@ -143,8 +148,10 @@ def comm_of(argument: Any) -> Comm:
 
 
 def _abort_on_error(mpi: Any, hook: Hook) -> Hook:
-    """Make an excepthook by which an uncaught exception of one rank ends all ranks: the
-    others would wait for it forever."""
+    """Return an excepthook that calls `hook` and then ends all ranks.
+
+    Without it the other ranks would wait forever for one that left with an exception.
+    """
 
     def excepthook(
         kind: type[BaseException], value: BaseException, traceback: TracebackType | None

@@ -1,4 +1,7 @@
-"""Pictures of results and surfaces. Nothing here needs MPI, and no field is ever read whole."""
+"""Pictures of results and surfaces.
+
+Nothing here needs MPI, and fields are read a few rows at a time.
+"""
 
 from .heights import height_map
 from .pictures import chosen_steps, figures, plot, plot_result, save_picture

@@ -10,36 +10,39 @@ from .window import window_of
 
 
 class FigureContext:
-    """A result as it is drawn.
+    """A result with what all panels of a picture of it share: units, window, theory.
+
+    Raises SceneError if the window is not a part of the cell.
 
     Parameters
     ----------
     result : Result
+        Not changed.
     chosen : list of int
-        Places of the load steps that are drawn.
+        Indices in result.steps of the load steps to draw.
     window : (x0, x1, y0, y1), optional
-        Part of the cell, as `window_of` takes it.
+        Part of the cell, as `window_of` takes it; default: all of it.
     dpi : float, optional
-        Of the print.
+        Resolution of the print.
     dimensionless : bool
-        Whether units do not count.
+        Whether to ignore the units of the result.
     name : str
-        In a legend of several results.
+        Name in a legend of several results.
 
     Attributes
     ----------
     result : Result
-        With the chosen load steps alone.
+        With the chosen load steps only.
     pull_off : dict or None
-        The load step before the surfaces come apart, where they do.
+        The last load step before the surfaces separate, chosen or not; None if they do not.
     left_out : int
-        Number of the other load steps.
+        Number of load steps that are not chosen.
     window : (x0, x1, y0, y1)
         In the unit of the sizes.
     points : (i0, i1, j0, j1) or None
         The window in grid points; None: all of them.
     hardness : float or None
-        Of the solid.
+        Hardness of the solid, in the unit of the pressure.
     attracts : bool
         Whether the surfaces attract each other.
     theory : Theory or None
@@ -47,9 +50,9 @@ class FigureContext:
     units : Units
         Scales of all kinds of quantities.
     lengths : Scale
-        Of positions within the window.
+        Scale of positions within the window.
     dimensions : int
-        1 where the surface varies along one axis alone.
+        1 if the surface is a wave along one axis, otherwise 2.
     """
 
     def __init__(
@@ -78,7 +81,7 @@ class FigureContext:
         self.lengths = self.units.of("length", [x1 - x0, y1 - y0])
 
     def name_of(self, k: int) -> str:
-        """Name the k-th of the chosen steps by its number and load."""
+        """Return the label of the k-th chosen step: number, load, and a mark if not converged."""
         step = self.result.steps[k]
         name = f"step {self.result.indices[k]}"
         pressures = self.units.of("pressure", [step.get("p")])

@@ -1,5 +1,7 @@
-"""Contact area, mean gap and whatever else was asked for against the load, with the theory of the
-surface; of many results their mean and its scatter."""
+"""Contact area, mean gap and other numbers against the load, with the theory of the surface.
+
+Several results are drawn one by one; if they are many, their mean and scatter.
+"""
 
 from collections.abc import Mapping, Sequence
 from functools import partial
@@ -22,23 +24,25 @@ SAME_LOAD = 1e-6  # relative
 
 
 def curves(contexts: Sequence[FigureContext], names: list[str]) -> Page:
-    """Return a page with a panel for each quantity, of one result or of several together.
+    """Return a page with a panel for each number, of one result or of several together.
 
     Parameters
     ----------
     contexts : sequence of FigureContext
         One for each result.
     names : list of str
-        Numbers of a load, by the names of the result file.
+        Numbers of a load, by their names in the result file. kappa is left out if p* has no meaning
+        for a surface and there are others.
 
     Returns
     -------
     Page
+        Not drawn yet.
 
     Raises
     ------
     SceneError
-        Where the results are not measured in the same units.
+        If the results have different units.
     """
     units = {
         tuple(context.units.of(kind, [1.0]).name for kind in ("pressure", "gap"))
@@ -54,7 +58,11 @@ def curves(contexts: Sequence[FigureContext], names: list[str]) -> Page:
 
 
 def _panel(ax: Any, contexts: list[FigureContext], key: str) -> None:
-    """Draw one number over the load: each result, or their mean and scatter, and the theory."""
+    """Draw one number over the load on axes, and set labels, scales and limits.
+
+    Up to MOST_NAMED results are drawn one by one, more by their mean and scatter; theory, pull-off
+    and loads without an open channel are added where they apply.
+    """
     quantity = quantity_of(key)
     loads = load_axis(contexts)
     scales = quantity.scales(contexts, key)
@@ -96,7 +104,11 @@ def _points(
     unit: float,
     how: dict[str, Any],
 ) -> None:
-    """Draw the loads of a result, those that did not converge with marks of their own."""
+    """Draw the loads of one result on axes; those that did not converge get other marks.
+
+    how: keywords of errorbar: colour, marker, label. unit: values are divided by it. Error bars are
+    drawn if the quantity has errors; points are joined by lines if the surfaces attract.
+    """
     for is_converged, changes in ((True, {}), (False, DOUBTFUL)):
         steps = [
             step
@@ -116,7 +128,7 @@ def _points(
 
 
 def is_tight(key: str, step: Mapping[str, Any]) -> bool:
-    """Return whether a number of a load says that no open channel is left.
+    """Whether a number of a load is a critical gap of 0: no channel is open.
 
     Parameters
     ----------
@@ -128,21 +140,23 @@ def is_tight(key: str, step: Mapping[str, Any]) -> bool:
     Returns
     -------
     bool
-        True for a critical gap of 0.
+        False for any other number.
     """
     return key.startswith("critical_gap") and bool(step.get(key) == 0)
 
 
 def _is_shown(key: str, step: Mapping[str, Any]) -> bool:
-    """Whether a load is a point of a curve; a tight one is none, see `_tight`."""
+    """Whether a load is a point of a curve: its number is finite and not a critical gap of 0."""
     return finite(step.get(key)) and not is_tight(key, step)
 
 
 def _mean_and_scatter(
     ax: Any, contexts: list[FigureContext], key: str, loads: LoadAxis, unit: float
 ) -> None:
-    """Draw the mean of many results with a band of their standard deviation, where they have the
-    same loads; otherwise all of them as points of one kind."""
+    """Draw the mean of many results on axes, with a band of one standard deviation.
+
+    If the results have different loads all are drawn as points of one colour instead.
+    """
     rows = [
         [
             (loads.of(step), step[key] / unit)
@@ -179,8 +193,10 @@ def _mean_and_scatter(
 
 
 def _tight(ax: Any, contexts: list[FigureContext], key: str, loads: LoadAxis) -> None:
-    """Shade the loads from the first one at which no open channel is left in any result, which a
-    logarithmic axis cannot show."""
+    """Shade the loads from which on no result has an open channel.
+
+    Critical gaps of 0 do not show on a logarithmic axis. The right limit of the axis stays.
+    """
     steps = sorted((step for context in contexts for step in context.result.steps), key=loads.of)
     open_loads = [k for k, step in enumerate(steps) if not is_tight(key, step)]
     tight_loads = steps[open_loads[-1] + 1 if open_loads else 0 :]
@@ -193,7 +209,10 @@ def _tight(ax: Any, contexts: list[FigureContext], key: str, loads: LoadAxis) ->
 def _theory(
     ax: Any, context: FigureContext, key: str, loads: LoadAxis, unit: float, line_colour: Any
 ) -> None:
-    """Draw what theory says of the surface of a result, if it does."""
+    """Draw the theory of a result's surface on axes; nothing if there is none or a load is not > 0.
+
+    line_colour: None takes the colour of a single theory.
+    """
     if not (context.theory and key in context.theory.curves):
         return
     loads_of_steps = [loads.of(step) for step in context.result.steps]
@@ -206,14 +225,18 @@ def _theory(
 
 
 def _pull_off(ax: Any, context: FigureContext, loads: LoadAxis, line_colour: Any) -> None:
-    """Mark the last load that the surfaces of a result hold on a way to separation."""
+    """Mark the last load before the surfaces of a result separate; nothing if they do not."""
     if context.pull_off is not None:
         held = loads.of(context.pull_off)
         ax.axvline(held, color=line_colour, linestyle=":", linewidth=0.8, label="pull-off")
 
 
 def _limits(ax: Any, pushed: bool) -> None:
-    """Frame what has been drawn; pushed: whether all loads are above 0."""
+    """Set the limits of axes around what has been drawn.
+
+    The y axis becomes logarithmic if positive values span more than a decade. pushed: whether all
+    loads are above 0 and the x axis is logarithmic.
+    """
     left, low, right, high = ax.dataLim.extents
     if pushed:
         ax.set_xlim(left / BEYOND, right * BEYOND)

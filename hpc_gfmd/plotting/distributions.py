@@ -1,4 +1,4 @@
-"""Distributions of pressure, gap and patch sizes, with what theory says of the pressure."""
+"""Distributions of pressure, gap and patch sizes, and the theory of the pressure."""
 
 from collections.abc import Iterator, Sequence
 from functools import partial
@@ -27,19 +27,24 @@ def distributions(contexts: Sequence[FigureContext], names: list[str]) -> Page:
     Parameters
     ----------
     contexts : sequence of FigureContext
-        The first one counts.
+        Only the first is used.
     names : list of str
-        Of NAMES; distributions that are not stored are made of the fields.
+        "pressure", "gap" or "patches". Distributions that are not in the result file are made from
+        the fields.
 
     Returns
     -------
     Page
+        Not drawn yet; fields are read when it is drawn.
     """
     return Page([partial(_panel, context=contexts[0], name=name) for name in names])
 
 
 def _panel(ax: Any, context: FigureContext, name: str) -> None:
-    """Draw one distribution of each load, and the theory."""
+    """Draw one distribution of every load on axes, with labels, limits and the theory.
+
+    If there is nothing to draw the axes stay empty and their title says so.
+    """
     symbol, title, fewest, power = NAMES[name]
     densities = [
         (k, *_joined(edges, shares, fewest)) for k, edges, shares in _shares(context.result, name)
@@ -80,9 +85,9 @@ def _panel(ax: Any, context: FigureContext, name: str) -> None:
 
 
 def _theory(ax: Any, context: FigureContext, densities: list[Any], unit: float) -> None:
-    """Draw the density that the theory has for each load, where it has one.
+    """Draw on axes the density that the theory gives for each load; nothing if it gives none.
 
-    densities: (number of the load, edges, values); unit: of the axis, in that of the result.
+    densities: (index of the load, edges, values). unit: of the axis, in the unit of the result.
     """
     theory = context.theory
     if not (theory and theory.density):
@@ -95,8 +100,11 @@ def _theory(ax: Any, context: FigureContext, densities: list[Any], unit: float) 
 
 
 def _shares(result: Result, name: str) -> Iterator[Any]:
-    """Yield (k, edges, share of the area in each bin, of patches of their number) of each load step
-    with something to count."""
+    """Yield (index of the load, edges, shares) of every load step that has this distribution.
+
+    The shares of the bins add up to the share of the area (for patches: to 1). They come from the
+    result file if it has them, otherwise from the fields, which are read.
+    """
     for k, (step, fields) in enumerate(zip(result.steps, result.fields)):
         if f"{name}_edges" in step:
             edges, density = (np.array(step[f"{name}_{x}"], float) for x in ("edges", "density"))
@@ -115,8 +123,11 @@ def _shares(result: Result, name: str) -> Iterator[Any]:
 
 
 def _joined(edges: np.ndarray, shares: np.ndarray, fewest: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return (edges, density) of a histogram without empty ends, in bins that are joined until each
-    has `fewest` times the smallest count of all."""
+    """Return (edges, density) of a histogram, joining bins until each is filled enough.
+
+    Empty bins at the ends are dropped; each bin then has at least `fewest` times the smallest share
+    of a bin that is not empty.
+    """
     filled = np.flatnonzero(shares)
     stop = filled[-1] + 1
     chosen = [filled[0]]

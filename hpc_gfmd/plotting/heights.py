@@ -1,4 +1,4 @@
-"""The map of heights that are an array, such as those of a prepared surface."""
+"""The map of heights that are in memory, such as those of a prepared surface."""
 
 import json
 from pathlib import Path
@@ -18,24 +18,30 @@ def height_map(
     window: Any = None,
     dpi: float | None = None,
 ) -> Picture:
-    """Draw a height map.
+    """Draw a map of heights.
 
     Parameters
     ----------
     heights : ndarray, shape (n_x, n_y)
         Peaks up.
     sizes : (L_x, L_y)
-        Of the cell, in the unit of the heights.
+        Lengths of the cell, in the unit of the heights.
     unit : str
-        "m", or "" where the unit has no name.
+        "m", or "" if lengths have no unit.
     title : str
-        Above the picture.
+        Title of the picture.
     window, dpi
         As for `plot`.
 
     Returns
     -------
     matplotlib.figure.Figure
+        A new figure.
+
+    Raises
+    ------
+    SceneError
+        If the window is not a part of the cell.
     """
     surface = {
         "n": list(heights.shape),

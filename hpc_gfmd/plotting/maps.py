@@ -1,5 +1,4 @@
-"""Contact, pressure, gap and other fields over the cell or a window of it, one row of panels per
-load step."""
+"""Maps of contact, pressure, gap and other fields, of the whole cell or of a window."""
 
 from collections.abc import Sequence
 from functools import cache, partial
@@ -30,16 +29,19 @@ SPIKY = 1.25
 def maps(contexts: Sequence[FigureContext], names: list[str]) -> Page:
     """Return a page with a row for each load of one result and a column for each field.
 
+    A single field has two columns of loads instead.
+
     Parameters
     ----------
     contexts : sequence of FigureContext
-        The first one counts.
+        Only the first is used.
     names : list of str
-        Of FIELDS.
+        Keys of FIELDS: "contact", "pressure", "gap", ...
 
     Returns
     -------
     Page
+        Not drawn yet; fields are read when it is drawn, each load once.
     """
     context = contexts[0]
     x0, x1, y0, y1 = context.window
@@ -78,7 +80,10 @@ def maps(contexts: Sequence[FigureContext], names: list[str]) -> Page:
 
 
 def _mark_yielded(ax: Any, share: np.ndarray, extent: list[float]) -> None:
-    """Colour the pixels where the pressure is the hardness, most of what touches there yielding."""
+    """Colour the pixels in which at least half of the touching points yield, with a legend entry.
+
+    share: of each pixel's touching points, those whose pressure is the hardness.
+    """
     yielded = np.ma.masked_less(share, 0.5)
     if yielded.count():
         ax.imshow(
@@ -92,7 +97,10 @@ def _mark_yielded(ax: Any, share: np.ndarray, extent: list[float]) -> None:
 
 
 def _field(ax: Any, context: FigureContext, pixels: Survey, name: str) -> None:
-    """Draw one field of a load with its colour bar; pixels: its means over pixels."""
+    """Draw one field of a load on axes, with its colour bar (none for contact).
+
+    pixels: means over pixels of all fields of this load.
+    """
     symbol, colours = FIELDS[name]
     in_units = [pixels.largest[name], float(pixels.means[name].min())]
     scale = context.units.of(name, in_units) if symbol else Scale()

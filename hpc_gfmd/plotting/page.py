@@ -1,4 +1,4 @@
-"""A picture as panels, each of which can draw itself on any axes."""
+"""A picture as a list of panels that can be drawn on any axes."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -13,20 +13,20 @@ Panel = Callable[[Any], None]  # draws on the axes
 
 @dataclass(frozen=True)
 class Page:
-    """A picture as panels.
+    """A picture as a list of panels, with their arrangement.
 
     Attributes
     ----------
     panels : sequence of callable
-        Draw on axes; row by row.
+        Functions that draw on the axes they are given; row by row.
     columns : int
-        At most; four panels that are no images have two.
+        Panels beside each other, at most; four panels of curves have two unless `arranged`.
     height : float
-        Of one row, in inches.
+        Height of one row, in inches.
     width : float
-        Of the picture, in inches; a single panel that is no image has COLUMN_WIDTH.
+        Width of the picture, in inches; a single column of curves has COLUMN_WIDTH.
     images : bool
-        Whether axes keep their aspect and share their ticks.
+        Whether panels are images: axes keep their aspect and share their ticks.
     arranged : bool
         Whether the user chose `columns`.
     """
@@ -39,12 +39,12 @@ class Page:
     arranged: bool = False
 
     def with_columns(self, columns: int) -> "Page":
-        """Arrange the panels.
+        """Return a copy with this number of columns.
 
         Parameters
         ----------
         columns : int
-            Panels beside each other; of one column the width is COLUMN_WIDTH.
+            Panels beside each other; with 1 the width becomes COLUMN_WIDTH.
 
         Returns
         -------
@@ -53,7 +53,7 @@ class Page:
         Raises
         ------
         SceneError
-            For more columns than panels, or none.
+            If there are fewer panels than columns, or columns is not positive.
         """
         if not 1 <= columns <= len(self.panels):
             raise SceneError(
@@ -63,7 +63,7 @@ class Page:
         return replace(self, columns=columns, width=width, arranged=True)
 
     def draw(self, fig: Any) -> None:
-        """Set size and layout of a figure, add its axes and draw all panels."""
+        """Set size and layout of an empty figure, add axes to it and draw all panels."""
         panels = self.panels
         images = self.images
         four = len(panels) == 4 and not images and not self.arranged

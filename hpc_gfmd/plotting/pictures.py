@@ -1,4 +1,4 @@
-"""All pictures of a result: which there are, and the way to each."""
+"""All pictures of a result: which there are, and how they are drawn and saved."""
 
 import tomllib
 from collections.abc import Callable, Mapping
@@ -35,11 +35,13 @@ class Kind:
     Attributes
     ----------
     page : callable
-        Makes a page of figure contexts and names of panels.
+        Makes a Page from figure contexts and names of panels.
     panels : dict of str to tuple of str
-        Numbers and fields by panel, of which a load step needs one to be shown in it.
+        Names of numbers and fields, by panel. A load step is shown in a panel if it has one of
+        them.
     over_loads : bool
-        Whether loads are points of a curve: all of them are shown, and several results together.
+        Whether the picture shows curves against the load: then all loads, and several results, are
+        drawn together.
     """
 
     page: Callable[[list[FigureContext], list[str]], Page]
@@ -48,7 +50,7 @@ class Kind:
 
 
 def _curve(name: str) -> Kind:
-    """Make the kind of picture that is one curve over the loads."""
+    """Make the kind of picture that is one curve, of the number `name`, against the load."""
     return Kind(curves, {name: (name,)}, over_loads=True)
 
 
@@ -69,7 +71,7 @@ PICTURES = (
 
 
 def kind_of(name: str) -> Kind:
-    """Return the kind of a picture: one of PICTURES, or the curve of a number of a load."""
+    """Return the kind of a picture; a name not in PICTURES is taken as a number of a load."""
     return PICTURES.get(name) or _curve(name)
 
 
@@ -88,40 +90,40 @@ def plot(
     Parameters
     ----------
     result : Solutions, Solution or path, or several
-        Solved loads, or the file with them. Of several, a list or a dict by the names in the
-        legend, only curves are drawn.
+        Solved loads, or the path of a result file. Several, as a list or as a dict with names for
+        the legend, can only be drawn as curves.
     what : str, optional
         "maps" (pressure and gap), one of these, "contact", "heights", "displacement", "plastic";
         "distributions", "spectra"; "curves" against the load, or one of them: "a_r", "kappa",
         "gap_mean", "approach", or any other number of the loads, as "conductance" or
-        "critical_gap_x". By default the first of them that there is. Of more than six results
-        curves show the mean and the standard deviation.
+        "critical_gap_x". Default: the first of these that the result has. Curves of more than six
+        results show the mean and the standard deviation.
     step : int or list of int, optional
-        The numbers of load steps; by default all for curves, otherwise at most four, first and last
-        among them.
+        Numbers of the load steps to draw. Default: all for curves, otherwise at most four, the
+        first and the last among them.
     window : (x0, x1, y0, y1), optional
-        The part of the cell that maps show, in the unit of its sizes or as texts such as "2 um".
+        Part of the cell that maps show, in the unit of its sizes or as texts such as "2 um".
     dpi : int, optional
-        Of the print, for which maps have enough pixels.
+        Resolution of the print, for which maps get enough pixels.
     dimensionless : bool
-        Pressures over E* g_rms and lengths over h_rms though the result has units.
+        Draw pressures over E* g_rms and lengths over h_rms even if the result has units.
     ax : matplotlib.axes.Axes, optional
-        Where to draw what is one panel; a legend is left to you.
+        Axes to draw on, for pictures of one panel; they get no legend. Default: a new figure.
     columns : int, optional
-        Panels beside each other; 1: below each other, for one column of a journal (85 mm).
+        Panels beside each other. 1 puts them below each other, for one column of a journal (85 mm).
 
     Returns
     -------
     matplotlib.figure.Figure
-        It is saved at print resolution unless savefig is told otherwise. A notebook shows it once,
-        wherever in a cell it is made.
+        A new figure, or that of `ax`. A new one is saved at print resolution unless savefig is told
+        otherwise; a notebook shows it once, wherever in a cell it is made.
 
     Raises
     ------
     SceneError
-        For what the result does not have.
+        If the result does not have this picture or these load steps, or an argument is wrong.
     GfmdError
-        Where its fields cannot be read.
+        If its fields cannot be read.
     """
     results = _results(result)
     if not results:
@@ -167,14 +169,17 @@ def plot(
 
 
 def _can_draw(what: Any, results: Mapping[str, Result], step: Any) -> bool:
-    """Return whether all results have what a picture shows, and may be drawn together."""
+    """Whether every result has a load step for this picture, and several may share it.
+
+    Raises SceneError if step names load steps that a result does not have.
+    """
     if not isinstance(what, str) or not (len(results) == 1 or kind_of(what).over_loads):
         return False
     return all(chosen_steps(result, what, step) for result in results.values())
 
 
 def _refuse(what: Any, results: Mapping[str, Result], step: Any) -> NoReturn:
-    """Raise SceneError that names the pictures that the results have."""
+    """Raise SceneError with the names of the pictures that the results have."""
     possible = [name for name in PICTURES if _can_draw(name, results, step)]
     allowed = ", ".join(possible) or "nothing, it has no finished load step"
     if "maps" not in possible:
@@ -186,7 +191,7 @@ def _refuse(what: Any, results: Mapping[str, Result], step: Any) -> NoReturn:
 
 
 def _results(argument: Any) -> dict[str, Result]:
-    """Return {name: Result} of what plot takes."""
+    """Return {name in the legend: Result} of the argument `result` of plot; paths are read."""
     if isinstance(argument, Mapping):
         return {str(name): _result(solution) for name, solution in argument.items()}
     if not isinstance(argument, list | tuple):
@@ -196,26 +201,32 @@ def _results(argument: Any) -> dict[str, Result]:
 
 
 def _result(solution_or_path: Any) -> Result:
-    """Return the Result of a Solution, of Solutions or of the file at a path."""
+    """Return the Result of a Solution or of Solutions, or read it from the file at a path."""
     result = getattr(solution_or_path, "result", solution_or_path)  # of a Solution
     return result if isinstance(result, Result) else read_result(result)
 
 
 def figures(result: Any, what: Any = None, **how: Any) -> dict[str, Picture]:
-    """Draw several pictures of a result.
+    """Draw several pictures of a result, each as a new figure.
 
     Parameters
     ----------
     result : Solutions, Solution or path
     what : str or list of str, optional
-        Names of pictures; default: maps, distributions, spectra and curves, as far as the result
-        has them.
+        Names of pictures. Default: of maps, distributions, spectra and curves those that the result
+        has; with a window maps only; curves of a single load only if there is nothing else.
     **how
         As for `plot`.
 
     Returns
     -------
     dict of str to Picture
+        By the names of the pictures.
+
+    Raises
+    ------
+    SceneError, GfmdError
+        As `plot`, and if the result has no finished load step.
     """
     result = _result(result)
     if not result.steps:
@@ -232,15 +243,16 @@ def figures(result: Any, what: Any = None, **how: Any) -> dict[str, Picture]:
 
 
 def plot_result(file: Any, where: Any = None, what: Any = None, **how: Any) -> list[Path]:
-    """Draw pictures of a result and save them.
+    """Draw pictures of a result and save them; existing files are replaced.
 
     Parameters
     ----------
     file : path or Result
     where : path, optional
-        A folder, created if its parent exists, or a file .png, .pdf or .svg (of several pictures
-        each gets its name appended). Default: RESULT.png beside the result, RESULT_NAME.png where
-        there are several; or contact.png if it is in memory.
+        A folder, created if its parent exists, or a file .png, .pdf or .svg (if there are several
+        pictures each gets its name appended). Default: RESULT.png beside the result,
+        RESULT_NAME.png if there are several; contact.png in the working directory if the result is
+        in memory.
     what : str or list of str, optional
         As for `figures`.
     **how
@@ -249,12 +261,12 @@ def plot_result(file: Any, where: Any = None, what: Any = None, **how: Any) -> l
     Returns
     -------
     list of Path
-        Of the pictures.
+        Paths of the pictures.
 
     Raises
     ------
     SceneError, GfmdError
-        As `plot`, and where the pictures cannot be written.
+        As `figures` and `save_picture`.
     """
     result = _result(file)
     where = Path(where or (result.path or Path("contact")).with_suffix(".png"))
@@ -266,7 +278,7 @@ def plot_result(file: Any, where: Any = None, what: Any = None, **how: Any) -> l
 def save_picture(
     fig: Picture, where: Path, name: str, several: bool = False, dpi: float | None = None
 ) -> Path:
-    """Save a picture in a folder, or as a file.
+    """Save a picture in a folder, or as a file, which is replaced if it exists.
 
     Parameters
     ----------
@@ -274,23 +286,23 @@ def save_picture(
     where : Path
         A folder, created if its parent exists, or a file .png, .pdf or .svg.
     name : str
-        Of the picture: that of its file in a folder.
+        Name of the picture. In a folder the file is name.png.
     several : bool
-        Whether the name is added to that of a file.
+        Whether to append _name to the name of the file `where`.
     dpi : float, optional
-        Default: that of RC.
+        Default: print resolution.
 
     Returns
     -------
     Path
-        Of the picture.
+        Path of the picture.
 
     Raises
     ------
     SceneError
-        Where the folder cannot be made.
+        If the folder cannot be made.
     GfmdError
-        Where the picture cannot be written.
+        If the picture cannot be written.
     """
     as_file = where.suffix.lower() in SUFFIXES and not where.is_dir()
     folder = where.parent if as_file else where
@@ -309,7 +321,7 @@ def save_picture(
 
 
 def chosen_steps(result: Result, what: Any, step: Any) -> list[int]:
-    """Return the places in result.steps of the load steps that a picture shows.
+    """Choose the load steps that a picture shows.
 
     Parameters
     ----------
@@ -317,16 +329,18 @@ def chosen_steps(result: Result, what: Any, step: Any) -> list[int]:
     what : str
         Name of the picture.
     step : int, sequence of int or None
-        Numbers of load steps; None: a choice out of all.
+        Numbers of load steps. None: all that the picture can show for curves, the first of them for
+        "heights", otherwise at most four.
 
     Returns
     -------
     list of int
+        Indices in result.steps; those that lack what the picture shows are left out.
 
     Raises
     ------
     SceneError
-        For numbers that the result does not have.
+        If step is empty or names load steps that the result does not have.
     """
     kind = kind_of(what)
     able = _steps(result, kind.panels)
@@ -342,7 +356,7 @@ def chosen_steps(result: Result, what: Any, step: Any) -> list[int]:
 
 
 def _steps(result: Result, panels: Mapping[str, tuple[str, ...]]) -> list[int]:
-    """List the places of the load steps that have what any of the panels shows."""
+    """Return the indices of the load steps that have a number or field of any of the panels."""
     keys = {key for needed in panels.values() for key in needed}
     return [
         k
@@ -355,7 +369,7 @@ def _steps(result: Result, panels: Mapping[str, tuple[str, ...]]) -> list[int]:
 
 
 def _name(result: Result) -> str:
-    """Return the title of its scene, or the name of its file."""
+    """Return the title of the result's scene, or the name of its file, or "contact"."""
     title = ""
     with suppress(tomllib.TOMLDecodeError):
         title = tomllib.loads(result.scene_toml).get("title", "")
@@ -363,7 +377,7 @@ def _name(result: Result) -> str:
 
 
 def _title(context: FigureContext, what: str) -> str:
-    """Say what a picture shows, and what it leaves out."""
+    """Return the title of a figure: title and surface of the result, number of loads left out."""
     left = context.left_out if what != "heights" else 0
     out = f"; {left} of {left + len(context.result.steps)} loads not shown" if left else ""
     line = surface_line(

@@ -1,4 +1,4 @@
-"""What curves over the load are of: names, symbols, errors and units of the numbers of a load."""
+"""The numbers of a load as curves show them: names, symbols, errors and units."""
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
@@ -20,11 +20,12 @@ class PlottedQuantity:
     name : str
         In words, for the axis.
     symbol : str
-        In TeX; "" of none.
+        In TeX; "" if there is none.
     unit : tuple of (str, int)
-        Powers of "pressure", "gap" (measured like heights) and "length" (like positions).
+        Its unit as powers of "pressure", "gap" (measured like heights) and "length" (like
+        positions).
     errors : tuple of str
-        Keys of its relative errors in a load step, which count as independent.
+        Keys of its relative errors in a load step; they count as independent.
     """
 
     name: str
@@ -33,7 +34,7 @@ class PlottedQuantity:
     errors: tuple[str, ...] = ()
 
     def scales(self, contexts: Iterable[FigureContext], key: str) -> list[tuple[Scale, int]]:
-        """Return the scales of the factors of its unit, which suit the values of all results.
+        """Choose the scales of the factors of its unit so that they suit all results.
 
         Parameters
         ----------
@@ -45,7 +46,7 @@ class PlottedQuantity:
         Returns
         -------
         list of (Scale, int)
-            With their powers.
+            Scales and their powers, in the order of `unit`.
         """
         contexts = list(contexts)
         values = [step.get(key) for context in contexts for step in context.result.steps]
@@ -59,7 +60,7 @@ class PlottedQuantity:
         return scales
 
     def label(self, scales: list[tuple[Scale, int]]) -> str:
-        """Return the label of its axis."""
+        """Return the label of its axis, with the units of these scales and their powers."""
         if not self.symbol:
             units = " ".join(f"{scale.name}^{power}" for scale, power in scales if scale.name)
             return f"{self.name} ({units})" if units else self.name
@@ -67,7 +68,7 @@ class PlottedQuantity:
 
 
 def _typical(contexts: list[FigureContext], kind: str) -> float:
-    """Return a typical value of a kind of quantity, which chooses the prefix of its unit."""
+    """Return a typical value of "pressure", "length" or any other kind (height) in the results."""
     if kind == "pressure":
         return max(float(step["p"]) for context in contexts for step in context.result.steps)
     surface = contexts[0].result.surface
@@ -106,12 +107,12 @@ OVERVIEW = ("a_r", "kappa", "gap_mean", "approach")
 
 
 def quantity_of(key: str) -> PlottedQuantity:
-    """Return how a number of a load is shown; one that is not known here by its name alone."""
+    """Return how a number of a load is shown; an unknown one has its key as name, and no unit."""
     return QUANTITIES.get(key) or PlottedQuantity(key.replace("_", " "))
 
 
 def relative_error(quantity: PlottedQuantity, step: Mapping[str, Any]) -> float:
-    """Return the relative error of a number of a load, of the solver and of the grid; 0 of none.
+    """Return the relative error of a number of a load, by solver and grid together.
 
     Parameters
     ----------
@@ -122,6 +123,7 @@ def relative_error(quantity: PlottedQuantity, step: Mapping[str, Any]) -> float:
     Returns
     -------
     float
+        Root of the summed squares; 0 if the quantity has no errors.
     """
     return hypot(*(step.get(error) or 0.0 for error in quantity.errors))
 
@@ -133,10 +135,11 @@ class LoadAxis:
     Attributes
     ----------
     of : callable
-        Of the attributes of a load step: its load in the unit of the axis.
+        Takes the attributes of a load step, returns its load in the unit of the axis.
     pressure_of : callable
-        Of a load in the unit of the axis: the mean pressure in that of the result.
+        Takes a load in the unit of the axis, returns the mean pressure in the unit of the result.
     label : str
+        Label of the axis.
     """
 
     of: Callable[[Mapping[str, Any]], float]
@@ -145,8 +148,10 @@ class LoadAxis:
 
 
 def load_axis(contexts: list[FigureContext]) -> LoadAxis:
-    """Return the axis of loads: forces where all results are loaded by forces, otherwise mean
-    pressures."""
+    """Return the axis of loads: forces or mean pressures.
+
+    Forces are taken if every load of all results prescribes one and they have a unit.
+    """
     steps = [step for context in contexts for step in context.result.steps]
     forces = [step.get("target_force") for step in steps]
     scale = contexts[0].units.of("force", forces)

@@ -22,13 +22,14 @@ def spectra(contexts: Sequence[FigureContext], names: list[str]) -> Page:
     Parameters
     ----------
     contexts : sequence of FigureContext
-        The first one counts.
+        Only the first is used.
     names : list of str
-        Of PANELS.
+        Entries of PANELS: "heights_spectrum", "gap_autocorrelation", ...
 
     Returns
     -------
     Page
+        Not drawn yet.
     """
     draw = {"spectrum": _spectrum, "autocorrelation": _autocorrelation}
     kinds = [name.split("_") for name in names]
@@ -36,7 +37,10 @@ def spectra(contexts: Sequence[FigureContext], names: list[str]) -> Page:
 
 
 def _lines(context: FigureContext, name: str, x: str, y: str) -> Iterator[Any]:
-    """Yield (x, y, how it is drawn) of every load; the heights are the same under all."""
+    """Yield (x, y, keywords of plot) of a field for every load that has this distribution.
+
+    x, y: endings of its keys in a load step. Heights are the same under all loads and come once.
+    """
     for k, step in enumerate(context.result.steps):
         if f"{name}_{x}" in step:
             of_heights = name == "heights"
@@ -51,7 +55,10 @@ def _lines(context: FigureContext, name: str, x: str, y: str) -> Iterator[Any]:
 
 
 def _spectrum(ax: Any, context: FigureContext, name: str) -> None:
-    """Draw the power spectrum of a field for each load."""
+    """Draw the power spectrum of a field for each load on axes, with labels and log scales.
+
+    name: of the panel, such as "gap_spectrum". Powers below rounding are left out.
+    """
     length = context.lengths
     lines = list(_lines(context, name, "spectrum_q", "spectrum_power"))
     dims = context.dimensions
@@ -73,7 +80,10 @@ def _spectrum(ax: Any, context: FigureContext, name: str) -> None:
 
 
 def _autocorrelation(ax: Any, context: FigureContext, name: str) -> None:
-    """Draw the autocorrelation of a field for each load, over its value at 0."""
+    """Draw the autocorrelation of a field over its value at 0 for each load on axes, with labels.
+
+    name: of the panel, such as "gap_autocorrelation". A field whose value at 0 is 0 is left out.
+    """
     length = context.lengths
     ax.axhline(0, color="0.8", linewidth=0.7, zorder=0)
     keys = "autocorrelation_r", "autocorrelation_correlation"

@@ -1,5 +1,7 @@
-"""How all pictures look: colours that colour-blind readers can tell apart, sizes as printed in a
-journal of two columns."""
+"""How all pictures look.
+
+Colour-blind readers can tell the colours apart; sizes are those of a journal of two columns.
+"""
 
 import io
 from collections.abc import Iterator
@@ -31,7 +33,7 @@ WIDTH = 7.2  # inches across two columns
 
 
 def _part(name: str, low: float, high: float) -> LinearSegmentedColormap:
-    """Cut the ends off a colour map."""
+    """Return a new colour map: the part from low to high (0 to 1) of the one of this name."""
     part = matplotlib.colormaps[name](np.linspace(low, high, 256))
     return LinearSegmentedColormap.from_list(f"{name}_part", part)
 
@@ -53,7 +55,7 @@ class Picture(Figure):
     """A figure that a notebook shows, and that is saved at print resolution."""
 
     def savefig(self, *args: Any, **how: Any) -> None:
-        """Save it in the style of all pictures, at print resolution unless `dpi` is given.
+        """Save the figure in the style of all pictures, at print resolution unless `dpi` is given.
 
         Parameters
         ----------
@@ -64,13 +66,16 @@ class Picture(Figure):
             super().savefig(*args, **how)
 
     def _repr_png_(self) -> bytes:
-        """Return the figure as a PNG for a notebook."""
+        """Return the figure as a PNG at half the print resolution, for a notebook."""
         png = io.BytesIO()
         self.savefig(png, format="png", dpi=DPI / 2)
         return png.getvalue()
 
     def _ipython_display_(self) -> None:
-        """Show it in a notebook, and keep pyplot from showing it again at the end of the cell."""
+        """Show the figure in a notebook.
+
+        It is closed in pyplot, which would show it again at the end of the cell.
+        """
         from IPython.display import display
         from matplotlib import pyplot
 
@@ -81,7 +86,8 @@ class Picture(Figure):
 def new_picture() -> Picture:
     """Make an empty picture.
 
-    In a notebook pyplot knows it, and shows at the end of the cell what has not been shown yet.
+    In a notebook pyplot registers it, and shows it at the end of the cell if it was not shown
+    before.
 
     Returns
     -------
@@ -90,34 +96,36 @@ def new_picture() -> Picture:
     if in_notebook() and matplotlib.get_backend().endswith("inline"):
         from matplotlib import pyplot
 
-        known: Any = pyplot.figure(FigureClass=Picture, layout="constrained")
-        return known
+        picture: Any = pyplot.figure(FigureClass=Picture, layout="constrained")
+        return picture
     return Picture(layout="constrained")
 
 
 def colour(k: int) -> str:
-    """Choose the colour of the k-th of several things."""
+    """Return the colour of the k-th of several lines; colours repeat."""
     return COLOURS[k % len(COLOURS)]
 
 
 def marker(k: int) -> str:
-    """Return the marker of the k-th of several things: colour is not all that tells them apart."""
+    """Return the marker of the k-th of several lines; not only colour tells them apart."""
     return MARKERS[k % len(MARKERS)]
 
 
 def line(k: int) -> Any:
-    """Return the line style of the k-th of several things, as `marker` does."""
+    """Return the line style of the k-th of several lines; not only colour tells them apart."""
     return LINES[k % len(LINES)]
 
 
 def shade(x: float) -> Any:
-    """Choose a colour between dark blue (0) and yellow (1), for what varies evenly."""
+    """Return a colour between dark blue (x = 0) and yellow (x = 1), for an ordered series."""
     return matplotlib.colormaps["viridis"](x)
 
 
 class LogTicks(LogLocator):
-    """Decades, or 1 and 3, or 1, 2 and 5, ...: the first of them that gives three labels, or two
-    long ones."""
+    """Ticks of a logarithmic axis: decades, or 1 and 3 of each, or 1, 2 and 5, ...
+
+    It is the first of these that gives three labels, or two below 1e-3, where labels are long.
+    """
 
     def tick_values(self, vmin: float, vmax: float) -> Any:
         """Return the ticks of an axis.
@@ -141,13 +149,14 @@ class LogTicks(LogLocator):
 
 
 class LogLabels(Formatter):
-    """Plain numbers where none of them is long, otherwise powers of ten."""
+    """Labels of a logarithmic axis: plain numbers if all are short, otherwise powers of ten."""
 
     def __call__(self, x: float, pos: int | None = None) -> str:
+        """Return the label of the tick at x; pos is not used."""
         return self.format_ticks([x])[0]
 
     def format_ticks(self, values: Any) -> list[str]:
-        """Return the labels of some ticks."""
+        """Return the labels of the ticks at these values."""
         plain = all(1e-3 <= x <= 1e4 for x in values)
         return [f"{x:g}" if plain else f"${tex_number(x, '.0e')}$" for x in values]
 
@@ -158,6 +167,7 @@ def log_axis(ax: Any, which: str) -> None:
     Parameters
     ----------
     ax : matplotlib.axes.Axes
+        Changed.
     which : {"x", "y"}
     """
     ax.set(**{f"{which}scale": "log"})
@@ -168,15 +178,15 @@ def log_axis(ax: Any, which: str) -> None:
 
 
 def legend(fig: Any, loc: str, columns: int = 1) -> None:
-    """Draw one legend of all panels, each label once.
+    """Add one legend of all panels to a figure, each label once; none if there are no labels.
 
     Parameters
     ----------
     fig : matplotlib.figure.Figure
     loc : str
-        Where, as of matplotlib.
+        Position of the legend, as of matplotlib.
     columns : int
-        Largest number of columns.
+        Number of columns.
     """
     handles: dict[str, Any] = {}
     for ax in fig.axes:
@@ -188,7 +198,7 @@ def legend(fig: Any, loc: str, columns: int = 1) -> None:
 
 @contextmanager
 def styled() -> Iterator[None]:
-    """Make everything that is drawn in this block look alike."""
+    """Use the style of all pictures within this block; matplotlib's settings return at its end."""
     if in_notebook():
         from matplotlib import pyplot
 
@@ -200,12 +210,14 @@ def styled() -> Iterator[None]:
 
 @contextmanager
 def figure(path: Path, width: float, height: float) -> Iterator[Figure]:
-    """Yield a figure, which is saved at the end.
+    """Yield a new figure in the style of all pictures, and save it at the end of the block.
+
+    It is not saved if the block raises.
 
     Parameters
     ----------
     path : Path
-        Where to.
+        File to write, replaced if it exists.
     width, height : float
         In inches.
     """
@@ -216,15 +228,15 @@ def figure(path: Path, width: float, height: float) -> Iterator[Figure]:
 
 
 def save(fig: Any, path: Path, dpi: float | None = None) -> None:
-    """Save a figure; the whole file is there, or the old one.
+    """Save a figure; the file at path is replaced only once the new one is complete.
 
     Parameters
     ----------
     fig : matplotlib.figure.Figure
     path : Path
-        Its suffix names the format.
+        Its suffix is the format.
     dpi : float, optional
-        Default: that of RC.
+        Default: print resolution.
     """
     with atomic_write(path) as tmp:
         fig.savefig(tmp, format=path.suffix[1:].lower(), dpi=dpi)

@@ -1,5 +1,4 @@
-"""Passes over the fields of a load step, slab by slab: maps small enough to draw, and
-distributions."""
+"""Passes over the fields of a load step, a few rows at a time: small maps, and distributions."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -21,11 +20,11 @@ class Survey:
     Attributes
     ----------
     means : dict of str to ndarray
-        Pixel means of the fields, of the pressure over the points that touch (0 where none does);
-        "contact": the share of each pixel that touches, where that is known; "yielded": with a
-        hardness the share of the points in contact whose pressure it is.
+        Mean of each field over each pixel; of the pressure, the mean over touching points (0 if
+        there are none). "contact": share of points that touch, if pressure or gap are known.
+        "yielded": share of the touching points whose pressure is the hardness, if there is one.
     largest : dict of str to float
-        Largest value of a point.
+        Largest value of a point, by field.
     """
 
     means: dict[str, np.ndarray]
@@ -40,11 +39,11 @@ def survey(
     Parameters
     ----------
     fields : dict of str to field
-        By name; with `read(start, stop)`.
+        By name; each has a `shape` and `read(start, stop)`.
     pixels : int
         Largest number of pixels along each axis.
     window : (i0, i1, j0, j1), optional
-        Points; default: all.
+        Points i0 <= i < i1, j0 <= j < j1; default: all.
     hardness : float, optional
         Pressure at which the solid yields, in the unit of the pressure.
 
@@ -72,21 +71,21 @@ def survey(
 
 
 def histogram(fields: dict, name: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return a histogram of one field.
+    """Compute a histogram of pressure or gap, reading the fields twice, a few rows at a time.
 
     Parameters
     ----------
     fields : dict of str to field
-        Of a load step.
+        Fields of a load step, as for `survey`.
     name : {"pressure", "gap"}
-        The pressure of the points that touch, in even bins from 0; or the gap of the others, in
-        logarithmic bins with all that is smaller in the first one.
+        "pressure": at points that touch, in even bins from 0. "gap": at all other points, in
+        logarithmic bins, the first of which reaches down to 0.
 
     Returns
     -------
     edges : ndarray, shape (k + 1,)
     shares : ndarray, shape (k,)
-        Of all points.
+        Points in each bin over all points.
     """
     n_x, n_y = fields[name].shape
 
@@ -105,8 +104,11 @@ def histogram(fields: dict, name: str) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _slabs(fields: dict, i0: int, i1: int, multiple: int, columns: slice) -> Iterator[Any]:
-    """Yield rows i0 <= i < i1 of all fields, a few at a time, a multiple of `multiple`; "contact":
-    the points that touch, where pressure or gap tells."""
+    """Yield {field: its rows of a slab, float64} for the rows i0 <= i < i1, slab by slab.
+
+    Slabs have a multiple of `multiple` rows, but for the last one. "contact" is added if gap or
+    pressure are there: True where points touch.
+    """
     shape = next(iter(fields.values())).shape
     rows = max(1, SLAB_BYTES // (8 * shape[1]) // multiple) * multiple
     for start in range(i0, i1, rows):
@@ -123,6 +125,6 @@ def _slabs(fields: dict, i0: int, i1: int, multiple: int, columns: slice) -> Ite
 
 
 def _pixel_sums(values: Any, f_x: int, f_y: int) -> np.ndarray:
-    """Sum over blocks of f_x times f_y points; the last blocks may be smaller."""
+    """Return sums over blocks of f_x times f_y points; the last blocks may be smaller."""
     sums = np.add.reduceat(values.astype(np.float64), np.arange(0, values.shape[0], f_x), axis=0)
     return np.add.reduceat(sums, np.arange(0, values.shape[1], f_y), axis=1)

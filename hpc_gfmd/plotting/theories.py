@@ -1,5 +1,8 @@
-"""What theory says of a surface, where there is one: Persson's of self-affine surfaces, Hertz' of
-spheres, Westergaard's of waves."""
+"""Theories to draw beside results.
+
+Persson's theory for self-affine surfaces, Hertz' for spheres and cylinders, Westergaard's for
+waves.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -24,14 +27,14 @@ class Theory:
     Attributes
     ----------
     name : str
-        In legends.
+        Name in legends.
     curves : dict of str to callable
-        Numbers of a load by name: functions of the mean pressures.
+        Functions of the mean pressure, by the names of the numbers of a load that they predict.
     density : callable or None
-        Of (x, p): density of the local pressure x > 0 at the mean pressure p, which integrates to
-        the contact area.
+        density(x, p) is the density of the local pressure x > 0 at the mean pressure p; its
+        integral is the contact area.
     height : Scale or None
-        What heights are measured in.
+        Scale of heights if these have no unit; None: h_rms.
     sources : tuple of str
         Papers, with DOI.
     """
@@ -44,7 +47,7 @@ class Theory:
 
 
 def scene_of(result: Result) -> Scene | None:
-    """Read its scene; None for heights of an array, and for a scene of another version."""
+    """Read the scene stored in a result; None if there is none, or if this version rejects it."""
     try:
         return Scene.from_toml(result.scene_toml)
     except SceneError:
@@ -52,18 +55,18 @@ def scene_of(result: Result) -> Scene | None:
 
 
 def theory_of(scene: Scene | None, attributes: Any) -> Theory | None:
-    """Return the theory of a surface.
+    """Return the theory that applies to a surface.
 
     Parameters
     ----------
     scene : Scene or None
     attributes : mapping
-        Of the surface, in a result.
+        Attributes of the surface in a result.
 
     Returns
     -------
     Theory or None
-        None for measured surfaces, layers, and where there is no theory with these boundaries.
+        None for measured surfaces, layers and adhesion, and if no theory covers these boundaries.
     """
     if scene is None or scene.material.thickness is not None:
         return None
@@ -88,12 +91,18 @@ def theory_of(scene: Scene | None, attributes: Any) -> Theory | None:
 
 
 def _areas(area: Callable, unit: float) -> dict[str, Callable]:
-    """Return the curves of an area; unit: the pressure at p* = 1."""
+    """Return the curves a_r and kappa of a function area(p).
+
+    unit: the pressure at which p* = 1.
+    """
     return {"a_r": area, "kappa": lambda p: unit * area(p) / p}
 
 
 def _persson(surface: Any, unit: float, attributes: Any) -> Theory:
-    """Make the theory of a self-affine surface; unit: E* g_rms."""
+    """Return Persson's theory of a self-affine surface; unit: E* g_rms.
+
+    attributes: of the surface in the result. The mean gap needs their eps_f and h_rms.
+    """
     name = "Persson"
     eps_f = attributes.get("eps_f")
     curves = _areas(lambda p: persson.contact_area(p / unit), unit)
@@ -120,7 +129,7 @@ def _persson(surface: Any, unit: float, attributes: Any) -> Theory:
 
 
 def _yielding(E_star: float, hardness: float, slope: float) -> Theory:
-    """Make Persson's theory of a surface with a hardness; slope: g_rms."""
+    """Return Persson's theory of a surface with a hardness; slope: g_rms. It has no gap."""
 
     def density(x: Any, p: Any) -> np.ndarray:
         return yielding.pressure_distribution(x, p, hardness, slope, E_star)
@@ -135,7 +144,7 @@ def _yielding(E_star: float, hardness: float, slope: float) -> Theory:
 
 
 def _hertz(surface: Any, E_star: float) -> Theory:
-    """Make the theory of a sphere on the cell."""
+    """Return Hertz' theory of a sphere; the approach only if all edges are free."""
     radius = float(surface.radii[0])
     L_x, L_y = map(float, surface.physical_sizes)
 
@@ -154,7 +163,10 @@ def _hertz(surface: Any, E_star: float) -> Theory:
 
 
 def _hertz_line(surface: Any, E_star: float) -> Theory | None:
-    """Return the theory of a cylinder that is infinitely long: periodic along its axis."""
+    """Return Hertz' theory of an infinitely long cylinder.
+
+    None unless the cell is periodic along its axis and has free edges across it.
+    """
     curved = 0 if isfinite(surface.radii[0]) else 1
     if surface.free[1 - curved] or not surface.free[curved]:
         return None
@@ -177,7 +189,10 @@ def _hertz_line(surface: Any, E_star: float) -> Theory | None:
 
 
 def _westergaard(surface: Any, E_star: float) -> Theory:
-    """Make the theory of a wave along one axis; of any other wave without curves."""
+    """Return Westergaard's theory of a wave along one axis.
+
+    For waves along both axes, or without height, it has no curves, only a scale of heights.
+    """
     height = Scale(abs(float(surface.amplitude)), "A", True)
     axis = 0 if surface.periods[0] else 1
     if surface.periods[1 - axis] or not height.unit:

@@ -1,5 +1,4 @@
-"""What pictures are scaled with: units with SI prefixes where a result knows them, otherwise what
-makes numbers dimensionless."""
+"""Scales of pictures: units with SI prefixes, or factors that make numbers dimensionless."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -11,17 +10,17 @@ from ..util.quantities import prefixed
 
 
 def good(value: Any) -> bool:
-    """Return whether a value is a finite positive number."""
+    """Whether a value is a finite positive number."""
     return finite(value) and value > 0
 
 
 def finite(value: Any) -> bool:
-    """Return whether a value is a finite number."""
+    """Whether a value is a finite int or float."""
     return isinstance(value, int | float) and isfinite(value)
 
 
 def tex_number(x: float, form: str = ".3g") -> str:
-    """Return a number in TeX, with a power of ten for an exponent.
+    """Write a number in TeX, with an exponent as a power of ten.
 
     Parameters
     ----------
@@ -32,6 +31,7 @@ def tex_number(x: float, form: str = ".3g") -> str:
     Returns
     -------
     str
+        Without dollar signs.
     """
     mantissa, _, exponent = f"{x:{form}}".partition("e")
     factor = "" if mantissa == "1" else rf"{mantissa} \cdot "
@@ -40,14 +40,15 @@ def tex_number(x: float, form: str = ".3g") -> str:
 
 @dataclass(frozen=True)
 class Scale:
-    """How numbers are divided and labelled.
+    """A unit by which numbers are divided, and how axes name it.
 
     Attributes
     ----------
     unit : float
         Numbers are divided by it.
     name : str
-        Of an absolute unit, "MPa", or the formula of a relative one, "E^* g"; "" of neither.
+        An absolute unit, such as "MPa", or the formula of a relative one, such as "E^* g"; "" if
+        there is none.
     relative : bool
         Whether the name is a formula.
     """
@@ -57,14 +58,14 @@ class Scale:
     relative: bool = False
 
     def label(self, symbol: str, power: int = 1) -> str:
-        """Return the label of an axis: "$p$ (MPa)" or "$p/E^*$".
+        """Return the label of an axis, such as "$p$ (MPa)" or "$p/E^*$".
 
         Parameters
         ----------
         symbol : str
             In TeX.
         power : int
-            Of the unit.
+            Power of the unit.
 
         Returns
         -------
@@ -73,14 +74,14 @@ class Scale:
         return label(symbol, (self, power))
 
     def value(self, symbol: str, number: float) -> str:
-        """Return an equation: "$p = 20$ MPa".
+        """Return an equation such as "$p = 20$ MPa".
 
         Parameters
         ----------
         symbol : str
             In TeX.
         number : float
-            In the unit of the result.
+            In the unit of the result; it is divided by `unit`.
 
         Returns
         -------
@@ -121,22 +122,22 @@ def label(symbol: str, *scales: tuple[Scale, int]) -> str:
 
 
 class Units:
-    """Scales of a result: absolute where it has units.
+    """The scales of a result: units with SI prefixes if it has units, otherwise relative ones.
 
     Parameters
     ----------
     result : Result
     theory : Theory, optional
-        Its `height` is the unit of heights without units.
+        Its `height` is the scale of heights if these have no unit; default: h_rms.
     dimensionless : bool
-        Whether units do not count.
+        Whether to ignore the units of the result.
 
     Attributes
     ----------
     size : float
-        L_x.
+        L_x, in the unit of the result.
     rough : bool
-        Whether p* means something.
+        Whether the surface is rough: p* has a meaning, and pressures scale with E* g_rms.
     """
 
     def __init__(self, result: Result, theory: Any = None, dimensionless: bool = False) -> None:
@@ -167,13 +168,14 @@ class Units:
         Parameters
         ----------
         name : str
-            "length" (of positions), "pressure" or "force"; any other name means heights.
+            "length" (positions), "pressure" or "force"; any other name means heights and gaps.
         values : iterable
-            Numbers, which choose the prefix of the unit.
+            Numbers in the unit of the result, which decide the prefix.
 
         Returns
         -------
         Scale
+            With unit 1 and no name if neither a unit nor a relative scale is known.
         """
         unit, relative = self._scales.get(name, self._scales["height"])
         if unit:

@@ -9,7 +9,7 @@ from ..util.quantities import parse
 
 
 def window_of(surface: Any, window: Any) -> tuple:
-    """Return the part of the cell that maps show.
+    """Check the part of the cell that maps show, and widen it to whole grid points.
 
     Parameters
     ----------
@@ -23,12 +23,12 @@ def window_of(surface: Any, window: Any) -> tuple:
     (x0, x1, y0, y1)
         In the unit of the sizes, at the edges of grid points.
     (i0, i1, j0, j1) or None
-        The same in grid points.
+        The points i0 <= i < i1, j0 <= j < j1; None for all.
 
     Raises
     ------
     SceneError
-        For what is no part of the cell.
+        If it is not a part of the cell.
     """
     sizes = np.array(surface.get("physical_sizes", (1.0, 1.0)))
     n = np.array(surface["n"])
@@ -53,7 +53,7 @@ def window_of(surface: Any, window: Any) -> tuple:
 
 
 def _length(edge: Any) -> float:
-    """Return a length, plain or as "5 um", as a number."""
+    """Return a length, a number or a text such as "5 um", as a number; units become m."""
     try:
         return float(edge)
     except ValueError:

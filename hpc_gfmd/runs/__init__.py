@@ -1,1 +1,3 @@
-"""A run: a scene with its files, a solve in memory, the solutions of both, and what a run takes."""
+"""Runs: a scene with its files, a solve in memory, the solutions of both, and estimates of their
+cost.
+"""

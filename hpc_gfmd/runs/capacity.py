@@ -1,4 +1,4 @@
-"""Whether the memory that a scene takes is there."""
+"""Check that a machine has the memory that a scene takes."""
 
 import platform
 
@@ -15,9 +15,9 @@ ADVICE = "use more machines, fewer points or single precision"
 
 
 def require_memory(comm: Comm, scene: Scene, grid: Grid, threads: int) -> None:
-    """Raise SceneError on all ranks if those of some machine need more memory than it has.
+    """Raise SceneError on all ranks if a scene needs more memory than some machine has.
 
-    Collective.
+    Collective. Nothing is allocated.
 
     Parameters
     ----------
@@ -26,14 +26,15 @@ def require_memory(comm: Comm, scene: Scene, grid: Grid, threads: int) -> None:
     scene : Scene
         What is to be solved.
     grid : Grid
-        On which it is solved; nothing is allocated yet.
+        The grid that it will be solved on.
     threads : int
         Threads of each rank.
 
     Raises
     ------
     SceneError
-        With the memory that is needed and that is there.
+        With the memory that is needed and that is available: the scene's machine.memory_gib, or
+        what is free now; or the limit of a process (ulimit -v).
     """
     single = memory_of(scene, grid.n, 4, comm.size, threads)
     double = memory_of(scene, grid.n, 8, comm.size, threads)

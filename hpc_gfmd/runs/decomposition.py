@@ -1,5 +1,7 @@
-"""What a rank has and sends, for any rank of any number of ranks: computed by the code that runs,
-without allocating memory or sending messages."""
+"""Memory and messages of a rank, for any rank of any number of ranks.
+
+They are computed by the code that runs, without allocating memory or sending messages.
+"""
 
 import math
 from collections.abc import Sequence
@@ -25,7 +27,7 @@ REDUCTIONS = 2, 2, len(UpdateSums._fields) + 8
 
 @dataclass(frozen=True)
 class Share:
-    """What one rank has of a grid.
+    """One rank's share of a grid: its points, levels and messages.
 
     Attributes
     ----------
@@ -34,7 +36,7 @@ class Share:
     dtype : dtype
         Type of the fields.
     nested : bool
-        Whether coarser grids are solved on first.
+        Whether the load is solved on coarser grids first.
     """
 
     grid: Grid
@@ -43,7 +45,7 @@ class Share:
 
     @property
     def points(self) -> int:
-        """Points of the slab of this rank."""
+        """Number of points in the slab of this rank."""
         return math.prod(self.grid.shape)
 
     @cached_property
@@ -53,7 +55,7 @@ class Share:
 
     @staticmethod
     def layout_of(grid: Grid, dtype: DTypeLike) -> Layout:
-        """Return the layout of the transforms of a grid.
+        """Return the layout of the transforms of a grid: which rank has which rows and columns.
 
         Parameters
         ----------
@@ -73,7 +75,7 @@ class Share:
 
     @cached_property
     def grids(self) -> list[Grid]:
-        """Coarser grids of a nested iteration that this rank has a part in, finest first."""
+        """Coarser grids of a nested iteration on which this rank has points, finest first."""
         coarser: list[Grid] = []
         grid = self.grid
         while self.nested and (step := Decimation.of(grid)) is not None and step.coarse is not None:
@@ -83,50 +85,56 @@ class Share:
 
     @cached_property
     def hierarchy(self) -> tuple[list[Step], list[Level]]:
-        """The steps of the preconditioner that are distributed, and the first one that is not; all
-        of its levels."""
+        """(steps, levels) of the preconditioner.
+
+        The steps are those to the distributed levels and the first one to a level that is not
+        distributed. The levels are all of them.
+        """
         return steps_of(self.grid, self.dtype)
 
     @property
     def _points_alone(self) -> int:
-        """Points of the coarse levels that are not distributed, if this rank holds them;
-        otherwise 0."""
+        """Number of points of the coarse levels that are not distributed; 0 if not on this rank."""
         steps, every_level = self.hierarchy
         levels = every_level[len(steps) :] if self.grid.comm.rank in steps[-1].ranks else ()
         return sum(math.prod(level.n) for level in levels)
 
     @property
     def level_points(self) -> int:
-        """Points of all coarse levels of the preconditioner that this rank works on."""
+        """Number of points of all coarse levels of the preconditioner on this rank."""
         steps, _ = self.hierarchy
         return sum(step.owned * step.transfer.m[1] for step in steps[:-1]) + self._points_alone
 
     @property
     def level_bytes(self) -> int:
-        """Bytes of the levels of the preconditioner."""
+        """Bytes of the levels of the preconditioner on this rank."""
         steps, _ = self.hierarchy
-        numbers = sum(math.prod(step.window_shape) for step in steps)
+        numbers = sum(math.prod(step.window_shape) for step in steps[:-1])
+        last = steps[-1]
+        if self.grid.comm.size > 1:  # one process has the last window where the whole level is
+            numbers += math.prod(last.window_shape)
+        numbers += (last.fields - 2) * math.prod(last.transfer.m)
         numbers += sum(math.prod(step.owned_shape) for step in steps[:-1] if step.windows)
         return (numbers + 2 * self._points_alone) * self.dtype.itemsize
 
     @property
     def nested_points(self) -> int:
-        """Points of all coarser grids that this rank has a part in."""
+        """Number of points of all coarser grids of the nested iteration on this rank."""
         return sum(math.prod(grid.shape) for grid in self.grids)
 
     @property
     def coarse_points(self) -> int:
-        """Points of the coarse levels, or of the coarser grids, whichever are more."""
+        """Number of points of the coarse levels, or of the coarser grids, whichever is larger."""
         return max(self.level_points, self.nested_points)
 
     @cached_property
     def level_traffic(self) -> tuple[int, int]:
-        """(bytes, messages) that this rank sends in a sweep over the levels."""
+        """(bytes, messages) that this rank sends in one sweep over the levels."""
         return traffic_of(self.hierarchy[0], self.dtype.itemsize)
 
     @property
     def reduction_traffic(self) -> tuple[int, int]:
-        """(bytes, messages) that this rank sends in the reductions of an iteration."""
+        """(bytes, messages) that this rank sends in the sums over ranks of one iteration."""
         depth = stages(self.grid.comm.size)
         numbers = list(REDUCTIONS)
         if self.grid.padded:
@@ -136,13 +144,13 @@ class Share:
 
     @property
     def traffic(self) -> tuple[int, int]:
-        """(bytes, messages) that this rank sends in an iteration of bpx, which is one FFT pair."""
+        """(bytes, messages) that this rank sends in one iteration of bpx, which is one FFT pair."""
         nbytes, messages = zip(self.layout.traffic(), self.level_traffic, self.reduction_traffic)
         return sum(nbytes), sum(messages)
 
     @property
     def padding(self) -> float:
-        """Columns that all ranks hold, over those of the half spectrum."""
+        """Number of columns that all ranks store over that of the half spectrum; >= 1."""
         return float(self.layout.columns_held.sum() / self.layout.n_c)
 
 
@@ -155,7 +163,7 @@ def share_of(
     nested: bool = True,
     per_node: int = 1,
 ) -> Share:
-    """Return what one rank has of a grid.
+    """Return the share that one rank has of a grid.
 
     Parameters
     ----------
@@ -164,11 +172,11 @@ def share_of(
     dtype : dtype
         Type of the fields.
     ranks, rank : int
-        Number of ranks, and the rank.
+        Number of ranks, and the number of this rank.
     nominal : (int, int), optional
         Points of the surface; by default all.
     nested : bool
-        Whether coarser grids are solved on first.
+        Whether the load is solved on coarser grids first.
     per_node : int
         Ranks on each node, assigned in their order; they transpose without messages among
         themselves.
@@ -176,7 +184,7 @@ def share_of(
     Returns
     -------
     Share
-        Of this rank.
+        That of this rank.
     """
     comm: Any = DryRunComm(rank, ranks, np.arange(ranks) // per_node)
     return Share(Grid(n, (1.0, 1.0), comm, nominal=nominal), np.dtype(dtype), nested)
@@ -185,10 +193,10 @@ def share_of(
 def busiest(
     n: Sequence[int], dtype: DTypeLike, ranks: int, per_node: int = 1, **options: Any
 ) -> list[Share]:
-    """List what a few ranks have, among them those with the most of anything.
+    """Return the shares of a few ranks, among which are the largest in every respect.
 
-    Rank 0 has a part in all levels, and all remainders; ranks of the last node, which may be fewer
-    than on others, send more.
+    Rank 0 has a part in all levels and all remainders. The ranks of the last node, which may be
+    fewer than on others, send more.
 
     Parameters
     ----------
@@ -201,7 +209,7 @@ def busiest(
     per_node : int
         Ranks on each node.
     **options
-        nominal and nested, as of `share_of`.
+        nominal and nested, as for `share_of`.
 
     Returns
     -------

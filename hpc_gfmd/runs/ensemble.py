@@ -1,4 +1,4 @@
-"""Several results with the same loads, as of many realisations or scans: means and scatter."""
+"""Statistics of several results with the same loads, such as many realisations or scans."""
 
 from __future__ import annotations
 
@@ -27,26 +27,27 @@ NO_MEAN = {*TARGETS, *EFFORT, "iterations", "seed"}
 
 
 class Ensemble:
-    """Several results with the same loads: means over them, and their scatter.
+    """Several results with the same loads: mean and standard deviation of their numbers.
 
     Parameters
     ----------
     results : iterable of Solutions or path
-        Such as `solve_many` gives, or result files; at least two.
+        What `solve_many` yields, or result files; at least two.
 
     Attributes
     ----------
     results : list of Solutions
+        One for each surface.
     load : str
-        What is the same in all results: "p", "p_star", "target_a_r", ...
+        The number that is the same in all results: "p", "p_star", "target_a_r", ...
     loads : ndarray, shape (loads,)
         Its values.
 
     Raises
     ------
     SceneError
-        For less than two results, for an exception among them (of `solve_many`), and where the
-        loads differ.
+        For less than two results, for an exception among them (as `solve_many` yields), and for
+        different loads or units.
 
     Examples
     --------
@@ -73,30 +74,43 @@ class Ensemble:
         self.loads = self.results[0].values(self.load)
 
     def __len__(self) -> int:
+        """Return the number of results."""
         return len(self.results)
 
     def _is_alike(self, name: str) -> bool:
-        """Return whether a number is the same in all results, load by load."""
+        """Whether a number is the same in all results, load by load, within SAME_LOAD.
+
+        False if a load lacks it.
+        """
         if any(name not in step for result in self.results for step in result.result.steps):
             return False
         values = np.array([result.values(name) for result in self.results], dtype=float)
         return bool(np.allclose(values, values[0], rtol=SAME_LOAD, atol=0))
 
     def values(self, name: str) -> np.ndarray:
-        """Return a number of all loads of all results, shape (results, loads); nan for none."""
+        """Return a number of all loads of all results, shape (results, loads).
+
+        nan for a load without a value.
+        """
         return np.array([result.values(name) for result in self.results], dtype=float)
 
     def mean(self, name: str) -> np.ndarray:
-        """Return the mean of a number over the results, shape (loads,)."""
+        """Return the mean of a number over the results, shape (loads,); nan if one has no value."""
         return self.values(name).mean(axis=0)
 
     def std(self, name: str) -> np.ndarray:
-        """Return the standard deviation of a number over the results, shape (loads,)."""
+        """Return the standard deviation of a number over the results, shape (loads,).
+
+        nan if one has no value. It is the sample's, with n - 1.
+        """
         return self.values(name).std(axis=0, ddof=1)
 
     @property
     def names(self) -> list[str]:
-        """Names of the numbers that all results have of all loads."""
+        """Names of the numbers that all loads of all results have and of which a mean makes sense.
+
+        Targets of loads, FFT pairs, times, iterations and seeds are left out.
+        """
         steps = [step for result in self.results for step in result.result.steps]
         return [
             name
@@ -107,8 +121,11 @@ class Ensemble:
         ]
 
     def to_dataframe(self) -> DataFrame:
-        """Return a pandas table: a row for each load, columns of means ("a_r") and of standard
-        deviations ("a_r_std"); units by column in its `attrs`."""
+        """Return a pandas table with a row for each load.
+
+        For each number NAME it has the columns NAME (the mean) and NAME_std (the standard
+        deviation). `attrs["units"]` holds {column: unit}.
+        """
         from pandas import DataFrame
 
         surface = self.results[0].result.surface
@@ -124,8 +141,10 @@ class Ensemble:
         return table
 
     def plot(self, what: str = "curves", **how: Any) -> Figure:
-        """Draw numbers against the load: mean and a band of the standard deviation of more than six
-        results, otherwise all of them.
+        """Draw numbers against the load, as a matplotlib figure.
+
+        Up to six results are drawn one by one, more as their mean and a band of the standard
+        deviation.
 
         Parameters
         ----------
@@ -143,12 +162,12 @@ class Ensemble:
         return plot(self.results, what, **how)
 
     def table(self) -> str:
-        """Return means +- standard deviations as a table, a line for each load."""
+        """Return a table as text, one line per load, with means +- standard deviations."""
         lines = aligned(self._cells())
         return "\n".join([*lines, f"+-: standard deviation over {len(self)} results"])
 
     def _cells(self) -> list[list[str]]:
-        """Return the table of means and deviations as texts: headings, units, a row per load."""
+        """Return the cells of the table as texts: a row of headings, one of units, one per load."""
         surface = self.results[0].result.surface
         observables = named_observables(self.results[0].result)
         names = [
@@ -170,6 +189,7 @@ class Ensemble:
         return [list(row) for row in zip(*columns, strict=True)]
 
     def __repr__(self) -> str:
+        """Return the table of means and deviations as text."""
         return f"<ensemble of {len(self)} results>\n{self.table()}"
 
     def _repr_html_(self) -> str:
@@ -181,7 +201,10 @@ class Ensemble:
 
 
 def _solutions(result: Any, number: int) -> Solutions:
-    """Return the Solutions of one member of an ensemble."""
+    """Return the Solutions of one member of an ensemble, read from its file if it is a path.
+
+    `number` is its place, from 1. Raises SceneError for an exception in its place.
+    """
     if isinstance(result, Exception):
         raise SceneError(f"ensemble: result {number} is an error ({result}), allowed: solutions")
     if isinstance(result, Solution):

@@ -1,5 +1,4 @@
-"""The steps of `solve`: the scene and the surface that its arguments mean, its loads, and the
-solutions that come of them."""
+"""The steps of `solve`: arguments to a scene and a surface, its loads, and their solutions."""
 
 import json
 import sys
@@ -29,8 +28,8 @@ from ..surface.topography import Topography
 from ..util.errors import SceneError
 from ..util.versions import versions
 from .keywords import scene_of_keywords
-from .loads import check, solved, step_attributes, surface_attributes, sweep_of, worst
-from .prepared import PreparedSurface, prepare_surface
+from .loads import check, solved, step_attributes, surface_attributes, sweep_of, worst_status
+from .prepared import PreparedSurface, surface_of_topography
 from .progress import Reporter, bar_stream
 from .solutions import Solutions
 from .table import GrowingTable
@@ -48,7 +47,7 @@ _surfaces: WeakKeyDictionary[PreparedSurface, dict[np.dtype, Surface]] = WeakKey
 def scene_of(
     comm: Comm, heights: Heights, keywords: dict[str, Any], more: dict[str, Any]
 ) -> tuple[Scene, np.ndarray | PreparedSurface]:
-    """Return the scene that the arguments of `solve` mean, and its heights, checked.
+    """Return the scene and the heights that the arguments of `solve` describe, both validated.
 
     Collective.
 
@@ -59,24 +58,24 @@ def scene_of(
     heights
         As for `solve`.
     keywords : dict
-        The named arguments of `solve` that are keys of a scene; None where one is not given.
+        The named arguments of `solve` that are keys of a scene; None for one that is not given.
     more : dict
         Its other arguments.
 
     Returns
     -------
     Scene
-        What is asked for.
+        What is to be solved.
     ndarray or PreparedSurface
-        The heights.
+        The heights; an array has no missing points.
 
     Raises
     ------
     SceneError
-        On all ranks.
+        On all ranks, for invalid arguments, or different ones on some ranks.
     """
     with collective_errors(comm, "reading the arguments"):
-        wall = prepare_surface(heights) if is_topography(heights) else heights
+        wall = surface_of_topography(heights) if is_topography(heights) else heights
         prepared = wall if isinstance(wall, PreparedSurface) else None
         scene = scene_of_keywords(keywords, more, prepared)
         check(scene)
@@ -88,13 +87,13 @@ def scene_of(
 
 
 def _array_of(wall: np.ndarray | PreparedSurface) -> np.ndarray:
-    """Return the heights as an array."""
+    """Return the heights as an array, without a copy."""
     return wall.heights if isinstance(wall, PreparedSurface) else wall
 
 
 @dataclass
 class Surfaces:
-    """Makes the surface of a scene in a precision, on all ranks.
+    """Makes the surface of a scene in the precision with which it is called, on all ranks.
 
     Attributes
     ----------
@@ -105,18 +104,18 @@ class Surfaces:
     topography : Topography
         The heights with their sizes.
     threads : int
-        Of each rank.
+        Threads of each rank.
     ready : dict or None
-        Surfaces by precision that are kept from one solve to the next; None where the heights may
+        Surfaces by precision that are kept from one solve to the next; None if the heights may
         change.
     is_made : bool
-        Whether the scene says all about the heights.
+        Whether the scene describes the heights completely.
     begun : float
-        When this was begun, by time.monotonic.
+        When the solve began, by time.monotonic.
     checksum : str or None
-        Of the heights, once a surface has been made.
+        Checksum of the heights; None before the first surface.
     setup_seconds : float or None
-        From the beginning to the first surface.
+        Seconds from `begun` to the first surface; None before it.
     """
 
     comm: Comm
@@ -130,12 +129,14 @@ class Surfaces:
     setup_seconds: float | None = None
 
     def __call__(self, dtype: np.dtype) -> Surface:
-        """Return the surface in a precision. Collective."""
+        """Return the surface in a precision, a kept one if there is one. Collective."""
         if self.ready is not None and dtype in self.ready:
             surface = self._with_grid_of_this_thread(self.ready[dtype])
         else:
             free = self.scene.surface.free
-            surface = surface_of(self.topography, self.comm, dtype, self.threads, free, known=False)
+            surface = surface_of(
+                self.topography, self.comm, dtype, self.threads, free, with_checksum=True
+            )
             if self.ready is not None:
                 self.ready[dtype] = surface
         self.checksum = surface.checksum
@@ -154,9 +155,9 @@ class Surfaces:
 def surfaces_of(
     comm: Comm, scene: Scene, wall: np.ndarray | PreparedSurface, note_quality: bool
 ) -> Surfaces:
-    """Return what makes the surface of a scene from its heights.
+    """Return the object that makes the surface of a scene from its heights, in any precision.
 
-    Collective.
+    Collective. No surface is made yet.
 
     Parameters
     ----------
@@ -167,7 +168,7 @@ def surfaces_of(
     wall : ndarray or PreparedSurface
         Its heights.
     note_quality : bool
-        Whether to look for signs that an array is not periodic, where its boundary is not given.
+        Whether to look for signs that an array is not periodic; they become notes of the surface.
 
     Returns
     -------
@@ -178,6 +179,7 @@ def surfaces_of(
     array = _array_of(wall)
 
     def rows_of(start: int, stop: int) -> np.ndarray:
+        """Return some rows of the heights in double precision."""
         return np.asarray(array[start:stop], dtype=np.float64)
 
     ready = None
@@ -202,18 +204,18 @@ def surfaces_of(
 
 @dataclass
 class SolvedLoads:
-    """The loads of a scene that are finished.
+    """The finished loads of a scene.
 
     Attributes
     ----------
     steps : list of dict
         Their attributes, by the names of the result file.
     contacts : list of Contact or None
-        Their solutions; None where no field is kept.
+        Their solutions; None for each load if no field is kept.
     surface : Surface or None
-        In the precision of the last one.
+        The surface in the precision of the last load; None before the first load.
     interrupted : bool
-        Whether Ctrl-C came before the others.
+        Whether Ctrl-C came before all loads were finished.
     """
 
     steps: list[dict] = field(default_factory=list)
@@ -227,7 +229,7 @@ def solve_loads(
 ) -> SolvedLoads:
     """Solve all loads of a scene.
 
-    Collective.
+    Collective. On one process a line on standard error tells if kernels are compiled.
 
     Parameters
     ----------
@@ -238,10 +240,10 @@ def solve_loads(
     surfaces : Surfaces
         Makes its surface.
     progress : bool
-        Whether to show how far it is.
+        Whether to draw a progress bar and print a table row of each load.
     keep_interrupted : bool
-        Whether Ctrl-C after the first load, on one process, ends this early; it is raised
-        otherwise.
+        Whether Ctrl-C after the first load ends the sweep early, on one process; otherwise
+        KeyboardInterrupt is raised.
 
     Returns
     -------
@@ -261,7 +263,7 @@ def solve_loads(
             attributes = step_attributes(scene, index, contact, seconds)
             loads.surface = contact.surface
             kept = (
-                _kept(contact, copy=index + 1 < len(loads_of_scene))
+                _contact_to_keep(contact, copy=index + 1 < len(loads_of_scene))
                 if scene.output.fields
                 else None
             )
@@ -288,13 +290,16 @@ def solve_loads(
     return loads
 
 
-def _kept(contact: Contact, copy: bool) -> Contact:
-    """Return a contact whose fields the next load does not overwrite, if there is one (copy)."""
+def _contact_to_keep(contact: Contact, copy: bool) -> Contact:
+    """Return a contact whose fields the next load does not overwrite.
+
+    With `copy` it has copies of them; without it, if there is no next load, it is the same object.
+    """
     return replace(contact, g=contact.g.copy(), p=contact.p.copy()) if copy else contact
 
 
 def _forget_transforms(contacts: Iterable[Contact | None]) -> None:
-    """Give back the memory of the transforms on the grids of contacts that are kept."""
+    """Free the memory of the transforms on the grids of contacts that are kept."""
     for contact in contacts:
         if contact is not None:
             grid = contact.surface.grid
@@ -317,16 +322,16 @@ def collect(
     scene : Scene
         What was solved.
     surfaces : Surfaces
-        Made its surface.
+        Has made its surface.
     loads : SolvedLoads
-        What came of it.
+        At least one.
     start_time : str
         When `solve` was called.
 
     Returns
     -------
     Solutions
-        Of one or more loads.
+        Their fields are computed when they are read.
     """
     assert loads.surface is not None  # of the first load
     identity = scene.identity()
@@ -346,7 +351,7 @@ def collect(
         surface=surface_attributes(scene, loads.surface),
         steps=loads.steps,
         indices=list(range(len(loads.steps))),
-        status=worst(loads.steps),
+        status=worst_status(loads.steps),
         head=head,
         fields=[{} if contact is None else _fields(names, contact) for contact in loads.contacts],
     )
@@ -357,7 +362,7 @@ def collect(
 
 
 def _fields(names: Iterable[str], contact: Contact) -> dict[str, Slab]:
-    """Return {name: Slab} of a contact, computed as they are read."""
+    """Return {name: Slab} of a contact; the fields are computed when they are read."""
     surface = contact.surface
     start = surface.rows[0]
     n = (surface.n[0], surface.n[1])
@@ -368,14 +373,20 @@ def _fields(names: Iterable[str], contact: Contact) -> dict[str, Slab]:
 
 
 def _quality_notes(comm: Comm, topography: Topography) -> tuple[str, ...]:
-    """Return notes on an array whose boundary is not given. Collective."""
+    """Return notes on an array that may not be periodic. Collective.
+
+    Raises SceneError if heights are not finite.
+    """
     rows = topography.rows
     checked_topography = replace(topography, rows=lambda i, j: checked(rows(i, j), i, "surface"))
     return tuple(quality_of(checked_topography, comm).notes((True, True)))
 
 
 def _require_the_same(comm: Comm, scene: Scene, shape: tuple[int, ...]) -> None:
-    """Raise SceneError on all ranks where they were not called with the same arguments."""
+    """Raise SceneError on all ranks if some of them have another scene or shape of the heights.
+
+    Collective. The heights themselves are not compared.
+    """
     arguments = scene.to_toml(), shape
     error = SceneError(
         "hpc_gfmd.solve: found other arguments on some ranks, allowed: the same, with the whole map"

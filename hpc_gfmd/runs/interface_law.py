@@ -1,5 +1,7 @@
-"""The law of an interface from as few loads as its interpolation needs: each interval of pressures
-is checked by a further load, and halved where that deviates."""
+"""Interface law from as few loads as its interpolation needs.
+
+Each interval of pressures is checked by a load in its middle, and halved if that deviates.
+"""
 
 from __future__ import annotations
 
@@ -31,27 +33,28 @@ def interface_law(
     comm: Any = None,
     **keys: Any,
 ) -> InterfaceLaw:
-    """Find contact area, gap, stiffness, conductance and critical gap against the mean pressure.
+    """Compute contact area, gap, stiffness, conductance and critical gap against the mean pressure.
 
     Parameters
     ----------
-    surfaces : array, PreparedSurface, Topography, path of a scene, or a list of them
-        What `solve` takes, or scenes, whose loads and output do not count. The law of several
+    surfaces : array, PreparedSurface, Topography, path of a scene, Scene, or a list of them
+        What `solve` takes, or scenes, whose [load] and [output] are ignored. The law of several
         surfaces is their mean, with its scatter. Collective for scenes.
     start, stop : float or str
         Range of mean pressures, in the unit of E_star, or with a unit as "1 MPa".
     error : float
-        Largest relative deviation of a further load from the interpolated law.
+        Largest relative deviation of a further load from the interpolated law, from 1e-4 to 0.5.
     quantities : sequence of str
         Numbers of a load, by the names of the result file.
     realisations : int
-        Of each scene with a self-affine surface: seeds `seed`, `seed` + 1, ...
+        Number of surfaces of each scene with a self-affine surface: with seeds `seed`, `seed` + 1,
+        ...
     progress : bool
-        Whether to print a line for each round of loads.
+        Whether to show the progress of each load.
     comm : communicator of mpi4py, optional
-        Of scenes; default: all processes that the launcher started.
+        For scenes; default: all processes that the launcher started.
     **keys
-        Of surfaces that are no scenes: other arguments of `solve`, such as E_star and accuracy
+        For surfaces that are no scenes: other arguments of `solve`, such as E_star and accuracy
         (default: a tenth of `error`).
 
     Returns
@@ -62,21 +65,21 @@ def interface_law(
     Raises
     ------
     SceneError
-        For input that makes no sense, in one line, on all ranks.
+        For invalid input, in one line, on all ranks.
 
     Notes
     -----
-    Values are interpolated monotonically (PCHIP) in log-log. An interval is accepted where the load
-    in its middle deviates by less than `error`, or by less than that load's own estimated error, or
-    where the interval itself is shorter than `error`, as at the load that closes a seal.
+    Values are interpolated monotonically (PCHIP) in log-log. An interval is accepted if the load in
+    its middle deviates by less than `error`, or by less than that load's own estimated error, or if
+    the interval itself is shorter than `error`, as at the load that closes a seal.
 
     Examples
     --------
     >>> law = hpc_gfmd.interface_law(scan, "1 MPa", "1 GPa", E_star="110 GPa")
     >>> law("conductance", 20e6)
     """
-    low = _pressure(start, "start")
-    high = _pressure(stop, "stop")
+    low = _positive_pressure(start, "start")
+    high = _positive_pressure(stop, "stop")
     if not low < high or isinstance(low, Quantity) != isinstance(high, Quantity):
         raise SceneError(
             f"start, stop: found {start} and {stop}, allowed: start below stop, both with units or"
@@ -91,6 +94,7 @@ def interface_law(
     unit = " Pa" if isinstance(low, Quantity) else ""
 
     def sample(pressures: list[float]) -> list[Steps]:
+        """Solve all surfaces at some pressures; return the attributes of their loads."""
         return sampler([f"{p!r}{unit}" if unit else p for p in pressures])
 
     curves = _Curves(quantities, error)
@@ -99,14 +103,15 @@ def interface_law(
 
 
 class _Curves:
-    """Solved loads of all surfaces by pressure, and the deviations that further loads had.
+    """Solved loads of all surfaces by pressure, and how well the law predicted them.
 
     Attributes
     ----------
     steps : dict of float to list of dict
         Attributes of the load of each surface, by pressure.
     deviations : dict of float to dict of str to float
-        Relative deviation of the law, before a load was part of it, by pressure and quantity.
+        Relative deviation of a load in the middle of an interval from the law without it, by
+        pressure and quantity.
     """
 
     def __init__(self, quantities: Sequence[str], error: float) -> None:
@@ -116,7 +121,10 @@ class _Curves:
         self.deviations: dict[float, dict[str, float]] = {}
 
     def refine(self, sample: Sampler, low: float, high: float) -> None:
-        """Solve loads from low to high until each interval is accepted."""
+        """Solve loads from low to high until each interval is accepted.
+
+        Fills `steps` and `deviations`. `sample(pressures)` solves all surfaces.
+        """
         middle = math.sqrt(low * high)
         self._add([low, middle, high], sample)
         pending = [(low, middle), (middle, high)]
@@ -134,7 +142,7 @@ class _Curves:
             pending = halves
 
     def _add(self, pressures: list[float], sample: Sampler) -> None:
-        """Solve all surfaces at some pressures and keep the results."""
+        """Solve all surfaces at some pressures and store the results in `steps`."""
         of_surfaces = sample(sorted(pressures))
         for k, pressure in enumerate(sorted(pressures)):
             self.steps[pressure] = [steps[k] for steps in of_surfaces]
@@ -142,7 +150,11 @@ class _Curves:
     def _accepts(
         self, interval: tuple[float, float], middle: float, predicted: Mapping[str, float]
     ) -> bool:
-        """Note how far the law was from the load in the middle; return whether that is near."""
+        """Whether an interval needs no further load, judged by the solved load in its middle.
+
+        True if the load deviates little enough from `predicted`, the values that the law had there
+        without it, or if the interval is short. The deviations are stored in `deviations`.
+        """
         deviations = {}
         accepted = True
         for name in self.quantities:
@@ -156,18 +168,22 @@ class _Curves:
             deviations[name] = deviation
             ends = [_mean(name, self.steps[pressure]) for pressure in interval]
             closes = min(ends) == 0 < max(ends)  # somewhere within the interval
-            accurate = deviation <= max(self.error, _own_error(name, self.steps[middle]))
+            accurate = deviation <= max(self.error, _estimated_error(name, self.steps[middle]))
             accepted = accepted and accurate and not closes
         self.deviations[middle] = deviations
         return accepted or math.log(interval[1] / interval[0]) <= self.error
 
     def curve(self, name: str) -> tuple[np.ndarray, np.ndarray]:
-        """Return (pressures, means over the surfaces) of a quantity."""
+        """Return (pressures, values) of a quantity, ascending, as means over the surfaces."""
         pressures = sorted(self.steps)
         return np.array(pressures), np.array([_mean(name, self.steps[p]) for p in pressures])
 
     def law(self, facts: Mapping[str, Any]) -> InterfaceLaw:
-        """Return the law; quantities without any value are left out, and it says why."""
+        """Return the law from all solved loads.
+
+        A quantity without any value is left out. Its `about` tells that, and which loads did not
+        converge. `facts` are those of the sampler.
+        """
         pressures = sorted(self.steps)
         about = list(facts["about"])
         names = []
@@ -195,7 +211,11 @@ class _Curves:
         )
 
     def _errors(self, name: str, pressures: Sequence[float]) -> np.ndarray:
-        """Return relative errors: each load's own, and the deviation of the intervals beside it."""
+        """Return the relative error of a quantity at each pressure, shape (pressures,).
+
+        It is the load's own estimated error plus the larger deviation of the intervals on both
+        sides.
+        """
         checked = [p for p in pressures if name in self.deviations.get(p, ())]
         errors = []
         for pressure in pressures:
@@ -203,34 +223,37 @@ class _Curves:
             above = [p for p in checked if p >= pressure]
             beside = {*below[-1:], *above[:1]}
             deviation = max((self.deviations[p][name] for p in beside), default=0.0)
-            errors.append(_own_error(name, self.steps[pressure]) + min(deviation, 1.0))
+            errors.append(_estimated_error(name, self.steps[pressure]) + min(deviation, 1.0))
         return np.array(errors)
 
 
 def _mean(name: str, steps: Steps) -> float:
-    """Return the mean of a number over surfaces, nan where one has none."""
+    """Return the mean of a number over the surfaces; nan if one of them has no value."""
     values = [step.get(name) for step in steps]
     return math.nan if None in values else float(np.mean(values))  # type: ignore[arg-type]
 
 
 def _scatter(name: str, steps: Steps) -> float:
-    """Return the standard deviation of a number over surfaces: 0 of one, nan where one has none."""
+    """Return the standard deviation of a number over the surfaces; 0 for a single surface.
+
+    nan if one of them has no value.
+    """
     values = [step.get(name) for step in steps]
     if None in values:
         return math.nan
     return float(np.std(values, ddof=1)) if len(values) > 1 else 0.0  # type: ignore[arg-type]
 
 
-def _own_error(name: str, steps: Steps) -> float:
-    """Return the largest relative error that the solutions of a load estimate of a quantity."""
+def _estimated_error(name: str, steps: Steps) -> float:
+    """Return the largest estimated relative error of a quantity over the surfaces."""
     return max(_relative_error(name, step) for step in steps)
 
 
 def _relative_error(name: str, step: Mapping[str, Any]) -> float:
-    """Return the relative error of a number of one load, of the solver and of the grid.
+    """Return the estimated relative error of a number of one load, by the solver and the grid.
 
-    A stiffness goes as the radii of the contact spots, so that it errs by half as much as their
-    area. A critical gap has the absolute error of the mean gap.
+    A stiffness scales with the radii of the contact spots, so its relative error is half that of
+    their area. A critical gap has the absolute error of the mean gap.
     """
     of_the_grid = float(step.get("a_r_discretisation") or 0.0)
     if name == "a_r":
@@ -245,8 +268,11 @@ def _relative_error(name: str, step: Mapping[str, Any]) -> float:
     return float(max(step["gap_error"], step["pressure_error"]))
 
 
-def _pressure(value: float | str, where: str) -> float:
-    """Return a positive pressure, of a number or of a text with a unit."""
+def _positive_pressure(value: float | str, where: str) -> float:
+    """Return a pressure from a number or a text with a unit, the latter as a Quantity.
+
+    `where` names the argument. Raises SceneError unless it is positive and finite.
+    """
     try:
         number = _plain_number(value)
         if number is None:
@@ -261,7 +287,10 @@ def _pressure(value: float | str, where: str) -> float:
 
 
 def _plain_number(value: float | str) -> float | None:
-    """Return a number that has no unit; None for a text that has one."""
+    """Return a number that has no unit; None for any text that is no plain number.
+
+    Raises TypeError for other objects.
+    """
     try:
         return float(value)
     except ValueError:

@@ -1,5 +1,7 @@
-"""The scene of the keywords of a Python call: each goes to the table that has a key of its name,
-and the scene checks it."""
+"""The scene that the keywords of a Python call describe.
+
+Each keyword goes to the table that has a key of its name, and the scene validates it.
+"""
 
 from typing import Any
 
@@ -15,7 +17,7 @@ from .prepared import PreparedSurface, plain
 CALLER = "hpc_gfmd.solve"
 # keys that do nothing without a result file
 OF_RUNS = "path", "dtype", "compression", "wall_seconds", "memory_gib"
-HOMES = {  # the table of each key
+TABLE_OF_KEY = {  # the table of each key
     key: table
     for table, model in ArrayScene.model_fields.items()
     if isinstance(model.annotation, type) and issubclass(model.annotation, Table)
@@ -27,38 +29,39 @@ HOMES = {  # the table of each key
 def scene_of_keywords(
     named: dict[str, Any], further: dict[str, Any], surface: PreparedSurface | None
 ) -> Scene:
-    """Make the scene of the arguments of `hpc_gfmd.solve`.
+    """Return the validated scene that the arguments of `hpc_gfmd.solve` describe.
 
     Parameters
     ----------
     named : dict
         Arguments in its signature; None stands for those that were not given.
     further : dict
-        Further keywords, in any case given.
+        Further keywords that were given, even if they are None.
     surface : PreparedSurface or None
-        What is pressed, or None for an array of heights.
+        The rough surface; None if the heights are an array.
 
     Returns
     -------
     Scene
-        A scene, or an ArrayScene for heights in memory.
+        A Scene if the surface knows the table [surface] it is from, else an ArrayScene.
 
     Raises
     ------
     SceneError
-        For an unknown keyword or a wrong value.
+        For an unknown keyword, a wrong value, and sizes or boundaries of a surface that has its
+        own.
     """
     for key in further:
         if key in OF_RUNS:
             raise SceneError(f"{CALLER}: found {key}, allowed: in a scene, whose run writes a file")
-        if key not in HOMES and (why := not_modelled(key)):
+        if key not in TABLE_OF_KEY and (why := not_modelled(key)):
             raise SceneError(f"{CALLER}: {key}: {why}, allowed: what hpc-gfmd help scene lists")
     if named.get("nu1") is not None and "nu1" in further:
         raise SceneError(f"{CALLER}: found nu and nu1, allowed: one of them")
     tables: dict[str, dict[str, Any]] = {"load": {}}
     for key, value in (named | further).items():
-        if value is not None or key not in HOMES:
-            table = HOMES.get(key) or HOMES[nearest(key, HOMES)]
+        if value is not None or key not in TABLE_OF_KEY:
+            table = TABLE_OF_KEY.get(key) or TABLE_OF_KEY[nearest(key, TABLE_OF_KEY)]
             tables.setdefault(table, {})[key] = plain(value)
     if surface is None:
         return ArrayScene.from_dict(tables, CALLER)
@@ -80,6 +83,6 @@ def scene_of_keywords(
 
 
 def several_loads(arguments: dict[str, Any]) -> bool:
-    """Return whether the load among the arguments of `hpc_gfmd.solve` is a list of loads."""
+    """Whether the load among the arguments of `hpc_gfmd.solve` is a list (of any length)."""
     values = (arguments.get(key) for key in LoadTable.model_fields)
     return any(np.ndim(value) > 0 for value in values if value is not None)

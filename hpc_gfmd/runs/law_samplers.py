@@ -1,5 +1,4 @@
-"""The loads that the law of an interface is made of: of surfaces in memory, or of scenes on all
-ranks."""
+"""Solvers of the loads of an interface law: of surfaces in memory, or of scenes on all ranks."""
 
 from __future__ import annotations
 
@@ -22,7 +21,7 @@ from ..surface import build_surface, surface_size
 from ..surface.arrays import is_topography
 from ..util.errors import SceneError
 from .loads import check, solved, step_attributes, surface_attributes, sweep_of
-from .prepared import PreparedSurface, prepare_surface
+from .prepared import PreparedSurface, surface_of_topography
 from .progress import Reporter
 from .solve import solve
 
@@ -40,7 +39,7 @@ def sampler_of(
     comm: Any,
     progress: bool,
 ) -> HeightSampler | SceneSampler:
-    """Return what solves loads of all surfaces.
+    """Return the callable that solves all surfaces at given pressures.
 
     Parameters
     ----------
@@ -50,12 +49,12 @@ def sampler_of(
     Returns
     -------
     HeightSampler or SceneSampler
-        Called with pressures; its `facts` say what was solved.
+        Called with pressures it returns the attributes of the loads of each surface.
 
     Raises
     ------
     SceneError
-        For surfaces that make no sense together.
+        For no surface, for scenes beside heights or keywords, and for realisations of heights.
     """
     listed = list(surfaces) if isinstance(surfaces, list | tuple) else [surfaces]
     if not listed:
@@ -81,13 +80,13 @@ class HeightSampler:
     surfaces : iterable
         What `solve` takes.
     quantities : sequence of str
-        Numbers of each load that are asked for.
+        Numbers to compute for each load.
     error : float
-        Of the law, of which the loads may have ACCURACY_SHARE.
+        Error of the law; that of each load is ACCURACY_SHARE of it.
     keys : mapping
         Further arguments of `solve`.
     progress : bool
-        Whether to show how far it is.
+        Whether to draw progress bars.
     """
 
     def __init__(
@@ -99,7 +98,8 @@ class HeightSampler:
         progress: bool,
     ) -> None:
         self.surfaces = [
-            prepare_surface(surface) if is_topography(surface) else surface for surface in surfaces
+            surface_of_topography(surface) if is_topography(surface) else surface
+            for surface in surfaces
         ]
         accuracy = {"accuracy": ACCURACY_SHARE * error} if "residual" not in keys else {}
         self.keys = accuracy | {"observables": list(quantities), "fields": ()} | dict(keys)
@@ -107,7 +107,10 @@ class HeightSampler:
         self.surface: dict[str, Any] = {}
 
     def __call__(self, pressures: Pressures) -> list[Steps]:
-        """Return the attributes of all loads, for each surface."""
+        """Solve all surfaces at some pressures; return the attributes of their loads.
+
+        One list for each surface, in the order of the pressures.
+        """
         sampled = []
         for surface in self.surfaces:
             solutions = solve(surface, pressures, progress=self.progress, **self.keys)
@@ -116,7 +119,11 @@ class HeightSampler:
         return sampled
 
     def facts(self) -> dict[str, Any]:
-        """Return what the law says of its surfaces; after the first loads."""
+        """Return what the law tells of its surfaces; only after the first loads.
+
+        A dict with "surface" (attributes of the first one), "pressure_unit", "gap_at_touch" (mean
+        over the surfaces) and "about" (lines).
+        """
         heights = [s.heights if isinstance(s, PreparedSurface) else s for s in self.surfaces]
         return {
             "surface": self.surface,
@@ -132,11 +139,11 @@ class SceneSampler:
     Parameters
     ----------
     scenes : sequence of path or Scene
-        Their loads and output do not count.
+        Their [load] and [output] are ignored.
     quantities, error, progress
-        As of HeightSampler.
+        As for HeightSampler.
     realisations : int
-        Surfaces of each scene, of different seeds.
+        Number of surfaces of each scene, with consecutive seeds.
     comm : Comm or communicator of mpi4py, optional
         Default: all ranks.
     """
@@ -158,18 +165,25 @@ class SceneSampler:
             realisation
             for scene in scenes
             for realisation in on_rank_0(
-                self.comm, "reading the scene", partial(_realised, scene, realisations)
+                self.comm, "reading the scene", partial(_realisations, scene, realisations)
             )
         ]
         self.surface: dict[str, Any] = {}
         self.gaps: dict[int, float] = {}
 
     def __call__(self, pressures: Pressures) -> list[Steps]:
-        """Return the attributes of all loads, for each surface. Collective."""
+        """Solve all surfaces at some pressures; return the attributes of their loads. Collective.
+
+        One list for each surface, in the order of the pressures.
+        """
         return [self._solve(k, scene, pressures) for k, scene in enumerate(self.scenes)]
 
     def _solve(self, number: int, scene: Scene, pressures: Pressures) -> Steps:
-        """Solve one scene at some pressures; returns the attributes of the loads in their order."""
+        """Solve one scene at some pressures and return the attributes of its loads in their order.
+
+        `number` is its place among the scenes. At the first call its mean gap at touch is stored.
+        Collective.
+        """
         tables = tomllib.loads(scene.to_toml())
         tables["load"] = {"pressure": list(pressures)}
         tables["output"] = {"observables": list(self.quantities)}
@@ -200,7 +214,7 @@ class SceneSampler:
         ]
 
     def facts(self) -> dict[str, Any]:
-        """Return what the law says of its surfaces; after the first loads."""
+        """Return what the law tells of its surfaces, as HeightSampler.facts. Not collective."""
         titles = [scene.title for scene in self.scenes if scene.title]
         return {
             "surface": self.surface,
@@ -210,8 +224,12 @@ class SceneSampler:
         }
 
 
-def _realised(scene: str | PathLike | Scene, realisations: int) -> list[Scene]:
-    """Return a scene with as many seeds as there are realisations."""
+def _realisations(scene: str | PathLike | Scene, realisations: int) -> list[Scene]:
+    """Return copies of a scene with the seeds seed, seed + 1, ..., as many as `realisations`.
+
+    1: only the scene itself. It is read if it is a path. Raises SceneError if more are requested of
+    a surface without a seed.
+    """
     original = scene if isinstance(scene, Scene) else load_scene(scene)
     if realisations == 1:
         return [original]

@@ -1,5 +1,6 @@
-"""From a scene to its solved loads, and what is said of them: the same for runs that write a file
-and for solutions in memory."""
+"""From a scene to its solved loads and their attributes, for runs with files and for solves in
+memory.
+"""
 
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -37,8 +38,12 @@ STATUS_ORDER = "converged", "separated", "max_iterations", "stagnated", "nonfini
 
 
 def check(scene: Scene) -> None:
-    """Raise SceneError for names and combinations that the tables of a scene.Scene alone cannot
-    know."""
+    """Raise SceneError for invalid names and combinations that `Scene` itself does not check.
+
+    These are unknown names (solver, observables, distributions, law), distributions that need a
+    periodic surface, an accuracy that free boundaries do not reach, fields that the material or
+    low_memory excludes, and low_memory with adhesion. Nothing is read or allocated.
+    """
     require_periodic(scene.output.distributions, scene.surface.free, "output.distributions")
     for key, names, allowed in (
         ("solver.name", [scene.solver.name], ["auto", *solver_names()]),
@@ -72,7 +77,7 @@ def check(scene: Scene) -> None:
 
 
 def sweep_of(scene: Scene, make_surface: Callable[[np.dtype], Surface]) -> Sweep:
-    """Make the sweep of a scene.
+    """Return the sweep that solves the loads of a scene; it makes the surface in a first precision.
 
     Collective.
 
@@ -81,17 +86,18 @@ def sweep_of(scene: Scene, make_surface: Callable[[np.dtype], Surface]) -> Sweep
     scene : Scene
         What is solved.
     make_surface : callable
-        Makes its surface in a precision, ``make_surface(dtype)``.
+        ``make_surface(dtype)`` returns its surface in a precision.
 
     Returns
     -------
     Sweep
-        Which solves the loads of the scene.
+        No load is solved yet.
 
     Raises
     ------
     SceneError
-        For what the surface cannot have.
+        If a load or length of the scene has a unit and the height map has none, or vice versa, and
+        as `make_surface`.
     """
     sweep = make_sweep(
         make_surface,
@@ -105,13 +111,12 @@ def sweep_of(scene: Scene, make_surface: Callable[[np.dtype], Surface]) -> Sweep
         branch=scene.load.branch,
         unique=scene.load.unique,
     )
-    _require_like_units(scene, sweep.surface)
+    _require_consistent_units(scene, sweep.surface)
     return sweep
 
 
-def _require_like_units(scene: Scene, surface: Surface) -> None:
-    """Raise SceneError where a length beside a height map, or a force on it, has a unit and the map
-    none, or the other way round."""
+def _require_consistent_units(scene: Scene, surface: Surface) -> None:
+    """Raise SceneError if a length or force has a unit and the height map none, or vice versa."""
     lengths_and_forces = {
         "material.thickness": (scene.material.thickness, "2 um"),
         "load.gap_mean": (scene.load.gap_mean, "50 nm"),
@@ -152,7 +157,7 @@ def surface_attributes(scene: Scene, surface: Surface) -> dict[str, Any]:
     Returns
     -------
     dict
-        Numbers and texts by their names.
+        Numbers, lists and texts by name; empty texts are left out.
     """
     spec = scene.surface
     attributes = {
@@ -181,28 +186,28 @@ def solved(
     indices: Sequence[int] | None = None,
     unfinished_of: Callable[[int], tuple[Unfinished, float] | None] = lambda index: None,
 ) -> Iterator[tuple[int, Contact, float]]:
-    """Solve loads one after the other, each when it is asked for: the only loop over them.
+    """Solve loads one after the other and yield each; the next one is solved when it is requested.
 
-    Collective.
+    Collective. All runs use this loop.
 
     Parameters
     ----------
     scene : Scene
         What is solved.
     sweep : Sweep
-        Of the scene's surface.
+        That of the scene.
     loads : sequence of Load
-        All loads of the scene, as of `Sweep.loads`.
+        All loads of the scene, as from `Sweep.loads`.
     say : Reporter
-        Shows how far a load is.
+        Shows the progress of each load.
     watch : callable, optional
-        Called after every iteration with the index of the load and the seconds spent on it; a true
-        value stops.
+        Called after every iteration with the index of the load and the seconds spent on it; if it
+        returns true, the load is stopped with the status "interrupted".
     indices : sequence of int, optional
-        Of the loads to be solved; default: all.
+        The loads to solve; default: all.
     unfinished_of : callable, optional
-        Returns what is there of the load of an index from a run that was stopped, and the seconds
-        spent on it; None where there is nothing.
+        Called with the index of a load; returns the state of that load from a run that was stopped
+        and the seconds spent on it, or None if it has to start from the beginning.
 
     Yields
     ------
@@ -210,7 +215,7 @@ def solved(
         Index, solution and seconds spent. The next load overwrites the fields of the contact.
     """
     wanted = range(len(loads)) if indices is None else indices
-    _come_to(scene, sweep, loads, next(iter(wanted), 0), unfinished_of)
+    _solve_loads_before(scene, sweep, loads, next(iter(wanted), 0), unfinished_of)
     for index in wanted:
         load = loads[index]
         unfinished, seconds_before = unfinished_of(index) or (None, 0.0)
@@ -219,6 +224,7 @@ def solved(
         def watched(
             iterations: int, progress: Progress, index: int = index, begun: float = begun
         ) -> bool:
+            """Show the progress after an iteration; return whether the load has to stop."""
             say.watch(iterations, progress)
             return watch(index, time.monotonic() - begun)
 
@@ -231,53 +237,56 @@ def solved(
         del contact, unfinished  # their fields make room for the next load
 
 
-def _come_to(
+def _solve_loads_before(
     scene: Scene,
     sweep: Sweep,
     loads: Sequence[Load],
     index: int,
     unfinished_of: Callable[[int], tuple[Unfinished, float] | None],
 ) -> None:
-    """Bring a sweep to where a load begins, of a run that was stopped before it: on the retraction
-    branch that is the solution of the loads before. Collective."""
+    """Solve the loads before `index` again if a resumed load needs their solution. Collective.
+
+    It does on the retraction branch, unless its own state was stored. Their results are not used
+    otherwise.
+    """
     if scene.load.branch == RETRACTION and unfinished_of(index) is None:
         for load in loads[:index]:
             sweep.solve(load, lambda *_: interrupt.check(sweep.surface.grid.comm))
 
 
 def _shown_target(scene: Scene, sweep: Sweep, load: Load, index: int) -> tuple[str, float]:
-    """Return the name and the value by which a load is shown: p* of a pressure."""
+    """Return the name and the value by which a load is shown; a pressure is shown as p*."""
     for name, value in _target(scene.load, index).items():
         return name.removeprefix("target_"), value
     return "p*", load.value / sweep.working.pressure_unit
 
 
 def _target(load: LoadTable, index: int) -> dict[str, float]:
-    """Return what the load gives in place of a mean pressure."""
-    name, values = load.given
+    """Return {"target_NAME": value} of a prescribed quantity; {} for a pressure."""
+    name, values = load.prescribed
     return {} if name in ("p_star", "pressure") else {f"target_{name}": float(values[index])}
 
 
 def step_attributes(scene: Scene, index: int, contact: Contact, seconds: float) -> dict[str, Any]:
     """Return the attributes of a solved load, by the names of the result file.
 
-    Collective.
+    Collective. It computes the observables and distributions that the scene requests.
 
     Parameters
     ----------
     scene : Scene
         What is solved.
     index : int
-        Of the load.
+        Number of the load.
     contact : Contact
         Its solution.
     seconds : float
-        Spent on it.
+        Time spent on it.
 
     Returns
     -------
     dict
-        Numbers, lists and texts by their names; None for what has no value.
+        Numbers, lists and texts by name; None for an observable without a value.
     """
     observables = observables_named([*default_observables(), *(scene.output.observables or ())])
     numbers = {name: observable(contact) for name, observable in observables.items()}
@@ -306,6 +315,6 @@ def step_attributes(scene: Scene, index: int, contact: Contact, seconds: float) 
     return attributes | _target(scene.load, index) | contact.certificate.attributes() | numbers
 
 
-def worst(steps: Sequence[dict]) -> str:
-    """Return the status of a run whose steps have these attributes."""
+def worst_status(steps: Sequence[dict]) -> str:
+    """Return the worst status of the load steps with these attributes (STATUS_ORDER)."""
     return max((step["status"] for step in steps), key=STATUS_ORDER.index)

@@ -1,5 +1,4 @@
-"""Many surfaces, each solved by one of several processes, for statistics in a notebook or a
-script."""
+"""Solve many surfaces in several processes, for statistics in a notebook or a script."""
 
 import os
 import subprocess
@@ -47,30 +46,32 @@ def solve_many(
     Parameters
     ----------
     surfaces : iterable
-        What `solve` takes, one after another. A generator makes them when there is a process for
-        them: few are in memory at a time.
+        What `solve` takes, one after another. A generator is advanced when a process is free, so
+        that few surfaces are in memory at a time.
     loads : number, text with a unit, or a list of them
         Mean pressures of each surface; or another load that `solve` has, such as p_star=[0.01,
         0.1].
     processes : int, default "auto"
-        The cores that this process may use.
+        Number of processes; "auto": the number of cores that this process may use.
     fields : list of names
         Fields that are kept; default: none.
     progress : bool
-        Whether to draw a bar of the surfaces that are solved.
+        Whether to draw a bar that counts the solved surfaces.
     **how
         Other arguments of `solve`.
 
     Returns
     -------
     iterator of Solutions
-        One for each surface, in their order; in place of one that could not be solved the exception
-        that `solve` raised.
+        One for each surface, in their order; in place of one that could not be solved, the
+        exception that `solve` raised. Processes start with the first element and end with the last
+        one.
 
     Raises
     ------
     SceneError
-        For a number of processes that makes no sense.
+        For an invalid number of processes, and for threads, comm or two kinds of load among the
+        arguments.
 
     Warns
     -----
@@ -107,14 +108,19 @@ def _solutions(
     count: int,
     make_bar: Callable[[], AbstractContextManager[Any]],
 ) -> Iterator[Solutions | Exception]:
-    """Yield the solutions in the order of the surfaces, solved by `count` processes; a bar, if
-    there is one, counts them."""
+    """Yield the Solutions, or the exceptions, in the order of the surfaces.
+
+    `count` processes solve them; they are killed at the end or when the generator is closed. The
+    context manager that `make_bar()` returns draws a bar, or gives None. Passes on the warnings of
+    the processes.
+    """
     workers = [_Worker() for _ in range(count)]
     idle: SimpleQueue[_Worker] = SimpleQueue()
     for worker in workers:
         idle.put(worker)
 
     def solve_one(surface: Any) -> Outcome:
+        """Solve a surface by the next idle worker, for which it waits. Called in a thread."""
         worker = idle.get()
         try:
             return worker.solve(surface, arguments)
@@ -126,6 +132,7 @@ def _solutions(
     submitted = 0
 
     def next_solution() -> Solutions | Exception:
+        """Wait for the first pending surface, pass on its warnings, return its outcome."""
         number = submitted - len(pending)
         solutions, warned = pending.popleft().result()
         if bar is not None:
@@ -155,13 +162,13 @@ def _solutions(
 
 
 class _Worker:
-    """A process that solves one surface after another; if it dies, the next one starts it again."""
+    """A process that solves one surface after another; if it has died, `solve` starts a new one."""
 
     def __init__(self) -> None:
         self.start()
 
     def start(self) -> None:
-        """Start the process."""
+        """Start the process, with a pipe to it."""
         self.connection, connection_of_process = Pipe()
         descriptor = connection_of_process.fileno()
         self.process = subprocess.Popen(
@@ -174,7 +181,12 @@ class _Worker:
         connection_of_process.close()
 
     def solve(self, surface: Any, arguments: dict[str, Any]) -> Outcome:
-        """Return Solutions, or the exception that was raised, and the warnings."""
+        """Let the process solve a surface; return (Solutions or an exception, warnings).
+
+        Starts the process again if it has died. Never raises: the exception is the one that `solve`
+        raised in the process, or one that tells that the process died or the surface cannot be
+        pickled.
+        """
         if self.process.poll() is not None:
             self.start()
         try:
@@ -187,13 +199,16 @@ class _Worker:
             return error, []
 
     def kill(self) -> None:
-        """End the process."""
+        """Kill the process and wait for its end."""
         self.process.kill()
         self.process.wait()
 
 
 def serve(descriptor: int) -> None:
-    """Solve the surfaces that a connection delivers until it is closed."""
+    """Run in a worker: solve the surfaces that arrive on a connection until it is closed.
+
+    `descriptor` is the open file descriptor of the connection, on which outcomes are sent back.
+    """
     connection = Connection(descriptor)
     while True:
         try:

@@ -1,4 +1,4 @@
-"""How much memory a scene takes on each rank: a table of measured bytes per point.
+"""Forecast of the memory of a scene on each rank, from a table of measured bytes per point.
 
 By tests/unit/runs/test_measured_memory.py a forecast is never too low, and at most 25 % too high.
 """
@@ -37,7 +37,7 @@ THREAD_GIB = 0.0035  # scratch of a thread
 def memory_of(
     scene: Scene, cell: tuple[int, int], itemsize: int, ranks: int, threads: int = 1
 ) -> float:
-    """Forecast the memory of the largest rank in GiB.
+    """Return a forecast of the memory of the largest rank, in GiB.
 
     Parameters
     ----------
@@ -57,7 +57,7 @@ def memory_of(
     points = -(-cell[0] // ranks) * cell[1]  # of the longest slab
     output = scene.output
     bytes_per_point = BYTES[itemsize, scene.solver.low_memory, sum(scene.surface.free)]
-    column = 2 * (ranks > 1) + (len(scene.load.given[1]) > 1)
+    column = 2 * (ranks > 1) + (len(scene.load.prescribed[1]) > 1)
     nbytes: float = bytes_per_point[column] * points
     is_fine = scene.solver.low_memory and (scene.solver.accuracy or 0) < FINE
     if itemsize == 4 and ranks > 1 and is_fine:

@@ -1,4 +1,4 @@
-"""What a scene takes: memory, messages, files and time, without allocating it."""
+"""Estimates of the memory, messages, files and time of a scene, without running it."""
 
 from __future__ import annotations
 
@@ -26,7 +26,9 @@ def plan_of(
     threads: int,
     cores: int,
 ) -> dict[str, Any]:
-    """Estimate what a scene takes.
+    """Estimate memory, messages, files and time of a scene.
+
+    The speed of this machine is measured for a few seconds unless it is in the user's cache.
 
     Parameters
     ----------
@@ -87,7 +89,7 @@ def _decomposition(
     ranks: int,
     per_node: int,
 ) -> dict[str, Any]:
-    """Return what the ranks have and send, the most of any rank."""
+    """Return the points and messages of the ranks by name; of any rank the most."""
     nested = scene.solver.nested is not False
     shares = busiest(cell, dtype, ranks, per_node, nominal=n, nested=nested)
     nbytes, messages = np.max([share.traffic for share in shares], axis=0).tolist()
@@ -106,7 +108,7 @@ def _decomposition(
 def _memory(
     scene: Scene, cell: tuple[int, int], itemsize: int, ranks: int, per_node: int, threads: int
 ) -> dict[str, Any]:
-    """Return the memory of a rank, of a node and of all ranks."""
+    """Return the memory of a rank, of a node and of all ranks by name."""
     gib_per_rank = memory_of(scene, cell, itemsize, ranks, threads)
     return {
         "bytes_per_rank": round(gib_per_rank * GIB),
@@ -119,9 +121,9 @@ def _memory(
 def _files(
     scene: Scene, n: tuple[int, int], cell: tuple[int, int], itemsize: int
 ) -> dict[str, float]:
-    """Return the size of the result, and of the gap that an interrupted load leaves."""
+    """Return the sizes of the result file and of the checkpoint of an interrupted load, in GiB."""
     stored = {"single": 4, "double": 8, None: itemsize}[scene.output.dtype]
-    _, loads = scene.load.given
+    _, loads = scene.load.prescribed
     numbers = len(loads) * len(scene.output.fields) * n[0] * n[1]
     return {
         "file_gib": numbers * stored / GIB,
@@ -130,7 +132,10 @@ def _files(
 
 
 def text_of(plan: dict[str, Any]) -> str:
-    """Write the plan as it is printed."""
+    """Return a plan as the text that `hpc-gfmd plan` prints.
+
+    The plan must have "gib_available" (of this machine), too, which `plan_of` does not set.
+    """
     n_x, n_y = plan["n"]
     cell_x, cell_y = plan["cell"]
     ranks = counted(plan["ranks"], "rank")
@@ -178,14 +183,14 @@ def text_of(plan: dict[str, Any]) -> str:
 
 
 def counted(number: int, noun: str) -> str:
-    """Write a number of things.
+    """Return a number with its noun, plural unless it is 1.
 
     Parameters
     ----------
     number : int
         How many.
     noun : str
-        One of them.
+        The singular.
 
     Returns
     -------
@@ -196,6 +201,6 @@ def counted(number: int, noun: str) -> str:
 
 
 def duration(seconds: float) -> str:
-    """Write seconds with two digits and no power of ten: 0.35 s, 110 s, 12000 s."""
+    """Return seconds as text with two digits and no power of ten: 0.35 s, 110 s, 12000 s."""
     digits = 1 - int(np.floor(np.log10(max(seconds, 1e-3))))
     return f"{round(seconds, digits):.{max(digits, 0)}f} s"

@@ -1,5 +1,4 @@
-"""A surface for a notebook or a script: read and prepared, or made, as a scene would, on one
-process."""
+"""Surfaces for a notebook or a script: read, prepared or made as a scene would, on one process."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -15,9 +14,11 @@ from ..parallel.comm import SerialComm
 from ..scene import Scene
 from ..scene.height_maps import Reading
 from ..surface import build_surface
-from ..surface.arrays import checked_array, is_topography, of_topography, unreliable
+from ..surface.arrays import checked_array, complete_array, is_topography, of_topography, unreliable
+from ..surface.heights import checked
 from ..surface.metadata import Metadata
 from ..surface.prepare import prepare
+from ..surface.quality import notes_on
 from ..surface.topography import Topography, open_topography, topography_of
 from ..surface.two_scans import combined, placed
 from ..util.errors import SceneError
@@ -31,7 +32,9 @@ OF_EDGES = {"boundary", "mirror", "window"}  # keys that say how the surface end
 
 @dataclass(frozen=True, eq=False)
 class Source:
-    """The table [surface] of a scene, and what it says: a surface that differs is not from it.
+    """The table [surface] that a PreparedSurface was made from, and what it was then.
+
+    `PreparedSurface.table` compares these to find out whether the surface was changed since.
 
     Attributes
     ----------
@@ -53,22 +56,22 @@ class Source:
 
 @dataclass(frozen=True, eq=False)
 class PreparedSurface:
-    """A rough surface with its sizes and units, which `hpc_gfmd.solve` takes.
+    """A rough surface with its sizes and units, for `hpc_gfmd.solve`.
 
     Attributes
     ----------
     heights : ndarray, shape (n_x, n_y)
-        Peaks up, float64, not to be written to (copy it).
+        Peaks up, float64, read-only (copy it to change it).
     sizes : (L_x, L_y)
-        Physical sizes, in the unit of the heights: m where `unit` is "m", otherwise ("") a unit
-        without a name.
+        Physical sizes, in the unit of the heights.
     unit : str
+        "m", or "" if the unit is unknown.
     prepared : tuple of str
-        What was done to the heights, a line each.
+        Operations on the heights so far, one line each.
     notes : tuple of str
-        What to know of them before the numbers, a line each.
+        What may be wrong with the heights, one line each.
     free : (bool, bool)
-        Whether the surface ends along x, along y; otherwise it is periodic.
+        Whether the surface has free edges along x, along y; otherwise it is periodic.
     source : Source or None
         Where the surface is from, for `table`.
     """
@@ -83,8 +86,11 @@ class PreparedSurface:
 
     @property
     def table(self) -> dict[str, Any] | None:
-        """The scene's [surface] that these heights are from; None of other ones, such as those of
-        a copy with changed heights or sizes."""
+        """The scene's [surface] that gives these heights; None if there is none.
+
+        It is None for heights from memory, and for a copy with changed heights, sizes, unit or
+        edges.
+        """
         source = self.source
         if source is None or source.heights is not self.heights:
             return None
@@ -92,22 +98,26 @@ class PreparedSurface:
         return source.table if is_same else None
 
     def from_table(self, table: dict[str, Any]) -> "PreparedSurface":
-        """Return the surface with the scene's [surface] that it is from."""
+        """Return a copy that remembers the scene's [surface] it was made from."""
         source = Source(table, self.heights, self.sizes, self.unit, self.free)
         return replace(self, source=source)
 
     @cached_property
     def h_rms(self) -> float:
-        """rms height, in the unit of the heights."""
+        """Rms height, in the unit of the heights."""
         return float(np.std(self.heights))
 
     def plot(self, **how: Any) -> "Figure":
-        """Draw the heights, a matplotlib figure; how: title, window, dpi, see height_map."""
+        """Draw the heights as a map and return the matplotlib figure.
+
+        `how` are title, window and dpi, see `plotting.height_map`.
+        """
         from ..plotting import height_map
 
         return height_map(self.heights, self.sizes, self.unit, **how)
 
     def __repr__(self) -> str:
+        """Return one line: points, sizes, roughness, edges, operations and notes."""
         attributes = {
             "n": self.heights.shape,
             "physical_sizes": self.sizes,
@@ -129,25 +139,25 @@ def read_surface(path: str | PathLike | Sequence[str | PathLike], **keys: Any) -
     ----------
     path
         A .npy, .npz, .txt, .csv, HDF5, NetCDF, TIFF or PNG file, or what SurfaceTopography reads
-        (.x3p, .gwy, .spm, ...); a list of two: their sum, of two rough bodies.
+        (.x3p, .gwy, .spm, ...); a list of two: the sum of two maps, for two rough bodies.
     **keys
         Those of the scene's [surface] with kind = "file", such as physical_sizes=("10 um", "8 um"),
         unit="nm", detrend="tilt", fill="harmonic", crop=(x0, y0, x1, y1), mirror=True,
         window="hann", refine=2, downsample=2, flip=True, boundary="free", radius="5 mm",
-        height_range=("0 nm", "500 nm"), dataset="name". What the file says of sizes holds unless
-        they are given here; another unit than its own is refused.
+        height_range=("0 nm", "500 nm"), dataset="name". Sizes in the file are used unless they are
+        given here; a unit that contradicts the file is refused.
 
     Returns
     -------
     PreparedSurface
-        Heights of shape (n_x, n_y) and sizes, in m where units are known; its `notes` say what may
-        be wrong with them.
+        Heights of shape (n_x, n_y) and sizes, in m if units are known; its `notes` tell what may be
+        wrong with them.
 
     Raises
     ------
     SceneError
-        For what cannot be read, or has no sizes, no unit, no heights at some points, or edges that
-        do not fit together.
+        If it cannot be read, or has no sizes, no unit, points without heights, or opposite edges
+        that do not fit together.
     """
     path = [str(file) for file in path] if isinstance(path, list | tuple) else str(path)
     scene, table = _scene({"kind": "file", "path": path} | keys, "hpc_gfmd.read_surface")
@@ -155,40 +165,78 @@ def read_surface(path: str | PathLike | Sequence[str | PathLike], **keys: Any) -
 
 
 def prepare_surface(heights: Any, **keys: Any) -> PreparedSurface:
-    """Prepare heights that are in memory as `read_surface` does those of a file.
+    """Prepare heights that are in memory, as `read_surface` does with those of a file.
 
     Parameters
     ----------
     heights
-        An array (n_x, n_y), peaks up; a masked array, or nan, where points have no height; or a
-        Topography of SurfaceTopography, and what its `.detrend()`, `.to_unit()`, `.scale()` and
-        filters give, whose sizes, unit and periodicity hold.
+        An array (n_x, n_y), peaks up, masked or nan at points without a height; or a Topography of
+        SurfaceTopography, also after `.detrend()`, `.to_unit()`, `.scale()` and filters, whose
+        sizes, unit and periodicity are used. It is not changed.
     **keys
         Those of `read_surface`. physical_sizes of an array: default (1, 1), in its unit.
 
     Returns
     -------
     PreparedSurface
-        As `read_surface`; a Topography that is not periodic ends, unless `boundary` says otherwise.
+        As `read_surface`; a Topography that is not periodic gets free edges, unless `boundary`,
+        `mirror` or `window` is given.
 
     Raises
     ------
     SceneError
         As `read_surface`.
     """
+    return _prepared(*_in_memory(heights, keys))
+
+
+def surface_of_topography(topography: Any) -> PreparedSurface:
+    """Return the surface that a Topography of SurfaceTopography shows as it is.
+
+    Parameters
+    ----------
+    topography : SurfaceTopography.Topography
+
+    Returns
+    -------
+    PreparedSurface
+        As `prepare_surface` without keys.
+
+    Raises
+    ------
+    SceneError
+        For a Topography without sizes, or with points that have no height.
+    """
+    as_it_is, spec = _in_memory(topography, {})
+    checked(complete_array(topography.heights()), 0, "heights")
+    if as_it_is.lacks:
+        raise SceneError("; ".join(as_it_is.lacks.values()))
+    notes, _ = notes_on(as_it_is, spec, SerialComm())
+    return _surface(replace(as_it_is, notes=(*as_it_is.notes, *notes)), spec)
+
+
+def _in_memory(heights: Any, keys: dict[str, Any]) -> tuple[Topography, Any]:
+    """Return heights in memory as a map that can be read, and the [surface] of a scene with these
+    keys.
+
+    `heights` and `keys` are those of `prepare_surface`. Edges and sizes that the keys do not give
+    are those of the heights. Raises SceneError.
+    """
     metadata = Metadata()
-    doubt = None
+    notes = []
     if is_topography(heights):
         doubt = unreliable(heights)
+        if doubt:
+            _, note = doubt
+            notes.append(note)
         heights, metadata = of_topography(heights)
         if not metadata.periodic and not keys.keys() & OF_EDGES:
-            keys["boundary"] = "free"
+            keys = keys | {"boundary": "free"}
     elif not keys.keys() & {"physical_sizes", "unit"}:
-        keys["physical_sizes"] = 1.0, 1.0
+        keys = keys | {"physical_sizes": (1.0, 1.0)}
     scene, _ = _scene({"kind": "file", "path": "the array"} | keys, "hpc_gfmd.prepare_surface")
     topography = topography_of(checked_array(heights), metadata, scene.surface)
-    surface = _prepared(topography, scene.surface)
-    return replace(surface, notes=(*surface.notes, doubt[1])) if doubt else surface
+    return replace(topography, notes=(*topography.notes, *notes)), scene.surface
 
 
 def combine_surfaces(
@@ -199,9 +247,9 @@ def combine_surfaces(
     mirrored: str = "x",
     **keys: Any,
 ) -> PreparedSurface:
-    """Add two rough surfaces that face each other to the one that is pressed, on one process.
+    """Add two rough surfaces that face each other to a single one, on one process.
 
-    The points of the finer one are the grid, in the window that both cover. The coarser one is
+    The grid is that of the finer one, within the window that both cover. The coarser one is
     interpolated by cubic splines.
 
     Parameters
@@ -210,19 +258,19 @@ def combine_surfaces(
         Each a PreparedSurface, a Topography of SurfaceTopography, or the path of a height map;
         peaks up.
     shift : (x, y)
-        Where the first corner of `facing` lies, from that of `surface`: lengths such as
-        "5 um", or numbers in the unit of the sizes.
+        Where the first corner of `facing` lies, relative to that of `surface`: lengths such as "5
+        um", or numbers in the unit of the sizes.
     mirrored : str
-        Along which axis `facing` is mirrored, "x" or "y": as a scan from above is when its
-        body is turned over to face the other. "none" where x and y of both are the same directions
-        in space.
+        Axis along which `facing` is mirrored, "x" or "y": as a scan from above is when its body is
+        turned over to face the other. "none" if x and y of both are the same directions in space.
     **keys
-        Those of `read_surface`: how files are read, and what is done to the sum.
+        Those of `read_surface`: how files are read, and operations on the sum.
 
     Returns
     -------
     PreparedSurface
-        As `read_surface`; it ends where one of the two does, unless `boundary` says otherwise.
+        As `read_surface`; it has free edges along an axis where one of the two has, unless
+        `boundary`, `mirror` or `window` is given.
 
     Raises
     ------
@@ -234,7 +282,7 @@ def combine_surfaces(
     paths = [
         str(one) if isinstance(one, str | PathLike) else name for one, name in zip(surfaces, names)
     ]
-    ends = [_ends(one) for one in surfaces]
+    ends = [_free_edges(one) for one in surfaces]
     if np.any(ends) and not keys.keys() & OF_EDGES:
         keys["boundary"] = ["free" if end else "periodic" for end in np.any(ends, axis=0)]
     bodies = [{"path": paths[0]}, {"path": paths[1], "shift": shift, "mirrored": mirrored}]
@@ -247,15 +295,22 @@ def combine_surfaces(
     return prepared if set(paths) & set(names) else prepared.from_table(table)
 
 
-def _ends(surface: Any) -> tuple[bool, bool]:
-    """Return whether a surface in memory ends along x, along y; of a file its reader knows."""
+def _free_edges(surface: Any) -> tuple[bool, bool]:
+    """Whether a surface in memory has free edges along x, along y.
+
+    False for the path of a file, whose boundary is known when it is read.
+    """
     if isinstance(surface, PreparedSurface):
         return surface.free
     return (is_topography(surface) and not surface.is_periodic,) * 2
 
 
 def _scan(surface: Any, path: str, spec: Any, keys: dict[str, Any]) -> Topography:
-    """Return one of two surfaces as it is read. Raises SceneError."""
+    """Return the Topography of one of two surfaces; a file is opened.
+
+    `path` is its path, or a name for messages. Raises SceneError if it cannot be read, or if keys
+    for reading files are given with a PreparedSurface.
+    """
     if isinstance(surface, PreparedSurface):
         of_files = [key for key in keys if key in Reading.model_fields]
         if of_files:
@@ -286,8 +341,18 @@ def _scan(surface: Any, path: str, spec: Any, keys: dict[str, Any]) -> Topograph
 
 
 def _prepared(topography: Topography, spec: Any) -> PreparedSurface:
-    """Return the surface that a scene's [surface] makes of a height map."""
-    topography = prepare(topography, spec, SerialComm())
+    """Return the PreparedSurface that a scene's [surface] makes of a height map.
+
+    All heights are read. Raises SceneError as `prepare`.
+    """
+    return _surface(prepare(topography, spec, SerialComm()), spec)
+
+
+def _surface(topography: Topography, spec: Any) -> PreparedSurface:
+    """Read all heights of a map, which is pressed as it is, with the edges of a scene's [surface].
+
+    Heights that belong to the caller are copied; those of the result cannot be written to.
+    """
     heights = topography.rows(0, topography.n[0])
     if not heights.flags.owndata:  # those of the caller, who may change them
         heights = heights.copy()
@@ -298,7 +363,7 @@ def _prepared(topography: Topography, spec: Any) -> PreparedSurface:
 
 
 def make_surface(kind: str, **keys: Any) -> PreparedSurface:
-    """Make a rough surface as a scene would, on one process.
+    """Make a rough surface from a formula, as a scene would, on one process.
 
     Parameters
     ----------
@@ -312,7 +377,7 @@ def make_surface(kind: str, **keys: Any) -> PreparedSurface:
     Returns
     -------
     PreparedSurface
-        Heights of shape (n_x, n_y), the highest at 0, and sizes, in m where they were given with
+        Heights of shape (n_x, n_y), the highest at 0, and sizes, in m if they were given with
         units.
 
     Raises
@@ -329,14 +394,19 @@ def make_surface(kind: str, **keys: Any) -> PreparedSurface:
 
 
 def _scene(table: dict[str, Any], caller: str) -> tuple[Scene, dict[str, Any]]:
-    """Return a scene with these keys as its [surface], and that table. Raises SceneError."""
+    """Return a scene with `table` as its [surface], and the table in plain Python values.
+
+    `caller` names the function in messages. Raises SceneError for invalid keys and values.
+    """
     table = {key: plain(value) for key, value in table.items()}
     return Scene.from_dict({"surface": table, "load": {"pressure": 1.0}}, caller), table
 
 
 def plain(value: Any) -> Any:
-    """Return a value as a scene takes it: NumPy's numbers and arrays, lists and tuples become
-    Python's numbers and lists."""
+    """Convert NumPy numbers, arrays and tuples, also nested, to Python numbers and lists.
+
+    Other values are returned as they are.
+    """
     if isinstance(value, list | tuple):
         return [plain(item) for item in value]
     return value.tolist() if hasattr(value, "tolist") else value

@@ -1,4 +1,4 @@
-"""What a person sees while a run works: a progress bar on a terminal, lines in a batch job."""
+"""Progress of a run for a person: a bar on a terminal, lines in a batch job."""
 
 import math
 import os
@@ -18,23 +18,23 @@ LINE_SECONDS = 10.0  # between two lines about one load
 
 
 class Reporter:
-    """Prints how far a run has got, on rank 0 alone.
+    """Prints how far a run has got, on rank 0 only.
 
-    A line that cannot be printed is lost and so is all that follows; the run goes on.
+    After a line that cannot be printed nothing more is printed; the run continues.
 
     Parameters
     ----------
     comm : Comm
         Communicator of the run.
     target : SolverTable
-        Table [solver] of the scene, with the accuracy or the residual that is asked for.
+        Table [solver] of the scene, with the required accuracy or residual.
     quiet : bool
-        Print nothing.
+        Whether to print nothing.
     bar : bool, optional
         Whether to draw a bar; by default on a terminal and in a notebook, or as the environment
-        variable HPC_GFMD_PROGRESS ("bar" or "log") says.
+        variable HPC_GFMD_PROGRESS ("bar" or "log") tells.
     out : file, optional
-        Where lines go; by default, and in a notebook, standard output.
+        Where lines are printed; default: standard output. Bars are drawn on `bar_stream`.
     """
 
     def __init__(
@@ -57,7 +57,7 @@ class Reporter:
         self.bar: Any = None
 
     def say(self, text: str) -> None:
-        """Print one line."""
+        """Print one line, on rank 0 unless quiet. Never raises for a stream that fails."""
         if self.silent or self.out is None:
             return
         encoding = getattr(self.out, "encoding", None) or "utf-8"
@@ -72,12 +72,12 @@ class Reporter:
             self.out = None
 
     def step(self, index: int, count: int, quantity: str, value: float) -> None:
-        """Begin a load.
+        """Begin to report on a load; draw an empty bar if there are bars.
 
         Parameters
         ----------
         index : int
-            Its number, from 0.
+            Number of the load, from 0.
         count : int
             Number of loads of the run.
         quantity : str
@@ -96,14 +96,14 @@ class Reporter:
                 self._drop_bar()
 
     def watch(self, iterations: int, progress: Progress) -> None:
-        """Report on the load after an iteration.
+        """Report on the load after an iteration: move the bar, or print a line every LINE_SECONDS.
 
         Parameters
         ----------
         iterations : int
             Iterations of this load so far.
         progress : Progress
-            What the solver knows of its accuracy.
+            Residual and estimated errors of the solver.
         """
         if self.silent:
             return
@@ -122,7 +122,10 @@ class Reporter:
             self.say(f"{self.name}: {text}, {now - self.begin_time:.0f} s")
 
     def _draw(self, error: float, text: str) -> None:
-        """Move the bar to the part of the way, in decades of the error, that is done."""
+        """Set the bar to the share of the decades of the error that are done, and its text.
+
+        The share never falls. May raise OSError or ValueError.
+        """
         wanted = self.target.tolerance
         if 0 < error < math.inf:
             self.first_error = self.first_error or error
@@ -132,7 +135,7 @@ class Reporter:
         self.bar.set_postfix_str(text)
 
     def done(self) -> None:
-        """End the load: remove its bar."""
+        """End the report on a load and remove its bar, if there is one."""
         if self.bar is not None:
             try:
                 self.bar.close()
@@ -141,29 +144,31 @@ class Reporter:
             self.bar = None
 
     def _drop_bar(self) -> None:
-        """Do without bars from here on."""
+        """Draw no more bars, after the stream has failed."""
         discard(bar_stream())
         self.bar = None
         self.draws_bar = False
 
 
 def bar_stream() -> Any:
-    """Return the stream of bars: standard error, in a notebook standard output, which it does not
-    colour as an error."""
+    """Return the stream for bars: standard error, or standard output in a notebook.
+
+    A notebook would colour standard error as an error.
+    """
     return sys.stdout if in_notebook() else sys.stderr
 
 
 def new_bar(name: str, total: float | None, bar_format: str | None = None) -> Any:
-    """Draw a bar: a widget in a notebook that has ipywidgets, otherwise one line.
+    """Draw a progress bar: a widget in a notebook with ipywidgets, otherwise one line of text.
 
     Parameters
     ----------
     name : str
-        Before the bar.
+        Text before the bar.
     total : float or None
-        Its length, where that is known.
+        The value at which it is full; None if unknown.
     bar_format : str, optional
-        As of tqdm.
+        As for tqdm.
 
     Returns
     -------
@@ -173,7 +178,7 @@ def new_bar(name: str, total: float | None, bar_format: str | None = None) -> An
     Raises
     ------
     OSError, ValueError
-        Where it cannot be printed.
+        If it cannot be printed.
     """
     if in_notebook() and find_spec("ipywidgets"):
         from tqdm.notebook import tqdm
@@ -183,7 +188,7 @@ def new_bar(name: str, total: float | None, bar_format: str | None = None) -> An
 
 
 def _is_terminal(stream: Any) -> bool:
-    """Return whether a stream is a terminal."""
+    """Whether a stream is a terminal; False for None and for a closed stream."""
     try:
         return bool(stream.isatty())
     except (AttributeError, OSError, ValueError):  # None, or closed

@@ -11,9 +11,11 @@ PAPER = "Prodanov, Dapp, Müser, Tribol. Lett. 53 (2014) 433, doi:10.1007/s11249
 
 
 def references_of(result: Result) -> list[str]:
-    """Return what to cite, a line each: the program, its paper (also of the corrections to the TFC
-    limit), the elastic body, the algorithm, the observables, the theory that is drawn beside
-    them."""
+    """Return what to cite for a result, one line each, each only once.
+
+    These are the program, its paper (also for the corrections to the TFC limit), the elastic body,
+    the algorithm, the observables, and the theory that is drawn beside them.
+    """
     # with Matplotlib, which a solve has no need of
     from ..plotting.theories import scene_of, theory_of
 

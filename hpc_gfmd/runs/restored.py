@@ -1,5 +1,4 @@
-"""A solved contact again from what a result says of it, so that more observables can be asked for
-than the run was."""
+"""The contact of a stored load, restored from its fields to compute further observables."""
 
 from dataclasses import replace
 
@@ -18,8 +17,11 @@ ROUNDING = 1e-6  # relative, of stored pressures
 
 
 def restored_contact(result: Result) -> Contact:
-    """Make the Contact of a Result with one load, on one process. Raises SceneError without its
-    pressure and gap."""
+    """Return the Contact of a Result with one load, from its fields, on one process.
+
+    The displacement energy, the approach and the duality gap cannot be restored and are nan or
+    None. Fields are read from the file. Raises SceneError if the pressure or the gap is missing.
+    """
     step = result.steps[0]
     stored = result.fields[0]
     attributes = result.surface
@@ -49,6 +51,7 @@ def restored_contact(result: Result) -> Contact:
     )
     if heights is not None:
         surface = replace(surface, h=heights / -surface.height_unit)
+    E_star = scene.material.E_star
     hardness = scene.material.hardness
     yields = (1 - ROUNDING) * (hardness or np.inf)
     certificate = Certificate(
@@ -56,9 +59,9 @@ def restored_contact(result: Result) -> Contact:
         yielded=int(np.count_nonzero(fields["pressure"] >= yields)),
         gap_mean=float(fields["gap"].mean(dtype=float)) / surface.height_unit,
         energy=np.nan,
+        attraction=(step.get("attraction") or 0.0) / (E_star * surface.slope),
         stability=step.get("stability") or np.nan,
     )
-    E_star = scene.material.E_star
     beyond = [(0, cell - points) for cell, points in zip(grid.shape, fields["gap"].shape)]
     return Contact(
         surface,
@@ -77,7 +80,7 @@ def restored_contact(result: Result) -> Contact:
 
 
 def _constant_axis(*fields: np.ndarray) -> int | None:
-    """Find the axis along which nothing varies, the first of two; None where there is none."""
+    """Return the first axis along which all fields are constant; None if there is none."""
     for axis in (0, 1):
         if all((values == values.take([0], axis)).all() for values in fields):
             return axis

@@ -1,5 +1,4 @@
-"""A scene with files: read, solved load by load, written as the loads finish, gone on with where a
-run was interrupted."""
+"""Run of a scene with files: each load is written when it is finished; a stopped run can go on."""
 
 import json
 import time
@@ -32,25 +31,25 @@ from ..surface.number_range import field_dtype
 from ..util.errors import GfmdError, SceneError
 from ..util.versions import versions
 from .capacity import require_memory
-from .loads import check, solved, step_attributes, surface_attributes, sweep_of, worst
+from .loads import check, solved, step_attributes, surface_attributes, sweep_of, worst_status
 from .progress import Reporter
 from .table import GrowingTable
 
 
 @dataclass(frozen=True)
 class RunResult:
-    """What a run has come to.
+    """Outcome of a run.
 
     Attributes
     ----------
     path : Path
-        The result file.
+        The result file; it does not exist if the run was interrupted.
     steps : list of dict
-        Attributes of all loads that are finished, by the names of the result file.
+        Attributes of all finished loads, by the names of the result file.
     status : str
-        The worst of theirs; "interrupted" where some are missing.
+        The worst status of the loads; "interrupted" if some are missing.
     exit_code : int
-        Of the command line.
+        Exit code for the command line.
     """
 
     path: Path
@@ -69,18 +68,21 @@ def run_scene(
 ) -> RunResult:
     """Solve a scene and write its result file, as `hpc-gfmd run` does. Collective.
 
-    Goes on with an interrupted run of the same scene that lies at its output.
+    If an interrupted run of the same scene lies at its output, it is continued. While it runs,
+    signals to stop (SIGINT, SIGTERM, ...) are handled: the run stops after the current iteration,
+    and what is finished is kept.
 
     Parameters
     ----------
     scene
         Path of a TOML file, or a scene.Scene.
     overrides
-        Texts "table.key=value".
+        Texts "table.key=value"; only for a scene in a file.
     out
-        Path of the result instead of the scene's.
+        Path of the result; default: that in the scene.
     force
-        Begin anew whatever is there: an interrupted run, or the result of another scene.
+        Start from the beginning and overwrite whatever is there: an interrupted run, or the result
+        of another scene.
     quiet
         Print nothing.
     comm
@@ -89,12 +91,12 @@ def run_scene(
     Returns
     -------
     RunResult
-        What was written, and how it went.
+        The finished loads and the status; an interrupted run raises nothing.
 
     Raises
     ------
     SceneError
-        On all ranks, for a wrong scene.
+        On all ranks, for an invalid scene, too little memory, or a result that would be lost.
     GfmdError
         For what failed while running.
     """
@@ -138,7 +140,7 @@ def run_scene(
             run.start(begun)
             status = run.all_loads()
         except Stopped:
-            say.say(f"stopped: {run.standing()}; {how_to_continue}")
+            say.say(f"stopped: {run.progress_text()}; {how_to_continue}")
             status = "interrupted"
         codes = {"converged": 0, "separated": 0, "interrupted": interrupt.exit_code}
         return RunResult(file.path, [*file.finished.values()], status, codes.get(status, 3))
@@ -146,7 +148,7 @@ def run_scene(
 
 @dataclass(eq=False)
 class _Run:
-    """The loads of one run: what is missing is solved, and written at once."""
+    """The loads of one run: those that are missing are solved and written at once."""
 
     comm: Comm
     scene: Scene
@@ -155,10 +157,10 @@ class _Run:
     interrupt: Interrupt
     threads: int
     loads: list[Load] = field(default_factory=list)
-    unfinished: str = ""  # load in the middle of which the run was stopped, for a person
+    unfinished: str = ""  # the load that was stopped before it converged, for messages
 
-    def standing(self) -> str:
-        """Return how far the run has got, for a person."""
+    def progress_text(self) -> str:
+        """Return how far the run has got, for a message: "2 of 5 loads are finished, ..."."""
         if not self.loads:
             return "no load had begun"
         count = len(self.file.finished)
@@ -166,11 +168,11 @@ class _Run:
         return f"{count} of {len(self.loads)} loads {are} finished{self.unfinished}"
 
     def start(self, begun: float) -> None:
-        """Compile the kernels, make surface, sweep and loads, write the header of the result and
-        print the headline. Collective.
+        """Compile kernels, make surface, sweep and loads, write head.h5. Collective.
 
-        begun: time.monotonic() at the start of the run. Raises SceneError if the heights are not
-        those of the resumed run, or do not fit the output precision."""
+        `begun` is time.monotonic() at the start of the run. Raises SceneError if the heights are
+        not those of the resumed run, or do not fit the output precision.
+        """
         scene = self.scene
         file = self.file
         say = self.say
@@ -195,12 +197,12 @@ class _Run:
         say.say(self._headline(attributes, time.monotonic() - begun))
 
     def _make_surface(self, dtype: np.dtype) -> Surface:
-        """Make the surface of the scene in a precision. Collective."""
+        """Return the surface of the scene in a precision. Collective."""
         low_memory = self.scene.solver.low_memory
         return build_surface(self.scene.surface, self.comm, dtype, self.threads, low_memory)
 
     def _require_the_same_heights(self, surface: Surface) -> None:
-        """Raise SceneError where the run that is resumed had other heights."""
+        """Raise SceneError if the resumed run had other heights."""
         earlier = self.file.earlier.get("heights")
         is_resumed = earlier is not None or bool(self.file.finished)
         if is_resumed and (earlier or None) != surface.checksum:
@@ -210,7 +212,10 @@ class _Run:
             )
 
     def all_loads(self) -> str:
-        """Solve what is not finished, and complete the file; return the status. Raises Stopped."""
+        """Solve the missing loads, write the result file and the table; return the worst status.
+
+        Collective. Raises Stopped if the run has to stop before all loads are finished.
+        """
         finished = self.file.finished
         if finished:
             self.say.say(self.table.add(finished))
@@ -218,15 +223,17 @@ class _Run:
         if missing:
             self.interrupt.require_time()
             self._solve(missing)
-        status = worst([*self.file.finished.values()])
+        status = worst_status([*self.file.finished.values()])
         self.file.finish(status)
         for line in self.table.end():
             self.say.say(line)
         return status
 
     def _solve(self, missing: list[int]) -> None:
-        """Solve the loads of these indices and write each as soon as it is finished. Raises
-        Stopped."""
+        """Solve and write the loads of these indices. Collective.
+
+        Raises Stopped as soon as the run has to stop; within a load its gap is written first.
+        """
         for index, contact, seconds in solved(
             self.scene,
             self.sweep,
@@ -248,7 +255,7 @@ class _Run:
                 raise Stopped(self.interrupt.agreed)
 
     def _write(self, index: int, contact: Contact, seconds: float) -> None:
-        """Write a finished load."""
+        """Compute the observables of a finished load, write it, print its row. Collective."""
         self._require_storable(contact.p_mean)
         attributes = step_attributes(self.scene, index, contact, seconds)
         names = self.scene.output.fields
@@ -258,7 +265,10 @@ class _Run:
         self.say.say(self.table.add({index: attributes}))
 
     def _keep_gap(self, index: int, contact: Contact, seconds: float) -> None:
-        """Write the gap of a load that is stopped in its middle, so that it goes on from there."""
+        """Write the gap of a load that is stopped before it converged. Collective.
+
+        Not for a surface that varies along one axis only: such a load takes no time.
+        """
         if self.sweep.surface.reduced_axis is None:  # along one axis a load takes no time
             numbers = {
                 "p": contact.p_mean,
@@ -269,10 +279,11 @@ class _Run:
             self.file.write_checkpoint(contact.grid, index, contact.g, numbers)
 
     def _unfinished(self, index: int) -> tuple[Unfinished, float] | None:
-        """Return the state of a load saved when a run was stopped, and the seconds spent on it;
-        None if there is none for this load. Collective.
+        """Return (stored state of a load that was stopped, seconds spent on it). Collective.
 
-        A checkpoint that cannot be read, or is of another grid, also gives None, with a note."""
+        None if there is none of this load or, with a note, if it cannot be read or is of another
+        grid.
+        """
         grid = self.sweep.surface.grid
         try:
             checkpoint = self.file.checkpoint()
@@ -289,8 +300,7 @@ class _Run:
         return unfinished, numbers["seconds"]
 
     def _require_storable(self, *pressures: float) -> None:
-        """Raise SceneError where a field that is asked for in single precision does not fit into
-        it at one of these mean pressures."""
+        """Raise SceneError if output.dtype = "single" cannot hold the fields at these pressures."""
         if self.scene.output.dtype != "single":
             return
         surface = self.sweep.surface
@@ -304,7 +314,7 @@ class _Run:
                     )
 
     def _headline(self, attributes: dict[str, Any], seconds: float) -> str:
-        """Return the line that says what is solved, by how many ranks."""
+        """Return the line on surface, ranks and precision; `seconds`: time of the preparation."""
         scene = self.scene
         surface = self.sweep.surface
         ranks = self.comm.size
@@ -354,12 +364,15 @@ def restart(
         For what failed while running.
     """
     comm = comm or world()
-    scene = on_rank_0(comm, "reading the interrupted run", lambda: _left_scene(Path(path)))
+    scene = on_rank_0(comm, "reading the interrupted run", lambda: _interrupted_scene(Path(path)))
     return run_scene(with_overrides(scene, overrides, "machine"), out=path, quiet=quiet, comm=comm)
 
 
-def _left_scene(path: Path) -> Scene:
-    """Read the scene of the interrupted run that writes `path`."""
+def _interrupted_scene(path: Path) -> Scene:
+    """Return the scene of the interrupted run that writes `path`; SceneError if there is none.
+
+    Removes a stale folder of a run that has finished.
+    """
     folder = partial_folder(path)
     if not ((folder / HEAD).exists() or is_held(folder)):
         clear(folder)  # what a run that died after it had finished the file left
@@ -377,7 +390,7 @@ def _left_scene(path: Path) -> Scene:
 def _read_scene(
     scene: str | PathLike | Scene, overrides: Iterable[str], out: str | PathLike | None
 ) -> Scene:
-    """Return the scene of a run, read and changed as its arguments say. Raises SceneError."""
+    """Return the scene of a run from the arguments of `run_scene`. Raises SceneError."""
     if not isinstance(scene, str | PathLike | Scene):
         raise SceneError(
             f"hpc_gfmd.run: found a {type(scene).__name__}, allowed: the path of a scene file, or a"

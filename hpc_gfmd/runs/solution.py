@@ -1,5 +1,4 @@
-"""A solved load, in memory or from a result file: its numbers and fields, and what else can be
-computed from them."""
+"""A solved load, in memory or from a result file: numbers, fields, and what follows from them."""
 
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -34,17 +33,17 @@ LOST = ("energy", "approach", *OF_DUALITY)  # observables that the fields do not
 
 
 def _field(name: str, about: str) -> Any:
-    """Make a property of a Solution: the field of this name."""
+    """Return a property of a Solution: the field of this name. `about` is its docstring."""
     return property(lambda solution: solution._field(name), doc=about)
 
 
 class StoredDistribution(dict):
-    """The arrays of a distribution by name.
+    """Arrays of a distribution by name, as a dict with units.
 
     Attributes
     ----------
     units : dict of str to str
-        Of each array, as "Pa"; "" where the unit has no name.
+        Unit of each array, as "Pa"; "" if the unit has no name.
     """
 
     units: dict[str, str]
@@ -54,38 +53,38 @@ class Solution(Solved):
     """A solved load.
 
     Every number of the result is an attribute of its name: `hpc-gfmd help observables` lists them.
-    Pressures are in the unit of E_star (Pa where `pressure_unit` is "Pa"), lengths in that of the
-    heights (m where `unit` is "m"). Fields have the shape of the heights, (n_x, n_y), or, where a
-    communicator was given, are the rows of this rank: `rows`.
+    Pressures are in the unit of E_star (Pa if `pressure_unit` is "Pa"), lengths in that of the
+    heights (m if `unit` is "m"). Fields have the shape of the heights, (n_x, n_y); with a
+    communicator they are the rows of this rank, `rows`.
 
     Attributes
     ----------
     p, p_star : float
         Mean pressure over the nominal area; p/(E* g_rms), nan on a flat surface.
     a_r, a_r_corrected : float
-        Relative contact area: points in contact over all points; less what points on the edge of
-        the contact count too much (None for profiles and for points that are not square).
+        Relative contact area: fraction of points in contact; the same with a correction for the
+        edge of the contact (None for profiles and for points that are not square).
     a_r_error, a_r_discretisation : float
-        Estimated relative errors of a_r: the solver's on this grid; by the size of a grid point.
+        Estimated relative errors of a_r: by the solver on this grid; by the size of a grid point.
     contact_area : float
         a_r times the nominal area.
     contact_pressure_mean, contact_pressure_max : float
-        Mean pressure where the surfaces touch (None where they do not); largest of a grid point.
+        Mean pressure over the contact area (None if nothing touches); largest at a grid point.
     gap_mean : float
         Mean gap over the nominal area.
     gap_error, pressure_error : float
-        Estimated relative errors of the solver, of the mean gap and of the pressure field (L2).
+        Estimated relative errors by the solver, of the mean gap and of the pressure field (L2).
     status : str
-        "converged", "stagnated", "max_iterations", "nonfinite", "interrupted", or "separated",
-        where the load pulls more than the attraction of the surfaces holds.
+        "converged", "stagnated", "max_iterations", "nonfinite", "interrupted", or "separated" if
+        the load pulls more than the attraction of the surfaces holds.
     iterations, fft_pairs : int, float
-        On the fine grid; everything counted.
+        Iterations on the finest grid; all FFT pairs, in pairs of the finest grid.
     residual : float
-        rms pressure where the gap is open, over the mean pressure.
+        Rms pressure where the gap is open, over the mean pressure.
     precision : str
-        "float32" or "float64": in which it was solved.
+        "float32" or "float64": that of the solution.
     result : output.result.Result
-        All that is known, by the names of the result file: result.surface, result.steps[0],
+        All numbers and fields, by the names of the result file: result.surface, result.steps[0],
         result.fields[0].
     """
 
@@ -125,7 +124,7 @@ class Solution(Solved):
         comm : Comm, optional
             All ranks; default: this process alone.
         contact : Contact, optional
-            The solved load in memory, which finds what the result does not have.
+            The solved load in memory, for numbers and fields that the result does not have.
         """
         super().__init__(result, rows, comm)
         self._contact = contact
@@ -140,13 +139,15 @@ class Solution(Solved):
 
     @property
     def errors(self) -> tuple[float, float, float]:
-        """Estimated relative errors, by the solver on this grid, of a_r, of the mean gap and of the
-        pressure field (L2)."""
+        """Estimated relative errors of a_r, of the mean gap and of the pressure field (L2).
+
+        They are the solver's, on this grid.
+        """
         return self.a_r_error, self.gap_error, self.pressure_error
 
     @property
     def note(self) -> str | None:
-        """What limits the meaning of the numbers, such as too few points that touch."""
+        """What limits the meaning of the numbers, such as few points in contact, or None."""
         return self._step.get("note")
 
     pressure: np.ndarray = _field(
@@ -170,22 +171,26 @@ class Solution(Solved):
 
     @property
     def contact(self) -> np.ndarray:
-        """Where the surfaces touch, (n_x, n_y) of bool: pressure > 0."""
+        """Mask of the points in contact, (n_x, n_y) of bool: pressure > 0."""
         return self.pressure > 0
 
     def value(self, name: str) -> Any:
-        """Return a number by its name in the result file, an `observable` or another one."""
+        """Return a number, text or list by its name in the result file.
+
+        An observable that the result does not have is computed, see `observable`; None if it has no
+        value. Raises SceneError for an unknown name.
+        """
         return self._step[name] if name in self._step else self.observable(name)
 
     _get = value
 
     def observable(self, name: str) -> Any:
-        """Return a number by its name in the scene's output.observables, computed now if it was not
-        asked for before.
+        """Return an observable, computed now and kept if the result does not have it. Collective.
 
-        "stiffness", "patches", ...: the number (None where it has no value); "percolation" and
-        other names of several: a dict. Collective. Raises SceneError for an unknown name, and
-        where what is left of the contact does not tell it.
+        For a name such as "stiffness" the number, or None if it has no value; for a name that
+        stands for several, such as "percolation", a dict. `name` is one that output.observables of
+        a scene may have. Raises SceneError for an unknown name, and if the stored fields do not
+        suffice to compute it.
         """
         require_known("observable", name, observable_names())
         members = observables_named([name])
@@ -202,12 +207,12 @@ class Solution(Solved):
         return {member: self._step[member] for member in members}
 
     def distribution(self, name: str) -> StoredDistribution | None:
-        """Return arrays by their name in the scene's output.distributions, computed now if they
-        were not asked for before.
+        """Return a distribution, computed now and kept if the result does not have it. Collective.
 
-        "pressure", "gap", "patches": {"edges": (k + 1,), "density": (k,)}; "heights_spectrum":
-        {"q", "power"}; ... with their `units`. None where there is nothing to count. Collective.
-        Raises SceneError as `observable`.
+        `name` is one that output.distributions of a scene may have. "pressure", "gap", "patches":
+        {"edges": (k + 1,), "density": (k,)}; "heights_spectrum": {"q", "power"}; ... with their
+        `units`. None if no point contributes. Raises SceneError as `observable`, and if it needs a
+        periodic surface.
         """
         require_known("distribution", name, all_distributions())
         if not self._stored_distribution(name):
@@ -224,12 +229,12 @@ class Solution(Solved):
 
     @property
     def observables(self) -> dict[str, float | None]:
-        """The numbers that are known so far, by name; `observable` finds others."""
+        """{name: value} of the observables known so far; `observable` computes others."""
         return {name: self._step[name] for name in all_observables() if name in self._step}
 
     @property
     def distributions(self) -> dict[str, StoredDistribution]:
-        """The distributions that are known so far, by name; `distribution` finds others."""
+        """{name: arrays} of the distributions known so far; `distribution` computes others."""
         return {
             name: distribution
             for name in all_distributions()
@@ -237,9 +242,12 @@ class Solution(Solved):
         }
 
     def patch_table(self) -> "DataFrame":
-        """Make a pandas table of the contact patches, the largest first: area, load (the force that
-        it carries), x and y of its centre, perimeter, periodic (it goes on across an edge of the
-        cell); units by column in its `attrs`."""
+        """Return a pandas table of the contact patches, the largest first.
+
+        Columns: area, load (the force that it carries), x and y (its centre), perimeter, periodic
+        (whether it continues across an edge of the cell). `attrs["units"]` holds {column: unit}.
+        Raises SceneError if the fields are spread over ranks, or pressure and gap are missing.
+        """
         from pandas import DataFrame
 
         from ..contact.patches import TABLE_UNITS, patch_table
@@ -251,15 +259,18 @@ class Solution(Solved):
         return table
 
     def __repr__(self) -> str:
+        """Return one line with the most important numbers."""
         return f"<Solution: {summary(self._step, self.result.surface)}>"
 
     def _repr_html_(self) -> str:
-        """Return the table of the load for a notebook."""
+        """Return the table of the load as HTML, for a notebook."""
         return html_table(self.result, across=False)
 
     def _field(self, name: str) -> np.ndarray:
-        """Return a field, read or computed when it is first asked for. Raises SceneError where it
-        was not kept."""
+        """Return a field, read or computed at the first call and then kept.
+
+        Raises SceneError if it was not stored and cannot be computed.
+        """
         if name not in self._arrays:
             stored = self.result.fields[0]
             if name in stored:
@@ -277,14 +288,16 @@ class Solution(Solved):
 
     @cached_property
     def _whole_contact(self) -> "Contact":
-        """The contact with its surface, made again from the fields where it was not kept."""
+        """The contact in memory, or one restored from the stored fields.
+
+        Raises SceneError if the pressure or the gap was not stored.
+        """
         from .restored import restored_contact
 
         return self._contact or restored_contact(self.result)
 
     def _stored_distribution(self, name: str) -> StoredDistribution:
-        """Return the arrays of a distribution that are known, with their units; empty where it is
-        not."""
+        """Return the arrays of a distribution in the result, with units; empty if it has none."""
         keys = {part: f"{name}_{part}" for part in all_distributions()[name].units}
         stored = {part: key for part, key in keys.items() if key in self._step}
         arrays = StoredDistribution(

@@ -1,4 +1,4 @@
-"""The solutions of several loads, in memory or from a result file."""
+"""Solutions of several loads, in memory or from a result file."""
 
 import warnings
 from collections.abc import Sequence
@@ -20,17 +20,18 @@ if TYPE_CHECKING:
 
 
 class Solutions(Solved, Sequence[Solution]):
-    """The solutions of a sweep of loads, in the order of the loads.
+    """The solutions of a sweep, a sequence of Solution in the order of the loads.
 
-    Every number of the result is an array over the loads under its name, as `solutions.a_r`.
+    Every number of the result is an array over the loads under its name, as `solutions.a_r`. A
+    slice is again a Solutions.
 
     Attributes
     ----------
     p, p_star, a_r, a_r_error, a_r_discretisation, contact_area, contact_pressure_mean,
     contact_pressure_max, gap_mean, gap_error, pressure_error, fft_pairs : ndarray, shape (loads,)
-        As of a Solution; nan where there is none.
+        As of a Solution; nan for a load without a value.
     result : output.result.Result
-        All that is known, by the names of the result file.
+        All numbers and fields, by the names of the result file.
     """
 
     _picture = "curves"
@@ -66,7 +67,7 @@ class Solutions(Solved, Sequence[Solution]):
         comm : Comm, optional
             All ranks; default: this process alone.
         contacts : sequence of Contact or None, optional
-            The solved loads in memory, None where no field was kept.
+            The solved loads in memory; None for one without fields.
         """
         super().__init__(result, rows, comm)
         contacts = contacts or [None] * len(result.steps)
@@ -87,37 +88,41 @@ class Solutions(Solved, Sequence[Solution]):
         return chosen
 
     def __len__(self) -> int:
+        """Return the number of loads."""
         return len(self._all)
 
     @property
     def status(self) -> str:
-        """The worst of all loads; "interrupted" or "running" of a file that is not finished."""
+        """The worst status of all loads; "interrupted" or "running" if the run is not finished."""
         return self.result.status
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What a reader should know, such as loads that are missing, a line each."""
+        """Notes on the whole result, such as missing loads, one line each."""
         return self.result.notes
 
     @property
     def pull_off(self) -> float | None:
-        """The last mean pressure that the surfaces hold on a way to separation, in the unit of
-        `p`: the load at which they come apart lies between it and the next one of the sweep.
+        """Mean pressure of the last load before the surfaces come apart, in the unit of `p`.
 
-        None in a sweep in which no load separates what touched at the load before.
+        The pull-off load lies between this one and the next one of the sweep. None if no load
+        separates surfaces that touched at the load before.
         """
         held = last_held(self.result.steps)
         return None if held is None else float(held["p"])
 
     def values(self, name: str) -> np.ndarray:
-        """Return an observable or another number of all loads, (loads,), by its name in the result
-        file: values("p_star"); nan for none."""
+        """Return a number of all loads, shape (loads,), by its name in the result file.
+
+        Observables that the result does not have are computed. nan for a load without a value.
+        """
         of_loads = [solution.value(name) for solution in self]
         return np.array([np.nan if value is None else value for value in of_loads])
 
     _get = values
 
     def __repr__(self) -> str:
+        """Return a line on the surface, one for each load, and the notes."""
         lines = [
             f"<{len(self)} solution{'s' * (len(self) != 1)}: {surface_line(self.result.surface)},"
             f" {self.status}"
@@ -129,18 +134,18 @@ class Solutions(Solved, Sequence[Solution]):
         return "\n".join([*lines, *(f"  note: {note}" for note in self.notes)]) + ">"
 
     def _repr_html_(self) -> str:
-        """Return the table of all loads for a notebook."""
+        """Return the table of all loads as HTML, for a notebook."""
         return html_table(self.result)
 
 
 class Interrupted(KeyboardInterrupt):
-    """Ctrl-C in a sweep in memory, after its first load.
+    """Ctrl-C during a sweep in memory, after its first load.
 
     Attributes
     ----------
     solutions : Solutions
-        The loads that were finished. In a notebook or at the prompt, where this was not
-        caught, it is `sys.last_value`.
+        The finished loads. If the exception was not caught, in a notebook or at the prompt, it is
+        `sys.last_value`.
     """
 
     def __init__(self, solutions: Solutions):
@@ -151,11 +156,12 @@ class Interrupted(KeyboardInterrupt):
         self.solutions = solutions
 
     def __reduce__(self) -> tuple:
+        """Pickle by the solutions."""
         return Interrupted, (self.solutions,)
 
 
 def load(path: str | PathLike) -> Solutions:
-    """Open the solutions in a result file, those of an interrupted run included.
+    """Open the solutions in a result file, or those of a run that is interrupted or running.
 
     Parameters
     ----------
@@ -165,13 +171,13 @@ def load(path: str | PathLike) -> Solutions:
     Returns
     -------
     Solutions
-        Also of a single load. Fields are read when they are first asked for; `notes` and a warning
-        tell which loads are missing.
+        Even for a single load. Fields are read at first use. If loads are missing, `notes` and a
+        warning tell which.
 
     Raises
     ------
     SceneError
-        If there is no result, or the file is damaged, foreign or of another version.
+        If there is no result, or the file is damaged, of another program or of another version.
     """
     result = read_result(path)
     if result.folder is not None:

@@ -80,44 +80,46 @@ def solve(
     comm: Any = None,
     **more: Any,
 ) -> Solution | Solutions:
-    """Press an elastic body against a rigid rough surface: linear elastic, small slopes,
-    frictionless.
+    """Press an elastic body against a rigid rough surface.
+
+    The contact is linear elastic, frictionless, and of small slopes.
 
     Parameters
     ----------
     heights : array (n_x, n_y), PreparedSurface or Topography
-        Heights of the rigid surface, peaks up, in the unit of `physical_sizes` (m where these have
+        Heights of the rigid surface, peaks up, in the unit of `physical_sizes` (m if these have
         units). What `read_surface`, `prepare_surface` and `make_surface` return, and a Topography
-        of SurfaceTopography, know their sizes, unit and boundary.
+        of SurfaceTopography, have their own sizes, unit and boundary.
     pressure, p_star, gap_mean, gap_over_h_rms, a_r, force, approach : number, text or list
-        The load, exactly one of these: the mean pressure in the unit of `E_star`, p/(E* g_rms), and
-        what else a scene's [load] has. A list is solved in its order, each load from the solution
-        before where that is near.
+        The load, exactly one of these: the mean pressure in the unit of `E_star`, p/(E* g_rms), or
+        another quantity of a scene's [load]. A list is solved in its order; each load starts from
+        the previous solution if that is near.
     E_star : number or text, default 1
         Effective modulus, such as "50 GPa"; or E1=, nu1= (E2=, nu2=).
     physical_sizes : (L_x, L_y), default (1, 1)
-        Of an array: plain, in the unit of the heights, or with a unit; the heights are in m then.
+        Sizes of an array: plain, in the unit of the heights, or with a unit; then heights are in m.
     accuracy : float, default 1e-3
         Relative accuracy of a_r, mean gap and pressure field (L2); or residual=.
     hardness : number or text
-        The largest pressure, of an elastic - perfectly plastic contact. Default: none.
+        The largest pressure, for an elastic - perfectly plastic contact. Default: none.
     nu, thickness, base
         A layer of Poisson's ratio `nu`: "bonded" (default) or "frictionless" on a rigid base, or on
         an "elastic" one with base_E= and base_nu=. Without `thickness`: a half-space.
     boundary : "periodic", "free" or one for each axis
-        Of an array; default: periodic.
+        Boundary of an array; default: periodic.
     radius : number, text or (R_x, R_y)
-        Of an array with a free boundary: a ball (inf: a cylinder) under its heights.
+        Radius of a ball (inf: a cylinder) under the heights of an array with a free boundary.
     fields : list of "pressure", "gap", "displacement", "plastic", "heights"
         Fields that are kept and that `save` writes; () keeps none.
     observables, distributions : lists of names
-        What is computed with each load beside the cheap numbers; a Solution finds others later.
+        Numbers and arrays to compute for each load beside the cheap ones; a Solution can compute
+        others later.
     threads : int, default "auto"
-        Threads of this process, or of each rank. No result depends on their number.
+        Threads of this process, or of each rank. Results do not depend on their number.
     progress : bool
-        Whether to draw a progress bar for each load, and to print its row of the table after it.
+        Whether to draw a progress bar for each load and print its row of the table.
     comm : communicator of mpi4py
-        In scripts under mpirun: every rank calls this with the same whole `heights` (a memory map
+        For scripts under mpirun: every rank calls this with the same whole `heights` (a memory map
         will do) and gets the same numbers; fields are those of its rows, `solution.rows`. Default:
         this process alone, even under mpirun.
     **more
@@ -127,20 +129,20 @@ def solve(
     Returns
     -------
     Solution or Solutions
-        A Solution of one load, Solutions of a list.
+        A Solution for one load, Solutions for a list.
 
     Raises
     ------
     SceneError
-        For input that makes no sense, in one line; with `comm` on all ranks.
+        For invalid input, in one line; with `comm` on all ranks.
     Interrupted
-        A KeyboardInterrupt: for Ctrl-C after the first load of a list; its `solutions` are those
-        that were finished. Not with `comm`.
+        A KeyboardInterrupt: for Ctrl-C after the first load of a list; its `solutions` are the
+        finished loads. Not with `comm`.
 
     Warns
     -----
     NotConverged
-        Where a solution is less accurate than asked; its `status` says why.
+        If a solution is less accurate than required; its `status` tells why.
 
     Examples
     --------
@@ -185,7 +187,7 @@ def solve(
 
 
 def _warn(comm: Comm, steps: Sequence[dict]) -> None:
-    """Warn, on rank 0, of heights in several units and of loads that have not converged."""
+    """Warn of suspicious units and of loads that have not converged, on rank 0 only."""
     notes = [note for step in steps for note in (step["note"] or "").split("; ")]
     for note in dict.fromkeys(notes) if comm.rank == 0 else ():
         if note.endswith(DIFFERENT_UNITS):

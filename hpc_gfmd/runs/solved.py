@@ -1,5 +1,4 @@
-"""What one solved load and several have in common: where it goes, as a file, a table or a
-picture."""
+"""Common base of one solved load and of several: files, tables and pictures of them."""
 
 import warnings
 from collections.abc import Callable, Iterator, Sequence
@@ -14,7 +13,7 @@ import numpy as np
 from ..contact import all_numbers, all_observables, default_observables
 from ..output.export import FORMATS, common_fields, export, frame
 from ..output.fields import Slab
-from ..output.numbers import axes, names_of, numbers, said_of
+from ..output.numbers import axes, dataset_attributes, numbers, scalar_names
 from ..output.record import RunFile
 from ..output.result import Result
 from ..parallel.comm import SerialComm
@@ -31,12 +30,14 @@ if TYPE_CHECKING:
 
 
 class Solved:
-    """What one solved load and several have in common.
+    """Common base of Solution and Solutions.
+
+    Numbers of the result are attributes: a name that is none of its own is looked up there.
 
     Parameters
     ----------
     result : Result
-        What is there, by the names of the result file.
+        Numbers and fields, by the names of the result file.
     rows : (int, int), optional
         Start and stop of this rank's rows of the fields; default: all.
     comm : Comm, optional
@@ -52,6 +53,7 @@ class Solved:
         self.rows = rows or (0, int(result.surface["n"][0]))
 
     def __reduce__(self) -> tuple:
+        """Pickle with all fields in memory. Raises SceneError if they are spread over ranks."""
         if any(self.result.fields):
             self._require_whole("pickle")
         in_memory = [
@@ -62,36 +64,40 @@ class Solved:
 
     @property
     def g_rms(self) -> float:
-        """Realised rms gradient of the heights."""
+        """Rms gradient of the heights on the grid."""
         return self.result.surface["g_rms"]
 
     @property
     def h_rms(self) -> float:
-        """Realised rms of the heights, in their unit."""
+        """Rms height on the grid, in the unit of the heights."""
         return self.result.surface["h_rms"]
 
     @property
     def sizes(self) -> tuple[float, float]:
-        """(L_x, L_y) of the nominal area, in the unit of the heights."""
+        """(L_x, L_y) of the surface, in the unit of the heights."""
         return tuple(self.result.surface["physical_sizes"])
 
     @property
     def unit(self) -> str:
-        """Unit of lengths and heights: "m", or "" where none was given."""
+        """Unit of lengths and heights: "m", or "" if none was given."""
         return self.result.surface.get("unit", "")
 
     @property
     def pressure_unit(self) -> str:
-        """Unit of pressures: "Pa", or "" where none was given."""
+        """Unit of pressures: "Pa", or "" if none was given."""
         return self.result.surface.get("pressure_unit", "")
 
-    def _known(self) -> Iterator[str]:
-        """Names of the numbers that are there or cost nothing."""
-        yield from names_of(self.result.steps)
+    def _number_names(self) -> Iterator[str]:
+        """Yield the names of the numbers that the result has or that are cheap to compute."""
+        yield from scalar_names(self.result.steps)
         yield from default_observables()
 
     def __getattr__(self, name: str) -> Any:
-        if name.startswith("_") or name not in self._known():
+        """Return a number of the result, or one that is cheap to compute, by its name.
+
+        Raises AttributeError for other names, and tells if `observable` can compute it.
+        """
+        if name.startswith("_") or name not in self._number_names():
             reason = "no such number or method"
             if not name.startswith("_") and name in all_observables():
                 reason = f"was not asked for: observable({name!r}) of a Solution finds it"
@@ -99,7 +105,8 @@ class Solved:
         return self._get(name)
 
     def __dir__(self) -> list[str]:
-        return sorted({*super().__dir__(), *self._known()})
+        """List the attributes, with the numbers of the result."""
+        return sorted({*super().__dir__(), *self._number_names()})
 
     def save(self, path: str | PathLike, force: bool = False) -> Path:
         """Write a result file, as `hpc-gfmd run` does, and warn of what it replaces.
@@ -109,22 +116,22 @@ class Solved:
         Parameters
         ----------
         path : path
-            Of the file; ends in .h5.
+            The file; ends in .h5 or .hdf5.
         force : bool
-            Whether to overwrite a file that is not a result of the same surface, loads and
-            settings, or an interrupted run.
+            Whether to overwrite any file, or an interrupted run. By default only a result of the
+            same surface, loads and settings is replaced.
 
         Returns
         -------
         Path
-            Of the file.
+            The file.
 
         Raises
         ------
         SceneError
-            Where it may not be written.
+            If the path is invalid, or something would be lost without `force`.
         GfmdError
-            Where writing fails.
+            If writing fails.
         """
         path = Path(path)
         result = self.result
@@ -153,11 +160,13 @@ class Solved:
         return path
 
     def references(self) -> list[str]:
-        """List what to cite: the program and the papers behind these numbers, with DOI."""
+        """Return what to cite, one line each: the program and the papers behind the numbers."""
         return references_of(self.result)
 
     def export(self, path: str | PathLike, fields: Sequence[str] | None = None) -> Path:
         """Write a file for another program, as `hpc-gfmd export` does.
+
+        An existing file is replaced.
 
         Parameters
         ----------
@@ -165,17 +174,20 @@ class Solved:
             Ends in .vtkhdf (ParaView), .nc, .npz, .csv, .gwy (Gwyddion, all fields) or .x3p (one
             length of one load).
         fields : list of str, optional
-            These alone; default: all.
+            Fields to export; default: all.
 
         Returns
         -------
         Path
-            Of the file.
+            The file.
 
         Raises
         ------
         SceneError
-            Where the format cannot hold them.
+            For another suffix, if the format cannot hold the fields, or if they are spread over
+            ranks.
+        GfmdError
+            If writing fails.
         """
         self._require_whole("export")
         kinds = {extension: kind for kind, (_, extension) in FORMATS.items()}
@@ -193,29 +205,30 @@ class Solved:
         length: float = 1.0,
         axis: str = "x",
     ) -> Any:
-        """Estimate what leaks through a seal from the critical gap, see `theory.leak.leak_rate`.
+        """Estimate the leak rate of a seal from the critical gap, see `theory.leak.leak_rate`.
+
+        The critical gap is computed if the result does not have it.
 
         Parameters
         ----------
         viscosity : float
-            Of the fluid, in Pa s.
+            Viscosity of the fluid, in Pa s.
         pressure_drop : float
-            Of the fluid over the seal, in Pa.
+            Pressure drop of the fluid over the seal, in Pa.
         width, length : float
-            Extent of the seal across and along the flow; their ratio counts.
+            Extent of the seal across and along the flow; only their ratio matters.
         axis : {"x", "y"}
             Direction of the flow.
 
         Returns
         -------
-        float, or ndarray of several loads
-            Volume per time, in m^3/s where the unit of the heights is m; 0 where the seal is tight.
+        float, or ndarray for several loads
+            Volume per time, in m^3/s if the unit of the heights is m; 0 if the seal is tight.
 
         Raises
         ------
         SceneError
-            For numbers out of range, and where the gap is not kept and `critical_gap` was not asked
-            for.
+            For numbers out of range, and if neither the gap nor the critical gap was stored.
         """
         from ..theory.leak import leak_rate
 
@@ -226,7 +239,7 @@ class Solved:
         return float(rate) if rate.ndim == 0 else rate
 
     def table(self, errors: bool = False) -> str:
-        """Return the table that `hpc-gfmd show` prints.
+        """Return the table that `hpc-gfmd show` prints, as text.
 
         Parameters
         ----------
@@ -236,19 +249,24 @@ class Solved:
         Returns
         -------
         str
-            A line for each load, a column for each observable that was asked for.
+            A line for each load, a column for each requested observable, and notes below.
         """
         result = self.result
         return table(result.numbered, result.surface, named_observables(result), errors)
 
     def to_dataframe(self) -> "DataFrame":
-        """Make a pandas table: a row for each load, a column for each number; units by column in
-        its `attrs`."""
+        """Return a pandas table with a row for each load and a column for each number.
+
+        `attrs["units"]` holds {column: unit}.
+        """
         return frame(self.result, all_numbers())
 
     def to_xarray(self) -> "Dataset":
-        """Make an xarray of numbers (load), fields (load, x, y) and heights (x, y), with their
-        units and meanings as attributes. Raises GfmdError without xarray."""
+        """Return an xarray Dataset of numbers (load), fields (load, x, y) and heights (x, y).
+
+        Units and meanings are attributes. Fields are read. Raises GfmdError without xarray, and
+        SceneError if the fields are spread over ranks.
+        """
         try:
             from xarray import Dataset
         except ModuleNotFoundError as error:
@@ -261,7 +279,8 @@ class Solved:
         columns = numbers(result.steps)
 
         def variable(name: str, dims: tuple[str, ...], values: Any) -> tuple:
-            return dims, values, said_of(name, result.surface, all_numbers())
+            """Return (dims, values, attributes) as xarray takes them."""
+            return dims, values, dataset_attributes(name, result.surface, all_numbers())
 
         content = {name: variable(name, ("load",), values) for name, values in columns.items()}
         for name in common_fields(result):
@@ -281,21 +300,21 @@ class Solved:
         Parameters
         ----------
         what : str, optional
-            "curves" (over the loads; default of several), "maps" (default of one whose fields are
-            kept), "distributions", "spectra", one field or one curve, such as "a_r".
+            "curves" (over the loads; default for several), "maps" (default for one with fields),
+            "distributions", "spectra", one field or one curve, such as "a_r".
         **how
-            step (which loads), window, dpi, dimensionless, columns, ax (where to draw one
-            panel); see `hpc_gfmd.plot`, which also draws several results together.
+            step (which loads), window, dpi, dimensionless, columns, ax (where to draw one panel);
+            see `hpc_gfmd.plot`, which also draws several results together.
 
         Returns
         -------
         Figure
-            To be shown, or saved by its `savefig`.
+            Show it, or save it by its `savefig`.
 
         Raises
         ------
         SceneError
-            Where there is no such picture or keyword, or fields are spread over ranks.
+            For an unknown picture or keyword, or if the fields are spread over ranks.
         """
         from ..plotting import plot
 
@@ -306,7 +325,7 @@ class Solved:
         return plot(self.result, what or self._picture, **how)
 
     def _require_whole(self, action: str) -> None:
-        """Raise SceneError where the fields are spread over ranks."""
+        """Raise SceneError if the fields are spread over ranks; `action` names what was called."""
         if self.comm.size > 1:
             raise SceneError(
                 f"{action}: found fields that are spread over {self.comm.size} ranks, allowed:"

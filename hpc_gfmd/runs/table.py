@@ -1,5 +1,4 @@
-"""The result table: one line per load step, plain ASCII for terminals and batch logs, or HTML for
-notebooks."""
+"""The result table: one line per load step, plain ASCII for terminals and batch logs, or HTML."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from html import escape
@@ -54,25 +53,25 @@ PER_CENT = ("a_r", *ERRORS)
 def table(
     steps: Mapping[int, dict], surface: dict, observables: Iterable[str] = (), errors: bool = False
 ) -> str:
-    """Return the table of load steps.
+    """Return the table of load steps as text.
 
     Parameters
     ----------
     steps : dict of int to dict
         Attributes of the result file, by number of the step.
     surface : dict
-        Attributes of the surface, which know the units.
+        Attributes of the surface, among them the units.
     observables : iterable of str
-        Observables that the scene names: each has a column, and where it has no value a line below
-        the table says why.
+        Observables that the scene requests: each has a column, and a line below the table explains
+        missing values.
     errors : bool
         Whether the errors of solver and grid have columns of their own.
 
     Returns
     -------
     str
-        Estimated errors stand behind +-. A step that did not converge has a ! before its number and
-        a line of its own below the table, as has a step with a `note`.
+        Estimated errors follow +-. A step that did not converge has a ! before its number and a
+        line of its own below the table, as has a step with a `note`.
     """
     observables = tuple(observables)
     rows = cells(steps, surface, observables, errors)
@@ -80,27 +79,29 @@ def table(
 
 
 class GrowingTable:
-    """The same table, printed row by row as the steps of a surface finish.
+    """The table of `table`, row by row while the steps are solved.
 
     Parameters
     ----------
     surface : dict
         Attributes of the surface.
     observables : iterable of str
-        Observables that the scene names.
+        Observables that the scene requests.
     """
 
     def __init__(self, surface: dict, observables: Iterable[str] = ()):
         self._surface = surface
-        self._asked = tuple(observables)
+        self._observables = tuple(observables)
         self._steps: dict[int, dict] = {}
         self._heading: list[list[str]] = []
 
     def add(self, steps: dict[int, dict]) -> str:
-        """Return rows of more steps, by their numbers; above them the headings where these differ
-        from those that were written before, as in other units."""
+        """Add steps, by their numbers, and return their rows as text.
+
+        The headings come first if they differ from the last ones, as when a unit changes.
+        """
         self._steps |= steps
-        rows = cells(self._steps, self._surface, self._asked)
+        rows = cells(self._steps, self._surface, self._observables)
         lines = aligned(rows, NARROWEST)
         heading = rows[:2]
         shown = lines[-len(steps) :]
@@ -110,8 +111,8 @@ class GrowingTable:
         return "\n".join(shown)
 
     def end(self) -> list[str]:
-        """Return what stands below the rows, a line each."""
-        return remarks(self._steps, self._asked)
+        """Return the lines below the table, for all steps so far."""
+        return remarks(self._steps, self._observables)
 
 
 def aligned(rows: list[list[str]], narrowest: int = 0) -> list[str]:
@@ -134,13 +135,13 @@ def aligned(rows: list[list[str]], narrowest: int = 0) -> list[str]:
 
 
 def html_table(result: Result, across: bool = True) -> str:
-    """Return what `table` says of a result as HTML.
+    """Return the table of a result as HTML, with the surface and all notes below it.
 
     Parameters
     ----------
     result : Result
     across : bool
-        Whether a step is a row; otherwise it is a column.
+        True: a step is a row; False: a step is a column.
 
     Returns
     -------
@@ -159,7 +160,7 @@ def html_table(result: Result, across: bool = True) -> str:
 
 
 def named_observables(result: Result) -> tuple[str, ...]:
-    """Return the observables that the scene of a result names; none of a foreign result."""
+    """Return the observables that the scene of a result requests; () if its scene is not valid."""
     try:
         return tuple(result.scene.output.observables or ())
     except SceneError:
@@ -198,29 +199,28 @@ def cells(
 
 
 def _shown_value(value: Any) -> float | str | None:
-    """Return a number or a text as it is, anything else as none: another program may have written
-    the file."""
+    """Return a number or a text as it is, and None for anything else that a file may hold."""
     return value if isinstance(value, int | float | str) else None
 
 
 def column_scale(key: str, values: list[float], surface: dict) -> tuple[float, str]:
-    """Return how a column is scaled.
+    """Return the scale and the unit of a column.
 
     Parameters
     ----------
     key : str
         Name of the number in the result file.
     values : list of float
-        In the unit of the result; the largest one chooses the prefix.
+        In the unit of the result; the largest one determines the prefix.
     surface : dict
-        Attributes of the surface, which know the units.
+        Attributes of the surface, among them the units.
 
     Returns
     -------
     scale : float
         Values are divided by it.
     unit : str
-        In brackets; a_r and errors are in per cent.
+        In brackets, such as "[nm]"; "" if dimensionless. a_r and errors are in per cent.
     """
     if key in PER_CENT:
         return 0.01, "[%]"
@@ -236,8 +236,10 @@ def column_scale(key: str, values: list[float], surface: dict) -> tuple[float, s
 
 
 def _cell(key: str, value: Any, scale: float, step: dict) -> str:
-    """Return the text of a number of a step, with its error where that is estimated; scale: of its
-    unit."""
+    """Return the text of a number of a step, divided by `scale`, with its estimated error if known.
+
+    "-" for None, "yes" or "no" for a bool.
+    """
     if value is None or isinstance(value, str):
         return value or "-"
     if isinstance(value, bool):
@@ -250,7 +252,7 @@ def _cell(key: str, value: Any, scale: float, step: dict) -> str:
 
 
 def remarks(steps: Mapping[int, dict], observables: Sequence[str] = ()) -> list[str]:
-    """Return what stands below the table, a line each.
+    """Return the lines below the table: the legend, unconverged steps, notes, missing values.
 
     Parameters
     ----------
@@ -281,5 +283,5 @@ def remarks(steps: Mapping[int, dict], observables: Sequence[str] = ()) -> list[
 
 
 def _has_value(value: Any) -> bool:
-    """Return whether a number is there and finite."""
+    """Whether a value is neither None nor inf or nan."""
     return value is not None and not (isinstance(value, float) and not isfinite(value))

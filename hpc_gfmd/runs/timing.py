@@ -1,5 +1,7 @@
-"""How long a scene will take, from the speed of this machine: a measurement of a few seconds that
-is kept in the user's cache."""
+"""Forecast of the time of a scene, from the speed of this machine.
+
+The speed is measured for a few seconds and kept in the user's cache.
+"""
 
 import platform
 import time
@@ -27,7 +29,7 @@ BASELINE_PAIRS = {"gfmd": 150.0}  # of solvers without a preconditioner
 
 @dataclass(frozen=True)
 class Pairs:
-    """FFT pairs that the default solver needs, in pairs of the finest grid, everything counted.
+    """FFT pairs that the default solver needs, all grids together, in pairs of the finest grid.
 
     Attributes
     ----------
@@ -36,7 +38,7 @@ class Pairs:
     per_decade : float
         For each further decade of accuracy.
     searching : float
-        Factor where the mean pressure has to be found.
+        Factor if the mean pressure has to be searched for.
     """
 
     per_load: float = 9.0
@@ -48,17 +50,19 @@ PAIRS = Pairs()
 
 
 def expected_pairs(scene: Scene) -> float:
-    """Estimate the FFT pairs of each load of a scene."""
+    """Return a forecast of the FFT pairs of each load of a scene."""
     decades = -np.log10(scene.solver.tolerance) - 3
     pairs = BASELINE_PAIRS.get(scene.solver.name, PAIRS.per_load)
     pairs *= max(0.6, 1 + decades * PAIRS.per_decade / PAIRS.per_load)
-    return pairs * (PAIRS.searching if scene.load.found else 1)
+    return pairs * (PAIRS.searching if scene.load.is_searched else 1)
 
 
 def expected_seconds(
     pairs: float, precisions: Iterable[np.dtype | None], cell: tuple[int, int]
 ) -> float:
-    """Estimate the time of solving loads on one core of this machine.
+    """Return a forecast of the time of solving loads on one core of this machine, in seconds.
+
+    Measures the speed of this machine if it is not in the user's cache.
 
     Parameters
     ----------
@@ -72,7 +76,7 @@ def expected_seconds(
     Returns
     -------
     float
-        Seconds.
+        Seconds for all loads.
     """
     points = float(np.prod(cell))
     work = points * np.log2(max(points, 2))
@@ -83,15 +87,15 @@ def expected_seconds(
 
 @dataclass(frozen=True)
 class Cluster:
-    """A model of the time of a solve on nodes of a cluster, optimistic as it knows no waiting.
+    """A model of the time of a solve on nodes of a cluster; optimistic, as it neglects waiting.
 
     Attributes
     ----------
     cores : int
         Cores of a node.
     speedup : float
-        Of all cores of a node over one, as the bandwidth of its memory allows (16 cores of our
-        machine: 8).
+        Speed of all cores of a node over that of one; limited by the bandwidth of its memory (16
+        cores of our machine: 8).
     bandwidth : float
         Bytes per second of the link of a node: InfiniBand of 100 Gbit/s, as specified.
     latency : float
@@ -104,7 +108,7 @@ class Cluster:
     latency: float = 40e-6
 
     def seconds(self, alone: float, pairs: float, traffic: tuple[int, int], ranks: int) -> float:
-        """Estimate the time of a solve.
+        """Return a forecast of the time of a solve, in seconds.
 
         Parameters
         ----------
@@ -129,9 +133,9 @@ class Cluster:
 
 
 def seconds_per_work(dtype: DTypeLike) -> float:
-    """Return the seconds per FFT pair, with the rest of its iteration, divided by N log2 N.
+    """Return the seconds of an iteration (one FFT pair) on one core, divided by N log2 N.
 
-    It is measured once for each precision and then read from the user's cache.
+    Measured once for each precision, stored in the user's cache, and read from there later.
     """
     folder = cache_folder()
     path = folder and folder / f"speed-{np.dtype(dtype).name}-{platform.node()}"
@@ -144,7 +148,7 @@ def seconds_per_work(dtype: DTypeLike) -> float:
 
 
 def _measure(dtype: DTypeLike) -> float:
-    """Measure `seconds_per_work` on a small rough surface."""
+    """Measure `seconds_per_work` by three solves of a small rough surface; return the best."""
     from .prepared import make_surface
     from .solve import solve
 

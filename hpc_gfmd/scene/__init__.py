@@ -1,7 +1,7 @@
-"""The scene: what is asked, as frozen and validated numbers.
+"""The scene: the input of a run, as frozen and validated objects.
 
 `load_scene` reads a TOML file, `Scene.from_toml` a text (as stored in a result file),
-`Scene.from_dict` a dictionary; each raises `SceneError` with one line that names the key, what was
+`Scene.from_dict` a dictionary. Each raises `SceneError` with one line that names the key, what was
 found and what is allowed.
 """
 

@@ -4,8 +4,10 @@ from .table import Length, Table, Text, Work, key
 
 
 class Adhesion(Table):
-    """The surfaces attract each other across the gap: the energy per area is -work where they
-    touch, and rises to 0 over the range."""
+    """Attraction of the two surfaces across the gap.
+
+    The energy per area is -work where they touch, and rises to 0 over the range.
+    """
 
     work: Work = key(
         "work of adhesion per area, from contact to infinity", unit="work", example="50 mJ/m2"

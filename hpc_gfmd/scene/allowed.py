@@ -1,5 +1,6 @@
-"""The words for the values that a key of a scene may have, derived from the type that checks
-them."""
+"""Descriptions of the values that a key of a scene may have, derived from the type that checks
+them.
+"""
 
 from dataclasses import asdict
 from types import NoneType, UnionType
@@ -15,14 +16,14 @@ COUNTS = {2: "two", 3: "three", 4: "four"}
 
 
 def allowed_values(annotation: Any, metadata: tuple = (), unit: str = "") -> str:
-    """Describe the values of a type.
+    """Describe the values that a type allows, in words for a message.
 
     Parameters
     ----------
     annotation : type
-        Of a key; Annotated types carry bounds.
+        Type of the key; Annotated types have bounds.
     metadata : tuple
-        Bounds beside those of the annotation.
+        Further bounds.
     unit : str
         What numbers measure: "length", "pressure", "force" or "work" if they may have units, else
         "".
@@ -54,7 +55,10 @@ def allowed_values(annotation: Any, metadata: tuple = (), unit: str = "") -> str
 
 
 def _number(noun: str, metadata: tuple) -> str:
-    """Describe a number by its bounds; those that only prevent overflow are left out."""
+    """Describe a number by its bounds, as "a number from 0 to 1".
+
+    Bounds that only prevent overflow are left out.
+    """
     bounds: dict[str, Any] = {}
     for item in metadata:
         for part in getattr(item, "metadata", None) or [item]:  # a pydantic Field has several
@@ -83,7 +87,7 @@ def _plain(bound: Any) -> str:
 
 
 def _names(annotation: Any) -> list[str]:
-    """List the values of a type that has but a few, such as bool; none for others."""
+    """Return the values of a bool or Literal type as a scene writes them; [] for other types."""
     if annotation is bool:
         return ["true", "false"]
     if get_origin(annotation) is Literal:
@@ -92,7 +96,7 @@ def _names(annotation: Any) -> list[str]:
 
 
 def _list(members: tuple, unit: str) -> str:
-    """Describe a list: of any length, for which a single value may stand, or of a few places."""
+    """Describe a tuple type: of any length (a single value is allowed, too), or of a fixed one."""
     text = allowed_values(members[0], unit=unit)
     if members[-1] is Ellipsis:
         return f"{text}, or a list of them"

@@ -1,4 +1,4 @@
-"""Validation errors as one line: the key, what was found, what is allowed."""
+"""Validation errors of pydantic as one line: the key, what was found, what is allowed."""
 
 import difflib
 import reprlib
@@ -35,12 +35,12 @@ MEANT = {  # usual words for keys that have another name
 
 
 def nearest(name: str, names: Iterable[str]) -> str:
-    """Return the name that was probably meant.
+    """Return the valid name that was probably meant: that of a synonym (MEANT), or a similar one.
 
     Parameters
     ----------
     name : str
-        A misspelt name, or a synonym in MEANT.
+        The invalid name.
     names : iterable of str
         Valid names, at least one.
 
@@ -61,16 +61,17 @@ def require_known(key: str, name: str, names: Iterable[str]) -> None:
     Parameters
     ----------
     key : str
-        The key whose value the name is.
+        The key whose value the name is; the message begins with it.
     name : str
-        The name that was found.
+        The name to check.
     names : iterable of str
         Valid names.
 
     Raises
     ------
     SceneError
-        With the nearest valid name.
+        With the nearest valid name, or that the physics of this name is not modelled, and all valid
+        names.
     """
     allowed = sorted(names)
     if name not in allowed:
@@ -79,7 +80,7 @@ def require_known(key: str, name: str, names: Iterable[str]) -> None:
 
 
 def shown(value: object) -> str:
-    """Write a value for a message: one line, shortened, as TOML writes it where that is short."""
+    """Return a value as text for a message: one line, shortened, "a table" for a dict."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, dict):
@@ -91,7 +92,7 @@ def shown(value: object) -> str:
 
 
 def printable(key: str) -> str:
-    """Return a key or a path, quoted and shortened unless it is printable and short."""
+    """Return a key or a path; quoted and shortened if it is long or has control characters."""
     return key if key and key.isprintable() and len(key) <= 200 else _short.repr(key)
 
 
@@ -99,7 +100,7 @@ Model = type[BaseModel]
 
 
 def explain(error: ValidationError, scene: Model, data: dict) -> str:
-    """Write the first eight validation errors in one line.
+    """Return one line that explains the first eight validation errors, and how many more there are.
 
     Parameters
     ----------
@@ -113,7 +114,7 @@ def explain(error: ValidationError, scene: Model, data: dict) -> str:
     Returns
     -------
     str
-        Key, what was found and what is allowed, of each error.
+        Key, what was found and what is allowed, of each error; unknown keys first.
     """
     # Several errors of one key (alternatives of its type, entries of a list) count as one. A
     # misspelt key comes first: it explains the "not given" that follows from it.
@@ -129,7 +130,10 @@ def explain(error: ValidationError, scene: Model, data: dict) -> str:
 
 
 def _line(item: Any, scene: Model, data: dict) -> tuple[tuple, str]:
-    """Return the key of one error of pydantic, as a tuple of names, and its message."""
+    """Return (key, message) for one error of pydantic; the key is a tuple of names.
+
+    `item` is an entry of `ValidationError.errors`; `data` are the tables that were validated.
+    """
     if not item["loc"]:  # a rule on the whole scene
         return (), str(item["ctx"]["error"])
     name, *rest = item["loc"]
@@ -177,7 +181,10 @@ def _line(item: Any, scene: Model, data: dict) -> tuple[tuple, str]:
 
 
 def _why(item: Any) -> str:
-    """Return what is wrong with a value if the allowed values do not show it, else ""."""
+    """Return what is wrong with a value, with ", " behind it, or "".
+
+    It is "" if the allowed values, which the message has anyway, explain the error.
+    """
     value = item["input"]
     if item["type"] == "value_error":
         return f"{item['ctx']['error']}, "
@@ -187,7 +194,10 @@ def _why(item: Any) -> str:
 
 
 def _limits(item: Any) -> str:
-    """Return the limits of all numbers if a positive number is beyond them, else ""."""
+    """Return ", from ... to ..." if a number is positive and beyond the limits of all numbers.
+
+    Otherwise "".
+    """
     beyond = {"greater_than_equal": "ge", "less_than_equal": "le"}.get(item["type"])
     return (
         f", from {SMALLEST:g} to {LARGEST:g}"
@@ -197,15 +207,16 @@ def _limits(item: Any) -> str:
 
 
 def _fields(scene: Model, table: str) -> Mapping[str, Any]:
-    """Return the keys of a table; none if it has kinds, or if there is no such table."""
+    """Return {key: field} of a table; empty for [surface], which has kinds, and unknown tables."""
     field = scene.model_fields.get(table)
     return getattr(field and field.annotation, "model_fields", {})
 
 
 def _nearest(name: str, of_table: str, siblings: Iterable[str], scene: Model) -> str:
-    """Suggest a key for an unknown one of a table ("TABLE.", or "" for none).
+    """Return "unknown key, nearest: ..." for an unknown key of a table ("TABLE.", or "" for none).
 
-    It is the nearest of the keys of that table; a key of this name in another table is named, too.
+    Suggests the most similar of the `siblings`, the keys of that table, and mentions another table
+    that has this very key.
     """
     places = {
         key: f"{table}.{key}" for table in scene.model_fields for key in _fields(scene, table)
@@ -221,7 +232,7 @@ def _nearest(name: str, of_table: str, siblings: Iterable[str], scene: Model) ->
 
 
 def _kind(value: object) -> str:
-    """Return the message for a wrong kind of surface."""
+    """Return the message for a missing or unknown kind of surface."""
     allowed = ", ".join(f'"{kind}"' for kind in KINDS)
     hint = f'nearest: "{nearest(value, KINDS)}", ' if isinstance(value, str) else ""
     found_text = "not given" if value is None else f"found {shown(value)}"

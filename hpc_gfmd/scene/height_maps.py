@@ -1,5 +1,4 @@
-"""What a scene says of a file with a height map: how it is read, and of two scans how they lie on
-each other."""
+"""Keys of a scene for files with height maps: how a file is read, and how two scans are placed."""
 
 from typing import Annotated, Any, Literal, Self
 
@@ -18,7 +17,7 @@ class Reading(Table):
         "a relative one counts from the folder of the scene; two maps of the same points are added"
         " as they are",
         None,
-        said="none, where bodies are given",
+        default_text="none, where bodies are given",
         example="map.npy",
         allowed="the path of a height map (.npy, .h5, .nc, .csv, .tif, .x3p, ...), or a list of"
         " two",
@@ -29,10 +28,13 @@ class Reading(Table):
         allowed="the name of a data set (HDF5, NetCDF, .npz) or of a channel",
     )
     skip_lines: Annotated[int, Field(ge=0)] | None = key(
-        "of a text: lines before the numbers", None, example=3, said="those that are no numbers"
+        "of a text: lines before the numbers",
+        None,
+        example=3,
+        default_text="those that are no numbers",
     )
     decimal: Literal[".", ","] | None = key(
-        "of a text: what decimals begin with", None, example=",", said="what fits"
+        "of a text: what decimals begin with", None, example=",", default_text="what fits"
     )
     missing: Annotated[tuple[Text, ...], LIST] = key(
         'what stands for missing points; in a text besides nothing, "***", "BAD", "---", "nan"',
@@ -44,13 +46,13 @@ class Reading(Table):
         "of a text: which of first line and column are coordinates",
         None,
         example="both",
-        said="what the numbers show",
+        default_text="what the numbers show",
     )
     first_axis: Literal["x", "y"] | None = key(
         "what the first index of an array, or the line number of a text, runs along",
         None,
         example="y",
-        said="what the file says, else x",
+        default_text="what the file says, else x",
     )
     height_range: Pair[Height] | None = key(
         "of a TIFF or PNG of whole numbers: heights of the lowest and the highest possible",
@@ -64,27 +66,29 @@ class Reading(Table):
         None,
         unit="length",
         example=["10 um", "8 um"],
-        said="what the file says",
+        default_text="what the file says",
     )
     unit: LengthUnit | None = key(
         "of the heights, and of plain sizes",
         None,
         example="nm",
-        said="what the file says",
+        default_text="what the file says",
         allowed='a unit of length, such as "nm"',
     )
 
     @model_validator(mode="after")
     def _alike(self) -> Self:
-        """Refuse a range of heights of which one has a unit."""
+        """Raise ValueError if one end of the range of heights has a unit and the other has none."""
         alike("heights", {"surface.height_range": self.height_range})
         return self
 
 
 class RoughBody(Reading):
-    """One of two scans, each measured from above: a path, or a table with it. Besides these keys it
-    has those of kind = "file" that say how a file is read, from dataset to unit; they are those
-    beside bodies where they are not given."""
+    """One of two scans, each measured from above: a path, or a table with it.
+
+    Besides these keys it has those of kind = "file" that tell how a file is read, from dataset to
+    unit; keys that are not given here have the values given beside bodies.
+    """
 
     path: MapPath = key(
         "a relative one counts from the folder of the scene",
@@ -108,7 +112,7 @@ class RoughBody(Reading):
     mirrored: Literal["none", "x", "y"] | None = key(
         "along which axis, as a scan from above is when its body is turned over to face the other",
         None,
-        said='"x" of the second scan, "none" of the first',
+        default_text='"x" of the second scan, "none" of the first',
         example="x",
     )
     flip: bool = key("turn the heights over: valleys become peaks, as of a replica", False)
@@ -118,7 +122,7 @@ OWN_KEYS = ("path", "shift", "mirrored", "flip")  # of a RoughBody, beside those
 
 
 def _as_table(value: Any) -> Any:
-    """Return a path as a table with it, anything else as it is."""
+    """Return {"path": value} for a text, any other value as it is."""
     return {"path": value} if isinstance(value, str) else value
 
 

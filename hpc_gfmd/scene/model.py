@@ -1,4 +1,4 @@
-"""The scene as one frozen object, and its way to and from TOML."""
+"""The scene as one frozen object, and its conversion from and to TOML."""
 
 import hashlib
 import json
@@ -24,9 +24,14 @@ TOUCHING = 100  # fewer contact points than this say little about a rough contac
 
 
 class Scene(Table):
-    """What is asked: the surface, the material, the loads, how accurately, and what to keep."""
+    """What to solve: the surface, the material, the loads, the accuracy, and what to keep.
 
-    title: Text = key("what the result is called", "", said="none", allowed="one line of text")
+    Instances are validated when they are made, and frozen.
+    """
+
+    title: Text = key(
+        "what the result is called", "", default_text="none", allowed="one line of text"
+    )
     surface: AnySurface = key("the rigid rough surface", allowed="a table [surface]")
     material: Material = key(
         "the elastic solid that is pressed against it", Material(), allowed="a table [material]"
@@ -46,8 +51,8 @@ class Scene(Table):
 
     @model_validator(mode="after")
     def _rough(self) -> Self:
-        """Refuse loads that a flat surface does not have."""
-        name, _ = self.load.given
+        """Raise ValueError for loads that a flat surface cannot have, such as a contact area."""
+        name, _ = self.load.prescribed
         if (
             isinstance(self.surface, Wave)
             and self.surface.amplitude == 0
@@ -61,7 +66,10 @@ class Scene(Table):
 
     @model_validator(mode="after")
     def _units(self) -> Self:
-        """Refuse units that do not fit together, such as "5 MPa" beside a plain modulus."""
+        """Raise ValueError if some quantities have units and others do not.
+
+        An example is "5 MPa" beside a plain modulus.
+        """
         parts = {"surface": self.surface, "load": self.load, "material": self.material}
         lengths, pressures, forces = (
             {
@@ -93,10 +101,13 @@ class Scene(Table):
 
     @model_validator(mode="after")
     def _pulled(self) -> Self:
-        """Refuse pressures of 0 and below, and branches, without adhesion, and what adhesion
-        excludes."""
+        """Raise ValueError for loads that need or exclude adhesion.
+
+        Without adhesion: pressures and approaches that are not positive, the retraction branch,
+        load.unique. With adhesion: a hardness, contact areas as loads, gaps that are not positive.
+        """
         adhesion, hardness = self.material.adhesion, self.material.hardness
-        name, values = self.load.given
+        name, values = self.load.prescribed
         if adhesion is None:
             if name in (*PRESSURES, "approach") and min(values) <= 0:
                 raise ValueError(
@@ -133,7 +144,7 @@ class Scene(Table):
 
     @model_validator(mode="after")
     def _load_fits(self) -> Self:
-        """Refuse loads that the boundaries or the body do not have."""
+        """Raise ValueError for a force on a periodic surface, and for an unbounded approach."""
         if self.load.force and not any(self.surface.free):
             raise ValueError(
                 "load.force: found periodic boundaries, allowed: with a free boundary (with"
@@ -148,33 +159,37 @@ class Scene(Table):
 
     @property
     def length_unit(self) -> str:
-        """ "m" if lengths were given with units, else ""; a height map has a unit of its own."""
+        """Unit of lengths in the scene: "m" if they have units, else "".
+
+        A height map may have a unit in its file nevertheless.
+        """
         return "m" if has_unit(self.surface.physical_sizes) else ""
 
     @property
     def pressure_unit(self) -> str:
-        """ "Pa" if pressures were given with units, else ""."""
+        """Unit of pressures in the scene: "Pa" if they have units, else ""."""
         return "Pa" if has_unit(self.material.E1 or self.material.E_star) else ""
 
     @classmethod
     def from_dict(
         cls, data: dict[str, Any], origin: str = "scene", folder: str | PathLike | None = None
     ) -> "Scene":
-        """Validate tables as read from TOML.
+        """Return a validated scene from tables as read from TOML.
 
         Parameters
         ----------
         data : dict
-            The tables.
+            The tables; they are not changed.
         origin : str
-            Where they come from, with which messages begin.
+            Where they come from; messages begin with it.
         folder : path, optional
-            The folder that relative paths of height maps count from.
+            The folder that relative paths of height maps refer to; they become absolute. Default:
+            they stay as they are.
 
         Returns
         -------
         Scene
-            Of the class that is called.
+            Of the class on which this is called.
 
         Raises
         ------
@@ -188,19 +203,19 @@ class Scene(Table):
 
     @classmethod
     def from_toml(cls, text: str, origin: str = "scene") -> "Scene":
-        """Parse and validate TOML text.
+        """Return a validated scene from TOML text.
 
         Parameters
         ----------
         text : str
             A scene.
         origin : str
-            Where it comes from, with which messages begin.
+            Where it comes from; messages begin with it.
 
         Returns
         -------
         Scene
-            Of the class that is called.
+            Of the class on which this is called.
 
         Raises
         ------
@@ -210,15 +225,15 @@ class Scene(Table):
         return cls.from_dict(parse_toml(text, origin), origin)
 
     def to_toml(self) -> str:
-        """Write the scene as TOML with every default; `from_toml` gives back an equal scene."""
+        """Return the scene as TOML text with all defaults; `from_toml` gives an equal scene."""
         return tomli_w.dumps(self.model_dump(exclude_none=True))
 
     def identity(self) -> str:
-        """Return a SHA-256 (hex) of everything that changes the result.
+        """Return the SHA-256 (hex) of everything in the scene that may change the result.
 
-        [machine], the title, the path of the result and its lossless compression are left out, as
-        is the order of fields, observables and distributions. A height map enters by its path, not
-        by its content.
+        [machine], the title, the path of the result and its lossless compression are left out, and
+        the order of fields, observables and distributions does not matter. A height map enters by
+        its path, not by its content.
         """
         data = self.model_dump(
             mode="json", exclude={"machine": True, "title": True, "output": {"path", "compression"}}
@@ -228,7 +243,7 @@ class Scene(Table):
         return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
 
     def warnings(self) -> list[str]:
-        """List settings that are valid but perhaps not what the user wants, one line each."""
+        """Return notes on settings that are valid but perhaps not intended, one line each."""
         surface = self.surface
         notes = []
         if isinstance(surface, Wave):
@@ -247,7 +262,7 @@ class Scene(Table):
         if surface.aspect < surface.eps_t:
             notes.append("surface: L_y is shorter than lam_l, the roughness is not isotropic")
         n_x, n_y = surface.n
-        _, values = self.load.given
+        _, values = self.load.prescribed
         for load, area in zip(values, self._contact_areas(surface)):
             if area * n_x * n_y < TOUCHING and not attracts:
                 notes.append(
@@ -256,7 +271,7 @@ class Scene(Table):
         return notes
 
     def _contact_areas(self, surface: SelfAffine) -> list[float]:
-        """Estimate the relative contact area of each load, about 2 p*; none if p* is unknown."""
+        """Estimate the relative contact area of each load as 2 p*; return [] if p* is unknown."""
         if self.load.a_r:
             return list(self.load.a_r)
         unit = 1.0 if self.load.p_star else (surface.g_rms or 0.0) * self.material.E_star
@@ -267,7 +282,7 @@ class Scene(Table):
 
 
 class ArrayScene(Scene):
-    """A scene whose heights are an array in memory: its surface has sizes only."""
+    """A scene whose heights are an array in memory: its surface has only sizes and boundary."""
 
     surface: SurfaceTable = key(  # type: ignore[assignment]
         "the sizes of the heights", SurfaceTable(), allowed="a table [surface]"
@@ -275,7 +290,7 @@ class ArrayScene(Scene):
 
     @model_validator(mode="after")
     def _known_by_points(self) -> Self:
-        """Refuse low memory, which needs heights that are known mode by mode."""
+        """Raise ValueError for solver.low_memory, which generates heights from a spectrum."""
         if self.solver.low_memory:
             raise ValueError(
                 'solver.low_memory: found true, allowed: with surface.kind = "self-affine", in a'
@@ -285,24 +300,24 @@ class ArrayScene(Scene):
 
 
 def parse_toml(text: str, origin: str) -> dict[str, Any]:
-    """Parse TOML text.
+    """Return the tables of a TOML text as a dict.
 
     Parameters
     ----------
     text : str
         TOML.
     origin : str
-        Where it comes from, with which messages begin.
+        Where it comes from; messages begin with it.
 
     Returns
     -------
     dict
-        Its tables.
+        Its tables, not validated.
 
     Raises
     ------
     SceneError
-        With the number of the line, if the parser reports it.
+        With the line number, if the parser reports it.
     """
     try:
         return tomllib.loads(text)

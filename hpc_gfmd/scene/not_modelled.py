@@ -1,5 +1,6 @@
-"""Physics that this program leaves out: a key of such a name is answered with that, not with the
-nearest key."""
+"""Physics that this program does not model. A key named after it gets this as its message, instead
+of a similar key.
+"""
 
 import re
 
@@ -22,9 +23,10 @@ INSTEAD = f'{ONLY}; output.observables = ["conductance"] is the conductance of t
 
 
 def not_modelled(*names: str) -> str:
-    """Return the message for keys or names that stand for physics that is left out, or "".
+    """Return a message if one of the names stands for physics that is not modelled, else "".
 
-    Words that end in "less" stand for none.
+    Keys or values of any spelling ("friction_coefficient", "gammaSL"). Words that end in "less" are
+    ignored ("frictionless").
     """
     for name in names:
         if name == KEY:

@@ -1,4 +1,4 @@
-"""Reading of scene files, with the overrides of a command line."""
+"""Reading of scene files, with overrides from a command line."""
 
 import os
 import tomllib
@@ -17,9 +17,9 @@ ALTERNATIVES = {"load": LOADS, "solver": ("accuracy", "residual")}
 
 
 def load_scene(path: str | PathLike, overrides: Iterable[str] = ()) -> Scene:
-    """Read a scene file.
+    """Read and validate a scene file.
 
-    A relative path of a height map, in the file or in an override, counts from the folder of the
+    A relative path of a height map, in the file or in an override, refers to the folder of the
     scene file and becomes absolute.
 
     Parameters
@@ -27,7 +27,7 @@ def load_scene(path: str | PathLike, overrides: Iterable[str] = ()) -> Scene:
     path : path
         A scene in TOML.
     overrides : iterable of str
-        "table.key=value" or "table={key = value}", each value in TOML, else a plain text.
+        "table.key=value" or "table={key = value}". Values are TOML; what is no TOML is a text.
 
     Returns
     -------
@@ -47,7 +47,7 @@ def load_scene(path: str | PathLike, overrides: Iterable[str] = ()) -> Scene:
 
 
 def with_overrides(scene: Scene, overrides: Iterable[str], table: str) -> Scene:
-    """Change keys of one table of a scene.
+    """Return a scene with changed keys in one table.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def with_overrides(scene: Scene, overrides: Iterable[str], table: str) -> Scene:
     overrides : iterable of str
         "table.key=value".
     table : str
-        The table that may be changed.
+        The only table that may be changed.
 
     Returns
     -------
@@ -77,7 +77,10 @@ def with_overrides(scene: Scene, overrides: Iterable[str], table: str) -> Scene:
 
 
 def _read(path: str | PathLike, origin: str) -> str:
-    """Return the text of a scene file; raises SceneError if it cannot be read or is empty."""
+    """Return the text of a scene file. Raises SceneError if it cannot be read or is empty.
+
+    `origin` is how messages name the file.
+    """
     if not os.path.isfile(path):
         raise SceneError(f"{origin}: no such file, allowed: a scene file in TOML")
     try:
@@ -93,7 +96,10 @@ def _read(path: str | PathLike, origin: str) -> str:
 
 
 def apply_override(data: dict[str, Any], override: str) -> None:
-    """Change one key of the tables of a scene.
+    """Set one key in the tables of a scene, which are changed in place.
+
+    Setting one of several alternatives (kinds of load; accuracy, residual) removes the others.
+    Missing tables are created. The value is not validated.
 
     Parameters
     ----------
@@ -105,7 +111,7 @@ def apply_override(data: dict[str, Any], override: str) -> None:
     Raises
     ------
     SceneError
-        For a text of another form.
+        If the override has another form or a key within something that is no table.
     """
     key, equals, value = override.partition("=")
     path = [part.strip() for part in key.split(".")]
@@ -128,7 +134,7 @@ def apply_override(data: dict[str, Any], override: str) -> None:
 
 
 def _value(text: str) -> Any:
-    """Read a value in TOML; any other text stays a text."""
+    """Return a TOML value; any other text is returned as it is."""
     try:
         parsed = tomllib.loads(f"value = {text}")
     except (ValueError, RecursionError):

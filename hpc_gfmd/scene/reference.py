@@ -1,5 +1,7 @@
-"""All keys of a scene with their meaning, as text and as a page of the documentation, from the
-models that check them."""
+"""Reference of all keys of a scene, as text and as a page of the documentation.
+
+It is generated from the models that check the keys.
+"""
 
 import json
 import textwrap
@@ -37,13 +39,13 @@ class Key:
     meaning : str
         What it is.
     allowed : str
-        Its values.
+        Its allowed values, in words.
     unit : str
         "length", "pressure", ..., the name of a unit, or "".
     default : str or None
         Its default in TOML or in words; None if the key must be given.
     example : object
-        A value.
+        A value for templates.
     """
 
     name: str
@@ -55,7 +57,7 @@ class Key:
 
     @property
     def facts(self) -> str:
-        """Default, unit and allowed values."""
+        """Default, unit and allowed values, in words."""
         default = "must be given" if self.default is None else f"default {self.default}"
         unit = UNITS.get(self.unit, self.unit and f"in {self.unit}")
         return "; ".join(part for part in (default, unit, self.allowed) if part)
@@ -66,7 +68,7 @@ KIND = Key("kind", "which surface", ", ".join(map(json.dumps, KINDS)), example="
 
 @dataclass(frozen=True)
 class Section:
-    """A table of a scene, or a kind of surface.
+    """The keys of a table of a scene, or of a kind of surface, with a description.
 
     Attributes
     ----------
@@ -81,7 +83,7 @@ class Section:
     keys : tuple of Key
         Its keys.
     kind : str
-        Kind of surface; "" for what all kinds have, and for other tables.
+        Kind of surface; "" for the keys of all kinds, and for other tables.
     """
 
     table: str
@@ -93,9 +95,9 @@ class Section:
 
 
 def sections(names: Mapping[str, Any] | None = None) -> list[Section]:
-    """List all tables and kinds of surface.
+    """Return the sections of all tables and kinds of surface, in the order of the models.
 
-    names: values that the models do not list, by key: {"output.observables": [...]}.
+    `names` gives values that the models do not list, by key: {"output.observables": [...]}.
     """
     names = names or {}
     fields = dict(Scene.model_fields)
@@ -127,7 +129,7 @@ def sections(names: Mapping[str, Any] | None = None) -> list[Section]:
 
 
 def toml(value: Any) -> str:
-    """Write a value in TOML, on one line."""
+    """Return a value as TOML, on one line."""
     if isinstance(value, dict):
         items = (
             f"{key if key.isidentifier() else toml(key)} = {toml(item)}"
@@ -145,7 +147,7 @@ def toml(value: Any) -> str:
 
 
 def text(key: str | None = None, names: Mapping[str, Any] | None = None) -> str:
-    """Write keys for a terminal.
+    """Return the description of all keys, or of some, as text for a terminal.
 
     Parameters
     ----------
@@ -176,7 +178,7 @@ def text(key: str | None = None, names: Mapping[str, Any] | None = None) -> str:
 
 
 def markdown(names: Mapping[str, Any] | None = None) -> str:
-    """Write all keys as a page in Markdown."""
+    """Return the description of all keys as a page in Markdown. `names` is as for `sections`."""
     lines = [
         "# The keys of a scene",
         "",
@@ -197,21 +199,21 @@ def markdown(names: Mapping[str, Any] | None = None) -> str:
 
 
 def _listed(allowed: str) -> str:
-    """Shorten a long list of names to a link to the page that has them."""
+    """Return allowed values as they are, or a link to the page of observables if they are long."""
     noun = allowed.partition(":")[0]
     return allowed if len(allowed) <= 120 else f"{noun}, of [these](observables.md)"
 
 
 def _names(model: Any) -> list[str]:
-    """List the keys of a table; of a kind of surface those of its own, not those of all kinds."""
+    """Return the keys of a table; for a kind of surface without the keys of all kinds."""
     classes = [base for base in reversed(model.__mro__) if base is model or base not in COMMON]
     return list(dict.fromkeys(name for base in classes for name in get_annotations(base)))
 
 
 def _key(name: str, field: Any, names: Any = ()) -> Key:
-    """Describe a field; names: values that its type does not list."""
+    """Return the Key that describes a field. `names` are values that its type does not list."""
     extra = about(field)
-    default = extra["said"]
+    default = extra["default_text"]
     if not default and not field.is_required():
         default = "none" if field.default is None else toml(field.default)
     allowed = allowed_of(field) + (f": {', '.join(sorted(names))}" if names else "")
@@ -219,7 +221,10 @@ def _key(name: str, field: Any, names: Any = ()) -> Key:
 
 
 def _chosen(key: str | None, listed: list[Section]) -> list[Section]:
-    """Return the sections, or parts of them, that a table or a key names; raises SceneError."""
+    """Return the sections of a table, or those that contain a key, reduced to it.
+
+    All sections if `key` is None. Raises SceneError for an unknown key.
+    """
     if key is None:
         return listed
     if tables := [section for section in listed if key and section.table == key]:
@@ -237,7 +242,7 @@ def _chosen(key: str | None, listed: list[Section]) -> list[Section]:
 
 
 def _hint(key: str, listed: list[Section]) -> str:
-    """Return what an unknown key may mean."""
+    """Return what an unknown key may mean: physics that is not modelled, or the nearest key."""
     names = {section.table for section in listed} - {""}
     for section in listed:
         for entry in section.keys:

@@ -44,7 +44,7 @@ PUSH = "greater than 0, with material.adhesion also 0 and below"
 def _effective_modulus(solids: dict) -> float:
     """Return E* of two solids, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 (eq. effMod).
 
-    The second one is rigid if it is not given; without the first one E* is 1.
+    The second solid is rigid if E2 is not given. 1 if E1 or nu1 is not given.
     """
     E1, nu1, E2, nu2 = (solids.get(key) for key in SOLIDS)
     if E1 is None or nu1 is None:
@@ -53,9 +53,11 @@ def _effective_modulus(solids: dict) -> float:
 
 
 class Material(Table):
-    """The effective modulus E_star (default 1), one solid that presses against a rigid counterface,
-    or both; `E_star` has the value in any case. With a thickness the solid is a layer on a rigid
-    base or on an elastic half-space, and its nu1 counts beside E1 or E_star."""
+    """The effective modulus E_star (default 1), or the elastic constants of one or both solids.
+
+    Without E2 the counterface is rigid. With a thickness the solid is a layer on a rigid base or on
+    an elastic half-space, and nu1 is needed beside E1 or E_star.
+    """
 
     E1: Pressure | None = key(
         "Young's modulus of the elastic solid (alone with nu1: against a rigid one)",
@@ -76,14 +78,14 @@ class Material(Table):
         default_factory=_effective_modulus,
         unit="pressure",
         example=1.0,
-        said="1, or from E1, nu1, E2, nu2",
+        default_text="1, or from E1, nu1, E2, nu2",
     )
     thickness: Length | None = key(
         "makes the elastic solid a layer of this thickness on a base (needs nu1)",
         None,
         unit="length",
         example=0.05,
-        said="a half-space",
+        default_text="a half-space",
     )
     base: Literal["bonded", "frictionless", "elastic"] = key(
         "how the layer lies on its base: on a rigid one, or bonded to an elastic half-space",
@@ -99,7 +101,7 @@ class Material(Table):
         None,
         unit="pressure",
         example="6 GPa",
-        said="none, elastic",
+        default_text="none, elastic",
     )
 
     adhesion: Adhesion | None = key(
@@ -107,12 +109,12 @@ class Material(Table):
         None,
         allowed="a table {work, range, law}",
         example={"work": "50 mJ/m2", "range": "2 nm", "law": "exponential"},
-        said="none",
+        default_text="none",
     )
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:
-        """Refuse moduli that say too much or too little, and compute E_star."""
+        """Raise ValueError if the moduli are contradictory or incomplete."""
         # E_star is in the set only if it was given, not if it was computed
         keys = [key for key in SOLIDS if getattr(self, key) is not None]
         if "E_star" in self.model_fields_set:
@@ -132,12 +134,12 @@ class Material(Table):
 
     @property
     def rigid_base(self) -> bool:
-        """Whether there is a layer on a rigid base."""
+        """Whether the solid is a layer on a rigid base."""
         return self.thickness is not None and self.base != "elastic"
 
     @model_validator(mode="after")
     def _layer(self) -> Self:
-        """Refuse keys of a base without a layer, and a bonded layer that is incompressible."""
+        """Raise ValueError for a base without a layer, and for a bonded layer of nu1 = 0.5."""
         if self.thickness is None and "base" in self.model_fields_set:
             raise ValueError(
                 f'found base = "{self.base}" without thickness, allowed: both, or none'
@@ -158,7 +160,7 @@ class Material(Table):
 
     @model_serializer(mode="wrap")
     def _as_given(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Return the table without what was computed or does not count."""
+        """Return the table for TOML, without a computed E_star and without `base` of no layer."""
         table = dump(self)
         if self.E1 is not None:
             table.pop("E_star", None)
@@ -168,8 +170,10 @@ class Material(Table):
 
 
 class LoadTable(Table):
-    """The loads of a sweep, in order: mean pressures, or what the mean pressure has to give, which
-    is then found."""
+    """The loads of a sweep, in order: mean pressures, or another quantity.
+
+    For another quantity, such as a contact area, the mean pressure is found by a search.
+    """
 
     p_star: Loads[Signed] | None = key(
         f"mean pressures p0/(E* g_rms), solved in this order; {PUSH}", None, example=[0.01, 0.1]
@@ -216,40 +220,40 @@ class LoadTable(Table):
 
     @model_validator(mode="after")
     def _one(self) -> Self:
-        """Refuse more than one kind of load, or none."""
+        """Raise ValueError unless exactly one kind of load is given."""
         one_of(self, *LOADS)
         return self
 
     @property
-    def given(self) -> tuple[str, tuple[float, ...]]:
-        """The quantity that is prescribed, and its values, one for each load."""
+    def prescribed(self) -> tuple[str, tuple[float, ...]]:
+        """(name of the prescribed quantity, its value for each load)."""
         return next((name, values) for name in LOADS if (values := getattr(self, name)) is not None)
 
     @property
-    def found(self) -> bool:
-        """Whether the mean pressures have to be searched for."""
-        return self.given[0] not in PRESSURES
+    def is_searched(self) -> bool:
+        """Whether the mean pressures follow from another quantity by a search."""
+        return self.prescribed[0] not in PRESSURES
 
     def p0(self, E_star: float, g_rms: float, area: float = 1.0) -> tuple[float, ...]:
-        """Return the mean pressures of all loads.
+        """Return the mean pressures of all loads; () if they have to be searched for.
 
         Parameters
         ----------
         E_star : float
             Effective modulus.
         g_rms : float
-            Realised rms slope of the surface.
+            Rms slope of the surface on the grid.
         area : float
             Nominal area of the surface.
 
         Returns
         -------
         tuple of float
-            In the unit of E_star; empty if they have to be searched for.
+            In the unit of E_star, one for each load.
         """
-        name, values = self.given
+        name, values = self.prescribed
         scale = {"p_star": E_star * g_rms, "force": 1 / area}.get(name, 1.0)
-        return () if self.found else tuple(float(value) * scale for value in values)
+        return () if self.is_searched else tuple(float(value) * scale for value in values)
 
 
 PRESSURES = ("p_star", "pressure", "force")
@@ -272,7 +276,7 @@ class SolverTable(Table):
         "wanted relative accuracy of contact area, mean gap and pressure field",
         default_factory=lambda given: 1e-3 if given.get("residual") is None else None,
         example=1e-3,
-        said="0.001, unless residual is given",
+        default_text="0.001, unless residual is given",
     )
     precision: Literal["auto", "single", "double"] = key(
         "of the floating-point numbers; auto: double where a load needs it", "auto"
@@ -290,18 +294,18 @@ class SolverTable(Table):
 
     @model_validator(mode="after")
     def _one(self) -> Self:
-        """Refuse accuracy and residual together."""
+        """Raise ValueError if both accuracy and residual are given."""
         one_of(self, "accuracy", "residual")
         return self
 
     @property
     def tolerance(self) -> float:
-        """The accuracy that is asked for, or else the residual."""
+        """The accuracy, or the residual if that is given instead."""
         return self.accuracy or self.residual or 0.0
 
 
 class Output(Table):
-    """The result file and what goes into it: numbers, maps, distributions."""
+    """The result file and its content: numbers, maps, distributions."""
 
     path: Annotated[Path, Field(pattern=r"[^/]\.([hH]5|[hH][dD][fF]5)$")] = key(
         "the result file, in a folder that exists",
@@ -312,7 +316,7 @@ class Output(Table):
         "maps that are kept; pictures of the contact need pressure or gap",
         (),
         example=["pressure", "gap"],
-        said="none",
+        default_text="none",
         allowed='a list out of "pressure", "gap", "displacement", "plastic", "heights", each once',
     )
     observables: Names | None = key(
@@ -326,17 +330,17 @@ class Output(Table):
         "histograms and spectra of each load",
         (),
         example=["pressure", "gap"],
-        said="none",
+        default_text="none",
         allowed=NAMES,
     )
     dtype: Literal["single", "double"] | None = key(
-        "precision of the stored fields", None, example="single", said="as solved"
+        "precision of the stored fields", None, example="single", default_text="as solved"
     )
     compression: bool = key("compress the stored fields without loss", False)
 
 
 class Machine(Table):
-    """Speed and limits only: nothing here changes the answer."""
+    """Speed and limits only: nothing here changes the results."""
 
     threads: Annotated[int, Field(ge=1, le=65536)] | Literal["auto"] = key(
         "threads of each rank; auto: all cores of one process where they pay, one of several ranks",
@@ -347,12 +351,12 @@ class Machine(Table):
         None,
         unit="s",
         example=3600.0,
-        said="never",
+        default_text="never",
     )
     memory_gib: Positive | None = key(
         "memory of each machine that may be used",
         None,
         unit="GiB",
         example=8.0,
-        said="what is free",
+        default_text="what is free",
     )

@@ -1,5 +1,4 @@
-"""[surface]: the kinds of rough surfaces, heights z(r) with peaks up on the periodic cell L_x x
-L_y."""
+"""[surface]: the kinds of rough surfaces, heights z(r) with peaks up on the cell L_x x L_y."""
 
 from math import inf
 from typing import Annotated, Literal, Self
@@ -29,7 +28,7 @@ Factor = Annotated[int, Field(ge=1, le=1024)]
 
 
 class SurfaceTable(Table):
-    """The rigid rough surface. What every kind has: the cell, in the unit of the heights."""
+    """The rigid rough surface. Keys of every kind: the cell, in the unit of the heights."""
 
     physical_sizes: Pair[Length] = key("lengths [L_x, L_y] of the cell", (1.0, 1.0), unit="length")
     boundary: Boundary = key("whether the cell repeats, or has free edges", "periodic")
@@ -42,7 +41,7 @@ class SurfaceTable(Table):
 
     @model_validator(mode="after")
     def _form_ends(self) -> Self:
-        """Refuse a ball under a surface that is periodic along a bent axis."""
+        """Raise ValueError for a ball under roughness that is periodic along a curved axis."""
         row = getattr(self, "kind", "") == "sphere"  # a periodic one is one of many
         if not row and any(R < inf and not ends for R, ends in zip(self.radii, self.free)):
             raise ValueError(
@@ -53,24 +52,24 @@ class SurfaceTable(Table):
 
     @property
     def radii(self) -> tuple[float, float]:
-        """(R_x, R_y) of the form, inf where it is straight."""
+        """(R_x, R_y) of the ball under the roughness; inf along an axis where it is straight."""
         found = inf if self.radius is None else self.radius
         return found if isinstance(found, tuple) else (found, found)
 
     @property
     def free(self) -> tuple[bool, bool]:
-        """Whether the surface ends along x, along y."""
+        """Whether the surface has free edges along x, along y; False if its file decides."""
         # None: a height map that has to be periodic, see surface/quality.py
         along = self.boundary if isinstance(self.boundary, tuple) else (self.boundary,) * 2
         return along[0] == "free", along[1] == "free"
 
 
 class SelfAffine(SurfaceTable):
-    """Random self-affine roughness between the wavelengths lam_l and lam_s, both included.
+    """Random self-affine roughness with wavelengths from lam_l down to lam_s, both included.
 
-    L is L_x; the cells of the grid are square, so n_y = n_x L_y/L_x must be whole too. The spectrum
-    is constant between lam_l and lam_r = lam_l/lam_l_over_lam_r (1: no roll-off). g_rms or h_rms is
-    the realised value.
+    L is L_x. The cells of the grid are square, so n_y = n_x L_y/L_x must be a whole number, too.
+    The spectrum is constant between lam_l and lam_r = lam_l/lam_l_over_lam_r (1: no roll-off).
+    g_rms or h_rms is the value on the grid.
     """
 
     kind: Literal["self-affine"]
@@ -96,12 +95,12 @@ class SelfAffine(SurfaceTable):
         "rms slope",
         default_factory=lambda given: 1.0 if given.get("h_rms") is None else None,
         example=1.0,
-        said="1, unless h_rms is given",
+        default_text="1, unless h_rms is given",
     )
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        """Refuse ratios that give no whole number of points, and a spectrum without waves."""
+        """Raise ValueError if the number of points is not whole, or no wave fits the cutoffs."""
         one_of(self, "g_rms", "h_rms")
         if self.lam_l_over_lam_r > self.lam_l_over_lam_s:
             raise ValueError(
@@ -120,7 +119,7 @@ class SelfAffine(SurfaceTable):
         return self
 
     def _has_modes(self) -> bool:
-        """Return whether a wave of the cell lies between the two cutoffs."""
+        """Whether at least one wave of the cell lies between the two cutoffs."""
         low, high = self.L_over_lam_l, self.L_over_lam_l * self.lam_l_over_lam_s
         if high >= int(low) + 1:
             return True  # the next mode along x
@@ -170,8 +169,10 @@ class SelfAffine(SurfaceTable):
 
 
 class Wave(SurfaceTable):
-    """z = A cos(2 pi k_x x/L_x) cos(2 pi k_y y/L_y): Westergaard with one k = 0, Johnson et al.
-    with both."""
+    """z = A cos(2 pi k_x x/L_x) cos(2 pi k_y y/L_y).
+
+    It is Westergaard's wave if one k is 0, and that of Johnson et al. otherwise.
+    """
 
     kind: Literal["wave"]
     amplitude: Height = key(
@@ -182,7 +183,7 @@ class Wave(SurfaceTable):
 
     @model_validator(mode="after")
     def _resolved(self) -> Self:
-        """Refuse a wave of no periods, and periods of less than two points."""
+        """Raise ValueError for a wave without periods, or with less than two points per period."""
         if self.periods == (0, 0):
             raise ValueError(
                 "found periods = [0, 0], allowed: two whole numbers from 0, not both 0"
@@ -206,12 +207,14 @@ class Sphere(SurfaceTable):
 
 
 class File(Reading, SurfaceTable):  # type: ignore[misc]
-    """A measured or computed height map, or the sum of two; the grid is its shape. x is the first
-    index of an array, which in a text is the number of the line, unless the file says otherwise.
-    What the file says of sizes holds unless these keys say otherwise; a unit that contradicts the
-    file's is refused. Of two scans the points of the finer one are the grid, in the window that
-    both cover, and the other one is interpolated by cubic splines; what is done to one map is done
-    to their sum."""
+    """A measured or computed height map, or the sum of two; its shape is the grid.
+
+    x is the first index of an array, which in a text is the line number, unless the file says
+    otherwise. Sizes and units are those in the file unless these keys set them; a unit that
+    contradicts the file is refused. Of two scans the finer one defines the grid points, within the
+    window that both cover; the other one is interpolated by cubic splines. Operations for one map
+    apply to the sum of two.
+    """
 
     kind: Literal["file"]
     bodies: Bodies | None = key(
@@ -224,7 +227,7 @@ class File(Reading, SurfaceTable):  # type: ignore[misc]
         "whether the map repeats, or has free edges",
         None,
         example="free",
-        said=(
+        default_text=(
             "what the file says, else periodic where opposite edges fit together, else it must be"
             " given"
         ),
@@ -234,7 +237,7 @@ class File(Reading, SurfaceTable):  # type: ignore[misc]
         None,
         unit="length",
         example=["0 um", "0 um", "5 um", "5 um"],
-        said="all",
+        default_text="all",
     )
     detrend: Literal["none", "mean", "tilt", "curvature"] = key(
         "subtract the mean, the best plane, or the best paraboloid", "none"
@@ -256,7 +259,11 @@ class File(Reading, SurfaceTable):  # type: ignore[misc]
 
     @model_validator(mode="after")
     def _one_way_to_be_periodic(self) -> Self:
-        """Refuse a free boundary, mirror images and a window together; path or bodies."""
+        """Raise ValueError for keys that exclude each other.
+
+        Exactly one of path and bodies must be given, and at most one of a free boundary, mirror and
+        window.
+        """
         one_of(self, "path", "bodies")
         ways = {
             "a free boundary": any(self.free),
@@ -270,7 +277,7 @@ class File(Reading, SurfaceTable):  # type: ignore[misc]
 
     @property
     def n(self) -> None:
-        """Unknown before the file is read."""
+        """None: unknown before the file is read."""
         return None
 
 
@@ -284,6 +291,9 @@ AnySurface = Annotated[SelfAffine | Wave | Sphere | File, Field(discriminator="k
 
 
 def _whole(value: float, what: str) -> None:
-    """Raise ValueError where a number of points is not whole; what: its name and formula."""
+    """Raise ValueError unless a number of points is whole and from 1 to MAX_N.
+
+    `what` is its name and formula, for the message.
+    """
     if not (1 <= value <= MAX_N and abs(value - round(value)) <= 1e-9 * value):
         raise ValueError(f"found {what} = {value:.10g}, allowed: a whole number from 1 to {MAX_N}")

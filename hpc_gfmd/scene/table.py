@@ -1,5 +1,4 @@
-"""What all tables of a scene share: strictness, number types, what a key says of itself, and the
-rule "exactly one of"."""
+"""Common parts of all tables of a scene: strict validation, types of numbers, keys."""
 
 import os
 from collections.abc import Mapping
@@ -24,8 +23,10 @@ MAX_N = 2**24  # grid points per direction
 
 
 class Table(BaseModel):
-    """A frozen table. true is no number, "1" is none, 1.0 is no whole number; inf and nan are
-    refused."""
+    """A frozen table with strict types; inf and nan are refused.
+
+    true and "1" are not accepted as numbers, nor 1.0 as an integer.
+    """
 
     model_config = ConfigDict(strict=True, frozen=True, extra="forbid", allow_inf_nan=False)
 
@@ -34,19 +35,23 @@ Positive = Annotated[float, Field(ge=SMALLEST, le=LARGEST)]
 
 
 def _tuple(value: Any) -> Any:
-    """Return a list as a tuple, anything else as it is."""
+    """Return a list as a tuple, any other value as it is."""
     return tuple(value) if isinstance(value, list) else value
 
 
 def each(value: Any) -> tuple:
-    """Return the values of a list, or the only one, as a tuple."""
+    """Return a list as a tuple, and any other value as a tuple with this value only."""
     return tuple(value) if isinstance(value, list | tuple) else (value,)
 
 
-def _in(dimension: str) -> WrapValidator:
-    """Let a number be plain, or a text with a unit of this dimension."""
+def _with_unit(dimension: str) -> WrapValidator:
+    """Return a validator of numbers that also accepts a text with a unit, as a Quantity.
+
+    `dimension` is that of the unit, such as "length".
+    """
 
     def read(value: Any, check: Any) -> float:
+        """Return a plain number, or the Quantity of a text; `check` validates its size."""
         if not isinstance(value, str | Quantity):
             return check(value)
         value = parse(value, dimension) if isinstance(value, str) else value
@@ -57,7 +62,7 @@ def _in(dimension: str) -> WrapValidator:
 
 
 def _from_folder(path: str, scene: ValidationInfo) -> str:
-    """Count a relative path from the folder of the scene file, where there is one."""
+    """Return a path; a relative one is joined to the folder of the scene file, if that is known."""
     return os.path.join(scene.context, path) if scene.context else path
 
 
@@ -68,28 +73,28 @@ def _length_unit(text: str) -> str:
 
 
 def _printable(text: str) -> str:
-    """Return a text. Raises ValueError where it has control characters."""
+    """Return a text. Raises ValueError if it has control characters."""
     if not text.isprintable():
         raise ValueError("control characters")
     return text
 
 
 def _distinct(values: tuple) -> tuple:
-    """Return values. Raises ValueError where one is there twice."""
+    """Return values. Raises ValueError if a value occurs twice."""
     if len(set(values)) < len(values):
         raise ValueError("named twice")
     return values
 
 
 def _not_tiny(value: float) -> float:
-    """Return a number. Raises ValueError where it is so small that it would be taken for 0."""
+    """Return a number. Raises ValueError if it is not 0 but below SMALLEST in magnitude."""
     if 0 < abs(value) < SMALLEST:
         raise ValueError(f"the least magnitude is {SMALLEST:g}")
     return value
 
 
 def _bent(radii: Any) -> Any:
-    """Return radii. Raises ValueError where both axes are straight."""
+    """Return radii. Raises ValueError if all of them are inf (straight along both axes)."""
     if radii in (inf, (inf, inf)):
         raise ValueError("straight along both axes")
     return radii
@@ -103,19 +108,19 @@ NotNegative = Annotated[float, Field(ge=0, le=LARGEST)]
 Fraction = Annotated[float, Field(gt=0, lt=1)]
 Share = Annotated[float, Field(gt=0, le=1)]
 Ratio = Annotated[float, Field(ge=1, le=LARGEST)]
-Height = Annotated[float, Field(ge=-LARGEST, le=LARGEST), _in("length"), AS_GIVEN]
-Length = Annotated[Positive, _in("length"), AS_GIVEN]
-Radius = Annotated[float, Field(ge=SMALLEST, allow_inf_nan=True), _in("length"), AS_GIVEN]
+Height = Annotated[float, Field(ge=-LARGEST, le=LARGEST), _with_unit("length"), AS_GIVEN]
+Length = Annotated[Positive, _with_unit("length"), AS_GIVEN]
+Radius = Annotated[float, Field(ge=SMALLEST, allow_inf_nan=True), _with_unit("length"), AS_GIVEN]
 Radii = Annotated[Radius | tuple[Radius, Radius], LIST, AfterValidator(_bent)]
-Coordinate = Annotated[NotNegative, _in("length"), AS_GIVEN]
-Pressure = Annotated[Positive, _in("pressure"), AS_GIVEN]
-Force = Annotated[Positive, _in("force"), AS_GIVEN]
-Work = Annotated[Positive, _in("work"), AS_GIVEN]
+Coordinate = Annotated[NotNegative, _with_unit("length"), AS_GIVEN]
+Pressure = Annotated[Positive, _with_unit("pressure"), AS_GIVEN]
+Force = Annotated[Positive, _with_unit("force"), AS_GIVEN]
+Work = Annotated[Positive, _with_unit("work"), AS_GIVEN]
 # of loads, which pull where the surfaces attract each other
 Signed = Annotated[float, Field(ge=-LARGEST, le=LARGEST), AfterValidator(_not_tiny)]
-SignedPressure = Annotated[Signed, _in("pressure"), AS_GIVEN]
-SignedForce = Annotated[Signed, _in("force"), AS_GIVEN]
-SignedLength = Annotated[Signed, _in("length"), AS_GIVEN]
+SignedPressure = Annotated[Signed, _with_unit("pressure"), AS_GIVEN]
+SignedForce = Annotated[Signed, _with_unit("force"), AS_GIVEN]
+SignedLength = Annotated[Signed, _with_unit("length"), AS_GIVEN]
 LengthUnit = Annotated[str, AfterValidator(_length_unit)]
 Whole = Annotated[int, Field(ge=1, le=MAX_INT)]
 Text = Annotated[str, AfterValidator(_printable)]
@@ -140,27 +145,28 @@ def key(
     allowed: str = "",
     unit: str = "",
     example: Any = None,
-    said: str = "",
+    default_text: str = "",
     **more: Any,
 ) -> Any:
-    """Make a field of a table, with all that help and messages say of it.
+    """Return a pydantic field for a key of a table, with all that help and messages show of it.
 
     Parameters
     ----------
     meaning : str
         What the key is, for `hpc-gfmd help scene` and the scenes of `hpc-gfmd init`.
     default : object
-        Its value where a scene does not give it; without one it must be given.
+        Its default; without one the key must be given.
     allowed : str
-        Values that it may have, where the type does not say it (`allowed_of`).
+        Description of allowed values, if that derived from the type is not good enough
+        (`allowed_of`).
     unit : str
         "length", "pressure", "force", or the name of a unit; "" for a plain number.
     example : object
         A value for the scenes of `hpc-gfmd init`; by default the default.
-    said : str
-        Text shown in place of a default that depends on other keys.
+    default_text : str
+        Text that is shown instead of the default, if that depends on other keys.
     **more
-        All else that pydantic.Field takes.
+        Other arguments of pydantic.Field.
 
     Returns
     -------
@@ -168,17 +174,20 @@ def key(
         For the body of a Table.
     """
     example = default if example is None else example
-    extra = {"allowed": allowed, "unit": unit, "example": example, "said": said}
+    extra = {"allowed": allowed, "unit": unit, "example": example, "default_text": default_text}
     return Field(default, description=meaning, json_schema_extra=extra, **more)
 
 
 def about(field: Any) -> dict[str, Any]:
-    """Return the arguments of `key` that made a field, by name; empty for other fields."""
+    """Return what `key` stored in a field: {"allowed", "unit", "example", "default_text"}.
+
+    Empty for other fields.
+    """
     return field.json_schema_extra or {}
 
 
 def allowed_of(field: Any) -> str:
-    """Describe the values that a field made by `key` may have, from its type and bounds."""
+    """Return a description of the values that a field made by `key` may have."""
     extra = about(field)
     return extra["allowed"] or allowed_values(
         field.annotation, tuple(field.metadata), extra["unit"]
@@ -186,8 +195,10 @@ def allowed_of(field: Any) -> str:
 
 
 def table_fields(field: Any) -> Mapping[str, Any]:
-    """Return the keys of the table, or of the tables in a list, that a key takes, {name: field};
-    none of others."""
+    """Return {key: field} of the table, or of the tables in a list, that a field takes.
+
+    Empty for a field that takes no table.
+    """
     types = [field.annotation]
     for annotation in types:  # those inside of others, too
         if hasattr(annotation, "model_fields"):
@@ -204,7 +215,7 @@ def one_of(table: BaseModel, *keys: str) -> None:
     table : Table
         The table.
     *keys : str
-        Its keys, None where they are not set.
+        Its keys; a key that is None is not set.
 
     Raises
     ------
@@ -218,7 +229,7 @@ def one_of(table: BaseModel, *keys: str) -> None:
 
 
 def has_unit(value: Any) -> bool:
-    """Return whether a number, or one of a tuple, was given with a unit."""
+    """Whether a number, or at least one number of a tuple, was given with a unit."""
     return any(isinstance(item, Quantity) for item in each(value))
 
 
@@ -230,7 +241,7 @@ def alike(noun: str, quantities: dict[str, Any]) -> None:
     noun : str
         What they are, such as "lengths".
     quantities : dict
-        Numbers, or tuples of them, by key. 0 and inf are the same in any unit; None is not given.
+        Numbers, or tuples of them, by key. 0 and inf fit to any unit, and None is ignored.
 
     Raises
     ------

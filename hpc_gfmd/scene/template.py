@@ -1,4 +1,4 @@
-"""A scene that runs, with a comment on every key: what the models say of themselves."""
+"""Templates: scenes that run, with a comment on every key, made from the models of the keys."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -17,26 +17,26 @@ CHOSEN = {  # keys that are set in every template, besides those that must be gi
 
 @dataclass
 class Suggestion:
-    """Values for the keys of [surface] that a height map suggests.
+    """Values that a height map suggests for the keys of [surface].
 
     Attributes
     ----------
     values : dict
-        Keys to be set.
-    said : dict
-        What the file itself says, shown as comments.
+        Keys to be set, with their values.
+    from_file : dict
+        Keys whose values the file itself has; they are shown as comments.
     why : dict
-        Reasons for both, shown in place of the meaning of a key.
+        Reasons for both, by key; shown instead of the meaning of the key.
     missing : list of str
         Keys that only the user knows.
     about : list of str
-        Remarks on the map, a line each.
+        Notes on the map, one line each.
     unit : str
         "m" if lengths have units, else "".
     """
 
     values: dict = field(default_factory=dict)
-    said: dict = field(default_factory=dict)
+    from_file: dict = field(default_factory=dict)
     why: dict = field(default_factory=dict)
     missing: list = field(default_factory=list)
     about: list = field(default_factory=list)
@@ -44,16 +44,16 @@ class Suggestion:
 
 
 def template(kind: str, tables: Mapping[str, Any], suggestion: Suggestion, head: str) -> str:
-    """Write a scene with a comment on every key.
+    """Return a scene as TOML text with a comment on every key.
 
     Parameters
     ----------
     kind : str
         Kind of surface.
     tables : mapping
-        Keys to be set, by table, besides those that must be given.
+        {table: {key: value}} to be set, besides the keys that must be given.
     suggestion : Suggestion
-        Of a height map; an empty one for other kinds.
+        Suggested by a height map; an empty one for other kinds.
     head : str
         The first line, a comment.
 
@@ -86,7 +86,10 @@ def template(kind: str, tables: Mapping[str, Any], suggestion: Suggestion, head:
 
 
 def _line(key: Key, values: Mapping[str, Any], suggestion: Suggestion) -> str:
-    """Write one key: set, or as a comment with its default and an example."""
+    """Return the line of a key: set, or as a comment with its default and an example.
+
+    `values` are those of its table that are set.
+    """
     value = values.get(key.name, key.example if key.default is None else None)
     if key.name == "kind":
         other_kinds = ", ".join(toml(kind) for kind in KINDS if kind != value)
@@ -96,10 +99,10 @@ def _line(key: Key, values: Mapping[str, Any], suggestion: Suggestion) -> str:
         return _beside(f"{key.name} = {toml(value)}", reason or key.meaning)
     shows_default = not reason and key.default not in ("none", toml(key.example))
     default = f" (default: {key.default})" if shows_default else ""
-    example = toml(suggestion.said.get(key.name, key.example))
+    example = toml(suggestion.from_file.get(key.name, key.example))
     return _beside(f"# {key.name} = {example}", (reason or key.meaning) + default)
 
 
 def _beside(setting: str, comment: str) -> str:
-    """Return a line of a setting with a comment beside it."""
+    """Return a setting with a comment beside it, in one line; comments start in column COLUMN."""
     return f"{setting + '  ':<{COLUMN}}# {comment}"

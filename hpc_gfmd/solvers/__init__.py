@@ -9,14 +9,17 @@ from ..util.plugins import class_in, names_in
 if TYPE_CHECKING:
     from .base import Solver
 
-COMMON = ("base", "options")  # files that are no solver
+COMMON = ("base", "options")  # files of this folder without a solver
 
 
 def solver_names() -> list[str]:
-    """Return the names of all solvers, without importing them."""
+    """List the names of all solvers, including those of other packages, without importing them."""
     return list(names_in(__name__, COMMON))
 
 
 def solver_class(name: str) -> type[Solver]:
-    """Return the solver class of a name; "auto" is the default solver."""
+    """Import the file of a solver and return its class; "auto" stands for the default, bpx.
+
+    GfmdError: the solver of another package cannot be imported, or the file has no such class.
+    """
     return class_in(__name__, "bpx" if name == "auto" else name)

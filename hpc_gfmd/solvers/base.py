@@ -1,9 +1,9 @@
 """What a solver is.
 
-A solver allocates everything in __init__(problem, options), is given a start by `start(g)` or
+A solver allocates everything in __init__(problem, options), begins with `start(g)` or
 `continue_at(p0)`, and then does one step at a time. It owns the gap g and the pressure p (local
-slabs). After every step `progress()` tells how far it is. It knows nothing of stopping, files or
-clocks: that is `drive.py`.
+slabs). After every step `progress()` measures how far it is from the solution. When to stop, files
+and clocks are not its business: that is `drive.py`.
 """
 
 from __future__ import annotations
@@ -28,24 +28,25 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Progress:
-    """How far a solver is, the same numbers on every rank.
+    """How far the state of a solver is from the solution. The same on every rank; immutable.
 
     Attributes
     ----------
     residual : float
-        sqrt(mean p^2 where the gap is open), over the mean pressure that the wall bears.
+        Root mean square of the pressure out of contact (0 at points in contact), over the mean
+        pressure that the wall bears.
     contact : float
-        Points that touch: g <= 0 and p > 0.
+        Number of points in contact on all ranks: g <= 0 and p > 0.
     gap_mean : float
-        In the problem's units.
+        Mean gap over the surface, in the problem's units; dents count as 0.
     estimate : Estimate, or None
-        What the certificate is expected to find; None after a step in which that was not
-        estimated.
+        The errors that a certificate of this state would probably find; None if the solver has
+        not estimated them in this step.
     finite : bool
-        Whether all numbers are.
+        Whether gap and pressure are finite everywhere.
     predicted : pair of float, or None
-        The points in contact and the mean gap that the solution at this load is expected to have;
-        None where the solver does not know.
+        Number of points in contact and mean gap that the converged solution at this load will
+        probably have; None if the solver cannot predict them.
     """
 
     residual: float
@@ -57,54 +58,58 @@ class Progress:
 
     @property
     def estimates(self) -> tuple[float, float] | None:
-        """The relative errors of (mean gap, pressure) of `estimate`."""
+        """Estimated relative errors of (mean gap, pressure field); None without an `estimate`."""
         return self.estimate and self.estimate[:2]
 
 
 class Solver:
-    """What all solvers share.
+    """Base class of all solvers: a state (gap and pressure) and the steps that improve it.
 
-    To add one, put a file into solvers/ with a subclass whose `name` is the file's; it implements
-    `start`, `refresh`, `step` and `progress`. Its methods are collective.
+    To add a solver, put a file into solvers/ with a subclass whose `name` is that of the file. It
+    implements `start`, `refresh`, `step` and `progress`. Creating a solver and calling its methods
+    is collective; all of them return the same on all ranks, unless stated otherwise.
 
     Parameters
     ----------
     problem : Problem
-        What is solved.
+        The contact to solve.
     options : dict, optional
-        Numbers by their names, see `allowed`.
+        Values of options by name, within the limits of `allowed`.
     g : ndarray, optional
-        Memory for the gap, local slab of the grid, which is taken over.
+        Array to use as the memory of the gap, local slab of the grid; its values are not read.
+        New memory is allocated without it.
 
     Raises
     ------
     SceneError
-        For options that are not allowed.
+        If an option is unknown or its value is not allowed.
 
     Attributes
     ----------
     g, p : array, local slabs
-        Gap >= 0, but where there is a dent, and pressure, in the problem's units and precision.
+        Gap (below 0 in dents, 0 or more elsewhere) and pressure, in the problem's units and
+        precision. With an attraction p is the pressure of the wall.
     p0 : float
-        The present mean pressure.
+        The present mean pressure over the surface, in the problem's units.
     iterations : int
-        Steps since the load began.
+        Number of steps since the load began.
     uKu : float
-        <u, K u> where the solver was started; of one that keeps it up to date at any time.
+        <u, K u> of the state at the last start or `refresh`, over all ranks; bpx updates it in
+        every step.
     allowed : dict
-        The smallest and largest value of each option.
+        The smallest and largest value of each option, by name.
     sources : tuple of str
-        Papers that the algorithm is from, with DOI.
+        Papers that introduced the algorithm, with DOI.
     """
 
-    d: np.ndarray  # the last step, of those that have one
+    d: np.ndarray  # the last step, in solvers that store one
     name = ""
     sources: tuple[str, ...] = ()
     uKu: float
     allowed: Mapping[str, tuple[float, float]] = {}
-    dents = False  # whether it can do with a hardness
-    attracts = False  # whether it can do with an attraction
-    stability: Stability | None = None  # of the state with an attraction, as found last
+    dents = False  # whether it can solve contacts with a hardness
+    attracts = False  # whether it can solve contacts with an attraction
+    stability: Stability | None = None  # of the state with an attraction, as last computed
     patience = 60  # iterations without progress after which the solver counts as stagnated
 
     def __init__(
@@ -122,43 +127,51 @@ class Solver:
 
     @property
     def pairs(self) -> float:
-        """FFT pairs done on this grid so far."""
+        """FFT pairs of the starts and steps since `reset_counts`, without those of certificates."""
         return self.elastic.pairs
 
     def reset_counts(self) -> None:
-        """Count iterations and FFT pairs from 0: a load begins."""
+        """Set `iterations` and `pairs` to 0, at the beginning of a load."""
         self.iterations = 0
         self.elastic.pairs = 0.0
 
     @cached_property
     def levels(self) -> Multilevel:
-        """The multilevel operator on this grid, made when the certificate first asks for it."""
+        """The multilevel operator on this grid, made at first access (then collective) and kept."""
         from ..operators.multilevel import Multilevel
 
         return Multilevel(self.grid, self.problem.body, self.problem.dtype, self.elastic.fft.R)
 
     @property
     def problem_now(self) -> Problem:
-        """The problem at the present load."""
+        """A copy of the problem at the present p0. Shares the heights; collective at first."""
         return replace(self.problem, p0=self.p0, h_rms=self.problem.root_mean_square)
 
     @property
     def wall_load(self) -> float:
-        """The mean pressure that the wall bears: p0, and what an attraction adds."""
+        """Mean pressure that the wall bears over the surface: p0, plus the mean attraction."""
         return self.p0
 
     @property
     def p_cell(self) -> float:
-        """The mean pressure over the whole grid at the present load."""
+        """Mean pressure over the whole grid, padding included, at the present p0."""
         return self.p0 * (self.grid.N / self.grid.cell_points)
 
     def start(self, g: np.ndarray) -> None:
-        """Begin at the gap g >= 0 (local slab, taken over)."""
+        """Begin at a gap: set self.g, and compute self.p and self.uKu. Takes one FFT pair.
+
+        Parameters
+        ----------
+        g : array, local slab
+            The gap, >= 0. It is copied into `self.g`, unless it is that array.
+        """
         raise NotImplementedError
 
     def continue_at(self, p0: float) -> None:
-        """Begin from the present state at another mean pressure, without an FFT: p changes by a
-        constant."""
+        """Set the mean pressure to p0 and go on from the present gap, without an FFT.
+
+        The pressure p changes by a constant everywhere; the last step is forgotten (`refresh`).
+        """
         before = self.p_cell
         self.p0 = float(p0)
         change = self.problem.dtype.type(self.p_cell - before)
@@ -170,7 +183,7 @@ class Solver:
         self.refresh()
 
     def _lay(self, g: np.ndarray) -> None:
-        """Set the gap to g, the last step to 0 and the pressure to its mean over the cell."""
+        """Copy g into self.g, and set self.d to 0 and self.p to the constant `p_cell`."""
 
         def lay(i0: int, i1: int) -> None:
             if g is not self.g:
@@ -181,51 +194,62 @@ class Solver:
         self.grid.by_rows(lay)
 
     def refresh(self, uKu: float | None = None) -> None:
-        """Go on without a last step, after self.p has been computed anew from self.g, or shifted,
-        and self.levels used by somebody else. uKu: <u, K u>, None if that has not changed."""
+        """Compute all sums of the state again from self.g and self.p, and forget the last step.
+
+        Call it after other code has overwritten self.p or the fields of self.levels. Takes no FFT.
+
+        Parameters
+        ----------
+        uKu : float, optional
+            <u, K u> of the state over all ranks; without it `self.uKu` stays.
+        """
         raise NotImplementedError
 
     @property
     def is_separated(self) -> bool:
-        """Whether the bodies have come apart, for good: nothing touches, and the load pulls more
-        than the attraction."""
+        """Whether the bodies have come apart for good: no contact, and the load pulls at least as
+        hard as the attraction. Always False for solvers that do not solve adhesive contacts."""
         return False
 
     def begin_at(self, certificate: Certificate) -> None:
-        """Begin where a certificate has computed self.p from self.g."""
+        """Begin at the present self.g, from which a certificate has just computed self.p."""
         self.refresh(certificate.uKu)
 
     def after_certificate(self, certificate: Certificate) -> None:
-        """Go on after the certificate has computed self.p anew from self.g, and used
-        self.levels."""
+        """Prepare the next step after a certificate has overwritten self.p and self.levels.
+
+        By default the last step is forgotten, as in `begin_at`.
+        """
         self.begin_at(certificate)
 
     def after_stability(self) -> None:
-        """Go on after the search for the stability has used self.levels."""
+        """Prepare the next step after `stability_of` has overwritten the fields of self.levels."""
         self.refresh()
 
     def make_room(self) -> None:
-        """Give the memory of the transforms and of the last step, which is lost, to somebody else
-        until `take_room`."""
+        """Free the memory of the transforms and of the last step, for a certificate or a new start.
+
+        Gap and pressure stay. Call `take_room` before the next step. Only bpx implements the two.
+        """
         raise NotImplementedError
 
     def take_room(self) -> None:
-        """Go on without a last step."""
+        """Allocate what `make_room` freed, with a last step of 0. Then call `refresh`."""
         raise NotImplementedError
 
     def step(self) -> None:
-        """Make one iteration: new g and p."""
+        """Make one iteration: update self.g and self.p in place, and add 1 to `iterations`."""
         raise NotImplementedError
 
     def progress(self) -> Progress:
-        """Return how far the solver is."""
+        """Return how far the present state is from the solution. Gap and pressure stay."""
         raise NotImplementedError
 
     def estimate_errors(self) -> Estimate:
-        """Estimate what the certificate would find, from g and p without an FFT: one pass over
-        memory and a sweep over the levels. Collective.
+        """Estimate the errors that a certificate would find, from g and p without an FFT.
 
-        For solvers that do not have these sums from their steps anyway.
+        Overwrites the fields of self.levels; takes one pass over memory and a sweep over the
+        levels. For solvers whose steps do not compute these sums. Needs stored heights.
         """
         from ..certificate.error_estimates import State, estimate
 
@@ -250,7 +274,7 @@ class Solver:
         return estimate(self.problem, self.levels, self.g, state)
 
     def _work_of_pressure(self, i0: int, i1: int) -> float:
-        """Return <u, p - p_cell> = <u, K u> on rows i0..i1; heights have to be stored."""
+        """Return the share of <u, K u> = <u, p - p_cell> of local rows i0 <= i < i1."""
         rows, points = self.grid.inside
         u = self.g[i0:i1].astype(np.float64)
         inner = max(min(rows, i1) - i0, 0)
@@ -258,6 +282,9 @@ class Solver:
         return float(np.vdot(u, self.p[i0:i1].astype(np.float64) - self.p_cell))
 
     def expected_area(self, estimate: Estimate) -> float:
-        """Return the relative error of the area that the certificate is expected to find beside an
-        Estimate."""
+        """Return the relative error of the area that a certificate would probably find.
+
+        `estimate` has the other errors of the same state. A solver that does not look at single
+        points returns 0: the certificate decides.
+        """
         return 0.0

@@ -28,29 +28,28 @@ from ..parallel.threads import added, on_threads, shares
 from .base import Progress, Solver
 
 FIRST = 0.75  # Rayleigh quotient of first steps: 0.52 to 0.75 was seen; less makes them too long
-DESCENT = 0.2  # share of the predicted descent that clipping must leave
+DESCENT = 0.2  # share of the predicted descent that must remain after clipping
 SHORT = 0.9  # a step is made shorter only below this: clipped points stay a little open then
-SETTLED = 1e-3  # of the range, within which bodies that are apart are where a spring holds them
-# of what certificate/error_estimates.py says that the mean gap is wrong by
-SHIFT = 0.62
+SETTLED = 1e-3  # distance to where a spring holds separated bodies at rest, in ranges of the law
+SHIFT = 0.62  # share of the shift of certificate/error_estimates.py that predicts the mean gap
 
 
 class Bpx(Solver):
-    """The default solver, see above.
+    """The default solver, preconditioned projected conjugate gradients (see the file's head).
 
     Parameters
     ----------
     problem : Problem
-        What is solved.
+        The contact to solve.
     options : dict, optional
-        None are allowed.
+        Must be empty: this solver has no options.
     g : ndarray, optional
-        Memory for the gap, local slab of the grid, which is taken over.
+        Array to use as the memory of the gap, local slab of the grid; its values are not read.
 
     Raises
     ------
     SceneError
-        For options.
+        If there are options.
     """
 
     name = "bpx"
@@ -71,16 +70,16 @@ class Bpx(Solver):
 
     @cached_property
     def gradient(self) -> float:
-        """The length of a projected gradient step."""
+        """Coefficient a of a plain projected gradient step, d = -a z with z = compliance r."""
         return 1.0 / (self.compliance * self.problem.body.bounds(self.grid)[1])
 
     def make_room(self) -> None:
-        """Give the memory of the transforms and of the last step away, until `take_room`."""
+        """Free the memory of the transforms and of the last step until `take_room`."""
         del self.d
         self.elastic.make_room()
 
     def take_room(self) -> None:
-        """Take memory for the transforms again, and go on without a last step."""
+        """Allocate memory for the transforms and the last step again; the last step is 0."""
         self.elastic.plan()
         self.d = self.grid.empty(stored_dtype(self.problem.dtype))
         self.d[...] = 0
@@ -89,7 +88,10 @@ class Bpx(Solver):
     # -- starting
 
     def start(self, g: np.ndarray) -> None:
-        """Begin at the gap g >= 0 (local slab, taken over); its pressure takes an FFT pair."""
+        """Begin at the gap g >= 0 (local slab, copied): compute its pressure with one FFT pair.
+
+        With a hardness the start itself may be moved or dented as a whole, see `_begin`.
+        """
         self._lay(g)
         self.elastic.pressure_rows(
             self.problem.displacement_rows(self.g, self.problem.level(self.g))
@@ -109,43 +111,50 @@ class Bpx(Solver):
         self._begin(sums)
 
     def refresh(self, uKu: float | None = None) -> None:
-        """Begin a new descent after p has been computed anew from g, or shifted; uKu: <u, K u>,
-        None if that has not changed."""
+        """Begin a new descent at the present g and p, without an FFT; uKu: their <u, K u>, the
+        stored one if None. With a hardness g and p may change, see `_begin`."""
         self.uKu = self.uKu if uKu is None else uKu
         self.d[...] = 0
         self._begin(self.levels.restrict(self.g, self.p, self.problem.limit))
 
     def begin_at(self, certificate: Certificate) -> None:
-        """Begin a new descent where a certificate has computed p from g."""
+        """Begin a new descent at the present g and p, with <u, K u> and the attraction of a
+        certificate that has just computed this p."""
         self.attracted = certificate.attraction * self.N
         super().begin_at(certificate)
 
     def after_stability(self) -> None:
-        """Go on after the search for the stability has used the levels."""
+        """Compute z on the coarse levels again, after `stability_of`; keep the last step."""
         self.levels.restrict(self.g, self.p, self.problem.limit)
         self.levels.sweep()  # z on the coarse levels follows from g and p
 
     def _begin(self, sums: UpdateSums) -> None:
-        """Begin a new descent: no momentum, a Rayleigh quotient as first steps have."""
+        """Begin a new descent: without a last step, with the Rayleigh quotient of a first step.
+
+        With a hardness and no attraction the body may be moved or dented as a whole, if that has
+        less energy: g and p change then. sums: this rank's, of the present state with d = 0.
+        """
         self.s = 1.0
         self.rayleigh = FIRST
-        self._measure(sums, anew=True)
+        self._measure(sums, new_contact=True)
         if self.problem.hardness is not None and self.law is None:
             if dent_rigidly(self.problem, self.p0, self.p_cell, self.g, self.p, self.uKu):
                 self.d[...] = 0
                 self.uKu = 0.0
-                self._measure(self.levels.restrict(self.g, self.p, self.problem.limit), anew=True)
+                self._measure(
+                    self.levels.restrict(self.g, self.p, self.problem.limit), new_contact=True
+                )
             a, b = self._coefficients()
             self._balance(0.5 * (a * self.rz + b * self.rd))
 
     # -- one iteration
 
     def _descend_to_contact(self) -> None:
-        """Come down until something is in contact, where nothing is. A rigid shift costs no elastic
-        energy, but would take many steps.
+        """Lower a body that touches nowhere, as a whole, until its first point touches.
 
-        The descent goes on as it is: the pressure of the body does not change. With an attraction
-        it begins anew, because that of the wall does.
+        A rigid shift costs no elastic energy, but would take many steps. Without an attraction p
+        stays and the descent continues; with one p changes and a new descent begins. Does nothing
+        if a gap is 0 already, if a spring holds the body, or if the load pulls it off the wall.
         """
         rows, points = self.grid.inside
         lowest = self.grid.comm.min([self.g[:rows, :points].min(initial=np.inf)])[0]
@@ -164,7 +173,11 @@ class Bpx(Solver):
             self.refresh()
 
     def step(self) -> None:
-        """Make one iteration: one FFT pair."""
+        """Make one iteration, with one FFT pair: update g, p and all scalars in place.
+
+        If nothing touches, the body is first lowered to its first contact. With a spring p0
+        changes, too; with a hardness the body may be shifted after the step.
+        """
         if self.contact == 0:
             self._descend_to_contact()
         a, b, (pd, deeper, td, gained) = self._choose_step()
@@ -181,7 +194,7 @@ class Bpx(Solver):
         sums, stiffer = self._update(self.s)
         self.rayleigh = self._rayleigh_quotient(a, b, dKd + stiffer)
         # with a hardness the elastic contact may have become another one
-        self._measure(sums, anew=plain and self.problem.hardness is not None)
+        self._measure(sums, new_contact=plain and self.problem.hardness is not None)
         # K u = p - t - p_cell
         Kud = pd - td - self.p_cell * self.grid.cell_points * mean
         of_spring = spring * self.grid.cell_points * mean**2
@@ -194,14 +207,18 @@ class Bpx(Solver):
         self.iterations += 1
 
     def _choose_step(self) -> tuple[float, float, list[float]]:
-        """Make the step -(a z + b d), shorter or a plain one where the projection spoils it.
+        """Write the next step to self.d, and transform its rows; g and p do not change yet.
+
+        The step is -(a z + b d), projected. If the projection leaves too little of its descent,
+        it is a plain projected gradient step instead (with a hardness, a shorter one is tried
+        first).
 
         Returns
         -------
         a, b : float
-            Both 0 of a plain projected gradient step.
+            Coefficients of the step; both 0 for a plain projected gradient step.
         work : list of float
-            What `_search` returns of the step.
+            What `_search` returned for this step.
         """
         a, b = self._coefficients()
         work = self._search(a, b, 1.0)
@@ -221,7 +238,8 @@ class Bpx(Solver):
         return 0.0, 0.0, self._search(self.gradient, 0.0, 0.0)
 
     def _rayleigh_quotient(self, a: float, b: float, dKd: float) -> float:
-        """Return <z, K z>/<r, z> as the step -(a z + b d) had it; 1 where it says nothing."""
+        """Return <z, K z>/<r, z> after the step -(a z + b d) with this <d, K d>; 1 if a = 0 or the
+        quotient is not finite."""
         if not a * a * self.rz > 0:
             return 1.0
         zKz = dKd - 2 * a * b * self.zKd - b * b * self.dKd
@@ -230,13 +248,11 @@ class Bpx(Solver):
         return quotient if np.isfinite(quotient) else 1.0
 
     def _balance(self, descent: float) -> None:
-        """Move the body up or down to where its contact can carry the load, where that gains more
-        energy than a step. The pressure does not change; the last step is forgotten.
+        """Shift self.g by a constant if too few points touch, or too many yield, to carry the load.
 
-        Parameters
-        ----------
-        descent : float
-            Energy that the last step gained, at least; at the start what the first step may gain.
+        Only with a hardness, and only if the shift gains more energy than `descent`, which is that
+        of the last step (at the start, what the first step may gain). p stays, the last step is
+        forgotten.
         """
         hardness = self.problem.hardness or np.inf
         if hardness * self.yielded <= self.N * self.p0 <= hardness * self.contact:
@@ -249,11 +265,13 @@ class Bpx(Solver):
             self.g[i0:i1] -= shift
 
         self.grid.by_rows(lower)
-        self._measure(self.levels.restrict(self.g, self.p, self.problem.limit), anew=True)
+        self._measure(self.levels.restrict(self.g, self.p, self.problem.limit), new_contact=True)
 
     def _coefficients(self) -> tuple[float, float]:
-        """Return a and b of the step -(a z + b d): the minimum of the energy in the plane of z and
-        d, if z has the Rayleigh quotient of the last one."""
+        """Return a and b of the step -(a z + b d) of least energy in the plane of z and d.
+
+        <z, K z> is not known; it is predicted with the Rayleigh quotient of the last z.
+        """
         rho = self.rayleigh if self.rayleigh > 0 else 1.0
         rz, rd, zKd, dKd = self.rz, self.rd, self.zKd, self.dKd
         zKz = rho * rz
@@ -267,8 +285,12 @@ class Bpx(Solver):
         return (a, b) if a > 0 else (1.0 / rho, 0.0)
 
     def _search(self, a: float, b: float, coupling: float) -> list[float]:
-        """Make the first pass: the next step into d, and its row spectra; returns <p, d>, by how
-        much dents become deeper, and what `work_of_step` does (kernels/adhesive_rows.py)."""
+        """Make the first pass: overwrite self.d with the next step, and transform its rows.
+
+        The step is -(a z + b d), projected; coupling = 0 leaves the coarse levels out of z. Returns
+        sums over all ranks: <p, d>, with the work of dents; by how much dents become deeper; and
+        <t, d> and the change of phi, 0 without an attraction (kernels/adhesive_rows.py).
+        """
         levels = self.levels
         fft = self.elastic.fft
         ends = levels.ends
@@ -290,10 +312,10 @@ class Bpx(Solver):
         return self.grid.comm.sum([*sums, *np.sum(work, axis=0)]).tolist()
 
     def _update(self, s: float) -> tuple[UpdateSums, float]:
-        """Make the last pass: x = K d by rows, new g and p.
+        """Make the last pass: add s d to self.g and s K d to self.p (with an attraction s y).
 
-        Returns this rank's UpdateSums, and how much stiffer the attraction makes the step, for all
-        ranks: <d, y - K d>, see kernels/adhesive_rows.py.
+        Counts an FFT pair. Returns this rank's UpdateSums, and <d, y - K d> over all ranks, which
+        the attraction adds to <d, K d> (kernels/adhesive_rows.py; 0 without one).
         """
         self.elastic.pairs += 1
         rows = self.elastic.fft.rows
@@ -308,7 +330,7 @@ class Bpx(Solver):
         return sums, stiffer
 
     def _add_attraction(self) -> None:
-        """Add the attraction to the pressure of the body, which becomes that of the wall."""
+        """Add the attraction to self.p, so far the pressure of the body; sets self.attracted."""
 
         def add(i0: int, i1: int) -> tuple[float, float]:
             return add_attraction(self.law, self.g, self.p[i0:i1], i0, i1, self.grid.inside)
@@ -316,10 +338,13 @@ class Bpx(Solver):
         t, _ = self.grid.comm.sum(added(self.grid.by_rows(add), 2)).tolist()
         self.attracted = t
 
-    def _measure(self, sums: UpdateSums, anew: bool = False) -> None:
-        """Sweep the levels and sum over ranks: all scalars of the next step and of the stopping
-        rule. anew: the deflation vector is found for this contact."""
-        totals = self.grid.comm.sum([*sums, *self.levels.sweep(anew)]).tolist()
+    def _measure(self, sums: UpdateSums, new_contact: bool = False) -> None:
+        """Compute z on the levels, and set all scalars of the next step and of `progress`.
+
+        sums: this rank's, of the present state. new_contact: whether to compute the
+        deflation vector for the present contact first.
+        """
+        totals = self.grid.comm.sum([*sums, *self.levels.sweep(new_contact)]).tolist()
         rz1, xz1, self.mean, *self.level_sums = totals[len(sums) :]
         sums = UpdateSums(*totals[: len(sums)])
         s = self.s
@@ -334,19 +359,22 @@ class Bpx(Solver):
         self.changing = max(sums.opening, sums.closing)
         self.yielded = sums.yielded
         elastic_share = (self.contact - self.yielded) / self.grid.cell_points
-        if anew and self.levels.gap_mode.wanted(elastic_share):
+        if new_contact and self.levels.gap_mode.wanted(elastic_share):
             self.elastic.pairs += self.levels.gap_mode.pairs
 
     # -- how far
 
     @property
     def wall_load(self) -> float:
-        """The mean pressure that the wall bears."""
+        """Mean pressure that the wall bears over the surface: p0 plus the mean attraction."""
         return self.p0 + self.attracted / self.N
 
     @property
     def is_separated(self) -> bool:
-        """As of Solver; the wall itself is pulled at."""
+        """Whether nothing touches and the load pulls at least as hard as the attraction.
+
+        With a spring only once the body is nearly at rest.
+        """
         if self.law is None or self.contact > 0:
             return False
         # what is left to go until nothing holds the spring back
@@ -355,11 +383,11 @@ class Bpx(Solver):
 
     @property
     def _p_cell_of_wall(self) -> float:
-        """The mean of p over the whole grid."""
+        """Mean of self.p over the whole grid: `p_cell` plus the attraction."""
         return self.p_cell + self.attracted / self.grid.cell_points
 
     def progress(self) -> Progress:
-        """Return how far the solver is, with estimates of its errors."""
+        """Return how far the state is from the solution, with estimates after every step."""
         finite = bool(np.isfinite(self.pp + self.gap_mean))
         carried = max(self.wall_load, np.finfo(float).tiny)
         residual = np.sqrt(self.rr / self.N) / carried
@@ -368,7 +396,8 @@ class Bpx(Solver):
         return Progress(float(residual), self.contact, self.gap_mean, errors, finite, predicted)
 
     def _estimate(self) -> Estimate:
-        """Estimate what the certificate will say, but for rounding errors that p has gathered."""
+        """Estimate the errors that a certificate would find, by the sums of the last step; rounding
+        errors that p has accumulated are not seen."""
         state = State(
             p0=self.wall_load,
             open_p=self.mean * self.grid.cell_points,
@@ -384,8 +413,11 @@ class Bpx(Solver):
         return estimate(self.problem, self.levels, self.g, state, stability)
 
     def _predicted(self, errors: Estimate) -> tuple[float, float] | None:
-        """Predict the converged area and gap: the area goes with the load that the contact
-        carries."""
+        """Predict the number of points in contact and the mean gap of the converged solution.
+
+        The area is taken as proportional to the load that the contact carries; at full contact
+        both stay as they are. None if no point touches or the contact carries no load.
+        """
         carried = self._p_cell_of_wall
         n = self.contact
         load = carried - self.mean
@@ -397,8 +429,11 @@ class Bpx(Solver):
         return min(n * carried / load, self.N), gap
 
     def expected_area(self, estimate: Estimate) -> float:
-        """Return the relative error of the area that the certificate is expected to find: a look at
-        all points."""
+        """Return the relative error of the area that a certificate would probably find.
+
+        Takes two passes over all points, no FFT. Infinite with a hardness if all points touch but
+        one of them may be open.
+        """
         open_pp, open_p4 = self.grid.comm.sum(moments_of_open(self.problem, self.g, self.p))
         spread = spread_of(open_pp, open_p4, self.contact, self.N)
         wrong = misclassified_points(

@@ -35,28 +35,29 @@ if TYPE_CHECKING:
     from ..certificate.certificate import Certificate
 
 DT = 0.95  # default time step, relative to the stability limit
-UNDERDAMPED = 0.5  # share of the Rayleigh quotient that is taken as mu
+UNDERDAMPED = 0.5  # mu over the Rayleigh quotient of the velocity
 ESTIMATED_EVERY = 4  # time steps from one estimate of the errors to the next
 PATIENCE = 20  # stagnation is judged over that many time scales sqrt(lambda/mu) of the longest wave
 
 
 class Gfmd(Solver):
-    """The paper's dynamics, see above.
+    """The paper's damped dynamics, see the file's head: no hardness, no attraction.
 
     Parameters
     ----------
     problem : Problem
-        What is solved.
+        The contact to solve.
     options : dict, optional
-        dt: time step relative to the stability limit, 0.01 to 1 (default 0.95); damping: constant,
-        in units of the critical damping of the longest wave, 0 to 1e6 (default: measured).
+        dt: time step relative to the stability limit, 0.01 to 1 (default 0.95); damping: a constant
+        one, in units of the critical damping of the longest wave, 0 to 1e6 (default: chosen anew in
+        every step).
     g : ndarray, optional
-        Memory for the gap, local slab of the grid, which is taken over.
+        Array to use as the memory of the gap, local slab of the grid; its values are not read.
 
     Raises
     ------
     SceneError
-        For options that are not allowed.
+        If an option is unknown or its value is not allowed.
     """
 
     name = "gfmd"
@@ -75,7 +76,7 @@ class Gfmd(Solver):
     # -- starting
 
     def start(self, g: np.ndarray) -> None:
-        """Begin at the gap g >= 0 (local slab, taken over); its pressure takes an FFT pair."""
+        """Begin at rest at the gap g >= 0 (local slab, copied): compute p with one FFT pair."""
         self._lay(g)
         self.elastic.pressure_rows(
             self.problem.displacement_rows(self.g, self.problem.level(self.g))
@@ -85,8 +86,8 @@ class Gfmd(Solver):
         self._measure(self.elastic.use_rows(self._update))
 
     def refresh(self, uKu: float | None = None) -> None:
-        """Go on at rest, after p has been computed anew from g, or shifted; uKu: <u, K u>, None if
-        that has not changed."""
+        """Set the velocity to 0 and compute all sums of the present g and p again, without an FFT;
+        uKu: their <u, K u>, the stored one if None."""
         if uKu is not None:
             self.uKu = uKu
         self.d[...] = 0
@@ -96,12 +97,12 @@ class Gfmd(Solver):
         self._measure(on_threads(self.grid.threads, self._update, passes))
 
     def after_certificate(self, certificate: Certificate) -> None:
-        """Go on with the velocity that there is: the pressure has changed by rounding errors."""
+        """Do nothing: the velocity is kept, as a certificate changes p by rounding errors only."""
 
     # -- one time step
 
     def step(self) -> None:
-        """Make one time step: one FFT pair."""
+        """Make one time step, with one FFT pair: update g, p and the velocity d in place."""
         a, b = (self.problem.dtype.type(c) for c in self._coefficients())
         self.elastic.pressure_rows(
             lambda i0, i1, x: verlet_step(self.g, self.p, self.d, x, i0, i1, a, b, self.grid.inside)
@@ -111,7 +112,10 @@ class Gfmd(Solver):
         self.iterations += 1
 
     def _coefficients(self) -> tuple[float, float]:
-        """Return a and b of d <- b d - a p."""
+        """Return a = dt^2 and b = 1 - eta dt^2 of the next step, d <- b d - a p.
+
+        b is 0, which drops the velocity, if the last step went uphill and no damping was given.
+        """
         damping = self.options.get("damping")
         if damping is not None:
             mu = min(damping * damping * self.longest, self.stiffest)
@@ -127,10 +131,11 @@ class Gfmd(Solver):
         return a, 0.0 if uphill else ((1 - ratio) / (1 + ratio)) ** 2
 
     def _update(self, i0: int, i1: int, x: np.ndarray) -> tuple[float, ...]:
+        """Add x to self.p on local rows i0 <= i < i1, and return the DynamicsSums of these rows."""
         return update_pressure(self.g, self.p, self.d, x, i0, i1, self.grid.inside)
 
     def _measure(self, parts: Sequence[tuple[float, ...]]) -> None:
-        """Sum DynamicsSums over passes and ranks."""
+        """Sum the DynamicsSums of this rank's passes over all ranks, and store them in self."""
         sums = self.grid.comm.sum(added(parts, len(DynamicsSums._fields)))
         self.rr, self.pp, self.pd, self.dd, self.dx, self.contact, self.gap = map(
             float, DynamicsSums(*sums)
@@ -139,7 +144,7 @@ class Gfmd(Solver):
     # -- how far
 
     def progress(self) -> Progress:
-        """Return how far the solver is."""
+        """Return how far the state is from the solution, with estimates after every fourth step."""
         residual = float(np.sqrt(self.rr / self.N)) / self.p0
         finite = bool(np.isfinite(self.pp + self.gap))
         errors = None

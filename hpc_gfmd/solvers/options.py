@@ -9,26 +9,27 @@ from ..util.errors import SceneError
 def read_options(
     solver: str, options: Mapping[str, float], allowed: Mapping[str, tuple[float, float]]
 ) -> dict[str, float]:
-    """Return the options of a solver as floats.
+    """Check the options of a solver and convert them to floats.
 
     Parameters
     ----------
     solver : str
-        Its name.
+        Name of the solver, for messages.
     options : dict
-        Numbers by their names, as in a scene.
+        Numbers by name, the table [solver.options] of a scene. Does not change.
     allowed : dict
-        The smallest and largest value by name; where these are of type int, whole numbers.
+        The smallest and largest value of each option by name. If the smallest is an int, the
+        option must be a whole number.
 
     Returns
     -------
     dict
-        The options that are given.
+        A new one with the given options only: no defaults are added.
 
     Raises
     ------
     SceneError
-        For an unknown name or a value that is not allowed.
+        If a name is unknown or a value is not allowed.
     """
     for name, value in options.items():
         if name not in allowed:

@@ -12,12 +12,12 @@ from .metadata import Map, Metadata, is_y_first
 
 
 def is_topography(value: Any) -> bool:
-    """Whether an object is a Topography of SurfaceTopography, which is not imported for that."""
+    """Whether an object looks like a Topography of SurfaceTopography, which is not imported."""
     return callable(getattr(value, "heights", None)) and hasattr(value, "physical_sizes")
 
 
 def of_topography(topography: Any) -> Map:
-    """Return the heights of a Topography of SurfaceTopography.
+    """Return heights and metadata of a Topography of SurfaceTopography.
 
     Parameters
     ----------
@@ -26,8 +26,9 @@ def of_topography(topography: Any) -> Map:
     Returns
     -------
     heights : masked ndarray, shape (n_x, n_y)
-        float64, masked where there are none.
+        float64, masked where the Topography has no height.
     metadata : Metadata
+        Its sizes, units and periodicity.
     """
     named = topography
     while isinstance(named.unit, dict):  # mirror_stitch of 1.27 forgets its parent's
@@ -43,8 +44,10 @@ def of_topography(topography: Any) -> Map:
 
 
 def unreliable(topography: Any) -> tuple[float, str] | None:
-    """Return below which wave length a Topography shows the tip or the resolution of the instrument
-    rather than the surface.
+    """Return the wave length below which a Topography shows the instrument, not the surface.
+
+    That is the limit set by the tip or the resolution of the instrument, as SurfaceTopography knows
+    it.
 
     Parameters
     ----------
@@ -53,7 +56,7 @@ def unreliable(topography: Any) -> tuple[float, str] | None:
     Returns
     -------
     (float, str) or None
-        The wave length in m, and a note on it; None where it is not known.
+        The wave length in m and a note on it; None if it is unknown.
     """
     has_unit = isinstance(topography.unit, str)
     cutoff = topography.short_reliability_cutoff() if has_unit else None
@@ -68,7 +71,7 @@ def unreliable(topography: Any) -> tuple[float, str] | None:
 
 
 def checked_array(heights: Any) -> np.ndarray:
-    """Return heights as an array.
+    """Convert heights to an array and check that they are a map; the values are not read.
 
     Parameters
     ----------
@@ -77,11 +80,13 @@ def checked_array(heights: Any) -> np.ndarray:
     Returns
     -------
     ndarray
+        heights itself if it is an array already (a masked array stays one).
 
     Raises
     ------
     SceneError
-        For what is no height map, and for arrays of xarray whose first axis is y.
+        If heights is a path, is not a non-empty real array with two axes, or is an array of xarray
+        whose first axis is y.
     """
     if isinstance(heights, str | PathLike):
         path = repr(str(heights))
@@ -103,7 +108,7 @@ def checked_array(heights: Any) -> np.ndarray:
 
 
 def complete_array(heights: Any) -> np.ndarray:
-    """Return heights as an array that has one at every point.
+    """Convert heights to an array as `checked_array` does, and refuse masked points.
 
     Parameters
     ----------
@@ -112,11 +117,12 @@ def complete_array(heights: Any) -> np.ndarray:
     Returns
     -------
     ndarray
+        heights itself if it is an array already; nan is not looked for.
 
     Raises
     ------
     SceneError
-        As `checked_array`, and for masked points.
+        As `checked_array`, and if a point is masked.
     """
     heights = checked_array(heights)
     if np.ma.is_masked(heights):

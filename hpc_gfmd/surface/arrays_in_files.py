@@ -1,5 +1,4 @@
-"""Height maps that are arrays in a file: .npy, .npz, HDF5 and NetCDF, of which a few rows are read
-at a time."""
+"""Height maps that are arrays in a file (.npy, .npz, HDF5, NetCDF), read a few rows at a time."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -23,21 +22,21 @@ SMALL = 4096  # bytes of what an archive says of sizes and units
 
 @dataclass(frozen=True)
 class FileArray:
-    """Heights in a file, sliced by rows, nan where there is none.
+    """Heights in a file: array[i0:i1] reads these rows, with nan for missing heights.
 
     Attributes
     ----------
     shape : (int, int)
     dtype : dtype
-        Of the numbers as they are stored.
+        Type of the numbers as they are stored.
     name : str
-        Of the array in the file.
+        Name of the array in the file.
     unpacked : function
-        Makes heights of the numbers as they are stored.
+        Converts the numbers as they are stored to heights.
     find : function
         Takes the name of an array and returns it, or anything sliced like one, or None.
     has_mask : bool
-        An array MASK beside the heights is not 0 where there is none.
+        Whether an array "mask" lies beside the heights; where it is not 0 the height is missing.
     """
 
     shape: tuple[int, ...]
@@ -48,6 +47,10 @@ class FileArray:
     has_mask: bool = False
 
     def __getitem__(self, part: Any) -> np.ndarray:
+        """Read a part of the heights, nan where the mask is not 0.
+
+        Raises ValueError if the mask holds other floating-point numbers than 0 and 1.
+        """
         z = self.unpacked(self.find(self.name)[part])
         if not self.has_mask:
             return z
@@ -58,22 +61,25 @@ class FileArray:
 
 
 def read_npy(contents: Contents, spec: Any) -> Map:
-    """Open an array that numpy.save wrote; it is never unpickled.
+    """Open an array that numpy.save wrote; pickled objects are refused.
 
     Parameters
     ----------
     contents : Contents
     spec : scene.File
+        Not used: the file has one array and no names.
 
     Returns
     -------
     heights : ndarray
+        Mapped into memory, or read whole if the file was packed.
     metadata : Metadata
+        Empty: the format has no place for it.
 
     Raises
     ------
     SceneError, ValueError, OSError
-        For what cannot be read, or holds no map, or several.
+        If the file cannot be read.
     """
     if contents.unpacked is None:
         return np.lib.format.open_memmap(contents.path, mode="r"), Metadata()
@@ -83,20 +89,24 @@ def read_npy(contents: Contents, spec: Any) -> Map:
 def read_npz(contents: Contents, spec: Any) -> Map:
     """Open one array of those that numpy.savez wrote, with sizes and units beside it.
 
+    The array is read when its first rows are; it then stays in memory.
+
     Parameters
     ----------
     contents : Contents
     spec : scene.File
+        Its `dataset` names the array.
 
     Returns
     -------
     heights : FileArray, two axes
     metadata : Metadata
+        From the arrays physical_sizes, unit or units, and periodic.
 
     Raises
     ------
     SceneError, ValueError, OSError
-        For what cannot be read, or holds no map, or several.
+        If the file cannot be read, or does not have exactly one array that `dataset` may mean.
     """
     with np.load(contents.source, allow_pickle=False) as file:
         arrays = [name for name in file.files if f"{name}.npy" in file.zip.namelist()]
@@ -123,20 +133,24 @@ def read_npz(contents: Contents, spec: Any) -> Map:
 def read_hdf5(contents: Contents, spec: Any) -> Map:
     """Open one data set of an HDF5 or NetCDF 4 file.
 
+    The file stays open as long as the FileArray exists.
+
     Parameters
     ----------
     contents : Contents
     spec : scene.File
+        Its `dataset` names the data set.
 
     Returns
     -------
     heights : FileArray, two axes
     metadata : Metadata
+        From attributes of the data set, its axes and the file.
 
     Raises
     ------
     SceneError, ValueError, OSError
-        For what cannot be read, or holds no map, or several.
+        If the file cannot be read, or does not have exactly one data set that `dataset` may mean.
     """
     import h5py
 
@@ -184,20 +198,24 @@ def read_hdf5(contents: Contents, spec: Any) -> Map:
 def read_netcdf(contents: Contents, spec: Any) -> Map:
     """Open one variable of a NetCDF 3 file.
 
+    The file stays open as long as the FileArray exists.
+
     Parameters
     ----------
     contents : Contents
     spec : scene.File
+        Its `dataset` names the variable.
 
     Returns
     -------
     heights : FileArray, two axes
     metadata : Metadata
+        From attributes of the variable and its axes.
 
     Raises
     ------
     SceneError, ValueError, OSError
-        For what cannot be read, or holds no map, or several.
+        If the file cannot be read, or does not have exactly one variable that `dataset` may mean.
     """
     from scipy.io import netcdf_file
 
@@ -225,24 +243,28 @@ def read_netcdf(contents: Contents, spec: Any) -> Map:
 
 
 def one_of(shapes: Mapping[str, tuple[int, ...]], spec: Any) -> tuple[str, tuple[str, ...]]:
-    """Choose the array that the scene names, or the only one that may be meant.
+    """Choose the height map of a file: the array that the scene names, or else the only one.
+
+    Arrays without two axes are never chosen. An array "mask" and, beside wider arrays, those with a
+    single row or column are chosen only by name.
 
     Parameters
     ----------
     shapes : mapping
         {name of an array: shape}
     spec : scene.File
+        Its `dataset` is the name, or ANY if the scene gives none.
 
     Returns
     -------
     name : str
     other_names : tuple of str
-        Of other arrays that may have been meant; none where there is no choice.
+        Names of the other maps in the file.
 
     Raises
     ------
     SceneError
-        Where several may be meant, or none.
+        If the scene names no array of two axes and there is not exactly one map.
     """
     flat = [name for name, shape in shapes.items() if len(shape) == 2]
     maps = [name for name in flat if name != MASK]
@@ -262,23 +284,25 @@ def one_of(shapes: Mapping[str, tuple[int, ...]], spec: Any) -> tuple[str, tuple
 def is_mask(
     shape: tuple[int, ...] | None, dtype: np.dtype, shape_of_heights: tuple[int, ...]
 ) -> bool:
-    """Whether an array MASK marks points without a height.
+    """Whether the array "mask" beside the heights marks points as missing.
 
     Parameters
     ----------
     shape : tuple of int
+        Shape of the mask.
     dtype : dtype
+        Type of the mask.
     shape_of_heights : (int, int)
 
     Returns
     -------
     bool
-        False for NumPy's mark that nothing is masked.
+        False for NumPy's scalar that says "nothing is masked".
 
     Raises
     ------
     ValueError
-        Where it does not fit the heights.
+        If the mask has another shape than the heights, or is not numeric.
     """
     if shape == () and dtype.kind == "b":  # NumPy's for "nothing is masked"
         return False
@@ -291,7 +315,7 @@ def is_mask(
 
 
 def _head_in_archive(archive: ZipFile, name: str) -> tuple[tuple[int, ...], np.dtype]:
-    """Read shape and type of an array in an archive, of which nothing is unpacked."""
+    """Read shape and dtype of the array `name` in a .npz archive from its header alone."""
     with archive.open(f"{name}.npy") as file:
         version = np.lib.format.read_magic(file)
         read = np.lib.format.read_array_header_1_0

@@ -1,5 +1,4 @@
-"""The numbers of a text, all of them: every line after the header obeys the layout, or the text is
-refused."""
+"""All numbers of a text. A text is refused if any line after the header breaks its layout."""
 
 from array import array
 from collections.abc import Iterable
@@ -12,17 +11,18 @@ from .layout import NoNumber, TextLayout, is_comment
 
 @dataclass
 class Block:
-    """Lines of numbers without another line between them.
+    """Successive lines of numbers.
 
     Attributes
     ----------
     first_line : int
-        Its number, from 1.
+        Number of the first of them in the text, from 1.
     header : list of str
-        Lines before them.
+        Lines before them: header and comments since the block before.
     numbers : array of float
         Line by line.
     lines : int
+        Number of lines of numbers.
     """
 
     first_line: int
@@ -36,19 +36,19 @@ class Block:
 
 
 def read_blocks(lines: Iterable[str], layout: TextLayout) -> list[Block]:
-    """Read the numbers of a text.
+    """Read all numbers of a text, in blocks that blank lines or comments separate.
 
     Parameters
     ----------
     lines : iterable of str
         All lines of the text.
     layout : TextLayout
-        Of its first lines.
+        Layout of its first lines, which all others must have.
 
     Returns
     -------
     list of Block
-        Those that blank lines or comments separate; one where they separate every line.
+        A single block if every line is a block of its own (blank lines between all lines).
 
     Raises
     ------
@@ -79,7 +79,7 @@ def read_blocks(lines: Iterable[str], layout: TextLayout) -> list[Block]:
 
 
 def joined(blocks: list[Block]) -> Block:
-    """Put blocks together, as if nothing separated them."""
+    """Return one new Block with the numbers of several, and with the header of the first."""
     whole = Block(blocks[0].first_line, blocks[0].header)
     for block in blocks:
         whole.numbers.extend(block.numbers)
@@ -88,7 +88,10 @@ def joined(blocks: list[Block]) -> Block:
 
 
 def _row(line: str, number: int, layout: TextLayout) -> list[float]:
-    """Read the numbers of a line. Raises ValueError."""
+    """Read the numbers of the line with this number (from 1 on), nan for missing ones.
+
+    Raises ValueError, with the number of the line, if the line does not obey the layout.
+    """
     complete = "" if line.endswith(("\n", "\r")) else " (it is the last one: is the file complete?)"
     tokens = layout.tokens(line)
     if len(tokens) != layout.columns:

@@ -1,5 +1,7 @@
-"""From the scene's [surface] to the gap under zero load, in the program's units (see
-operators/problem.py)."""
+"""From the scene's [surface] to the gap under zero load, in the program's units.
+
+The units are defined in operators/problem.py.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -34,28 +36,29 @@ class Surface:
     Attributes
     ----------
     grid : Grid
-        Where the surface ends the grid goes on beyond it, see cell.py. A surface that varies along
-        one axis only lives on a grid with one point along the other, all of it on every rank.
+        Along an axis with free edges it is longer than the surface, see cell.py. For a surface that
+        varies along one axis only it has one point along the other, and every rank holds all of it.
     h : ndarray
-        Initial gap, local part of the nominal area of `grid`, >= 0 with minimum 0, in units of
-        g_rms a.
+        Initial gap in units of g_rms a, >= 0 with minimum 0: this rank's part of the nominal area
+        of `grid`. None after it has been handed over.
     n : (int, int)
-        Points along x and y that were asked for.
+        Points along x and y as the scene gives them.
     h_rms, g_rms : float
-        Realised rms height and slope, in the scene's units. A flat surface has g_rms = 0, and its
-        units are those of 1.
+        Realised rms height and slope, in the scene's units. For a flat surface g_rms = 0, and units
+        are made with g_rms = 1 instead.
     rows : (int, int)
-        (start, stop) of the rows asked for that this rank owns.
+        This rank's rows start <= i < stop of the surface with n points.
     add_spectrum : function, optional
-        See selfaffine.py; None where heights are not known by their spectrum.
+        Recomputes the heights in Fourier space, see selfaffine.py; None if they have no formula
+        there.
     checksum : str, optional
-        Of the heights as they were read, None where the scene says all about them.
+        Checksum of the heights as they were read; None if the scene determines them.
     unit : str
-        "m" where sizes and heights are in it, "" where their unit is not named.
+        "m" if sizes and heights are in m, "" if they have no unit.
     prepared : tuple of str
         What was done to a height map, a line each.
     quality_notes : tuple of str
-        See quality.py.
+        Remarks on a height map, a line each, see quality.py.
     """
 
     grid: Grid
@@ -72,39 +75,42 @@ class Surface:
 
     @property
     def sizes(self) -> tuple[float, ...]:
-        """(L_x, L_y) of the surface."""
+        """(L_x, L_y) of the surface, in m or without a unit."""
         return self.grid.nominal_sizes
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What to know of it before the numbers, a line each."""
+        """Remarks on slope and quality of the surface for the user, a line each."""
         return (*slope_notes(self.g_rms, measured=self.checksum is not None), *self.quality_notes)
 
     @property
     def gap(self) -> np.ndarray:
-        """h, where there is one."""
+        """The initial gap h; must not be called if h is None."""
         assert self.h is not None
         return self.h
 
     @property
     def slope(self) -> float:
-        """The unit of slopes: g_rms, 1 on a flat surface."""
+        """The unit of slopes: g_rms, or 1 for a flat surface."""
         return self.g_rms or 1.0
 
     @property
     def height_unit(self) -> float:
-        """What one unit of h, u or g is in the scene's unit of length."""
+        """The length of one unit of h, u or g, in the scene's unit of length."""
         return self.slope * self.grid.a
 
     @property
     def reduced_axis(self) -> int | None:
-        """The axis that was left out (0 or 1), or None."""
+        """The axis (0 or 1) along which a constant surface was reduced to one point, or None."""
         return next((axis for axis in (0, 1) if self.grid.nominal[axis] != self.n[axis]), None)
 
 
 def surface_size(spec: Any) -> tuple[tuple[int, int], tuple[float, ...]]:
-    """Return (n_x, n_y) and (L_x, L_y) of a surface; opens the file where only that knows. Raises
-    SceneError."""
+    """Return (n_x, n_y) and (L_x, L_y) of a surface, reading the file only if the scene has no n.
+
+    Not collective. spec: the scene's [surface]. Raises SceneError if the file cannot be opened or
+    the scene lacks something.
+    """
     if spec.n is not None:
         return tuple(spec.n), spec.physical_sizes
     topography = open_topography(spec)
@@ -122,12 +128,14 @@ def build_surface(
     ----------
     spec : scene.surface
     comm : Comm
+        All ranks; each gets its own rows.
     dtype : dtype
-        Of the gap.
+        Precision of the gap.
     threads : int
+        Threads of this rank.
     low_memory : bool
-        Make no transforms in double precision, which later ones of the certificate would need
-        anyway.
+        Whether to make a self-affine surface with transforms in the precision of the gap, not in
+        double precision.
 
     Returns
     -------
@@ -136,7 +144,7 @@ def build_surface(
     Raises
     ------
     SceneError
-        On all ranks.
+        On all ranks, if the surface cannot be read or made on any.
     """
     dtype = np.dtype(dtype)
     if spec.kind == "file":
@@ -149,7 +157,7 @@ def build_surface(
         )
         raise_on_all(comm, None if comm.bcast(size) == size else differs)
         topography = prepare(topography, spec, comm)
-        return surface_of(topography, comm, dtype, threads, spec.free, known=False)
+        return surface_of(topography, comm, dtype, threads, spec.free, with_checksum=True)
     rows = wave_rows(spec) if spec.kind == "wave" else flat_rows
     if spec.kind == "self-affine":
         kept = np.dtype(np.float64) if spec.radius else dtype
@@ -185,24 +193,26 @@ def surface_of(
     dtype: DTypeLike,
     threads: int,
     free: tuple[bool, bool],
-    known: bool = True,
+    with_checksum: bool = False,
 ) -> Surface:
-    """Make the surface with the heights of a Topography. Collective.
+    """Make the Surface with the heights of a Topography, which are read here. Collective.
 
-    The gradient of a surface that ends is that between neighbouring points, otherwise that of the
+    g_rms comes from differences between neighbouring points if an edge is free, else from the
     Fourier series.
 
     Parameters
     ----------
     topography : Topography
+        Prepared, without missing heights.
     comm : Comm
     dtype : dtype
-        Of the gap.
+        Precision of the gap.
     threads : int
+        Threads of this rank.
     free : (bool, bool)
-        Whether the surface ends along x, along y.
-    known : bool
-        The scene says all about the heights, so that they need no checksum.
+        Whether the edges are free along x, along y.
+    with_checksum : bool
+        Whether to compute the checksum, which tells height maps apart.
 
     Returns
     -------
@@ -211,7 +221,7 @@ def surface_of(
     Raises
     ------
     SceneError
-        On all ranks.
+        On all ranks, if heights cannot be read, are not finite or differ by too little.
     """
     n = topography.n
     sizes = topography.sizes
@@ -227,7 +237,7 @@ def surface_of(
         Surface,
         n=n,
         rows=(start, stop),
-        checksum=None if known else checksum(grid, z, n, sizes, topography.unit),
+        checksum=checksum(grid, z, n, sizes, topography.unit) if with_checksum else None,
         unit=topography.unit,
         prepared=topography.prepared,
         quality_notes=topography.notes,
@@ -265,18 +275,24 @@ def surface_of(
 
 
 def _by_rows(grid: Grid, function: Callable[..., Any], *fields: np.ndarray) -> list:
-    """Call function(rows of each field) for all pieces of this rank's part, on all threads."""
+    """Call function(rows of each field) for all pieces of this rank's rows, on all threads.
+
+    Returns what the calls returned, in the order of the pieces.
+    """
     return grid.by_rows(lambda i0, i1: function(*(field[i0:i1] for field in fields)))
 
 
 def _largest(grid: Grid, z: np.ndarray) -> float:
-    """Return the largest number of a field. Collective."""
+    """Return the largest number of a field on all ranks. Collective."""
     return float(grid.comm.max([max(_by_rows(grid, np.max, z), default=-np.inf)])[0])
 
 
 def _leave_out_constant_axis(grid: Grid, z: np.ndarray) -> tuple[Grid, np.ndarray]:
-    """Return the grid and the heights; where these vary along one axis only, of that axis alone,
-    and on every rank."""
+    """Reduce a map that varies along one axis only to that axis. Collective.
+
+    Returns the grid with one point along the other axis and the whole line of heights, on every
+    rank; any other map is returned with its grid as it is. A constant map keeps the points along y.
+    """
     comm = grid.comm
     line = comm.bcast(z[:1].copy())
     along_x, along_y = comm.max([np.any(z != line), np.any(z != z[:, :1])])

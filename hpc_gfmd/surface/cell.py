@@ -1,4 +1,4 @@
-"""The grid on which a surface is solved: beyond edges that are free the cell goes on."""
+"""The grid on which a surface is solved: longer than the surface along axes with free edges."""
 
 import math
 from dataclasses import dataclass
@@ -12,24 +12,26 @@ from ..parallel.grid import Grid
 
 @dataclass(frozen=True)
 class FreeSpace:
-    """How far the cell goes on beyond a surface that ends: the largest of these. Measured by what
-    more of it changes, see tests/physics/test_free.py.
+    """Empty space that the grid has beyond a surface with free edges: the largest of these lengths.
+
+    Measured by what more space changes, see tests/physics/test_free.py.
 
     Attributes
     ----------
     share : float
-        Of the axis.
+        In units of the length of the axis.
     of_longest : float
-        Of the geometric mean of the axis and twice the longest side, which keeps the modes few that
-        are coupled (bodies/free.py).
+        In units of (length of the axis times the square of the longest side with free edges)^(1/3),
+        which limits the number of coupled modes (bodies/free.py).
     points : int
+        In grid points.
     spacings : float
-        Of any axis that ends, to resolve these modes.
+        In grid spacings of any axis with free edges, to resolve these modes.
     periodic_spacings : int
-        Of any other axis.
+        In grid spacings of any other axis.
     slender : int
-        Square of the longest side over product of a side and what is beside it, at most: else S
-        would not be positive.
+        The square of the longest side over the product of a side and the space beyond it is at most
+        this, since otherwise S would not be positive; half of the longest side always suffices.
     """
 
     share: float = 1 / 2
@@ -44,20 +46,21 @@ FREE_SPACE = FreeSpace()
 
 
 def cell_of(n: tuple, free: tuple[bool, bool], sizes: tuple[float, ...]) -> tuple:
-    """Return on how many points along each axis a surface is solved: more along the axes where it
-    ends.
+    """Return the grid points along each axis on which a surface is solved.
 
     Parameters
     ----------
     n : (int, int)
         Points of the surface.
     free : (bool, bool)
-        Whether it ends along x, along y.
+        Whether the edges are free along x, along y.
     sizes : (float, float)
+        (L_x, L_y) of the surface.
 
     Returns
     -------
     (int, int)
+        n along periodic axes; along axes with free edges more, a number that is fast to transform.
     """
     from scipy.fft import next_fast_len
 
@@ -86,21 +89,24 @@ def cell_of(n: tuple, free: tuple[bool, bool], sizes: tuple[float, ...]) -> tupl
 def grid_of(
     n: tuple, sizes: tuple[float, ...], comm: Any, free: tuple[bool, bool], threads: int = 1
 ) -> Grid:
-    """Make the grid on which a surface is solved.
+    """Make the grid on which a surface is solved, with empty space beyond free edges.
 
     Parameters
     ----------
     n : (int, int)
         Points of the surface.
     sizes : (float, float)
+        (L_x, L_y) of the surface.
     comm : Comm
     free : (bool, bool)
-        Whether it ends along x, along y.
+        Whether the edges are free along x, along y.
     threads : int
+        Threads of this rank.
 
     Returns
     -------
     Grid
+        Its nominal area is the surface.
     """
     cell = cell_of(n, free, sizes)
     whole = tuple(size * m / k for size, m, k in zip(sizes, cell, n))
@@ -108,7 +114,10 @@ def grid_of(
 
 
 def nominal_part(grid: Grid) -> Grid:
-    """Return the grid of the nominal area alone, whose rows lie on the same ranks."""
+    """Return the grid of the nominal area alone, with rows on the same ranks as in `grid`.
+
+    This is `grid` itself if it is not padded.
+    """
     if not grid.padded:
         return grid
     starts = np.minimum(grid.starts, grid.nominal[0])

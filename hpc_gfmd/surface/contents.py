@@ -1,5 +1,7 @@
-"""The bytes of a file, unpacked where it is packed, and what format they show, whatever the file is
-called."""
+"""The bytes of a file, unpacked if it is packed, and the format that these bytes show.
+
+The name of a file decides its format only if the bytes do not.
+"""
 
 import bz2
 import gzip
@@ -55,11 +57,12 @@ class Contents:
     Attributes
     ----------
     path : Path
-        As the scene names the file.
+        Path of the file as the scene gives it.
     unpacked : bytes, optional
-        What the file holds, where it is packed (gzip, bzip2, xz, or a zip of one file).
+        The unpacked bytes if the file is packed (gzip, bzip2, xz, or a zip of one file), else None.
     name : str
-        Of the file that was packed, else that of `path`; its suffix says what the file claims.
+        Name of the file inside a packed one, otherwise the name in `path`; its suffix is the format
+        that the file claims to have.
     """
 
     path: Path
@@ -68,36 +71,36 @@ class Contents:
 
     @property
     def source(self) -> Path | BytesIO:
-        """What libraries open: the path, or a stream of what was unpacked."""
+        """What libraries open: the path, or a new stream of the unpacked bytes."""
         return self.path if self.unpacked is None else BytesIO(self.unpacked)
 
     def open(self) -> BinaryIO:
-        """Open the bytes as a stream."""
+        """Open the bytes as a binary stream, which the caller closes."""
         return BytesIO(self.unpacked) if self.unpacked is not None else open(self.path, "rb")
 
     def head(self) -> bytes:
-        """Return the first HEAD_BYTES bytes."""
+        """Read the first HEAD_BYTES bytes, fewer if there are no more."""
         with self.open() as stream:
             return stream.read(HEAD_BYTES)
 
     def is_mostly_text(self) -> bool:
-        """Whether hardly any of the first bytes are control characters."""
+        """Whether at most 1 % of the first HEAD_BYTES bytes are control characters."""
         head = self.head()
         return len(_CONTROL.findall(head)) <= 0.01 * len(head)
 
     @property
     def claimed(self) -> str:
-        """The format that the suffix names, or ""."""
+        """The format that belongs to the suffix of the name, "" if none does."""
         return SUFFIXES.get(Path(self.name or self.path.name).suffix.lower(), "")
 
 
 def contents_of(path: Path) -> Contents:
-    """Open a file, and unpack it where it is packed.
+    """Return the contents of a file; a packed file is read whole and unpacked in memory.
 
     Parameters
     ----------
     path : Path
-        Of an existing file.
+        Path of an existing file.
 
     Returns
     -------
@@ -106,7 +109,7 @@ def contents_of(path: Path) -> Contents:
     Raises
     ------
     OSError, EOFError, zlib.error, lzma.LZMAError
-        For what cannot be read or unpacked.
+        If the file cannot be read or unpacked.
     """
     contents = Contents(path, name=path.name)
     head = contents.head()
@@ -122,14 +125,14 @@ def contents_of(path: Path) -> Contents:
 
 
 def format_of(contents: Contents) -> str:
-    """Tell the format of a file by its first bytes.
+    """Find the format of a file by its first bytes.
 
     Returns
     -------
     str
-        "npy", "npz", "x3p", "zip", "hdf5", "netcdf", "tiff", "png", "picture" (others), "numbers"
-        (a text whose first line is one of numbers, or a comment), "text" (another one), or "" for
-        what only SurfaceTopography may know.
+        "npy", "npz", "x3p", "zip", "hdf5", "netcdf", "tiff", "png", "picture" (any other),
+        "numbers" (a text that begins with a line of numbers or with #), "text" (any other text), or
+        "" for anything else, which SurfaceTopography may know.
     """
     head = contents.head()
     if any(head[start:].startswith(_HDF5) for start in _USER_BLOCKS):
@@ -150,7 +153,7 @@ def format_of(contents: Contents) -> str:
 
 
 def is_utf16(head: bytes) -> bool:
-    """Whether a text is in UTF-16: it says so, or every second byte of it is zero."""
+    """Whether bytes begin a text in UTF-16: by its mark, or by zeros in every second byte."""
     if head.startswith(_UTF16):
         return True
     pairs = len(head) // 2
@@ -159,8 +162,11 @@ def is_utf16(head: bytes) -> bool:
 
 
 def encoding_of(contents: Contents) -> str:
-    """Find the encoding of a text: that of its mark at the beginning, else UTF-8 where all of it is
-    valid, else that of Western Windows (a superset of Latin-1's letters)."""
+    """Find the encoding of a text, for Python's codecs; reads the whole text.
+
+    UTF-16 is recognised by the first bytes; otherwise it is UTF-8 (with or without mark) if all
+    lines are valid in it, else cp1252 (Western Windows, a superset of Latin-1's letters).
+    """
     head = contents.head()
     if head.startswith(_UTF16):
         return "utf-16"
@@ -172,7 +178,7 @@ def encoding_of(contents: Contents) -> str:
 
 
 def _is_utf8(line: bytes) -> bool:
-    """Return whether a line of bytes is UTF-8."""
+    """Whether the bytes of a line are valid UTF-8."""
     try:
         line.decode("utf-8")
     except UnicodeDecodeError:
@@ -181,7 +187,10 @@ def _is_utf8(line: bytes) -> bool:
 
 
 def _format_of_archive(contents: Contents) -> str:
-    """Return the format of a ZIP archive by the files in it: "x3p", "npz" or "zip"."""
+    """Return the format of a ZIP archive by the names in it: "x3p", "npz" or "zip".
+
+    For a damaged archive it is the format that its suffix claims, or "zip".
+    """
     try:
         with contents.open() as stream, ZipFile(stream) as archive:
             names = [Path(name).name for name in archive.namelist()]

@@ -1,5 +1,4 @@
-"""Coordinates in a text: columns x, y, z, and tables whose first line and column are
-coordinates."""
+"""Coordinates in a text: columns x, y, z, or the first line and column of a table."""
 
 from dataclasses import dataclass
 
@@ -14,16 +13,16 @@ SPARSE = 8  # times as many points of a grid as are given, at most
 
 @dataclass(frozen=True)
 class GridAxis:
-    """Coordinates of points on the lines of a grid.
+    """Grid lines on which points lie along one axis.
 
     Attributes
     ----------
     index : ndarray of int
-        Of the line on which each point lies, rising with its coordinate.
+        Grid line of each point, from 0, rising with its coordinate.
     n : int
         Number of lines.
     step : float
-        Their distance.
+        Distance between lines.
     """
 
     index: np.ndarray
@@ -32,13 +31,23 @@ class GridAxis:
 
 
 def grid_axis(coordinates: np.ndarray) -> GridAxis:
-    """Find the lines of a grid on which points lie; their coordinates may be rounded to the digits
-    that are written.
+    """Find the evenly spaced lines on which points with these coordinates lie.
+
+    Coordinates may deviate by rounding to the digits that are written. Lines without a point count.
+
+    Parameters
+    ----------
+    coordinates : ndarray, shape (points,)
+
+    Returns
+    -------
+    GridAxis
 
     Raises
     ------
     ValueError
-        Where they lie on no grid.
+        If the points do not lie on at least two evenly spaced lines, of which at least 1/SPARSE
+        have a point.
     """
     values = np.unique(coordinates)
     if not np.isfinite(values).all() or values.size < 2:
@@ -64,7 +73,7 @@ def grid_axis(coordinates: np.ndarray) -> GridAxis:
 def points_on_grid(
     x: np.ndarray, y: np.ndarray, z: np.ndarray
 ) -> tuple[np.ndarray, tuple[float, float]]:
-    """Put points in any order on a grid.
+    """Put points, given in any order, on a regular grid.
 
     Parameters
     ----------
@@ -73,13 +82,14 @@ def points_on_grid(
     Returns
     -------
     heights : ndarray, shape (n_x, n_y)
-        nan where there is no point.
+        nan at grid points that are not given.
     sizes : (L_x, L_y)
+        Number of points times their distance.
 
     Raises
     ------
     ValueError
-        Where they are on none, or a point is there twice.
+        If the points do not lie on a grid, fill less than 1/SPARSE of it, or one is there twice.
     """
     along_x = grid_axis(x)
     along_y = grid_axis(y)
@@ -94,7 +104,7 @@ def points_on_grid(
 
 
 def is_grid(table: np.ndarray) -> bool:
-    """Whether the first two columns of a table are the coordinates of all points of a grid."""
+    """Whether the first two columns of a table are x, y of every point of a grid, each once."""
     x = table[:, 0]
     y = table[:, 1]
     if np.unique(x).size * np.unique(y).size != len(table):
@@ -107,13 +117,13 @@ def is_grid(table: np.ndarray) -> bool:
 
 
 def changes_evenly(values: np.ndarray, fewest: int = 3) -> bool:
-    """Whether numbers rise or fall evenly, as coordinates do.
+    """Whether numbers rise or fall in even steps, as coordinates do.
 
     Parameters
     ----------
     values : ndarray
     fewest : int
-        Of fewer it cannot be told.
+        False for fewer numbers than this, which may be even by chance.
 
     Returns
     -------
@@ -128,13 +138,12 @@ def changes_evenly(values: np.ndarray, fewest: int = 3) -> bool:
 
 
 def numbers_from_0(values: np.ndarray) -> bool:
-    """Whether numbers are 0, 1, 2, ..."""
+    """Whether values are 0, 1, 2, ..., at least two of them."""
     return values.size > 1 and bool(np.array_equal(values, np.arange(values.size)))
 
 
 def is_plane(table: np.ndarray) -> bool:
-    """Whether a table is a plane, which rises evenly everywhere although nothing in it is a
-    coordinate."""
+    """Whether the values of a table lie on a plane, so that even steps do not show coordinates."""
     lines, columns = (np.arange(n) / max(n - 1, 1) for n in table.shape)
     corner = table[0, 0]
     plane = corner + lines[:, None] * (table[-1, 0] - corner) + columns * (table[0, -1] - corner)
@@ -143,8 +152,11 @@ def is_plane(table: np.ndarray) -> bool:
 
 
 def _rounding(values: np.ndarray) -> np.ndarray:
-    """Return by how much each of the coordinates may be wrong, since they are written with a few
-    digits: as many decimals, or as many significant digits, as the longest of them has."""
+    """Return the largest rounding error of each coordinate as it was written.
+
+    All are taken to have as many decimals, or as many significant digits, as the longest of them; 0
+    if that has more than 12 digits.
+    """
     written = [np.format_float_scientific(abs(value)).split("e") for value in values.tolist()]
     digits = np.array([len(mantissa.replace(".", "")) for mantissa, _ in written])
     powers = np.array([int(power) for _, power in written])

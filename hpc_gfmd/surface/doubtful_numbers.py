@@ -1,4 +1,4 @@
-"""Notes on loads, moduli and slopes that hint at other units than were meant."""
+"""Notes on loads, moduli and slopes that suggest a mistake in the units."""
 
 DIFFERENT_UNITS = "are probably in different units"
 NO_MODULUS = "no modulus is given: E_star = 1 is taken, and pressures are in units of E*"
@@ -8,17 +8,18 @@ OVERLOAD = 10.0  # mean pressure over E*
 
 
 def slope_notes(g_rms: float, measured: bool) -> list[str]:
-    """Return what is doubtful about the slope of a surface.
+    """Return notes on an rms slope that is too large, or too small for a measured surface.
 
     Parameters
     ----------
     g_rms : float
     measured : bool
-        It is no formula, of which any slope may be asked.
+        Whether the surface was measured; a synthetic one may have any small slope.
 
     Returns
     -------
     list of str
+        Empty, or one note.
     """
     low, high = REAL_SLOPES
     if g_rms > high or (measured and 0 < g_rms < low):
@@ -28,20 +29,22 @@ def slope_notes(g_rms: float, measured: bool) -> list[str]:
 
 
 def load_notes(p_mean: float, E_star: float, g_rms: float, unit: str) -> list[str]:
-    """Return what is doubtful about a load.
+    """Return notes on a missing modulus and on a load that is far too large.
 
     Parameters
     ----------
     p_mean, E_star : float
-        Mean pressure and contact modulus, in the same unit.
+        Mean pressure and contact modulus, in the same unit. E_star = 1 counts as missing if the
+        heights have a unit.
     g_rms : float
         Slope of the surface.
     unit : str
-        Of the heights, "" where it is not named.
+        Unit of the heights, "" if they have none.
 
     Returns
     -------
     list of str
+        Empty if nothing is wrong.
     """
     notes = [NO_MODULUS] if unit and E_star == 1 else []
     if p_mean > OVERLOAD * E_star * max(g_rms, 1.0):

@@ -1,4 +1,7 @@
-"""Height maps from files, peaks up. The first bytes of a file decide its format, not its name."""
+"""Height maps from files, peaks up.
+
+The first bytes of a file decide its format; its name only decides if they do not.
+"""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -17,24 +20,25 @@ OF_TEXT = ("skip_lines", "decimal", "coordinates")  # keys of [surface] that onl
 
 
 def open_map(spec: Any) -> Map:
-    """Open the height map of a scene.
+    """Open the height map of a scene; arrays in binary files are read later, by rows.
 
     Parameters
     ----------
     spec : scene.File
-        Of one path.
+        With a single path.
 
     Returns
     -------
     heights : array, or anything sliced like one
-        With two axes, float64 or whole numbers.
+        With two axes, real numbers; nan or masked where a height is missing.
     metadata : Metadata
-        What the file says beside them.
+        What the file says about them.
 
     Raises
     ------
     SceneError
-        For anything unreadable, for what holds no heights, and for keys that do not apply.
+        If the file is not readable or holds no height map, or if the scene sets a key that its
+        format has no use for.
     """
     path = Path(spec.path)
     require_name("surface.path", path)
@@ -59,14 +63,14 @@ def open_map(spec: Any) -> Map:
         if kind == "text" and contents.claimed not in ("", "text"):
             kind = f"{contents.claimed}; it is a text"
         raise SceneError(f"surface.path: {path} cannot be read as {kind}: {reason}") from None
-    _require_keys_apply(spec, kind, heights)
+    _require_keys_apply(spec, kind)
     if kind not in ("text", "tiff", "png"):  # which look for them before they make heights
         metadata = replace(metadata, missing=missing_numbers(spec, path))
     return heights, replace(metadata, reader=metadata.reader or kind)
 
 
 def opener_of(contents: Contents) -> tuple[str, Opener]:
-    """Return the name of the format of a file and what opens it.
+    """Choose how to read a file.
 
     Parameters
     ----------
@@ -75,6 +79,7 @@ def opener_of(contents: Contents) -> tuple[str, Opener]:
     Returns
     -------
     name : str
+        Name of the format, for messages and notes.
     opener : function
         Takes the Contents and a scene.File, and returns a Map.
     """
@@ -90,12 +95,15 @@ def opener_of(contents: Contents) -> tuple[str, Opener]:
 
 
 def _hdf5(contents: Contents, spec: Any) -> Map:
-    """Open an HDF5 file: those that Zygo writes by their own reader."""
+    """Open an HDF5 file, a file of Zygo by its own reader. Raises what the readers raise."""
     return instruments.of_zygo(contents, spec) or arrays_in_files.read_hdf5(contents, spec)
 
 
-def _require_keys_apply(spec: Any, kind: str, heights: Any) -> None:
-    """Raise SceneError for keys that say how another format is read."""
+def _require_keys_apply(spec: Any, kind: str) -> None:
+    """Raise SceneError if the scene sets a key that has no meaning for a format.
+
+    kind: name of the format that was read, such as "text".
+    """
     of_pictures = () if kind in ("tiff", "png") else ("height_range",)
     for key in (*(() if kind == "text" else OF_TEXT), *of_pictures):
         value = getattr(spec, key)

@@ -1,5 +1,7 @@
-"""Points without a height, filled harmonically: each is the mean of its neighbours, as a soap film
-over the hole would lie."""
+"""Missing heights, filled harmonically.
+
+Each is the mean of its four neighbours, so that holes are closed as by a soap film.
+"""
 
 from itertools import chain
 from typing import Any
@@ -16,24 +18,26 @@ NEIGHBOURS = np.array([(-1, 0), (1, 0), (0, -1), (0, 1)])
 
 
 def filled(topography: Topography, how: str, comm: Any) -> Topography:
-    """Fill points without a height. Collective.
+    """Fill the missing heights of a map. Collective.
 
     Parameters
     ----------
     topography : Topography
+        Not changed.
     how : str
-        "harmonic" or "none".
+        "harmonic", or "none" to refuse missing heights.
     comm : Comm
 
     Returns
     -------
     Topography
-        Without holes.
+        Its `rows` are complete; topography itself if no height is missing.
 
     Raises
     ------
     SceneError
-        Where holes are not to be filled, no height is known, or the memory does not suffice.
+        On all ranks: if heights are missing and how is "none", if all are missing, or if memory
+        does not suffice.
     """
     with collective_errors(comm, "reading the surface"):
         holes = _holes(topography, comm)
@@ -56,9 +60,12 @@ def filled(topography: Topography, how: str, comm: Any) -> Topography:
 
 
 def _holes(topography: Topography, comm: Any) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Number this rank's points without a height, a piece of its rows at a time, and return what is
-    on the four sides of each: a height, nan where there is none. Beyond the edge of the map is the
-    point itself."""
+    """Find the missing heights in this rank's share of a map. Not collective.
+
+    Returns (points, beside) for each piece of rows: points are the indices i n_y + j of missing
+    heights, beside[k] the four heights around point k, nan where they are missing too. At an edge
+    of the map the point itself takes the place of its neighbour.
+    """
     parts = []
     for start, around in with_neighbours(topography, comm, "edge"):
         i, j = np.nonzero(np.isnan(around[1:-1, 1:-1]))
@@ -68,8 +75,10 @@ def _holes(topography: Topography, comm: Any) -> list[tuple[np.ndarray, np.ndarr
 
 
 def _heights(topography: Topography, how: str, parts: list) -> tuple[np.ndarray, np.ndarray]:
-    """Return the points of all ranks without a height, by their numbers, and the heights that they
-    get."""
+    """Return indices i n_y + j of all missing points, and the heights that fill them.
+
+    parts: what `_holes` returned on each rank. Raises SceneError as `filled`.
+    """
     points, beside = map(np.concatenate, zip(*chain(*parts)))
     n_y = topography.n[1]
     if not len(points):
@@ -90,9 +99,10 @@ def _heights(topography: Topography, how: str, parts: list) -> tuple[np.ndarray,
 
 
 def _film(n: tuple[int, ...], points: np.ndarray, beside: np.ndarray) -> np.ndarray:
-    """Return the heights of points in holes.
+    """Compute the heights of missing points, each the mean of its four neighbours.
 
-    Of each point: 4 z - (sum of z of the neighbours that are missing, too) = sum of the others.
+    n: points along x and y. points, beside: as returned by `_holes`, of all ranks. For each point
+    the equation is 4 z - (sum of z of missing neighbours) = sum of the other neighbours.
     """
     from scipy.sparse import coo_array, eye_array  # 50 MB that a run without holes does without
 

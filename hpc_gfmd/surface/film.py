@@ -1,5 +1,8 @@
-"""The linear equations of a soap film over holes: conjugate gradients, preconditioned by multigrid
-over aggregates of points, in memory that is proportional to the number of points."""
+"""The linear equations of a soap film over holes.
+
+They are solved by conjugate gradients, preconditioned by multigrid over aggregates of points, in
+memory proportional to the number of points.
+"""
 
 from typing import Any
 
@@ -19,18 +22,18 @@ class FilmLevel:
     Parameters
     ----------
     matrix : csr_array
-        The equations of its points.
+        Equations of the points of this level.
     parents : ndarray of int or None
-        Which point of the next level each point belongs to; None: the coarsest level.
+        Index in the next coarser level of the aggregate of each point; None: the coarsest level.
 
     Attributes
     ----------
     matrix, parents
         As given.
     weights : ndarray
-        DAMPING over its diagonal.
+        DAMPING over the diagonal of the matrix.
     factors : SuperLU, optional
-        Of the coarsest level.
+        Factorisation of the matrix, on the coarsest level only.
     """
 
     def __init__(self, matrix: Any, parents: np.ndarray | None) -> None:
@@ -43,7 +46,7 @@ class FilmLevel:
 
 
 def solve_film(matrix: Any, right: np.ndarray, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Solve for the heights of points in holes.
+    """Solve matrix z = right for the heights z of points in holes.
 
     Parameters
     ----------
@@ -51,7 +54,7 @@ def solve_film(matrix: Any, right: np.ndarray, x: np.ndarray, y: np.ndarray) -> 
         Symmetric and positive definite.
     right : ndarray, shape (points,)
     x, y : ndarray of int, shape (points,)
-        Places of the points on the grid.
+        Grid indices of the points.
 
     Returns
     -------
@@ -60,6 +63,9 @@ def solve_film(matrix: Any, right: np.ndarray, x: np.ndarray, y: np.ndarray) -> 
     Raises
     ------
     MemoryError
+        If the factorisation does not fit into memory.
+    ArithmeticError
+        If the iterations do not converge.
     """
     from scipy.sparse.linalg import LinearOperator, cg, spsolve
 
@@ -74,7 +80,10 @@ def solve_film(matrix: Any, right: np.ndarray, x: np.ndarray, y: np.ndarray) -> 
 
 
 def _levels(matrix: Any, x: np.ndarray, y: np.ndarray) -> list[FilmLevel]:
-    """Build the levels: points within 2 x 2 places become one, until few are left."""
+    """Build the levels, finest first: points within 2 x 2 grid points become one.
+
+    It stops when at most DIRECT points are left.
+    """
     from scipy.sparse import csr_array
 
     levels = []
@@ -95,7 +104,10 @@ def _levels(matrix: Any, x: np.ndarray, y: np.ndarray) -> list[FilmLevel]:
 
 
 def _cycle(levels: list[FilmLevel], depth: int, residual: np.ndarray) -> np.ndarray:
-    """Return an approximate solution for a residual: one V-cycle, symmetric."""
+    """Return an approximate solution of the equations of levels[depth] by one symmetric V-cycle.
+
+    residual: right-hand side, one number per point of this level; not changed.
+    """
     level = levels[depth]
     residual = residual.ravel()
     if level.parents is None:

@@ -1,5 +1,4 @@
-"""What the lines before the numbers of a text say: names and units of columns, and what programs of
-instruments write."""
+"""The lines before the numbers of a text: names and units of columns, headers of instruments."""
 
 import re
 from dataclasses import dataclass
@@ -23,16 +22,16 @@ _ROW = "<row>"  # stands for a line of numbers
 
 @dataclass(frozen=True)
 class Columns:
-    """Names of the columns x, y and z of a text.
+    """Where the columns x, y and z of a text are.
 
     Attributes
     ----------
     places : (int, int, int)
-        Columns of x, y and z, from 0.
+        Indices of the columns x, y and z, from 0.
     units : (str, str, str), optional
-        None where they are not all named.
+        Units of x, y and z; None unless all three are named.
     unused : tuple of str
-        Names of the columns that are none of them.
+        Names of all other columns.
     """
 
     places: tuple[int, ...]
@@ -41,21 +40,21 @@ class Columns:
 
 
 def columns_named(header: list[str], mark: str | None, columns: int) -> Columns | None:
-    """Find the columns x, y and z by their names.
+    """Find the columns x, y and z by the names in a header.
 
     Parameters
     ----------
     header : list of str
-        Lines before the numbers.
+        Lines before the numbers; only the last three that are not blank are searched.
     mark : str or None
-        Between numbers; None: white space.
+        What separates numbers; None: white space.
     columns : int
         Numbers in a line.
 
     Returns
     -------
     Columns or None
-        None where the lines do not name one column each.
+        None unless a line has a name for every column, and exactly one for each of x, y and z.
     """
     titles = [line.strip().lstrip("#%;/ \t").strip() for line in header if line.strip()][-3:]
     for title in reversed(titles):
@@ -86,8 +85,10 @@ def columns_named(header: list[str], mark: str | None, columns: int) -> Columns 
 
 
 def units_of(header: list[str]) -> tuple[str, ...] | None:
-    """Return the units of x, y and z that a header names: in brackets in its last line, or as
-    Gwyddion writes them; None where it does not name all."""
+    """Return the units of x, y and z that a header names, None unless it names all three.
+
+    They are in brackets in one of its last two lines, or written as Gwyddion does.
+    """
     named = {
         match["key"].lower(): match["unit"] for match in _GWYDDION_UNIT.finditer("".join(header))
     }
@@ -101,7 +102,7 @@ def units_of(header: list[str]) -> tuple[str, ...] | None:
 
 
 def missing_numbers(header: list[str]) -> tuple[float, ...]:
-    """Return the numbers that a header says to stand for missing points, such as NODATA_value."""
+    """Return the numbers that a header declares to mark missing points, such as NODATA_value."""
     numbers = []
     for match in _NO_DATA.finditer("\n".join(header)):
         try:
@@ -112,24 +113,26 @@ def missing_numbers(header: list[str]) -> tuple[float, ...]:
 
 
 def of_esri(header: list[str], lines: int, columns: int) -> Metadata | None:
-    """Read the header of an ESRI grid, whose cell size has no unit: a line runs along x.
+    """Read the header of an ESRI grid; a line of numbers runs along x.
+
+    The cell size is ignored because it has no unit.
 
     Parameters
     ----------
     header : list of str
         Lines before the numbers.
     lines, columns : int
-        How many lines of how many numbers follow.
+        Lines of numbers that follow, and numbers in each.
 
     Returns
     -------
     Metadata or None
-        None for another header.
+        None if the header is of another kind.
 
     Raises
     ------
     ValueError
-        Where there are not as many numbers as it says.
+        If the header announces another number of lines or columns.
     """
     counts = {match[1].lower(): int(match[2]) for match in map(_ESRI.fullmatch, header) if match}
     if len(counts) < 2:
@@ -143,25 +146,26 @@ def of_esri(header: list[str], lines: int, columns: int) -> Metadata | None:
 
 
 def of_instrument(header: list[str], lines: int, columns: int) -> tuple[Metadata, float] | None:
-    """Read the header that Gwyddion, SPIP, Wyko, Nova, Attocube or others write, by
-    SurfaceTopography. It sees no number after the header: none can be left out.
+    """Read a header of Gwyddion, SPIP, Wyko, Nova, Attocube or others, by SurfaceTopography.
 
     Parameters
     ----------
     header : list of str
-        Lines before the numbers, decimals with points.
+        Lines before the numbers, with decimal points.
     lines, columns : int
-        How many lines of how many numbers follow.
+        Lines of numbers that follow, and numbers in each.
 
     Returns
     -------
     (Metadata, float) or None
-        With the factor of the heights; None where it says nothing that is known.
+        The float is the factor from the numbers to heights. None if the header is of another kind,
+        or has neither sizes nor a unit.
 
     Raises
     ------
     ValueError
-        Where it says that these are no heights, or that there are more or fewer numbers.
+        If the header describes another quantity than heights, or another number of lines or
+        columns.
     """
     if not any(re.search(r"[^\W\d_]{2}", line) for line in header):
         return None
@@ -172,7 +176,7 @@ def of_instrument(header: list[str], lines: int, columns: int) -> tuple[Metadata
     row = [0.0] * columns
 
     class HeaderReader(AscReader):  # type: ignore[misc]  # it has no types
-        """Reads a header alone."""
+        """A reader that gets placeholders for lines of numbers, so that it sees no number."""
 
         def parse_data(self, line: str) -> list[float]:
             if line.strip() == _ROW:
@@ -207,6 +211,6 @@ def of_instrument(header: list[str], lines: int, columns: int) -> tuple[Metadata
 
 
 def unit_in_brackets(text: str) -> str | None:
-    """Return the unit of length that a text names, alone or in brackets."""
+    """Return the unit of length that a text is, or has in brackets; None if there is none."""
     units = [text.strip(), *_IN_BRACKETS.findall(text)]
     return next((unit for unit in units if unit and length_factor(unit)), None)

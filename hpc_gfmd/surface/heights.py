@@ -1,5 +1,4 @@
-"""Heights as they are read: whether they are numbers to compute with, and a checksum that tells one
-height map from another."""
+"""Checks of heights as they are read, and a checksum that tells height maps apart."""
 
 import hashlib
 import operator
@@ -20,13 +19,14 @@ def require_map(array: Any, where: str, of: str = "") -> None:
     ----------
     array : ndarray, or anything sliced like one
     where : str
-        Key at the start of the message.
+        Key of the scene at the start of the message.
     of : str
-        Appended to what was found, such as " in map.txt".
+        Appended to the finding, such as " in map.txt".
 
     Raises
     ------
     SceneError
+        If it is not such an array.
     """
     shape = tuple(array.shape)
     dtype = array.dtype
@@ -39,21 +39,22 @@ def require_map(array: Any, where: str, of: str = "") -> None:
 def checked(
     z: np.ndarray, start: int, where: str, of: str = "", missing: bool = False
 ) -> np.ndarray:
-    """Return heights if they, and their squares, are finite. What instruments write for points that
-    they could not measure is often nan or the largest number.
+    """Return z after checking that heights and their squares are finite.
+
+    Instruments often write nan or the largest number for points that they could not measure.
 
     Parameters
     ----------
     z : ndarray
-        float64.
+        Heights, float64; not changed.
     start : int
-        Number of its first row.
+        Index of its first row in the map, for the message.
     where : str
-        Key at the start of the message.
+        Key of the scene at the start of the message.
     of : str
-        Appended to what was found, such as " in map.txt".
+        Appended to the finding, such as " in map.txt".
     missing : bool
-        Some may be nan.
+        Whether nan is allowed.
 
     Returns
     -------
@@ -63,6 +64,7 @@ def checked(
     Raises
     ------
     SceneError
+        If a height is infinite, beyond +-LARGEST, or nan although missing is False.
     """
     wrong = ~(np.abs(z) <= LARGEST)
     if missing:
@@ -82,10 +84,10 @@ def checked(
 def checksum(
     grid: Any, z: np.ndarray, n: tuple[int, ...], sizes: tuple[float, ...], unit: str = ""
 ) -> str:
-    """Compute BLAKE2 of heights, row by row, the same for any number of ranks. Collective.
+    """Compute a BLAKE2 checksum of heights, the same for any number of ranks. Collective.
 
-    Synthetic surfaces have none: the scene says all about them, and a billion points are made
-    faster than they are summed.
+    It also depends on points, sizes and their unit. Synthetic surfaces need none: the scene
+    determines them, and a billion points are made faster than they are summed.
 
     Parameters
     ----------
@@ -95,11 +97,12 @@ def checksum(
     n : (int, int)
     sizes : (float, float)
     unit : str
-        Of the sizes.
+        Unit of the sizes.
 
     Returns
     -------
     str
+        32 hexadecimal digits, on all ranks.
     """
 
     def of_rows(i0: int, i1: int) -> bytes:

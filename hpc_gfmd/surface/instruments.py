@@ -30,7 +30,7 @@ LONGEST = 1.0  # m: no instrument measures more
 
 
 def knows(contents: Contents) -> bool:
-    """Whether the first bytes are those of a format of an instrument."""
+    """Whether the first bytes of a file are those of an instrument's format."""
     io = surface_topography().IO
     head = contents.head()[: io.MAGIC_BUFFER_SIZE]
     return any(
@@ -41,12 +41,13 @@ def knows(contents: Contents) -> bool:
 
 
 def read(contents: Contents, spec: Any) -> Map:
-    """Read one channel of a file.
+    """Read one channel of a file of an instrument, with all its heights.
 
     Parameters
     ----------
     contents : Contents
     spec : scene.File
+        Its `dataset` names the channel; by default heights are preferred to other quantities.
 
     Returns
     -------
@@ -57,7 +58,7 @@ def read(contents: Contents, spec: Any) -> Map:
     Raises
     ------
     SceneError, ValueError
-        With what is wrong with the file.
+        If no reader of SurfaceTopography takes the file, or the file does not have the channel.
     """
     reader = _reader_of(contents)
     if reader.format() == "gwy" and not _maps_of(reader):
@@ -66,8 +67,10 @@ def read(contents: Contents, spec: Any) -> Map:
 
 
 def read_x3p(contents: Contents, spec: Any) -> Map:
-    """Read an X3P file, also one whose files lie in a folder, or whose revision is written with a
-    dash that the norm does not have.
+    """Read an X3P file, with all its heights.
+
+    Unlike SurfaceTopography it accepts files that lie in a folder of the archive, and a revision
+    that is written with another dash than in the standard.
 
     Parameters
     ----------
@@ -83,13 +86,13 @@ def read_x3p(contents: Contents, spec: Any) -> Map:
     Raises
     ------
     SceneError, ValueError
-        With what is wrong with the file.
+        If the file is damaged or has no map of heights.
     """
     return _read_channel(_open(_normalised_x3p(contents), "x3p"), spec)
 
 
 def of_zygo(contents: Contents, spec: Any) -> Map | None:
-    """Read an HDF5 file of Zygo (DATX).
+    """Read an HDF5 file if it is one of Zygo (DATX).
 
     Parameters
     ----------
@@ -99,7 +102,7 @@ def of_zygo(contents: Contents, spec: Any) -> Map | None:
     Returns
     -------
     Map or None
-        As `read`; None for other files.
+        Heights and metadata as of `read`; None for any other HDF5 file.
     """
     import h5py
 
@@ -110,7 +113,7 @@ def of_zygo(contents: Contents, spec: Any) -> Map | None:
 
 
 def recognised(contents: Contents, spec: Any) -> Map | None:
-    """Read a file if it says something of its sizes or units.
+    """Read a file if SurfaceTopography can and finds sizes or a unit in it; no errors.
 
     Parameters
     ----------
@@ -120,7 +123,8 @@ def recognised(contents: Contents, spec: Any) -> Map | None:
     Returns
     -------
     Map or None
-        As `read`; None for other files.
+        Heights and metadata as of `read`; None if reading fails or the file has neither sizes nor
+        unit.
     """
     with suppress(Exception):
         heights, metadata = _read_channel(_detected(contents), spec)
@@ -129,17 +133,23 @@ def recognised(contents: Contents, spec: Any) -> Map | None:
 
 
 def topography_of_channel(contents: Contents, dataset: str) -> Any:
-    """Return the Topography of the channel that would be read; raises what readers raise.
+    """Return the SurfaceTopography object of the channel that `read` would choose.
 
     Parameters
     ----------
     contents : Contents
     dataset : str
-        Name of the channel.
+        Name of the channel, or ANY.
 
     Returns
     -------
     SurfaceTopography.Topography
+        Of size 1 x 1 if the file has no sizes.
+
+    Raises
+    ------
+    Exception
+        Whatever the readers of SurfaceTopography raise.
     """
     channel = _channel_of(_detected(contents), dataset)
     sized = channel.physical_sizes is not None
@@ -147,7 +157,10 @@ def topography_of_channel(contents: Contents, dataset: str) -> Any:
 
 
 def _open(source: Any, kind: str | None = None) -> Any:
-    """Open a file by a reader of SurfaceTopography, without what some of them print."""
+    """Open a path or a stream by a reader of SurfaceTopography, which must not print.
+
+    kind: name of the format; None: the first that takes the file. Returns the reader.
+    """
     io = surface_topography().IO
     source = source if isinstance(source, BytesIO) else str(source)
     with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
@@ -155,13 +168,16 @@ def _open(source: Any, kind: str | None = None) -> Any:
 
 
 def _detected(contents: Contents) -> Any:
-    """Open a file by the first reader that takes it; raises CannotDetectFileFormat."""
+    """Return the first reader that takes a file. Raises CannotDetectFileFormat if none does."""
     return _open(contents.source)
 
 
 def _reader_of(contents: Contents) -> Any:
-    """Open a file. Raises SceneError with the reason why the reader of its suffix does not take
-    it, and with the known formats where no reader knows the suffix."""
+    """Return a reader for a file: one that recognises the bytes, else one that knows the suffix.
+
+    Raises ValueError with the reasons if readers that know the suffix fail, and SceneError with the
+    known formats if there are none.
+    """
     io = surface_topography().IO
     suffix = Path(contents.name or contents.path).suffix.lower().lstrip(".")
     named = [
@@ -195,17 +211,21 @@ def _reader_of(contents: Contents) -> Any:
 
 
 def _maps_of(reader: Any) -> list:
-    """Return the channels that are maps."""
+    """Return the channels of a reader that are maps, not profiles."""
     return [channel for channel in reader.channels if channel.dim == 2]
 
 
 def _channel_of(reader: Any, dataset: str) -> Any:
-    """Choose a channel: the one that is named, else heights before other quantities.
+    """Choose a channel: the one that dataset names, or else one that seems to be heights.
+
+    Channels with a unit of length, and without a name such as "phase" or "error", come first. Of
+    these it is the reader's default, or one with a name such as "topography", or the first.
 
     Raises
     ------
     ValueError
-        Where there is none, or several arrays of any meaning.
+        If there is no map, or none of that name, or, in formats of arrays of any meaning, no name
+        is given and there is not exactly one array.
     """
     maps = _maps_of(reader)
     if not maps:
@@ -234,13 +254,13 @@ def _channel_of(reader: Any, dataset: str) -> Any:
 
 
 def _is_length(channel: Any) -> bool:
-    """Whether a channel is in a unit of length, or in none that it names."""
+    """Whether the values of a channel are in a unit of length, or in no named unit."""
     unit = channel.unit[-1] if isinstance(channel.unit, tuple | list) else channel.unit
     return unit is None or length_factor(str(unit)) is not None or unit == "A"
 
 
 def _read_channel(reader: Any, spec: Any) -> Map:
-    """Read the channel that is meant."""
+    """Read heights and metadata of the channel that `_channel_of` chooses for spec.dataset."""
     channel = _channel_of(reader, spec.dataset)
     sized = channel.physical_sizes is not None
     topography = channel.topography(**({} if sized else {"physical_sizes": (1.0, 1.0)}))
@@ -259,7 +279,10 @@ def _read_channel(reader: Any, spec: Any) -> Map:
 
 
 def _corrected(metadata: Metadata) -> Metadata:
-    """Undo a mistake of SurfaceTopography where its sizes show it."""
+    """Return metadata with sizes in nm if SurfaceTopography took them for mm in an "nms" file.
+
+    Sizes above 1 m show the mistake.
+    """
     unit = length_factor(metadata.sizes_unit or "") or 0.0
     is_wrong = metadata.sizes is not None and max(metadata.sizes) * unit > LONGEST
     if metadata.reader != NANOMETRES_AS_MILLIMETRES or not is_wrong or metadata.sizes is None:
@@ -269,8 +292,11 @@ def _corrected(metadata: Metadata) -> Metadata:
 
 
 def _of_gwyddion(contents: Contents, spec: Any) -> Map:
-    """Read a Gwyddion file whose maps have no units of length, which SurfaceTopography leaves
-    out."""
+    """Read a Gwyddion file whose maps have no unit of length; SurfaceTopography would skip them.
+
+    Raises ValueError if there is no map, and SceneError if spec.dataset does not name one of
+    several.
+    """
     import gwyfile
 
     with contents.open() as stream:
@@ -301,13 +327,16 @@ def _of_gwyddion(contents: Contents, spec: Any) -> Map:
 
 
 def _unit_of(field: Any, key: str) -> str:
-    """Return a unit of a map of Gwyddion, "" where it has none."""
+    """Return the unit that a map of Gwyddion has under this key, "" if none."""
     return str((field.get(key) or {}).get("unitstr", "")).strip()
 
 
 def _normalised_x3p(contents: Contents) -> BytesIO:
-    """Return an X3P archive with main.xml outside of any folder and the revision that the norm
-    writes. Raises ValueError where there is no main.xml."""
+    """Return a copy of an X3P archive that SurfaceTopography can read.
+
+    main.xml is moved out of its folder, and the revision is spelt as in the standard. Raises
+    ValueError if there is no main.xml.
+    """
     out = BytesIO()
     with contents.open() as stream, ZipFile(stream) as archive, ZipFile(out, "w") as clean:
         names = archive.namelist()
@@ -325,7 +354,7 @@ def _normalised_x3p(contents: Contents) -> BytesIO:
 
 
 def _plain_revision(xml: bytes) -> bytes:
-    """Write the revision as the norm does, whatever dash it has, in any encoding."""
+    """Return main.xml with the dash of its revision as in the standard, whatever its encoding."""
     text = xml.decode("utf-8", "surrogateescape")
     text = re.sub(r"ISO\s*5436\s*[-\u2010-\u2015\u2212\udc96]\s*2000", "ISO5436 - 2000", text)
     return text.encode("utf-8", "surrogateescape")

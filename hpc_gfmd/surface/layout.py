@@ -1,5 +1,7 @@
-"""The layout of a text of numbers: what stands between them, their decimal mark, where they begin.
-It is found in the first lines; blocks.py holds the whole text to it."""
+"""The layout of a text of numbers: separator, decimal mark, length of the header.
+
+It is found in the first lines; blocks.py holds the whole text to it.
+"""
 
 import csv
 import re
@@ -19,7 +21,7 @@ _WHOLE = re.compile(r"[+-]?\d+")
 
 
 class NoNumber(ValueError):
-    """A token is no number; its text is the token."""
+    """A token is not a number; str() of the error is the token."""
 
 
 @dataclass(frozen=True)
@@ -29,7 +31,7 @@ class TextLayout:
     Attributes
     ----------
     mark : str or None
-        Between numbers; None: white space.
+        What separates numbers; None: white space.
     decimal : str
         "." or ",".
     columns : int
@@ -39,7 +41,7 @@ class TextLayout:
     missing : frozenset of str
         Texts that stand for missing points, in lower case.
     ended : bool
-        Every line ends with a mark, after which there is no number.
+        Whether every line ends with a mark, after which there is no number.
     """
 
     mark: str | None
@@ -50,27 +52,27 @@ class TextLayout:
     ended: bool = False
 
     def tokens(self, line: str) -> list[str]:
-        """Cut a line into the texts of its numbers, without a comment after them. What ends every
-        line, as a mark may, is no token."""
+        """Split a line into the texts of its numbers, without a comment or a mark at its end."""
         tokens = tokens_of(line, self.mark, self.missing)
         if self.ended and len(tokens) == self.columns + 1 and not tokens[-1]:
             del tokens[-1]
         return tokens
 
     def number(self, token: str) -> float:
-        """Read a number, nan for a missing one. Raises NoNumber."""
+        """Convert a token to a number, nan for a missing one. Raises NoNumber for other texts."""
         return number_of(token, self.decimal, self.missing)
 
 
 def layout_of(lines: list[str], spec: Any) -> TextLayout:
-    """Find the layout that accounts for the most numbers.
+    """Find the layout in which most numbers of the first lines can be read.
 
     Parameters
     ----------
     lines : list of str
-        The first of a text.
+        First lines of a text.
     spec : scene.File
-        Its decimal, missing and skip_lines hold.
+        Its decimal and skip_lines override what the lines show, its missing adds texts for missing
+        points.
 
     Returns
     -------
@@ -79,7 +81,8 @@ def layout_of(lines: list[str], spec: Any) -> TextLayout:
     Raises
     ------
     ValueError
-        Where there are no numbers, or where a line right before them has some, too.
+        If there are no numbers, or if the header seems to end with a line of numbers (unless
+        spec.skip_lines gives its length).
     """
     missing = MISSING | {text.lower() for text in spec.missing}
     decimals = (spec.decimal,) if spec.decimal else (".", ",")
@@ -104,15 +107,16 @@ def layout_of(lines: list[str], spec: Any) -> TextLayout:
 
 
 def tokens_of(line: str, mark: str | None, missing: frozenset[str] = MISSING) -> list[str]:
-    """Cut a line into tokens, without a comment after them.
+    """Split a line into tokens without white space around them, leaving out a comment at its end.
 
     Parameters
     ----------
     line : str
     mark : str or None
-        Between numbers; None: white space.
+        What separates tokens; None: white space.
     missing : frozenset of str
-        Texts that stand for missing points, which may hold white space.
+        Texts that stand for missing points. Those that contain white space become "nodata" if mark
+        is None.
 
     Returns
     -------
@@ -133,7 +137,7 @@ def tokens_of(line: str, mark: str | None, missing: frozenset[str] = MISSING) ->
 
 
 def number_of(token: str, decimal: str, missing: frozenset[str]) -> float:
-    """Read a number.
+    """Convert a token to a number.
 
     Parameters
     ----------
@@ -146,12 +150,12 @@ def number_of(token: str, decimal: str, missing: frozenset[str]) -> float:
     Returns
     -------
     float
-        nan for a missing one.
+        nan if the token stands for a missing point.
 
     Raises
     ------
     NoNumber
-        For any other text, and for a point in a number with a decimal comma.
+        For any other text, and for a token with a point if the decimal mark is a comma.
     """
     if token.lower() in missing or token.lower() == "no data":
         return float("nan")
@@ -176,9 +180,9 @@ def count_numbers(tokens: list[str], decimal: str, missing: frozenset[str]) -> t
     Returns
     -------
     numbers : int
-        Tokens that are numbers.
+        Tokens that are numbers, "nan" among them.
     readable : int
-        Tokens that are numbers or stand for missing ones.
+        Tokens that are numbers or stand for missing points.
     """
     numbers = 0
     readable = 0
@@ -193,19 +197,24 @@ def count_numbers(tokens: list[str], decimal: str, missing: frozenset[str]) -> t
 
 
 def is_comment(line: str) -> bool:
-    """Whether a line holds a comment only."""
+    """Whether a line is a comment as a whole."""
     return line.lstrip().startswith("#")
 
 
 def is_whole(token: str) -> bool:
-    """Whether a token is a whole number, written without decimals."""
+    """Whether a token is a whole number without a decimal mark."""
     return bool(_WHOLE.fullmatch(token))
 
 
 def _candidate(
     lines: list[str], mark: str | None, decimal: str, missing: frozenset[str], skip: int | None
 ) -> tuple[tuple, TextLayout]:
-    """Return how good a layout is, by the numbers that it accounts for, and the layout."""
+    """Return (score, layout) for a mark and a decimal mark; the layout with the highest score wins.
+
+    The score is the count of numbers in lines with the best number of columns, then whether there
+    is a mark other than white space. skip: lines that belong to the header anyway. If no line can
+    be read the layout has 0 columns.
+    """
     numbers_of: dict[int, int] = {}  # {columns: numbers in lines of so many}
     first_of: dict[int, int] = {}
     open_ends: set[int] = set()  # columns of lines that do not end with a mark
@@ -228,8 +237,11 @@ def _candidate(
 
 
 def _require_header(lines: list[str], layout: TextLayout) -> None:
-    """Raise ValueError where lines right before the numbers hold numbers, too: they may be a line
-    of the map with a token that is not known, or one that is damaged."""
+    """Raise ValueError if lines just before the numbers hold numbers too.
+
+    They may be lines of the map with an unknown token, or damaged ones. A blank line or a comment
+    ends the search.
+    """
     hint = "surface.skip_lines tells how long the header is"
     for k in range(layout.header_lines - 1, -1, -1):
         if not lines[k].strip() or is_comment(lines[k]):
@@ -250,7 +262,7 @@ def _require_header(lines: list[str], layout: TextLayout) -> None:
 
 
 def _is_number(token: str, layout: TextLayout) -> bool:
-    """Return whether a token is a number, or stands for a missing one."""
+    """Whether a token is a number or stands for a missing point."""
     try:
         layout.number(token)
     except NoNumber:

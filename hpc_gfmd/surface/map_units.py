@@ -1,4 +1,4 @@
-"""Sizes and units of a height map, by what its file and the scene say."""
+"""Sizes and units of a height map, from what its file and the scene say."""
 
 from typing import Any
 
@@ -14,31 +14,33 @@ UNITS = 'a unit of length, such as surface.unit = "nm"'
 
 
 class MapUnits:
-    """Sizes and units of a map, by what its file and the scene say.
+    """Sizes and units of a map, from what its file and the scene say.
+
+    Raises SceneError if they contradict each other. What neither of them says is listed in `lacks`.
 
     Parameters
     ----------
     metadata : Metadata
         What the file says.
     spec : scene.File
-        What the scene says, which wins.
+        What the scene says, which has priority.
     path : object
         Name of the map in messages.
 
     Attributes
     ----------
     sizes : (L_x, L_y)
-        In m where units are named.
+        In m if units are named; (1, 1) if they are not known.
     height, length : float
-        What one unit of the heights, and of plain sizes, is in m where units are named.
+        Length in m of one unit of the heights, and of plain sizes; 1 if units are not named.
     sizes_unit : str, optional
-        Of plain sizes.
+        Unit of plain sizes.
     are_named : bool
         Whether heights and sizes have units.
     lacks : dict
         {key of [surface]: why it has to be given}
     notes : list of str
-        What to know of the sizes, a line each.
+        Remarks on the sizes for the user, a line each.
     """
 
     def __init__(self, metadata: Metadata, spec: Any, path: object) -> None:
@@ -75,8 +77,10 @@ class MapUnits:
             self.notes.append(f"x and y in {path} are taken in {spec.unit}, as the heights are")
 
     def _height_unit(self, metadata: Metadata, spec: Any, path: object) -> str | None:
-        """Return the unit of the heights. Raises SceneError where scene and file contradict each
-        other."""
+        """Return the unit of the heights, None if it is not known; may add to `lacks` and `notes`.
+
+        Raises SceneError if scene and file contradict each other.
+        """
         if metadata.unit is None:
             return spec.unit
         in_file = length_factor(metadata.unit)
@@ -99,7 +103,10 @@ class MapUnits:
         return spec.unit or metadata.unit
 
     def _compare(self, metadata: Metadata, in_file: Any, scene_sizes: Any) -> None:
-        """Note where the scene has other sizes than the file."""
+        """Add a note if the sizes in the scene differ from those in the file by more than 0.1 %.
+
+        in_file, scene_sizes: None if not given.
+        """
         file_unit = metadata.sizes_unit or metadata.unit
         if scene_sizes is None or in_file is None or (file_unit is None) == self.are_named:
             return
@@ -112,13 +119,13 @@ class MapUnits:
 
 
 def lengths_text(sizes: Any, are_named: bool) -> str:
-    """Write lengths to be read together.
+    """Write lengths with a common prefix of the unit.
 
     Parameters
     ----------
     sizes : iterable of float
     are_named : bool
-        They are in m.
+        Whether they are in m; otherwise they have no unit.
 
     Returns
     -------
@@ -130,7 +137,10 @@ def lengths_text(sizes: Any, are_named: bool) -> str:
 
 
 def _factor(unit: str | None, path: object) -> float:
-    """Return one unit of length in m, 1 for none. Raises SceneError."""
+    """Return the length in m of a unit, 1 for None. Raises SceneError for other units.
+
+    path: of the map, for the message.
+    """
     if unit is None:
         return 1.0
     metres = length_factor(unit)

@@ -1,5 +1,4 @@
-"""What a file says about its heights beside them: sizes, units, directions, whether they are
-periodic."""
+"""What a file says about its heights: sizes, units, directions, whether they are periodic."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -20,37 +19,37 @@ _Y_STANDARD = ("projection_y_coordinate", "latitude", "grid_latitude")
 
 @dataclass(frozen=True)
 class Metadata:
-    """What a file says about its heights; None or nothing where it does not say it.
+    """What a file says about its heights; None or empty if it says nothing.
 
     Attributes
     ----------
     sizes : (L_x, L_y), optional
         In sizes_unit.
     sizes_unit : str, optional
-        As the file writes it, which may be no unit of length.
+        As the file writes it; it need not be a unit of length.
     unit : str, optional
-        Of the heights, as the file writes it.
+        Unit of the heights, as the file writes it.
     periodic : bool, optional
-        True where the file says so.
+        True if the file says so; None otherwise.
     transposed : bool
-        The first axis of the array is y.
+        Whether the first axis of the array is y.
     falling : tuple of bool
-        Whether the coordinates of the points fall along x, along y. The heights are turned, so that
-        they rise.
+        Whether the coordinates of the points fall along x, along y. Such heights are reversed when
+        they are read.
     direction : str
-        How the file names the direction of x, for a person.
+        Along what x runs in the file, as a phrase for the user.
     direction_known : bool
         Whether the file itself says which direction is x.
     channel : str
-        The one that was taken, where there are several.
+        The channel that was read, if there are several.
     other_channels : tuple of str
-        Those that were not taken.
+        The channels that were not read.
     missing : tuple of float
-        Numbers that stand for points without a height.
+        Numbers that stand for missing heights.
     remarks : tuple of str
-        What a person should know of how the file was read, a line each.
+        What the user should know of how the file was read, a line each.
     reader : str
-        Of what format it was read as.
+        The format as which the file was read.
     """
 
     sizes: tuple[float, ...] | None = None
@@ -72,13 +71,13 @@ Map = tuple[Any, Metadata]  # an array, or anything sliced like one, and what is
 
 
 def by_attributes(*places: Mapping[str, Any]) -> Metadata:
-    """Read the attributes physical_sizes, unit or units, and periodic (HDF5, .npz).
+    """Make metadata of the attributes physical_sizes, unit or units, and periodic (HDF5, .npz).
 
     Parameters
     ----------
     *places : mapping
-        Attributes, those of the heights before those of the file; each attribute is taken from the
-        first that has it. Sizes are in the unit beside them, or else in that of the heights.
+        Attributes of the heights, then those of the file; each attribute is taken from the first
+        place that has it. Sizes are in the unit in the same place, or else in that of the heights.
 
     Returns
     -------
@@ -101,17 +100,18 @@ def by_attributes(*places: Mapping[str, Any]) -> Metadata:
 
 
 def by_axes(heights: Mapping[str, Any], axes: list) -> Metadata:
-    """Read what a NetCDF variable and its axes say.
+    """Make metadata of a NetCDF variable and its axes.
 
-    Both conventions hold: `length` and `unit` of the axes (SurfaceTopography), coordinates of the
-    points and `units` (CF).
+    Two conventions are understood: `length` and `unit` of the axes (SurfaceTopography), and
+    coordinates of the points with `units` (CF). Coordinates without a unit are not used if the
+    heights have one or if they only count the points.
 
     Parameters
     ----------
     heights : mapping
         Attributes of the variable.
     axes : list of (name, attributes, coordinates)
-        Of both dimensions; coordinates is None where there are none.
+        The first and the second axis of the array; coordinates may be None.
 
     Returns
     -------
@@ -120,7 +120,7 @@ def by_axes(heights: Mapping[str, Any], axes: list) -> Metadata:
     Raises
     ------
     ValueError
-        Where the points are not those of a grid, or the axes are in different units.
+        If coordinates are not evenly spaced, or the axes have different units.
     """
     names = tuple(name for name, *_ in axes)
     transposed = is_y_first([(name, attributes) for name, attributes, _ in axes])
@@ -150,24 +150,27 @@ def by_axes(heights: Mapping[str, Any], axes: list) -> Metadata:
 
 
 def is_y_first(axes: list[tuple[str, Mapping[str, Any]]]) -> bool:
-    """Whether the first of two axes is y, by their attributes (`axis`, `standard_name` of CF) and
-    their names; axes: [(name, attributes), (name, attributes)]."""
+    """Whether the first of two axes is y, by their attributes and names.
+
+    axes: [(name, attributes), (name, attributes)]; the attributes are `axis` and `standard_name` of
+    CF.
+    """
     return [_direction(*axis) for axis in axes] in (["y", "x"], ["y", ""], ["", "x"])
 
 
 def is_x_or_y(axes: list) -> bool:
-    """Whether at least one of two axes says that it is x or y; axes: [(name, attributes, ...)]."""
+    """Whether at least one of two axes is marked as x or y; axes: [(name, attributes, ...)]."""
     return any(_direction(*axis[:2]) for axis in axes)
 
 
 def missing_numbers(spec: Any, path: object) -> tuple[float, ...]:
-    """Return the numbers that the scene calls missing.
+    """Return the numbers that the scene's key `missing` declares to mark missing heights.
 
     Parameters
     ----------
     spec : scene.File
     path : object
-        Of the file, for the message.
+        Path of the file, for the message.
 
     Returns
     -------
@@ -176,7 +179,7 @@ def missing_numbers(spec: Any, path: object) -> tuple[float, ...]:
     Raises
     ------
     SceneError
-        For texts that are no numbers, which only a text can hold.
+        If the key holds a text that is not a number; only text files can have such marks.
     """
     try:
         return tuple(float(text) for text in spec.missing)
@@ -188,7 +191,7 @@ def missing_numbers(spec: Any, path: object) -> tuple[float, ...]:
 
 
 def unit_in(attributes: Mapping[str, Any]) -> str | None:
-    """Return the attribute unit or units, if it is a text."""
+    """Return the attribute `unit` or `units` if it is a text that is not blank, else None."""
     value = np.ravel(attributes.get("unit", attributes.get("units")))
     text = value[0] if value.size == 1 else None
     text = text.decode("utf-8", "replace") if isinstance(text, bytes) else text
@@ -196,7 +199,7 @@ def unit_in(attributes: Mapping[str, Any]) -> str | None:
 
 
 def _direction(name: str, attributes: Mapping[str, Any]) -> str:
-    """Return "x", "y" or "" for an axis."""
+    """Return "x" or "y", the direction of an axis by its attributes and name; "" if unknown."""
 
     def text(key: str) -> str:
         value = attributes.get(key, "")
@@ -212,8 +215,11 @@ def _direction(name: str, attributes: Mapping[str, Any]) -> str:
 
 
 def _length(attributes: Mapping[str, Any], x: Any) -> float | None:
-    """Return the length of an axis, negative where its coordinates x fall, None where it is not
-    known, as of a NetCDF 4 dimension without coordinates."""
+    """Return the length of an axis, by its attribute `length` or its coordinates x.
+
+    It is negative if the coordinates fall, and None if it is not known. Raises ValueError if the
+    coordinates are not evenly spaced.
+    """
     if "length" in attributes:
         return float(np.ravel(attributes["length"])[0])
     if (
@@ -233,5 +239,5 @@ def _length(attributes: Mapping[str, Any], x: Any) -> float | None:
 
 
 def _are_indices(coordinates: tuple) -> bool:
-    """Whether coordinates only number the points, 0, 1, 2, ... or 1, 2, 3, ..."""
+    """Whether all coordinates only number the points: 0, 1, 2, ... or 1, 2, 3, ..."""
     return all(x is not None and x[0] in (0, 1) and x[1] == x[0] + 1 for x in coordinates)

@@ -1,9 +1,8 @@
-"""Which precision holds the numbers: the program's own units are of order one, the scene's may be
-anything.
+"""Which precision can hold the numbers of a contact.
 
-A field is stored in single precision only where that loses nothing: its largest value is finite and
-what is as small as the rounding errors of its typical value is still a normal number. Units that
-not even double precision can hold are refused.
+The program's own units are of order one, the scene's may be anything. A field is stored in single
+precision only if that loses nothing: its largest value is finite, and the rounding error of its
+typical value is still a normal number. Units beyond double precision are refused.
 """
 
 from __future__ import annotations
@@ -25,7 +24,7 @@ LARGEST_P_STAR = 1e100
 
 
 def fits(dtype: DTypeLike, smallest: float, largest: float) -> bool:
-    """Whether normal numbers of a precision reach from one magnitude to another.
+    """Whether a dtype holds all numbers between two magnitudes as normal numbers.
 
     Parameters
     ----------
@@ -41,24 +40,25 @@ def fits(dtype: DTypeLike, smallest: float, largest: float) -> bool:
 
 
 def field_dtype(name: str, dtype: DTypeLike, p_mean: float, surface: Surface) -> np.dtype:
-    """Choose the precision for a field in the scene's units, without looking at it.
+    """Choose the dtype in which to store a field in the scene's units, from bounds on its values.
 
-    No point carries more than all N p_mean, and heights that have rms slope 1 per point rise by
-    less than N; a displacement is less than N times that. What is smaller than the rounding errors
-    of single precision does not matter.
+    The bounds: no point carries more than N p_mean; heights with rms slope 1 per point differ by
+    less than N; a displacement is less than N times that.
 
     Parameters
     ----------
     name : str
-        Of the field.
+        Name of the field; all but "pressure" are lengths.
     dtype : dtype
-        In which it was solved.
+        Precision in which the contact was solved.
     p_mean : float
+        Mean pressure in the scene's units.
     surface : Surface
 
     Returns
     -------
     dtype
+        dtype if it holds all values, else float64.
     """
     of_pressure = name == "pressure"
     N = surface.grid.N
@@ -74,8 +74,9 @@ def single_solves(p_star: float, N: int) -> bool:
     Parameters
     ----------
     p_star : float
+        Mean pressure in the program's units.
     N : int
-        Points.
+        Number of grid points.
 
     Returns
     -------
@@ -97,6 +98,8 @@ def require_range(E_star: float, surface: Surface, pressures: Iterable[float]) -
     Raises
     ------
     SceneError
+        If a unit of the program, in the scene's units, or a mean pressure is too small or too
+        large.
     """
     unit = E_star * surface.g_rms if surface.g_rms > 0 else 1.0
     for quantity, value in [

@@ -1,5 +1,4 @@
-"""Numbers that stand for others: the conventions of NetCDF (CF) for packed data and for points
-without a value."""
+"""The conventions of NetCDF (CF) for packed numbers and for numbers that mark missing points."""
 
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -12,22 +11,23 @@ UNWRITTEN = 15 * 2.0**119  # NetCDF's number where nothing was written
 
 
 def unpacker(attributes: Mapping[str, Any]) -> Callable[[np.ndarray], np.ndarray]:
-    """Return a function that makes heights of the values of a variable.
+    """Return a function that converts the stored numbers of a variable to heights.
 
     Parameters
     ----------
     attributes : mapping
-        Of the variable: those of PACKING and `_Unsigned`, in any case.
+        Attributes of the variable; used are those of PACKING and `_Unsigned`, in any case.
 
     Returns
     -------
     function
-        Takes numbers as they are stored and returns heights, float64, nan where there is none.
+        Takes stored numbers and returns a new array of heights, float64, nan where they are missing
+        or outside of the valid range.
 
     Raises
     ------
     ValueError
-        Where such an attribute is no number.
+        If one of these attributes is not a number.
     """
     by_name = {name.lower(): value for name, value in attributes.items()}
     numbers = {name: _numbers(name, by_name[name]) for name in PACKING if name in by_name}
@@ -57,8 +57,11 @@ def unpacker(attributes: Mapping[str, Any]) -> Callable[[np.ndarray], np.ndarray
 
 
 def _in_type(values: np.ndarray, dtype: np.dtype) -> np.ndarray:
-    """Return numbers as they are when stored in a type: rounded, or the same bits without a sign;
-    infinite ones, and those beyond the type, stay."""
+    """Return values as they would be after being stored in a dtype, as float64.
+
+    They are rounded to floating-point types; in unsigned types negative values become those with
+    the same bits. Infinite values, and those that do not fit, stay as they are.
+    """
     if dtype.kind == "f":
         with np.errstate(over="ignore"):
             return values.astype(dtype).astype(np.float64)
@@ -68,7 +71,7 @@ def _in_type(values: np.ndarray, dtype: np.dtype) -> np.ndarray:
 
 
 def _numbers(name: str, value: Any) -> np.ndarray:
-    """Return the numbers of an attribute, float64. Raises ValueError."""
+    """Return the numbers of an attribute, float64, shape (k,). Raises ValueError if it has none."""
     array = np.ravel(value)
     if array.size < 1 or array.dtype.kind not in "fiu":
         raise ValueError(f"its attribute {name} is no number")
@@ -76,7 +79,7 @@ def _numbers(name: str, value: Any) -> np.ndarray:
 
 
 def _text(value: Any) -> str:
-    """Return the text of an attribute, "" for anything else."""
+    """Return an attribute as text, "" if it is not a single value."""
     array = np.ravel(value)
     text = array[0] if array.size == 1 else ""
     return text.decode("utf-8", "replace") if isinstance(text, bytes) else str(text)

@@ -1,5 +1,8 @@
-"""Heights as pictures: TIFF and PNG of whole numbers, which stand for a range of heights, and TIFF
-of numbers with decimals, which are heights."""
+"""Heights as pictures: TIFF and PNG.
+
+Whole numbers stand for a range of heights that the scene gives; numbers with decimals (TIFF) are
+heights.
+"""
 
 from typing import Any
 from xml.etree import ElementTree
@@ -29,40 +32,45 @@ def read_png(contents: Contents, spec: Any) -> Map:
     ----------
     contents : Contents
     spec : scene.File
+        Its height_range gives the heights of the lowest and the highest number that the type can
+        hold.
 
     Returns
     -------
     heights : ndarray, shape (n_x, n_y)
-        nan where the file has none.
+        nan at the numbers that spec.missing lists.
     metadata : Metadata
 
     Raises
     ------
     ValueError
-        For colours, several pictures, and whole numbers without surface.height_range.
+        If the picture has colours, or height_range is not given.
     """
     z = _grey(contents)
     return _heights(z, np.isin(z, missing_numbers(spec, contents.path)), spec, ())
 
 
 def read_tiff(contents: Contents, spec: Any) -> Map:
-    """Read a TIFF, x to the right, y down. What an instrument wrote as a TIFF is read as such.
+    """Read a TIFF, x to the right, y down. What an instrument wrote is read by its own reader.
 
     Parameters
     ----------
     contents : Contents
     spec : scene.File
+        Its height_range gives the heights of the lowest and the highest number that the type can
+        hold, if numbers are whole.
 
     Returns
     -------
     heights : ndarray, shape (n_x, n_y)
-        nan where the file has none.
+        nan where a mask, a tag of GDAL or spec.missing says that they are missing.
     metadata : Metadata
 
     Raises
     ------
     ValueError
-        For colours, several pictures, and whole numbers without surface.height_range.
+        If the file has colours or several pictures or is stored turned, or if height_range is given
+        for numbers with decimals or not given for whole ones.
     """
     if (scan := instruments.recognised(contents, spec)) is not None:
         return scan
@@ -98,7 +106,12 @@ def read_tiff(contents: Contents, spec: Any) -> Map:
 
 
 def _heights(z: np.ndarray, holes: np.ndarray, spec: Any, scaled: tuple) -> Map:
-    """Make heights of the numbers of a picture, shape (n_y, n_x)."""
+    """Convert the numbers z of a picture, shape (n_y, n_x), to heights and metadata.
+
+    The heights have shape (n_x, n_y). holes: True where they are missing, shape (n_y, n_x). scaled:
+    (scale, offset) that were applied to z before, for a remark; () if there are none. Raises
+    ValueError if z has colours, or if spec.height_range does not suit its type.
+    """
     if z.ndim != 2:
         raise ValueError(f"found an array {z.shape} of {z.dtype}, allowed: {_ALLOWED}")
     has_decimals = z.dtype.kind == "f"
@@ -128,8 +141,10 @@ def _heights(z: np.ndarray, holes: np.ndarray, spec: Any, scaled: tuple) -> Map:
 
 
 def _grey(contents: Contents) -> np.ndarray:
-    """Read a picture of one whole number a point, shape (n_y, n_x). Raises ValueError for
-    colours."""
+    """Read a picture with one whole number per point by Pillow, shape (n_y, n_x).
+
+    Raises ValueError if it has colours.
+    """
     from PIL import Image
 
     with Image.open(contents.source) as picture:
@@ -140,7 +155,10 @@ def _grey(contents: Contents) -> np.ndarray:
 
 
 def _numbers(text: Any) -> np.ndarray:
-    """Return the number that GDAL's tag names, none where it names none."""
+    """Return the number in GDAL's tag for missing points, as an array of one number or none.
+
+    Raises ValueError if the tag holds anything else.
+    """
     text = text.decode("ascii", "replace") if isinstance(text, bytes) else str(text)
     try:
         return np.array([float(text.strip("\0 "))]) if text.strip("\0 ") else np.array([])
@@ -149,7 +167,7 @@ def _numbers(text: Any) -> np.ndarray:
 
 
 def _scale_and_offset(text: Any) -> tuple[float, float]:
-    """Read scale and offset of the heights in GDAL's metadata."""
+    """Return the scale and offset of the heights in GDAL's metadata (XML), by default (1, 0)."""
     text = text.decode("utf-8", "replace") if isinstance(text, bytes) else str(text)
     scale = 1.0
     offset = 0.0
@@ -164,6 +182,6 @@ def _scale_and_offset(text: Any) -> tuple[float, float]:
 
 
 def _in_type(values: np.ndarray, dtype: np.dtype) -> np.ndarray:
-    """Return numbers as they are when stored in a type of numbers with decimals."""
+    """Return values rounded to dtype if that is a floating-point type; otherwise as they are."""
     with np.errstate(over="ignore"):
         return values.astype(dtype) if dtype.kind == "f" else values

@@ -1,10 +1,11 @@
-"""What the scene asks to be done to a measured height map before it is pressed, in this order:
+"""The preparation of a measured height map that the scene asks for.
 
-crop, detrend (by the points that were measured), fill, flip, mirror or window, refine, downsample,
-and the form under it. Of two scans each is filled before they are added, see two_scans.py.
+The steps, in this order: crop, detrend (by the points that were measured), fill, flip, mirror or
+window, refine, downsample, and the form under the map. Each of two scans is filled before they are
+added, see two_scans.py.
 
-All but refine and downsample are done to rows as they are read, so that the map never is in one
-place. All functions are collective.
+All steps but refine and downsample apply to rows as they are read, so that no rank ever holds the
+whole map.
 """
 
 from dataclasses import replace
@@ -31,7 +32,7 @@ POWERS = {
 
 
 def prepared_size(topography: Topography, spec: Any) -> tuple[tuple[int, int], tuple[float, ...]]:
-    """Return the size of what `prepare` makes of a Topography, without reading it.
+    """Return the size of what `prepare` will make of a Topography, without reading heights.
 
     Parameters
     ----------
@@ -46,6 +47,7 @@ def prepared_size(topography: Topography, spec: Any) -> tuple[tuple[int, int], t
     Raises
     ------
     SceneError
+        If the cropped part is not within the map, or downsample does not divide its points.
     """
     topography = _cropped(topography, spec) if spec.crop else topography
     topography = _mirrored(topography) if spec.mirror else topography
@@ -59,23 +61,26 @@ def prepared_size(topography: Topography, spec: Any) -> tuple[tuple[int, int], t
 
 
 def prepare(topography: Topography, spec: Any, comm: Any) -> Topography:
-    """Prepare a height map as the scene wants it. Collective.
+    """Prepare a height map as the scene asks for; reads the heights several times. Collective.
 
     Parameters
     ----------
     topography : Topography
+        Not changed.
     spec : scene.File
     comm : Comm
 
     Returns
     -------
     Topography
-        With what was `done` to it and its `notes`.
+        With complete heights; its `prepared` lists the steps and its `notes` remarks on the map.
+        After a change of the number of points each rank can read its own rows only.
 
     Raises
     ------
     SceneError
-        One on all ranks, for everything that the scene still has to say.
+        On all ranks. The message lists everything that the scene still has to say (units, sizes,
+        fill, boundary).
     """
     lacks = list(topography.lacks.values())
     if topography.bodies:
@@ -118,7 +123,11 @@ def prepare(topography: Topography, spec: Any, comm: Any) -> Topography:
 
 
 def _filled(topography: Topography, spec: Any, comm: Any, lacks: list[str]) -> Topography:
-    """Fill the holes; where the scene does not want that, add to `lacks` that it is needed."""
+    """Fill the holes as spec.fill says. Collective.
+
+    If that is refused the reason is appended to the list `lacks`, and holes are filled
+    harmonically.
+    """
     try:
         return filled(topography, spec.fill, comm)
     except SceneError as error:
@@ -127,8 +136,11 @@ def _filled(topography: Topography, spec: Any, comm: Any, lacks: list[str]) -> T
 
 
 def _of_filled_scans(topography: Topography, spec: Any, comm: Any, lacks: list[str]) -> Topography:
-    """Fill the holes of two scans, of which the Topography is the sum, and add them. Notes where
-    an interpolated one does not resolve its own roughness."""
+    """Fill the holes of the two scans in topography.bodies and return their sum. Collective.
+
+    Adds a note for an interpolated scan that does not resolve its own roughness, and appends to
+    `lacks` as `_filled` does. Raises SceneError if the scans do not overlap or only one has a unit.
+    """
     lower, upper = (_filled(scan, spec, comm, lacks) for scan in topography.bodies)
     total = combined((lower, upper), spec)
     if total.lacks:
@@ -143,7 +155,10 @@ def _of_filled_scans(topography: Topography, spec: Any, comm: Any, lacks: list[s
 
 
 def _cropped(topography: Topography, spec: Any) -> Topography:
-    """Keep a part of the map. Raises SceneError where that is not within it."""
+    """Return the part of the map within spec.crop, its limits rounded to grid points.
+
+    Raises SceneError if it is not within the map.
+    """
     ends = []
     for axis in (0, 1):
         step = topography.sizes[axis] / topography.n[axis]
@@ -174,7 +189,10 @@ def _cropped(topography: Topography, spec: Any) -> Topography:
 
 
 def _detrended(topography: Topography, trend: str, comm: Any) -> Topography:
-    """Subtract the polynomial that fits the measured points best."""
+    """Subtract the polynomial that fits the measured heights best. Collective; reads all heights.
+
+    trend: "mean", "tilt" (plane) or "curvature" (second degree).
+    """
     powers = POWERS[trend]
     x, y = (2 * np.arange(n) / max(n - 1, 1) - 1 for n in topography.n)
 
@@ -201,7 +219,7 @@ def _detrended(topography: Topography, trend: str, comm: Any) -> Topography:
 
 
 def _mirrored(topography: Topography) -> Topography:
-    """Append the mirror images, so that the map is twice as long along both axes, and periodic."""
+    """Return the map with its mirror images: twice as long along both axes, and periodic."""
     n = topography.n[0]
 
     def rows(start: int, stop: int) -> np.ndarray:
@@ -221,7 +239,11 @@ def _mirrored(topography: Topography) -> Topography:
 
 
 def _windowed(topography: Topography, name: str) -> Topography:
-    """Fade the heights out to their mean, 0, at the edges; what is in the middle stays."""
+    """Return the map times a window that falls to 0 at the edges, which makes it periodic.
+
+    The mean of the heights must be 0. name: a window of scipy.signal.windows, the same along x and
+    y.
+    """
     w_x, w_y = _windows(topography, name)
     return topography.after(
         f"window {name}",
@@ -231,14 +253,14 @@ def _windowed(topography: Topography, name: str) -> Topography:
 
 
 def _windows(topography: Topography, name: str) -> tuple[np.ndarray, ...]:
-    """Return the window along x and along y."""
+    """Return the window along x, shape (n_x,), and along y, shape (n_y,)."""
     from scipy.signal.windows import get_window
 
     return tuple(get_window(name, n) for n in topography.n)
 
 
 def _kept(topography: Topography, name: str) -> float:
-    """Return the share of the area in which the window is more than a half."""
+    """Return the share of the area in which the product of both windows is at least 1/2."""
     w_x, w_y = _windows(topography, name)
     counts = np.searchsorted(np.sort(w_y), 0.5 / np.maximum(w_x, 1e-300), side="right")
     return float(np.mean(w_y.size - counts) / w_y.size)

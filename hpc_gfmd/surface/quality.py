@@ -1,5 +1,7 @@
-"""What to know of a height map before the numbers that come from it, and whether it is periodic: as
-the scene or the file says, else by the jump between its opposite edges."""
+"""Notes on a height map that a user should read before its results, and a check of its boundary.
+
+A map is periodic if the scene or the file says so, else if its opposite edges do not jump.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -23,24 +25,24 @@ class Doubt:
     tilt : float
         Share of the variance of the heights that is tilt.
     unresolved : float
-        Mean square slope between neighbours over that between every second point: 1 where the grid
+        Mean square slope between neighbours over that between second neighbours: near 1 if the grid
         resolves the spectrum.
     filled : float
         Share of the points that had no height.
     jump : float
-        Between opposite edges, over that between neighbours.
+        Difference between opposite edges over that between neighbours.
     kink : float
-        Change of slope at the edge, over that inside.
+        Change of slope at the edge over that inside.
     outlying : float
-        Distance from all neighbours, over what neighbours differ by.
+        Distance of a height from the median of its neighbours over the difference of neighbours.
     faded : float
         Relative change of h_rms or g_rms by a window.
     rounding : float
-        Edges that differ by less than this share of the heights are the same.
+        Opposite edges count as equal if they differ by less than this share of the rms height.
     rows : int
-        At most so many are looked at.
+        Number of rows that are looked at, at most.
     lag : int
-        At most so many points lie between those that slopes are taken from.
+        Distance, in points, of the heights from which the tilt is taken, at most.
     """
 
     tilt: float = 0.5
@@ -60,25 +62,26 @@ DOUBT = Doubt()
 
 @dataclass(frozen=True)
 class MapQuality:
-    """What some rows of a Topography show. Medians are taken, which a few outliers do not change.
+    """Statistics of some rows of a Topography, mostly medians, which a few outliers do not change.
 
     Attributes
     ----------
     jumps : ndarray, shape (2,)
-        Along x and y: the jump from the last point to the first one over that between neighbours.
+        Along x and y: difference between last and first point over that between neighbours.
     kinks : ndarray, shape (2,)
-        The same for changes of the slope.
+        Along x and y: change of slope at the edge over that inside.
     typical : float
-        How much neighbours differ, in the unit of the heights.
+        Median difference between neighbours, in the unit of the heights; the larger one of both
+        axes.
     tilt : float
-        Share of the variance of the heights that a plane of the typical slope takes off, which a
-        step has not.
+        Share of the variance of the heights that a plane with the median slope removes. A step does
+        not count as tilt.
     unresolved : float
-        See Doubt, the larger one of both axes.
+        Measure of unresolved roughness, see Doubt; the larger one of both axes.
     h_rms : float
         In the unit of the heights.
     g_rms : float
-        By differences between neighbours.
+        From differences between neighbours.
     """
 
     jumps: np.ndarray
@@ -90,17 +93,18 @@ class MapQuality:
     g_rms: float
 
     def notes(self, meet: Sequence[bool]) -> list[str]:
-        """Return the notes on a map.
+        """Return notes on jumps and kinks at the edges, tilt, and an unresolved spectrum.
 
         Parameters
         ----------
         meet : (bool, bool)
-            Whether the opposite edges as they are will be neighbours, along x, along y.
+            Along x, along y: whether opposite edges become neighbours as they are, so that jumps
+            and kinks there matter.
 
         Returns
         -------
         list of str
-            One line for each doubt.
+            One line for each threshold of `Doubt` that is exceeded.
         """
         lines = []
         for axis, jump, kink, edges_meet in zip("xy", self.jumps, self.kinks, meet):
@@ -129,7 +133,7 @@ class MapQuality:
 
 
 def quality_of(topography: Topography, comm: Any) -> MapQuality:
-    """Look at a map, of which rank 0 reads DOUBT.rows rows at most. Collective.
+    """Compute statistics of a map. Collective: rank 0 reads at most DOUBT.rows groups of rows.
 
     Parameters
     ----------
@@ -140,29 +144,31 @@ def quality_of(topography: Topography, comm: Any) -> MapQuality:
     Returns
     -------
     MapQuality
+        The same on all ranks.
     """
-    return on_rank_0(comm, "reading the surface", lambda: _looked_at(topography))
+    return on_rank_0(comm, "reading the surface", lambda: _measure_quality(topography))
 
 
 def notes_on(topography: Topography, spec: Any, comm: Any) -> tuple[tuple[str, ...], MapQuality]:
-    """Return the notes on a Topography, and its quality. Collective.
+    """Return notes on a Topography and its quality; its boundary must be known. Collective.
 
     Parameters
     ----------
     topography : Topography
-        Without holes, before it is made periodic.
+        Without holes, before mirroring or a window makes it periodic.
     spec : scene.File
     comm : Comm
 
     Returns
     -------
     notes : tuple of str
+        A line each.
     quality : MapQuality
 
     Raises
     ------
     SceneError
-        Where neither scene nor file says what its boundary is and it does not look periodic.
+        If neither scene nor file gives the boundary and opposite edges jump.
     """
     quality = quality_of(topography, comm)
     made_periodic = spec.mirror or spec.window != "none"  # whatever its edges are
@@ -183,19 +189,21 @@ def notes_on(topography: Topography, spec: Any, comm: Any) -> tuple[tuple[str, .
 
 
 def window_note(before: MapQuality, after: MapQuality, kept: float, name: str) -> tuple[str, ...]:
-    """Return a note on what a window did to a map, none where that is little.
+    """Return a note on what a window did to a map.
 
     Parameters
     ----------
     before, after : MapQuality
+        Of the map without and with the window.
     kept : float
-        Share of the area in which the window is more than a half.
+        Share of the area in which the window is more than 1/2.
     name : str
-        Of the window.
+        Name of the window.
 
     Returns
     -------
     tuple of str
+        One note; empty if h_rms and g_rms change by less than DOUBT.faded.
     """
 
     def change(name: str) -> float:
@@ -212,18 +220,22 @@ def window_note(before: MapQuality, after: MapQuality, kept: float, name: str) -
 
 
 def outliers(topography: Topography, typical: float) -> int:
-    """Count points that stand out of the median of their neighbours.
+    """Count points that differ far more from their neighbours than neighbours usually do.
+
+    All heights are read, by this process. A point counts if it is farther than DOUBT.outlying *
+    typical from the median of its eight neighbours.
 
     Parameters
     ----------
     topography : Topography
         Without holes.
     typical : float
-        How much neighbours differ.
+        Typical difference between neighbours.
 
     Returns
     -------
     int
+        0 for maps of fewer than three rows or columns.
     """
     from scipy.ndimage import median_filter
 
@@ -240,18 +252,18 @@ def outliers(topography: Topography, typical: float) -> int:
 
 @dataclass(frozen=True)
 class _Differences:
-    """How much the points of one row differ from others along an axis, medians.
+    """Differences between the points of one row and others along an axis.
 
     Attributes
     ----------
     step : float
-        From the next point.
+        Median difference from the next point, without sign and without zeros.
     second : float
-        From the second next.
+        The same from the second next point.
     far : float
-        Slope over a longer distance, per point.
+        Median slope over a longer distance, per point, with sign.
     bend : float
-        Change of the step from one point to the next.
+        Median change of the step from one point to the next, without sign and without zeros.
     square : float
         Mean square of the step.
     """
@@ -263,16 +275,19 @@ class _Differences:
     square: float
 
 
-def _looked_at(topography: Topography) -> MapQuality:
-    """Measure what tells how good a map is, from some of its rows. On one process."""
+def _measure_quality(topography: Topography) -> MapQuality:
+    """Compute the quality of a map from at most DOUBT.rows rows and their neighbours.
+
+    Not collective: called on rank 0.
+    """
     n_x, n_y = topography.n
 
     def row(i: int) -> np.ndarray:
-        """Return row i as an array of one row, or of none beyond the map."""
+        """Read row i, shape (1, n_y), or (0, n_y) beyond the map."""
         return topography.rows(min(i, n_x), min(i + 1, n_x))
 
     def differences(z: np.ndarray, i: int, axis: int) -> _Differences:
-        """Return how much points differ along an axis; z: row i."""
+        """Return the differences between row i, which is z, and the next points along an axis."""
         lag = min(DOUBT.lag, max(topography.n[axis] // 8, 1))
         if axis == 0:
             below = row(i + 1)
@@ -340,19 +355,21 @@ def _looked_at(topography: Topography) -> MapQuality:
 
 
 def _typical(differences: np.ndarray) -> float:
-    """Return the median of differences without sign. It leaves out those that are 0, as many of
-    rounded heights are."""
+    """Return the median of the magnitudes of differences that are not 0; nan if there are none.
+
+    Rounded heights often differ by exactly 0.
+    """
     return _median(np.abs(differences[differences != 0]))
 
 
 def _median(values: Any) -> float:
-    """Return the median of numbers that are not nan, nan where there are none."""
+    """Return the median of the values that are not nan; nan if there are none."""
     values = np.asarray(values, dtype=float)
     values = values[~np.isnan(values)]
     return float(np.median(values)) if values.size else float("nan")
 
 
 def _mean(values: list[float]) -> float:
-    """Return the mean of numbers that are not nan, 0 where there are none."""
+    """Return the mean of the values that are not nan; 0 if there are none."""
     numbers = [value for value in values if value == value]
     return float(np.mean(numbers)) if numbers else 0.0

@@ -1,5 +1,8 @@
-"""The same Fourier series on another number of points (fewer: without its shortest waves); along an
-axis where the map ends the series of its mirror images, in cosines, which has no jump there."""
+"""Resampling of a map by its Fourier series; with fewer points the shortest waves are lost.
+
+Along an axis with free edges it is the series of cosines, that of the map with its mirror image,
+which has no jump at the edge.
+"""
 
 from typing import Any
 
@@ -16,34 +19,40 @@ from .topography import Topography
 def resampled(
     topography: Topography, n: tuple[int, int], free: tuple[bool, bool], comm: Any
 ) -> Topography:
-    """Resample a height map. Collective.
+    """Resample a height map to n points; reads it and exchanges all heights. Collective.
 
     Parameters
     ----------
     topography : Topography
+        Not changed.
     n : (int, int)
         Points along x and y.
     free : (bool, bool)
-        Whether the map ends along x, along y.
+        Whether the edges are free along x, along y.
     comm : Comm
 
     Returns
     -------
     Topography
-        Of which those rows can be read that this rank has of the surface.
+        Each rank can read only the rows that it has of the Surface; it holds them in memory.
     """
     rows_read = row_starts(topography.n[0], comm.size)
     columns = row_starts(n[1], comm.size)
     rows_wanted = nominal_part(grid_of(n, topography.sizes, comm, free)).starts
-    turned = _turned(topography.rows, rows_read, columns, free[1], comm)
-    rows = _turned(turned, columns, rows_wanted, free[0], comm)
+    turned = _resampled_columns(topography.rows, rows_read, columns, free[1], comm)
+    rows = _resampled_columns(turned, columns, rows_wanted, free[0], comm)
     return topography.after(f"resampled to {n[0]} x {n[1]} points", n=n, rows=rows)
 
 
-def _turned(rows: Rows, before: np.ndarray, after: np.ndarray, ends: bool, comm: Any) -> Rows:
-    """Resample the rows of a map to as many points as `after` ends with, and exchange rows and
-    columns; returns what reads this rank's columns as rows. before, after: where the rows of each
-    rank begin, and how many there are. Collective."""
+def _resampled_columns(
+    rows: Rows, before: np.ndarray, after: np.ndarray, ends: bool, comm: Any
+) -> Rows:
+    """Resample the rows of a map to after[-1] points and transpose it. Collective.
+
+    before, after: first row (or column) of each rank before and after the transposition, and their
+    number at the end. Returns a function (start, stop) that gives this rank's columns as rows and
+    raises IndexError for others.
+    """
     me = comm.rank
     begin, stop_row = before[me : me + 2]
     column, end = after[me : me + 2]
@@ -68,7 +77,7 @@ def _turned(rows: Rows, before: np.ndarray, after: np.ndarray, ends: bool, comm:
 
 
 def _series(z: np.ndarray, n: int, ends: bool) -> np.ndarray:
-    """Resample rows to n points by their Fourier series, in cosines along an axis that ends."""
+    """Resample rows z, shape (k, m), to n points by their Fourier series; in cosines if `ends`."""
     from scipy.fft import dct, idct
     from scipy.signal import resample
 

@@ -1,5 +1,4 @@
-"""Self-affine random surfaces, made in Fourier space on all ranks at once in the memory of one
-spectrum."""
+"""Self-affine random surfaces, made in Fourier space on all ranks in the memory of one spectrum."""
 
 from collections.abc import Callable
 from typing import Any
@@ -18,25 +17,27 @@ def self_affine_gap(
 ) -> tuple[np.ndarray, float, Callable]:
     """Make the gap under zero load of a self-affine surface. Collective.
 
+    The transforms of the grid are used as scratch memory.
+
     Parameters
     ----------
     spec : scene.SelfAffine
     grid : Grid
     dtype : dtype
-        Of the gap.
+        Precision of the gap.
     made_in : dtype
-        Precision of the transforms; errors of single ones are several times those of storing the
+        Precision of the transforms. Single precision has several times the errors of storing the
         gap.
 
     Returns
     -------
     gap : ndarray
-        z_max - z, local slab, with g_rms = 1 per grid spacing.
+        z_max - z, this rank's slab, scaled so that g_rms = 1 per grid spacing.
     h_rms : float
-        Of the gap.
+        Rms height of the gap, in its own unit.
     add_spectrum : function
-        (fft) returns a function (block, m) that adds the transform of minus the gap (without 1/N)
-        to a block of columns, so that the heights need not be kept.
+        add_spectrum(fft) returns a function (block, m) that adds the transform of minus the gap
+        (not divided by N) to block m of the columns of fft; heights thus need not be kept.
     """
     fft = grid.fft(made_in)
     low = spec.L_over_lam_l

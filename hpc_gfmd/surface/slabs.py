@@ -11,23 +11,22 @@ ROWS = 64  # read at a time
 
 
 def slabs(start: int, stop: int) -> list[tuple[int, int]]:
-    """Cut rows into pieces.
+    """Cut the rows start <= i < stop into pieces of at most ROWS rows.
 
     Parameters
     ----------
     start, stop : int
-        The rows start <= i < stop.
 
     Returns
     -------
     list of (int, int)
-        (start, stop) of pieces of ROWS rows at most.
+        (start, stop) of each piece, in order.
     """
     return [(row, min(row + ROWS, stop)) for row in range(start, stop, ROWS)]
 
 
 def own_slabs(topography: Any, comm: Any) -> list[tuple[int, int]]:
-    """Return this rank's share of a height map.
+    """Return the pieces of a height map that this rank reads. Not collective.
 
     Parameters
     ----------
@@ -37,7 +36,8 @@ def own_slabs(topography: Any, comm: Any) -> list[tuple[int, int]]:
     Returns
     -------
     list of (int, int)
-        (start, stop) of pieces of rows that are the same for any number of ranks.
+        (start, stop) of this rank's pieces. The map is cut in the same places for any number of
+        ranks.
     """
     pieces = slabs(0, topography.n[0])
     starts = row_starts(len(pieces), comm.size)
@@ -52,14 +52,14 @@ def with_neighbours(topography: Any, comm: Any, mode: Any) -> Iterator[tuple[int
     topography : Topography
     comm : Comm
     mode : str
-        What numpy.pad puts where the map ends.
+        How points beyond the edges of the map are made: a mode of numpy.pad.
 
     Yields
     ------
     start : int
         First row of the piece.
     around : ndarray, shape (rows + 2, n_y + 2)
-        The piece, which is around[1:-1, 1:-1], and a point more on each side.
+        The piece, which is around[1:-1, 1:-1], and one point more on each side.
     """
     for start, stop in own_slabs(topography, comm):
         begin = max(start - 1, 0)

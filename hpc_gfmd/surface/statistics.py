@@ -1,4 +1,4 @@
-"""h_rms and g_rms from the spectrum."""
+"""Rms height and rms slope of a field, from its spectrum or from differences of neighbours."""
 
 from typing import Any
 
@@ -11,23 +11,23 @@ from ..parallel.threads import added
 
 
 def rms(grid: Grid, fill: Any) -> tuple[float, float]:
-    """Compute rms height and slope of a periodic field, at the price of half an FFT pair.
-    Collective.
+    """Compute rms height and slope of a periodic field from its spectrum. Collective.
 
-    h_rms^2 = sum_{q != 0} |h_q|^2, g_rms^2 = sum_q q^2 |h_q|^2.
+    h_rms^2 = sum_{q != 0} |h_q|^2, g_rms^2 = sum_q q^2 |h_q|^2. The cost is half an FFT pair; the
+    transforms of the grid in double precision are used as scratch memory.
 
     Parameters
     ----------
     grid : Grid
     fill : function
-        (i0, i1, x) puts rows i0 to i1 of this rank's slab into x.
+        fill(i0, i1, x) puts rows i0 <= i < i1 of this rank's slab into the first rows of x.
 
     Returns
     -------
     h_rms : float
-        In the unit of the field.
+        In the unit of the field; its mean does not count.
     g_rms : float
-        Per grid spacing a.
+        In the unit of the field per grid spacing a.
     """
     fft = grid.fft(np.float64)
     fft.forward_rows(fill)
@@ -35,20 +35,20 @@ def rms(grid: Grid, fill: Any) -> tuple[float, float]:
 
 
 def rms_between_neighbours(grid: Grid, fill: Any, free: tuple[bool, bool]) -> tuple[float, float]:
-    """Compute rms height and slope as `rms` does, from differences between neighbouring points.
-    Collective.
+    """Compute rms height and slope from differences between neighbouring points. Collective.
 
     Parameters
     ----------
     grid : Grid
     fill : function
-        (i0, i1, x) puts rows i0 to i1 of this rank's slab into x.
+        fill(i0, i1, x) puts rows i0 <= i < i1 of this rank's slab, of a field with mean 0, into x.
     free : (bool, bool)
-        Whether the field ends along x, along y.
+        Whether the edges are free along x, along y: no difference is taken across them.
 
     Returns
     -------
     h_rms, g_rms : float
+        In the unit of the field, and per grid spacing a.
     """
     x = np.empty(grid.shape)
     fill(0, len(x), x)
@@ -66,19 +66,22 @@ def rms_between_neighbours(grid: Grid, fill: Any, free: tuple[bool, bool]) -> tu
 
 
 def rms_of_columns(grid: Grid, fft: Any, make: Any) -> tuple[float, float]:
-    """Compute rms height and slope as `rms` does, from the columns of a spectrum. Collective.
+    """Compute rms height and slope from the columns of a spectrum. Collective.
 
     Parameters
     ----------
     grid : Grid
     fft : SlabFFT
+        What it holds is changed.
     make : function, optional
-        (block, m) makes block m of the columns, with h_q in the normalisation of the grid; they are
-        then transformed backward. None: the columns are those of rows transformed before.
+        make(block, m) puts h_q, in the normalisation of the grid, into block m of the columns,
+        which is 0 before; afterwards fft holds the rows of the field, ready for backward_rows.
+        None: fft holds rows that were transformed before.
 
     Returns
     -------
     h_rms, g_rms : float
+        In the unit of the field, and per grid spacing a.
     """
     q_x = grid.q_x.astype(fft.dtype)
     q_y, weight = grid.column_tables(fft)

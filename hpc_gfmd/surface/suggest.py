@@ -1,4 +1,4 @@
-"""What a scene has to say of a height map beside its path, found by reading it."""
+"""What a scene has to say of a height map besides its path, found by reading the map."""
 
 from collections.abc import Callable
 from contextlib import suppress
@@ -30,14 +30,16 @@ AGREE = 1e-3  # relative difference of sizes that are the same
 
 
 def suggestion(make: Callable[[dict], File], user_keys: dict) -> Suggestion:
-    """Read a map, or two, and suggest what a scene says of it.
+    """Read a map, or two scans, and suggest keys of [surface] for it.
+
+    All heights are read, by this process alone.
 
     Parameters
     ----------
     make : function
-        Takes keys of [surface] beside path or bodies, and returns a scene.File.
+        Takes a dict of keys of [surface], without path or bodies, and returns a scene.File.
     user_keys : dict
-        The keys that the user has set already.
+        Keys that the user has set; not changed, and contained in the values of the result.
 
     Returns
     -------
@@ -46,7 +48,7 @@ def suggestion(make: Callable[[dict], File], user_keys: dict) -> Suggestion:
     Raises
     ------
     SceneError
-        For a file that cannot be read, or that contradicts what is set.
+        If a file cannot be read, or if the user sets other sizes than the file says.
     """
     topography = open_topography(make(user_keys))
     if topography.bodies:
@@ -56,16 +58,16 @@ def suggestion(make: Callable[[dict], File], user_keys: dict) -> Suggestion:
     unit = metadata.sizes_unit or metadata.unit or user_keys.get("unit")
     if metadata.sizes is not None and (unit is None or length_factor(unit)):
         sizes = _readable(metadata.sizes, unit) if unit else list(metadata.sizes)
-        result.said["physical_sizes"] = sizes
+        result.from_file["physical_sizes"] = sizes
         if unit:
-            result.said["crop"] = ["0 m", "0 m", *sizes]
+            result.from_file["crop"] = ["0 m", "0 m", *sizes]
         _require_agreement(
             metadata.sizes, metadata.sizes_unit or metadata.unit, topography, user_keys
         )
     if metadata.unit is not None:
-        result.said["unit"] = metadata.unit
+        result.from_file["unit"] = metadata.unit
     result.about += _about(topography, user_keys)
-    by_file = result.said.keys() - user_keys.keys() - {"crop"}
+    by_file = result.from_file.keys() - user_keys.keys() - {"crop"}
     result.why = dict.fromkeys(by_file, SAYS_FILE) | dict.fromkeys(result.missing, NEEDED)
     _by_heights(result, make, user_keys, metadata.periodic)
     _by_instrument(result, topography, make(user_keys))
@@ -75,7 +77,7 @@ def suggestion(make: Callable[[dict], File], user_keys: dict) -> Suggestion:
 def _of_two_scans(
     topography: Topography, make: Callable[[dict], File], user_keys: dict
 ) -> Suggestion:
-    """Return the Suggestion for two scans, whose sum the Topography is."""
+    """Return the Suggestion for two scans; topography is their sum, with both as its `bodies`."""
     result = Suggestion(dict(user_keys), unit=topography.unit, missing=list(topography.lacks))
     result.why = dict.fromkeys(result.missing, NEEDED_OF_TWO)
     for scan in topography.bodies:
@@ -89,7 +91,7 @@ def _of_two_scans(
 
 
 def _about(topography: Topography, user_keys: dict) -> list[str]:
-    """Return what was read, a line each."""
+    """Return lines on what was read: points, sizes, unit, format, channel, direction, remarks."""
     metadata = topography.metadata
     sizes = "of sizes that the file does not say"
     if "physical_sizes" not in topography.lacks:
@@ -108,17 +110,20 @@ def _about(topography: Topography, user_keys: dict) -> list[str]:
             f"channel {metadata.channel}" + (f"; others: {other_names}" if other_names else "")
         )
     lines += metadata.remarks
-    return lines + [note for note in topography.notes if not _is_told(note, metadata)]
+    return lines + [note for note in topography.notes if not _is_repeated(note, metadata)]
 
 
-def _is_told(note: str, metadata: Metadata) -> bool:
-    """Whether the lines about the file say already what a note says."""
+def _is_repeated(note: str, metadata: Metadata) -> bool:
+    """Whether a note repeats a line of `_about`."""
     is_remark = any(note.endswith(remark) for remark in metadata.remarks)
     return is_remark or metadata.direction in note or "is pressed; others" in note
 
 
 def _direction(topography: Topography) -> str:
-    """Say along what x runs, and how to change that."""
+    """Return a phrase on the direction of x in the file.
+
+    It includes how to change it if the file itself does not say which direction is x.
+    """
     metadata = topography.metadata
     turned = [axis for axis, falls in zip("xy", metadata.falling) if falls]
     text = metadata.direction
@@ -132,7 +137,10 @@ def _direction(topography: Topography) -> str:
 def _require_agreement(
     sizes: tuple[float, ...], unit: str | None, topography: Topography, user_keys: dict
 ) -> None:
-    """Raise SceneError where the user sets other sizes than the file says."""
+    """Raise SceneError if the user sets other sizes than the file says, by more than 0.1 %.
+
+    sizes, unit: those in the file. topography.sizes: those that the user sets, if any.
+    """
     wanted = user_keys.get("physical_sizes")
     if wanted is None:
         return
@@ -147,7 +155,11 @@ def _require_agreement(
 
 
 def _by_instrument(result: Suggestion, topography: Topography, spec: File) -> None:
-    """Suggest where to cut off waves that the instrument made, as far as it says."""
+    """Add to result the downsampling that removes waves made by the instrument.
+
+    Adds nothing if SurfaceTopography cannot read the file or does not know the shortest reliable
+    wave.
+    """
     with suppress(Exception):  # of a file that SurfaceTopography does not read
         contents = contents_of(Path(str(spec.path)))
         scan = instruments.topography_of_channel(contents, spec.dataset)
@@ -161,12 +173,12 @@ def _by_instrument(result: Suggestion, topography: Topography, spec: File) -> No
         ]
         if smallest_factor > 1 and divisors:
             result.about.append(f"{why}; surface.downsample = {divisors[0]} removes them")
-            result.said["downsample"] = divisors[0]
+            result.from_file["downsample"] = divisors[0]
             result.why["downsample"] = why
 
 
 def _readable(sizes: tuple[float, ...], unit: str) -> list[str]:
-    """Write lengths as ["10 um", "8 um"]."""
+    """Write lengths in a unit with a readable prefix: ["10 um", "8 um"]."""
     lengths = [size * (length_factor(unit) or 1.0) for size in sizes]
     scale, name = prefixed(lengths, "m")
     return [f"{length / scale:.10g} {name}" for length in lengths]
@@ -175,7 +187,11 @@ def _readable(sizes: tuple[float, ...], unit: str) -> list[str]:
 def _by_heights(
     result: Suggestion, make: Callable[[dict], File], user_keys: dict, periodic: bool | None
 ) -> None:
-    """Suggest what the heights themselves show."""
+    """Prepare the map and add to result the keys and lines that its heights suggest.
+
+    Keys: fill, detrend and boundary, unless the user has set them. periodic: whether the file says
+    that the map is.
+    """
     values = result.values
     why = result.why
     plain: dict[str, object] = {
@@ -188,12 +204,12 @@ def _by_heights(
     if result.missing:
         plain |= {"physical_sizes": (1.0, 1.0), "crop": None}
 
-    def looked_at() -> tuple[Topography, MapQuality]:
+    def prepared_map() -> tuple[Topography, MapQuality]:
         spec = make(values | plain)
         heights = prepare(open_topography(spec), spec, SerialComm())
         return heights, quality_of(heights, SerialComm())
 
-    heights, quality = looked_at()
+    heights, quality = prepared_map()
     result.about.append(f"{heights.filled or 'no'} points without a height")
     if heights.filled and "fill" not in user_keys:
         values["fill"] = "harmonic"
@@ -204,7 +220,7 @@ def _by_heights(
     if quality.tilt > DOUBT.tilt and "detrend" not in user_keys:
         values["detrend"] = "tilt"
         why["detrend"] = tilt
-        heights, quality = looked_at()
+        heights, quality = prepared_map()
     edges = f"opposite edges differ by {max(quality.jumps):.2g} times what neighbours differ by"
     result.about.append(edges)
     if stray:
@@ -222,7 +238,7 @@ def _by_heights(
         note
         for note in heights.notes
         if note not in result.about
-        and not _is_told(note, heights.metadata)
+        and not _is_repeated(note, heights.metadata)
         and "the jump is pressed" not in note  # the line on edges says it
     ]
     if not result.missing:

@@ -1,5 +1,4 @@
-"""Matrices in a text whose first line or first column may be coordinates, or numbers of lines and
-columns, and no heights."""
+"""Matrices in a text whose first line or column may be coordinates or mere numbering."""
 
 from dataclasses import dataclass
 
@@ -16,15 +15,15 @@ HINT = (
 
 @dataclass(frozen=True)
 class Matrix:
-    """A matrix without its coordinates.
+    """Heights without the coordinates beside them.
 
     Attributes
     ----------
     heights : ndarray, shape (lines, columns)
     of_lines : ndarray, shape (lines,), optional
-        What the first column holds: coordinates.
+        Coordinates of the lines, from the first column; None if that is heights.
     of_columns : ndarray, shape (columns,), optional
-        What the first line holds.
+        Coordinates of the columns, from the first line; None if that is heights.
     """
 
     heights: np.ndarray
@@ -34,18 +33,19 @@ class Matrix:
 
 @dataclass(frozen=True)
 class Labels:
-    """How the first lines of a matrix are written.
+    """Signs that the first line or column of a matrix is not heights.
 
     Attributes
     ----------
     corner : str or None
-        The first token of the first line, where it is no number.
+        The first token of the first line, if it is not a number.
     above : ndarray or None
-        Numbers after it, where that line is not in the matrix.
+        Numbers in the line above the matrix, after its first token, if that line fits the columns.
     names_index : bool
-        A line above names the columns, and leaves the first one without a name.
+        Whether a line above names the columns, and has no name, or "index", for the first one.
     whole_line, whole_column : bool
-        The first line, or the first column, is of whole numbers and all others have decimals.
+        Whether the first line, or the first column, is of whole numbers and all others have
+        decimals.
     """
 
     corner: str | None = None
@@ -56,7 +56,7 @@ class Labels:
 
     @property
     def any(self) -> bool:
-        """Whether something shows that the first line or column is no heights."""
+        """Whether there is any sign."""
         return (
             self.above is not None
             or self.corner is not None
@@ -65,12 +65,12 @@ class Labels:
 
 
 def labels_of(sample: list[str], layout: TextLayout) -> Labels:
-    """Look at how the first lines of a matrix are written.
+    """Look for signs that the first line or column of a matrix is not heights.
 
     Parameters
     ----------
     sample : list of str
-        First lines of the text.
+        First lines of the text, with the header.
     layout : TextLayout
 
     Returns
@@ -105,14 +105,15 @@ def labels_of(sample: list[str], layout: TextLayout) -> Labels:
 
 
 def without_coordinates(table: np.ndarray, labels: Labels, coordinates: str | None) -> Matrix:
-    """Take the coordinates off a matrix.
+    """Separate the heights of a matrix from coordinates in its first line and column.
 
     Parameters
     ----------
     table : ndarray, shape (lines, columns)
     labels : Labels
     coordinates : str, optional
-        What is coordinates, as the scene says: "none", "line", "column" or "both".
+        Which of them are coordinates, as the scene says: "none", "line", "column" or "both". By
+        default this is decided by the labels and by even steps.
 
     Returns
     -------
@@ -121,10 +122,11 @@ def without_coordinates(table: np.ndarray, labels: Labels, coordinates: str | No
     Raises
     ------
     ValueError
-        Where the first line or column may be either.
+        If it cannot be decided whether the first line or column is heights, or if coordinates are
+        not evenly spaced.
     """
     if coordinates is not None:
-        return _as_told(table, labels, coordinates)
+        return _split_declared(table, labels, coordinates)
     if labels.above is not None:
         return _with_both(table[:, 1:], table[:, 0], labels.above)
     if labels.corner is not None and changes_evenly(table[0, 1:], 2):
@@ -147,8 +149,10 @@ def without_coordinates(table: np.ndarray, labels: Labels, coordinates: str | No
 
 
 def _with_numbers_in_the_corner(table: np.ndarray, labels: Labels) -> Matrix:
-    """Take off first line and column, which change evenly, of a matrix with a number in its corner.
-    Raises ValueError where they may be heights, too."""
+    """Decide on a matrix whose first line and column change evenly, with a number in the corner.
+
+    Returns it with or without coordinates. Raises ValueError if they may be either.
+    """
     line = table[0, 1:]
     column = table[1:, 0]
     inside = table[1:, 1:]
@@ -164,7 +168,12 @@ def _with_numbers_in_the_corner(table: np.ndarray, labels: Labels) -> Matrix:
 
 
 def _is_label(table: np.ndarray, is_whole_line: bool, place: str) -> bool:
-    """Whether the first line of a table is no heights. Raises ValueError where that is open."""
+    """Whether the first line of a table only numbers the columns, from 0 on.
+
+    To ask for the first column, pass the transposed table. is_whole_line: the first line has whole
+    numbers and all others have decimals. place: "line" or "column", for the message. Raises
+    ValueError if the line may be heights too.
+    """
     line = table[0]
     if len(table) < 3 or line.size < 3 or not changes_evenly(line):
         return False
@@ -177,16 +186,22 @@ def _is_label(table: np.ndarray, is_whole_line: bool, place: str) -> bool:
 
 
 def _with_both(heights: np.ndarray, of_lines: np.ndarray, of_columns: np.ndarray) -> Matrix:
-    """Make the matrix of heights whose first line and column are coordinates. Raises ValueError
-    where these do not rise evenly."""
+    """Return the Matrix of heights with coordinates of both lines and columns.
+
+    Raises ValueError if coordinates do not change evenly.
+    """
     for values, place in ((of_columns, "line"), (of_lines, "column")):
         if not changes_evenly(values, 2):
             raise ValueError(f"the coordinates in its first {place} do not rise evenly: {HINT}")
     return Matrix(heights, of_lines, of_columns)
 
 
-def _as_told(table: np.ndarray, labels: Labels, coordinates: str) -> Matrix:
-    """Take off what the scene says."""
+def _split_declared(table: np.ndarray, labels: Labels, coordinates: str) -> Matrix:
+    """Separate the coordinates that the scene declares ("none", "line", "column" or "both").
+
+    Coordinates of the columns in a line above the table (labels.above) take the place of its first
+    line. Raises ValueError if they do not change evenly.
+    """
     has_line = coordinates in ("line", "both")
     has_column = coordinates in ("column", "both")
     of_columns = None

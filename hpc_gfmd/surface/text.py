@@ -1,5 +1,7 @@
-"""Heights as text: matrices, or points with columns x, y and z, bare or with what a program writes
-before them. Every number is accounted for, or the text is refused."""
+"""Heights as text: matrices, or points with columns x, y and z, with or without a header.
+
+Every number is accounted for; otherwise the text is refused.
+"""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -24,19 +26,20 @@ ACROSS_LINES = "from line to line of the text"
 
 
 def read(contents: Contents, spec: Any) -> Map:
-    """Read a text.
+    """Read a text whole.
 
-    A matrix is the array that numpy.savetxt wrote: its first index, the line, is x, unless its
-    header says otherwise.
+    A matrix is taken as numpy.savetxt writes it: its first index, the line, is x, unless the header
+    says otherwise.
 
     Parameters
     ----------
     contents : Contents
     spec : scene.File
+        Its skip_lines, decimal, missing, coordinates and dataset are used.
 
     Returns
     -------
-    heights : ndarray, shape (lines, columns) or (n_x, n_y)
+    heights : ndarray, shape (lines, columns) of a matrix or (n_x, n_y) of points
         float64, nan where they are missing.
     metadata : Metadata
 
@@ -62,19 +65,23 @@ def read(contents: Contents, spec: Any) -> Map:
 
 
 def _lines(contents: Contents, encoding: str) -> Iterator[str]:
-    """Yield the lines of a text."""
+    """Yield the lines of a text, with their ends; undecodable bytes are replaced."""
     with contents.open() as stream, TextIOWrapper(stream, encoding, errors="replace") as text:
         yield from text
 
 
 def _titled(blocks: list[Block]) -> bool:
-    """Whether each of several blocks has a header of its own."""
+    """Whether every block has a header of its own that is not blank."""
     return all(any(line.strip("#\t\r\n ") for line in block.header) for block in blocks)
 
 
 def _one_of(blocks: list[Block], layout: TextLayout, spec: Any, are_points: bool) -> Map:
-    """Choose one of several maps in a text, by the channels that their headers name, the first one
-    where the scene names none."""
+    """Return one map of a text with several blocks of numbers.
+
+    are_points: the blocks are lines of one grid of points, and are joined. Otherwise the headers
+    name channels: it is the one that spec.dataset names, or the first. Raises ValueError if there
+    is none.
+    """
     if are_points:  # of which a blank line ends each line of the grid
         return _matrix_or_points(joined(blocks), layout, blocks[0].header, [], spec)
     places = ", ".join(f"{block.lines} from line {block.first_line} on" for block in blocks[:4])
@@ -101,7 +108,10 @@ def _one_of(blocks: list[Block], layout: TextLayout, spec: Any, are_points: bool
 
 
 def _of_instrument(block: Block, layout: TextLayout, spec: Any) -> Map | None:
-    """Read a block by what a program wrote before it; None where that says nothing known."""
+    """Read a block with a header of an instrument; None if the header is not one that is known.
+
+    Raises ValueError if the header describes another quantity or other numbers of points.
+    """
     title = block.header
     if layout.decimal == ",":
         title = [line.replace(",", ".") for line in title]
@@ -116,7 +126,10 @@ def _of_instrument(block: Block, layout: TextLayout, spec: Any) -> Map | None:
 def _points(
     block: Block, names: header.Columns, title: list[str], layout: TextLayout, spec: Any
 ) -> Map:
-    """Put points whose columns are named on a grid."""
+    """Put points whose columns are named x, y and z on a grid. Raises ValueError if they fit none.
+
+    title: lines of the header.
+    """
     table = block.table()
     x, y, z = (table[:, place] for place in names.places)
     z = _without_missing(z, header.missing_numbers(title), layout, spec)
@@ -130,7 +143,10 @@ def _points(
 def _of_points(
     sizes: tuple[float, float], units: tuple[str, ...] | None, remarks: tuple[str, ...] = ()
 ) -> Metadata:
-    """Return what is known of points on a grid. Raises ValueError."""
+    """Return the metadata of points on a grid. Raises ValueError if x and y have different units.
+
+    units: of x, y and z; None if they are not known.
+    """
     sizes_unit, unit_of_y, unit = units or (None, None, None)
     if sizes_unit != unit_of_y:
         raise ValueError(f"its axes are in different units, {sizes_unit} and {unit_of_y}")
@@ -142,7 +158,12 @@ def _of_points(
 def _matrix_or_points(
     block: Block, layout: TextLayout, title: list[str], sample: list[str], spec: Any
 ) -> Map:
-    """Read a block of numbers whose columns have no names."""
+    """Read a block of numbers whose columns have no names.
+
+    In this order it is taken as an ESRI grid, as the map of an instrument, as points with columns
+    x, y and z, and as a matrix, with or without coordinates. title: lines of the header. sample:
+    first lines of the text. Raises ValueError if it is none of them.
+    """
     missing = header.missing_numbers(title)
     if title and (grid := header.of_esri(title, block.lines, layout.columns)):
         return _without_missing(block.table(), missing, layout, spec), grid
@@ -172,7 +193,10 @@ def _matrix_or_points(
 
 
 def _of_matrix(matrix: Matrix, corner: str | None, layout: TextLayout) -> Metadata:
-    """Return what is known of a matrix: sizes where it has coordinates with a unit."""
+    """Return the metadata of a matrix; it has sizes only if coordinates have a unit.
+
+    corner: text in the corner of the coordinates, which may name that unit.
+    """
     remarks = []
     if layout.ended:
         mark = {"\t": "tab"}.get(str(layout.mark), layout.mark)
@@ -206,8 +230,11 @@ def _of_matrix(matrix: Matrix, corner: str | None, layout: TextLayout) -> Metada
 def _without_missing(
     values: np.ndarray, missing: tuple[float, ...], layout: TextLayout, spec: Any
 ) -> np.ndarray:
-    """Put nan in place of numbers that stand for missing points: those of the header and, where
-    they are written in another way there, of the scene."""
+    """Return values with nan in place of the numbers that mark missing points.
+
+    missing: the marks that the header names. Those in spec.missing are added, with the decimal mark
+    of the text.
+    """
     numbers = list(missing)
     for text in spec.missing:
         try:

@@ -1,5 +1,7 @@
-"""Heights with their sizes, whatever file they come from: what the file says, unless the scene says
-otherwise."""
+"""Heights with their sizes, whatever file they come from.
+
+What the scene says has priority over what the file says.
+"""
 
 from dataclasses import dataclass, field, replace
 from functools import reduce
@@ -34,25 +36,26 @@ class Topography:
     n : (int, int)
         Points along x and y.
     sizes : (float, float)
-        (L_x, L_y), in m where `unit` is "m".
+        (L_x, L_y), in m if `unit` is "m".
     rows : function
-        (start, stop) -> heights, float64, shape (stop - start, n_y), nan where one is missing.
+        rows(start, stop) reads heights: float64, shape (stop - start, n_y), nan where one is
+        missing. Peaks are up; x and y rise.
     unit : str
-        "m", otherwise "": sizes and heights are in a unit that is not named.
+        "m", or "" if sizes and heights have no unit.
     periodic : bool, optional
-        True where the file says so.
+        True if the file says so; None if it is not known.
     path : object
-        Of the file, for messages.
+        Path of the file, for messages.
     filled : int
-        Points that had no height.
+        Number of points that had no height.
     plain : float
-        What a plain length of the scene stands for, in m where `unit` is "m".
+        What a length without a unit in the scene stands for, in the unit of `sizes`.
     plain_unit : str
-        Unit of plain lengths.
+        Unit of such lengths.
     origin : (float, float)
-        Where its first point lies, in the unit of `sizes`.
+        Position of the first point, in the unit of `sizes`.
     bodies : tuple of Topography
-        The two scans that it is the sum of, by `combined`; none of one map.
+        The two scans of which it is the sum, see `combined`; empty for a single map.
     metadata : Metadata
         What the file says.
     lacks : dict
@@ -61,7 +64,7 @@ class Topography:
     prepared : tuple of str
         What was done to the heights, a line each.
     notes : tuple of str
-        What to know of the heights, a line each.
+        Remarks on the heights for the user, a line each.
     """
 
     n: tuple[int, ...]
@@ -86,7 +89,7 @@ class Topography:
         Parameters
         ----------
         step : str
-            What was done to the heights, one line more of `prepared`.
+            Line on what was done to the heights, appended to `prepared`.
         **changes
             Fields to replace.
 
@@ -97,17 +100,18 @@ class Topography:
         return replace(self, prepared=(*self.prepared, step), **changes)
 
     def on_form(self, radii: tuple[float, ...]) -> Self:
-        """Put the heights on a form.
+        """Return a copy with the heights of a paraboloid added.
 
         Parameters
         ----------
         radii : (R_x, R_y)
-            Of z = -x^2/(2 R_x) - y^2/(2 R_y) about the centre of the cell, in the unit of `sizes`;
-            inf: straight.
+            Radii of z = -x^2/(2 R_x) - y^2/(2 R_y) about the centre of the cell, in the unit of
+            `sizes`; inf means straight.
 
         Returns
         -------
         Topography
+            self if both radii are infinite.
         """
         R = min(radii)
         if R == inf:
@@ -123,12 +127,12 @@ class Topography:
         return replace(self, rows=rows)
 
     def length(self, key: str, value: float) -> float:
-        """Return a length of the scene in the unit of `sizes`.
+        """Convert a length of the scene to the unit of `sizes`.
 
         Parameters
         ----------
         key : str
-            Of [surface], for the message.
+            Its key in [surface], for the message.
         value : float or Quantity
 
         Returns
@@ -138,7 +142,7 @@ class Topography:
         Raises
         ------
         SceneError
-            Where the length has a unit and the map none.
+            If the length has a unit and the map has none.
         """
         if isinstance(value, Quantity) and not self.unit:
             raise SceneError(
@@ -149,7 +153,7 @@ class Topography:
 
 
 def open_topography(spec: Any) -> Topography:
-    """Open the height map of a scene, or the sum of two, of which no height is read yet.
+    """Open the height map of a scene, or the sum of two; heights are read later, by `rows`.
 
     Parameters
     ----------
@@ -158,10 +162,13 @@ def open_topography(spec: Any) -> Topography:
     Returns
     -------
     Topography
+        What neither scene nor file says is in its `lacks`.
 
     Raises
     ------
     SceneError
+        If a file cannot be read, if scene and file contradict each other, or if two maps do not fit
+        together.
     """
     if spec.bodies:
         return combined(placed((_opened(spec, 0), _opened(spec, 1)), spec), spec)
@@ -170,7 +177,7 @@ def open_topography(spec: Any) -> Topography:
 
 
 def _opened(spec: Any, k: int) -> Topography:
-    """Open one of the two scans of a scene."""
+    """Open scan k (0 or 1) of the two in spec.bodies, with the keys of spec for those it lacks."""
     keys = {key: getattr(spec.bodies[k], key) for key in Reading.model_fields}
     # those that are not given are those of spec
     keys_of_body = {key: value for key, value in keys.items() if value is not None}
@@ -179,7 +186,7 @@ def _opened(spec: Any, k: int) -> Topography:
 
 
 def topography_of(data: Any, metadata: Metadata, spec: Any) -> Topography:
-    """Make the Topography of a height map, with what a scene says of it.
+    """Make the Topography of a height map, with what a scene says of it; heights are read later.
 
     Parameters
     ----------
@@ -192,14 +199,15 @@ def topography_of(data: Any, metadata: Metadata, spec: Any) -> Topography:
     Returns
     -------
     Topography
+        Its `rows` raise SceneError if reading fails or heights are too large.
 
     Raises
     ------
     SceneError
-        Where scene and file contradict each other.
+        If scene and file contradict each other, or sizes are not positive.
     """
     path = Path(spec.path)
-    metadata = _turned(metadata, spec)
+    metadata = _with_first_axis(metadata, spec)
     units = MapUnits(metadata, spec, path)
     if not all(0 < size < inf for size in units.sizes):
         raise SceneError(
@@ -237,7 +245,7 @@ def topography_of(data: Any, metadata: Metadata, spec: Any) -> Topography:
 
 
 def _sum(lower: Topography, upper: Topography) -> Topography:
-    """Add two maps. Raises SceneError where they do not fit together."""
+    """Return the sum of two maps of the same points. Raises SceneError if these differ."""
     if (
         lower.n != upper.n
         or lower.unit != upper.unit
@@ -262,8 +270,11 @@ def _sum(lower: Topography, upper: Topography) -> Topography:
     )
 
 
-def _turned(metadata: Metadata, spec: Any) -> Metadata:
-    """Return what the file says, with the direction of x that the scene tells."""
+def _with_first_axis(metadata: Metadata, spec: Any) -> Metadata:
+    """Return metadata with the direction of x that the scene's first_axis gives.
+
+    Sizes and directions of the axes are exchanged if the file says otherwise.
+    """
     if spec.first_axis is None:
         return metadata
     transposed = spec.first_axis == "y"
@@ -282,7 +293,10 @@ def _turned(metadata: Metadata, spec: Any) -> Metadata:
 
 
 def _rows_of(data: Any, metadata: Metadata, start: int, stop: int, n_x: int) -> np.ndarray:
-    """Read heights, float64, x and y rising, nan where there is none."""
+    """Read rows start <= i < stop of heights: float64, x and y rising, nan where missing.
+
+    data: array as in the file. n_x: number of points along x.
+    """
     begin, end = (n_x - stop, n_x - start) if metadata.falling[0] else (start, stop)
     z = data[:, begin:end].T if metadata.transposed else data[begin:end, :]
     z = np.asarray(np.ma.filled(np.ma.asarray(z, dtype=np.float64), np.nan))
@@ -296,7 +310,7 @@ def _rows_of(data: Any, metadata: Metadata, start: int, stop: int, n_x: int) -> 
 
 
 def _notes_on_reading(metadata: Metadata, spec: Any, n: tuple[int, ...]) -> list[str]:
-    """Return what to know of how a file was read, a line each."""
+    """Return notes for the user on how a file was read, a line each."""
     notes = [f"{spec.path}: {remark}" for remark in metadata.remarks]
     if metadata.other_channels and spec.dataset != metadata.channel:
         other_names = one_line(", ".join(metadata.other_channels))
@@ -311,7 +325,7 @@ def _notes_on_reading(metadata: Metadata, spec: Any, n: tuple[int, ...]) -> list
 
 
 def _notes_on_sizes(n: tuple[int, ...], units: MapUnits, spec: Any) -> list[str]:
-    """Return what is doubtful about sizes, a line each."""
+    """Return notes on sizes that seem to be exchanged or in a wrong unit, a line each."""
     notes = []
     spacings = [size / k for size, k in zip(units.sizes, n)]
     exchanged = [size / k for size, k in zip(units.sizes[::-1], n)]

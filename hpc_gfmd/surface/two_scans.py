@@ -1,10 +1,9 @@
-"""Two scans on one grid: the points of the finer one in the window that both cover, to which the
-other one is interpolated.
+"""Two scans on one grid: the points of the finer scan in the window that both cover.
 
-Along each axis the coarser scan is a cubic spline through its points, natural where the scan ends.
-Halfway between the points it misses a wave of 8 points by 0.2 % of its amplitude, one of 4 points
-by 3 % and one of 3 points by 12.5 %. Heights are computed from rows as they are read, and are the
-same whichever rows are read together.
+Heights of the coarser scan are interpolated. Along each axis it is a cubic spline through its
+points, natural where the scan ends. Halfway between the points it misses a wave of 8 points by 0.2
+% of its amplitude, one of 4 points by 3 % and one of 3 points by 12.5 %. Heights are computed from
+rows as they are read, and are the same whichever rows are read together.
 """
 
 from dataclasses import dataclass, replace
@@ -27,20 +26,20 @@ ALIKE = 1e-6  # relative difference of lengths that are the same
 
 @dataclass(frozen=True)
 class Axis:
-    """How the points of a grid lie along an axis of a scan.
+    """Positions of the points of a grid along an axis of a scan.
 
     Attributes
     ----------
     begin : float
-        Place of the grid's first point, in points of the scan.
+        Position of the grid's first point, in points of the scan.
     step : float
-        From one point of the grid to the next, in points of the scan.
+        Distance of the grid's points, in points of the scan.
     count : int
-        Points of the grid.
+        Number of points of the grid.
     n : int
-        Points of the scan.
+        Number of points of the scan.
     wraps : bool
-        The scan repeats.
+        Whether the scan is periodic along this axis.
     """
 
     begin: float
@@ -50,7 +49,7 @@ class Axis:
     wraps: bool
 
     def places(self, start: int, stop: int) -> np.ndarray:
-        """Return where points of the grid lie.
+        """Return the positions of points of the grid.
 
         Parameters
         ----------
@@ -66,7 +65,7 @@ class Axis:
 
     @property
     def hits_points(self) -> bool:
-        """Whether every point of the grid is one of the scan."""
+        """Whether every point of the grid is a point of the scan; then nothing is interpolated."""
         off = [abs(t - round(t)) for t in self.places(0, self.count)[[0, -1]]]
         return max(off) <= UNEVEN and (self.count == 1 or round(self.step) == 1)
 
@@ -76,7 +75,8 @@ class Axis:
         Parameters
         ----------
         read : function
-            (start, stop) -> rows of the scan across this axis, without holes.
+            read(start, stop) returns rows of the scan, without holes; rows are counted along this
+            axis.
         start, stop : int
 
         Returns
@@ -106,8 +106,11 @@ class Axis:
         )
 
     def _read(self, read: Rows, begin: int, end: int) -> np.ndarray:
-        """Read rows, beyond the ends of the scan what lies there: of one that repeats its other
-        rows, otherwise its rows mirrored at the end point, which leaves the spline straight."""
+        """Read rows begin <= i < end, some of which may lie beyond the ends of the scan.
+
+        Beyond the ends a periodic scan goes on; any other is continued by its rows mirrored about
+        the end point, which leaves the spline straight there.
+        """
         if not self.wraps:
             low = max(begin, 0)
             high = min(end, self.n)
@@ -123,22 +126,25 @@ class Axis:
 
 
 def placed(scans: tuple[Any, Any], spec: Any) -> tuple[Any, Any]:
-    """Flip, mirror and shift two scans as a scene wants it.
+    """Flip, mirror and shift two scans as a scene asks for; no height is read.
 
     Parameters
     ----------
     scans : (Topography, Topography)
+        Not changed.
     spec : scene.File
-        With `bodies`.
+        With `bodies`. Unless they say otherwise the second scan is mirrored along x, since it faces
+        the first one.
 
     Returns
     -------
     (Topography, Topography)
+        Copies, with their shift as `origin`.
 
     Raises
     ------
     SceneError
-        For a shift with a unit of a map without one.
+        If a shift has a unit and the map has none.
     """
     places = []
     for k, (scan, body) in enumerate(zip(scans, spec.bodies)):
@@ -154,12 +160,15 @@ def placed(scans: tuple[Any, Any], spec: Any) -> tuple[Any, Any]:
 
 
 def _turned_over(scan: Any) -> Rows:
-    """Return the rows of a scan whose valleys become peaks."""
+    """Return a function that reads the rows of a scan with the sign of its heights changed."""
     return lambda start, stop: -scan.rows(start, stop)
 
 
 def _mirrored(scan: Any, axis: str) -> Rows:
-    """Return the rows of a scan that is mirrored about its own middle, along "x" or "y"."""
+    """Return a function that reads the rows of a scan mirrored about its middle.
+
+    axis: "x" or "y", along which the points change their order.
+    """
     n = scan.n[0]
     if axis == "y":
         return lambda start, stop: scan.rows(start, stop)[:, ::-1]
@@ -167,25 +176,26 @@ def _mirrored(scan: Any, axis: str) -> Rows:
 
 
 def combined(scans: tuple[Any, Any], spec: Any) -> Any:
-    """Add two scans, of which no height is read yet.
+    """Add two scans on a common grid; no height is read.
 
     Parameters
     ----------
     scans : (Topography, Topography)
         Each at its `origin`.
     spec : scene.File
-        Along an axis that is periodic by its boundary, or by both files, all of two scans that are
-        equally long is the window.
+        Along an axis that is periodic, by its boundary or else by both files, scans of equal length
+        are added over their whole period, otherwise where they overlap.
 
     Returns
     -------
     Topography
-        With them as its `bodies`. Where their sizes or units are not known it is the first one.
+        The sum, with the scans as its `bodies`. If a scan lacks sizes or units there is no sum: it
+        is the first scan, with the `lacks` of both.
 
     Raises
     ------
     SceneError
-        Where the scans have no common window, or only one has a unit.
+        If the scans do not overlap, or only one has a unit.
     """
     lower, upper = scans
     lacks = dict(lower.lacks)
@@ -230,7 +240,7 @@ def combined(scans: tuple[Any, Any], spec: Any) -> Any:
 
 
 def interpolated(scans: tuple[Any, Any], spec: Any) -> list[Any]:
-    """Return those of two scans that `combined` interpolates.
+    """Return those of two scans that `combined` has to interpolate; the others lie on the grid.
 
     Parameters
     ----------
@@ -241,6 +251,11 @@ def interpolated(scans: tuple[Any, Any], spec: Any) -> list[Any]:
     Returns
     -------
     list of Topography
+
+    Raises
+    ------
+    SceneError
+        If the scans do not overlap.
     """
     x, y = _common_axes(scans, spec)
     return [
@@ -256,13 +271,13 @@ def name_of(scan: Any) -> str:
 
 
 def spacings_text(scan: Any, factor: float = 1.0) -> str:
-    """Write the distances of the points of a scan.
+    """Write the distances between the points of a scan along x and y.
 
     Parameters
     ----------
     scan : Topography
     factor : float
-        What they are multiplied by.
+        The distances are multiplied by it.
 
     Returns
     -------
@@ -273,7 +288,10 @@ def spacings_text(scan: Any, factor: float = 1.0) -> str:
 
 
 def _common_axes(scans: tuple[Any, Any], spec: Any) -> tuple[tuple[Axis, Axis], ...]:
-    """Return how the common grid lies along x, and along y, of both scans. Raises SceneError."""
+    """Return, for x and for y, how the common grid lies along this axis of both scans.
+
+    Raises SceneError if the scans do not overlap.
+    """
     repeats: tuple[bool, ...] = (bool(scans[0].periodic and scans[1].periodic),) * 2
     if spec.boundary is not None:
         repeats = tuple(not ends for ends in spec.free)
@@ -281,13 +299,16 @@ def _common_axes(scans: tuple[Any, Any], spec: Any) -> tuple[tuple[Axis, Axis], 
 
 
 def _spacings(scan: Any) -> tuple[float, ...]:
-    """Return the distances of the points of a scan along x and y."""
+    """Return the distances between the points of a scan along x and y."""
     return tuple(size / n for size, n in zip(scan.sizes, scan.n))
 
 
 def _common_axis(scans: tuple[Any, Any], axis: int, repeats: bool) -> tuple[Axis, Axis]:
-    """Return how the common grid lies along an axis of both scans. Raises SceneError where they do
-    not overlap."""
+    """Return how the common grid lies along axis 0 or 1 of the first and of the second scan.
+
+    repeats: whether the axis is periodic; it is used if the scans are equally long. Raises
+    SceneError if they do not overlap.
+    """
     n = [scan.n[axis] for scan in scans]
     sizes = [scan.sizes[axis] for scan in scans]
     spacings = [_spacings(scan)[axis] for scan in scans]
@@ -329,7 +350,7 @@ def _common_axis(scans: tuple[Any, Any], axis: int, repeats: bool) -> tuple[Axis
 
 
 def _rows_on_grid(scan: Any, x: Axis, y: Axis) -> Rows:
-    """Return what reads the rows of a scan on the common grid."""
+    """Return a function (start, stop) that gives rows of a scan on the common grid."""
 
     def rows(start: int, stop: int) -> np.ndarray:
         across = x.interpolate(scan.rows, start, stop).T

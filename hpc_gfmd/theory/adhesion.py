@@ -18,11 +18,10 @@ SMALLEST, LARGEST = 1e-3, 1e2  # Maugis' parameter
 
 
 def tabor(R: ArrayLike, w: ArrayLike, length: ArrayLike, E_star: ArrayLike = 1.0) -> np.ndarray:
-    """Compute Tabor's parameter: how far a ball bulges before contact, over the range of the
-    attraction.
+    """Compute Tabor's parameter of a ball: its elastic bulge over the range of the attraction.
 
-    Above 5 the ball is one of Johnson, Kendall and Roberts, below 0.1 one of Derjaguin, Muller and
-    Toporov.
+    Above 5 the theory of Johnson, Kendall and Roberts applies, below 0.1 that of Derjaguin, Muller
+    and Toporov.
 
     Parameters
     ----------
@@ -37,7 +36,7 @@ def tabor(R: ArrayLike, w: ArrayLike, length: ArrayLike, E_star: ArrayLike = 1.0
     Raises
     ------
     SceneError
-        For numbers out of range.
+        If a number is out of range.
     """
     names = (("R", R), ("w", w), ("length", length), ("E_star", E_star))
     R, w, length, E_star = (within(name, x, 0, np.inf, True) for name, x in names)
@@ -45,7 +44,9 @@ def tabor(R: ArrayLike, w: ArrayLike, length: ArrayLike, E_star: ArrayLike = 1.0
 
 
 class JohnsonKendallRoberts:
-    """Ball on a half-space with an attraction of no range.
+    """An adhesive ball on a half-space, the attraction having no range.
+
+    Raises SceneError if a number is out of range.
 
     Parameters
     ----------
@@ -64,8 +65,10 @@ class JohnsonKendallRoberts:
         self.pull_off = -1.5 * np.pi * self.w * self.R
 
     def radius(self, F: ArrayLike) -> np.ndarray:
-        """Compute the radius of the contact, the larger of two, under a force F; nan below
-        `pull_off`."""
+        """Compute the contact radius of stable equilibrium under the force F; nan if F < pull_off.
+
+        Of the two equilibria between `pull_off` and 0 it is the one with the larger radius.
+        """
         F = np.asarray(F, float)
         pull = 3 * np.pi * self.w * self.R
         with np.errstate(invalid="ignore"):
@@ -74,7 +77,7 @@ class JohnsonKendallRoberts:
 
 
 def dmt_pull_off(R: ArrayLike, w: ArrayLike) -> np.ndarray:
-    """Compute the force at which a ball of Derjaguin, Muller and Toporov comes off.
+    """Compute the pull-off force of a ball by the theory of Derjaguin, Muller and Toporov.
 
     Parameters
     ----------
@@ -89,15 +92,17 @@ def dmt_pull_off(R: ArrayLike, w: ArrayLike) -> np.ndarray:
     Raises
     ------
     SceneError
-        For numbers out of range.
+        If a number is out of range.
     """
     R, w = (within(name, x, 0, np.inf, True) for name, x in (("R", R), ("w", w)))
     return -2 * np.pi * w * R
 
 
 def maugis_pull_off(lam: float) -> float:
-    """Compute the force at which a ball comes off that is attracted by the same traction up to a
-    range (Maugis 1992).
+    """Compute the pull-off force of a ball under a traction that is constant up to a range.
+
+    This is the theory of Maugis (1992), between those of Derjaguin, Muller and Toporov and of
+    Johnson, Kendall and Roberts.
 
     Parameters
     ----------
@@ -108,17 +113,20 @@ def maugis_pull_off(lam: float) -> float:
     Returns
     -------
     float
-        Over pi w R: from -2 (lam to 0) to -3/2 (lam to infinity).
+        Force divided by pi w R, negative: -2 for lam -> 0, -3/2 for lam -> infinity.
 
     Raises
     ------
     SceneError
-        For a lam that is not between 1e-3 and 100.
+        If lam is not between 1e-3 and 100.
     """
     lam = float(within("lam", within("lam", lam, SMALLEST, np.inf), -np.inf, LARGEST))
 
     def radius(m: float) -> float:
-        """Radius of the contact over (pi w R^2/K)^(1/3), m: that of the attracting ring over it."""
+        """Return the contact radius over (pi w R^2/K)^(1/3).
+
+        m: outer radius of the attracting ring over that of the contact.
+        """
         root, angle = np.sqrt(m * m - 1), np.arccos(1 / m)
         square = lam / 2 * (root + (m * m - 2) * angle)
         linear = 4 * lam * lam / 3 * (root * angle - m + 1)
@@ -136,7 +144,9 @@ def maugis_pull_off(lam: float) -> float:
 
 
 class AdhesiveWave:
-    """z = A cos(2 pi x/L) with an attraction of no range (Johnson 1995).
+    """A wave z = A cos(2 pi x/L) on a half-space, the attraction having no range (Johnson 1995).
+
+    Raises SceneError if a number is out of range.
 
     Parameters
     ----------
@@ -148,9 +158,9 @@ class AdhesiveWave:
     p_full : float
         Mean pressure that closes the gap without attraction, pi E* A/L.
     alpha : float
-        sqrt(2 w L/(pi^2 E* A^2)).
+        Strength of the adhesion, sqrt(2 w L/(pi^2 E* A^2)).
     pull_off : float
-        The least mean pressure of an equilibrium with little contact.
+        The least mean pressure at which an equilibrium with a_r < 1/2 exists, negative.
     """
 
     def __init__(self, w: float, A: float = 1.0, L: float = 1.0, E_star: float = 1.0):
@@ -163,13 +173,16 @@ class AdhesiveWave:
         self.pull_off = self._pressure(at) * self.p_full
 
     def _pressure(self, a_r: float) -> float:
-        """Mean pressure over p_full at a contact area."""
+        """Return the mean pressure, in units of p_full, at the relative contact area a_r."""
         phase = np.pi * a_r / 2
         return float(np.sin(phase) ** 2 - self.alpha * np.sqrt(np.tan(phase)))
 
     def a_r(self, p0: float) -> float:
-        """Compute the relative contact area under a mean pressure, on the stable branch that begins
-        at `pull_off`; nan where there is none."""
+        """Compute the relative contact area under the mean pressure p0 on the stable branch.
+
+        The branch begins at `pull_off` and ends at the pressure at which the contact jumps to full
+        contact; nan below and above.
+        """
         areas = np.linspace(self._at_pull_off, 1 - 1e-9, 2001)
         pressures = np.array([self._pressure(x) for x in areas]) - p0 / self.p_full
         if pressures[0] > 0 or pressures.max() < 0:
@@ -188,25 +201,25 @@ def stickiness(
     w: ArrayLike,
     reach: ArrayLike,
 ) -> np.ndarray:
-    """Compute how much a wall attracts beside its contact, over what it repels: the criterion of
-    Pastewka and Robbins (2014), by which it sticks above 1.
+    """Compute the attraction around a rough contact over its repulsion; above 1 the wall sticks.
 
-    The attraction is w/reach in a ring around the contact, where the gap is below `reach`. Far
-    below 1 adhesion can be neglected.
+    This is the criterion of Pastewka and Robbins (2014). The attraction is w/reach in the ring
+    around the contact where the gap is below `reach`. Adhesion is negligible if the result is far
+    below 1.
 
     Parameters
     ----------
     a_r : float or array
         Relative contact area.
     p : float or array
-        Mean pressure of the contact over the nominal area, attraction not taken off, in the unit of
-        w/reach.
+        Mean repulsive pressure over the nominal area (the attraction is not subtracted), in the
+        unit of w/reach.
     g_rms : float or array
         Rms slope of the wall.
     diameter : float or array
         Mean chord of the contact, pi times its area over its perimeter.
     w, reach : float or array
-        Work of adhesion, and the length over which it is done: w over the largest attraction.
+        Work of adhesion, and the range of the attraction: w over the largest attraction.
 
     Returns
     -------
@@ -216,7 +229,7 @@ def stickiness(
     Raises
     ------
     SceneError
-        For numbers out of range.
+        If a number is out of range.
     """
     names = (("p", p), ("g_rms", g_rms), ("diameter", diameter), ("w", w), ("reach", reach))
     a_r = within("a_r", a_r, 0, 1)

@@ -1,4 +1,7 @@
-"""Range checks shared by the theory functions: one line naming the quantity, found and allowed."""
+"""Range checks shared by the theory functions.
+
+A message is one line: the name of the quantity, the number found and the interval allowed.
+"""
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -9,27 +12,28 @@ from ..util.errors import SceneError
 def within(
     name: str, value: ArrayLike, low: float, high: float, open_low: bool = False
 ) -> np.ndarray:
-    """Return numbers as a float array, all of them finite and within an interval.
+    """Check that numbers are finite and within an interval, and return them as a float array.
 
     Parameters
     ----------
     name : str
-        Of the quantity, for the message.
+        Name of the quantity in the message.
     value : array_like
-        The numbers.
+        The numbers; not changed.
     low, high : float
         The interval, ends included.
     open_low : bool
-        Whether `low` itself is left out.
+        Whether `low` itself is excluded.
 
     Returns
     -------
     ndarray of float64
+        In the shape of value (0-dimensional for a scalar).
 
     Raises
     ------
     SceneError
-        For other numbers.
+        If value is not numeric, or any number is nan, infinite or outside of the interval.
     """
     try:
         x = np.asarray(value, dtype=float)

@@ -14,7 +14,7 @@ KAPPA_BGT = np.sqrt(2 * np.pi)  # Bush, Gibson, Thomas 1975: a_r = kappa p_star 
 
 
 class Hertz:
-    """Sphere on a half-space.
+    """A sphere on a half-space without adhesion. Raises SceneError if a number is out of range.
 
     Parameters
     ----------
@@ -37,12 +37,17 @@ class Hertz:
         self.approach = self.a**2 / R
 
     def pressure(self, r: ArrayLike) -> np.ndarray:
-        """Compute p(r) at the distance r from the axis."""
+        """Compute the pressure at the distance r from the axis, 0 outside of the contact.
+
+        nan at r = 0 if the force is 0.
+        """
         return self.peak_pressure * np.sqrt(np.maximum(1 - (np.asarray(r) / self.a) ** 2, 0))
 
 
 class HertzLine:
-    """Cylinder on a half-space: the contact is a strip.
+    """A cylinder on a half-space without adhesion: the contact is a strip.
+
+    Raises SceneError if a number is out of range.
 
     Parameters
     ----------
@@ -69,14 +74,18 @@ class HertzLine:
         self.peak_pressure = modulus * self.a / (2 * radius)
 
     def pressure(self, x: ArrayLike) -> np.ndarray:
-        """Return p(x) at the distance x from the middle of the strip."""
+        """Compute the pressure at the distance x from the middle of the strip, 0 outside of it.
+
+        nan at x = 0 if the force is 0.
+        """
         return self.peak_pressure * np.sqrt(np.maximum(1 - (np.asarray(x) / self.a) ** 2, 0))
 
 
 class Westergaard:
-    """A wave z = A cos(2 pi x/L) pressed flat: Westergaard's solution.
+    """A wave z = A cos(2 pi x/L) pressed against a half-space: Westergaard's solution.
 
-    Beyond p_full = pi E* A/L contact is full and stays so.
+    Contact is full from the mean pressure p_full = pi E* A/L on. Raises SceneError if a number is
+    out of range.
 
     Parameters
     ----------
@@ -85,7 +94,7 @@ class Westergaard:
     A : float or array
         Amplitude of the wave, half of its height from valley to peak.
     L : float or array
-        Its length.
+        Wavelength.
     E_star : float or array
         Effective modulus, in the unit of p0.
 
@@ -96,7 +105,7 @@ class Westergaard:
     a_r, gap_mean, peak_pressure : float or array
         Relative contact area, mean gap (unit of A), largest pressure.
     energy, compliance : float or array
-        Elastic energy per area, -d(gap_mean)/dp0.
+        Elastic energy per area, and -d(gap_mean)/dp0, which is inf at p0 = 0 and 0 in full contact.
     """
 
     def __init__(
@@ -118,7 +127,10 @@ class Westergaard:
         self.compliance = np.where(x > 0, -A / self.p_full * log, np.inf) + 0.0
 
     def pressure(self, x: ArrayLike) -> np.ndarray:
-        """Compute p(x); the peak of the surface is at x = 0. For scalar p0."""
+        """Compute the pressure at the positions x, 0 where the gap is open; p0 must be a scalar.
+
+        The crest of the wave is at x = 0.
+        """
         phase = np.pi * np.asarray(x) / self.L
         if self._ratio >= 1:
             return self.p0 + self.p_full * np.cos(2 * phase)

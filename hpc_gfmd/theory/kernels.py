@@ -17,7 +17,7 @@ _SECOND_TERM = {False: 6.0, True: 3.0}  # corrected, as printed
 
 
 def energy_fraction(x: np.ndarray, gamma: float) -> np.ndarray:
-    """Return W(erf x), the share of the full-contact energy that is stored (eq. gamma).
+    """Return W(erf x), the elastic energy of a mode over that in full contact (eq. gamma).
 
     Parameters
     ----------
@@ -43,10 +43,10 @@ def gap_kernel(x: np.ndarray, gamma: float, printed: bool) -> np.ndarray:
     x : ndarray
         sqrt(2) p0/(E* g), > 0.
     gamma : float
-        As for `energy_fraction`.
+        Coefficient of the linear term of the energy.
     printed : bool
-        Whether c = 3, as in the published equation, where E1(x^2) = 2 int_1^inf exp(-t^2 x^2) dt/t
-        was used in the first term only; otherwise c = 6.
+        Selects c: 3 if True, as in the published equation, where E1(x^2) = 2 int_1^inf exp(-t^2
+        x^2) dt/t was used in the first term only; the correct 6 if False.
 
     Returns
     -------
@@ -74,16 +74,16 @@ def compliance_kernel(x: np.ndarray, gamma: float, printed: bool) -> np.ndarray:
 
 
 def exp1_of_square(x: np.ndarray) -> np.ndarray:
-    """Compute E1(x^2), also where x^2 underflows."""
+    """Compute E1(x^2) for x > 0, also if x^2 underflows; x > 28 is taken as 28."""
     x = np.minimum(x, X_ZERO)
     small = x < 1e-9
     return np.where(small, -np.euler_gamma - 2 * np.log(x), exp1(np.where(small, 1.0, x * x)))
 
 
 def erf2_integral(x: np.ndarray) -> np.ndarray:
-    """Compute I(x) = int_x^inf erf(v)^2 exp(-v^2) dv/v, x >= 0.
+    """Compute I(x) = int_x^inf erf(v)^2 exp(-v^2) dv/v for x >= 0; x > 28 is taken as 28.
 
-    It is int_1^inf erf(tx)^2 exp(-t^2 x^2) dt/t, too.
+    The substitution v = tx shows that it equals int_1^inf erf(tx)^2 exp(-t^2 x^2) dt/t.
     """
     x = np.minimum(x, X_ZERO)
     low = np.exp(-x * x) * _scaled()(np.minimum(x, _X_ONE))
@@ -92,10 +92,10 @@ def erf2_integral(x: np.ndarray) -> np.ndarray:
 
 @cache
 def _scaled() -> Chebyshev:
-    """Interpolate exp(x^2) I(x) on [0, 6].
+    """Return the interpolant of exp(x^2) I(x) on [0, 6], computed once per process.
 
-    erf(v)^2 = 1 - (4/pi) int_0^1 exp(-v^2 (1+s^2)) ds/(1+s^2) turns I(x) into a smooth integral
-    over E1.
+    I(x) is the integral of `erf2_integral`. erf(v)^2 = 1 - (4/pi) int_0^1 exp(-v^2 (1+s^2))
+    ds/(1+s^2) turns it into a smooth integral over E1.
     """
     s, w = np.polynomial.legendre.leggauss(24)
     s2 = ((s + 1) / 2) ** 2

@@ -13,34 +13,35 @@ def leak_rate(
     width: float = 1.0,
     length: float = 1.0,
 ) -> np.ndarray:
-    """Return the volume per time that leaks through a seal, Q = (w/l) g_c^3 dp/(12 eta).
+    """Estimate the volume per time that leaks through a seal, Q = (w/l) g_c^3 dp/(12 eta).
 
     Parameters
     ----------
     critical_gap : float or array_like
-        g_c, the largest gap that an open channel has all along (`critical_gap_x`), in m.
+        g_c, the gap at the narrowest place of the widest channel through the seal
+        (`critical_gap_x`), in m; 0 if the seal is tight.
     viscosity : float
         eta of the fluid, in Pa s.
     pressure_drop : float
         dp of the fluid over the seal, in Pa.
     width, length : float
-        Extent of the seal across and along the flow; their ratio counts.
+        Extent of the seal across and along the flow; only their ratio matters.
 
     Returns
     -------
     float or ndarray
-        In m^3/s; 0 where the seal is tight.
+        In m^3/s; 0 where critical_gap is 0.
 
     Raises
     ------
     SceneError
-        For numbers out of range.
+        If a number is out of range.
 
     Notes
     -----
-    Nearly all of the pressure drops at the narrowest place of the widest channel, taken as square
-    (Persson, Yang, J. Phys.: Condens. Matter 20 (2008) 315011). An estimate of the order of
-    magnitude: `examples/leak.py` solves Reynolds' equation on the gap.
+    Nearly all of the pressure drops at the narrowest place of the widest channel, which is taken as
+    square (Persson, Yang, J. Phys.: Condens. Matter 20 (2008) 315011). The result is right to an
+    order of magnitude; `examples/leak.py` solves Reynolds' equation on the gap instead.
     """
     gap = within("critical_gap", critical_gap, 0, np.inf)
     eta = within("viscosity", viscosity, 0, np.inf, open_low=True)

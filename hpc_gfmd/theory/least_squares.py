@@ -25,7 +25,8 @@ class Fit:
     x : ndarray, shape (k,)
         Parameters.
     covariance : ndarray, shape (k, k)
-        Of the parameters, by the errors of the data (1 if there are none).
+        Covariance of the parameters, computed with the errors of the data, or with errors of 1 if
+        none are given.
     chi2 : float
         Weighted sum of squares.
     """
@@ -43,27 +44,28 @@ def least_squares(
     sigma: Any,
     bounds: Any,
 ) -> Fit:
-    """Find the best fit of model(x), shape (runs,), to value from several starts.
+    """Fit model(x) to value, starting from each of several x, and return the best fit.
 
     Parameters
     ----------
     model, jacobian : functions of x
-        Shapes (runs,) and (runs, k).
+        Return arrays of shapes (runs,) and (runs, k).
     starts : list of arrays, shape (k,)
     value : array, shape (runs,)
     sigma : array or None
-        Standard errors, shape (runs,), or covariance matrix, shape (runs, runs).
+        Standard errors, shape (runs,), or covariance matrix, shape (runs, runs); None: errors of 1.
     bounds : pair of numbers or of arrays, shape (k,)
+        Lower and upper bounds of x.
 
     Returns
     -------
     Fit
-        The best of all starts.
+        The one with the smallest chi2. Starts that do not converge are skipped.
 
     Raises
     ------
     SceneError
-        Where sigma is no covariance, no start converges, or the data do not determine every
+        If sigma is not a covariance matrix, no start converges, or the data do not determine every
         parameter.
     """
     best: Fit | None = None

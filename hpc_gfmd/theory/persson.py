@@ -48,12 +48,12 @@ def contact_area(p_star: ArrayLike) -> np.ndarray:
 
 
 def noncontact_area(p_star: ArrayLike) -> np.ndarray:
-    """Compute 1 - a_r, without cancellation at large p_star; as `contact_area`."""
+    """Compute 1 - a_r for p_star as in `contact_area`, accurate also if a_r is close to 1."""
     return erfc(np.sqrt(2) * _pressure(p_star))
 
 
 def kappa(p_star: ArrayLike) -> np.ndarray:
-    """Compute a_r/p_star, sqrt(8/pi) at p_star = 0; as `contact_area`."""
+    """Compute a_r/p_star for p_star as in `contact_area`; the limit sqrt(8/pi) at p_star = 0."""
     p_star = _pressure(p_star)
     tiny = p_star < 1e-12
     return np.where(tiny, KAPPA_LOW_LOAD, contact_area(p_star) / np.where(tiny, 1.0, p_star))[()]
@@ -74,8 +74,8 @@ def pressure_distribution(
     Returns
     -------
     float or array
-        In units of 1/E_star; 0 for p <= 0. Integrates to a_r (the rest, 1 - a_r, sits at p = 0),
-        with mean p0.
+        Density per unit of pressure, 0 for p <= 0. Its integral is a_r (points without contact, 1 -
+        a_r, have p = 0), its first moment p0.
     """
     width = _positive("E_star", E_star) * _positive("g_rms", g_rms) / 2
     p = np.asarray(p, dtype=float) / width
@@ -119,9 +119,9 @@ def mean_gap(
     hurst, eps_f : float
         Hurst exponent in [0, 1], and lam_s/lam_l in [1e-100, 1].
     gamma : float
-        Energy factor, see above.
+        Factor of the energy in partial contact, 0 to 1.5.
     printed : bool
-        Whether to take the equation as it was published.
+        Whether to use the equation as published, with 3 instead of 6 (see `theory.persson`).
     unit : {"h_rms", "g_rms_lam_s"}
         The length that the gap is given in.
 
@@ -133,7 +133,7 @@ def mean_gap(
     Raises
     ------
     SceneError
-        For numbers out of range and other units.
+        If a number is out of range or the unit is unknown.
     """
     profile = SlopeProfile.self_affine(hurst, eps_f)
     return _gap(profile, _pressure(p_star), gamma, printed) / _length(profile, eps_f, unit)
@@ -147,7 +147,7 @@ def stiffness(
     printed: bool = False,
     unit: str = "h_rms",
 ) -> np.ndarray:
-    """Compute the contact stiffness -dp_star/d(gap/unit).
+    """Compute the contact stiffness -dp_star/d(gap/unit) of a self-affine wall.
 
     Parameters
     ----------
@@ -181,7 +181,7 @@ def stiffness(
 def elastic_energy(
     p_star: ArrayLike, hurst: float, eps_f: float, gamma: float = GAMMA
 ) -> np.ndarray:
-    """Compute the elastic energy per nominal area, eq. elasticEnergy.
+    """Compute the elastic energy per nominal area of a self-affine wall, eq. elasticEnergy.
 
     Parameters
     ----------
@@ -191,7 +191,7 @@ def elastic_energy(
     Returns
     -------
     float or array
-        In units of E* g_rms h_rms, in the shape of p_star.
+        In units of E* g_rms h_rms, in the shape of p_star; 0 at p_star = 0.
     """
     profile = SlopeProfile.self_affine(hurst, eps_f)
     gamma = _gamma(gamma)
@@ -217,25 +217,25 @@ def mean_gap_spectrum(
     q : array, shape (m,)
         Increasing wave vectors.
     C : array, shape (m,), or function of q
-        The spectrum, power laws in between.
+        The spectrum at q, interpolated by power laws; a function is also sampled between the q.
     p0, E_star : float or array, float
         Mean pressure and effective modulus in one unit.
     gamma, printed
         As for `mean_gap`.
     area : float
-        Of the normalisation h_rms^2 = area/(2 pi)^2 int C d^2q: 1 for the two-dimensional power
-        spectral density of surface metrology, A0 for C = |h_q|^2 of one period of nominal area A0
-        (the paper), (2 pi)^2 for Persson's C.
+        Normalises C by h_rms^2 = area/(2 pi)^2 int C d^2q: 1 for the two-dimensional power spectral
+        density of surface metrology, A0 for C = |h_q|^2 of one period of nominal area A0 (the
+        paper), (2 pi)^2 for Persson's C.
 
     Returns
     -------
     float or array
-        In the unit of 1/q and the shape of p0.
+        In the unit of 1/q and the shape of p0; infinite at p0 = 0.
 
     Raises
     ------
     SceneError
-        For what is not a spectrum.
+        If q does not increase, C is not positive, or a number is out of range.
     """
     profile = SlopeProfile.from_spectrum(q, C, area)
     p_star = _pressure(p0, "p0") / (_positive("E_star", E_star) * profile.g_rms)
@@ -245,7 +245,7 @@ def mean_gap_spectrum(
 def curve(
     p_star: ArrayLike, hurst: float, eps_f: float, gamma: float = GAMMA, printed: bool = False
 ) -> dict[str, np.ndarray]:
-    """Compute area, mean gap and stiffness at once, under the names that the command line prints.
+    """Compute contact area, mean gap and stiffness at once, as `hpc-gfmd persson` prints them.
 
     Parameters
     ----------
@@ -270,7 +270,7 @@ def curve(
 
 
 def _gap(profile: SlopeProfile, p_star: np.ndarray, gamma: float, printed: bool) -> np.ndarray:
-    """Compute the gap in units of g_rms/q_min."""
+    """Compute the mean gap in units of g_rms/q_min, inf where p_star is 0; checks gamma."""
     gamma = _gamma(gamma)
     gap = profile.integrate(
         p_star, lambda x: kernels.gap_kernel(x, gamma, printed), power=1
@@ -279,8 +279,10 @@ def _gap(profile: SlopeProfile, p_star: np.ndarray, gamma: float, printed: bool)
 
 
 def _length(profile: SlopeProfile, eps_f: float, unit: str) -> float:
-    """Return the length that gaps are in units of, for g_rms = 1. Raises SceneError for an unknown
-    unit."""
+    """Return the length of this unit name divided by g_rms/q_min: what gaps are divided by.
+
+    Raises SceneError if the unit is unknown.
+    """
     if unit == "h_rms":
         return profile.h_rms
     if unit == "g_rms_lam_s":
@@ -289,15 +291,21 @@ def _length(profile: SlopeProfile, eps_f: float, unit: str) -> float:
 
 
 def _pressure(p_star: ArrayLike, name: str = "p_star") -> np.ndarray:
-    """Return pressures as an array. Raises SceneError where one is negative."""
+    """Return pressures as a float array. Raises SceneError if any is negative or not finite.
+
+    name: that of the pressures in the message.
+    """
     return within(name, p_star, 0, np.inf)
 
 
 def _positive(name: str, value: ArrayLike) -> float:
-    """Return a number. Raises SceneError where it is not greater than 0."""
+    """Return value as a float. Raises SceneError if it is not positive and finite.
+
+    name: that of the value in the message.
+    """
     return float(within(name, value, 0, np.inf, open_low=True))
 
 
 def _gamma(gamma: ArrayLike) -> float:
-    """Return gamma. Raises SceneError where it is not from 0 to 1.5."""
+    """Return gamma as a float. Raises SceneError if it is not between 0 and 1.5."""
     return float(within("gamma", gamma, 0, 1.5))

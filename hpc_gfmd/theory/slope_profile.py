@@ -28,17 +28,18 @@ Function = Callable[[np.ndarray], np.ndarray]
 
 @dataclass(frozen=True)
 class SlopeProfile:
-    """g(q)/g_rms of a spectrum made of power laws between q_0 < q_1 < ... < q_m, and its rms
-    values.
+    """g(q)/g_rms of a spectrum that consists of power laws between q_0 < q_1 < ... < q_m.
+
+    g(q) is the rms gradient of all roughness with wave vectors up to q.
 
     Attributes
     ----------
     y, g2 : array, shape (m+1,)
-        ln(q_i/q_0) and (g(q_i)/g_rms)^2, from 0 to 1.
+        ln(q_i/q_0) and (g(q_i)/g_rms)^2, which rises from 0 to 1.
     beta, inverse_rate : array, shape (m,)
         In the piece i d(g2)/dy = exp(beta_i (y-y_i))/inverse_rate_i.
     q_min, g_rms, h_rms : float
-        In the units of the surface.
+        Smallest wave vector, rms gradient and rms height, in the units of the surface.
     """
 
     y: np.ndarray
@@ -67,7 +68,7 @@ class SlopeProfile:
         Raises
         ------
         SceneError
-            For other numbers.
+            If hurst or eps_f is out of range.
         """
         hurst = float(within("hurst", hurst, 0, 1))
         decades = -np.log(float(within("eps_f", eps_f, 1e-100, 1)))  # ln(q_s/q_l)
@@ -93,8 +94,8 @@ class SlopeProfile:
         q : array_like, shape (m,)
             Increasing wave numbers, at least two.
         C : array_like, shape (m,), or callable
-            The spectrum, with power laws between its points; or a function of q, which is cut into
-            about _SAMPLES pieces (error of order 1/_SAMPLES^4).
+            The spectrum at q, interpolated by power laws; or a function of q, which is also sampled
+            at 1000 wave numbers between the first and the last q (error of order 1000^-4).
         area : float
             Normalises C by h_rms^2 = area/(2 pi)^2 int C d^2q.
 
@@ -105,7 +106,7 @@ class SlopeProfile:
         Raises
         ------
         SceneError
-            For what is not a spectrum.
+            If q does not increase, C has another shape, or a number is not positive and finite.
         """
         q = within("q", q, 0, np.inf, open_low=True)
         if q.ndim != 1 or q.size < 2 or np.any(np.diff(q) <= 0):
@@ -127,7 +128,7 @@ class SlopeProfile:
         steepness = np.diff(np.log(C)) / width  # C ~ q^steepness in a piece
 
         def moment(power: int) -> np.ndarray:
-            """Integrate area/(2 pi) q^power C dy over every piece."""
+            """Return area/(2 pi) int q^power C dy of every piece, shape (m-1,)."""
             if function:
                 integrals = _piece_integral(function, power, q, width)
             else:
@@ -149,14 +150,17 @@ class SlopeProfile:
         )
 
     def integrate(self, p_star: ArrayLike, kernel: Function, power: int) -> np.ndarray:
-        """Integrate (g/g_rms)^power (q_0/q) kernel(x) d ln g, with x = sqrt(2) p_star g_rms/g.
+        """Integrate (g/g_rms)^power (q_0/q) kernel(x) d ln g over all roughness, for each load.
+
+        Here x = sqrt(2) p_star g_rms/g, and g rises from 0 to g_rms.
 
         Parameters
         ----------
         p_star : array_like
-            Loads, one integral each.
+            Loads, one integral each; clipped to 1e-300 ... 1e200.
         kernel : callable
-            Of an array x; vanishes beyond x = 28 where power = 1, is bounded where power = 2.
+            Function of an array x. It must vanish beyond x = 28 if power = 1, and be bounded if
+            power = 2.
         power : int
             1 or 2.
 
@@ -173,7 +177,7 @@ class SlopeProfile:
         return np.array(integrals).reshape(loads.shape)
 
     def _log_g_at(self, y: float) -> float:
-        """Return ln g of all waves up to y = ln(q/q_l)."""
+        """Return ln(g(q)/g_rms) at y = ln(q/q_0)."""
         i = min(int(np.searchsorted(self.y, y, side="right")), self.beta.size) - 1
         d = y - self.y[i]
         grown = d * exprel(self.beta[i] * d) / self.inverse_rate[i] if d > 0 else 1.0
@@ -181,9 +185,11 @@ class SlopeProfile:
 
     @cached_property
     def _nodes(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Choose Gauss-Legendre points ln g, the ln(q/q_0) there, and weights, on panels that end
-        at 0 and begin where the integrand, which falls at least like g, is below double
-        precision."""
+        """Gauss-Legendre points for integrals over ln g: (ln(g/g_rms), ln(q/q_0), weights), all 1D.
+
+        The panels reach from ln g = 0 down to where the integrand, which falls at least like g, is
+        below double precision.
+        """
         low = self._log_g_at(min(1.0, self.y[-1])) - _TAIL
         with np.errstate(divide="ignore"):
             corners = 0.5 * np.log(self.g2)
@@ -203,7 +209,10 @@ class SlopeProfile:
 
 
 def _piece_integral(C: Function, power: int, q: np.ndarray, width: np.ndarray) -> np.ndarray:
-    """Integrate q^power C dy over every piece, y = ln q."""
+    """Return int q^power C dy, y = ln q, over every piece from q[i] to q[i+1], shape (m-1,).
+
+    width: lengths of the pieces in y. C is called with an array of shape (m-1, 4).
+    """
     s, w = np.polynomial.legendre.leggauss(4)
     inside = q[:-1, None] * np.exp(width[:, None] * (s + 1) / 2)
     return (inside**power * C(inside) @ w) * width / 2

@@ -52,7 +52,7 @@ _Row = create_model(  # type: ignore[call-overload]
 
 
 class _Part(BaseModel):
-    """One observable at one pressure."""
+    """The coefficients of one observable at one pressure, a row for each Hurst exponent."""
 
     observable: Annotated[str, Field(pattern=r"^\w+$")]
     p_star: Positive
@@ -60,25 +60,25 @@ class _Part(BaseModel):
 
 
 class _Table(BaseModel):
-    """What `read_table` accepts."""
+    """The form that a coefficient table in a JSON file must have."""
 
     tables: list[_Part]
 
 
 @dataclass(frozen=True)
 class Correction:
-    """What a finite simulation is off by.
+    """The difference between a finite simulation and the TFC limit, to be subtracted.
 
     Attributes
     ----------
     t, f, c : float
         The three terms of eq. tfc.
     sigma : float or None
-        The uncertainty of their sum from the table, None if it has none.
+        Standard deviation of their sum by the table; None if the table has no uncertainties.
     p_star : float
         The tabulated pressure that was used.
     notes : tuple of str
-        What to keep in mind, a line each.
+        Reservations about the correction, a line each.
     """
 
     t: float
@@ -90,35 +90,43 @@ class Correction:
 
     @property
     def total(self) -> float:
-        """Add up the terms."""
+        """The sum of the three terms."""
         return self.t + self.f + self.c
 
     @property
     def numbers(self) -> dict[str, float]:
-        """Return the terms and their sum, by the names of the command line."""
+        """The terms and their sum: correction_t, correction_f, correction_c, correction."""
         terms = {f"correction_{i}": getattr(self, i) for i in TERMS}
         return terms | {"correction": self.total}
 
 
 def paper_table() -> Table:
-    """Return the paper's four tables, as the dict of the data file."""
+    """Return the paper's four tables of coefficients, read from data/paper_tfc.json.
+
+    It is a dict {"tables": [{"observable": ..., "p_star": ..., "rows": [...]}, ...]} with a row for
+    each Hurst exponent.
+    """
     return table_of("paper")
 
 
 def our_table() -> Table:
-    """Return the tables of `paper_table` as fitted to our own runs, with uncertainties."""
+    """Return tables of the form of `paper_table`, fitted to our own runs, with uncertainties."""
     return table_of("ours")
 
 
 def table_of(name: str) -> Table:
-    """Return the table of a name: "paper", "ours", or the path of a JSON file. Raises
-    SceneError."""
+    """Read the table "paper" or "ours", or that of the JSON file at the path `name`.
+
+    Raises SceneError if there is no such file or it is not a table.
+    """
     return read_table(SHIPPED.get(name, name))
 
 
 def read_table(path: str | Path) -> Table:
-    """Read a table like that of `paper_table` from the JSON file at path. Raises SceneError if it
-    is none."""
+    """Read a table of the form of `paper_table` from the JSON file at path, and check its form.
+
+    Raises SceneError if the file cannot be read or has another form.
+    """
     try:
         table = json.loads(Path(path).read_text(encoding="utf-8"))
         _Table.model_validate(table)
@@ -141,21 +149,21 @@ def correction(
     eps_c: float,
     table: Table | None = None,
 ) -> Correction:
-    """Compute the terms to subtract from a simulated value.
+    """Compute the terms to subtract from a simulated value to get its TFC limit.
 
     Parameters
     ----------
     observable : str
         As the table names it: "kappa", "gap_over_h_rms", ...
     hurst : float
-        Hurst exponent between the tabulated ones (0.3 to 0.8 in the paper); every term is linear in
-        it.
+        Hurst exponent within the tabulated range (0.3 to 0.8 in the paper); every term is
+        interpolated linearly in it.
     p_star : float
-        p0/(E* g_rms), within 5 % of a tabulated one.
+        p0/(E* g_rms), within 5 % of a tabulated pressure, whose coefficients are used as they are.
     eps_t, eps_f, eps_c : float
         lam_l/L, lam_s/lam_l and a/lam_s of the simulation, from 0 to 1.
-    table : dict
-        As for `paper_table` (default) or `read_table`.
+    table : dict, optional
+        A table from `paper_table` (default), `our_table` or `read_table`.
 
     Returns
     -------
@@ -164,7 +172,7 @@ def correction(
     Raises
     ------
     SceneError
-        Outside of what is tabulated.
+        If the table does not cover the observable, hurst or p_star, or a ratio is out of range.
     """
     table = table or paper_table()
     part = _part(table, observable, float(within("p_star", p_star, 0, np.inf, True)))
@@ -202,7 +210,7 @@ def extrapolate(
     sigma: float | None = None,
     table: Table | None = None,
 ) -> tuple[float, float | None, Correction]:
-    """Take a simulated value to the TFC limit.
+    """Extrapolate a simulated value to the TFC limit: subtract its `correction`.
 
     Parameters
     ----------
@@ -211,19 +219,20 @@ def extrapolate(
     observable, hurst, p_star, eps_t, eps_f, eps_c, table
         As for `correction`.
     sigma : float, optional
-        Uncertainty of the value.
+        Standard deviation of the value.
 
     Returns
     -------
     extrapolated : float
     sigma : float or None
-        That of the value and that of the table in squares; None if neither is known.
+        Root of the summed squares of the sigma of the value and that of the table, as far as they
+        are known; None if neither is.
     correction : Correction
 
     Raises
     ------
     SceneError
-        As `correction`.
+        As `correction`, and if value or sigma is out of range.
     """
     value = float(within("value", value, -np.inf, np.inf))
     terms = correction(observable, hurst, p_star, eps_t, eps_f, eps_c, table)
@@ -232,8 +241,10 @@ def extrapolate(
 
 
 def _part(table: Table, observable: str, p_star: float) -> Table:
-    """Return the part of a table for an observable and a pressure. Raises SceneError where there is
-    none."""
+    """Return the entry of a table for an observable within 5 % of p_star.
+
+    Raises SceneError if the table has no such entry.
+    """
     names = sorted({part["observable"] for part in table["tables"]})
     if observable not in names:
         raise SceneError(f"observable: found {observable!r}, allowed: {', '.join(names)}")
@@ -249,7 +260,10 @@ def _part(table: Table, observable: str, p_star: float) -> Table:
 
 
 def _notes(table: Table, part: Table, hurst: float, tabulated: list[float]) -> Iterator[str]:
-    """Yield what to know of an extrapolation with a part of a table, a line each."""
+    """Yield the reservations about a correction from a part of a table, a line each.
+
+    tabulated: the Hurst exponents of the part.
+    """
     if hurst not in tabulated:
         yield (
             "coefficients interpolated in H between the tabulated"

@@ -31,11 +31,12 @@ class TfcFit:
     limit : float
         Value in the TFC limit.
     C, alpha : dict
-        By fitted term ("t", "f", "c").
+        Coefficients and exponents by term ("t", "f", "c"), of the fitted terms only.
     names : tuple of str
         The fitted parameters ("limit", "C_t", ..., "alpha_c", ...) in the order of covariance.
     covariance : array, shape (parameters, parameters)
-        Without error bars of the data scaled by chi2/dof, nan where dof = 0.
+        Covariance of the fitted parameters. If the data have no error bars it is scaled by
+        chi2/dof, and nan if dof = 0.
     chi2, dof : float, int
         Weighted sum of squares and its degrees of freedom.
     """
@@ -50,31 +51,34 @@ class TfcFit:
 
     @cached_property
     def sigma(self) -> dict:
-        """Return the standard errors of the fitted parameters by name."""
+        """The standard errors of the fitted parameters, by name."""
         return dict(zip(self.names, np.sqrt(np.diag(self.covariance)).tolist(), strict=True))
 
     def correction(
         self, eps_t: float = 0.0, eps_f: float = 0.0, eps_c: float = 0.0
     ) -> tuple[float, float]:
-        """Return the sum of the terms at these ratios, and its uncertainty.
+        """Compute the sum of the fitted terms at these ratios, and its uncertainty.
 
         Parameters
         ----------
         eps_t, eps_f, eps_c : float
-            Thermodynamic, fractal and continuum ratio, from 0 to 1. A term that was not fitted is
-            zero.
+            Thermodynamic, fractal and continuum ratio, from 0 to 1. A term that was not fitted
+            contributes 0.
 
         Returns
         -------
         total, sigma : float
+            The sum, to be subtracted from a simulated value, and its standard deviation.
         """
         eps = ratios(eps_t, eps_f, eps_c)
         row = self.row(0.0)
         return sum(term(row, i, eps[i]) for i in TERMS), sigma_of_terms(row, eps)
 
     def row(self, hurst: float) -> dict:
-        """Write the fit as a row of a coefficient table (see data/paper_tfc.json); terms that were
-        not fitted get C = 0."""
+        """Return the fit as a row of a coefficient table (see data/paper_tfc.json).
+
+        hurst: the Hurst exponent of the runs. Terms that were not fitted get C = 0, alpha = 1.
+        """
         numbers = {f"C_{i}": self.C.get(i, 0.0) for i in TERMS} | {
             f"alpha_{i}": self.alpha.get(i, 1.0) for i in TERMS
         }
@@ -89,7 +93,7 @@ class TfcFit:
 
 
 def ratios(eps_t: float, eps_f: float, eps_c: float) -> dict[str, float]:
-    """Return the ratios by the letters of their terms.
+    """Check the three ratios and return them as {"t": eps_t, "f": eps_f, "c": eps_c}.
 
     Parameters
     ----------
@@ -103,23 +107,23 @@ def ratios(eps_t: float, eps_f: float, eps_c: float) -> dict[str, float]:
     Raises
     ------
     SceneError
-        For what is not from 0 to 1.
+        If a ratio is not between 0 and 1.
     """
     by_term = zip(TERMS, (eps_t, eps_f, eps_c), strict=True)
     return {i: float(within(f"eps_{i}", value, 0, 1)) for i, value in by_term}
 
 
 def term(row: Mapping[str, Any], i: str, eps: Any) -> Any:
-    """Return C_i eps^alpha_i.
+    """Return one term of eq. tfc, C_i eps^alpha_i.
 
     Parameters
     ----------
     row : mapping
         A row of a coefficient table.
     i : str
-        Letter of the term, of TERMS.
+        The term: "t", "f" or "c".
     eps : float or ndarray
-        Its ratio.
+        The ratio of this term.
 
     Returns
     -------
@@ -130,18 +134,19 @@ def term(row: Mapping[str, Any], i: str, eps: Any) -> Any:
 
 
 def slopes(row: Mapping[str, Any], eps: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the derivatives of eq. tfc with respect to its numbers, by their names.
+    """Return the derivatives of eq. tfc with respect to limit, C_i and alpha_i.
 
     Parameters
     ----------
     row : mapping
-        A row of a coefficient table.
+        A row of a coefficient table; only its alpha_i and C_i are used.
     eps : mapping
-        Ratios by the letters of their terms.
+        Ratios by term, {"t": ..., ...}; terms that are absent are left out of the result.
 
     Returns
     -------
     dict of float or ndarray
+        By the names "limit", "C_t", "alpha_t", ...
     """
     derivatives: dict[str, Any] = {"limit": 1.0}
     for i, ratio in eps.items():
@@ -151,15 +156,15 @@ def slopes(row: Mapping[str, Any], eps: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def sigma_of_terms(row: Mapping[str, Any], eps: Mapping[str, float]) -> float:
-    """Return the uncertainty of the sum of the terms.
+    """Compute the standard deviation of the sum of the terms, by the uncertainties of a row.
 
     Parameters
     ----------
     row : mapping
-        A row of a coefficient table; its "covariance" (in the order of "names") counts if it is
-        there, otherwise its "sigma".
+        A row of a coefficient table. Its "covariance" (in the order of "names") is used if it is
+        there, otherwise its "sigma", by name; coefficients without a sigma count as exact.
     eps : mapping
-        Ratios by the letters of their terms.
+        Ratios by term, {"t": ..., ...}.
 
     Returns
     -------
@@ -185,20 +190,23 @@ def fit_tfc(
     terms: Iterable[str] = TERMS,
     limit: float | None = None,
 ) -> TfcFit:
-    """Fit eq. tfc to runs by least squares.
+    """Fit eq. tfc to the results of several runs by least squares.
 
     Parameters
     ----------
     eps_t, eps_f, eps_c : arrays, shape (runs,), or numbers
+        Thermodynamic, fractal and continuum ratio of each run, above 0 and at most 1; those of
+        terms that are not fitted are ignored.
     value : array, shape (runs,)
+        The simulated observable.
     sigma : number or array, optional
-        Error bars of value, shape (runs,), or their covariance matrix, shape (runs, runs), where
-        runs share a surface.
+        Error bars of value, shape (runs,), or their covariance matrix, shape (runs, runs), if runs
+        share a surface. If None, errors follow from the scatter of the fit.
     alpha : dict, optional
-        Exponents by term, e.g. {"t": 1, "f": 0.67, "c": None}; None leaves one free (0.02 to 5), a
-        term left out has the paper's.
+        Exponents by term, e.g. {"t": 1, "f": 0.67, "c": None}. None means that the exponent is
+        fitted (0.02 to 5); a term that is absent has the paper's exponent.
     terms : iterable of str
-        The terms to include.
+        The terms to fit, of "t", "f", "c".
     limit : float, optional
         A known value in the TFC limit; fitted if None.
 
@@ -209,8 +217,8 @@ def fit_tfc(
     Raises
     ------
     SceneError
-        When the runs cannot determine what is asked: too few, or a ratio that does not vary enough.
-        For terms that there are not.
+        If the runs do not determine every parameter (too few runs, or a ratio that does not vary
+        enough), a number is out of range, or a term is unknown.
     """
     terms = tuple(terms)
     for name, letters in (("terms", terms), ("alpha", tuple(alpha or ()))):
@@ -267,8 +275,11 @@ def fit_tfc(
 
 
 def _enough(value: np.ndarray, eps: dict, free: list, names: tuple) -> None:
-    """Raise SceneError where there are fewer runs than parameters, or fewer values of a ratio than
-    its term needs."""
+    """Raise SceneError if there are too few runs or too few different values of a ratio.
+
+    eps: ratios of the runs by term. names, free: all fitted parameters, and the fitted exponents. A
+    term with a fitted exponent needs three different ratios, others two.
+    """
     for i, values in eps.items():
         needed = 3 if f"alpha_{i}" in free else 2
         number = np.unique(values).size
@@ -285,10 +296,11 @@ def _enough(value: np.ndarray, eps: dict, free: list, names: tuple) -> None:
 
 
 def read_runs(path: str | Path) -> dict:
-    """Read the columns eps_t, eps_f, eps_c, value and, if there, sigma of the CSV file at path,
-    with a header, as arrays for fit_tfc.
+    """Read the columns eps_t, eps_f, eps_c, value and, if present, sigma of a CSV file.
 
-    Raises SceneError if it is not one.
+    The file at path has a header. Returns {column: array, shape (runs,)}, the arguments of
+    `fit_tfc`. Raises SceneError if the file cannot be read, lacks a column or holds anything but
+    numbers.
     """
     try:
         with open(path, newline="", encoding="utf-8") as file:

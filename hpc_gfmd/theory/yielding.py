@@ -1,9 +1,9 @@
-"""Persson's theory of elastic - perfectly plastic contact: the pressure diffuses, as more and more
-roughness is seen, between two ends that absorb it, 0 where the gap opens and the hardness H where a
-point yields (Persson 2001).
+"""Persson's theory of elastic - perfectly plastic contact (Persson 2001).
 
-The variance is that of full contact, (E* g_rms/2)^2, and the solution the sum over the images of p0
-in both ends. For H -> infinity it is `persson`. Pressures are in any one unit.
+With growing resolution the distribution of pressures diffuses between two absorbing ends: 0, where
+the gap opens, and the hardness H, where a point yields. The variance is that of full contact, (E*
+g_rms/2)^2; the solution is a sum over the images of p0 in both ends. The limit H -> infinity is
+that of `persson`. All pressures are in the same unit, which is arbitrary.
 """
 
 import numpy as np
@@ -33,8 +33,8 @@ def pressure_distribution(
     Returns
     -------
     float or array
-        Integrates to the area in elastic contact, a_r - a_plastic of `areas`; 0 outside that
-        range.
+        Density per unit of pressure, in the shape of p; 0 outside of 0 < p < hardness. Its integral
+        is the area in elastic contact, a_r - a_plastic of `areas`.
     """
     p = np.asarray(p, dtype=float)
     width, images = _images(p0, hardness, g_rms, E_star)
@@ -49,7 +49,7 @@ def pressure_distribution(
 def areas(
     p0: float, hardness: float, g_rms: float = 1.0, E_star: float = 1.0
 ) -> tuple[float, float]:
-    """Return the shares of the area that touch and that yield.
+    """Compute the relative contact area and the share of the nominal area that yields.
 
     Parameters
     ----------
@@ -59,6 +59,7 @@ def areas(
     Returns
     -------
     a_r, a_plastic : float
+        a_r includes the points that yield.
     """
     width, images = _images(p0, hardness, g_rms, E_star)
     ends = 2 * hardness * images[images >= 0]
@@ -72,7 +73,11 @@ def areas(
 
 
 def _images(p0: float, hardness: float, g_rms: float, E_star: float) -> tuple[float, np.ndarray]:
-    """Return the standard deviation of the pressure in full contact, and the numbers of images."""
+    """Return the standard deviation of the pressure in full contact, and the indices of images.
+
+    The images of index k lie at 2 k hardness +- p0; those that are left out have no weight in
+    double precision. Raises SceneError if a number is out of range.
+    """
     for name, value in (("hardness", hardness), ("g_rms", g_rms), ("E_star", E_star)):
         within(name, value, 0, np.inf, open_low=True)
     within("p0", p0, 0, np.inf)

@@ -10,7 +10,7 @@ LINE = 64  # bytes
 
 
 def empty_aligned(shape: Sequence[int], dtype: DTypeLike) -> np.ndarray:
-    """Make an uninitialised array whose first element is aligned to LINE bytes.
+    """Make an uninitialised array whose first element begins on a cache line (LINE bytes).
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ def empty_aligned(shape: Sequence[int], dtype: DTypeLike) -> np.ndarray:
 
 
 def zeros_aligned(shape: Sequence[int], dtype: DTypeLike) -> np.ndarray:
-    """Make an array of zeros whose first element is aligned to LINE bytes.
+    """Make an array of zeros whose first element begins on a cache line (LINE bytes).
 
     Parameters
     ----------

@@ -9,20 +9,21 @@ from uuid import uuid4
 
 @contextmanager
 def atomic_write(path: Path) -> Iterator[Path]:
-    """Write to a temporary file that replaces `path` in one move when the block ends.
+    """Yield a temporary file that replaces `path` in one step when the block succeeds.
 
-    After a failure nothing is left. Where the file system supports files without a name, nothing is
-    left of a killed process either.
+    If the block raises, `path` stays as it was and the temporary file is removed. On file systems
+    that support files without a name (O_TMPFILE) even a killed process leaves no temporary file
+    behind.
 
     Parameters
     ----------
     path : Path
-        The file to be written.
+        The file to create or to replace; its folder must exist.
 
     Yields
     ------
     Path
-        Where to write.
+        The temporary file.
     """
     named = path.with_name(f".{path.name}.{uuid4().hex[:8]}.tmp")
     written = named

@@ -1,5 +1,5 @@
-"""Files that are kept from run to run on this machine: compiled kernels, FFTW's plans, the measured
-speed. None of them is ever needed: what is missing or damaged is made again."""
+"""Small files kept from run to run on this machine: compiled kernels, FFTW's plans, the measured
+speed. The program works without them: what is missing or damaged is made again."""
 
 import hashlib
 import os
@@ -12,9 +12,10 @@ DIGEST_BYTES = hashlib.sha256().digest_size
 
 
 def cache_folder() -> Path | None:
-    """Return the user's cache folder of this program, or None where the user has no home.
+    """Return the user's cache folder of this program, which may not exist yet.
 
-    The environment variables HPC_GFMD_CACHE and XDG_CACHE_HOME move it.
+    It is $HPC_GFMD_CACHE, $XDG_CACHE_HOME/hpc-gfmd or ~/.cache/hpc-gfmd, the first that is defined;
+    None for a user without a home folder.
     """
     if folder := os.environ.get("HPC_GFMD_CACHE"):
         return Path(folder)
@@ -28,20 +29,20 @@ def cache_folder() -> Path | None:
 
 
 def keep(path: Path, content: bytes, purpose: str | None = None) -> None:
-    """Write a file that begins with the checksum of its content and of its purpose.
+    """Write bytes to a file together with a checksum, for `kept` to read.
 
-    Whoever reads it meanwhile sees the old or the new file. Where it cannot be written nothing
-    happens.
+    The file is replaced in one step: other processes read the old or the new content. Errors of the
+    file system are ignored; the file then stays as it was.
 
     Parameters
     ----------
     path : Path
-        The file; its folder is made.
+        The file. Missing folders are created.
     content : bytes
         What `kept` returns.
     purpose : str, optional
-        What the content is for; default: the file's name. A file that was kept for another purpose
-        is none.
+        What the content is for; part of the checksum, so that `kept` returns the content only for
+        the same purpose. Default: the file's name.
     """
     with suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -50,20 +51,20 @@ def keep(path: Path, content: bytes, purpose: str | None = None) -> None:
 
 
 def kept(path: Path, purpose: str | None = None) -> bytes | None:
-    """Read a file that `keep` wrote.
+    """Read the content of a file that `keep` wrote.
 
     Parameters
     ----------
     path : Path
         The file.
     purpose : str, optional
-        What it was kept for; default: the file's name.
+        The purpose that it was written for; default: the file's name.
 
     Returns
     -------
     bytes or None
-        The content; None where there is no such file, where any byte of it has changed, or where it
-        was kept for another purpose.
+        The content; None if the file cannot be read, is damaged, or was written for another
+        purpose.
     """
     try:
         data = path.read_bytes()
@@ -75,6 +76,6 @@ def kept(path: Path, purpose: str | None = None) -> bytes | None:
 
 
 def _digest(content: bytes, path: Path, purpose: str | None) -> bytes:
-    """Return the checksum of a content that is kept for a purpose."""
+    """Return the SHA-256 checksum of a content and its purpose (default: the name of `path`)."""
     text = path.name if purpose is None else purpose
     return hashlib.sha256(text.encode("utf-8", "surrogateescape") + b"\0" + content).digest()

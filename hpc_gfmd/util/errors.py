@@ -5,20 +5,22 @@ import re
 
 
 class GfmdError(Exception):
-    """Something went wrong while running."""
+    """A run or command failed; the message says why. Exit code 1 on the command line."""
 
     exit_code = 1
 
 
 class SceneError(GfmdError):
-    """The scene, its files or the arguments are wrong; the message names the key, what was found
-    and what is allowed."""
+    """The scene, its files or the arguments are wrong. Exit code 2 on the command line.
+
+    The message names the key, what was found and what is allowed.
+    """
 
     exit_code = 2
 
 
 class NotConverged(UserWarning):
-    """A solution is less accurate than asked; its status says why."""
+    """A solution is less accurate than requested; its `status` gives the reason."""
 
 
 EXTRAS = {  # of setup.cfg, by the packages in them
@@ -31,25 +33,25 @@ EXTRAS = {  # of setup.cfg, by the packages in them
 
 
 def how_to_install(package: str) -> str:
-    """Return the command that installs a missing package."""
+    """Return the pip command that installs a missing package, as a text for a message."""
     extra = EXTRAS.get(package)
     return f"pip install 'hpc-gfmd[{extra}]'" if extra else f"pip install {package}"
 
 
 def one_line(text: str, longest: int = 200) -> str:
-    """Remove line ends and other control characters from a text and shorten it.
+    """Replace line ends and other control characters of a text by spaces and shorten it.
 
     Parameters
     ----------
     text : str
         A text from outside, such as the message of a library.
     longest : int
-        Characters beyond which the middle is left out.
+        Largest length; a longer text loses its middle.
 
     Returns
     -------
     str
-        One line.
+        One line, without double spaces.
     """
     printable = "".join(c if c.isprintable() else " " for c in text[: 100 * longest])
     line = " ".join(printable.split())
@@ -57,7 +59,11 @@ def one_line(text: str, longest: int = 200) -> str:
 
 
 def reason(error: BaseException) -> str:
-    """Describe an error in one line; of HDF5's long messages keep the system's reason."""
+    """Return one line that says why an error occurred, without its type and traceback.
+
+    It is the reason of the operating system, also where HDF5 quotes it, or else the error's
+    message.
+    """
     text = getattr(error, "strerror", None) or str(error) or type(error).__name__
     if by_system := re.search(r"error message = '([^']+)'", text):
         text = by_system.group(1)

@@ -1,4 +1,4 @@
-"""Names of files that the locale of this process cannot say."""
+"""Checks of file names: the locale's encoding must be able to represent them."""
 
 import os
 import sys
@@ -16,14 +16,14 @@ def require_name(key: str, path: str | os.PathLike) -> None:
     Parameters
     ----------
     key : str
-        The key or the option that names the file.
+        Key of the scene, or option, that names the file; for the message.
     path : path
-        The file.
+        The file, which need not exist.
 
     Raises
     ------
     SceneError
-        With the key.
+        Names the key and the file, and suggests a UTF-8 locale.
     """
     try:
         os.fsencode(path)
@@ -32,8 +32,11 @@ def require_name(key: str, path: str | os.PathLike) -> None:
 
 
 def require_decoded(argument: str) -> None:
-    """Raise SceneError for an argument of the command line that the locale's encoding could not
-    decode. (In a UTF-8 locale it is the name of a file from another one, which can be opened.)"""
+    """Raise SceneError if the locale's encoding could not decode an argument of the command line.
+
+    In a UTF-8 locale nothing is raised: the argument may be the name of a file that was made in
+    another locale, and Python can open it.
+    """
     if sys.getfilesystemencoding() == "utf-8":
         return
     try:
@@ -43,7 +46,7 @@ def require_decoded(argument: str) -> None:
 
 
 def _not_in_locale(key: str, name: str) -> SceneError:
-    """Return the error of a name that the locale cannot write; key: of the scene."""
+    """Return, without raising it, the SceneError of a name that the locale cannot represent."""
     text = one_line(name.encode("ascii", "backslashreplace").decode())
     encoding = sys.getfilesystemencoding()
     return SceneError(

@@ -24,8 +24,8 @@ _OTHERS = {  # in m: names, of which any may have capitals
 
 
 @cache
-def _known() -> dict[str, float]:
-    """Return {unit in lower case: m}."""
+def _metres_by_name() -> dict[str, float]:
+    """Return the size in metres of each unit of length, by its names in lower case."""
     metres_by_name = {
         name.casefold(): metres for metres, names in _OTHERS.items() for name in names
     }
@@ -39,18 +39,18 @@ def _known() -> dict[str, float]:
 
 
 def length_factor(unit: str) -> float | None:
-    """Return how many metres a unit of length is.
+    """Return the size of a unit of length in metres.
 
     Parameters
     ----------
     unit : str
-        "nm", "µm", "Angstrom", "NanoMeters", "mil", ... Names may have capitals, and symbols may
-        consist of them ("NM"). "Mm" and "Nm", which mean other things as well, are no lengths.
+        "nm", "µm", "Angstrom", "NanoMeters", "mil", ... Case is ignored, except that "Mm" and "Nm",
+        which mean other things as well, are not accepted.
 
     Returns
     -------
     float or None
-        None for what is no unit of length, such as "px".
+        None if it is not a unit of length, such as "px".
     """
     text = unit.strip().replace("µ", "u").replace("μ", "u").replace("\u212b", "Å")
     is_symbol = len(text) <= 2 and text.isascii() and text.lower().endswith("m")
@@ -58,4 +58,4 @@ def length_factor(unit: str) -> float | None:
         return None
     if text == "M":  # mega
         return None
-    return _known().get(text.casefold())
+    return _metres_by_name().get(text.casefold())

@@ -5,10 +5,11 @@ from typing import Any
 
 
 def surface_topography() -> Any:
-    """Import SurfaceTopography without MPI.
+    """Import and return SurfaceTopography such that it does not use MPI.
 
-    With mpi4py it would start MPI in a process that no launcher started. Here every rank reads on
-    its own.
+    With mpi4py it would start MPI even in a process without a launcher. So mpi4py is hidden in
+    sys.modules during the first import. Every rank then reads files on its own. Raises ImportError
+    if SurfaceTopography is not installed.
     """
     if "NuMPI" not in sys.modules:
         mpi_modules = {

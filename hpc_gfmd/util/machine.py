@@ -7,16 +7,17 @@ GIB = 2**30
 
 
 def cores() -> list[int]:
-    """List the cores that this process may use."""
+    """List the numbers of the CPU cores that this process may use, ascending."""
     if hasattr(os, "sched_getaffinity"):
         return sorted(os.sched_getaffinity(0))
     return list(range(os.cpu_count() or 1))
 
 
 def available_gib() -> float:
-    """Return the GiB that new processes can get together, from this machine or their control group.
+    """Return the memory in GiB that new processes can still allocate, all of them together.
 
-    Infinity where the system does not report it.
+    It is what the machine has available, or what the limits of this process's control groups leave,
+    if that is less; infinity if the system does not report it.
     """
     gib = [float("inf")]
     if available_kib := _table(Path("/proc/meminfo")).get("MemAvailable:"):
@@ -69,7 +70,7 @@ def control_groups(
 
 
 def limit_gib() -> float:
-    """Return the GiB that `ulimit -v` still allows this process; infinity without a limit."""
+    """Return how many GiB `ulimit -v` leaves this process; infinity without a limit."""
     try:
         import resource
 
@@ -82,7 +83,7 @@ def limit_gib() -> float:
 
 
 def _table(path: Path) -> dict[str, int]:
-    """Read lines "word number ..." of a file as a dictionary; empty if the file is missing."""
+    """Read the lines "word number ..." of a file as {word: number}; empty if it cannot be read."""
     try:
         lines = [line.split() for line in path.read_text().splitlines()]
     except OSError:

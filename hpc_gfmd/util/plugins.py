@@ -17,19 +17,22 @@ from .errors import GfmdError
 
 @cache
 def names_in(package: str, apart: Sequence[str]) -> Sequence[str]:
-    """List the drop-in files of a folder without importing them.
+    """List the names of a folder's drop-in files, and of those that other packages add to it.
+
+    None of the files is imported.
 
     Parameters
     ----------
     package : str
-        Full name of the folder.
+        The folder as a package, such as "hpc_gfmd.bodies".
     apart : sequence of str
-        Files of the folder that are not drop-in files.
+        Names of files in the folder that are not drop-in files.
 
     Returns
     -------
     sequence of str
-        Names: of files of other packages, then of those in the folder, each in alphabetical order.
+        First the names that other packages add, then those in the folder, each in alphabetical
+        order.
     """
     path = importlib.import_module(package).__path__
     files = {module.name for module in pkgutil.iter_modules(path)}
@@ -38,12 +41,12 @@ def names_in(package: str, apart: Sequence[str]) -> Sequence[str]:
 
 @cache
 def module_in(package: str, name: str) -> Any:
-    """Import a drop-in file.
+    """Import and return a drop-in file.
 
     Parameters
     ----------
     package : str
-        Full name of the folder.
+        The folder as a package, such as "hpc_gfmd.bodies".
     name : str
         Name of the file, as `names_in` lists it.
 
@@ -68,12 +71,12 @@ def module_in(package: str, name: str) -> Any:
 
 @cache
 def class_in(package: str, name: str) -> Any:
-    """Find the class of a drop-in file whose attribute `name` is the name of the file.
+    """Import a drop-in file and return its class: the one whose `name` is the name of the file.
 
     Parameters
     ----------
     package : str
-        Full name of the folder.
+        The folder as a package, such as "hpc_gfmd.bodies".
     name : str
         Name of the file, as `names_in` lists it.
 
@@ -85,7 +88,7 @@ def class_in(package: str, name: str) -> Any:
     Raises
     ------
     GfmdError
-        If the file has no such class, or cannot be imported.
+        If the file has no such class, or a file of another package cannot be imported.
     """
     for value in vars(module_in(package, name)).values():
         if isinstance(value, type) and vars(value).get("name") == name:
@@ -94,7 +97,10 @@ def class_in(package: str, name: str) -> Any:
 
 
 def sources_added(package: str) -> list[Path]:
-    """List the files that other packages add to a folder, without importing them."""
+    """Return the paths of the drop-in files that other packages add to a folder.
+
+    The files are not imported, only the packages that contain them.
+    """
     names = sorted(point.value.partition(":")[0] for point in _added(package).values())
     specs = [find_spec(name) for name in names]
     return [Path(spec.origin) for spec in specs if spec is not None and spec.origin]
@@ -102,6 +108,6 @@ def sources_added(package: str) -> list[Path]:
 
 @cache
 def _added(package: str) -> dict[str, EntryPoint]:
-    """Return the entry points of other packages for a folder, by name."""
+    """Return the entry points, by name, with which other packages add files to a folder."""
     group = package.replace("contact", "observables")
     return {point.name: point for point in entry_points(group=group)}

@@ -68,19 +68,20 @@ def parse(text: str, dimension: str) -> Quantity:
 
 
 def format_quantity(value: float, like: float | None = None) -> str:
-    """Write a number for a message.
+    """Write a number for a message, with its unit if it is a Quantity.
 
     Parameters
     ----------
     value : float
-        The number in SI units, or a plain one.
+        The number in SI units, or without a unit.
     like : float, optional
-        A number that was given, whose unit is used; by default `value` itself.
+        A length; if it is a Quantity, `value` is written in its unit, else without a unit. Default:
+        `value` as the user gave it.
 
     Returns
     -------
     str
-        The number, with a unit if it was given with one.
+        The number and its unit, if any.
     """
     if like is None:
         return value.text if isinstance(value, Quantity) else f"{value:g}"
@@ -139,26 +140,26 @@ def _in_si(unit: str, dimension: str) -> float | None:
 
 @cache
 def _registry() -> Any:
-    """Make the table of units of pint, which takes a while to import."""
+    """Return pint's table of units, made at the first call, which takes a while."""
     import pint
 
     return pint.UnitRegistry()
 
 
 def in_units(unit: str, surface: Mapping[str, Any]) -> str:
-    """Write the unit of a number in the units of its surface.
+    """Replace the words length, pressure and force in a unit by the units of a surface.
 
     Parameters
     ----------
     unit : str
-        A product of "length", "pressure" and "force", such as "length^2".
+        A product of "length", "pressure" and "force", such as "length^2"; "" for a plain number.
     surface : mapping
-        Attributes of a surface, with the names "unit" of lengths and "pressure_unit".
+        Attributes of a surface: "unit" (of lengths) and "pressure_unit".
 
     Returns
     -------
     str
-        Such as "m^2"; "1" for a plain number, "" if one of the units has no name.
+        Such as "m^2"; "1" for a plain number; "" if the surface lacks one of the units.
     """
     length, pressure = (
         name if isinstance(name, str) else ""
@@ -175,20 +176,21 @@ PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "u", -3: "m", 0: "", 3: "k", 6: "M"
 
 
 def prefixed(values: Iterable[Any], unit: str) -> tuple[float, str]:
-    """Choose the prefixed unit in which a group of numbers is easy to read.
+    """Choose the SI prefix that makes the largest of some numbers lie between 1 and 1000.
 
     Parameters
     ----------
     values : iterable
-        Numbers in `unit`; all else is ignored.
+        Numbers in `unit`, of either sign. Anything else, and numbers that are not finite, are
+        ignored.
     unit : str
         Name of an SI unit, or "".
 
     Returns
     -------
     float, str
-        The size of the prefixed unit in `unit`, and its name: (1e6, "MPa"); (1.0, "") without a
-        unit.
+        The size of the prefixed unit in `unit`, and its name: (1e6, "MPa"). (1.0, "") if `unit` is
+        "".
     """
     largest = max(
         (abs(value) for value in values if isinstance(value, int | float) and isfinite(value)),

@@ -1,4 +1,4 @@
-"""Standard streams that are closed or break while a command runs."""
+"""Standard streams that are closed when a command starts, or break while it runs."""
 
 import os
 from contextlib import suppress
@@ -6,7 +6,7 @@ from typing import Any
 
 
 def occupy_standard_descriptors() -> None:
-    """Open the null device in place of each standard stream that is closed.
+    """Open the null device for each of the descriptors 0, 1 and 2 that is closed.
 
     Otherwise the next file to be opened, such as a result, gets the descriptor of standard output,
     and a library that prints writes into it.
@@ -17,10 +17,9 @@ def occupy_standard_descriptors() -> None:
 
 
 def discard(stream: Any) -> None:
-    """Redirect a stream that can no longer be written to to the null device.
+    """Redirect a broken stream to the null device, so that flushing it at exit does not fail.
 
-    This is the recipe of Python's documentation for SIGPIPE: what is left in the buffer would make
-    the interpreter fail when it flushes the stream at exit. A stream without a file descriptor, or
+    This is the recipe of Python's documentation for SIGPIPE. A stream without a file descriptor, or
     None, is left as it is.
     """
     with suppress(OSError, ValueError, AttributeError):

@@ -11,7 +11,7 @@ PACKAGES = ("hpc_gfmd", "numpy", "numba", "scipy", "h5py", "mpi4py", "mpi4py-fft
 
 @cache
 def versions() -> dict[str, str]:
-    """Return the versions of Python and of installed packages by name, without importing them."""
+    """Return the versions of Python and of the installed PACKAGES by name; nothing is imported."""
     installed = {"python": platform.python_version()}
     for name in PACKAGES:
         with suppress(metadata.PackageNotFoundError):
@@ -21,7 +21,7 @@ def versions() -> dict[str, str]:
 
 @cache
 def processor() -> str:
-    """Return the model of this machine's processor."""
+    """Return the model of this machine's processor, or its architecture if that is all there is."""
     try:
         lines = Path("/proc/cpuinfo").read_text().splitlines()
         return next(

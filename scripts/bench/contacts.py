@@ -34,6 +34,8 @@ class RoughContact:
         Largest pressure over E* g_rms; 0 for an elastic body.
     seed : int
         Seed of the surface.
+    L_over_lam_l, lam_s_over_a : float
+        Longest waves along an axis and grid spacings in the shortest one.
     """
 
     n: int
@@ -42,6 +44,8 @@ class RoughContact:
     boundary: str = "periodic"
     hardness: float = 0.0
     seed: int = 1
+    L_over_lam_l: float = 2.0
+    lam_s_over_a: float = 2.0
 
     @property
     def table(self):
@@ -49,9 +53,9 @@ class RoughContact:
         return {
             "kind": "self-affine",
             "hurst": self.hurst,
-            "L_over_lam_l": 2,
-            "lam_l_over_lam_s": self.n / 4,
-            "lam_s_over_a": 2,
+            "L_over_lam_l": self.L_over_lam_l,
+            "lam_l_over_lam_s": self.n / (self.L_over_lam_l * self.lam_s_over_a),
+            "lam_s_over_a": self.lam_s_over_a,
             "seed": self.seed,
             "g_rms": 1.0,
             "boundary": self.boundary,

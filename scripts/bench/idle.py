@@ -1,7 +1,8 @@
 """The time of a solve in which some threads are idle, by part.
 
 It is measured where the package shares work out among threads: every piece of work records when it
-begins and ends.
+begins and ends. In the compiled sweep over the coarse levels, where threads take pieces by
+themselves, they count how often they look in vain for one.
 """
 
 import sys
@@ -10,6 +11,7 @@ from functools import wraps
 from itertools import pairwise
 
 import hpc_gfmd
+from hpc_gfmd.operators.coarsest import CoarsestLevels
 from hpc_gfmd.operators.multilevel import Multilevel
 from hpc_gfmd.parallel import threads as shared_out
 from hpc_gfmd.solvers import solver_class
@@ -44,6 +46,7 @@ class IdleWatch:
         self._watch_method(solver_class("auto"), "step", ITERATION)
         self._watch_method(Multilevel, "sweep", COARSE_LEVELS)
         self._watch_pieces()
+        self._watch_waits()
 
     def take(self):
         """Return the seconds since the last call, and start again from zero.
@@ -121,6 +124,24 @@ class IdleWatch:
         for name, module in list(sys.modules.items()):
             if name.startswith(f"{hpc_gfmd.__name__}.") and hasattr(module, "on_threads"):
                 module.on_threads = on_threads
+
+    def _watch_waits(self):
+        """Take the time in which threads wait within a sweep off that in which all of them work.
+
+        Of more than two threads several wait at the same time, so that too much is taken off.
+        """
+        original = CoarsestLevels._do
+        time_of_a_look = None
+
+        def do(levels, begin, end):
+            nonlocal time_of_a_look
+            if time_of_a_look is None:
+                time_of_a_look = levels.time_of_a_look(self.clock)
+            original(levels, begin, end)
+            waited = levels.looks * time_of_a_look
+            self._full[self._part] = max(self._full[self._part] - waited, 0.0)
+
+        CoarsestLevels._do = do
 
 
 def seconds_at_work(changes, threads):

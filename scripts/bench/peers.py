@@ -124,11 +124,15 @@ def run(args):
     report = Report("peers", args.out)
     report.note(
         f"relative L2 error of the pressure field <= asked; {args.boundary}, H = {args.hurst},"
-        " L/lam_l = 2, lam_s/a = 2, seed 1; over_ours: median over runs in turn of the time over"
-        " that of our faster precision"
+        f" L/lam_l = {args.l_over_lam_l:g}, lam_s/a = {args.lam_s_over_a:g}, seed 1; over_ours:"
+        " median over runs in turn of the time over that of our faster precision"
     )
     for n in args.n:
-        surface = RoughContact(n, 1.0, args.hurst, args.boundary, args.hardness)
+        surface = RoughContact(
+            *(n, 1.0, args.hurst, args.boundary, args.hardness),
+            L_over_lam_l=args.l_over_lam_l,
+            lam_s_over_a=args.lam_s_over_a,
+        )
         loads = [surface.at_area(a_r).p_star for a_r in args.a_r] if free else args.p_star
         for p_star, error in product(loads, args.error):
             _compare(replace(surface, p_star=p_star), chosen, error, args, report)

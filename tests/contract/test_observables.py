@@ -17,7 +17,7 @@ from hpc_gfmd.contact import (
     duality,
     observables_named,
 )
-from hpc_gfmd.output.numbers import said_of
+from hpc_gfmd.output.numbers import dataset_attributes
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.runs.simulation import run_scene
 from hpc_gfmd.scene import Scene
@@ -120,10 +120,10 @@ def test_every_number_has_a_definition_and_a_unit(results, cli):
     surface = {"unit": "m", "pressure_unit": "Pa"}
     for name in {*results[0].steps[1], *all_observables()}:
         assert all_numbers()[name][0]
-        assert said_of(name, surface, all_numbers())["units"]
+        assert dataset_attributes(name, surface, all_numbers())["units"]
         assert f"| `{name}` | " in page
     names = "stiffness", "patch_largest", "a_r", "energy"
-    units = [said_of(name, surface, all_numbers())["units"] for name in names]
+    units = [dataset_attributes(name, surface, all_numbers())["units"] for name in names]
     assert units == ["Pa/m", "m^2", "1", "Pa m"]
 
 

@@ -92,16 +92,23 @@ def slow(seconds):
 def hold(function, text, flag):
     """Block a function of parallel/h5.py, _write or sync, for files with this text in their names.
 
-    The file `flag` is created when it blocks.
+    The file `flag` is created when it blocks. It goes on when that is deleted, or after a minute,
+    and does not block again.
     """
     from hpc_gfmd.parallel import h5
 
     original = getattr(h5, function)
+    was_held = False
 
     def blocking(target, *args, **named):
-        if not named and text in (str(target) if function == "sync" else target.file.filename):
+        nonlocal was_held
+        file = str(target) if function == "sync" else target.file.filename
+        if not named and not was_held and text in file:
+            was_held = True
             Path(flag).touch()
-            time.sleep(60)
+            end = time.monotonic() + 60
+            while Path(flag).exists() and time.monotonic() < end:
+                time.sleep(0.01)
         return original(target, *args, **named)
 
     setattr(h5, function, blocking)

@@ -1,6 +1,7 @@
 """Faults on one rank: all ranks end, one line names the reason, and no wrong result is left."""
 
 import json
+from pathlib import Path
 
 import pytest
 from faults.jobs import Job, assert_resumes, assert_sound, call, needs_mpi, run, write_scene
@@ -14,8 +15,8 @@ INTERNAL = "internal error on rank 1: RuntimeError: sabotage"
 EXCEPTIONS = {  # where: (fault, number of ranks, message)
     "while the surface is made": ("surface 1", RANKS, INTERNAL),
     "in the middle of a solve": ("solve 1 20", RANKS, INTERNAL),
-    "in the writer": ("write 1 6", RANKS, r"writing .*\.h5: sabotage"),
-    "in the writer, rank 0": ("write 0 6", RANKS, r"writing .*\.h5: sabotage"),
+    "in the writer": ("write 1 3", RANKS, r"writing .*\.h5: sabotage"),
+    "in the writer, rank 0": ("write 0 3", RANKS, r"writing .*\.h5: sabotage"),
     "where memory is allocated": ("no_memory 1 20", RANKS, "out of memory"),
     "where memory is allocated, alone": ("no_memory 0 20", None, "out of memory"),
 }
@@ -83,10 +84,12 @@ def test_memory_limit_at_start():
 def test_two_runs(undisturbed):
     """A second run is refused and does not disturb the first one."""
     path = write_scene()
-    running = Job("run scene.toml", RANKS, fault="slow -1 0.1")
-    assert running.wait_for((partial_folder(path) / "step-0001.h5").exists)
+    flag = Path("held")
+    running = Job("run scene.toml", RANKS, fault=f"hold 0 sync step-0002 {flag}")
+    assert running.wait_for(flag.exists)
     for job in (run("run scene.toml", RANKS), run("restart out.h5")):
         assert job.code == 2, job.err
         job.says("another run is writing this file")
+    flag.unlink()
     assert running.end(60).code == 0
     assert_sound(path, undisturbed(RANKS))

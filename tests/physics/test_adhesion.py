@@ -281,3 +281,11 @@ def test_weak_attraction_changes_nothing():
             assert solution.value("stability") > 0.99
         else:
             assert solution.a_r > 1.03 * plain.a_r
+
+
+def test_stickiness_of_a_stored_contact(tmp_path):
+    """Computed from the file, where the wall bears the attraction besides the load."""
+    adhesion = adhesive.attraction(3.0, 0.02)
+    solution = hpc_gfmd.solve(adhesive.wall(), adhesive.LOAD, adhesion=adhesion)
+    stored = hpc_gfmd.load(solution.save(tmp_path / "stored.h5"))[0]
+    assert stored.observable("stickiness") == pytest.approx(solution.observable("stickiness"))

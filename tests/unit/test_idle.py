@@ -8,6 +8,7 @@ import pytest
 from bench.idle import IdleWatch, seconds_at_work
 
 import hpc_gfmd
+from hpc_gfmd.operators.coarsest import CoarsestLevels
 from hpc_gfmd.operators.multilevel import Multilevel
 from hpc_gfmd.parallel import grid, threads
 from hpc_gfmd.solvers import solver_class
@@ -24,7 +25,8 @@ def test_seconds_at_work():
 @pytest.fixture
 def watch(monkeypatch):
     """An IdleWatch whose wrappers around functions of the package are removed after the test."""
-    for owner, name in ((solver_class("auto"), "step"), (Multilevel, "sweep")):
+    watched = (solver_class("auto"), "step"), (Multilevel, "sweep"), (CoarsestLevels, "_do")
+    for owner, name in watched:
         monkeypatch.setattr(owner, name, getattr(owner, name))
     for module in (grid, threads):
         monkeypatch.setattr(module, "on_threads", module.on_threads)

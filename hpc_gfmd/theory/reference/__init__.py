@@ -38,12 +38,12 @@ def contact_area(
     Returns
     -------
     a_r, sigma : float or array
-        The area and its standard uncertainty, in the shape of p_star.
+        The area and its absolute standard uncertainty, in the shape of p_star.
 
     Raises
     ------
     SceneError
-        Outside the ranges of the data.
+        If a number is outside of the range of the data.
     """
     return _shipped().at("a_r", p_star, hurst, eps_f)
 
@@ -58,17 +58,18 @@ def mean_gap(
     p_star, hurst, eps_f
         As for `contact_area`.
     unit : {"h_rms", "g_rms_lam_s"}
-        The length that the gap is given in; their ratio is that of sharp cutoffs in a large cell.
+        The length that the gap is given in. The data are in h_rms; they are converted by the ratio
+        that the two have for sharp cutoffs in a large cell.
 
     Returns
     -------
     gap, sigma : float or array
-        The mean gap and its standard uncertainty, in that unit and the shape of p_star.
+        The mean gap and its absolute standard uncertainty, in that unit and the shape of p_star.
 
     Raises
     ------
     SceneError
-        As `contact_area`, and for other units.
+        As `contact_area`, and if the unit is unknown.
     """
     gap, sigma = _shipped().at("gap_over_h_rms", p_star, hurst, eps_f)
     theory = [persson.mean_gap(1.0, hurst, eps_f, unit=name) for name in (unit, "h_rms")]

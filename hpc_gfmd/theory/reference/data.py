@@ -47,7 +47,7 @@ class Reference:
 
     @cached_property
     def ratios(self) -> dict[str, np.ndarray]:
-        """Logarithms of the values over Persson's theory."""
+        """ln(value/Persson's theory) by quantity, shape (m, k, loads); computed once."""
         logarithms = {}
         for name, loads in self.p_star.items():
             theory = [[_persson(name, loads, H, f) for f in self.eps_f] for H in self.hurst]
@@ -57,16 +57,17 @@ class Reference:
     def at(
         self, quantity: str, p_star: ArrayLike, hurst: float, eps_f: float
     ) -> tuple[float | np.ndarray, float | np.ndarray]:
-        """Interpolate a quantity, and find its uncertainty.
+        """Interpolate a quantity and its uncertainty between the tabulated points.
 
-        Interpolated is the logarithm of the ratio to Persson's theory, which varies little: by
-        splines along ln p_star and hurst and a parabola along ln eps_f. The uncertainty is that of
-        the points in between, as if all erred alike.
+        The logarithm of the ratio to Persson's theory, which varies little, is interpolated by
+        splines along ln p_star, hurst and ln eps_f (at most cubic, a parabola through three
+        points). The uncertainty is the weighted sum of those of the points, as if all were wrong in
+        the same direction.
 
         Parameters
         ----------
         quantity : str
-            One of QUANTITIES.
+            "a_r" or "gap_over_h_rms".
         p_star : float or array
             p0/(E* g_rms).
         hurst, eps_f : float
@@ -75,12 +76,12 @@ class Reference:
         Returns
         -------
         value, sigma : float or array
-            In the shape of p_star.
+            The quantity and its absolute standard uncertainty, in the shape of p_star.
 
         Raises
         ------
         SceneError
-            Outside the ranges of the data, and for other quantities.
+            If a number is outside of the range of the data, or the quantity is unknown.
         """
         if quantity not in QUANTITIES:
             raise SceneError(f"quantity: found {quantity!r}, allowed: {', '.join(QUANTITIES)}")
@@ -102,21 +103,27 @@ class Reference:
 
 
 def _within(name: str, wanted: ArrayLike, nodes: np.ndarray) -> np.ndarray:
-    """Return numbers within the table's nodes. Raises SceneError for others."""
+    """Return numbers as an array, clipped to the range of the nodes.
+
+    Raises SceneError if a number is outside of it by more than rounding (relative 1e-9).
+    """
     low = float(nodes.min())
     high = float(nodes.max())
     return np.clip(within(name, wanted, low * (1 - ROUNDING), high * (1 + ROUNDING)), low, high)
 
 
 def _weights(x: float, nodes: np.ndarray) -> np.ndarray:
-    """Return the weights at x of the values at the nodes, by a spline (at most of degree 3)."""
+    """Return the weights of the values at the nodes in their spline interpolation at x.
+
+    The spline is cubic, or of lower degree if there are fewer than four nodes.
+    """
     if len(nodes) == 1:
         return np.ones(1)
     return np.asarray(make_interp_spline(nodes, np.eye(len(nodes)), k=min(3, len(nodes) - 1))(x))
 
 
 def _persson(quantity: str, p_star: np.ndarray, hurst: float, eps_f: float) -> np.ndarray:
-    """Return Persson's area or gap, of which the table has the ratio."""
+    """Compute Persson's contact area ("a_r") or mean gap over h_rms (any other quantity)."""
     return (
         persson.contact_area(p_star)
         if quantity == "a_r"
@@ -125,17 +132,21 @@ def _persson(quantity: str, p_star: np.ndarray, hurst: float, eps_f: float) -> n
 
 
 def load(path: str | Path | None = None) -> Reference:
-    """Read a data file.
+    """Read a file of reference data.
 
     Parameters
     ----------
     path : path, optional
-        Default: the one shipped with the package.
+        Default: the file shipped with the package.
+
+    Returns
+    -------
+    Reference
 
     Raises
     ------
     SceneError
-        If it is not one.
+        If the file cannot be read or is not of this format.
     """
     path = Path(SHIPPED if path is None else path)
     try:

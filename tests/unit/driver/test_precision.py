@@ -5,7 +5,15 @@ import pytest
 from contacts import rough, sweep_of
 
 from hpc_gfmd.driver.load import Load
-from hpc_gfmd.driver.precision import few_points, first_precision, precisions, too_little, too_soft
+from hpc_gfmd.driver.precision import (
+    few_points,
+    first_precision,
+    known_heights,
+    known_p_stars,
+    precisions,
+    too_little,
+    too_soft,
+)
 from hpc_gfmd.scene import Scene, SolverTable
 
 SINGLE = np.dtype(np.float32)
@@ -73,3 +81,37 @@ def test_soft_bodies_are_not_tried_in_single_precision(hardness, dtype):
     if dtype == DOUBLE:
         double = sweep_of(surface, accuracy=1e-2, precision="double", layer=material)
         assert contact.fft_pairs == double.solve(Load("pressure", p_mean)).fft_pairs
+
+
+@pytest.mark.parametrize(
+    ("load", "g_rms", "known"),
+    [
+        ({"p_star": [0.1, 0.2]}, None, [0.1, 0.2]),
+        ({"a_r": [0.2, 0.1]}, None, [0.1, 0.05]),
+        ({"gap_mean": ["1 um", "2 um", "3 um"]}, 0.5, [None, None, None]),
+        ({"pressure": ["1 MPa", "2 MPa"]}, None, [None, None]),
+        ({"pressure": ["1 MPa", "2 MPa"]}, 0.5, [0.001, 0.002]),
+    ],
+)
+def test_loads_that_are_known_beforehand(load, g_rms, known):
+    surface = rough((2, 32, 2)) | {"physical_sizes": ["1 mm", "1 mm"]}
+    scene = {"surface": surface, "load": load, "material": {"E_star": "2 GPa"}}
+    p_stars = known_p_stars(Scene.from_dict(scene), g_rms)
+    assert p_stars == [p and pytest.approx(p) for p in known]
+
+
+def test_heights_that_are_known_beforehand():
+    """Of a map and of waves on a ball nothing is known; else slope and height, the latter to a few
+    per cent."""
+    for surface in (
+        {"kind": "file", "path": "x.npy"},
+        rough((2, 32, 2)) | {"radius": 5.0, "boundary": "free"},
+    ):
+        scene = Scene.from_dict({"surface": surface, "load": {"p_star": 0.1}})
+        assert known_heights(scene, (128, 128)) == (None, None)
+    for surface in (rough((4, 32, 2)), {"kind": "wave", "n": [128, 128], "amplitude": 0.01}):
+        scene = Scene.from_dict({"surface": surface, "load": {"p_star": 0.1}})
+        made = sweep_of(surface).surface
+        g_rms, height = known_heights(scene, (256, 256))
+        assert g_rms == pytest.approx(made.g_rms, rel=0.01)
+        assert height * g_rms / 256 == pytest.approx(made.h_rms, rel=0.1)

@@ -22,12 +22,12 @@ def test_prescribed_loads_of_scenes():
         ({"a_r": 1}, tables()),
     ]:
         scene = Scene.from_dict(data | {"load": table})
-        name, values = scene.load.given
+        name, values = scene.load.prescribed
         assert list(table) == [name]
         written = scene.model_dump(exclude_none=True)["load"][name]
         assert list(written) == (table[name] if isinstance(table[name], list) else [table[name]])
         assert all(isinstance(value, float | int) for value in values)
-        assert scene.load.found == (name != "force")
+        assert scene.load.is_searched == (name != "force")
 
 
 def test_run_plan_and_show(tmp_path, cli):

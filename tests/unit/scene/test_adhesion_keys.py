@@ -66,7 +66,7 @@ def test_bad_tables_are_refused(adhesion, words):
     "load", [{"p_star": -0.1}, {"p_star": [0.1, 0]}, {"pressure": [0.1, -0.1]}]
 )
 def test_tensile_loads_need_adhesion(load):
-    assert scene(load).load.given[1]
+    assert scene(load).load.prescribed[1]
     (name,) = load
     with pytest.raises(SceneError, match=rf"load.{name}: found .*allowed: a number greater than 0"):
         scene(load, None)

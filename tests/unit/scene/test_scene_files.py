@@ -70,8 +70,8 @@ def test_surface_paths_are_relative_to_the_scene_file(tmp_path):
 
 def test_override_replaces_another_kind_of_load(tmp_path):
     path = write(tmp_path, tomli_w.dumps(tables()))
-    assert load_scene(path).load.given[0] == "p_star"
-    assert load_scene(path, ["load.a_r=0.1"]).load.given == ("a_r", (0.1,))
+    assert load_scene(path).load.prescribed[0] == "p_star"
+    assert load_scene(path, ["load.a_r=0.1"]).load.prescribed == ("a_r", (0.1,))
     with refused(r"load\.a_rr"):
         load_scene(path, ["load.a_rr=0.1"])
 

@@ -15,6 +15,7 @@ from refusal import refused
 import hpc_gfmd
 from hpc_gfmd.commands.init import compose
 from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.runs.prepared import surface_of_topography
 from hpc_gfmd.runs.simulation import run_scene
 from hpc_gfmd.scene import File, Scene
 from hpc_gfmd.surface import build_surface
@@ -309,7 +310,7 @@ def test_resolution_of_the_instrument(capsys):
     assert any(words in line and "surface.downsample = 4 removes" in line for line in notes)
     assert re.search(f"^# downsample = 4 .*{words}", text, re.M)
     assert re.search('^# crop = ."0 m", "0 m", "1.2 um", "0.4 um".', text, re.M)
-    assert words in hpc_gfmd.prepare_surface(scan).notes[-1]
+    assert any(words in note for note in hpc_gfmd.prepare_surface(scan).notes)
 
 
 def test_unknown_formats_are_refused(tmp_path, capfd):
@@ -381,6 +382,10 @@ def test_heights_in_memory(heights, keys, plain):
     """Arrays and Topographies give the same solution; a Topography needs no preparation."""
     surface = hpc_gfmd.prepare_surface(heights, **keys)
     units = ("1 GPa", "50 GPa") if surface.unit else (1e9, 5e10)
+    if not keys:
+        as_it_is = surface_of_topography(heights)
+        assert repr(as_it_is) == repr(surface)
+        assert np.array_equal(as_it_is.heights, surface.heights)
     for argument in [surface] if keys else [surface, heights]:
         assert numbers(hpc_gfmd.solve(argument, *units)) == pytest.approx(numbers(plain), rel=1e-6)
 
@@ -418,6 +423,10 @@ def test_missing_heights_in_memory_and_files():
             hpc_gfmd.solve(heights, 1e-9)
         with refused(r"found nan at .* or fill = .harmonic."):
             hpc_gfmd.prepare_surface(heights)
+    with refused(r"masked points.*prepare_surface\(heights, fill"):
+        hpc_gfmd.solve(topography("m", False, MASKED), "1 GPa", "50 GPa")
+    with refused(r"surface.unit: not given"):
+        hpc_gfmd.solve(surface_topography().Topography(Z, SIZES), 1e-9)
     with refused(r"surface.unit: found 'nm', but the array has .* in '.m'"):
         hpc_gfmd.prepare_surface(topography("um"), unit="nm")
 

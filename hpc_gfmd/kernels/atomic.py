@@ -1,0 +1,68 @@
+"""Counters that several threads change without a lock, in kernels.
+
+All that a thread has written before it changes a counter is there for a thread that has seen the
+change.
+"""
+
+from llvmlite import ir
+from numba import types
+from numba.extending import intrinsic
+
+ORDER = "seq_cst"
+COUNTER = ir.IntType(64)
+
+
+def _address(context, builder, signature, values):
+    """Return the address of counters[index], the first two of the values."""
+    counters = context.make_array(signature.args[0])(context, builder, values[0])
+    return builder.gep(
+        counters.data, [context.cast(builder, values[1], signature.args[1], types.intp)]
+    )
+
+
+@intrinsic
+def add(_, counters, index, value):
+    """Add a number to a counter and return what it was before.
+
+    Parameters
+    ----------
+    counters : array of int64
+        Contiguous, one axis.
+    index : int
+        Of the counter.
+    value : int
+        0 reads the counter.
+    """
+
+    def generate(context, builder, signature, values):
+        number = context.cast(builder, values[2], signature.args[2], types.int64)
+        address = _address(context, builder, signature, values)
+        return builder.atomic_rmw("add", address, number, ORDER)
+
+    return types.int64(counters, index, value), generate
+
+
+@intrinsic
+def replace(_, counters, index, expected, value):
+    """Set a counter to a value if it is what is expected; return whether it was.
+
+    Parameters
+    ----------
+    counters : array of int64
+        Contiguous, one axis.
+    index : int
+        Of the counter.
+    expected, value : int
+        Before and after.
+    """
+
+    def generate(context, builder, signature, values):
+        before, after = (
+            context.cast(builder, number, kind, types.int64)
+            for number, kind in zip(values[2:], signature.args[2:])
+        )
+        address = _address(context, builder, signature, values)
+        result = builder.cmpxchg(address, before, after, ORDER)
+        return builder.extract_value(result, 1)
+
+    return types.boolean(counters, index, expected, value), generate
