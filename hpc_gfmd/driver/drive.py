@@ -431,13 +431,14 @@ def error_left(certificate: Certificate, criterion: StoppingCriterion) -> float:
     -------
     float
         Below 1 no iterations are needed any more. Infinite if the state is not finite or not
-        stable.
+        stable, or if an error is nan.
     """
     if not certificate.finite or certificate.stability <= 0:
         return np.inf
     if criterion.residual is not None:
         return certificate.residual / criterion.residual
-    return _largest_over_tolerance(criterion, certificate.errors, certificate.attainable)
+    left = _largest_over_tolerance(criterion, certificate.errors, certificate.attainable)
+    return np.inf if np.isnan(left) else left
 
 
 def _largest_over_tolerance(
@@ -448,16 +449,19 @@ def _largest_over_tolerance(
     """Return the largest error over the tolerance, without those that are limited by rounding.
 
     errors: of area, mean gap and pressure; attainable: the limits of the last two. 0 if all errors
-    are left out.
+    are left out, nan if one is.
     """
     at_best = (0.0, *attainable)
     errors_left = [
-        error for error, best in zip(errors, at_best, strict=True) if best < criterion.tolerance
+        error
+        for error, best in zip(errors, at_best, strict=True)
+        if not best >= criterion.tolerance  # a limit that is nan is none
     ]
-    return max(errors_left, default=0.0) / criterion.tolerance
+    return float(np.max(errors_left, initial=0.0)) / criterion.tolerance
 
 
 def _status_of(certificate: Certificate, criterion: StoppingCriterion) -> str:
     """Return "converged", or "stagnated" if an error limited by rounding exceeds the tolerance."""
-    met = criterion.residual is not None or max(certificate.errors) < criterion.tolerance
+    tolerance = criterion.tolerance
+    met = criterion.residual is not None or all(e < tolerance for e in certificate.errors)
     return "converged" if met else "stagnated"

@@ -48,6 +48,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .adhesive_rows import add_change, work_of_step
+from .atomic import add
 from .bfloat16 import decode, encode
 from .jit import inline, kernel, part, points_inside
 from .multilevel import combine_rows, interpolate_row, restrict_row, rows_beside
@@ -102,16 +103,18 @@ class UpdateSums(NamedTuple):
 
 @kernel
 def search_passes(
-    passes, k0, k1, rows, scratch, sums, g, p, d, z_1, transfer, step, H, inside, law, work
+    passes, shares, turns, rows, scratch, sums, g, p, d, z_1, transfer, step, H, inside, law, work
 ):
     """Make the step d on the rows of some passes and transform these rows: lines 1 to 3.
+
+    Every thread of the rank calls this, and takes one share of the passes after another.
 
     Parameters
     ----------
     passes : (passes, 2) int
         First row of each pass, and the row after its last one.
-    k0, k1 : int
-        The passes k0 <= k < k1 are made.
+    shares, turns
+        As of kernels/spectral.py: multiply_blocks.
     rows : tuple
         Row transforms of one thread (transforms.py), whose memory gets the step and its spectra.
     scratch : (>= 2, >= n_y)
@@ -125,25 +128,28 @@ def search_passes(
     work : (passes, 2) float64
         Gets what `work_of_step` returns of each pass; untouched without a law.
     """
-    for k in range(k0, k1):
-        i0 = passes[k, 0]
-        i1 = passes[k, 1]
-        sums[k, 0], sums[k, 1] = projected_step(
-            g, p, d, rows[0], i0, i1, z_1, transfer, step, H, inside, scratch
-        )
-        if law is not None:
-            work[k, 0], work[k, 1] = work_of_step(law, g, rows[0], i0, i1, inside)
-        store_rows(rows[1], i0, i1)
+    share = add(turns, 0, 1)
+    while share < shares.shape[0]:
+        for k in range(shares[share, 0], shares[share, 1]):
+            i0 = passes[k, 0]
+            i1 = passes[k, 1]
+            sums[k, 0], sums[k, 1] = projected_step(
+                g, p, d, rows[0], i0, i1, z_1, transfer, step, H, inside, scratch
+            )
+            if law is not None:
+                work[k, 0], work[k, 1] = work_of_step(law, g, rows[0], i0, i1, inside)
+            store_rows(rows[1], i0, i1)
+        share = add(turns, 0, 1)
 
 
 @kernel
 def update_passes(
     passes,
-    k0,
-    k1,
+    shares,
+    turns,
     rows,
     scratch,
-    first_row,
+    first_rows,
     sums,
     g,
     p,
@@ -159,17 +165,16 @@ def update_passes(
 ):
     """Transform rows of K d back and set g += s d and p += s K d, pass after pass: line 6.
 
-    The new state is restricted to level 1; the coarse row that two of these passes share gets the
-    sum of their parts.
+    The new state is restricted to level 1, where passes of one share add up a row that both have.
 
     Parameters
     ----------
-    passes, k0, k1, rows
+    passes, shares, turns, rows
         See `search_passes`; the memory of `rows` holds spectra of K d.
     scratch : tuple
         Memory of one thread: `gathered` and `shared` of `update_state`.
-    first_row : (3, m)
-        Gets the part of pass k0 in the coarse row that it shares with pass k0 - 1.
+    first_rows : (shares, 3, m)
+        Gets the part of each share's first pass in the coarse row that the pass before has, too.
     sums : (passes, 10) float64
         Gets the UpdateSums of each pass.
     g, p, s, coarse, transfer, H, inside
@@ -185,27 +190,44 @@ def update_passes(
     """
     gathered, shared = scratch
     zero = g.dtype.type(0)
-    for k in range(k0, k1):
-        i0 = passes[k, 0]
-        i1 = passes[k, 1]
-        if spectra:
-            load_rows(rows[1], i0, i1)
-        of_slab = i0 if d.shape[0] == g.shape[0] else 0
-        d_rows = d[of_slab : of_slab + i1 - i0]
-        if law is not None:
-            attracted[k, 0], attracted[k, 1] = add_change(
-                law, g, d_rows, rows[0], s, i0, i1, inside
+    share = add(turns, 0, 1)
+    while share < shares.shape[0]:
+        first = shares[share, 0]
+        for k in range(first, shares[share, 1]):
+            i0 = passes[k, 0]
+            i1 = passes[k, 1]
+            if spectra:
+                load_rows(rows[1], i0, i1)
+            of_slab = i0 if d.shape[0] == g.shape[0] else 0
+            d_rows = d[of_slab : of_slab + i1 - i0]
+            if law is not None:
+                attracted[k, 0], attracted[k, 1] = add_change(
+                    law, g, d_rows, rows[0], s, i0, i1, inside
+                )
+            update_state(
+                g,
+                p,
+                d_rows,
+                rows[0],
+                s,
+                i0,
+                i1,
+                coarse,
+                shared,
+                transfer,
+                H,
+                inside,
+                gathered,
+                sums[k],
             )
-        update_state(
-            g, p, d_rows, rows[0], s, i0, i1, coarse, shared, transfer, H, inside, gathered, sums[k]
-        )
-        top = transfer[0][i0]
-        bottom = transfer[0][i1 - 1] + 1
-        for c in range(3):
-            target = first_row[c] if k == k0 else coarse[c, top]
-            for j in range(target.shape[0]):
-                target[j] = shared[0, c, j] + (zero if k == k0 else target[j])
-                coarse[c, bottom, j] = shared[1, c, j]
+            top = transfer[0][i0]
+            bottom = transfer[0][i1 - 1] + 1
+            for c in range(3):
+                target = first_rows[share, c] if k == first else coarse[c, top]
+                for j in range(target.shape[0]):
+                    target[j] = shared[0, c, j] + (zero if k == first else target[j])
+                    coarse[c, bottom, j] = shared[1, c, j]
+        share = add(turns, 0, 1)
 
 
 @part

@@ -323,29 +323,30 @@ def sweep_levels(
     sums,
     totals,
 ):
-    """Sweep over consecutive levels, down to a single point, that one rank has completely.
+    """Sweep over consecutive levels, down to a single point, all of whose rows one rank has.
 
     r is the pressure out of contact, t the share of contact: both are restricted to all levels, and
-    r of every level becomes z, what the preconditioner makes of it (`smooth_level`). All threads
-    of the rank call this at the same time. Each takes the next piece of the sweep when all stages
-    before it are closed; who ends the last piece of a stage closes it.
+    r of every level becomes z, what the preconditioner makes of it (`smooth_level`). All threads of
+    the rank call this at the same time. Each takes the next piece of the sweep when all stages
+    before it are closed; the thread that ends the last piece of a stage closes it.
 
     Parameters
     ----------
     pieces : (pieces, 6) int64
-        In their order, of each: level, its rows i0 <= i < i1, whether they are smoothed or
-        restricted, and the first piece of its stage and the one after the last. A stage is one
+        In their order, of each: level, its rows i0 <= i < i1, 1 if they are smoothed and 0 if they
+        are restricted, and the first piece of its stage and the one after the last. A stage is one
         level on the way down or up.
     end : int
-        Number of pieces to do, counted from the first.
+        The piece after the last one to do.
     turns : array of int64
-        Counters that threads have in common, at NEXT, ENDED and CLOSED: the next piece, the number
-        of pieces that have ended, and that of pieces in closed stages.
+        Counters that threads share and change, at NEXT, ENDED and CLOSED: the next piece, the
+        number of pieces that have ended, and that of pieces in closed stages. The caller sets all
+        three to the first piece to do, with which a stage begins.
     patience : int
         How often a thread looks at a stage that is not closed before it returns.
     memory : flat array
-        Fields of all levels: r, t and on level 0 perhaps x. r of every level becomes z,
-        with halo rows. A level of zeros follows the last one: what is coarser than a point.
+        Fields of all levels: r, t and on level 0 perhaps another one, x. r of every level becomes
+        z, with halo rows. A level of zeros follows the last one: what is coarser than a point.
     levels : (levels + 1, 7) int64
         Of each level: where its fields begin in `memory`, their number, rows, points along a row,
         mode of the columns, and where its rows and columns begin in `tables`.
@@ -354,12 +355,11 @@ def sweep_levels(
     numbers : (levels, 2)
         Weight and factor of each level.
     softness : (levels,) float64
-        What the sums of a level are weighted by.
+        Weight of each level in the sums.
     damping : float
         Of all levels, in the precision of the fields.
     mode : flat array
-        The gap mode, added to z of level `mode_level` times its product with r there; empty where
-        there is none.
+        The gap mode: z of level `mode_level` gets mode times <mode, r>; empty: none.
     mode_level : int
         The level of the gap mode.
     scratch : (>= 2, >= n)
@@ -368,14 +368,14 @@ def sweep_levels(
         Gets the sums of each piece that is smoothed.
     totals : (TOTALS,) float64
         Gets <r, z> and <x, z> on level 0; <r, r>, <t, t>, <r, t>, <t, s> and <r, s>, summed over
-        levels times their softness; r of the last level, a single point: the mean of r; and the
-        product of the gap mode with r.
+        levels times their softness, s being the indicator of the surface; r of the last level, a
+        single point: the mean of r; and the product of the gap mode with r.
 
     Returns
     -------
     int
-        How often this thread looked at stages that were not closed; -1 less that if it returns
-        before the end.
+        How often this thread looked in vain at a stage that was not closed. -1 less that number if
+        it lost patience: it must call again, and nothing is lost.
     """
     J_x, f_x, J_y, f_y, s_x, s_y = tables
     coarsest = levels.shape[0] - 2
@@ -427,7 +427,7 @@ def sweep_levels(
 
 @inline
 def _begin_smoothing(memory, levels, mode, mode_level, totals):
-    """Set the totals to what they are before any level is smoothed."""
+    """Set the totals before any level is smoothed: 0, the mean of r, and <mode, r>."""
     coarsest = levels.shape[0] - 2
     for c in range(TOTALS):
         totals[c] = 0.0
@@ -442,7 +442,7 @@ def _begin_smoothing(memory, levels, mode, mode_level, totals):
 
 @inline
 def _close_smoothing(fields, sums, softness, has_mode, mode, totals):
-    """Add up the sums of a level's pieces, add the gap mode to its z, and set the halo rows."""
+    """Finish a level: add its pieces' sums to `totals` and the gap mode to z; set z's halo rows."""
     rows = fields.shape[1] - 2
     n = fields.shape[2]
     for c in range(SUMS):

@@ -52,6 +52,26 @@ class DeflationCalibration:
 CALIBRATION = DeflationCalibration()
 
 
+def level_of_mode(levels: Sequence[Level]) -> int | None:
+    """Return the number of the level on which deflation vectors are computed.
+
+    It is the finest one whose number of points meets CALIBRATION.
+
+    Parameters
+    ----------
+    levels : list of Level
+        All of a grid, finest first.
+
+    Returns
+    -------
+    int or None
+        At least 1; None if the grid is too small for a mode.
+    """
+    points = [level.n[0] * level.n[1] for level in levels]
+    most = min(points[0] / CALIBRATION.coarser, CALIBRATION.most)
+    return next((k for k, count in enumerate(points) if CALIBRATION.fewest <= count <= most), None)
+
+
 class GapMode:
     """Computes the deflation vectors of contacts on one grid.
 
@@ -65,40 +85,29 @@ class GapMode:
     body : Body
         Its stiffness.
     levels : list of Level
-        Those that one rank has alone.
+        All of the grid, finest first.
     weights : array
         Stiffness of these levels, in the precision of the fields.
 
     Attributes
     ----------
     level : int or None
-        Index in `levels` of the one that w is computed on; None if the grid is too small for a
-        mode.
+        Number of the level that w is computed on; None if the grid is too small for a mode.
     pairs : float
         Cost of one `find` in FFT pairs of the grid.
     """
 
     def __init__(self, grid: Grid, body: Body, levels: Sequence[Level], weights: np.ndarray):
-        points = [level.n[0] * level.n[1] for level in levels]
-        self.level = next(
-            (
-                k
-                for k, count in enumerate(points)
-                if CALIBRATION.fewest
-                <= count
-                <= min(grid.cell_points / CALIBRATION.coarser, CALIBRATION.most)
-            ),
-            None,
-        )
+        self.level = level_of_mode(levels)
         self.pairs = 0.0
         if self.level is None:
             return
-        self.pairs = CALIBRATION.steps * points[self.level] / grid.cell_points
+        n = levels[self.level].n
+        self.pairs = CALIBRATION.steps * n[0] * n[1] / grid.cell_points
         coarser = slice(self.level, None)
         self.levels = CoarsestLevels(
             LevelTables(levels[coarser], weights[coarser], weights[coarser])
         )
-        n = levels[self.level].n
         q_x, q_y = (
             2 * np.pi * np.fft.fftfreq(m, size / m) * grid.a
             for m, size in zip(n, grid.sizes, strict=True)

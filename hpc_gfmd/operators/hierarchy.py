@@ -23,10 +23,13 @@ from ..parallel.comm import stages
 from ..parallel.grid import Grid
 from ..parallel.halo import Overlaps, Windows
 from .coarsest import LevelTables
-from .deflation import GapMode
+from .deflation import GapMode, level_of_mode
 from .nominal import NominalArea
 
-COARSEST_POINTS = 128 * 128  # of several ranks: levels of at most so many points each has alone
+# Of several ranks: levels of at most so many points each of them has alone,
+COARSEST_POINTS = 64 * 64
+# and of at most so many where their rows would have to be gathered otherwise.
+UNGATHERED_POINTS = 128 * 128
 FEWEST_ROWS = 2  # of a level on one rank: with fewer, windows reach beyond neighbours
 GATHERED_ROWS = 4  # that ranks have at least where rows are gathered
 
@@ -119,8 +122,8 @@ def steps_of(
     dtype : dtype
         Precision of the tables.
     coarsest_points : int, optional
-        A rank has levels of at most so many points alone; default: COARSEST_POINTS, and one
-        process has all of them.
+        A rank has levels of at most so many points alone, and those below the level of the gap
+        mode; default: COARSEST_POINTS, and one process has all of them.
 
     Returns
     -------
@@ -135,17 +138,22 @@ def steps_of(
     hierarchy = levels(grid)
     if len(hierarchy) == 1:  # a single point: a level that equals it, so that there is always one
         hierarchy = hierarchy * 2
+    mode_level = level_of_mode(hierarchy)
     steps: list[Step] = []
     counted = grid.starts
     begin, end = counted[:-1], counted[1:]
-    for fine, coarse in zip(hierarchy, hierarchy[1:]):
+    for k, (fine, coarse) in enumerate(zip(hierarchy, hierarchy[1:])):
         transfer = Transfer(fine.n, coarse.n, begin, end, rank, dtype)
         starts = owned_rows(counted, fine.n[0], coarse.n[0])
-        alone = coarse.n[0] * coarse.n[1] <= coarsest_points or coarse is hierarchy[-1]
+        points = coarse.n[0] * coarse.n[1]
+        alone = points <= coarsest_points or coarse is hierarchy[-1] or k == mode_level
         begin, end = transfer.lo, transfer.hi
         has_rows = end > begin
         windows = None
-        if not alone and np.sum(has_rows) > 1 and np.diff(starts)[has_rows].min() < FEWEST_ROWS:
+        has_few_rows = np.sum(has_rows) > 1 and np.diff(starts)[has_rows].min() < FEWEST_ROWS
+        if not alone and has_few_rows and points <= UNGATHERED_POINTS:
+            alone = True
+        elif not alone and has_few_rows:
             starts = agglomerated(starts, coarse.n[0], GATHERED_ROWS)
             windows = Windows(rank, starts, begin, end)
             begin, end = starts[:-1], starts[1:]
@@ -203,7 +211,7 @@ def traffic_of(steps: Sequence[Step], itemsize: int) -> tuple[int, int]:
     last = steps[-1]
     if len(last.ranks) > 1 and last.transfer.rank in last.ranks:
         rounds = stages(len(last.ranks))
-        numbers += rounds * last.fields * last.window_rows * last.transfer.m[1]
+        numbers += rounds * (last.fields * last.window_rows * last.transfer.m[1] + 1)
         messages += rounds
     return numbers * itemsize, messages
 
@@ -251,8 +259,7 @@ class Hierarchy:
             (np.take(x, np.arange(*step.transfer.fine), mode="wrap").astype(dtype), y.astype(dtype))
             for (x, y), step in zip(self.area.s, self.steps)
         ]
-        alone = len(self.steps)
-        self.gap_mode = GapMode(grid, body, self.levels[alone:], self.weights[alone:])
+        self.gap_mode = GapMode(grid, body, self.levels, self.weights)
 
     @cached_property
     def coarsest_tables(self) -> LevelTables:

@@ -24,7 +24,7 @@ from ..kernels.bpx import UpdateSums, update_passes
 from ..kernels.multilevel import SUMS, restrict_level, smooth_level
 from ..kernels.transforms import no_rows
 from ..parallel.halo import add_all, add_overlaps
-from ..parallel.threads import added, on_threads, pieces_of, shares
+from ..parallel.threads import Shares, added, on_threads, pieces_of
 from ..util.aligned import LINE, zeros_aligned
 from .coarsest import DAMPING, CoarsestLevels
 from .hierarchy import Hierarchy
@@ -117,6 +117,9 @@ class Multilevel:
             field if step.windows is None else np.zeros(step.owned_shape, self.dtype)
             for step, field in zip(steps[:-1], self.fields)
         ]
+        # the gap mode on the last level that ranks share, its rows here, and its product with r
+        self._mode: np.ndarray | None = None
+        self._amplitude = 0.0
         to_level_1 = self.transfers[0]
         self.ends = np.array(to_level_1.passes(longest), np.int64).reshape(-1, 2)
         gathered = (6, grid.n[1] + LINE // self.dtype.itemsize)
@@ -172,18 +175,18 @@ class Multilevel:
         sums = np.zeros((len(self.ends), len(UpdateSums._fields)))
         if not len(self.ends):
             return UpdateSums.total(sums)
-        parts = shares(len(self.ends), grid.threads)
-        first_rows = np.empty((len(parts), 3, coarse.shape[2]), self.dtype)
+        shares = Shares(len(self.ends), grid.threads)
+        first_rows = np.empty((len(shares.parts), 3, coarse.shape[2]), self.dtype)
         step = self.dtype.type(s)
 
-        def update_part(part: int, k0: int, k1: int, thread: int) -> None:
+        def update_shares(thread: int) -> None:
             update_passes(
                 self.ends,
-                k0,
-                k1,
+                shares.parts,
+                shares.turns,
                 rows[thread],
                 self.scratch[thread],
-                first_rows[part],
+                first_rows,
                 sums,
                 g,
                 p,
@@ -198,12 +201,11 @@ class Multilevel:
                 attracted,
             )
 
-        pieces = [(part, *passes) for part, passes in enumerate(parts)]
-        on_threads(grid.threads, update_part, pieces, range(grid.threads))
+        shares.on_threads(update_shares, range(grid.threads))
         row_of = tables[0]
         coarse[:, : row_of[0] + 1] = 0
         coarse[:, row_of[-1] + 2 :] = 0
-        for (k0, _), first_row in zip(parts, first_rows):
+        for (k0, _), first_row in zip(shares.parts, first_rows):
             coarse[:, row_of[self.ends[k0, 0]]] += first_row
         return UpdateSums.total(sums)
 
@@ -237,6 +239,8 @@ class Multilevel:
         for k in reversed(range(self.distributed)):
             fields = self.owned[k]
             rz, xz, *level_sums = self.smooth(k + 1, fields, fields[0])
+            if k == self.distributed - 1 and self._mode is not None:
+                fields[0, 1:-1] += self.dtype.type(self._amplitude) * self._mode
             weight = self.hierarchy.area.weights[k + 1]
             sums = [total + weight * term for total, term in zip(sums, level_sums)]
             self._hand_out(k)
@@ -423,11 +427,13 @@ class Multilevel:
         if is_whole:
             fields[:, 1] += fields[:, -1]  # the row after the last is the first
         else:
-            add_all(
+            self._amplitude = add_all(
                 self.last_comm,
                 self.fields[k][:, 1:-1],
                 [(int(transfer.lo[r]), int(transfer.hi[r])) for r in self.steps[k].ranks],
                 fields[:, 1:-1],
+                # of all rows here: those that ranks share have a part of r on each
+                0.0 if self._mode is None else float(np.vdot(self._mode, self.owned[-1][0, 1:-1])),
             )
         self._add_group(k)
         if new_contact:
@@ -443,10 +449,30 @@ class Multilevel:
         return sums if self.last_comm.rank == 0 else nothing
 
     def _find_mode(self, coarsest: CoarsestLevels) -> None:
-        """Set the gap mode of `coarsest` from the contact in its fields; none unless wanted."""
+        """Compute the gap mode of the contact on the levels; set none if it is not wanted.
+
+        It is kept in `coarsest`, or in this object if ranks share its level. Collective over the
+        ranks that have the coarsest levels.
+        """
         coarsest.mode = coarsest.mode[:0]
-        if not self.gap_mode.wanted(coarsest.fields[1, 1:-1].mean()):
+        self._mode = None
+        level = self.gap_mode.level
+        if level is None or not self.gap_mode.wanted(coarsest.fields[1, 1:-1].mean()):
             return
-        coarsest.mode_level = self.gap_mode.level or 0
-        t = coarsest.contact(coarsest.mode_level)
-        coarsest.mode = self.gap_mode.find(t.copy()).ravel()
+        if level >= len(self.steps):
+            coarsest.mode_level = level - len(self.steps)
+            t = coarsest.contact(coarsest.mode_level)
+            coarsest.mode = self.gap_mode.find(t.copy()).ravel()
+            return
+        assert level == self.distributed
+        assert self.last_comm is not None
+        step = self.steps[-1]
+        r, t = self.owned[-1][:2, 1:-1][:, slice(*step.counted_rows)]
+        rows, points = step.transfer.n
+        whole = np.empty(rows * points, self.dtype)
+        counts = np.diff(step.counted)[step.ranks] * points
+        self.last_comm.allgather_arrays(np.ascontiguousarray(t).ravel(), whole, counts.tolist())
+        mode = self.gap_mode.find(whole.reshape(rows, points))
+        self._mode = np.take(mode, np.arange(*step.transfer.fine), axis=0, mode="wrap")
+        here = self._mode[slice(*step.counted_rows)]
+        self._amplitude = float(self.last_comm.sum([np.vdot(here, r)])[0])

@@ -42,7 +42,7 @@ class Ours:
     def __init__(self, heights, p0, **settings):
         import hpc_gfmd
 
-        self.settings = settings | {"fields": ["pressure"]}
+        self.settings = settings | {"fields": ["pressure"], "threads": 1}
         self.press = partial(hpc_gfmd.solve, heights, p0)
         self.solve(0.5)
 

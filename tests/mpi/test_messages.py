@@ -22,6 +22,7 @@ pytestmark = pytest.mark.mpi
 @pytest.mark.parametrize("n_over", [(2, 32, 4), (1, 31, 2.0)])
 def test_counted(comm, n_over, boundary, monkeypatch):
     monkeypatch.setattr(hierarchy, "COARSEST_POINTS", 64)
+    monkeypatch.setattr(hierarchy, "UNGATHERED_POINTS", 64)
     monkeypatch.setattr(hierarchy, "FEWEST_ROWS", 4)
     if comm.size == 1:
         return

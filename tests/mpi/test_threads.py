@@ -57,6 +57,7 @@ def small(monkeypatch):
     on some ranks only."""
     for module, name, value in (
         (hierarchy, "COARSEST_POINTS", 64),
+        (hierarchy, "UNGATHERED_POINTS", 64),
         (hierarchy, "FEWEST_ROWS", 4),
         (pieces, "PIECE_POINTS", 2**9),
         (nested, "CALIBRATION", replace(nested.CALIBRATION, rank_points=1024, coarsest=8)),

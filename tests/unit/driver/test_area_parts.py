@@ -9,7 +9,7 @@ from contacts import random_heights, sweep_over
 
 from hpc_gfmd.bodies.halfspace import HALF_SPACE
 from hpc_gfmd.bodies.layer import Layer
-from hpc_gfmd.driver.bracket import Bound, Bracket
+from hpc_gfmd.driver.bracket import Bound, Bracket, _share
 from hpc_gfmd.driver.load import Load
 from hpc_gfmd.driver.side_changes import SideChanges
 from hpc_gfmd.parallel.grid import Grid
@@ -40,6 +40,33 @@ def test_bracket_converges_to_the_root(function, most_steps):
         steps += 1
         assert steps <= most_steps
     assert bracket.low.x - resolution <= ROOT <= bracket.high.x + resolution
+
+
+def bounds(*distances):
+    """Bounds at loads whose inverse is a parabola: x = 1 + y + y^2/5 of a distance y, so 1 is the
+    root."""
+    return [Bound(1 + y + y**2 / 5, 0.0, y) for y in distances]
+
+
+@pytest.mark.parametrize(
+    ("distances", "share"),
+    [
+        ((-0.5, 0.8), 0.5 / 1.3),  # a secant
+        ((-0.5, 0.8, -0.9), None),  # inverse quadratic interpolation, exact here
+        ((0.3, -0.5, 0.7), None),
+        ((-0.5, 0.8, -0.5), 0.5),  # no parabola through these
+        ((-0.5, 0.8, 0.8), 0.5),
+        ((-3.0, 0.8, -4.0), 0.5),  # Chandrupatla's conditions do not hold
+        ((-0.5, -0.5), 0.5),
+        ((-inf, 0.8), 0.5),
+        ((-0.5, 0.8, -inf), 0.5),
+    ],
+)
+def test_share_of_the_way_between_bounds(distances, share):
+    newest, opposite, *replaced = bounds(*distances)
+    if share is None:
+        share = (1 - newest.x) / (opposite.x - newest.x)
+    assert _share(newest, opposite, *replaced or [None]) == pytest.approx(share, rel=1e-12)
 
 
 def test_contradicting_bounds_are_dropped():

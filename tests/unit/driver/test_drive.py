@@ -11,7 +11,7 @@ from hpc_gfmd.certificate.certificate import Certificate
 from hpc_gfmd.certificate.criterion import StoppingCriterion
 from hpc_gfmd.certificate.error_estimates import Estimate
 from hpc_gfmd.driver import drive as module
-from hpc_gfmd.driver.drive import CALIBRATION, drive
+from hpc_gfmd.driver.drive import CALIBRATION, drive, error_left
 from hpc_gfmd.driver.search import LoadSearch
 from hpc_gfmd.solvers.base import Progress
 
@@ -127,6 +127,18 @@ def test_max_iterations(certified, meets, status):
     assert (outcome.status, solver.iterations) == (status, CRITERION.max_iterations)
 
 
+@pytest.mark.parametrize("which", range(3))
+def test_an_error_that_is_nan_is_not_met(certified, monkeypatch, which):
+    errors = [0.0, 0.0, 0.0]
+    errors[which] = np.nan
+
+    def certificate_of(solver, criterion):
+        return Certificate(errors=tuple(errors), contact=10, gap_mean=1.0)
+
+    monkeypatch.setattr(module, "certificate_of", certificate_of)
+    assert drive(Scripted(halving), CRITERION).status == "stagnated"
+
+
 def test_nonfinite_progress(certified):
     certified(lambda solver: np.nan)
     solver = Scripted(halving, finite=lambda iterations: iterations < 3)
@@ -189,3 +201,26 @@ def test_separated_bodies_are_not_iterated(certified):
     solver.is_separated = True
     assert drive(solver, CRITERION).status == "separated"
     assert solver.iterations == 0
+
+
+@pytest.mark.parametrize(
+    ("criterion", "certificate", "left"),
+    [
+        ({"accuracy": 1e-3}, {"errors": (1e-4, 2e-3, 5e-4)}, 2.0),
+        ({"accuracy": 1e-3}, {"errors": (4e-3, 2e-3, 5e-4)}, 4.0),
+        ({"accuracy": 1e-3}, {"errors": (0.0, 2e-3, 5e-3), "attainable": (3e-3, 0.0)}, 5.0),
+        ({"accuracy": 1e-3}, {"errors": (0.0, 2e-3, 5e-3), "attainable": (0.0, 8e-3)}, 2.0),
+        ({"residual": 1e-2}, {"errors": (0.0, 2.0, 2.0), "residual": 3e-2}, 3.0),
+        ({"accuracy": 1e-3}, {"errors": (0.0, 0.0, 0.0), "stability": 0.0}, np.inf),
+        ({"accuracy": 1e-3}, {"errors": (0.0, 0.0, 0.0), "stability": -0.1}, np.inf),
+        ({"accuracy": 1e-3}, {"errors": (0.0, 0.0, 0.0), "stability": 0.1}, 0.0),
+        ({"residual": 1e-2}, {"residual": np.nan}, np.inf),
+        ({"accuracy": 1e-3}, {"errors": (0.0, np.nan, 0.0)}, np.inf),
+        ({"accuracy": 1e-3}, {"errors": (0.0, 0.0, 2e-3), "attainable": (0.0, np.nan)}, 2.0),
+    ],
+)
+def test_error_that_is_left(criterion, certificate, left):
+    """States that are unstable or not finite never meet a criterion; errors of the working
+    precision do not count."""
+    made = Certificate(**{"contact": 10, "gap_mean": 1.0} | certificate)
+    assert error_left(made, StoppingCriterion(**criterion)) == pytest.approx(left)

@@ -37,6 +37,17 @@ def test_ranks_share_work_evenly(n, dtype):
 
 
 @pytest.mark.parametrize(
+    ("n", "ranks", "messages", "points"),
+    [(4096, 16, 6, 9_200), (4096, 64, 8, 9_400), (2**15, 64, 8, 38_100), (2**15, 1024, 20, 41_900)],
+)
+def test_coarse_levels_are_little_work_for_every_rank(n, ranks, messages, points):
+    """Messages of a sweep, and points that a rank works on besides its own rows."""
+    shares = busiest((n, n), np.float32, ranks)
+    assert max(share.level_traffic[1] for share in shares) <= messages
+    assert max(share.level_points - share.points / 3 for share in shares) <= points
+
+
+@pytest.mark.parametrize(
     ("n", "ranks"),
     [((48, 30), 1), ((64, 64), 5), ((300, 200), 7), ((7, 11), 9), ((1, 40), 3), ((256, 512), 16)],
 )

@@ -1,0 +1,72 @@
+"""The preconditioner on slabs is that of one process, also its gap mode, wherever its level is."""
+
+import numpy as np
+import pytest
+
+from hpc_gfmd.bodies.halfspace import HALF_SPACE
+from hpc_gfmd.operators import hierarchy
+from hpc_gfmd.operators.multilevel import Multilevel
+from hpc_gfmd.parallel.grid import Grid
+
+pytestmark = pytest.mark.mpi
+
+
+def contact(n):
+    """(g, p) of a few patches: a gap mode counts where little touches."""
+    random = np.random.default_rng(3)
+    g = random.random(n) + 0.1
+    g[20:50, 60:90] = 0.0
+    g[150:160, 10:30] = 0.0
+    return g, random.standard_normal(n) + 0.5
+
+
+def swept(comm, n, g, p):
+    """z on level 1, all rows, and the sums of two sweeps: of a new contact, and of another p."""
+    grid = Grid(n, comm=comm)
+    levels = Multilevel(grid, HALF_SPACE, np.float64, 8)
+    mine = slice(*grid.rows)
+    results = []
+    for pressure, is_new in ((p, True), (np.roll(p, 7, 0), False)):
+        levels.restrict(g[mine], np.where(g > 0, pressure, 1.0)[mine])
+        sums = levels.sweep(is_new)
+        transfer = levels.transfers[0]
+        m_x = transfer.m[0]
+        rows = np.arange(transfer.lo[transfer.rank], transfer.hi[transfer.rank]) % m_x
+        whole = np.empty((m_x, transfer.m[1]))
+        for rows_of_rank, z in grid.comm.allgather((rows, levels.z[1 : 1 + len(rows)])):
+            whole[rows_of_rank] = z
+        results += [whole, grid.comm.sum(sums)]
+    return results, levels
+
+
+@pytest.mark.parametrize("fewest_rows", [2, 16])
+@pytest.mark.parametrize(
+    ("n", "coarsest"), [((256, 256), 64), ((256, 256), 4096), ((300, 200), 64)]
+)
+def test_sweep_is_that_of_one_process(comm, n, coarsest, fewest_rows, monkeypatch):
+    """With the level of the gap mode (32 x 32, 38 x 25) on slabs, gathered, or complete."""
+    g, p = contact(n)
+    alone, _ = swept(None, n, g, p)
+    monkeypatch.setattr(hierarchy, "COARSEST_POINTS", coarsest)
+    monkeypatch.setattr(hierarchy, "UNGATHERED_POINTS", coarsest)
+    monkeypatch.setattr(hierarchy, "FEWEST_ROWS", fewest_rows)
+    on_ranks, levels = swept(comm, n, g, p)
+    for mine, expected in zip(on_ranks, alone, strict=True):
+        assert np.allclose(mine, expected, rtol=1e-10, atol=1e-12 * np.abs(expected).max())
+    if comm.size > 1 and coarsest == 64:
+        assert levels.distributed == levels.gap_mode.level
+
+
+def test_gap_mode_counts(comm, monkeypatch):
+    """Without it z is another one: so the test above sees it."""
+    n = 256, 256
+    g, p = contact(n)
+    (z, *_), levels = swept(comm, n, g, p)
+    monkeypatch.setattr(levels.gap_mode, "level", None)
+    grid = levels.grid
+    mine = slice(*grid.rows)
+    levels.restrict(g[mine], np.where(g > 0, p, 1.0)[mine])
+    levels.sweep(True)
+    transfer = levels.transfers[0]
+    rows = np.arange(transfer.lo[transfer.rank], transfer.hi[transfer.rank]) % transfer.m[0]
+    assert not np.allclose(levels.z[1 : 1 + len(rows)], z[rows], rtol=1e-3)
