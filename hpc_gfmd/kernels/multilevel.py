@@ -129,11 +129,44 @@ def combine_rows(coarse, J, f, out):
 
 
 @inline
+def rows_beside(start, end, f_x, zero, one):
+    """Return the two rows beside a coarse row, and what they add to it and to the next one.
+
+    There are never more than two. Where there is one, or none as beside the last coarse row of a
+    rank, some other row stands for those that are missing, and adds nothing.
+
+    Parameters
+    ----------
+    start, end : int
+        The rows start <= i < end; not (0, 0).
+    f_x : array
+        Weights of all rows.
+    zero, one : float
+        0 and 1 in the precision of the fields.
+
+    Returns
+    -------
+    a, b : int
+        The two rows.
+    of_a, of_b : float
+        1 - f_x of these.
+    next_a, next_b : float
+        f_x of these.
+    """
+    a = start if start < end else start - 1
+    b = end - 1
+    f_a = f_x[a]
+    f_b = f_x[b]
+    has_a = one if start < end else zero
+    has_b = one if start + 1 < end else zero
+    return a, b, has_a * (one - f_a), has_b * (one - f_b), has_a * f_a, has_b * f_b
+
+
+@inline
 def gather_rows(fine, start, end, f_x, complete, following):
     """Restrict along x: add up own rows start <= i < end, all those beside one coarse row.
 
-    Sets complete = following + sum of (1 - f_x) row, and following = sum of f_x row. Two rows, as
-    wherever the axis is halved, take a single pass.
+    Sets complete = following + sum of (1 - f_x) row, and following = sum of f_x row.
 
     Parameters
     ----------
@@ -147,26 +180,13 @@ def gather_rows(fine, start, end, f_x, complete, following):
         Get the coarse row, which is then complete, and what these rows add to the next one. On
         entry `following` holds what earlier rows add to this coarse row.
     """
-    n = complete.shape[0]
-    zero = complete.dtype.type(0)
-    one = complete.dtype.type(1)
-    if end == start + 2:
-        f0 = f_x[start]
-        f1 = f_x[start + 1]
-        for j in range(n):
-            row0 = fine[start + 1, j]
-            row1 = fine[start + 2, j]
-            complete[j] = following[j] + (one - f0) * row0 + (one - f1) * row1
-            following[j] = f0 * row0 + f1 * row1
-        return
-    for j in range(n):
-        complete[j] = following[j]
-        following[j] = zero
-    for i in range(start, end):
-        f = f_x[i]
-        for j in range(n):
-            complete[j] += (one - f) * fine[i + 1, j]
-            following[j] += f * fine[i + 1, j]
+    real = complete.dtype.type
+    a, b, of_a, of_b, next_a, next_b = rows_beside(start, end, f_x, real(0), real(1))
+    for j in range(complete.shape[0]):
+        row_a = fine[a + 1, j]
+        row_b = fine[b + 1, j]
+        complete[j] = following[j] + of_a * row_a + of_b * row_b
+        following[j] = next_a * row_a + next_b * row_b
 
 
 @kernel
@@ -199,21 +219,20 @@ def restrict_level(fine, coarse, transfer, i0, i1, scratch):
     before = i0
     while before > 0 and J_x[before - 1] == J_x[i0 - 1]:
         before -= 1
+    # the coarse row after the last one of the rank has no rows beside it
+    J_end = J_x[i1 - 1] + (2 if i1 == rows else 1)
     for c in range(coarse.shape[0]):
         for j in range(n):
             following[j] = fine.dtype.type(0)
         start = before
-        while start < i1:
-            J = J_x[start]
-            end = start + 1
+        for J in range(J_x[before], J_end):
+            end = start
             while end < rows and J_x[end] == J:
                 end += 1
             gather_rows(fine[c], start, end, f_x, complete, following)
             if start >= i0:
                 restrict_row(complete, coarse[c, J], factor, mode, J_y, f_y)
             start = end
-        if start == rows:
-            restrict_row(following, coarse[c, J_x[rows - 1] + 1], factor, mode, J_y, f_y)
 
 
 @kernel
