@@ -36,14 +36,16 @@ class EarlierRun(NamedTuple):
 def claim(path: Path, identity: str | None, resume: bool, force: bool) -> tuple[int, EarlierRun]:
     """Create and lock the folder for partial results of a run. Called on rank 0 only.
 
-    Everything in that folder but the lock is removed, unless an earlier run is resumed.
+    The files of an earlier run in that folder are removed, unless that run is resumed. It is
+    resumed if it has the same identity, `resume` is set and `force` is not.
 
     Parameters
     ----------
     path : Path
         The result file, OUT.h5. It is not changed.
     identity : str or None
-        `Scene.identity`; a run of the same identity can be resumed.
+        `Scene.identity` of the new run, None if it has none; a run of the same identity can be
+        resumed.
     resume : bool
         Whether to continue an interrupted run.
     force : bool
@@ -60,9 +62,9 @@ def claim(path: Path, identity: str | None, resume: bool, force: bool) -> tuple[
     Raises
     ------
     SceneError
-        If the folder of OUT.h5 is missing or not writable, another run holds the lock, or, without
-        `force`, finished loads or the result of another scene would be lost. Then the lock is
-        released.
+        If `path` is a folder, cannot be represented in the locale's encoding, or lies in a folder
+        that is missing or not writable; if another run holds the lock; or if, without `force`,
+        finished loads or the result of another scene would be lost. No lock is held then.
     """
     require_name("output.path", path)
     if not path.parent.is_dir():
@@ -94,8 +96,9 @@ def _earlier_run(
 ) -> EarlierRun:
     """Return what an earlier run has left in the locked folder; empty it unless that is resumed.
 
-    `files` are those of its finished loads, by number; `identity`, `resume` and `force` as for
-    `claim`. Raises SceneError if loads or a result would be lost without `force`.
+    `path` is the result file, and `files` are the files of finished loads in the folder, by number;
+    `identity`, `resume` and `force` are as for `claim`. Raises SceneError if loads or a result
+    would be lost without `force`.
     """
     has_begun = (folder / HEAD).exists()
     loads = len(files) if has_begun else 0
@@ -129,7 +132,8 @@ def _earlier_run(
 def _note_on_replaced(path: Path, identity: str | None, force: bool) -> str:
     """Return a note on the existing file at `path`, which the run will replace.
 
-    Raises SceneError if it is not a result of this scene, unless `force` is set.
+    Raises SceneError if it is not a result of this scene, whose identity is `identity`, unless
+    `force` is set.
     """
     try:
         is_same = read_file(path).head.get("identity") == identity

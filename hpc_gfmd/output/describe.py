@@ -23,10 +23,16 @@ SIGNS = (
 def describe(file: Any, head: dict, surface: dict, steps: Mapping[str, dict], about: About) -> None:
     """Add what other programs need to an open result file whose fields are laid out.
 
-    The values of the fields need not be written yet. It writes the attributes of the root, the
-    surface and the steps; the arrays load, x, y and the numbers of all loads; links steps/NNNN/x,
-    y, p, heights beside fields; and the group VTKHDF with views of the fields. Before the surface
-    has its size "n", it writes only attributes.
+    The values of the fields need not be written yet. The function writes
+
+    - the attributes of the root, the surface and the steps, and nothing else before the surface has
+      its size "n";
+    - the arrays load, x, y, and one array over the loads for each number;
+    - the units and meanings of all fields;
+    - in each group with fields (a step, or the surface): links to x and y;
+    - in each group of a step: its mean pressure p, and a link to the heights, if they are stored;
+    - the group VTKHDF with views of the fields that all steps have, unless there are no steps or
+      the grid has one point along an axis.
 
     Parameters
     ----------
@@ -35,7 +41,7 @@ def describe(file: Any, head: dict, surface: dict, steps: Mapping[str, dict], ab
     head, surface : dict
         Attributes of the root and of the surface.
     steps : mapping of str to dict
-        Attributes of the load steps by name of their group.
+        Attributes of the load steps by name of their group, such as "steps/0003".
     about : mapping
         {name: (meaning, unit)} of the numbers.
     """
@@ -68,12 +74,12 @@ def coordinates(
     Parameters
     ----------
     group : h5py.Group
-        The group that they are written to.
+        The group that they are written to; it must not have them yet.
     surface : mapping
         Attributes of the surface.
     of_loads : mapping of str to ndarray
-        One array over the load steps for each number. "load" gets the values of "p", or nan without
-        it.
+        One array over the load steps for each number; "load" gets the values of "p", or nan without
+        it. Texts are stored as texts of any length, and bools as int8 with an attribute.
     about : mapping
         {name: (meaning, unit)} of the numbers.
 
@@ -110,7 +116,7 @@ def describe_dataset(
     about : mapping
         {name: (meaning, unit)} of the numbers.
     scales : sequence of h5py.Dataset
-        Dimension scales of its first axes, in order.
+        Dimension scales of its first axes, in order; by default none is attached.
     """
     dataset.attrs.update(dataset_attributes(dataset.name.rpartition("/")[2], surface, about))
     for axis, scale in zip(dataset.dims, scales):
@@ -120,8 +126,10 @@ def describe_dataset(
 def _views(file: Any, steps: Sequence, scales: Sequence, surface: Attributes, about: About) -> None:
     """Add a group VTKHDF (ImageData) with views of the fields that all steps have, if any.
 
-    No data is copied. The fields are (load, x, y), or (x, y) of a single load. VTK's first axis is
-    the last one of an array, our y; the attribute Direction swaps them back, so that x is x.
+    No data is copied. `steps` are the groups of the loads, at least one; `scales` are the datasets
+    load, x and y. The fields are (load, x, y), or (x, y) of a single load. Times are the mean
+    pressures if these rise from load to load, otherwise 0, 1, 2, ... VTK's first axis is the last
+    one of an array, our y; the attribute Direction swaps them back, so that x is x.
     """
     import h5py
 
@@ -169,8 +177,9 @@ def _fields(group: Any) -> list[str]:
 def set_attributes(file: Any, groups: Mapping[str, dict]) -> None:
     """Write attributes of groups, creating groups that are missing.
 
-    A dict is stored as JSON, and None not at all. All texts of a group are stored again as JSON in
-    its attribute RECORD, from which this program reads them.
+    A dict is stored as JSON, and None not at all. The attribute RECORD of a group holds the names
+    of all its attributes as JSON, with the values of those that are texts: this program reads them
+    from there.
 
     Parameters
     ----------

@@ -28,11 +28,12 @@ def export(result: Result, kind: str, path: str | os.PathLike | None, about: Abo
     Parameters
     ----------
     result : Result
+        In a file or in memory.
     kind : str
         One of FORMATS.
     path : path or None
-        The file to write, which is replaced if it exists; None: beside the file of the result, with
-        the extension of the format.
+        The file to write, which is replaced if it exists. None: the path of the result with the
+        extension of the format, or contact.EXTENSION in the working folder for a result in memory.
     about : mapping
         {name: (meaning, unit)} of the numbers.
 
@@ -70,11 +71,13 @@ def to_vtkhdf(result: Result, path: Path, about: About) -> None:
     """Write the fields that all loads have as ImageData for ParaView.
 
     Arrays are (load, y, x), the order of VTK, so that all versions from 9.3 show every number in
-    its place. In result files they are (x, y), which versions below 9.7 swap.
+    its place; a single load has (y, x). In result files they are (x, y), which versions below 9.7
+    swap.
 
     Parameters
     ----------
     result : Result
+        With at least one load.
     path : Path
         The file to write.
     about : mapping
@@ -127,14 +130,27 @@ def to_vtkhdf(result: Result, path: Path, about: About) -> None:
 
 
 def to_netcdf(result: Result, path: Path, about: About) -> None:
-    """Write netCDF-4 with dimensions load, x, y: each number and each field is a variable.
+    """Write netCDF-4 with a variable for each number and for each field that all loads have.
 
-    Variables have a unit and a meaning. Fields that some load lacks are left out.
+    Numbers have the dimension load, fields (load, x, y), and heights, which are the same for all
+    loads, (x, y). Variables have the attributes `units` and `long_name`; single numbers and texts
+    of the head of the result become attributes of the file.
 
     Parameters
     ----------
-    result, path, about
-        As for `to_vtkhdf`.
+    result : Result
+        With at least one load.
+    path : Path
+        The file to write.
+    about : mapping
+        {name: (meaning, unit)} of the numbers.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+    GfmdError
+        If stored fields of the result are damaged.
     """
     import h5py
 
@@ -158,13 +174,15 @@ def to_netcdf(result: Result, path: Path, about: About) -> None:
 def to_npz(result: Result, path: Path, about: About) -> None:
     """Write a .npz archive with numbers over the loads, coordinates and fields.
 
-    Its arrays are one for each number, x, y, heights (x, y), and the other fields (load, x, y).
+    Its arrays are the numbers (load), x, y, heights (x, y), and the other fields (load, x, y).
     Fields that some load lacks are left out.
 
     Parameters
     ----------
-    result, path, about
+    result, path
         As for `to_netcdf`.
+    about : mapping
+        Not used: the format has no place for units and meanings.
     """
     with zipfile.ZipFile(path, "w") as archive:
         for name, values in (axes(result.surface) | numbers(result.steps)).items():
@@ -184,13 +202,15 @@ def frame(result: Result, about: About) -> Any:
     Parameters
     ----------
     result : Result
+        In a file or in memory.
     about : mapping
         {name: (meaning, unit)} of the numbers.
 
     Returns
     -------
     pandas.DataFrame
-        The index holds the numbers of the loads; `attrs["units"]` holds {column: unit}.
+        The index "step" holds the numbers of the loads, from 0; `attrs["units"]` holds
+        {column: unit}. Texts, such as the status, are columns, too.
     """
     from pandas import DataFrame, Index
 
@@ -218,15 +238,18 @@ def to_csv(result: Result, path: Path, about: About) -> None:
 
 
 def to_gwy(result: Result, path: Path, about: About) -> None:
-    """Write a Gwyddion file with one channel for each field of each load; heights only once.
+    """Write a Gwyddion file with one channel for each load and each field that all loads have.
+
+    Heights, which are the same for all loads, are one channel. Only m and Pa are written as units.
 
     Parameters
     ----------
     result : Result
+        With at least one load.
     path : Path
         The file to write.
     about : mapping
-        Not used: this format has no place for it.
+        Not used: the format has no place for meanings.
     """
     from gwyfile.objects import GwyContainer, GwyDataField, GwySIUnit
 
@@ -252,7 +275,10 @@ def to_gwy(result: Result, path: Path, about: About) -> None:
 
 
 def to_x3p(result: Result, path: Path, about: About) -> None:
-    """Write the only field of a result with one load as X3P. It must be a length in metres.
+    """Write a result with a single channel, as `to_gwy` counts them, as X3P.
+
+    The channel is the only field of a single load, or the heights of any number of loads. It must
+    be a length in metres.
 
     Parameters
     ----------
@@ -262,7 +288,7 @@ def to_x3p(result: Result, path: Path, about: About) -> None:
     Raises
     ------
     SceneError
-        If the result has several fields or loads, or its field is no length in metres.
+        If there is not exactly one channel, or it is no length in metres.
     """
     channels = list(_channels(result))
     surface = result.surface
@@ -295,8 +321,8 @@ FORMATS = {  # and the extension of each
 def common_fields(result: Result) -> dict[str, tuple[tuple[int, ...], np.dtype]]:
     """Return {name: (shape, dtype)} of the fields that all loads of a result have.
 
-    The shape is (loads, n_x, n_y), and (n_x, n_y) for heights, which are the same for all loads.
-    The dtype is the widest of any load.
+    The result needs at least one load. The shape is (loads, n_x, n_y), and (n_x, n_y) for heights,
+    which are the same for all loads. The dtype is one that holds the numbers of every load.
     """
     names = [name for name in result.fields[0] if all(name in fields for fields in result.fields)]
     shape = len(result.steps), *result.surface["n"]
@@ -305,15 +331,17 @@ def common_fields(result: Result) -> dict[str, tuple[tuple[int, ...], np.dtype]]
 
 
 def _channels(result: Result) -> Iterator[tuple[int, str]]:
-    """Yield (position of the load, name) of all common fields of all loads, heights only once."""
+    """Yield (position of the load, name) of all `common_fields` of all loads, heights only once."""
     for k in range(len(result.steps)):
         yield from ((k, name) for name in common_fields(result) if k == 0 or name != HEIGHTS)
 
 
 def _pieces(result: Result, name: str) -> Iterator[tuple[tuple, np.ndarray]]:
-    """Yield (index, rows) of a field; index is where the rows belong in an array over all loads.
+    """Yield (index, rows) for the pieces of a field, load by load, and in each load in order.
 
-    A piece of memory at a time. Raises GfmdError if stored numbers are damaged.
+    index is the place of the rows in an array over all loads: (load, rows as a slice), or (rows as
+    a slice,) for heights. The rows are only a piece in memory at a time. Raises GfmdError if stored
+    numbers are damaged.
     """
     for k, fields in enumerate(result.fields[: 1 if name == HEIGHTS else None]):
         for start, rows in fields[name].pieces():

@@ -15,20 +15,20 @@ FIELDS = ("pressure", "gap", "displacement", "plastic")
 class LazyField:
     """A field on this rank whose rows are computed when it is sliced; nothing is kept.
 
-    `field[i0:i1]` computes these rows on all threads and returns a new array; `np.asarray` computes
-    all of them.
+    `field[i0:i1]` computes these rows on all threads and returns a new array; the step of a slice
+    is ignored. `np.asarray` computes all rows.
 
     Attributes
     ----------
     rows : callable
-        rows(i0, i1) returns the values of these local rows.
+        rows(i0, i1) returns the values of these local rows; called on several threads at once.
     shape : (int, int)
         Shape of the local slab.
     dtype : numpy.dtype
         Type of the values that slicing returns.
     by_rows : callable
-        by_rows(work, count) calls work(i0, i1) for pieces of the first `count` rows on all threads,
-        as Grid.by_rows.
+        by_rows(work, count) calls work(i0, i1) on all threads, for pieces that together are the
+        rows 0 <= i < count; the method of a Grid.
     """
 
     rows: Callable[[int, int], np.ndarray]
@@ -37,7 +37,7 @@ class LazyField:
     by_rows: Callable[[Callable[[int, int], None], int], Any]
 
     def __getitem__(self, rows: slice) -> np.ndarray:
-        """Compute some local rows and return them as a new array."""
+        """Compute the local rows of a slice and return them as a new array; a step is ignored."""
         i0, i1, _ = rows.indices(self.shape[0])
         out = np.empty((max(i1 - i0, 0), self.shape[1]), self.dtype)
 
@@ -48,7 +48,7 @@ class LazyField:
         return out
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray:
-        """Compute all local rows and return them as a new array."""
+        """Compute all local rows and return them as a new array, whatever `copy` is."""
         return np.array(self[:], dtype=dtype)
 
 

@@ -32,7 +32,10 @@ def partial_folder(path: str | os.PathLike) -> Path:
 
 
 def step_files(folder: Path) -> dict[int, Path]:
-    """Return {number of the load: file} of the finished loads in a folder, in ascending order."""
+    """Return {number of the load: file} of the finished loads in a folder, in ascending order.
+
+    They are recognised by their names, step-NNNN.h5; empty if there is no such folder.
+    """
     return dict(
         sorted((int(p.stem[5:]), p) for p in folder.glob("step-*.h5") if p.stem[5:].isdigit())
     )
@@ -41,9 +44,9 @@ def step_files(folder: Path) -> dict[int, Path]:
 def acquire(folder: Path) -> int:
     """Lock a folder, which is created if missing, and return the descriptor that holds the lock.
 
-    The lock file then names this process. If the file system has no locks, the folder counts as
-    locked. Raises SceneError that names the holder if another process has the lock, and OSError if
-    the folder is not writable.
+    The lock file then names this process. On a file system without locks nothing is locked, and the
+    run goes on as if it were. Raises SceneError that names the holder if another process has the
+    lock, and OSError if the folder is not writable.
     """
     folder.mkdir(exist_ok=True)
     descriptor = os.open(folder / LOCK, os.O_RDWR | os.O_CREAT, 0o644)
@@ -81,16 +84,19 @@ def release(folder: Path, lock: int, keep: bool = True) -> None:
 
 
 def is_held(folder: Path) -> bool:
-    """Whether a running process holds the lock of a folder; False if there is no lock file."""
+    """Whether a running process holds the lock of a folder.
+
+    False if there is no lock file that can be read, or on a file system without locks.
+    """
     with suppress(OSError), open(folder / LOCK, "rb") as file:
         return _taken(file.fileno(), alone=False)
     return False
 
 
 def clear(folder: Path, keep_lock: bool = False) -> None:
-    """Remove the files of a run from a folder, head.h5 first.
+    """Remove the files of a run from a folder; files of other names stay.
 
-    A folder without head.h5 and without a held lock is stale. Files of other names stay.
+    head.h5 goes first: if this is cut short, what is left has no head.h5 and counts as stale.
 
     Parameters
     ----------
@@ -110,9 +116,10 @@ def clear(folder: Path, keep_lock: bool = False) -> None:
 
 
 def _taken(descriptor: int, alone: bool) -> bool:
-    """Try to lock an open file, exclusively (`alone`) or shared; whether another process holds it.
+    """Try to lock an open file, and return whether another process prevents it.
 
-    If not, this descriptor holds the lock from now on, on systems that have locks.
+    `alone`: exclusively; otherwise shared with others that do not lock it alone. If False is
+    returned this descriptor holds the lock until it is closed, or there are no locks here.
     """
     try:
         import fcntl

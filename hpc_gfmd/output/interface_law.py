@@ -102,8 +102,9 @@ class InterfaceLaw:
         Returns
         -------
         float
-            In `units["pressure"]`: the first pressure of the law with a critical gap of 0. The law
-            is refined there until the next lower pressure is within the requested relative error.
+            In `units["pressure"]`: the first pressure of the law with a critical gap of 0. The seal
+            closes between it and the next lower pressure of the law, which was made so that the
+            two differ by less than the relative error that was requested.
 
         Raises
         ------

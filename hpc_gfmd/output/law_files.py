@@ -35,9 +35,10 @@ def write_law(
         and Abaqus, `*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR` and `*GAP CONDUCTANCE`. ".i":
         functions of MOOSE.
     conductivity : float or pair of floats, optional
-        Thermal conductivities of the two bodies, in W/(m K) if lengths are in m: multiplies the
-        conductance of the law (1/length) to give one per area and kelvin. Without it the files for
-        finite elements contain no conductance.
+        Thermal conductivities of the two bodies, in W/(m K) if lengths are in m; a single number
+        holds for both. Their harmonic mean times the conductance of the law (1/length) is the
+        conductance per area and kelvin in files for finite elements, which contain none without
+        it. A ".csv" only records it in its heading.
     name : str
         Name of the surface interaction (.inp), or beginning of the names of functions (.i).
 
@@ -127,9 +128,10 @@ def read_law(path: str | PathLike) -> InterfaceLaw:
 def finite_element_table(law: InterfaceLaw) -> tuple[np.ndarray, np.ndarray]:
     """Return arrays (pressure, overclosure), from (0, 0), for linear interpolation of the law.
 
-    Each interval between the pressures of the law is halved until the straight line deviates from
-    the law by less than STRAIGHT (relative), or there are MOST_ROWS rows. Raises SceneError if the
-    law has no mean gap.
+    Each interval between the pressures of the law is halved (in the logarithm) until the straight
+    line deviates from the law in its middle by less than STRAIGHT times the overclosure, or until
+    the next step would make MOST_ROWS rows or more. Rows whose overclosure does not exceed that of
+    all rows before are left out. Raises SceneError if the law has no mean gap.
     """
     if "gap_mean" not in law.values:
         raise SceneError("law: found no gap_mean, allowed for finite elements: a law that has it")
@@ -158,7 +160,8 @@ def finite_element_table(law: InterfaceLaw) -> tuple[np.ndarray, np.ndarray]:
 def _heading(law: InterfaceLaw, mark: str, conductivity: float | None = None) -> str:
     """Return the comment lines at the head of a file; each begins with `mark`.
 
-    They hold the description of the law and facts such as "gap_at_touch = 1e-6 m".
+    They hold the description of the law and facts such as "gap_at_touch = 1e-6 m". `conductivity`
+    is the harmonic mean of both bodies, None if it was not given.
     """
     unit = law.units.get("gap_mean", "")
     facts = [f"gap_at_touch = {law.gap_at_touch!r} {unit}".rstrip(), f"surfaces = {law.surfaces}"]
@@ -169,7 +172,10 @@ def _heading(law: InterfaceLaw, mark: str, conductivity: float | None = None) ->
 
 
 def _csv(law: InterfaceLaw, conductivity: float | None, name: str) -> str:
-    """Return the law as CSV text with units in the headings. `name` is not used."""
+    """Return the law as CSV text with units in the headings of the columns.
+
+    `conductivity` only appears in the comment lines, and `name` is not used.
+    """
     table = law.to_dataframe()
     units = table.attrs["units"]
     table.columns = [f"{column} [{units[column]}]" for column in table.columns]
@@ -219,7 +225,8 @@ def _numbers(values: np.ndarray) -> str:
 def _conductance_rows(law: InterfaceLaw, conductivity: float) -> tuple[np.ndarray, np.ndarray]:
     """Return arrays (pressure, conductance per area and kelvin) of a law, from (0, 0).
 
-    Raises SceneError if the law has no conductance.
+    The pressures are those of `finite_element_table` at which the law has a conductance. Raises
+    SceneError if the law has no conductance or no mean gap.
     """
     if "conductance" not in law.values:
         raise SceneError(
@@ -235,7 +242,10 @@ def _conductance_rows(law: InterfaceLaw, conductivity: float) -> tuple[np.ndarra
 
 
 def _read_csv(text: str) -> InterfaceLaw:
-    """Return the law in a text that `_csv` has written."""
+    """Return the law in a text that `_csv` has written.
+
+    Raises KeyError, ValueError or AttributeError for other texts, as the other readers here do.
+    """
     from pandas import read_csv
 
     table = read_csv(StringIO(text), comment="#")
@@ -291,8 +301,10 @@ def _of_finite_elements(
 ) -> InterfaceLaw:
     """Return a law from rows (pressure, overclosure) and (pressure, conductance) of a file.
 
-    The first row of each is (0, 0) and is left out. `text` is the whole file; its heading has
-    gap_at_touch, the conductivity and the unit of length. Errors and scatter are nan.
+    `behaviour` and `conductance` are these rows; the first row of each is (0, 0) and is left out.
+    Without rows of conductance the law has none; otherwise it is interpolated linearly at the
+    pressures of `behaviour`. `text` is the whole file; its heading has gap_at_touch, the
+    conductivity and the unit of length. Errors and scatter are nan.
     """
     facts = _facts(text)
     pressure, closure = np.array(behaviour[1:], float).T

@@ -32,8 +32,8 @@ MEANINGS = {
 def scalar_names(steps: Sequence[Attributes]) -> dict[str, None]:
     """Return the names of attributes that are a number or a text in some load step, in order.
 
-    As keys of a dict whose values are None. Names that are no Python identifiers are left out: from
-    a damaged file they could be paths.
+    They are the keys of a dict whose values are None. Names that are no Python identifiers are left
+    out: from a damaged file they could be paths.
     """
     return dict.fromkeys(
         name
@@ -44,9 +44,9 @@ def scalar_names(steps: Sequence[Attributes]) -> dict[str, None]:
 
 
 def numbers(steps: Sequence[Attributes]) -> dict[str, np.ndarray]:
-    """Return {name: array over the load steps} of their numbers and texts.
+    """Return {name: array over the load steps} of their numbers and texts (`scalar_names`).
 
-    A step without a value has nan, or "" among texts. See `scalar_names`.
+    A step without a value has nan, which makes whole numbers and bools floats, or "" among texts.
     """
     arrays = {}
     for name in scalar_names(steps):
@@ -94,7 +94,8 @@ def dataset_attributes(name: str, surface: Attributes, about: About) -> dict[str
     Returns
     -------
     dict of str to str
-        If lengths or pressures have no unit, `units` is the dimension, such as "length".
+        If lengths or pressures have no unit, `units` is the dimension, such as "length". An unknown
+        name is its own meaning, with the unit "1".
     """
     meaning, unit = MEANINGS.get(name) or about.get(name, (name, ""))
     return {"units": in_units(unit, surface) or unit, "long_name": meaning}

@@ -24,8 +24,9 @@ CHECKPOINT = "hpc-gfmd checkpoint"
 def read_result(path: str | os.PathLike) -> Result:
     """Read a result file or, if there is none, the finished loads of an interrupted run beside it.
 
-    If a newer run is unfinished, a note says so. Raises SceneError if neither exists, or if the
-    file is damaged, no HDF5, of another program or of another format version.
+    If the file exists and a newer run is unfinished, the result is that of the file, with a note
+    that says so. Raises SceneError if neither exists, or if the file is damaged, no HDF5, of
+    another program or of another format version. Fields are not read yet.
     """
     path = Path(path)
     folder = partial_folder(path)
@@ -45,8 +46,9 @@ def read_result(path: str | os.PathLike) -> Result:
 def read_partial(path: str | os.PathLike) -> Result:
     """Read the finished loads of a run that has not written `path` yet.
 
-    The status of the result is "running" if the run holds its lock, otherwise "interrupted". Raises
-    SceneError if there are none, or as `read_result`.
+    The status of the result is "running" if the run holds its lock, otherwise "interrupted". It may
+    have no loads yet. Raises SceneError if no run has begun there, or if none of its files can be
+    read.
     """
     path = Path(path)
     folder = partial_folder(path)
@@ -67,7 +69,7 @@ def read_parts(head: Path, steps: Mapping[int, Path]) -> Result:
     head : Path
         The file without loads.
     steps : dict
-        The files with one load each, by its number.
+        The files with one load each, by the number of the load.
 
     Returns
     -------
@@ -115,7 +117,8 @@ def read_checkpoint(path: Path, identity: str) -> Result | None:
     Returns
     -------
     Result or None
-        With one step, which has the field "gap"; None if there is no such file.
+        With one step, which has the field "gap" on the grid of the solver and at least the numbers
+        p, seconds, iterations and fft_pairs; None if there is no such file.
 
     Raises
     ------
@@ -134,7 +137,7 @@ def read_checkpoint(path: Path, identity: str) -> Result | None:
 
 
 def read_file(path: Path, kind: str = FORMAT) -> Result:
-    """Read the attributes of one file, with the load steps in the order of their numbers.
+    """Read one file, except for the values of its fields; load steps are in order of their numbers.
 
     Parameters
     ----------
@@ -151,7 +154,8 @@ def read_file(path: Path, kind: str = FORMAT) -> Result:
     Raises
     ------
     SceneError
-        For anything that goes wrong.
+        If the file is missing, cannot be read, is damaged, no HDF5, or of another format or
+        version.
     """
     _require_hdf5(path)
     try:
@@ -216,8 +220,9 @@ def _require_hdf5(path: Path) -> None:
 def _fields(path: Path, group: Any, n: list[int]) -> dict[str, Stored]:
     """Return {name: Stored} of the fields in a group of the open file; their values are not read.
 
-    `n` are the points of the surface. Raises ValueError if a field has another shape, holds no
-    floating-point numbers or has unwritten points.
+    Fields are the datasets with two axes. `n` are the points of the surface. Raises ValueError if a
+    field has another shape, holds no floating-point numbers or has unwritten points, and KeyError
+    if it has no checksum.
     """
     fields = {}
     for name in group:

@@ -30,7 +30,9 @@ from .result import FORMAT_VERSION, Result, group_of
 
 
 class RunFile(AbstractContextManager):
-    """The result file of one run, for use in a `with` statement. All methods are collective.
+    """The result file of one run, for use in a `with` statement.
+
+    All methods are collective; only `take` and `close` do not communicate.
 
     Creating it locks the folder OUT.h5.partial and may empty it (see `claim.claim`). Leaving the
     `with` statement releases the lock; what is finished stays in the folder and can be resumed,
@@ -41,7 +43,7 @@ class RunFile(AbstractContextManager):
     comm : Comm
         All ranks that write.
     path : path
-        The result file, OUT.h5.
+        The result file, OUT.h5; a symbolic link stands for its target.
     n : (int, int)
         Points of the surface.
     rows : (int, int)
@@ -55,15 +57,16 @@ class RunFile(AbstractContextManager):
         later run can continue.
     force : bool
         Whether to start from the beginning, and to replace any file at `path`.
-    about : dict
-        {name: (meaning, unit)} of the numbers, see `contact.all_numbers`.
+    about : dict, optional
+        {name: (meaning, unit)} of the numbers, see `contact.all_numbers`; by default unknown.
     **how
         As for `parallel.h5.write_file`.
 
     Attributes
     ----------
     finished : dict
-        Attributes of the finished loads, by number.
+        Attributes of the finished loads, by number, in ascending order; those of a resumed run are
+        among them.
     resumed : bool
         Whether an interrupted run is continued.
     notes : list of str
@@ -157,11 +160,12 @@ class RunFile(AbstractContextManager):
         Parameters
         ----------
         surface : dict, optional
-            Attributes of the surface, which are added to those known.
+            Attributes of the surface, which are added to those that were set before, or replace
+            them.
         height_field : ndarray, shape (rows, n_y), optional
             Local slab of the heights, which are stored once for all load steps.
         **head
-            Root attributes, which are added to those known.
+            Root attributes, likewise.
 
         Raises
         ------
@@ -252,7 +256,10 @@ class RunFile(AbstractContextManager):
         return on_rank_0(self.comm, f"reading {path}", lambda: read_checkpoint(path, identity))
 
     def take(self, result: Result) -> None:
-        """Replace the load steps by those of a result, numbered from 0. `finish` writes them."""
+        """Replace the finished loads and their fields by those of a result, numbered from 0.
+
+        Nothing is written before `finish`.
+        """
         result = replace(result, indices=list(range(len(result.steps))))
         self.finished = result.numbered
         self._fields = result.datasets
@@ -260,9 +267,9 @@ class RunFile(AbstractContextManager):
     def finish(self, status: str) -> None:
         """Write OUT.h5 with all finished steps, replace an older file and remove the folder.
 
-        Collective. `status` is that of the whole run. Raises GfmdError on every rank if writing
-        fails or the stored fields of a step are damaged; then the finished steps stay in the
-        folder.
+        Collective. `status` is that of the whole run. The lock is released. Raises GfmdError on
+        every rank if writing fails or the stored fields of a step are damaged; then the finished
+        steps stay in the folder, and the lock is held until the `with` statement ends.
         """
         self._head["end_time"] = _now()
         steps = {group_of(index): step for index, step in self.finished.items()}
@@ -275,7 +282,7 @@ class RunFile(AbstractContextManager):
         on_rank_0(self.comm, f"removing {self.partial}", lambda: self.close(keep=False))
 
     def close(self, keep: bool = True) -> None:
-        """Release the lock; does nothing if it is released already.
+        """Release the lock, which rank 0 holds; does nothing if it is released, or on other ranks.
 
         The folder is kept if `keep` is set and the run has begun (head.h5 exists), and removed
         otherwise.

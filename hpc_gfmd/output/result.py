@@ -30,7 +30,7 @@ class Result:
     steps : list of dict
         Attributes of each load step.
     indices : list of int
-        Number of each load step in the scene, from 0.
+        Number of each load step in the scene, from 0; loads that are not finished are missing.
     status : str
         Status of the whole run; "running" or "interrupted" if it is not finished.
     head : dict
@@ -111,7 +111,10 @@ class Result:
 
     @property
     def datasets(self) -> dict[str, Any]:
-        """{path in a file: field} of all load steps, heights once; fields are Stored or arrays."""
+        """{path in a file: field} of all load steps; heights, which all share, are there once.
+
+        The fields are Stored, or for a solution in memory its arrays.
+        """
         places = {"heights": "surface"}
         return {
             f"{places.get(name, group)}/{name}": field.data if isinstance(field, Slab) else field
@@ -121,7 +124,7 @@ class Result:
 
     @property
     def facts(self) -> dict[str, Any]:
-        """Root attributes that are a single number or text."""
+        """Root attributes that are a single number or text, by name."""
         return {name: self.head[name] for name in scalar_names([self.head])}
 
     def some(self, steps: slice | list[int], **changes: Any) -> "Result":
@@ -180,9 +183,9 @@ class Result:
 
     @property
     def missing_loads(self) -> str:
-        """Sentence that lists the loads of the scene that the result lacks.
+        """Sentence that lists the loads of the scene that the result lacks, numbered from 1.
 
-        "all loads are finished" if it has all.
+        "all loads are finished" if it has all. Raises SceneError as `scene`.
         """
         key, loads = self.scene.load.prescribed
         missing = [

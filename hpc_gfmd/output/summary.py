@@ -48,7 +48,7 @@ def summary(step: dict, surface: dict) -> str:
 def surface_line(surface: dict) -> str:
     """Return one line on a surface: points, sizes, roughness, ratios of lengths, preparation, seed.
 
-    `surface` holds attributes of the result file; what it lacks is left out.
+    `surface` holds attributes of the surface in a result file; what it lacks is left out.
     """
     unit = surface["unit"] if isinstance(surface.get("unit"), str) else ""
 
@@ -158,7 +158,7 @@ def is_number(value: object) -> TypeGuard[float]:
 
 
 def _numbers(value: object) -> list[float]:
-    """Return a list as it is if it holds finite numbers only, otherwise an empty list.
+    """Return a copy of a list or tuple if it holds finite numbers only, otherwise an empty list.
 
     Attributes of a file may be anything.
     """

@@ -21,17 +21,18 @@ def allowed_values(annotation: Any, metadata: tuple = (), unit: str = "") -> str
     Parameters
     ----------
     annotation : type
-        Type of the key; Annotated types have bounds.
+        Type of the key; the bounds in Annotated types count, too.
     metadata : tuple
-        Further bounds.
+        Further bounds: objects of annotated_types or fields of pydantic; anything else is ignored.
     unit : str
-        What numbers measure: "length", "pressure", "force" or "work" if they may have units, else
-        "".
+        What numbers measure: "length", "pressure", "force" or "work" if they may have units. Any
+        other text is ignored.
 
     Returns
     -------
     str
-        Such as "a number above 0 and up to 1, or a list of them".
+        Such as "a number above 0 and up to 1, or a list of them"; "a text" for a type that is
+        neither a number nor a bool, a Literal, a tuple or a union of these.
     """
     origin = get_origin(annotation)
     if origin is Annotated:
@@ -57,7 +58,8 @@ def allowed_values(annotation: Any, metadata: tuple = (), unit: str = "") -> str
 def _number(noun: str, metadata: tuple) -> str:
     """Describe a number by its bounds, as "a number from 0 to 1".
 
-    Bounds that only prevent overflow are left out.
+    The bounds LARGEST and MAX_INT, which only prevent overflow, are left out, and SMALLEST becomes
+    "greater than 0". `metadata` is as for `allowed_values`.
     """
     bounds: dict[str, Any] = {}
     for item in metadata:
@@ -96,7 +98,10 @@ def _names(annotation: Any) -> list[str]:
 
 
 def _list(members: tuple, unit: str) -> str:
-    """Describe a tuple type: of any length (a single value is allowed, too), or of a fixed one."""
+    """Describe the tuple type with the arguments `members`, of any length or of a fixed one.
+
+    A key that takes any number of values takes a single one without a list, too.
+    """
     text = allowed_values(members[0], unit=unit)
     if members[-1] is Ellipsis:
         return f"{text}, or a list of them"
@@ -104,7 +109,7 @@ def _list(members: tuple, unit: str) -> str:
 
 
 def _either(texts: list[str]) -> str:
-    """Join alternatives with commas and "or"."""
+    """Join alternatives, at least one, with commas and "or"."""
     *all_but_one, final = texts
     if not all_but_one:
         return final

@@ -35,7 +35,7 @@ MEANT = {  # usual words for keys that have another name
 
 
 def nearest(name: str, names: Iterable[str]) -> str:
-    """Return the valid name that was probably meant: that of a synonym (MEANT), or a similar one.
+    """Return the valid name that was probably meant: by the synonyms in MEANT, or the most similar.
 
     Parameters
     ----------
@@ -80,7 +80,10 @@ def require_known(key: str, name: str, names: Iterable[str]) -> None:
 
 
 def shown(value: object) -> str:
-    """Return a value as text for a message: one line, shortened, "a table" for a dict."""
+    """Return a value as text for a message: one line, shortened, texts in quotes.
+
+    A dict is "a table", and a bool is written as in TOML.
+    """
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, dict):
@@ -92,7 +95,10 @@ def shown(value: object) -> str:
 
 
 def printable(key: str) -> str:
-    """Return a key or a path; quoted and shortened if it is long or has control characters."""
+    """Return a text as it is; quoted and shortened if it is empty, long or has control characters.
+
+    `key` is the name of a key or of a file, for a message.
+    """
     return key if key and key.isprintable() and len(key) <= 200 else _short.repr(key)
 
 
@@ -100,14 +106,16 @@ Model = type[BaseModel]
 
 
 def explain(error: ValidationError, scene: Model, data: dict) -> str:
-    """Return one line that explains the first eight validation errors, and how many more there are.
+    """Return one line that explains the first eight validation errors and counts the rest.
+
+    Errors of the same key count as one.
 
     Parameters
     ----------
     error : ValidationError
         From pydantic.
     scene : type
-        Scene or ArrayScene.
+        The class that was validated: Scene or ArrayScene.
     data : dict
         The tables that were validated.
 
@@ -183,7 +191,8 @@ def _line(item: Any, scene: Model, data: dict) -> tuple[tuple, str]:
 def _why(item: Any) -> str:
     """Return what is wrong with a value, with ", " behind it, or "".
 
-    It is "" if the allowed values, which the message has anyway, explain the error.
+    `item` is an entry of `ValidationError.errors`. The text is "" if the allowed values, which the
+    message has anyway, explain the error.
     """
     value = item["input"]
     if item["type"] == "value_error":
@@ -194,9 +203,10 @@ def _why(item: Any) -> str:
 
 
 def _limits(item: Any) -> str:
-    """Return ", from ... to ..." if a number is positive and beyond the limits of all numbers.
+    """Return ", from ... to ..." if a positive number violates the bound SMALLEST or LARGEST.
 
-    Otherwise "".
+    Otherwise "". The description of allowed values leaves these bounds out. `item` is an entry of
+    `ValidationError.errors`.
     """
     beyond = {"greater_than_equal": "ge", "less_than_equal": "le"}.get(item["type"])
     return (
@@ -207,16 +217,20 @@ def _limits(item: Any) -> str:
 
 
 def _fields(scene: Model, table: str) -> Mapping[str, Any]:
-    """Return {key: field} of a table; empty for [surface], which has kinds, and unknown tables."""
+    """Return {key: field} of a table of a scene.
+
+    Empty for [surface], which has kinds, for unknown tables, and for keys that are no table.
+    """
     field = scene.model_fields.get(table)
     return getattr(field and field.annotation, "model_fields", {})
 
 
 def _nearest(name: str, of_table: str, siblings: Iterable[str], scene: Model) -> str:
-    """Return "unknown key, nearest: ..." for an unknown key of a table ("TABLE.", or "" for none).
+    """Return "unknown key, nearest: ..." for an unknown key `name`.
 
-    Suggests the most similar of the `siblings`, the keys of that table, and mentions another table
-    that has this very key.
+    `of_table` is the table in which it stands, with a dot ("load."), or "" before the first table;
+    `siblings` are the valid keys there, of which the most similar is suggested. If another table
+    has a key of this very name it is mentioned; without a table it is suggested instead.
     """
     places = {
         key: f"{table}.{key}" for table in scene.model_fields for key in _fields(scene, table)

@@ -51,7 +51,11 @@ class Scene(Table):
 
     @model_validator(mode="after")
     def _rough(self) -> Self:
-        """Raise ValueError for loads that a flat surface cannot have, such as a contact area."""
+        """Raise ValueError if the surface is flat and the load is no pressure, force or approach.
+
+        A wave of amplitude 0 without a radius is flat; it has no rms slope for load.p_star, and
+        touches everywhere or nowhere.
+        """
         name, _ = self.load.prescribed
         if (
             isinstance(self.surface, Wave)
@@ -68,7 +72,9 @@ class Scene(Table):
     def _units(self) -> Self:
         """Raise ValueError if some quantities have units and others do not.
 
-        An example is "5 MPa" beside a plain modulus.
+        An example is "5 MPa" beside a plain modulus. Lengths and pressures are compared among
+        themselves; a force needs units if both of them have units, and work of adhesion if the
+        range has. Lengths of a height map are not compared here: its file may have units.
         """
         parts = {"surface": self.surface, "load": self.load, "material": self.material}
         lengths, pressures, forces = (
@@ -103,8 +109,10 @@ class Scene(Table):
     def _pulled(self) -> Self:
         """Raise ValueError for loads that need or exclude adhesion.
 
-        Without adhesion: pressures and approaches that are not positive, the retraction branch,
-        load.unique. With adhesion: a hardness, contact areas as loads, gaps that are not positive.
+        Refused without adhesion: pressures, forces and approaches that are not positive, the
+        retraction branch, load.unique. Refused with adhesion: a hardness, contact areas as loads,
+        and gaps and approaches that are not positive, except all approaches but the first on
+        retraction.
         """
         adhesion, hardness = self.material.adhesion, self.material.hardness
         name, values = self.load.prescribed
@@ -144,7 +152,12 @@ class Scene(Table):
 
     @model_validator(mode="after")
     def _load_fits(self) -> Self:
-        """Raise ValueError for a force on a periodic surface, and for an unbounded approach."""
+        """Raise ValueError for a force or an approach that the boundary does not allow.
+
+        A force needs free edges along at least one axis. An approach needs them along both, or a
+        layer on a rigid base. A boundary that the scene leaves to the file of a map is not free
+        here.
+        """
         if self.load.force and not any(self.surface.free):
             raise ValueError(
                 "load.force: found periodic boundaries, allowed: with a free boundary (with"
@@ -208,7 +221,7 @@ class Scene(Table):
         Parameters
         ----------
         text : str
-            A scene.
+            A scene. Relative paths of height maps stay as they are.
         origin : str
             Where it comes from; messages begin with it.
 
@@ -225,7 +238,10 @@ class Scene(Table):
         return cls.from_dict(parse_toml(text, origin), origin)
 
     def to_toml(self) -> str:
-        """Return the scene as TOML text with all defaults; `from_toml` gives an equal scene."""
+        """Return the scene as TOML text, from which `from_toml` makes an equal scene.
+
+        It holds all defaults but None, and no values that follow from others (E_star from E1).
+        """
         return tomli_w.dumps(self.model_dump(exclude_none=True))
 
     def identity(self) -> str:
@@ -271,7 +287,11 @@ class Scene(Table):
         return notes
 
     def _contact_areas(self, surface: SelfAffine) -> list[float]:
-        """Estimate the relative contact area of each load as 2 p*; return [] if p* is unknown."""
+        """Return the relative contact area of each load: load.a_r, or 2 p* as an estimate.
+
+        [] if p* is not known before the surface is made: for gaps and approaches, and for pressures
+        and forces on a surface whose h_rms is given in place of g_rms.
+        """
         if self.load.a_r:
             return list(self.load.a_r)
         unit = 1.0 if self.load.p_star else (surface.g_rms or 0.0) * self.material.E_star
@@ -317,7 +337,7 @@ def parse_toml(text: str, origin: str) -> dict[str, Any]:
     Raises
     ------
     SceneError
-        With the line number, if the parser reports it.
+        If the text is not valid TOML; with the line number, if the parser reports it.
     """
     try:
         return tomllib.loads(text)

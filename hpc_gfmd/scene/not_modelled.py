@@ -16,17 +16,18 @@ ADHESION = (
     r"adh|cohes|jkr\b|dmt\b|tabor|maugis|hamaker|lennard|van der waals|surface energ"
     r"|gamma\b|pull off"
 )
-KEY = "adhesion"  # which is one
+KEY = "adhesion"  # a valid key
 ATTRACTION = "unknown key; material.adhesion = {work, range, law} is the attraction of the surfaces"
 CONDUCTION = r"temperature|therm|heat\b|current\b|electr|voltage|conductivit|resistiv|resistance"
 INSTEAD = f'{ONLY}; output.observables = ["conductance"] is the conductance of the contact'
 
 
 def not_modelled(*names: str) -> str:
-    """Return a message if one of the names stands for physics that is not modelled, else "".
+    """Return a message on the first name that stands for physics without a key here, else "".
 
-    Keys or values of any spelling ("friction_coefficient", "gammaSL"). Words that end in "less" are
-    ignored ("frictionless").
+    The message says that the physics is not modelled, or, for adhesion and conduction, which key to
+    use instead. Names are keys or values of any spelling ("friction_coefficient", "gammaSL"). Words
+    that end in "less" ("frictionless") and the valid key "adhesion" are ignored.
     """
     for name in names:
         if name == KEY:

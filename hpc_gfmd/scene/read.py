@@ -2,7 +2,7 @@
 
 import os
 import tomllib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -27,7 +27,7 @@ def load_scene(path: str | PathLike, overrides: Iterable[str] = ()) -> Scene:
     path : path
         A scene in TOML.
     overrides : iterable of str
-        "table.key=value" or "table={key = value}". Values are TOML; what is no TOML is a text.
+        See `apply_override`.
 
     Returns
     -------
@@ -46,15 +46,15 @@ def load_scene(path: str | PathLike, overrides: Iterable[str] = ()) -> Scene:
     return Scene.from_dict(data, origin, Path(path).parent)
 
 
-def with_overrides(scene: Scene, overrides: Iterable[str], table: str) -> Scene:
-    """Return a scene with changed keys in one table.
+def with_overrides(scene: Scene, overrides: Sequence[str], table: str) -> Scene:
+    """Return a scene with changed keys in one table; the scene itself if there are no overrides.
 
     Parameters
     ----------
     scene : Scene
         The scene, which stays as it is.
-    overrides : iterable of str
-        "table.key=value".
+    overrides : sequence of str
+        "table.key=value", see `apply_override`.
     table : str
         The only table that may be changed.
 
@@ -98,15 +98,16 @@ def _read(path: str | PathLike, origin: str) -> str:
 def apply_override(data: dict[str, Any], override: str) -> None:
     """Set one key in the tables of a scene, which are changed in place.
 
-    Setting one of several alternatives (kinds of load; accuracy, residual) removes the others.
-    Missing tables are created. The value is not validated.
+    Setting one of several alternatives (kinds of load; accuracy, residual) by its own key removes
+    the others. Missing tables are created. The value is not validated.
 
     Parameters
     ----------
     data : dict
         Tables as read from TOML; they are changed.
     override : str
-        "table.key=value".
+        "table.key=value", "key=value" before the first table, or "table={key = value}", which
+        replaces a whole table. A value that is not TOML is taken as a text.
 
     Raises
     ------
@@ -134,7 +135,7 @@ def apply_override(data: dict[str, Any], override: str) -> None:
 
 
 def _value(text: str) -> Any:
-    """Return a TOML value; any other text is returned as it is."""
+    """Return the value that a text stands for in TOML, or the text itself if it is not TOML."""
     try:
         parsed = tomllib.loads(f"value = {text}")
     except (ValueError, RecursionError):

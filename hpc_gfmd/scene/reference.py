@@ -45,7 +45,7 @@ class Key:
     default : str or None
         Its default in TOML or in words; None if the key must be given.
     example : object
-        A value for templates.
+        A value for templates, by default the default; None if there is none.
     """
 
     name: str
@@ -73,17 +73,18 @@ class Section:
     Attributes
     ----------
     table : str
-        Name of the table.
+        Name of the table; "" for keys before the first table.
     heading : str
-        How a scene writes it.
+        Heading in the help, such as "[load]" or "[surface] of kind = ...".
     title : str
-        What it is, in a few words.
+        What the table is, in a few words.
     about : str
         What it is, in sentences.
     keys : tuple of Key
         Its keys.
     kind : str
-        Kind of surface; "" for the keys of all kinds, and for other tables.
+        Kind of surface, or BODIES for the table of a body; "" for the keys of all kinds, and for
+        other tables.
     """
 
     table: str
@@ -97,7 +98,8 @@ class Section:
 def sections(names: Mapping[str, Any] | None = None) -> list[Section]:
     """Return the sections of all tables and kinds of surface, in the order of the models.
 
-    `names` gives values that the models do not list, by key: {"output.observables": [...]}.
+    `names` adds lists of values that the models do not know: {"output.observables": ["a_r", ...]}.
+    None adds nothing.
     """
     names = names or {}
     fields = dict(Scene.model_fields)
@@ -129,7 +131,11 @@ def sections(names: Mapping[str, Any] | None = None) -> list[Section]:
 
 
 def toml(value: Any) -> str:
-    """Return a value as TOML, on one line."""
+    """Return a value as TOML, on one line.
+
+    `value` is a text, a number, a bool, or a dict, list or tuple of such values. TOML has no null:
+    None must not be in it. A value of any other type, such as a date, is written as a text.
+    """
     if isinstance(value, dict):
         items = (
             f"{key if key.isidentifier() else toml(key)} = {toml(item)}"
@@ -199,19 +205,29 @@ def markdown(names: Mapping[str, Any] | None = None) -> str:
 
 
 def _listed(allowed: str) -> str:
-    """Return allowed values as they are, or a link to the page of observables if they are long."""
+    """Return a description of allowed values as a cell of the page.
+
+    Of one with more than 120 characters, a list of observables, only the words before the colon
+    stay, with a link to the page that lists them.
+    """
     noun = allowed.partition(":")[0]
     return allowed if len(allowed) <= 120 else f"{noun}, of [these](observables.md)"
 
 
 def _names(model: Any) -> list[str]:
-    """Return the keys of a table; for a kind of surface without the keys of all kinds."""
+    """Return the keys of a table, in order.
+
+    For a kind of surface these are its own ones: keys of all kinds only if it redefines them.
+    """
     classes = [base for base in reversed(model.__mro__) if base is model or base not in COMMON]
     return list(dict.fromkeys(name for base in classes for name in get_annotations(base)))
 
 
 def _key(name: str, field: Any, names: Any = ()) -> Key:
-    """Return the Key that describes a field. `names` are values that its type does not list."""
+    """Return the Key that describes a field. `names` lists allowed values that its type does not.
+
+    `field` is one that `table.key` has made.
+    """
     extra = about(field)
     default = extra["default_text"]
     if not default and not field.is_required():
@@ -221,9 +237,10 @@ def _key(name: str, field: Any, names: Any = ()) -> Key:
 
 
 def _chosen(key: str | None, listed: list[Section]) -> list[Section]:
-    """Return the sections of a table, or those that contain a key, reduced to it.
+    """Return the sections of a table, or those that contain a key, each with this key alone.
 
-    All sections if `key` is None. Raises SceneError for an unknown key.
+    `key` is the name of a table, or of a key with or without its table; None: all of `listed`.
+    Raises SceneError for an unknown key.
     """
     if key is None:
         return listed

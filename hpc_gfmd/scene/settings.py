@@ -44,7 +44,8 @@ PUSH = "greater than 0, with material.adhesion also 0 and below"
 def _effective_modulus(solids: dict) -> float:
     """Return E* of two solids, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 (eq. effMod).
 
-    The second solid is rigid if E2 is not given. 1 if E1 or nu1 is not given.
+    `solids` holds the keys E1, nu1, E2 and nu2, None or absent if not given. The second solid is
+    rigid if E2 is not given, and nu2 is 0 by default. The result is 1 if E1 or nu1 is not given.
     """
     E1, nu1, E2, nu2 = (solids.get(key) for key in SOLIDS)
     if E1 is None or nu1 is None:
@@ -114,7 +115,11 @@ class Material(Table):
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:
-        """Raise ValueError if the moduli are contradictory or incomplete."""
+        """Raise ValueError if the moduli are contradictory or incomplete.
+
+        Allowed are none of them, E_star, (E1, nu1) or (E1, nu1, E2, nu2) for a half-space, and nu1,
+        (E_star, nu1) or (E1, nu1) for a layer (with a thickness).
+        """
         # E_star is in the set only if it was given, not if it was computed
         keys = [key for key in SOLIDS if getattr(self, key) is not None]
         if "E_star" in self.model_fields_set:
@@ -139,7 +144,11 @@ class Material(Table):
 
     @model_validator(mode="after")
     def _layer(self) -> Self:
-        """Raise ValueError for a base without a layer, and for a bonded layer of nu1 = 0.5."""
+        """Raise ValueError if the keys of the layer and its base do not fit together.
+
+        Refused are `base` without a thickness; base = "elastic" without both base_E and base_nu;
+        either of these two with any other base; and a bonded layer (base = "bonded") of nu1 = 0.5.
+        """
         if self.thickness is None and "base" in self.model_fields_set:
             raise ValueError(
                 f'found base = "{self.base}" without thickness, allowed: both, or none'
@@ -160,7 +169,10 @@ class Material(Table):
 
     @model_serializer(mode="wrap")
     def _as_given(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Return the table for TOML, without a computed E_star and without `base` of no layer."""
+        """Return the table for TOML, without a computed E_star, and without `base` if no layer.
+
+        Such keys would be refused when the table is read again.
+        """
         table = dump(self)
         if self.E1 is not None:
             table.pop("E_star", None)
@@ -235,16 +247,16 @@ class LoadTable(Table):
         return self.prescribed[0] not in PRESSURES
 
     def p0(self, E_star: float, g_rms: float, area: float = 1.0) -> tuple[float, ...]:
-        """Return the mean pressures of all loads; () if they have to be searched for.
+        """Return the mean pressures of all loads; () if they follow from a search (is_searched).
 
         Parameters
         ----------
         E_star : float
             Effective modulus.
         g_rms : float
-            Rms slope of the surface on the grid.
+            Rms slope of the surface on the grid; used for loads given as p_star only.
         area : float
-            Nominal area of the surface.
+            Nominal area of the surface; used for loads given as forces only.
 
         Returns
         -------

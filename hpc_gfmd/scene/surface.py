@@ -41,7 +41,10 @@ class SurfaceTable(Table):
 
     @model_validator(mode="after")
     def _form_ends(self) -> Self:
-        """Raise ValueError for a ball under roughness that is periodic along a curved axis."""
+        """Raise ValueError for a ball under roughness that is periodic along a curved axis.
+
+        A surface of kind "sphere" may be periodic: it is then one of an array of equal spheres.
+        """
         row = getattr(self, "kind", "") == "sphere"  # a periodic one is one of many
         if not row and any(R < inf and not ends for R, ends in zip(self.radii, self.free)):
             raise ValueError(
@@ -52,13 +55,19 @@ class SurfaceTable(Table):
 
     @property
     def radii(self) -> tuple[float, float]:
-        """(R_x, R_y) of the ball under the roughness; inf along an axis where it is straight."""
+        """(R_x, R_y) of the ball under the roughness, or of the sphere itself.
+
+        inf along an axis where it is straight; (inf, inf) if there is no ball.
+        """
         found = inf if self.radius is None else self.radius
         return found if isinstance(found, tuple) else (found, found)
 
     @property
     def free(self) -> tuple[bool, bool]:
-        """Whether the surface has free edges along x, along y; False if its file decides."""
+        """Whether the surface has free edges along x, along y.
+
+        (False, False) also for a map without a boundary in the scene, which has to be periodic.
+        """
         # None: a height map that has to be periodic, see surface/quality.py
         along = self.boundary if isinstance(self.boundary, tuple) else (self.boundary,) * 2
         return along[0] == "free", along[1] == "free"
@@ -100,7 +109,11 @@ class SelfAffine(SurfaceTable):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        """Raise ValueError if the number of points is not whole, or no wave fits the cutoffs."""
+        """Raise ValueError if keys contradict each other or give no surface.
+
+        Refused are g_rms beside h_rms, a roll-off below the shortest wave length, numbers of points
+        that are not whole, and cutoffs between which the cell has no wave.
+        """
         one_of(self, "g_rms", "h_rms")
         if self.lam_l_over_lam_r > self.lam_l_over_lam_s:
             raise ValueError(
@@ -133,7 +146,7 @@ class SelfAffine(SurfaceTable):
 
     @property
     def aspect(self) -> float:
-        """L_y/L_x."""
+        """Ratio L_y/L_x of the sides of the cell."""
         return self.physical_sizes[1] / self.physical_sizes[0]
 
     @property

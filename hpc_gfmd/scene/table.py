@@ -51,7 +51,11 @@ def _with_unit(dimension: str) -> WrapValidator:
     """
 
     def read(value: Any, check: Any) -> float:
-        """Return a plain number, or the Quantity of a text; `check` validates its size."""
+        """Return a plain number, or the Quantity of a text.
+
+        `check` is pydantic's validator of the plain number, its bounds included. Raises ValueError
+        if a text is not a number with a unit of this dimension.
+        """
         if not isinstance(value, str | Quantity):
             return check(value)
         value = parse(value, dimension) if isinstance(value, str) else value
@@ -62,7 +66,10 @@ def _with_unit(dimension: str) -> WrapValidator:
 
 
 def _from_folder(path: str, scene: ValidationInfo) -> str:
-    """Return a path; a relative one is joined to the folder of the scene file, if that is known."""
+    """Return a path; a relative one is joined to the folder of the scene file, if that is known.
+
+    `scene.context` is this folder, or None.
+    """
     return os.path.join(scene.context, path) if scene.context else path
 
 
@@ -160,7 +167,8 @@ def key(
         Description of allowed values, if that derived from the type is not good enough
         (`allowed_of`).
     unit : str
-        "length", "pressure", "force", or the name of a unit; "" for a plain number.
+        "length", "pressure", "force" or "work" for a number that may have units, or the name of the
+        unit ("s"); "" for a plain number.
     example : object
         A value for the scenes of `hpc-gfmd init`; by default the default.
     default_text : str
@@ -187,8 +195,11 @@ def about(field: Any) -> dict[str, Any]:
 
 
 def allowed_of(field: Any) -> str:
-    """Return a description of the values that a field made by `key` may have: the one given there,
-    otherwise one derived from its type and bounds."""
+    """Return a description of the values that a field may have.
+
+    `field` is made by `key`. It is the description given there, or else one derived from the type
+    and the bounds of the field.
+    """
     extra = about(field)
     return extra["allowed"] or allowed_values(
         field.annotation, tuple(field.metadata), extra["unit"]

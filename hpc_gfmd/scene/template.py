@@ -28,7 +28,7 @@ class Suggestion:
     why : dict
         Reasons for both, by key; shown instead of the meaning of the key.
     missing : list of str
-        Keys that only the user knows.
+        Keys that neither the file nor the user has given, and that only the user knows.
     about : list of str
         Notes on the map, one line each.
     unit : str
@@ -51,11 +51,12 @@ def template(kind: str, tables: Mapping[str, Any], suggestion: Suggestion, head:
     kind : str
         Kind of surface.
     tables : mapping
-        {table: {key: value}} to be set, besides the keys that must be given.
+        {table: {key: value}} to be set. Keys that must be given and are not among them are set to
+        their examples; all others become comments.
     suggestion : Suggestion
         Suggested by a height map; an empty one for other kinds.
     head : str
-        The first line, a comment.
+        Text of the first line, which is a comment.
 
     Returns
     -------
@@ -88,7 +89,7 @@ def template(kind: str, tables: Mapping[str, Any], suggestion: Suggestion, head:
 def _line(key: Key, values: Mapping[str, Any], suggestion: Suggestion) -> str:
     """Return the line of a key: set, or as a comment with its default and an example.
 
-    `values` are those of its table that are set.
+    `values` maps the keys of its table that are set to their values.
     """
     value = values.get(key.name, key.example if key.default is None else None)
     if key.name == "kind":

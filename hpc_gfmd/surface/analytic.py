@@ -19,7 +19,9 @@ def wave_rows(spec: Any) -> Rows:
 
 
 def flat_rows(start: int, stop: int) -> np.ndarray:
-    """Return rows of z = 0 with a single point along y.
+    """Return rows of the flat surface z = 0, with a single point along y for any number of points.
+
+    They are broadcast against what is added to them (`Topography.on_form`).
 
     Parameters
     ----------

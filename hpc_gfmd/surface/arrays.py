@@ -28,7 +28,8 @@ def of_topography(topography: Any) -> Map:
     heights : masked ndarray, shape (n_x, n_y)
         float64, masked where the Topography has no height.
     metadata : Metadata
-        Its sizes, units and periodicity.
+        Its sizes and units. It is periodic if the Topography is; otherwise that is left open, since
+        most formats say nothing of it.
     """
     named = topography
     while isinstance(named.unit, dict):  # mirror_stitch of 1.27 forgets its parent's
@@ -44,10 +45,10 @@ def of_topography(topography: Any) -> Map:
 
 
 def unreliable(topography: Any) -> tuple[float, str] | None:
-    """Return the wave length below which a Topography shows the instrument, not the surface.
+    """Return the wave length below which a Topography shows the instrument, and a note on it.
 
     That is the limit set by the tip or the resolution of the instrument, as SurfaceTopography knows
-    it.
+    it; shorter waves are not those of the surface.
 
     Parameters
     ----------
@@ -56,7 +57,7 @@ def unreliable(topography: Any) -> tuple[float, str] | None:
     Returns
     -------
     (float, str) or None
-        The wave length in m and a note on it; None if it is unknown.
+        The wave length in m and the note; None if it or the unit of the Topography is unknown.
     """
     has_unit = isinstance(topography.unit, str)
     cutoff = topography.short_reliability_cutoff() if has_unit else None

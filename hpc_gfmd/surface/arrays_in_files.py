@@ -22,7 +22,7 @@ SMALL = 4096  # bytes of what an archive says of sizes and units
 
 @dataclass(frozen=True)
 class FileArray:
-    """Heights in a file: array[i0:i1] reads these rows, with nan for missing heights.
+    """Heights in a file: array[i0:i1] or array[:, j0:j1] reads this part, nan where missing.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class FileArray:
     has_mask: bool = False
 
     def __getitem__(self, part: Any) -> np.ndarray:
-        """Read a part of the heights, nan where the mask is not 0.
+        """Read a part of the heights, an index of NumPy, nan where the mask is not 0.
 
         Raises ValueError if the mask holds other floating-point numbers than 0 and 1.
         """
@@ -72,7 +72,7 @@ def read_npy(contents: Contents, spec: Any) -> Map:
     Returns
     -------
     heights : ndarray
-        Mapped into memory, or read whole if the file was packed.
+        Mapped into memory and read-only, or read whole if the file was packed.
     metadata : Metadata
         Empty: the format has no place for it.
 
@@ -316,7 +316,7 @@ def is_mask(
 
 
 def _head_in_archive(archive: ZipFile, name: str) -> tuple[tuple[int, ...], np.dtype]:
-    """Read shape and dtype of the array `name` in a .npz archive from its header alone."""
+    """Return (shape, dtype) of the array `name` in a .npz archive; only its header is read."""
     with archive.open(f"{name}.npy") as file:
         version = np.lib.format.read_magic(file)
         read = np.lib.format.read_array_header_1_0

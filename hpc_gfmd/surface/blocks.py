@@ -19,7 +19,7 @@ class Block:
         Number of the first of them in the text, from 1.
     header : list of str
         Lines before them: header and comments since the block before.
-    numbers : array of float
+    numbers : array.array of float
         Line by line.
     lines : int
         Number of lines of numbers.
@@ -31,7 +31,10 @@ class Block:
     lines: int = 0
 
     def table(self) -> np.ndarray:
-        """Return the numbers, float64, shape (lines, columns)."""
+        """Return a view of the numbers, float64, shape (lines, columns).
+
+        While it exists `numbers` cannot be extended.
+        """
         return np.frombuffer(self.numbers, np.float64).reshape(self.lines, -1)
 
 

@@ -85,7 +85,7 @@ class Surface:
 
     @property
     def gap(self) -> np.ndarray:
-        """The initial gap h; must not be called if h is None."""
+        """The initial gap h; must not be read after h has been handed over (h is None)."""
         assert self.h is not None
         return self.h
 
@@ -101,15 +101,18 @@ class Surface:
 
     @property
     def reduced_axis(self) -> int | None:
-        """The axis (0 or 1) along which a constant surface was reduced to one point, or None."""
+        """Axis (0 or 1) along which heights do not change, so that `grid` has one point there.
+
+        None if `grid` has all points of the surface, as it always does with free edges.
+        """
         return next((axis for axis in (0, 1) if self.grid.nominal[axis] != self.n[axis]), None)
 
 
 def surface_size(spec: Any) -> tuple[tuple[int, int], tuple[float, ...]]:
-    """Return (n_x, n_y) and (L_x, L_y) of a surface, reading the file only if the scene has no n.
+    """Return (n_x, n_y) and (L_x, L_y) of a surface; the file of a height map is opened for them.
 
     Not collective. spec: the scene's [surface]. Raises SceneError if the file cannot be opened or
-    the scene lacks something.
+    the scene lacks something; only in the second case heights are read, to list all that it lacks.
     """
     if spec.n is not None:
         return tuple(spec.n), spec.physical_sizes
@@ -126,7 +129,8 @@ def build_surface(
 
     Parameters
     ----------
-    spec : scene.surface
+    spec : scene.surface.SurfaceTable
+        The scene's [surface], of any kind.
     comm : Comm
         All ranks; each gets its own rows.
     dtype : dtype
@@ -198,7 +202,8 @@ def surface_of(
     """Make the Surface with the heights of a Topography, which are read here. Collective.
 
     g_rms comes from differences between neighbouring points if an edge is free, else from the
-    Fourier series.
+    Fourier series. A periodic surface whose heights change along one axis only is reduced to one
+    point along the other, see `Surface.reduced_axis`.
 
     Parameters
     ----------
@@ -277,7 +282,8 @@ def surface_of(
 def _by_rows(grid: Grid, function: Callable[..., Any], *fields: np.ndarray) -> list:
     """Call function(rows of each field) for all pieces of this rank's rows, on all threads.
 
-    Returns what the calls returned, in the order of the pieces.
+    fields: arrays of the same rows, of which function gets views that it may change. Returns what
+    the calls returned, in the order of the pieces.
     """
     return grid.by_rows(lambda i0, i1: function(*(field[i0:i1] for field in fields)))
 
@@ -290,8 +296,10 @@ def _largest(grid: Grid, z: np.ndarray) -> float:
 def _leave_out_constant_axis(grid: Grid, z: np.ndarray) -> tuple[Grid, np.ndarray]:
     """Reduce a map that varies along one axis only to that axis. Collective.
 
-    Returns the grid with one point along the other axis and the whole line of heights, on every
-    rank; any other map is returned with its grid as it is. A constant map keeps the points along y.
+    z: this rank's slab of the map on grid. Returns (grid, z): the grid with one point along the
+    other axis, which every rank has to itself, and the whole line of heights, on every rank. Any
+    other map, and one that has one point along an axis already, is returned with its grid as it is.
+    A constant map keeps the points along y.
     """
     comm = grid.comm
     line = comm.bcast(z[:1].copy())

@@ -31,7 +31,8 @@ class FreeSpace:
         In grid spacings of any other axis.
     slender : int
         The square of the longest side over the product of a side and the space beyond it is at most
-        this, since otherwise S would not be positive; half of the longest side always suffices.
+        this, since otherwise S, the displacements per pressure (bodies/free.py), would not be
+        positive. A space of half of the longest side suffices in any case.
     """
 
     share: float = 1 / 2
@@ -98,6 +99,7 @@ def grid_of(
     sizes : (float, float)
         (L_x, L_y) of the surface.
     comm : Comm
+        All ranks that share the rows.
     free : (bool, bool)
         Whether the edges are free along x, along y.
     threads : int
@@ -106,7 +108,8 @@ def grid_of(
     Returns
     -------
     Grid
-        Its nominal area is the surface.
+        Its nominal area is the surface. It may share scratch memory with earlier grids of its size
+        (`Grid.kept`).
     """
     cell = cell_of(n, free, sizes)
     whole = tuple(size * m / k for size, m, k in zip(sizes, cell, n))

@@ -33,7 +33,8 @@ class GridAxis:
 def grid_axis(coordinates: np.ndarray) -> GridAxis:
     """Find the evenly spaced lines on which points with these coordinates lie.
 
-    Coordinates may deviate by rounding to the digits that are written. Lines without a point count.
+    Coordinates may deviate by rounding to the digits that are written. Lines on which no point lies
+    are counted, too.
 
     Parameters
     ----------
@@ -143,7 +144,10 @@ def numbers_from_0(values: np.ndarray) -> bool:
 
 
 def is_plane(table: np.ndarray) -> bool:
-    """Whether the values of a table lie on a plane, so that even steps do not show coordinates."""
+    """Whether the values of a table lie on a plane, so that even steps do not show coordinates.
+
+    They may deviate by a tenth of the mean step along the axis on which it is larger.
+    """
     lines, columns = (np.arange(n) / max(n - 1, 1) for n in table.shape)
     corner = table[0, 0]
     plane = corner + lines[:, None] * (table[-1, 0] - corner) + columns * (table[0, -1] - corner)
@@ -152,10 +156,10 @@ def is_plane(table: np.ndarray) -> bool:
 
 
 def _rounding(values: np.ndarray) -> np.ndarray:
-    """Return the largest rounding error of each coordinate as it was written.
+    """Return one unit of the last digit with which each coordinate was written, shape (points,).
 
-    All are taken to have as many decimals, or as many significant digits, as the longest of them; 0
-    if that has more than 12 digits.
+    All are taken to have as many decimals, or as many significant digits, as the one with the most,
+    whichever is coarser; 0 if one has more than 12 digits, and so was not rounded.
     """
     written = [np.format_float_scientific(abs(value)).split("e") for value in values.tolist()]
     digits = np.array([len(mantissa.replace(".", "")) for mantissa, _ in written])

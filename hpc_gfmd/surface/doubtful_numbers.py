@@ -13,6 +13,7 @@ def slope_notes(g_rms: float, measured: bool) -> list[str]:
     Parameters
     ----------
     g_rms : float
+        Rms slope, without a unit.
     measured : bool
         Whether the surface was measured; a synthetic one may have any small slope.
 

@@ -63,8 +63,9 @@ def _holes(topography: Topography, comm: Any) -> list[tuple[np.ndarray, np.ndarr
     """Find the missing heights in this rank's share of a map. Not collective.
 
     Returns (points, beside) for each piece of rows: points are the indices i n_y + j of missing
-    heights, beside[k] the four heights around point k, nan where they are missing too. At an edge
-    of the map the point itself takes the place of its neighbour.
+    heights, beside[k] the four heights around point k, in the order of NEIGHBOURS, nan where they
+    are missing too. At an edge of the map the point itself takes the place of its neighbour, and
+    so counts as missing.
     """
     parts = []
     for start, around in with_neighbours(topography, comm, "edge"):
@@ -75,9 +76,10 @@ def _holes(topography: Topography, comm: Any) -> list[tuple[np.ndarray, np.ndarr
 
 
 def _heights(topography: Topography, how: str, parts: list) -> tuple[np.ndarray, np.ndarray]:
-    """Return indices i n_y + j of all missing points, and the heights that fill them.
+    """Return indices i n_y + j of all missing points, ascending, and the heights that fill them.
 
-    parts: what `_holes` returned on each rank. Raises SceneError as `filled`.
+    Both are empty if no height is missing. how: as for `filled`. parts: what `_holes` returned on
+    each rank. Raises SceneError as `filled`. Called on rank 0.
     """
     points, beside = map(np.concatenate, zip(*chain(*parts)))
     n_y = topography.n[1]
@@ -101,8 +103,9 @@ def _heights(topography: Topography, how: str, parts: list) -> tuple[np.ndarray,
 def _film(n: tuple[int, ...], points: np.ndarray, beside: np.ndarray) -> np.ndarray:
     """Compute the heights of missing points, each the mean of its four neighbours.
 
-    n: points along x and y. points, beside: as returned by `_holes`, of all ranks. For each point
-    the equation is 4 z - (sum of z of missing neighbours) = sum of the other neighbours.
+    n: points along x and y. points, beside: those of `_holes` on all ranks, points ascending. For
+    each point the equation is 4 z - (sum of z of missing neighbours) = sum of the other neighbours,
+    where beyond an edge the point is its own neighbour.
     """
     from scipy.sparse import coo_array, eye_array  # 50 MB that a run without holes does without
 

@@ -80,9 +80,9 @@ def solve_film(matrix: Any, right: np.ndarray, x: np.ndarray, y: np.ndarray) -> 
 
 
 def _levels(matrix: Any, x: np.ndarray, y: np.ndarray) -> list[FilmLevel]:
-    """Build the levels, finest first: points within 2 x 2 grid points become one.
+    """Build the levels, finest first: points within 2 x 2 grid points become one on the next level.
 
-    It stops when at most DIRECT points are left.
+    matrix, x and y are as for `solve_film`. The coarsest level has at most DIRECT points.
     """
     from scipy.sparse import csr_array
 
@@ -106,7 +106,8 @@ def _levels(matrix: Any, x: np.ndarray, y: np.ndarray) -> list[FilmLevel]:
 def _cycle(levels: list[FilmLevel], depth: int, residual: np.ndarray) -> np.ndarray:
     """Return an approximate solution of the equations of levels[depth] by one symmetric V-cycle.
 
-    residual: right-hand side, one number per point of this level; not changed.
+    residual: right-hand side, one number per point of this level; not changed. Calls itself for the
+    coarser levels.
     """
     level = levels[depth]
     residual = residual.ravel()

@@ -87,7 +87,8 @@ def columns_named(header: list[str], mark: str | None, columns: int) -> Columns 
 def units_of(header: list[str]) -> tuple[str, ...] | None:
     """Return the units of x, y and z that a header names, None unless it names all three.
 
-    They are in brackets in one of its last two lines, or written as Gwyddion does.
+    They are the first three texts in brackets in one of its last two lines that are not blank, or
+    those of Gwyddion, one for x and y and one for z.
     """
     named = {
         match["key"].lower(): match["unit"] for match in _GWYDDION_UNIT.finditer("".join(header))
@@ -211,6 +212,9 @@ def of_instrument(header: list[str], lines: int, columns: int) -> tuple[Metadata
 
 
 def unit_in_brackets(text: str) -> str | None:
-    """Return the unit of length that a text is, or has in brackets; None if there is none."""
+    """Return a text if it is a unit of length, else the first such unit that it has in brackets.
+
+    None if there is none.
+    """
     units = [text.strip(), *_IN_BRACKETS.findall(text)]
     return next((unit for unit in units if unit and length_factor(unit)), None)

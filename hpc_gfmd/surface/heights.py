@@ -93,9 +93,11 @@ def checksum(
     ----------
     grid : Grid
     z : ndarray
-        This rank's slab, float64.
+        This rank's slab of the grid, float64.
     n : (int, int)
+        Points of the map along x and y.
     sizes : (float, float)
+        (L_x, L_y) of the map.
     unit : str
         Unit of the sizes.
 

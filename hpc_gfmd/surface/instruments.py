@@ -102,7 +102,7 @@ def of_zygo(contents: Contents, spec: Any) -> Map | None:
     Returns
     -------
     Map or None
-        Heights and metadata as of `read`; None for any other HDF5 file.
+        Heights and metadata as `read` returns them; None for any other HDF5 file.
     """
     import h5py
 
@@ -123,8 +123,8 @@ def recognised(contents: Contents, spec: Any) -> Map | None:
     Returns
     -------
     Map or None
-        Heights and metadata as of `read`; None if reading fails or the file has neither sizes nor
-        unit.
+        Heights and metadata as `read` returns them; None if reading fails or the file has neither
+        sizes nor a unit.
     """
     with suppress(Exception):
         heights, metadata = _read_channel(_detected(contents), spec)
@@ -133,13 +133,16 @@ def recognised(contents: Contents, spec: Any) -> Map | None:
 
 
 def topography_of_channel(contents: Contents, dataset: str) -> Any:
-    """Return the SurfaceTopography object of the channel that `read` would choose.
+    """Return the SurfaceTopography object of a channel, chosen among the channels as by `read`.
+
+    The file is opened by the first reader of SurfaceTopography that takes it, which for some files
+    is not the one that `read` prefers.
 
     Parameters
     ----------
     contents : Contents
     dataset : str
-        Name of the channel, or ANY.
+        Name of the channel, or ANY to choose one that seems to be heights.
 
     Returns
     -------
@@ -168,12 +171,17 @@ def _open(source: Any, kind: str | None = None) -> Any:
 
 
 def _detected(contents: Contents) -> Any:
-    """Return the first reader that takes a file. Raises CannotDetectFileFormat if none does."""
+    """Return the reader of SurfaceTopography that takes a file first, with the file open in it.
+
+    Raises CannotDetectFileFormat if none does.
+    """
     return _open(contents.source)
 
 
 def _reader_of(contents: Contents) -> Any:
     """Return a reader for a file: one that recognises the bytes, else one that knows the suffix.
+
+    A reader that recognises the bytes but finds no map comes after those that know the suffix.
 
     Raises ValueError with the reasons if readers that know the suffix fail, and SceneError with the
     known formats if there are none.

@@ -16,7 +16,8 @@ UNITS = 'a unit of length, such as surface.unit = "nm"'
 class MapUnits:
     """Sizes and units of a map, from what its file and the scene say.
 
-    Raises SceneError if they contradict each other. What neither of them says is listed in `lacks`.
+    Raises SceneError if scene and file give different units of the heights; different sizes only
+    make a note. What neither of them says is listed in `lacks`.
 
     Parameters
     ----------
@@ -32,11 +33,12 @@ class MapUnits:
     sizes : (L_x, L_y)
         In m if units are named; (1, 1) if they are not known.
     height, length : float
-        Length in m of one unit of the heights, and of plain sizes; 1 if units are not named.
+        What a number of the heights in the file, and a length without a unit in the scene, is
+        multiplied by to be in m; 1 if units are not named.
     sizes_unit : str, optional
-        Unit of plain sizes.
+        Unit of lengths without a unit in the scene; None if it is not known.
     are_named : bool
-        Whether heights and sizes have units.
+        Whether the unit of the heights is known, and with it that of the sizes.
     lacks : dict
         {key of [surface]: why it has to be given}
     notes : list of str
@@ -105,7 +107,8 @@ class MapUnits:
     def _compare(self, metadata: Metadata, in_file: Any, scene_sizes: Any) -> None:
         """Add a note if the sizes in the scene differ from those in the file by more than 0.1 %.
 
-        in_file, scene_sizes: None if not given.
+        in_file, scene_sizes: (L_x, L_y), None if not given. They are not compared if only one of
+        them has a unit.
         """
         file_unit = metadata.sizes_unit or metadata.unit
         if scene_sizes is None or in_file is None or (file_unit is None) == self.are_named:

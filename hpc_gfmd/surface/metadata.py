@@ -152,8 +152,8 @@ def by_axes(heights: Mapping[str, Any], axes: list) -> Metadata:
 def is_y_first(axes: list[tuple[str, Mapping[str, Any]]]) -> bool:
     """Whether the first of two axes is y, by their attributes and names.
 
-    axes: [(name, attributes), (name, attributes)]; the attributes are `axis` and `standard_name` of
-    CF.
+    axes: [(name, attributes), (name, attributes)], where the attributes `axis` and `standard_name`
+    of CF are used. An axis that is neither x nor y by these counts as the other one.
     """
     return [_direction(*axis) for axis in axes] in (["y", "x"], ["y", ""], ["", "x"])
 
@@ -215,10 +215,10 @@ def _direction(name: str, attributes: Mapping[str, Any]) -> str:
 
 
 def _length(attributes: Mapping[str, Any], x: Any) -> float | None:
-    """Return the length of an axis, by its attribute `length` or its coordinates x.
+    """Return the length of an axis: its attribute `length`, or the points times their distance.
 
-    It is negative if the coordinates fall, and None if it is not known. Raises ValueError if the
-    coordinates are not evenly spaced.
+    x: the coordinates of the points, or None. The length is negative if they fall, and None if it
+    is not known. Raises ValueError if they are not evenly spaced.
     """
     if "length" in attributes:
         return float(np.ravel(attributes["length"])[0])

@@ -7,7 +7,7 @@ typical value is still a normal number. Units beyond double precision are refuse
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -30,6 +30,7 @@ def fits(dtype: DTypeLike, smallest: float, largest: float) -> bool:
     ----------
     dtype : dtype
     smallest, largest : float
+        The magnitudes; False unless smallest is positive.
 
     Returns
     -------
@@ -52,7 +53,8 @@ def field_dtype(name: str, dtype: DTypeLike, p_mean: float, surface: Surface) ->
     dtype : dtype
         Precision in which the contact was solved.
     p_mean : float
-        Mean pressure in the scene's units.
+        Mean pressure on the wall in the scene's units; only used for "pressure", which gets float64
+        if it is not positive.
     surface : Surface
 
     Returns
@@ -74,7 +76,7 @@ def single_solves(p_star: float, N: int) -> bool:
     Parameters
     ----------
     p_star : float
-        Mean pressure in the program's units.
+        Mean pressure in the program's units; False unless it is positive.
     N : int
         Number of grid points.
 
@@ -85,15 +87,15 @@ def single_solves(p_star: float, N: int) -> bool:
     return fits(np.float32, float(np.finfo(np.float32).eps) * p_star, (N * max(p_star, 1.0)) ** 2)
 
 
-def require_range(E_star: float, surface: Surface, pressures: Iterable[float]) -> None:
+def require_range(E_star: float, surface: Surface, pressures: Sequence[float]) -> None:
     """Require that double precision holds the numbers of the contacts.
 
     Parameters
     ----------
     E_star : float
     surface : Surface
-    pressures : iterable of float
-        Mean pressures, in the unit of E_star.
+    pressures : sequence of float
+        Magnitudes of the mean pressures, in the unit of E_star, none of them 0.
 
     Raises
     ------

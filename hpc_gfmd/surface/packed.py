@@ -71,7 +71,10 @@ def _in_type(values: np.ndarray, dtype: np.dtype) -> np.ndarray:
 
 
 def _numbers(name: str, value: Any) -> np.ndarray:
-    """Return the numbers of an attribute, float64, shape (k,). Raises ValueError if it has none."""
+    """Return the numbers of an attribute, float64, shape (k,), as a new array.
+
+    Raises ValueError, with the name, if the attribute has none.
+    """
     array = np.ravel(value)
     if array.size < 1 or array.dtype.kind not in "fiu":
         raise ValueError(f"its attribute {name} is no number")
@@ -79,7 +82,10 @@ def _numbers(name: str, value: Any) -> np.ndarray:
 
 
 def _text(value: Any) -> str:
-    """Return an attribute as text, "" if it is not a single value."""
+    """Return the text of an attribute that is a single text or number.
+
+    "" for an array of any other size. An attribute that is absent (None) gives "None".
+    """
     array = np.ravel(value)
     text = array[0] if array.size == 1 else ""
     return text.decode("utf-8", "replace") if isinstance(text, bytes) else str(text)

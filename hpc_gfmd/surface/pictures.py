@@ -157,7 +157,7 @@ def _grey(contents: Contents) -> np.ndarray:
 def _numbers(text: Any) -> np.ndarray:
     """Return the number in GDAL's tag for missing points, as an array of one number or none.
 
-    Raises ValueError if the tag holds anything else.
+    text: the tag, as text or bytes. Raises ValueError if it holds anything else.
     """
     text = text.decode("ascii", "replace") if isinstance(text, bytes) else str(text)
     try:
@@ -167,7 +167,10 @@ def _numbers(text: Any) -> np.ndarray:
 
 
 def _scale_and_offset(text: Any) -> tuple[float, float]:
-    """Return the scale and offset of the heights in GDAL's metadata (XML), by default (1, 0)."""
+    """Return the scale and offset of the heights in GDAL's metadata, (1, 0) where it has none.
+
+    text: XML, as text or bytes. Raises ParseError or ValueError if it is damaged.
+    """
     text = text.decode("utf-8", "replace") if isinstance(text, bytes) else str(text)
     scale = 1.0
     offset = 0.0

@@ -138,8 +138,10 @@ def _filled(topography: Topography, spec: Any, comm: Any, lacks: list[str]) -> T
 def _of_filled_scans(topography: Topography, spec: Any, comm: Any, lacks: list[str]) -> Topography:
     """Fill the holes of the two scans in topography.bodies and return their sum. Collective.
 
-    Adds a note for an interpolated scan that does not resolve its own roughness, and appends to
-    `lacks` as `_filled` does. Raises SceneError if the scans do not overlap or only one has a unit.
+    The sum has a note on each interpolated scan that does not resolve its own roughness. Appends to
+    the list `lacks` as `_filled` does. If a scan lacks sizes or units there is no sum, and the
+    first scan is returned (`combined`). Raises SceneError if the scans do not overlap or only one
+    has a unit.
     """
     lower, upper = (_filled(scan, spec, comm, lacks) for scan in topography.bodies)
     total = combined((lower, upper), spec)
@@ -157,7 +159,8 @@ def _of_filled_scans(topography: Topography, spec: Any, comm: Any, lacks: list[s
 def _cropped(topography: Topography, spec: Any) -> Topography:
     """Return the part of the map within spec.crop, its limits rounded to grid points.
 
-    Raises SceneError if it is not within the map.
+    It counts as periodic only if the whole map is kept. Raises SceneError if it is not within the
+    map.
     """
     ends = []
     for axis in (0, 1):
@@ -191,7 +194,8 @@ def _cropped(topography: Topography, spec: Any) -> Topography:
 def _detrended(topography: Topography, trend: str, comm: Any) -> Topography:
     """Subtract the polynomial that fits the measured heights best. Collective; reads all heights.
 
-    trend: "mean", "tilt" (plane) or "curvature" (second degree).
+    trend: "mean", "tilt" (plane) or "curvature" (second degree). After the last two it is open
+    whether the map is periodic, even if its file says so.
     """
     powers = POWERS[trend]
     x, y = (2 * np.arange(n) / max(n - 1, 1) - 1 for n in topography.n)
@@ -253,14 +257,20 @@ def _windowed(topography: Topography, name: str) -> Topography:
 
 
 def _windows(topography: Topography, name: str) -> tuple[np.ndarray, ...]:
-    """Return the window along x, shape (n_x,), and along y, shape (n_y,)."""
+    """Return the window along x, shape (n_x,), and along y, shape (n_y,), both from 0 to 1.
+
+    name: as for `_windowed`.
+    """
     from scipy.signal.windows import get_window
 
     return tuple(get_window(name, n) for n in topography.n)
 
 
 def _kept(topography: Topography, name: str) -> float:
-    """Return the share of the area in which the product of both windows is at least 1/2."""
+    """Return the share of the area in which the product of both windows is at least 1/2.
+
+    name: as for `_windowed`.
+    """
     w_x, w_y = _windows(topography, name)
     counts = np.searchsorted(np.sort(w_y), 0.5 / np.maximum(w_x, 1e-300), side="right")
     return float(np.mean(w_y.size - counts) / w_y.size)

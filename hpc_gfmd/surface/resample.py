@@ -49,9 +49,10 @@ def _resampled_columns(
 ) -> Rows:
     """Resample the rows of a map to after[-1] points and transpose it. Collective.
 
-    before, after: first row (or column) of each rank before and after the transposition, and their
-    number at the end. Returns a function (start, stop) that gives this rank's columns as rows and
-    raises IndexError for others.
+    rows: reads rows of the map. before: the first row of each rank, then the number of rows. after:
+    the first of the resampled columns that each rank gets, then their number. ends: whether the
+    edges are free along the rows, which then are resampled in cosines. Returns a function
+    (start, stop) that gives this rank's columns as rows and raises IndexError for others.
     """
     me = comm.rank
     begin, stop_row = before[me : me + 2]
@@ -77,7 +78,10 @@ def _resampled_columns(
 
 
 def _series(z: np.ndarray, n: int, ends: bool) -> np.ndarray:
-    """Resample rows z, shape (k, m), to n points by their Fourier series; in cosines if `ends`."""
+    """Return rows z, shape (k, m), resampled to n points by their Fourier series, shape (k, n).
+
+    ends: use the series of cosines, for rows with free ends.
+    """
     from scipy.fft import dct, idct
     from scipy.signal import resample
 

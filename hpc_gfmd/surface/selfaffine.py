@@ -17,7 +17,7 @@ def self_affine_gap(
 ) -> tuple[np.ndarray, float, Callable]:
     """Make the gap under zero load of a self-affine surface. Collective.
 
-    The transforms of the grid are used as scratch memory.
+    The transforms of the grid in precision made_in are used as scratch memory.
 
     Parameters
     ----------

@@ -20,7 +20,8 @@ def rms(grid: Grid, fill: Any) -> tuple[float, float]:
     ----------
     grid : Grid
     fill : function
-        fill(i0, i1, x) puts rows i0 <= i < i1 of this rank's slab into the first rows of x.
+        fill(i0, i1, x) puts rows i0 <= i < i1 of this rank's slab into the first rows of x. It is
+        called on several threads at once.
 
     Returns
     -------
@@ -42,6 +43,7 @@ def rms_between_neighbours(grid: Grid, fill: Any, free: tuple[bool, bool]) -> tu
     grid : Grid
     fill : function
         fill(i0, i1, x) puts rows i0 <= i < i1 of this rank's slab, of a field with mean 0, into x.
+        It is called once, for all rows.
     free : (bool, bool)
         Whether the edges are free along x, along y: no difference is taken across them.
 
@@ -75,8 +77,8 @@ def rms_of_columns(grid: Grid, fft: Any, make: Any) -> tuple[float, float]:
         What it holds is changed.
     make : function, optional
         make(block, m) puts h_q, in the normalisation of the grid, into block m of the columns,
-        which is 0 before; afterwards fft holds the rows of the field, ready for backward_rows.
-        None: fft holds rows that were transformed before.
+        which is 0 before, on several threads at once; afterwards fft holds the rows of the field,
+        ready for backward_rows. None: fft holds the rows that forward_rows has transformed.
 
     Returns
     -------

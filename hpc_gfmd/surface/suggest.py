@@ -77,7 +77,10 @@ def suggestion(make: Callable[[dict], File], user_keys: dict) -> Suggestion:
 def _of_two_scans(
     topography: Topography, make: Callable[[dict], File], user_keys: dict
 ) -> Suggestion:
-    """Return the Suggestion for two scans; topography is their sum, with both as its `bodies`."""
+    """Return the Suggestion for two scans; topography is their sum, with both as its `bodies`.
+
+    make, user_keys: as for `suggestion`. Heights are read only if no key is missing.
+    """
     result = Suggestion(dict(user_keys), unit=topography.unit, missing=list(topography.lacks))
     result.why = dict.fromkeys(result.missing, NEEDED_OF_TWO)
     for scan in topography.bodies:
@@ -91,7 +94,10 @@ def _of_two_scans(
 
 
 def _about(topography: Topography, user_keys: dict) -> list[str]:
-    """Return lines on what was read: points, sizes, unit, format, channel, direction, remarks."""
+    """Return lines on what was read: points, sizes, unit, format, direction, channel, remarks.
+
+    user_keys: as for `suggestion`; its unit is shown if the file has none.
+    """
     metadata = topography.metadata
     sizes = "of sizes that the file does not say"
     if "physical_sizes" not in topography.lacks:
@@ -114,7 +120,7 @@ def _about(topography: Topography, user_keys: dict) -> list[str]:
 
 
 def _is_repeated(note: str, metadata: Metadata) -> bool:
-    """Whether a note repeats a line of `_about`."""
+    """Whether a note on a map repeats a line of `_about`: on a remark, direction or channel."""
     is_remark = any(note.endswith(remark) for remark in metadata.remarks)
     return is_remark or metadata.direction in note or "is pressed; others" in note
 
@@ -139,7 +145,8 @@ def _require_agreement(
 ) -> None:
     """Raise SceneError if the user sets other sizes than the file says, by more than 0.1 %.
 
-    sizes, unit: those in the file. topography.sizes: those that the user sets, if any.
+    sizes, unit: those in the file. topography: opened with the keys of the user, so that its sizes
+    are those that the user sets. They are not compared if only one of them has a unit.
     """
     wanted = user_keys.get("physical_sizes")
     if wanted is None:
@@ -155,10 +162,10 @@ def _require_agreement(
 
 
 def _by_instrument(result: Suggestion, topography: Topography, spec: File) -> None:
-    """Add to result the downsampling that removes waves made by the instrument.
+    """Add to result, as a comment, the downsampling that removes waves made by the instrument.
 
-    Adds nothing if SurfaceTopography cannot read the file or does not know the shortest reliable
-    wave.
+    It is the smallest factor that divides the points and keeps no shorter wave. Adds nothing if
+    SurfaceTopography cannot read the file or does not know the shortest reliable wave.
     """
     with suppress(Exception):  # of a file that SurfaceTopography does not read
         contents = contents_of(Path(str(spec.path)))
@@ -178,7 +185,7 @@ def _by_instrument(result: Suggestion, topography: Topography, spec: File) -> No
 
 
 def _readable(sizes: tuple[float, ...], unit: str) -> list[str]:
-    """Write lengths in a unit with a readable prefix: ["10 um", "8 um"]."""
+    """Write sizes that are in `unit`, a unit of length, with a readable one: ["10 um", "8 um"]."""
     lengths = [size * (length_factor(unit) or 1.0) for size in sizes]
     scale, name = prefixed(lengths, "m")
     return [f"{length / scale:.10g} {name}" for length in lengths]
@@ -187,10 +194,15 @@ def _readable(sizes: tuple[float, ...], unit: str) -> list[str]:
 def _by_heights(
     result: Suggestion, make: Callable[[dict], File], user_keys: dict, periodic: bool | None
 ) -> None:
-    """Prepare the map and add to result the keys and lines that its heights suggest.
+    """Read and prepare the map, and add to result the keys and lines that its heights suggest.
 
-    Keys: fill, detrend and boundary, unless the user has set them. periodic: whether the file says
-    that the map is.
+    result: changed are its values, why and about. make, user_keys: as for `suggestion`. periodic:
+    True if the file says that the map is periodic.
+
+    Keys that the user has not set may be added: fill if heights are missing, detrend if they are
+    mostly tilt, and boundary = "free" if opposite edges jump, the file does not say that the map is
+    periodic, and the user has set neither mirror nor window. Lines: missing points, tilt, jumps,
+    outliers, what was done, rms values and notes. Raises SceneError if the map cannot be prepared.
     """
     values = result.values
     why = result.why

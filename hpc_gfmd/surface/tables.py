@@ -15,7 +15,7 @@ HINT = (
 
 @dataclass(frozen=True)
 class Matrix:
-    """Heights without the coordinates beside them.
+    """Heights of a matrix, and the coordinates that stood beside them.
 
     Attributes
     ----------
@@ -113,8 +113,8 @@ def without_coordinates(table: np.ndarray, labels: Labels, coordinates: str | No
     table : ndarray, shape (lines, columns)
     labels : Labels
     coordinates : str, optional
-        Which of them are coordinates, as the scene says: "none", "line", "column" or "both". By
-        default this is decided by the labels and by even steps.
+        Whether the first line, the first column or both are coordinates, as the scene says:
+        "none", "line", "column" or "both". None: the labels and even steps decide.
 
     Returns
     -------

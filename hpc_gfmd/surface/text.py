@@ -65,7 +65,7 @@ def read(contents: Contents, spec: Any) -> Map:
 
 
 def _lines(contents: Contents, encoding: str) -> Iterator[str]:
-    """Yield the lines of a text, with their ends; undecodable bytes are replaced."""
+    """Yield the lines of a text, each with its line end; undecodable bytes are replaced."""
     with contents.open() as stream, TextIOWrapper(stream, encoding, errors="replace") as text:
         yield from text
 
@@ -78,9 +78,10 @@ def _titled(blocks: list[Block]) -> bool:
 def _one_of(blocks: list[Block], layout: TextLayout, spec: Any, are_points: bool) -> Map:
     """Return one map of a text with several blocks of numbers.
 
-    are_points: the blocks are lines of one grid of points, and are joined. Otherwise the headers
-    name channels: it is the one that spec.dataset names, or the first. Raises ValueError if there
-    is none.
+    are_points: the blocks are lines of one grid of points, and are joined. Otherwise every block
+    needs a header of its own, and blocks of heights with the header of an instrument are channels:
+    the map is the channel that spec.dataset names, or the first one. Raises ValueError if there is
+    none.
     """
     if are_points:  # of which a blank line ends each line of the grid
         return _matrix_or_points(joined(blocks), layout, blocks[0].header, [], spec)

@@ -47,13 +47,13 @@ class Topography:
     path : object
         Path of the file, for messages.
     filled : int
-        Number of points that had no height.
+        Number of points that had no height and were filled.
     plain : float
-        What a length without a unit in the scene stands for, in the unit of `sizes`.
+        Factor that takes a length without a unit in the scene to the unit of `sizes`.
     plain_unit : str
-        Unit of such lengths.
+        Unit of such lengths, "" if it is not known.
     origin : (float, float)
-        Position of the first point, in the unit of `sizes`.
+        Position of the first point, in the unit of `sizes`; only used to place two scans.
     bodies : tuple of Topography
         The two scans of which it is the sum, see `combined`; empty for a single map.
     metadata : Metadata
@@ -105,8 +105,8 @@ class Topography:
         Parameters
         ----------
         radii : (R_x, R_y)
-            Radii of z = -x^2/(2 R_x) - y^2/(2 R_y) about the centre of the cell, in the unit of
-            `sizes`; inf means straight.
+            Radii of z = -x^2/(2 R_x) - y^2/(2 R_y) about the point (n_x // 2, n_y // 2), in the
+            unit of `sizes`; inf means straight.
 
         Returns
         -------
@@ -299,7 +299,7 @@ def _with_first_axis(metadata: Metadata, spec: Any) -> Metadata:
 def _rows_of(data: Any, metadata: Metadata, start: int, stop: int, n_x: int) -> np.ndarray:
     """Read rows start <= i < stop of heights: float64, x and y rising, nan where missing.
 
-    data: array as in the file. n_x: number of points along x.
+    data: array as in the file, in its unit, which is kept. n_x: number of points along x.
     """
     begin, end = (n_x - stop, n_x - start) if metadata.falling[0] else (start, stop)
     z = data[:, begin:end].T if metadata.transposed else data[begin:end, :]

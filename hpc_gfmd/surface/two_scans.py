@@ -75,8 +75,8 @@ class Axis:
         Parameters
         ----------
         read : function
-            read(start, stop) returns rows of the scan, without holes; rows are counted along this
-            axis.
+            read(start, stop) returns rows of the scan, shape (stop - start, points across), without
+            holes; a row holds the points with the same position along this axis.
         start, stop : int
 
         Returns
@@ -288,7 +288,7 @@ def spacings_text(scan: Any, factor: float = 1.0) -> str:
 
 
 def _common_axes(scans: tuple[Any, Any], spec: Any) -> tuple[tuple[Axis, Axis], ...]:
-    """Return, for x and for y, how the common grid lies along this axis of both scans.
+    """Return two pairs of Axis, for x and for y: the common grid on the first and the second scan.
 
     Raises SceneError if the scans do not overlap.
     """
@@ -306,8 +306,9 @@ def _spacings(scan: Any) -> tuple[float, ...]:
 def _common_axis(scans: tuple[Any, Any], axis: int, repeats: bool) -> tuple[Axis, Axis]:
     """Return how the common grid lies along axis 0 or 1 of the first and of the second scan.
 
-    repeats: whether the axis is periodic; it is used if the scans are equally long. Raises
-    SceneError if they do not overlap.
+    The grid has the points of the finer scan, the first one if both are equal. repeats: whether the
+    surface is periodic along the axis; only scans of equal length are then added over a whole
+    period. Raises SceneError if they do not overlap.
     """
     n = [scan.n[axis] for scan in scans]
     sizes = [scan.sizes[axis] for scan in scans]
@@ -350,7 +351,10 @@ def _common_axis(scans: tuple[Any, Any], axis: int, repeats: bool) -> tuple[Axis
 
 
 def _rows_on_grid(scan: Any, x: Axis, y: Axis) -> Rows:
-    """Return a function (start, stop) that gives rows of a scan on the common grid."""
+    """Return a function (start, stop) that gives rows of a scan on the common grid.
+
+    x, y: the Axis of the grid on this scan along either axis, see `_common_axes`.
+    """
 
     def rows(start: int, stop: int) -> np.ndarray:
         across = x.interpolate(scan.rows, start, stop).T

@@ -23,7 +23,14 @@ def atomic_write(path: Path) -> Iterator[Path]:
     Yields
     ------
     Path
-        The temporary file.
+        The name by which the block opens the temporary file. It may stand for a descriptor of this
+        process (/proc/self/fd/N): it has no suffix, and only this process can use it. The block
+        has to close the file before it ends.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be created or renamed.
     """
     named = path.with_name(f".{path.name}.{uuid4().hex[:8]}.tmp")
     written = named

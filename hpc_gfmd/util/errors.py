@@ -46,7 +46,7 @@ def one_line(text: str, longest: int = 200) -> str:
     text : str
         A text from outside, such as the message of a library.
     longest : int
-        Largest length; a longer text loses its middle.
+        Largest length, at least 60; a longer text loses its middle.
 
     Returns
     -------

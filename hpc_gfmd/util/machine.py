@@ -16,8 +16,8 @@ def cores() -> list[int]:
 def available_gib() -> float:
     """Return the memory in GiB that new processes can still allocate, all of them together.
 
-    It is what the machine has available, or what the limits of this process's control groups leave,
-    if that is less; infinity if the system does not report it.
+    It is what Linux reports as available (on other systems, all memory of the machine), or what the
+    limits of this process's control groups leave, if that is less; infinity if nothing is reported.
     """
     gib = [float("inf")]
     if available_kib := _table(Path("/proc/meminfo")).get("MemAvailable:"):

@@ -25,8 +25,8 @@ def names_in(package: str, apart: Sequence[str]) -> Sequence[str]:
     ----------
     package : str
         The folder as a package, such as "hpc_gfmd.bodies".
-    apart : sequence of str
-        Names of files in the folder that are not drop-in files.
+    apart : tuple of str
+        Names of files in the folder that are not drop-in files. Not a list: results are cached.
 
     Returns
     -------
@@ -59,6 +59,8 @@ def module_in(package: str, name: str) -> Any:
     ------
     GfmdError
         If a file of another package cannot be imported.
+    ImportError
+        If there is no file of this name, or a file in the folder cannot be imported.
     """
     point = _added(package).get(name)
     if point is None:
@@ -108,6 +110,10 @@ def sources_added(package: str) -> list[Path]:
 
 @cache
 def _added(package: str) -> dict[str, EntryPoint]:
-    """Return the entry points, by name, with which other packages add files to a folder."""
+    """Return the entry points, by name, with which other packages add files to a folder.
+
+    Their group is named as the package, but "hpc_gfmd.observables" for hpc_gfmd.contact. The dict
+    is cached and must not be changed.
+    """
     group = package.replace("contact", "observables")
     return {point.name: point for point in entry_points(group=group)}

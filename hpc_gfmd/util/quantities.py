@@ -124,7 +124,10 @@ def factor(unit: str, dimension: str = "length") -> float:
 
 
 def _in_si(unit: str, dimension: str) -> float | None:
-    """Return the size of a unit in SI units, or None if it is not a unit of the dimension."""
+    """Return the size of a unit in SI units, or None if it is not a unit of the dimension.
+
+    Imports pint, which takes a while, for all dimensions but "length".
+    """
     if dimension == "length":
         return length_factor(unit)
     import pint
@@ -153,6 +156,7 @@ def in_units(unit: str, surface: Mapping[str, Any]) -> str:
     ----------
     unit : str
         A product of "length", "pressure" and "force", such as "length^2"; "" for a plain number.
+        Any other unit in it, such as "s", stays.
     surface : mapping
         Attributes of a surface: "unit" (of lengths) and "pressure_unit".
 
@@ -189,8 +193,8 @@ def prefixed(values: Iterable[Any], unit: str) -> tuple[float, str]:
     Returns
     -------
     float, str
-        The size of the prefixed unit in `unit`, and its name: (1e6, "MPa"). (1.0, "") if `unit` is
-        "".
+        The size of the prefixed unit in `unit`, and its name: (1e6, "MPa"). The prefixes are those
+        from f to T; none if all numbers are 0. (1.0, "") if `unit` is "".
     """
     largest = max(
         (abs(value) for value in values if isinstance(value, int | float) and isfinite(value)),

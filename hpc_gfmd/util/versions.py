@@ -11,7 +11,10 @@ PACKAGES = ("hpc_gfmd", "numpy", "numba", "scipy", "h5py", "mpi4py", "mpi4py-fft
 
 @cache
 def versions() -> dict[str, str]:
-    """Return the versions of Python and of the installed PACKAGES by name; nothing is imported."""
+    """Return the versions of Python and of the installed PACKAGES by name; nothing is imported.
+
+    The dict is cached and must not be changed.
+    """
     installed = {"python": platform.python_version()}
     for name in PACKAGES:
         with suppress(metadata.PackageNotFoundError):
