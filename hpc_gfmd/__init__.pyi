@@ -9,10 +9,6 @@ from .runs.ensemble import Ensemble as Ensemble
 from .runs.interface_law import interface_law as interface_law
 from .runs.many import solve_many as solve_many
 from .runs.prepared import PreparedSurface as PreparedSurface
-from .runs.prepared import combine_surfaces as combine_surfaces
-from .runs.prepared import make_surface as make_surface
-from .runs.prepared import prepare_surface as prepare_surface
-from .runs.prepared import read_surface as read_surface
 from .runs.simulation import RunResult as RunResult
 from .runs.simulation import run as run
 from .runs.solution import Solution as Solution
@@ -20,6 +16,10 @@ from .runs.solutions import Interrupted as Interrupted
 from .runs.solutions import Solutions as Solutions
 from .runs.solutions import load as load
 from .runs.solve import solve as solve
+from .runs.surfaces import combine_surfaces as combine_surfaces
+from .runs.surfaces import make_surface as make_surface
+from .runs.surfaces import prepare_surface as prepare_surface
+from .runs.surfaces import read_surface as read_surface
 from .theory import reference as reference
 from .util.errors import GfmdError as GfmdError
 from .util.errors import NotConverged as NotConverged

@@ -249,7 +249,8 @@ def _recompute(problem: Problem, elastic: Elastic, g: np.ndarray, p: np.ndarray)
     def look(i0: int, i1: int, x: np.ndarray) -> tuple[KktSums, KktExtremes]:
         if law is not None:
             attracted.append(add_attraction(law, g, x, i0, i1, grid.inside))
-        return kkt_residuals(g, p, x, problem.p_cell, problem.limit, grid.inside, i0, i1)
+        worst = np.zeros((2, g.shape[1]))
+        return kkt_residuals(g, p, x, problem.p_cell, problem.limit, grid.inside, i0, i1, worst)
 
     parts = elastic.use_rows(look)
     sums_of_parts = [sums for sums, _ in parts] or [KktSums(*[0.0] * len(KktSums._fields))]

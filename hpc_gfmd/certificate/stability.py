@@ -236,7 +236,10 @@ class _Search:
         return Stability(s, min(lowest, s), V[0] if upward else -V[0], self.elastic.pairs)
 
     def _apply(self, field: np.ndarray, out: np.ndarray) -> None:
-        """Set out = K field on open points and 0 in contact, with one FFT pair."""
+        """Set out = K field on open points and 0 in contact, with one FFT pair. Collective.
+
+        K(0) is the stiffness of the spring that holds the mean gap.
+        """
 
         def fill(i0: int, i1: int, x: np.ndarray) -> None:
             x[: i1 - i0] = field[i0:i1]
@@ -283,7 +286,11 @@ class _Search:
         return float(mu[-1]), weights
 
     def _combine(self, V: np.ndarray, KV: np.ndarray, k: int, weights: np.ndarray) -> None:
-        """Set V[0] to the best direction, V[2] to its change; the same for KV. Local, in place."""
+        """Combine the first k directions: V[0] = sum of weights[i] V[i], V[2] = that without V[0].
+
+        The same for KV. V[0] is the new mode, V[2] the direction of its change (LOBPCG). Local, in
+        place.
+        """
         real = weights.astype(self.dtype)
 
         def combine(i0: int, i1: int) -> None:

@@ -81,7 +81,8 @@ def main(args: Namespace) -> int:
 def _show_ensemble(args: Namespace) -> int:
     """Print means and standard deviations of several results, as text or JSON; returns 0.
 
-    Raises SceneError for --tfc, --references and --errors.
+    Raises SceneError for --tfc, --references and --errors, for results of different loads or units,
+    and for files that cannot be read.
     """
     from ..runs.ensemble import Ensemble
 

@@ -413,8 +413,9 @@ def _prolong(
     # beyond the surface there are no heights: what stands for them does not count
     owned = np.minimum(fine.starts, fine.nominal[0])
     before, after = neighbours(fine.comm, heights, fine.starts, SWEEPS, owned)
-    # copies: where `out` is the memory of the heights, other threads write to it
-    borders = [heights[i - SWEEPS : i + SWEEPS].copy() for i, _ in pieces[1:]]
+    borders = [heights[i - SWEEPS : i + SWEEPS] for i, _ in pieces[1:]]
+    if np.may_share_memory(out, heights):  # other threads write there
+        borders = [rows.copy() for rows in borders]
     befores = [before, *(rows[:SWEEPS] for rows in borders)]
     afters = [*(rows[SWEEPS:] for rows in borders), after]
     coarse_rows = int(step.beside[fine.comm.rank]), step.n[0]

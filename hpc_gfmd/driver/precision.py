@@ -280,7 +280,8 @@ def pressure_that_counts(target: StoppingCriterion | SolverTable, p_star: float)
     Returns
     -------
     float
-        A pressure over E* g_rms. It is 0 if p_star <= 0 and an accuracy is requested.
+        A pressure over E* g_rms: residual * p_star, which is below 0 under tension, or
+        accuracy * sqrt(p_star), which is 0 under tension and without an accuracy.
     """
     if target.residual:
         return target.residual * p_star

@@ -215,10 +215,11 @@ class Starter:
     # -- their steps
 
     def _without_attraction(self, problem: Problem, gap: np.ndarray) -> tuple[np.ndarray, float]:
-        """Solve the contact without attraction roughly, for a grid without a coarser one.
+        """Solve the contact without attraction roughly, on a grid without a coarser one.
 
-        `problem` has no attraction. Starts from `gap`; returns the new gap, and the FFT pairs that
-        it took. Collective.
+        `problem` has no attraction. A solver of its own starts from `gap`; neither `gap` nor
+        `self.solver` is changed. Returns the new gap, in new memory, and the FFT pairs that it
+        took. Raises Stopped on all ranks if a signal asks the run to stop. Collective.
         """
         solver = roughly_solved(problem, self._make, gap, WITHOUT_ATTRACTION, None)
         return solver.g, solver.pairs

@@ -1,7 +1,6 @@
 """Counters that several threads change without a lock, in kernels.
 
-All that a thread has written before it changes a counter is there for a thread that has seen the
-change.
+When a thread sees a change of a counter, it also sees all that the other thread wrote before it.
 """
 
 from llvmlite import ir
@@ -22,7 +21,7 @@ def _address(context, builder, signature, values):
 
 @intrinsic
 def add(_, counters, index, value):
-    """Add a number to a counter and return what it was before.
+    """Add a number to a counter in one step; return the counter before it. Only in kernels.
 
     Parameters
     ----------
@@ -31,7 +30,7 @@ def add(_, counters, index, value):
     index : int
         Of the counter.
     value : int
-        0 reads the counter.
+        The number; with 0 the counter is only read.
     """
 
     def generate(context, builder, signature, values):
@@ -44,7 +43,9 @@ def add(_, counters, index, value):
 
 @intrinsic
 def replace(_, counters, index, expected, value):
-    """Set a counter to a value if it is what is expected; return whether it was.
+    """Set a counter to `value` in one step, but only if it is `expected`. Only in kernels.
+
+    Returns whether it was.
 
     Parameters
     ----------
@@ -53,7 +54,7 @@ def replace(_, counters, index, expected, value):
     index : int
         Of the counter.
     expected, value : int
-        Before and after.
+        The counter before and after.
     """
 
     def generate(context, builder, signature, values):

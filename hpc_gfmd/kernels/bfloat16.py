@@ -56,19 +56,22 @@ class Decoded:
 
 
 def encoded(numbers, dtype):
-    """Convert numbers to the form in which they are stored.
+    """Convert numbers to the lower precision in which they are stored.
+
+    It is bfloat16, as uint16, if fields have float32: the last bits of a float32 are cut off. It is
+    float32 if fields have float64.
 
     Parameters
     ----------
     numbers : array
         In any precision.
     dtype : dtype
-        Of the fields beside them.
+        Precision of the fields of the same solver.
 
     Returns
     -------
     array
-        Of `stored_dtype(dtype)`, in the shape of numbers.
+        Of `stored_dtype(dtype)`, in the shape of numbers; may be `numbers` itself.
     """
     numbers = np.asarray(numbers, np.float32)
     if stored_dtype(dtype) == np.float32:

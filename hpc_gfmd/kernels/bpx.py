@@ -48,19 +48,19 @@ from typing import NamedTuple
 import numpy as np
 
 from .adhesive_rows import add_change, work_of_step
+from .atomic import add
 from .bfloat16 import decode, encode
 from .jit import inline, kernel, part, points_inside
-from .multilevel import combine_rows, interpolate_row, restrict_row
+from .multilevel import combine_rows, interpolate_row, restrict_row, rows_beside
 from .transforms import load_rows, store_rows
 from .yielding import at_contact, landing, limit, yields
 
 
 class UpdateSums(NamedTuple):
-    """Sums over the points of some rows that `update_state` returns, in its order.
+    """Sums over the points of some rows that `update_state` makes, in its order.
 
-    The kernel itself returns a plain tuple, which costs nothing to make. A is the set of points in
-    elastic contact, F all others; r is the pressure on F, less the hardness H where a point yields,
-    and d the step of the gap.
+    A is the set of points in elastic contact, F all others; r is the pressure on F, less the
+    hardness H where a point yields, and d the step of the gap.
 
     Attributes
     ----------
@@ -103,16 +103,18 @@ class UpdateSums(NamedTuple):
 
 @kernel
 def search_passes(
-    passes, k0, k1, rows, scratch, sums, g, p, d, z_1, transfer, step, H, inside, law, work
+    passes, shares, turns, rows, scratch, sums, g, p, d, z_1, transfer, step, H, inside, law, work
 ):
     """Make the step d on the rows of some passes and transform these rows: lines 1 to 3.
+
+    Every thread of the rank calls this, and takes one share of the passes after another.
 
     Parameters
     ----------
     passes : (passes, 2) int
         First row of each pass, and the row after its last one.
-    k0, k1 : int
-        The passes k0 <= k < k1 are made.
+    shares, turns
+        As of kernels/spectral.py: multiply_blocks.
     rows : tuple
         Row transforms of one thread (transforms.py), whose memory gets the step and its spectra.
     scratch : (>= 2, >= n_y)
@@ -126,25 +128,28 @@ def search_passes(
     work : (passes, 2) float64
         Gets what `work_of_step` returns of each pass; untouched without a law.
     """
-    for k in range(k0, k1):
-        i0 = passes[k, 0]
-        i1 = passes[k, 1]
-        sums[k, 0], sums[k, 1] = projected_step(
-            g, p, d, rows[0], i0, i1, z_1, transfer, step, H, inside, scratch
-        )
-        if law is not None:
-            work[k, 0], work[k, 1] = work_of_step(law, g, rows[0], i0, i1, inside)
-        store_rows(rows[1], i0, i1)
+    share = add(turns, 0, 1)
+    while share < shares.shape[0]:
+        for k in range(shares[share, 0], shares[share, 1]):
+            i0 = passes[k, 0]
+            i1 = passes[k, 1]
+            sums[k, 0], sums[k, 1] = projected_step(
+                g, p, d, rows[0], i0, i1, z_1, transfer, step, H, inside, scratch
+            )
+            if law is not None:
+                work[k, 0], work[k, 1] = work_of_step(law, g, rows[0], i0, i1, inside)
+            store_rows(rows[1], i0, i1)
+        share = add(turns, 0, 1)
 
 
 @kernel
 def update_passes(
     passes,
-    k0,
-    k1,
+    shares,
+    turns,
     rows,
     scratch,
-    first_row,
+    first_rows,
     sums,
     g,
     p,
@@ -160,17 +165,16 @@ def update_passes(
 ):
     """Transform rows of K d back and set g += s d and p += s K d, pass after pass: line 6.
 
-    The new state is restricted to level 1; the coarse row that two of these passes share gets the
-    sum of their parts.
+    The new state is restricted to level 1, where passes of one share add up a row that both have.
 
     Parameters
     ----------
-    passes, k0, k1, rows
+    passes, shares, turns, rows
         See `search_passes`; the memory of `rows` holds spectra of K d.
     scratch : tuple
         Memory of one thread: `gathered` and `shared` of `update_state`.
-    first_row : (3, m)
-        Gets the part of pass k0 in the coarse row that it shares with pass k0 - 1.
+    first_rows : (shares, 3, m)
+        Gets the part of each share's first pass in the coarse row that the pass before has, too.
     sums : (passes, 10) float64
         Gets the UpdateSums of each pass.
     g, p, s, coarse, transfer, H, inside
@@ -186,29 +190,44 @@ def update_passes(
     """
     gathered, shared = scratch
     zero = g.dtype.type(0)
-    for k in range(k0, k1):
-        i0 = passes[k, 0]
-        i1 = passes[k, 1]
-        if spectra:
-            load_rows(rows[1], i0, i1)
-        of_slab = i0 if d.shape[0] == g.shape[0] else 0
-        d_rows = d[of_slab : of_slab + i1 - i0]
-        if law is not None:
-            attracted[k, 0], attracted[k, 1] = add_change(
-                law, g, d_rows, rows[0], s, i0, i1, inside
+    share = add(turns, 0, 1)
+    while share < shares.shape[0]:
+        first = shares[share, 0]
+        for k in range(first, shares[share, 1]):
+            i0 = passes[k, 0]
+            i1 = passes[k, 1]
+            if spectra:
+                load_rows(rows[1], i0, i1)
+            of_slab = i0 if d.shape[0] == g.shape[0] else 0
+            d_rows = d[of_slab : of_slab + i1 - i0]
+            if law is not None:
+                attracted[k, 0], attracted[k, 1] = add_change(
+                    law, g, d_rows, rows[0], s, i0, i1, inside
+                )
+            update_state(
+                g,
+                p,
+                d_rows,
+                rows[0],
+                s,
+                i0,
+                i1,
+                coarse,
+                shared,
+                transfer,
+                H,
+                inside,
+                gathered,
+                sums[k],
             )
-        of_pass = update_state(
-            g, p, d_rows, rows[0], s, i0, i1, coarse, shared, transfer, H, inside, gathered
-        )
-        for c in range(len(of_pass)):
-            sums[k, c] = of_pass[c]
-        top = transfer[0][i0]
-        bottom = transfer[0][i1 - 1] + 1
-        for c in range(3):
-            target = first_row[c] if k == k0 else coarse[c, top]
-            for j in range(target.shape[0]):
-                target[j] = shared[0, c, j] + (zero if k == k0 else target[j])
-                coarse[c, bottom, j] = shared[1, c, j]
+            top = transfer[0][i0]
+            bottom = transfer[0][i1 - 1] + 1
+            for c in range(3):
+                target = first_rows[share, c] if k == first else coarse[c, top]
+                for j in range(target.shape[0]):
+                    target[j] = shared[0, c, j] + (zero if k == first else target[j])
+                    coarse[c, bottom, j] = shared[1, c, j]
+        share = add(turns, 0, 1)
 
 
 @part
@@ -306,7 +325,7 @@ def projected_step(g, p, d, d_rows, i0, i1, z_1, transfer, step, H, inside, scra
 
 
 @part
-def update_state(g, p, d, Kd, s, i0, i1, coarse, shared, transfer, H, inside, gathered):
+def update_state(g, p, d, Kd, s, i0, i1, coarse, shared, transfer, H, inside, gathered, sums):
     """Set g += s d and p += s K d on rows i0 <= i < i1, and restrict the new state to level 1.
 
     Restricted are r, the pressure out of contact (less H where a point yields), t, 1 in elastic
@@ -334,15 +353,13 @@ def update_state(g, p, d, Kd, s, i0, i1, coarse, shared, transfer, H, inside, ga
         head of the file.
     gathered : (6, >= n_y)
         Scratch. 0 to 2: a complete coarse row of r, t and K d; 3 to 5: what is there of the next.
-
-    Returns
-    -------
-    tuple
-        UpdateSums of these rows.
+    sums : (10,) float64
+        Gets the UpdateSums of these rows.
     """
     J_x, f_x, mode, J_y, f_y, factor = transfer
     n = g.shape[1]
-    RR = PP = RD = DKD = RKD = CONTACT = GAP = OPENING = CLOSING = YIELDED = 0.0
+    for c in range(sums.shape[0]):
+        sums[c] = 0.0
     J_first = J_x[i0]
     J_end = J_x[i1 - 1] + 1  # the one after the rows, which has parts of these, too
     for j in range(n):
@@ -356,16 +373,16 @@ def update_state(g, p, d, Kd, s, i0, i1, coarse, shared, transfer, H, inside, ga
         rr, pp, rd, dKd, rKd, contact, gap, opening, closing, yielded = _step_rows(
             g, p, d, Kd, s, i0, start, end, H, inside
         )
-        RR += rr
-        PP += pp
-        RD += rd
-        DKD += dKd
-        RKD += rKd
-        GAP += gap
-        CONTACT += contact
-        OPENING += opening
-        CLOSING += closing
-        YIELDED += yielded
+        sums[0] += rr
+        sums[1] += pp
+        sums[2] += rd
+        sums[3] += dKd
+        sums[4] += rKd
+        sums[5] += contact
+        sums[6] += gap
+        sums[7] += opening
+        sums[8] += closing
+        sums[9] += yielded
         _gather_rows(g, p, Kd, i0, start, end, f_x, H, inside, gathered)
         for c in range(3):
             target = (
@@ -373,7 +390,6 @@ def update_state(g, p, d, Kd, s, i0, i1, coarse, shared, transfer, H, inside, ga
             )
             restrict_row(gathered[c, :n], target, factor, mode, J_y, f_y)
         start = end
-    return RR, PP, RD, DKD, RKD, CONTACT, GAP, OPENING, CLOSING, YIELDED
 
 
 @inline
@@ -440,61 +456,33 @@ def _gather_rows(g, p, Kd, i0, start, end, f_x, H, inside, gathered):
     gathered[3:6] = sum of f_x row. In a loop of its own and with rows of one array: with more
     pointers than this the compiler gives up on vectors. r, t and K d: see `update_state`.
     """
-    n = g.shape[1]
     zero = g.dtype.type(0)
     one = g.dtype.type(1)
     H_or_0 = limit(H, zero)
-    # two rows, both of the surface or both beyond it
-    if end == start + 2 and start + 1 != inside[0]:
-        i = start + 1
-        f0 = f_x[start]
-        f1 = f_x[i]
-        inner = points_inside(i, inside)
-        for j in range(inner):
-            plastic0 = yields(g[start, j], p[start, j], H, zero, one)
-            plastic1 = yields(g[i, j], p[i, j], H, zero, one)
-            t0 = one if (g[start, j] <= zero and p[start, j] > zero and plastic0 == zero) else zero
-            t1 = one if (g[i, j] <= zero and p[i, j] > zero and plastic1 == zero) else zero
-            r0 = (one - t0) * p[start, j] - plastic0 * H_or_0
-            r1 = (one - t1) * p[i, j] - plastic1 * H_or_0
-            Kd0 = (one - t0) * Kd[start - i0, j]
-            Kd1 = (one - t1) * Kd[i - i0, j]
-            gathered[0, j] = gathered[3, j] + (one - f0) * r0 + (one - f1) * r1
-            gathered[1, j] = gathered[4, j] + (one - f0) * t0 + (one - f1) * t1
-            gathered[2, j] = gathered[5, j] + (one - f0) * Kd0 + (one - f1) * Kd1
-            gathered[3, j] = f0 * r0 + f1 * r1
-            gathered[4, j] = f0 * t0 + f1 * t1
-            gathered[5, j] = f0 * Kd0 + f1 * Kd1
-        for j in range(inner, np.uint64(n)):
-            Kd0 = Kd[start - i0, j]
-            Kd1 = Kd[i - i0, j]
-            gathered[0, j] = gathered[3, j] + (one - f0) * p[start, j] + (one - f1) * p[i, j]
-            gathered[2, j] = gathered[5, j] + (one - f0) * Kd0 + (one - f1) * Kd1
-            gathered[3, j] = f0 * p[start, j] + f1 * p[i, j]
-            gathered[5, j] = f0 * Kd0 + f1 * Kd1
-            gathered[1, j] = gathered[4, j]
-            gathered[4, j] = zero
-        return
-    for c in range(3):
-        for j in range(n):
-            gathered[c, j] = gathered[c + 3, j]
-            gathered[c + 3, j] = zero
-    for i in range(start, end):
-        f = f_x[i]
-        inner = points_inside(i, inside)
-        for j in range(inner):
-            plastic = yields(g[i, j], p[i, j], H, zero, one)
-            t = one if (g[i, j] <= zero and p[i, j] > zero and plastic == zero) else zero
-            r = (one - t) * p[i, j] - plastic * H_or_0
-            Kd_free = (one - t) * Kd[i - i0, j]
-            gathered[0, j] += (one - f) * r
-            gathered[1, j] += (one - f) * t
-            gathered[2, j] += (one - f) * Kd_free
-            gathered[3, j] += f * r
-            gathered[4, j] += f * t
-            gathered[5, j] += f * Kd_free
-        for j in range(inner, np.uint64(n)):
-            gathered[0, j] += (one - f) * p[i, j]
-            gathered[2, j] += (one - f) * Kd[i - i0, j]
-            gathered[3, j] += f * p[i, j]
-            gathered[5, j] += f * Kd[i - i0, j]
+    a, b, of_a, of_b, next_a, next_b = rows_beside(start, end, f_x, zero, one)
+    inner = points_inside(a, inside)
+    wall_b = one if points_inside(b, inside) > 0 else zero
+    for j in range(inner):
+        plastic_a = yields(g[a, j], p[a, j], H, zero, one)
+        plastic_b = yields(g[b, j], p[b, j], H, zero, wall_b)
+        t_a = one if (g[a, j] <= zero and p[a, j] > zero and plastic_a == zero) else zero
+        t_b = wall_b if (g[b, j] <= zero and p[b, j] > zero and plastic_b == zero) else zero
+        r_a = (one - t_a) * p[a, j] - plastic_a * H_or_0
+        r_b = (one - t_b) * p[b, j] - plastic_b * H_or_0
+        Kd_a = (one - t_a) * Kd[a - i0, j]
+        Kd_b = (one - t_b) * Kd[b - i0, j]
+        gathered[0, j] = gathered[3, j] + of_a * r_a + of_b * r_b
+        gathered[1, j] = gathered[4, j] + of_a * t_a + of_b * t_b
+        gathered[2, j] = gathered[5, j] + of_a * Kd_a + of_b * Kd_b
+        gathered[3, j] = next_a * r_a + next_b * r_b
+        gathered[4, j] = next_a * t_a + next_b * t_b
+        gathered[5, j] = next_a * Kd_a + next_b * Kd_b
+    for j in range(inner, np.uint64(g.shape[1])):
+        Kd_a = Kd[a - i0, j]
+        Kd_b = Kd[b - i0, j]
+        gathered[0, j] = gathered[3, j] + of_a * p[a, j] + of_b * p[b, j]
+        gathered[2, j] = gathered[5, j] + of_a * Kd_a + of_b * Kd_b
+        gathered[3, j] = next_a * p[a, j] + next_b * p[b, j]
+        gathered[5, j] = next_a * Kd_a + next_b * Kd_b
+        gathered[1, j] = gathered[4, j]
+        gathered[4, j] = zero

@@ -23,7 +23,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .jit import kernel, making_arrays, points_inside
+from .jit import kernel, points_inside
 from .yielding import limit, yields
 
 BINS = 160  # of the histograms: down to 2^-40 of the largest
@@ -99,8 +99,8 @@ def displacement_rows(g, h, x, i0, i1, level):
             x[i - i0, j] = 1.0 * g[i, j] - level
 
 
-@making_arrays
-def kkt_residuals(g, p, x, p0, H, inside, i0, i1):
+@kernel
+def kkt_residuals(g, p, x, p0, H, inside, i0, i1, worst):
     """Set p = p0 + x, and return how that violates p >= 0 and p g = 0.
 
     Parameters
@@ -119,6 +119,9 @@ def kkt_residuals(g, p, x, p0, H, inside, i0, i1):
         This rank's part of the surface: its first rows and points.
     i0, i1 : int
         Local rows i0 <= i < i1.
+    worst : (2, n_y) float64
+        0; becomes the largest penetration and tension of each column: a single maximum over all
+        points would not use vectors.
 
     Returns
     -------
@@ -127,9 +130,6 @@ def kkt_residuals(g, p, x, p0, H, inside, i0, i1):
     """
     open_p = open_pp = open_p4 = closed_pp = pg = gap = contact = yielded = 0.0
     at_limit = limit(H, 0.0)
-    # largest of each column: a single maximum over all points would not use vectors
-    penetrations = np.zeros(g.shape[1])
-    tensions = np.zeros(g.shape[1])
     for i in range(i0, i1):
         m = points_inside(i, inside)
         for j in range(m, np.uint64(g.shape[1])):
@@ -159,13 +159,13 @@ def kkt_residuals(g, p, x, p0, H, inside, i0, i1):
             yielded += plastic
             tension = closed * -p_new
             penetration = dent - gij
-            penetrations[j] = penetration if penetration > penetrations[j] else penetrations[j]
-            tensions[j] = tension if tension > tensions[j] else tensions[j]
+            worst[0, j] = penetration if penetration > worst[0, j] else worst[0, j]
+            worst[1, j] = tension if tension > worst[1, j] else worst[1, j]
     sums = KktSums(open_p, open_pp, open_p4, closed_pp, pg, contact, gap, yielded)
     penetration = tension = 0.0
     for j in range(g.shape[1]):
-        penetration = penetrations[j] if penetrations[j] > penetration else penetration
-        tension = tensions[j] if tensions[j] > tension else tension
+        penetration = worst[0, j] if worst[0, j] > penetration else penetration
+        tension = worst[1, j] if worst[1, j] > tension else tension
     return sums, KktExtremes(penetration, tension)
 
 

@@ -13,25 +13,19 @@ from .cache import compiled_on_first_use
 FASTMATH = {"reassoc", "contract", "nsz", "arcp"}
 
 
-def kernel(
-    function: Callable[..., Any],
-    makes_arrays: bool = False,
-    piece: bool = False,
-    part: bool = False,
-) -> Any:
+def kernel(function: Callable[..., Any], piece: bool = False, part: bool = False) -> Any:
     """Make a function a kernel: compiled on first use, kept in the cache, run without the GIL.
 
     Parameters
     ----------
     function : function
-        Of arrays and numbers.
-    makes_arrays : bool
-        Set if it allocates or returns arrays; enables reference counting, also of every row that a
-        loop takes, which is slow.
+        Of arrays and numbers. It must not make arrays: counting references, also of every row that
+        a loop takes, would be slow.
     piece : bool
         Set for a small piece of other kernels: its machine code is copied into theirs. If it were
         called instead, code from the cache and code that has just been compiled would contain
-        different copies of it, and results could differ in the last bits.
+        different copies of it, and results could differ in the last bits. Python must not
+        call it: there is no entry for Python, and the process would end.
     part : bool
         Set for a large part of one other kernel: its source is copied into that one before anything
         is compiled, which takes half as long as compiling both.
@@ -46,15 +40,16 @@ def kernel(
         nogil=True,
         error_model="numpy",
         fastmath=FASTMATH,
-        _nrt=makes_arrays,
+        _nrt=False,
         forceinline=piece,
         inline="always" if part else "never",
+        no_cpython_wrapper=piece,
+        no_cfunc_wrapper=True,
     )
 
 
 inline = partial(kernel, piece=True)
 part = partial(kernel, part=True)
-making_arrays = partial(kernel, makes_arrays=True)
 
 
 @inline

@@ -129,11 +129,44 @@ def combine_rows(coarse, J, f, out):
 
 
 @inline
+def rows_beside(start, end, f_x, zero, one):
+    """Return the two rows beside a coarse row, and what they add to it and to the next one.
+
+    There are never more than two. Where there is one, or none as beside the last coarse row of a
+    rank, some other row stands for those that are missing, and adds nothing.
+
+    Parameters
+    ----------
+    start, end : int
+        The rows start <= i < end; not (0, 0).
+    f_x : array
+        Weights of all rows.
+    zero, one : float
+        0 and 1 in the precision of the fields.
+
+    Returns
+    -------
+    a, b : int
+        The two rows.
+    of_a, of_b : float
+        1 - f_x of these.
+    next_a, next_b : float
+        f_x of these.
+    """
+    a = start if start < end else start - 1
+    b = end - 1
+    f_a = f_x[a]
+    f_b = f_x[b]
+    has_a = one if start < end else zero
+    has_b = one if start + 1 < end else zero
+    return a, b, has_a * (one - f_a), has_b * (one - f_b), has_a * f_a, has_b * f_b
+
+
+@inline
 def gather_rows(fine, start, end, f_x, complete, following):
     """Restrict along x: add up own rows start <= i < end, all those beside one coarse row.
 
-    Sets complete = following + sum of (1 - f_x) row, and following = sum of f_x row. Two rows, as
-    wherever the axis is halved, take a single pass.
+    Sets complete = following + sum of (1 - f_x) row, and following = sum of f_x row.
 
     Parameters
     ----------
@@ -147,26 +180,13 @@ def gather_rows(fine, start, end, f_x, complete, following):
         Get the coarse row, which is then complete, and what these rows add to the next one. On
         entry `following` holds what earlier rows add to this coarse row.
     """
-    n = complete.shape[0]
-    zero = complete.dtype.type(0)
-    one = complete.dtype.type(1)
-    if end == start + 2:
-        f0 = f_x[start]
-        f1 = f_x[start + 1]
-        for j in range(n):
-            row0 = fine[start + 1, j]
-            row1 = fine[start + 2, j]
-            complete[j] = following[j] + (one - f0) * row0 + (one - f1) * row1
-            following[j] = f0 * row0 + f1 * row1
-        return
-    for j in range(n):
-        complete[j] = following[j]
-        following[j] = zero
-    for i in range(start, end):
-        f = f_x[i]
-        for j in range(n):
-            complete[j] += (one - f) * fine[i + 1, j]
-            following[j] += f * fine[i + 1, j]
+    real = complete.dtype.type
+    a, b, of_a, of_b, next_a, next_b = rows_beside(start, end, f_x, real(0), real(1))
+    for j in range(complete.shape[0]):
+        row_a = fine[a + 1, j]
+        row_b = fine[b + 1, j]
+        complete[j] = following[j] + of_a * row_a + of_b * row_b
+        following[j] = next_a * row_a + next_b * row_b
 
 
 @kernel
@@ -199,21 +219,20 @@ def restrict_level(fine, coarse, transfer, i0, i1, scratch):
     before = i0
     while before > 0 and J_x[before - 1] == J_x[i0 - 1]:
         before -= 1
+    # the coarse row after the last one of the rank has no rows beside it
+    J_end = J_x[i1 - 1] + (2 if i1 == rows else 1)
     for c in range(coarse.shape[0]):
         for j in range(n):
             following[j] = fine.dtype.type(0)
         start = before
-        while start < i1:
-            J = J_x[start]
-            end = start + 1
+        for J in range(J_x[before], J_end):
+            end = start
             while end < rows and J_x[end] == J:
                 end += 1
             gather_rows(fine[c], start, end, f_x, complete, following)
             if start >= i0:
                 restrict_row(complete, coarse[c, J], factor, mode, J_y, f_y)
             start = end
-        if start == rows:
-            restrict_row(following, coarse[c, J_x[rows - 1] + 1], factor, mode, J_y, f_y)
 
 
 @kernel
@@ -304,29 +323,30 @@ def sweep_levels(
     sums,
     totals,
 ):
-    """Sweep over consecutive levels, down to a single point, that one rank has completely.
+    """Sweep over consecutive levels, down to a single point, all of whose rows one rank has.
 
     r is the pressure out of contact, t the share of contact: both are restricted to all levels, and
-    r of every level becomes z, what the preconditioner makes of it (`smooth_level`). All threads
-    of the rank call this at the same time. Each takes the next piece of the sweep when all stages
-    before it are closed; who ends the last piece of a stage closes it.
+    r of every level becomes z, what the preconditioner makes of it (`smooth_level`). All threads of
+    the rank call this at the same time. Each takes the next piece of the sweep when all stages
+    before it are closed; the thread that ends the last piece of a stage closes it.
 
     Parameters
     ----------
     pieces : (pieces, 6) int64
-        In their order, of each: level, its rows i0 <= i < i1, whether they are smoothed or
-        restricted, and the first piece of its stage and the one after the last. A stage is one
+        In their order, of each: level, its rows i0 <= i < i1, 1 if they are smoothed and 0 if they
+        are restricted, and the first piece of its stage and the one after the last. A stage is one
         level on the way down or up.
     end : int
-        Number of pieces to do, counted from the first.
+        The piece after the last one to do.
     turns : array of int64
-        Counters that threads have in common, at NEXT, ENDED and CLOSED: the next piece, the number
-        of pieces that have ended, and that of pieces in closed stages.
+        Counters that threads share and change, at NEXT, ENDED and CLOSED: the next piece, the
+        number of pieces that have ended, and that of pieces in closed stages. The caller sets all
+        three to the first piece to do, with which a stage begins.
     patience : int
         How often a thread looks at a stage that is not closed before it returns.
     memory : flat array
-        Fields of all levels: r, t and on level 0 perhaps x. r of every level becomes z,
-        with halo rows. A level of zeros follows the last one: what is coarser than a point.
+        Fields of all levels: r, t and on level 0 perhaps another one, x. r of every level becomes
+        z, with halo rows. A level of zeros follows the last one: what is coarser than a point.
     levels : (levels + 1, 7) int64
         Of each level: where its fields begin in `memory`, their number, rows, points along a row,
         mode of the columns, and where its rows and columns begin in `tables`.
@@ -335,12 +355,11 @@ def sweep_levels(
     numbers : (levels, 2)
         Weight and factor of each level.
     softness : (levels,) float64
-        What the sums of a level are weighted by.
+        Weight of each level in the sums.
     damping : float
         Of all levels, in the precision of the fields.
     mode : flat array
-        The gap mode, added to z of level `mode_level` times its product with r there; empty where
-        there is none.
+        The gap mode: z of level `mode_level` gets mode times <mode, r>; empty: none.
     mode_level : int
         The level of the gap mode.
     scratch : (>= 2, >= n)
@@ -349,14 +368,14 @@ def sweep_levels(
         Gets the sums of each piece that is smoothed.
     totals : (TOTALS,) float64
         Gets <r, z> and <x, z> on level 0; <r, r>, <t, t>, <r, t>, <t, s> and <r, s>, summed over
-        levels times their softness; r of the last level, a single point: the mean of r; and the
-        product of the gap mode with r.
+        levels times their softness, s being the indicator of the surface; r of the last level, a
+        single point: the mean of r; and the product of the gap mode with r.
 
     Returns
     -------
     int
-        How often this thread looked at stages that were not closed; -1 less that if it returns
-        before the end.
+        How often this thread looked in vain at a stage that was not closed. -1 less that number if
+        it lost patience: it must call again, and nothing is lost.
     """
     J_x, f_x, J_y, f_y, s_x, s_y = tables
     coarsest = levels.shape[0] - 2
@@ -408,7 +427,7 @@ def sweep_levels(
 
 @inline
 def _begin_smoothing(memory, levels, mode, mode_level, totals):
-    """Set the totals to what they are before any level is smoothed."""
+    """Set the totals before any level is smoothed: 0, the mean of r, and <mode, r>."""
     coarsest = levels.shape[0] - 2
     for c in range(TOTALS):
         totals[c] = 0.0
@@ -423,7 +442,7 @@ def _begin_smoothing(memory, levels, mode, mode_level, totals):
 
 @inline
 def _close_smoothing(fields, sums, softness, has_mode, mode, totals):
-    """Add up the sums of a level's pieces, add the gap mode to its z, and set the halo rows."""
+    """Finish a level: add its pieces' sums to `totals` and the gap mode to z; set z's halo rows."""
     rows = fields.shape[1] - 2
     n = fields.shape[2]
     for c in range(SUMS):

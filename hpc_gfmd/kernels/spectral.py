@@ -15,6 +15,7 @@ weight    (blocks, W): how often a column of the half spectrum occurs in the ful
 
 import numpy as np
 
+from .atomic import add
 from .jit import inline, kernel
 from .transforms import load_columns, store_columns
 
@@ -22,17 +23,20 @@ PIECE = 1024  # numbers that are summed up in their own precision
 
 
 @kernel
-def multiply_blocks(columns, k0, k1, numbers, factors, inverse, backward, sums):
-    """Transform the blocks k0 <= k < k1 of columns, multiply them by K or 1/K, and transform back.
+def multiply_blocks(columns, shares, turns, numbers, factors, inverse, backward, sums):
+    """Transform blocks of columns, multiply them by K or 1/K, and transform back.
 
-    K is the stiffness of the body. Everything happens in the memory of `columns`.
+    K is the stiffness of the body. Everything happens in the memory of `columns`. Threads call this
+    at the same time; each takes one share of the blocks after another.
 
     Parameters
     ----------
     columns : tuple
         Column transforms of one thread, see transforms.py.
-    k0, k1 : int
-        Blocks of this rank.
+    shares : (shares, 2) int
+        First block of each share, and the block after its last one.
+    turns : (1,) int64
+        Counter that threads have in common: the next share, 0 before.
     numbers : (W, 2 n_x)
         The scratch of `columns` as real numbers.
     factors : tuple
@@ -47,15 +51,18 @@ def multiply_blocks(columns, k0, k1, numbers, factors, inverse, backward, sums):
     """
     plans = columns[5]
     scale, weight, q_x, q_y, table = factors
-    for k in range(k0, k1):
-        if plans[k, 0] > 0:
-            load_columns(columns, k, True)
-            sums[k, 1] = numbers[0, 0]
-            sums[k, 0] = multiply(
-                numbers[: plans[k, 0]], k, inverse, scale, weight, q_x, q_y, table
-            )
-            if backward:
-                store_columns(columns, k)
+    share = add(turns, 0, 1)
+    while share < shares.shape[0]:
+        for k in range(shares[share, 0], shares[share, 1]):
+            if plans[k, 0] > 0:
+                load_columns(columns, k, True)
+                sums[k, 1] = numbers[0, 0]
+                sums[k, 0] = multiply(
+                    numbers[: plans[k, 0]], k, inverse, scale, weight, q_x, q_y, table
+                )
+                if backward:
+                    store_columns(columns, k)
+        share = add(turns, 0, 1)
 
 
 @kernel

@@ -110,7 +110,7 @@ class LevelTables:
 def _pieces_of(
     shapes: Sequence[tuple[int, int]], coarse_rows: Sequence[np.ndarray]
 ) -> tuple[np.ndarray, int]:
-    """Return the pieces of a sweep, and how many of them restrict.
+    """Return the pieces of a sweep, as `sweep_levels` takes them, and how many of them restrict.
 
     They depend on the sizes of the levels alone, so that no sum depends on threads.
 
@@ -145,7 +145,7 @@ class CoarsestLevels:
     tables : LevelTables
         Of these levels.
     threads : int
-        Threads of this rank; of them take part as many as the first level has work for.
+        Threads of this rank; only as many are used as the first level has work for.
 
     Attributes
     ----------
@@ -157,7 +157,8 @@ class CoarsestLevels:
     mode_level : int
         The level of the gap mode.
     looks : int
-        How often threads looked in vain whether they can go on, in the last call.
+        How often threads looked in vain whether they could go on, in the last sweep, for
+        measurements.
     """
 
     def __init__(self, tables: LevelTables, threads: int = 1):
@@ -201,7 +202,7 @@ class CoarsestLevels:
         return tuple(self._totals[: MEAN + 1].tolist())
 
     def _do(self, begin: int, end: int) -> None:
-        """Do the pieces from `begin` to `end`, on all threads at the same time."""
+        """Do the pieces begin <= piece < end of a sweep, on all threads at the same time."""
         self._turns[[NEXT, ENDED, CLOSED]] = begin
 
         def work(scratch: np.ndarray) -> int:
@@ -214,8 +215,10 @@ class CoarsestLevels:
         self.looks = sum(on_threads(self._threads, work, [()] * self._threads, self._scratch))
 
     def _do_some(self, end: int, scratch: np.ndarray) -> int:
-        """Do pieces on one thread until none is left, or others take too long; returns what
-        kernels/multilevel.py: sweep_levels does."""
+        """Do pieces on one thread until `end`, or until it loses patience with other threads.
+
+        Returns what kernels/multilevel.py: sweep_levels does: a number below 0 if it lost patience.
+        """
         tables = self._tables
         return sweep_levels(
             tables.pieces,
@@ -237,6 +240,8 @@ class CoarsestLevels:
 
     def time_of_a_look(self, clock: Callable[[], float]) -> float:
         """Measure how long a thread takes to look once whether it can go on, for scripts/bench.
+
+        The next sweep is not affected.
 
         Parameters
         ----------

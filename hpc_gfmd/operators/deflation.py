@@ -53,7 +53,9 @@ CALIBRATION = DeflationCalibration()
 
 
 def level_of_mode(levels: Sequence[Level]) -> int | None:
-    """Return the number of the level that deflation vectors are computed on.
+    """Return the number of the level on which deflation vectors are computed.
+
+    It is the finest one whose number of points meets CALIBRATION.
 
     Parameters
     ----------
@@ -90,7 +92,7 @@ class GapMode:
     Attributes
     ----------
     level : int or None
-        Of `level_of_mode`.
+        Number of the level that w is computed on; None if the grid is too small for a mode.
     pairs : float
         Cost of one `find` in FFT pairs of the grid.
     """

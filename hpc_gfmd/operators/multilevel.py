@@ -24,7 +24,7 @@ from ..kernels.bpx import UpdateSums, update_passes
 from ..kernels.multilevel import SUMS, restrict_level, smooth_level
 from ..kernels.transforms import no_rows
 from ..parallel.halo import add_all, add_overlaps
-from ..parallel.threads import added, on_threads, pieces_of, shares
+from ..parallel.threads import Shares, added, on_threads, pieces_of
 from ..util.aligned import LINE, zeros_aligned
 from .coarsest import DAMPING, CoarsestLevels
 from .hierarchy import Hierarchy
@@ -175,18 +175,18 @@ class Multilevel:
         sums = np.zeros((len(self.ends), len(UpdateSums._fields)))
         if not len(self.ends):
             return UpdateSums.total(sums)
-        parts = shares(len(self.ends), grid.threads)
-        first_rows = np.empty((len(parts), 3, coarse.shape[2]), self.dtype)
+        shares = Shares(len(self.ends), grid.threads)
+        first_rows = np.empty((len(shares.parts), 3, coarse.shape[2]), self.dtype)
         step = self.dtype.type(s)
 
-        def update_part(part: int, k0: int, k1: int, thread: int) -> None:
+        def update_shares(thread: int) -> None:
             update_passes(
                 self.ends,
-                k0,
-                k1,
+                shares.parts,
+                shares.turns,
                 rows[thread],
                 self.scratch[thread],
-                first_rows[part],
+                first_rows,
                 sums,
                 g,
                 p,
@@ -201,12 +201,11 @@ class Multilevel:
                 attracted,
             )
 
-        pieces = [(part, *passes) for part, passes in enumerate(parts)]
-        on_threads(grid.threads, update_part, pieces, range(grid.threads))
+        shares.on_threads(update_shares, range(grid.threads))
         row_of = tables[0]
         coarse[:, : row_of[0] + 1] = 0
         coarse[:, row_of[-1] + 2 :] = 0
-        for (k0, _), first_row in zip(parts, first_rows):
+        for (k0, _), first_row in zip(shares.parts, first_rows):
             coarse[:, row_of[self.ends[k0, 0]]] += first_row
         return UpdateSums.total(sums)
 
@@ -450,7 +449,11 @@ class Multilevel:
         return sums if self.last_comm.rank == 0 else nothing
 
     def _find_mode(self, coarsest: CoarsestLevels) -> None:
-        """Set the gap mode from the contact on the levels; none unless wanted. Collective."""
+        """Compute the gap mode of the contact on the levels; set none if it is not wanted.
+
+        It is kept in `coarsest`, or in this object if ranks share its level. Collective over the
+        ranks that have the coarsest levels.
+        """
         coarsest.mode = coarsest.mode[:0]
         self._mode = None
         level = self.gap_mode.level

@@ -213,15 +213,15 @@ class Problem:
 
 
 def self_energy(grid: Grid) -> float:
-    """Return an upper bound of sqrt(<v, S v>), v being the indicator of the surface less its mean.
+    """Return an upper bound of sqrt(<v, S v>), which limits how much the mean gap over the surface
+    may differ from that over the cell.
 
-    The indicator is 1 on the nominal area and 0 in the padding, and S = 1/K; 0 on a grid without
-    padding. It bounds how much the mean gap over the surface may differ from that over the cell.
-
-    Of all shapes of equal area a disc has the largest <v, S v>, 0.958 area^(3/2). A strip, periodic
-    along its length, has (4/pi^3) 1.05 area times width, doubled because the mean of S is arbitrary
-    there: 0.27, taken as 0.33.
+    v is 1 on the nominal area and 0 in the padding, less its mean, and S = 1/K is the compliance of
+    the half-space, in the program's units. 0 on a grid without padding.
     """
+    # Of all shapes of equal area a disc has the largest <v, S v>, 0.958 area^(3/2). A strip that is
+    # periodic along its length has (4/pi^3) 1.05 area width, doubled because the mean of S is
+    # arbitrary there: 0.27, taken as 0.33.
     if not grid.padded:
         return 0.0
     ends = [m * s / grid.a for m, n, s in zip(grid.nominal, grid.n, grid.spacings) if m != n]

@@ -155,7 +155,8 @@ def axis_mode(n: int, m: int) -> int:
 def owned_rows(starts: ArrayLike, n: int, m: int) -> np.ndarray:
     """Return the coarse rows that every rank owns.
 
-    Row J belongs to the owner of the first fine row with J0 = J.
+    Coarse row J lies at fine row J n/m, which need not be whole. It belongs to the rank that owns
+    fine row floor(J n/m), so that a rank may own none.
 
     Parameters
     ----------

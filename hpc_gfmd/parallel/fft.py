@@ -24,6 +24,7 @@ leave out 1/N in both directions; `scale` = 1/N is folded into the kernels that 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
@@ -35,7 +36,7 @@ from ..util.aligned import empty_aligned, zeros_aligned
 from .layout import Layout
 from .plans import Plans
 from .shared import common_memory
-from .threads import on_threads, shares
+from .threads import Shares, on_threads, shares
 from .wisdom import planned
 
 if TYPE_CHECKING:
@@ -212,7 +213,8 @@ class SlabFFT(Layout):
         Parameters
         ----------
         apply : function
-            apply(block, m), block: (width, n_x) complex, which it may change, m: its number.
+            apply(block, m), called on several threads at once. block: (width, n_x) complex, memory
+            of a thread that apply may change and must not keep; m: its number.
         forward, backward : bool
             False leaves out the transform along x before, or after it. Without `forward` apply gets
             zeros; without `backward` what apply makes of a block is lost.
@@ -258,11 +260,20 @@ class SlabFFT(Layout):
         """
         sums = np.zeros((self.K, 2))
 
-        def some(k0: int, k1: int, columns: tuple) -> None:
+        def multiply(parts: np.ndarray, turns: np.ndarray, columns: tuple) -> None:
             numbers = columns[0].view(self.dtype)
-            multiply_blocks(columns, k0, k1, numbers, factors, inverse, backward, sums)
+            multiply_blocks(columns, parts, turns, numbers, factors, inverse, backward, sums)
 
-        self._on_blocks(some, True, backward)
+        def some(k0: int, k1: int, columns: tuple) -> None:
+            multiply(np.array([[k0, k1]]), np.zeros(1, np.int64), columns)
+
+        if self.far.any():  # what other nodes have of a block is in the scratch of one thread
+            self._on_blocks(some, True, backward)
+        else:
+            self.comm.node.barrier()  # all rows of the node are there
+            blocks = Shares(self.K, self.threads)
+            blocks.on_threads(partial(multiply, blocks.parts, blocks.turns), self._columns)
+            self.comm.node.barrier()  # all columns are back
         return sum(sums[:, 0].tolist()), float(sums[0, 1]) * self.scale * (self.rank == 0)
 
     def _on_blocks(

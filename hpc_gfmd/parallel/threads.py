@@ -7,7 +7,7 @@ the order of the pieces: so no number does either.
 import os
 import threading
 from collections.abc import Callable, Iterable, Sequence
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any, TypeVar
 
 import numpy as np
@@ -16,7 +16,6 @@ T = TypeVar("T")
 
 PIECE_POINTS = 2**17  # of a field, which a thread works on at a time
 PIECE_ROWS = 8  # at least
-SMALLEST_SHARE = 32  # of a compiled pass: a thread's equal part over this
 
 
 def piece_rows(n_y: int) -> int:
@@ -80,13 +79,54 @@ def shares(count: int, threads: int) -> list[tuple[int, int]]:
     list of (int, int)
         (start, stop) of each part, in order.
     """
-    smallest = max(1, count // (SMALLEST_SHARE * threads))
     ends = [0]
     while ends[-1] < count:
         rest = count - ends[-1]
-        share = max(smallest, rest // (2 * threads)) if threads > 1 else rest
-        ends.append(ends[-1] + min(share, rest))
+        share = max(1, rest // (2 * threads)) if threads > 1 else rest
+        ends.append(ends[-1] + share)
     return list(zip(ends, ends[1:]))
+
+
+class Shares:
+    """A range in parts that threads take by themselves, in compiled calls that run at once.
+
+    Parameters
+    ----------
+    count : int
+        Length of the range.
+    threads : int
+        That share it.
+
+    Attributes
+    ----------
+    parts : ndarray (parts, 2)
+        As `shares` returns them.
+    turns : ndarray (1,)
+        The next part, for kernels/atomic.py.
+    """
+
+    def __init__(self, count: int, threads: int):
+        self.parts = _parts(count, threads)
+        self.turns = np.zeros(1, np.int64)
+        self._threads = min(threads, len(self.parts))
+
+    def on_threads(self, work: Callable[[Any], Any], scratch: Sequence[Any]) -> None:
+        """Call a function once on each of the threads that get a part.
+
+        Parameters
+        ----------
+        work : callable
+            work(scratch of the thread) takes parts by `turns` until none is left.
+        scratch : sequence
+            Of each thread its own.
+        """
+        on_threads(self._threads, work, [()] * self._threads, scratch)
+
+
+@lru_cache(maxsize=256)
+def _parts(count: int, threads: int) -> np.ndarray:
+    """Return `shares` as an array (parts, 2), which must not be written to."""
+    return np.array(shares(count, threads), np.int64).reshape(-1, 2)
 
 
 def on_threads(
@@ -133,7 +173,7 @@ def on_threads(
         work_on(0)
     finally:
         for helper in helpers:
-            helper.wait()
+            helper.end()
     errors = [helper.error for helper in helpers if helper.error is not None]
     _free_helpers.extend(helpers)
     if errors:
@@ -160,14 +200,14 @@ def added(parts: Sequence[Sequence[float]], count: int) -> np.ndarray:
 
 
 class _Helper:
-    """A thread that waits for work, does it, and waits again, until the process ends.
+    """A thread that does one piece of work after another.
 
     Two locks take a third of the time of an executor's queue and futures.
     """
 
     def __init__(self) -> None:
         self.error: BaseException | None = None
-        self._work: Callable[[], None] | None = None
+        self._work: list[Callable[[], None]] = []  # at most one; whoever takes it out has it
         self._begun = threading.Lock()
         self._ended = threading.Lock()
         self._begun.acquire()
@@ -175,25 +215,35 @@ class _Helper:
         threading.Thread(target=self._run, name="hpc-gfmd", daemon=True).start()
 
     def begin(self, work: Callable[[], None]) -> None:
-        """Have the thread call work(), and return at once; `wait` before the next `begin`."""
+        """Begin with some work, after `end` of the work before."""
         self.error = None
-        self._work = work
-        self._begun.release()
+        self._work.append(work)
+        if self._begun.locked():  # if not, it has yet to wake up for work that was withdrawn
+            self._begun.release()
 
-    def wait(self) -> None:
-        """Wait until the work has ended; `error` is then the exception that it raised, or None."""
-        self._ended.acquire()
+    def end(self) -> None:
+        """Wait until the work has ended, or withdraw it if the thread has not woken up yet.
+
+        An error of the work is in `error` then.
+        """
+        try:
+            self._work.pop()
+        except IndexError:
+            self._ended.acquire()
 
     def _run(self) -> None:
-        """Do in the thread whatever `begin` asks for, forever."""
+        """Do work whenever some has begun."""
         while True:
             self._begun.acquire()
             try:
-                if self._work is not None:
-                    self._work()
+                work = self._work.pop()
+            except IndexError:
+                continue
+            try:
+                work()
             except BaseException as error:
                 self.error = error
-            self._work = None  # it refers to fields
+            del work  # it refers to fields
             self._ended.release()
 
 

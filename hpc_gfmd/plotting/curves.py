@@ -104,10 +104,12 @@ def _points(
     unit: float,
     how: dict[str, Any],
 ) -> None:
-    """Draw the loads of one result on axes; those that did not converge get other marks.
+    """Draw the number `key` of every load of one result over the load, on axes.
 
-    how: keywords of errorbar: colour, marker, label. unit: values are divided by it. Error bars are
-    drawn if the quantity has errors; points are joined by lines if the surfaces attract.
+    Loads that did not converge get other marks; those without a value that can be shown are left
+    out, see `_is_shown`. quantity: its errors, if it has any, give the error bars. unit: values are
+    divided by it. how: color, marker and label of errorbar. Points are joined by lines if the
+    surfaces attract.
     """
     for is_converged, changes in ((True, {}), (False, DOUBTFUL)):
         steps = [

@@ -150,12 +150,13 @@ class LoadAxis:
 def load_axis(contexts: list[FigureContext]) -> LoadAxis:
     """Return the axis of loads: forces or mean pressures.
 
-    Forces are taken if every load of all results prescribes one and they have a unit.
+    Forces are taken if every load of all results prescribes one and they have a unit. contexts: of
+    results with at least one load each, in the same units and of the same nominal area.
     """
     steps = [step for context in contexts for step in context.result.steps]
     forces = [step.get("target_force") for step in steps]
     scale = contexts[0].units.of("force", forces)
-    if all(isinstance(force, float) for force in forces) and not scale.relative:
+    if all(isinstance(force, float) for force in forces) and scale.name:
         ratio = steps[0]["p"] / steps[0]["target_force"]
         return LoadAxis(
             lambda step: float(step["target_force"]) / scale.unit,

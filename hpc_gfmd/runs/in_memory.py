@@ -29,9 +29,10 @@ from ..util.errors import SceneError
 from ..util.versions import versions
 from .keywords import scene_of_keywords
 from .loads import check, solved, step_attributes, surface_attributes, sweep_of, worst_status
-from .prepared import PreparedSurface, surface_of_topography
+from .prepared import PreparedSurface
 from .progress import Reporter, bar_stream
 from .solutions import Solutions
+from .surfaces import surface_of_topography
 from .table import GrowingTable
 
 Heights = Any  # an array, a PreparedSurface or a Topography of SurfaceTopography
@@ -373,9 +374,10 @@ def _fields(names: Iterable[str], contact: Contact) -> dict[str, Slab]:
 
 
 def _quality_notes(comm: Comm, topography: Topography) -> tuple[str, ...]:
-    """Return notes on an array that may not be periodic. Collective.
+    """Return notes on an array that is taken as periodic: on jumps and kinks where its edges meet,
+    tilt, and a spectrum that the grid does not resolve.
 
-    Raises SceneError if heights are not finite.
+    Collective; rank 0 looks at some of the rows. Raises SceneError if a height there is not finite.
     """
     rows = topography.rows
     checked_topography = replace(topography, rows=lambda i, j: checked(rows(i, j), i, "surface"))

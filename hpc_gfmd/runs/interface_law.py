@@ -174,7 +174,10 @@ class _Curves:
         return accepted or math.log(interval[1] / interval[0]) <= self.error
 
     def curve(self, name: str) -> tuple[np.ndarray, np.ndarray]:
-        """Return (pressures, values) of a quantity, ascending, as means over the surfaces."""
+        """Return (pressures, values) of a quantity by ascending pressure, as means over surfaces.
+
+        A value is nan if one of the surfaces has none there.
+        """
         pressures = sorted(self.steps)
         return np.array(pressures), np.array([_mean(name, self.steps[p]) for p in pressures])
 

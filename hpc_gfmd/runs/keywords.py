@@ -12,7 +12,8 @@ from ..scene.explain import nearest
 from ..scene.not_modelled import not_modelled
 from ..scene.table import Table
 from ..util.errors import SceneError
-from .prepared import PreparedSurface, plain
+from .prepared import PreparedSurface
+from .surfaces import plain
 
 CALLER = "hpc_gfmd.solve"
 # keys that do nothing without a result file

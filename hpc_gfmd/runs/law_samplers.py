@@ -21,9 +21,10 @@ from ..surface import build_surface, surface_size
 from ..surface.arrays import is_topography
 from ..util.errors import SceneError
 from .loads import check, solved, step_attributes, surface_attributes, sweep_of
-from .prepared import PreparedSurface, surface_of_topography
+from .prepared import PreparedSurface
 from .progress import Reporter
 from .solve import solve
+from .surfaces import surface_of_topography
 
 ACCURACY_SHARE = 0.1  # of the law's error: accuracy of its loads, so that it does not deviate by it
 Steps = list[dict[str, Any]]  # attributes of the loads of one surface

@@ -262,7 +262,10 @@ def _shown_target(scene: Scene, sweep: Sweep, load: Load, index: int) -> tuple[s
 
 
 def _target(load: LoadTable, index: int) -> dict[str, float]:
-    """Return {"target_NAME": value} of a prescribed quantity; {} for a pressure."""
+    """Return {"target_NAME": value} of load `index`, in the scene's units.
+
+    NAME is force, area, gap or approach; {} if the scene prescribes p_star or pressure.
+    """
     name, values = load.prescribed
     return {} if name in ("p_star", "pressure") else {f"target_{name}": float(values[index])}
 

@@ -5,7 +5,6 @@ import json
 from ..bodies import body_of
 from ..contact import all_observables
 from ..output.result import Result
-from ..plotting.theories import scene_of, theory_of
 from ..solvers import solver_class
 
 PAPER = "Prodanov, Dapp, Müser, Tribol. Lett. 53 (2014) 433, doi:10.1007/s11249-013-0282-z"
@@ -17,6 +16,9 @@ def references_of(result: Result) -> list[str]:
     These are the program, its paper (also for the corrections to the TFC limit), the elastic body,
     the algorithm, the observables, and the theory that is drawn beside them.
     """
+    # with Matplotlib, which a solve has no need of
+    from ..plotting.theories import scene_of, theory_of
+
     scene = result.scene
     names = {name for step in result.steps for name in step}
     version = json.loads(result.head.get("versions", "{}")).get("hpc_gfmd", "")

@@ -149,8 +149,8 @@ def seconds_per_work(dtype: DTypeLike) -> float:
 
 def _measure(dtype: DTypeLike) -> float:
     """Measure `seconds_per_work` by three solves of a small rough surface; return the best."""
-    from .prepared import make_surface
     from .solve import solve
+    from .surfaces import make_surface
 
     precision = "single" if np.dtype(dtype) == np.float32 else "double"
     wall = make_surface(**SAMPLE)

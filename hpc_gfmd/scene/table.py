@@ -187,7 +187,8 @@ def about(field: Any) -> dict[str, Any]:
 
 
 def allowed_of(field: Any) -> str:
-    """Return a description of the values that a field made by `key` may have."""
+    """Return a description of the values that a field made by `key` may have: the one given there,
+    otherwise one derived from its type and bounds."""
     extra = about(field)
     return extra["allowed"] or allowed_values(
         field.annotation, tuple(field.metadata), extra["unit"]

@@ -223,7 +223,10 @@ class Solver:
         self.begin_at(certificate)
 
     def after_stability(self) -> None:
-        """Prepare the next step after `stability_of` has overwritten the fields of self.levels."""
+        """Prepare the next step after `stability_of` has overwritten the fields of self.levels.
+
+        By default calls `refresh`, which forgets the last step.
+        """
         self.refresh()
 
     def make_room(self) -> None:

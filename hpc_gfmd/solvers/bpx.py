@@ -24,7 +24,7 @@ from ..kernels.bpx import UpdateSums, search_passes
 from ..operators.multilevel import Multilevel
 from ..operators.problem import Problem
 from ..operators.rigid import balancing_shift, dent_rigidly
-from ..parallel.threads import added, on_threads, shares
+from ..parallel.threads import Shares, added
 from .base import Progress, Solver
 
 FIRST = 0.75  # Rayleigh quotient of first steps: 0.52 to 0.75 was seen; less makes them too long
@@ -111,8 +111,11 @@ class Bpx(Solver):
         self._begin(sums)
 
     def refresh(self, uKu: float | None = None) -> None:
-        """Begin a new descent at the present g and p, without an FFT; uKu: their <u, K u>, the
-        stored one if None. With a hardness g and p may change, see `_begin`."""
+        """Forget the last step and begin a new descent at the present g and p, without an FFT.
+
+        uKu: their <u, K u>, the stored one if None. With an attraction `self.attracted` must be
+        that of g already. With a hardness g and p may change, see `_begin`. Collective.
+        """
         self.uKu = self.uKu if uKu is None else uKu
         self.d[...] = 0
         self._begin(self.levels.restrict(self.g, self.p, self.problem.limit))
@@ -297,16 +300,19 @@ class Bpx(Solver):
         step = tuple(self.problem.dtype.type(x) for x in (a, b * self.s, coupling, self.compliance))
         fields = self.g, self.p, self.d, levels.z, levels.transfers[0].tables
         limits = self.problem.limit, self.grid.inside
-        sums_of_shares = np.zeros((len(ends), 2))
+        sums_of_passes = np.zeros((len(ends), 2))
         work = np.zeros((len(ends) if self.law is not None else 0, 2))
 
-        def passes(k0: int, k1: int, thread: int) -> None:
-            scratch = fft.rows[thread], levels.scratch[thread][0], sums_of_shares
-            search_passes(ends, k0, k1, *scratch, *fields, step, *limits, self.law, work)
+        shares = Shares(len(ends), fft.threads)
 
-        parts = shares(len(ends), fft.threads)
-        on_threads(fft.threads, passes, parts, range(fft.threads))
-        sums = np.sum(sums_of_shares, axis=0)
+        def passes(thread: int) -> None:
+            scratch = fft.rows[thread], levels.scratch[thread][0], sums_of_passes
+            search_passes(
+                ends, shares.parts, shares.turns, *scratch, *fields, step, *limits, self.law, work
+            )
+
+        shares.on_threads(passes, range(fft.threads))
+        sums = np.sum(sums_of_passes, axis=0)
         if self.law is None:
             return [*self.grid.comm.sum(sums).tolist(), 0.0, 0.0]
         return self.grid.comm.sum([*sums, *np.sum(work, axis=0)]).tolist()
@@ -339,10 +345,12 @@ class Bpx(Solver):
         self.attracted = t
 
     def _measure(self, sums: UpdateSums, new_contact: bool = False) -> None:
-        """Compute z on the levels, and set all scalars of the next step and of `progress`.
+        """Sweep r and t on the levels to z, and set the products and counts that the next step and
+        `progress` need. Collective.
 
-        sums: this rank's, of the present state. new_contact: whether to compute the
-        deflation vector for the present contact first.
+        r and t are on the levels already. sums: this rank's, of the present state, as
+        `levels.restrict` or `update` returned them. new_contact: whether to compute the gap mode
+        of the present contact first, which takes FFT pairs.
         """
         totals = self.grid.comm.sum([*sums, *self.levels.sweep(new_contact)]).tolist()
         rz1, xz1, self.mean, *self.level_sums = totals[len(sums) :]

@@ -89,7 +89,8 @@ def read_npy(contents: Contents, spec: Any) -> Map:
 def read_npz(contents: Contents, spec: Any) -> Map:
     """Open one array of those that numpy.savez wrote, with sizes and units beside it.
 
-    The array is read when its first rows are; it then stays in memory.
+    The file is opened again and the array read when its first rows are wanted; it then stays in
+    memory. Points have no height where an array `mask` beside it is not 0.
 
     Parameters
     ----------

@@ -76,6 +76,7 @@ def labels_of(sample: list[str], layout: TextLayout) -> Labels:
     Returns
     -------
     Labels
+        The signs that were found. Nothing is decided and nothing raised here.
     """
     rows = [layout.tokens(line) for line in sample[layout.header_lines :] if line.strip()]
     rows = [row for row in rows if len(row) == layout.columns]

@@ -245,7 +245,11 @@ def topography_of(data: Any, metadata: Metadata, spec: Any) -> Topography:
 
 
 def _sum(lower: Topography, upper: Topography) -> Topography:
-    """Return the sum of two maps of the same points. Raises SceneError if these differ."""
+    """Return a map whose rows are the sums of those of two maps, read when they are wanted.
+
+    Metadata are those of `lower`, notes those of both. Raises SceneError if numbers of points,
+    lengths or units differ.
+    """
     if (
         lower.n != upper.n
         or lower.unit != upper.unit

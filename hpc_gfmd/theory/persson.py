@@ -270,7 +270,11 @@ def curve(
 
 
 def _gap(profile: SlopeProfile, p_star: np.ndarray, gamma: float, printed: bool) -> np.ndarray:
-    """Compute the mean gap in units of g_rms/q_min, inf where p_star is 0; checks gamma."""
+    """Compute the mean gap in units of g_rms/q_min, inf where p_star is 0.
+
+    p_star has been checked. gamma and printed: as for `mean_gap`. Raises SceneError if gamma is out
+    of its range.
+    """
     gamma = _gamma(gamma)
     gap = profile.integrate(
         p_star, lambda x: kernels.gap_kernel(x, gamma, printed), power=1

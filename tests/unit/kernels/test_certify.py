@@ -13,7 +13,7 @@ def test_kkt_residuals(random, hardness):
     g[np.abs(g) < 0.3] = 0
     x = random.standard_normal((6, 5))
     p = np.empty((6, 5))
-    sums, extremes = certify.kkt_residuals(g, p, x, 0.2, hardness, g.shape, 0, 6)
+    sums, extremes = certify.kkt_residuals(g, p, x, 0.2, hardness, g.shape, 0, 6, np.zeros((2, 5)))
     fresh = 0.2 + x
     closed, yields, r = sides(g, fresh, hardness)
     gap = np.where(yields, 0, g)

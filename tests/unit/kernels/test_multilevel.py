@@ -8,8 +8,16 @@ from hpc_gfmd.bodies.halfspace import HalfSpace
 from hpc_gfmd.kernels import multilevel
 from hpc_gfmd.operators.coarsest import DAMPING
 from hpc_gfmd.operators.multilevel import Multilevel
-from hpc_gfmd.parallel.coarsening import levels
+from hpc_gfmd.parallel.coarsening import axis_tables, halved, levels
 from hpc_gfmd.parallel.grid import Grid
+
+
+def test_there_are_at_most_two_rows_beside_a_coarse_one():
+    for n in range(2, 200):
+        (m, _), _ = halved((n, n), (1.0, 1.0))
+        J_x, _ = axis_tables(n, m, np.float64)
+        assert np.bincount(J_x, minlength=m).min() >= 1
+        assert np.bincount(J_x).max() <= 2
 
 
 @pytest.mark.parametrize("n", SIZES)

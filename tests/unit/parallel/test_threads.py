@@ -95,3 +95,11 @@ def test_shares_are_a_partition(count, threads):
     parts = shares(count, threads)
     assert [i for begin, end in parts for i in range(begin, end)] == list(range(count))
     assert all(begin < end for begin, end in parts)
+
+
+def test_work_is_withdrawn_from_a_thread_that_has_not_woken_up():
+    """This thread does not wait for another one that has nothing to do any more."""
+    together(2, 2)
+    for _ in range(2000):  # sometimes the other thread is late, sometimes it is not
+        assert on_threads(2, lambda k: k, [(0,), (1,)]) == [0, 1]
+    together(2, 2)

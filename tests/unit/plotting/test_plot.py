@@ -637,6 +637,8 @@ def test_force_axis():
     (ax,) = sweep.plot("a_r").axes
     assert ax.get_xlabel() == "force $F$ (mN)"
     np.testing.assert_allclose(ax.lines[0].get_xdata(), [1, 2])
+    (ax,) = sweep.plot("a_r", dimensionless=True).axes  # a force has no scale without its unit
+    assert ax.get_xlabel().startswith("pressure")
 
 
 def test_cylinder_with_hertz_theory():

@@ -15,8 +15,8 @@ from refusal import refused
 import hpc_gfmd
 from hpc_gfmd.commands.init import compose
 from hpc_gfmd.parallel.comm import SerialComm
-from hpc_gfmd.runs.prepared import surface_of_topography
 from hpc_gfmd.runs.simulation import run_scene
+from hpc_gfmd.runs.surfaces import surface_of_topography
 from hpc_gfmd.scene import File, Scene
 from hpc_gfmd.surface import build_surface
 from hpc_gfmd.surface.topography import open_topography

@@ -1,0 +1,305 @@
+"""Surfaces for a notebook or a script: read, prepared or made as a scene would, on one process."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from os import PathLike
+from typing import Any
+
+import numpy as np
+
+from ..contact.contact import heights_of
+from ..parallel.comm import SerialComm
+from ..scene import Scene
+from ..scene.height_maps import Reading
+from ..surface import build_surface
+from ..surface.arrays import checked_array, complete_array, is_topography, of_topography, unreliable
+from ..surface.heights import checked
+from ..surface.metadata import Metadata
+from ..surface.prepare import prepare
+from ..surface.quality import notes_on
+from ..surface.topography import Topography, open_topography, topography_of
+from ..surface.two_scans import combined, placed
+from ..util.errors import SceneError
+from .prepared import PreparedSurface
+
+OF_EDGES = {"boundary", "mirror", "window"}  # keys that say how the surface ends
+
+
+def read_surface(path: str | PathLike | Sequence[str | PathLike], **keys: Any) -> PreparedSurface:
+    """Read a height map of any format and prepare it, on one process.
+
+    Parameters
+    ----------
+    path
+        A .npy, .npz, .txt, .csv, HDF5, NetCDF, TIFF or PNG file, or what SurfaceTopography reads
+        (.x3p, .gwy, .spm, ...); a list of two: the sum of two maps, for two rough bodies.
+    **keys
+        Those of the scene's [surface] with kind = "file", such as physical_sizes=("10 um", "8 um"),
+        unit="nm", detrend="tilt", fill="harmonic", crop=(x0, y0, x1, y1), mirror=True,
+        window="hann", refine=2, downsample=2, flip=True, boundary="free", radius="5 mm",
+        height_range=("0 nm", "500 nm"), dataset="name". Sizes in the file are used unless they are
+        given here; a unit that contradicts the file is refused.
+
+    Returns
+    -------
+    PreparedSurface
+        Heights of shape (n_x, n_y) and sizes, in m if units are known; its `notes` tell what may be
+        wrong with them.
+
+    Raises
+    ------
+    SceneError
+        If it cannot be read, or has no sizes, no unit, points without heights, or opposite edges
+        that do not fit together.
+    """
+    path = [str(file) for file in path] if isinstance(path, list | tuple) else str(path)
+    scene, table = _scene({"kind": "file", "path": path} | keys, "hpc_gfmd.read_surface")
+    return _prepared(open_topography(scene.surface), scene.surface).from_table(table)
+
+
+def prepare_surface(heights: Any, **keys: Any) -> PreparedSurface:
+    """Prepare heights that are in memory, as `read_surface` does with those of a file.
+
+    Parameters
+    ----------
+    heights
+        An array (n_x, n_y), peaks up, masked or nan at points without a height; or a Topography of
+        SurfaceTopography, also after `.detrend()`, `.to_unit()`, `.scale()` and filters, whose
+        sizes, unit and periodicity are used. It is not changed.
+    **keys
+        Those of `read_surface`. physical_sizes of an array: default (1, 1), in its unit.
+
+    Returns
+    -------
+    PreparedSurface
+        As `read_surface`; a Topography that is not periodic gets free edges, unless `boundary`,
+        `mirror` or `window` is given.
+
+    Raises
+    ------
+    SceneError
+        As `read_surface`.
+    """
+    return _prepared(*_in_memory(heights, keys))
+
+
+def surface_of_topography(topography: Any) -> PreparedSurface:
+    """Return the surface that a Topography of SurfaceTopography shows as it is.
+
+    Parameters
+    ----------
+    topography : SurfaceTopography.Topography
+
+    Returns
+    -------
+    PreparedSurface
+        As `prepare_surface` without keys.
+
+    Raises
+    ------
+    SceneError
+        For a Topography without sizes, or with points that have no height.
+    """
+    as_it_is, spec = _in_memory(topography, {})
+    checked(complete_array(topography.heights()), 0, "heights")
+    if as_it_is.lacks:
+        raise SceneError("; ".join(as_it_is.lacks.values()))
+    notes, _ = notes_on(as_it_is, spec, SerialComm())
+    return _surface(replace(as_it_is, notes=(*as_it_is.notes, *notes)), spec)
+
+
+def _in_memory(heights: Any, keys: dict[str, Any]) -> tuple[Topography, Any]:
+    """Return heights in memory as a map that can be read, and the [surface] of a scene with these
+    keys.
+
+    `heights` and `keys` are those of `prepare_surface`. Edges and sizes that the keys do not give
+    are those of the heights. Raises SceneError.
+    """
+    metadata = Metadata()
+    notes = []
+    if is_topography(heights):
+        doubt = unreliable(heights)
+        if doubt:
+            _, note = doubt
+            notes.append(note)
+        heights, metadata = of_topography(heights)
+        if not metadata.periodic and not keys.keys() & OF_EDGES:
+            keys = keys | {"boundary": "free"}
+    elif not keys.keys() & {"physical_sizes", "unit"}:
+        keys = keys | {"physical_sizes": (1.0, 1.0)}
+    scene, _ = _scene({"kind": "file", "path": "the array"} | keys, "hpc_gfmd.prepare_surface")
+    topography = topography_of(checked_array(heights), metadata, scene.surface)
+    return replace(topography, notes=(*topography.notes, *notes)), scene.surface
+
+
+def combine_surfaces(
+    surface: Any,
+    facing: Any,
+    *,
+    shift: Sequence[Any] = (0.0, 0.0),
+    mirrored: str = "x",
+    **keys: Any,
+) -> PreparedSurface:
+    """Add two rough surfaces that face each other to a single one, on one process.
+
+    The grid is that of the finer one, within the window that both cover. The coarser one is
+    interpolated by cubic splines.
+
+    Parameters
+    ----------
+    surface, facing
+        Each a PreparedSurface, a Topography of SurfaceTopography, or the path of a height map;
+        peaks up.
+    shift : (x, y)
+        Where the first corner of `facing` lies, relative to that of `surface`: lengths such as "5
+        um", or numbers in the unit of the sizes.
+    mirrored : str
+        Axis along which `facing` is mirrored, "x" or "y": as a scan from above is when its body is
+        turned over to face the other. "none" if x and y of both are the same directions in space.
+    **keys
+        Those of `read_surface`: how files are read, and operations on the sum.
+
+    Returns
+    -------
+    PreparedSurface
+        As `read_surface`; it has free edges along an axis where one of the two has, unless
+        `boundary`, `mirror` or `window` is given.
+
+    Raises
+    ------
+    SceneError
+        As `read_surface`, and for surfaces that do not overlap.
+    """
+    surfaces = (surface, facing)
+    names = ("the first surface", "the second surface")
+    paths = [
+        str(one) if isinstance(one, str | PathLike) else name for one, name in zip(surfaces, names)
+    ]
+    ends = [_free_edges(one) for one in surfaces]
+    if np.any(ends) and not keys.keys() & OF_EDGES:
+        keys["boundary"] = ["free" if end else "periodic" for end in np.any(ends, axis=0)]
+    bodies = [{"path": paths[0]}, {"path": paths[1], "shift": shift, "mirrored": mirrored}]
+    table = {"kind": "file", "bodies": bodies}
+    scene, table = _scene(table | keys, "hpc_gfmd.combine_surfaces")
+    spec = scene.surface
+    scans = [_scan(one, path, spec, keys) for one, path in zip(surfaces, paths)]
+    topography = combined(placed((scans[0], scans[1]), spec), spec)
+    prepared = _prepared(topography, spec)
+    return prepared if set(paths) & set(names) else prepared.from_table(table)
+
+
+def _free_edges(surface: Any) -> tuple[bool, bool]:
+    """Whether a surface in memory has free edges along x, along y.
+
+    False for the path of a file, whose boundary is known when it is read.
+    """
+    if isinstance(surface, PreparedSurface):
+        return surface.free
+    return (is_topography(surface) and not surface.is_periodic,) * 2
+
+
+def _scan(surface: Any, path: str, spec: Any, keys: dict[str, Any]) -> Topography:
+    """Return the Topography of one of two surfaces; a file is opened.
+
+    `path` is its path, or a name for messages. Raises SceneError if it cannot be read, or if keys
+    for reading files are given with a PreparedSurface.
+    """
+    if isinstance(surface, PreparedSurface):
+        of_files = [key for key in keys if key in Reading.model_fields]
+        if of_files:
+            raise SceneError(
+                f"hpc_gfmd.combine_surfaces: found {of_files[0]}, which says how a file is read,"
+                f" with {path}, which is prepared, allowed: keys of what is done to the sum"
+            )
+        heights = surface.heights
+        return Topography(
+            heights.shape,
+            surface.sizes,
+            lambda start, stop: heights[start:stop],
+            surface.unit,
+            periodic=not any(surface.free) or None,
+            path=path,
+            plain_unit=surface.unit,
+        )
+    of_one = spec.model_copy(update={"path": path, "bodies": None})
+    if is_topography(surface):
+        return topography_of(*of_topography(surface), of_one)
+    if not isinstance(surface, str | PathLike):
+        raise SceneError(
+            f"hpc_gfmd.combine_surfaces: found {type(surface).__name__} for {path}, allowed: a"
+            " path, a Topography, or a surface of hpc_gfmd.prepare_surface(heights,"
+            " physical_sizes=...)"
+        )
+    return open_topography(of_one)
+
+
+def _prepared(topography: Topography, spec: Any) -> PreparedSurface:
+    """Return the PreparedSurface that a scene's [surface] makes of a height map.
+
+    All heights are read. Raises SceneError as `prepare`.
+    """
+    return _surface(prepare(topography, spec, SerialComm()), spec)
+
+
+def _surface(topography: Topography, spec: Any) -> PreparedSurface:
+    """Read all heights of a map, which is pressed as it is, with the edges of a scene's [surface].
+
+    Heights that belong to the caller are copied; those of the result cannot be written to.
+    """
+    heights = topography.rows(0, topography.n[0])
+    if not heights.flags.owndata:  # those of the caller, who may change them
+        heights = heights.copy()
+    heights.flags.writeable = False
+    return PreparedSurface(
+        heights, topography.sizes, topography.unit, topography.prepared, topography.notes, spec.free
+    )
+
+
+def make_surface(kind: str, **keys: Any) -> PreparedSurface:
+    """Make a rough surface from a formula, as a scene would, on one process.
+
+    Parameters
+    ----------
+    kind
+        "self-affine", "wave" or "sphere".
+    **keys
+        Those of the scene's [surface] of that kind: make_surface("self-affine", hurst=0.8,
+        L_over_lam_l=2, lam_l_over_lam_s=32, lam_s_over_a=4, seed=1, g_rms=0.1),
+        make_surface("sphere", radius="1 mm", n=(256, 256), physical_sizes=("80 um", "80 um")).
+
+    Returns
+    -------
+    PreparedSurface
+        Heights of shape (n_x, n_y), the highest at 0, and sizes, in m if they were given with
+        units.
+
+    Raises
+    ------
+    SceneError
+        For keys or values that this kind does not have.
+    """
+    scene, table = _scene({"kind": kind} | keys, "hpc_gfmd.make_surface")
+    surface = build_surface(scene.surface, SerialComm(), np.float64)
+    heights = np.asarray(heights_of(surface))
+    heights.flags.writeable = False
+    prepared = PreparedSurface(heights, surface.sizes, scene.length_unit, free=scene.surface.free)
+    return prepared.from_table(table)
+
+
+def _scene(table: dict[str, Any], caller: str) -> tuple[Scene, dict[str, Any]]:
+    """Return a scene with `table` as its [surface], and the table in plain Python values.
+
+    `caller` names the function in messages. Raises SceneError for invalid keys and values.
+    """
+    table = {key: plain(value) for key, value in table.items()}
+    return Scene.from_dict({"surface": table, "load": {"pressure": 1.0}}, caller), table
+
+
+def plain(value: Any) -> Any:
+    """Convert NumPy numbers, arrays and tuples, also nested, to Python numbers and lists.
+
+    Other values are returned as they are.
+    """
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    return value.tolist() if hasattr(value, "tolist") else value
