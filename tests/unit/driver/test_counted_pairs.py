@@ -13,13 +13,19 @@ ROUNDED_UP = 1.03  # coarse grids are charged whole pairs
 def transformed(monkeypatch):
     """[points transformed so far, there and back being twice half of them]"""
     points = [0.0]
-    on_blocks = SlabFFT._on_blocks
+    columns = SlabFFT.columns
+    multiply_columns = SlabFFT.multiply_columns
 
-    def counted(fft, some, forward, backward):
+    def counted_columns(fft, apply, forward=True, backward=True):
         points[0] += (forward + backward) / 2 / fft.scale
-        return on_blocks(fft, some, forward, backward)
+        return columns(fft, apply, forward, backward)
 
-    monkeypatch.setattr(SlabFFT, "_on_blocks", counted)
+    def counted_multiply(fft, factors, inverse, backward):
+        points[0] += (1 + backward) / 2 / fft.scale
+        return multiply_columns(fft, factors, inverse, backward)
+
+    monkeypatch.setattr(SlabFFT, "columns", counted_columns)
+    monkeypatch.setattr(SlabFFT, "multiply_columns", counted_multiply)
     return points
 
 
