@@ -88,7 +88,7 @@ class Share:
         """(steps, levels) of the preconditioner.
 
         The steps are those to the distributed levels and the first one to a level that is not
-        distributed. The levels are all of them.
+        distributed. The levels are all of them, the grid itself first.
         """
         return steps_of(self.grid, self.dtype)
 

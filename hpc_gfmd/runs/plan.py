@@ -91,7 +91,10 @@ def _decomposition(
     ranks: int,
     per_node: int,
 ) -> dict[str, Any]:
-    """Return the points and messages of the ranks by name; of any rank the most."""
+    """Return the decomposition by name: numbers of idle ranks, points, columns and messages.
+
+    Points, columns and messages are each those of the rank that has most of them.
+    """
     nested = scene.solver.nested is not False
     shares = busiest(cell, dtype, ranks, per_node, nominal=n, sizes=cell_sizes, nested=nested)
     nbytes, messages = np.max([share.traffic for share in shares], axis=0).tolist()
@@ -203,6 +206,6 @@ def counted(number: int, noun: str) -> str:
 
 
 def duration(seconds: float) -> str:
-    """Return seconds as text with two digits and no power of ten: 0.35 s, 110 s, 12000 s."""
+    """Return seconds as text: two significant digits, no power of ten: 0.35 s, 110 s, 12000 s."""
     digits = 1 - int(np.floor(np.log10(max(seconds, 1e-3))))
     return f"{round(seconds, digits):.{max(digits, 0)}f} s"
