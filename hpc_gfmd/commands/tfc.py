@@ -75,7 +75,10 @@ def _options(names: list[str]) -> str:
 
 
 def _extrapolate(args: Namespace) -> tuple[dict[str, Any], str]:
-    """Return an extrapolation as a dict for JSON and as text. Raises SceneError."""
+    """Return an extrapolation as a dict for JSON and as text.
+
+    Raises SceneError if an argument is missing or out of range, or the table cannot be read.
+    """
     from ..theory import tfc
 
     values = {name: getattr(args, name) for name in REQUIRED}

@@ -169,9 +169,10 @@ def plot(
 
 
 def _can_draw(what: Any, results: Mapping[str, Result], step: Any) -> bool:
-    """Whether every result has a load step for this picture, and several may share it.
+    """Whether every result has a load step for the picture `what`; of several, only curves.
 
-    Raises SceneError if step names load steps that a result does not have.
+    False if `what` is not a text. Raises SceneError if step names load steps that a result does not
+    have.
     """
     if not isinstance(what, str) or not (len(results) == 1 or kind_of(what).over_loads):
         return False
