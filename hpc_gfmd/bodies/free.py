@@ -209,7 +209,10 @@ def rounded(q: np.ndarray, spacing: float, ends: bool) -> np.ndarray:
 
 @lru_cache(maxsize=16)
 def _half_space(shape: Shape, dtype: np.dtype) -> tuple[Images, Matrices]:
-    """Return the Images of a shape and its `matrices_of` in a precision. The last 16 are kept."""
+    """Return the Images of a shape and its `matrices_of` in a precision.
+
+    The last 16 results are kept and shared: they must not be changed.
+    """
     waves = [2 * np.pi / size * np.arange(k + 1) for size, k in zip(shape.cell, shape.modes)]
     q_x, q_y = map(rounded, waves, np.divide(shape.cell, shape.points), shape.free)
     q = np.hypot(q_x[:, None], q_y)

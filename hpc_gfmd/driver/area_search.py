@@ -113,11 +113,18 @@ class AreaSearch(SecantSearch):
         return -log(1 / p0 - 1 / self.closes_at)
 
     def predicted(self, solver: Solver, progress: Progress, errors: Errors) -> Value | None:
-        """Predict the area by `progress.predicted`, with the relative error of the pressure."""
+        """Predict the relative area by `progress.predicted`; None without that.
+
+        The error of the pressure field stands for that of the area.
+        """
         return (round(progress.predicted[0]) / solver.N, errors[1]) if progress.predicted else None
 
     def may_be_met(self, solver: Solver, progress: Progress, accuracy: float) -> bool:
-        """Return whether a certificate may find the target met, or certainly missed."""
+        """Return whether a certificate may find the target met, or certainly missed.
+
+        The error of the area must be less than what the predicted miss leaves of the accuracy; if
+        the miss is larger than the accuracy, less than the miss. Collective.
+        """
         missed = self._predicted_miss(solver, progress)
         room = accuracy - missed if missed < accuracy else missed
         return area_may_be_met(solver, progress, room)
@@ -173,8 +180,8 @@ class AreaSearch(SecantSearch):
     def learn(self, solver: Solver, certificate: Certificate) -> float:
         """Add the load to the bracket, and decide whether the area jumps over the target.
 
-        Sets `undecided`, `jumps` and `note`. Returns the miss over the tolerance, but no less than
-        `undecided`; at a jump 0 on its nearer side.
+        Sets `undecided`, `jumps` and `note`. Returns what `SecantSearch.learn` returns, or
+        `undecided` if that is larger; at a jump 0 on its nearer side and infinity on the other one.
         """
         if self.jumps:
             return self._confirm(solver, certificate)

@@ -49,6 +49,9 @@ class Held(LoadSearch):
     ----------
     spring : float
         Stiffness of the spring, see `spring_of`.
+    unit : float
+        Length to which `tolerance` is relative: |target|, for an approach no less than the range of
+        the attraction.
     """
 
     def __init__(self, quantity: str, target: float, tolerance: float, p0: float, problem: Problem):

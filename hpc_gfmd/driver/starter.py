@@ -136,7 +136,8 @@ class Starter:
     def follows(self, working: WorkingSurface, load: Load) -> bool:
         """Return whether a load starts from the solution of the load before.
 
-        It does if the two are close; on retraction always, if the load does not rise.
+        It does if the two are close; on retraction always, if the load does not rise. It does not
+        without a solver, nor if it seeks the smallest load that closes the gap.
 
         Parameters
         ----------
