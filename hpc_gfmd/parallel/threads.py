@@ -229,8 +229,8 @@ class _Helper:
     def end(self) -> None:
         """Wait until the work has ended, or withdraw it if the thread has not woken up yet.
 
-        Work that is withdrawn is never done: `on_threads` calls this when no pieces are left. An
-        error of work that was done is in `error` then.
+        Work that is withdrawn is never done: `on_threads` calls this when no pieces are left or its
+        own thread has failed. An error of work that was done is in `error` then.
         """
         try:
             self._work.pop()
