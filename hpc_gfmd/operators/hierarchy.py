@@ -122,8 +122,8 @@ def steps_of(
     dtype : dtype
         Precision of the tables.
     coarsest_points : int, optional
-        A rank has levels of at most so many points alone, and those below the level of the gap
-        mode; default: COARSEST_POINTS, and one process has all of them.
+        A rank has levels of at most so many points alone, and those coarser than the level of the
+        gap mode; default: COARSEST_POINTS, but a single process has all coarse levels.
 
     Returns
     -------
@@ -238,7 +238,7 @@ class Hierarchy:
     weights : array (levels,)
         Stiffness of each level, in the precision of the fields.
     softness : array (levels,)
-        What each level adds to S, over S of the shortest wave.
+        What each level adds to the compliance S = 1/K, over S of the shortest wave.
     area : NominalArea
         The indicator of the nominal area on all levels.
     nominal : list of (array, array)

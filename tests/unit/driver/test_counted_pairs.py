@@ -36,6 +36,8 @@ def transformed(monkeypatch):
         ({"accuracy": 1e-5}, [0.05, 0.06]),
         ({"accuracy": 1e-2, "nested": False}, [0.05, 0.02]),
         ({"accuracy": 1e-2}, [Load("a_r", 0.1)]),
+        # first pressures and certificates in double precision
+        ({"accuracy": 3e-5, "precision": "single"}, [0.05, 0.06]),
         ({"accuracy": 1e-2, "name": "gfmd"}, [0.05, 0.06]),
     ],
 )
