@@ -12,8 +12,8 @@ def stiffness(contact: Contact) -> float | None:
 
     A pressure per length. Its relative error is at most `contact.accuracy`. Collective; the first
     call that needs `contact.tangent` takes FFT pairs. None with an attraction (whose slope it
-    would have to include), in full contact (where it is infinite), if nothing touches, and if the accuracy was
-    not reached.
+    would have to include), in full contact (where it is infinite), if nothing touches, and if the
+    accuracy was not reached.
     """
     if contact.attraction is not None:
         return None

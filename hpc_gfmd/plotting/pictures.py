@@ -96,8 +96,9 @@ def plot(
         "maps" (pressure and gap), or a single map: "pressure", "gap", "contact", "heights",
         "displacement", "plastic"; "distributions"; "spectra"; "curves" against the load, or a
         single curve: "a_r", "kappa", "gap_mean", "approach", or any other number of the loads, such
-        as "conductance" or "critical_gap_x". Default: the first of PICTURES that the result has.
-        Curves of more than six results show the mean and the standard deviation.
+        as "conductance" or "critical_gap_x". Default: the first that the result has of maps,
+        distributions, spectra, curves, and single maps and curves. Curves of more than six results
+        show the mean and the standard deviation.
     step : int or list of int, optional
         Numbers of the load steps to draw. Default: all for curves, otherwise at most four, the
         first and the last among them.
