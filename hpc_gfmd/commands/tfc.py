@@ -70,7 +70,7 @@ def main(args: Namespace) -> int:
 
 
 def _options(names: list[str]) -> str:
-    """Write names of arguments as options: "--p-star, --eps-t"."""
+    """Return names of arguments as options: "--p-star, --eps-t"."""
     return ", ".join(f"--{name.replace('_', '-')}" for name in names)
 
 

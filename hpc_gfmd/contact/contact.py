@@ -40,8 +40,10 @@ class Contact:
     p_mean : float
         Mean pressure over the nominal area.
     g, p : array, local slabs of the grid
-        Gap and pressure of the solution, in the program's units (operators/problem.py). The next
-        load of a sweep overwrites them.
+        Gap and pressure as the solver left them, in the program's units (operators/problem.py),
+        padding of the grid included. Where a point yields, g < 0 is minus the depth of the dent.
+        Out of contact p need not be 0; `pressure_rows` and `gap_rows` return the results. The next
+        load of a sweep overwrites g and p.
     status : str
         "converged", "stagnated", "max_iterations", "nonfinite", "interrupted", or "separated" if
         the load pulls more than the attraction holds. Separated bodies have no contact, and the

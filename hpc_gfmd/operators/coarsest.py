@@ -283,7 +283,7 @@ class CoarsestLevels:
         return self.fields[0, 1:-1]
 
     def contact(self, k: int) -> np.ndarray:
-        """Return t of level k as `restrict` left it, (rows, n), a view."""
+        """Return t of level k, (rows, n), a view; `restrict` or `sweep` has put it there."""
         return self._fields_of(k)[1, 1:-1]
 
     def _fields_of(self, k: int) -> np.ndarray:

@@ -94,7 +94,10 @@ class Step:
 
     @property
     def counted_rows(self) -> tuple[int, int]:
-        """Range (begin, end) of the rows that this rank counts in sums, among its own fine rows."""
+        """Range (begin, end) of the rows that this rank counts in sums.
+
+        Numbers count from the first of its fine rows.
+        """
         rank = self.transfer.rank
         begin = self.transfer.fine[0]
         return int(self.counted[rank] - begin), int(self.counted[rank + 1] - begin)
@@ -168,8 +171,8 @@ def steps_of(
 def groups_of(steps: Sequence[Step]) -> list[list[Step]]:
     """Split the steps into groups within which a rank restricts without waiting for messages.
 
-    A group ends with a step whose rows are gathered, the last one with the level that a rank has
-    alone.
+    A group ends with a step whose coarse rows are gathered; the last group ends with the step to
+    the first level that a rank has alone.
     """
     groups: list[list[Step]] = [[]]
     for step in steps:

@@ -156,7 +156,10 @@ class Problem:
 
     @property
     def sunk(self) -> float:
-        """Estimate of how much the displacement varies if nothing but the load limits it."""
+        """Estimate of how much the displacement varies if nothing but the load limits it.
+
+        p_cell times the square root of the number of points, in units of height.
+        """
         return float(self.p_cell * np.sqrt(self.grid.cell_points))
 
     def noise(self, h_rms: float) -> float:

@@ -313,7 +313,8 @@ class SlabFFT(Layout):
     def _exchange(self, group: range, back: bool) -> None:
         """Exchange blocks with other nodes: fetch rows of blocks k in `group`, or send them back.
 
-        Each k has the scratch of a thread of its own. Collective.
+        Block k is received into, or sent from, the scratch of thread k - group.start: there are no
+        more blocks in `group` than threads. Collective.
         """
         for k, scratch in zip(group, self._scratch):
             blocks = self._slab(k * self.size, (k + 1) * self.size)

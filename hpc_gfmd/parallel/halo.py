@@ -128,7 +128,10 @@ class Windows:
         return [piece for piece in self.own if not (is_same_memory and piece[0] == self.interior)]
 
     def sent_rows(self, adding: bool) -> dict[int, int]:
-        """Return how many rows this rank sends to each other rank, by `add` or by `fill`."""
+        """Return how many rows this rank sends to each other rank, by `add` if adding or by `fill`.
+
+        Ranks that get none are left out.
+        """
         sent = self.take if adding else self.give
         return {peer: sum(map(_length, pieces)) for peer, pieces in sent.items()}
 

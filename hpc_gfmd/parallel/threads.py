@@ -220,7 +220,7 @@ class _Helper:
         threading.Thread(target=self._run, name="hpc-gfmd", daemon=True).start()
 
     def begin(self, work: Callable[[], None]) -> None:
-        """Begin with some work, after `end` of the work before."""
+        """Let the thread do some work; `end` must have been called for the work before."""
         self.error = None
         self._work.append(work)
         if self._begun.locked():  # if not, it has yet to wake up for work that was withdrawn
@@ -229,7 +229,8 @@ class _Helper:
     def end(self) -> None:
         """Wait until the work has ended, or withdraw it if the thread has not woken up yet.
 
-        An error of the work is in `error` then.
+        Work that is withdrawn is never done: `on_threads` calls this when no pieces are left or its
+        own thread has failed. An error of work that was done is in `error` then.
         """
         try:
             self._work.pop()

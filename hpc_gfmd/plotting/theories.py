@@ -1,7 +1,8 @@
 """Theories to draw beside results.
 
 Persson's theory for self-affine surfaces, Hertz' for spheres and cylinders, Westergaard's for
-waves.
+waves. An argument `surface` is the [surface] of a scene; p is a mean pressure, x a local one, both
+in the unit of the result.
 """
 
 from collections.abc import Callable

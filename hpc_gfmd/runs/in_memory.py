@@ -132,8 +132,7 @@ class Surfaces:
     def __call__(self, dtype: np.dtype) -> Surface:
         """Return the surface in a precision, a kept one if there is one. Collective.
 
-        Sets `checksum` and, at the first call, `setup_seconds`. The surface has its checksum only
-        if its heights were read from a file.
+        Sets `checksum` and, at first, `setup_seconds`. Only a surface from a file has its checksum.
         """
         if self.ready is not None and dtype in self.ready:
             surface = self._with_grid_of_this_thread(self.ready[dtype])

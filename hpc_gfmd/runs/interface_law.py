@@ -18,7 +18,7 @@ from ..util.errors import SceneError
 from ..util.quantities import Quantity, parse
 from .law_samplers import Steps, sampler_of
 
-Sampler = Callable[[list[float]], list[Steps]]  # of pressures, for each surface
+Sampler = Callable[[list[float]], list[Steps]]  # takes pressures, returns the loads of each surface
 
 
 def interface_law(
