@@ -17,7 +17,7 @@ COMMON = ("base", "images")  # files without a body
 
 
 def body_classes() -> dict[str, type[Body]]:
-    """Return {name: class} of all elastic bodies."""
+    """Import all elastic bodies, those of other packages included, and return {name: class}."""
     return {name: class_in(__name__, name) for name in names_in(__name__, COMMON)}
 
 

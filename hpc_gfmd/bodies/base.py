@@ -35,7 +35,8 @@ Waves = tuple[np.ndarray, np.ndarray]  # wave numbers along x and along y
 def once_per_grid(method: Callable[[Any, Grid], T]) -> Callable[[Any, Grid], T]:
     """Decorate a method of bodies: compute its value once for each body and size of grid.
 
-    `Grid.once` keeps the values.
+    `Grid.once` keeps the value, and later calls return the same object: if it is an array, nobody
+    may change it.
     """
 
     @wraps(method)
@@ -48,16 +49,20 @@ def once_per_grid(method: Callable[[Any, Grid], T]) -> Callable[[Any, Grid], T]:
 class Multipliers:
     """Multiplies the columns of a spectrum by K/N or S/N in place (the transforms leave out 1/N).
 
+    K is the stiffness, S = 1/K, N the number of points of the grid. Blocks of W columns are dealt
+    out to the ranks in turn.
+
     Parameters
     ----------
     grid : Grid
-        Of the fields.
+        The grid of the fields.
     fft : SlabFFT
-        The transforms that the columns belong to.
+        The transforms that make the columns.
     q : (q_x, q_y)
-        Wave numbers (n_x,) and (blocks of this rank, W), in 1/a, of K = |q|/2.
-    table : array (blocks, W, n_x//2 + 1), optional
-        K of these columns, for a body with another K than |q|/2.
+        Wave numbers along x, (n_x,), and of the columns, (blocks of this rank, W), in 1/a. Without
+        a table K is |q|/2.
+    table : array (blocks of this rank, W, n_x//2 + 1), optional
+        K of the columns at the wave numbers >= 0 along x, for other bodies; it is kept, not copied.
     uniform : float
         See below.
 
@@ -70,8 +75,8 @@ class Multipliers:
     factors : tuple
         The factors as kernels/spectral.py: multiply takes them.
     alone : bool
-        Whether these factors are all there is: if so, compiled passes multiply many blocks in one
-        call; if not, `multiply` must be called for every block.
+        Whether multiplying by `factors` is all that has to be done: then compiled passes multiply
+        many blocks in one call. If not, `multiply` must be called for every block.
     """
 
     alone = True
@@ -113,14 +118,15 @@ class Multipliers:
         block : array (W, n_x), complex
             Columns of the spectrum.
         m : int
-            The block's number, among the blocks of all ranks.
+            Number of the block among those of all ranks; it must be one of this rank.
         inverse : bool
             Multiply by S.
 
         Returns
         -------
         float
-            What these columns add to <u, K u>, or to <p, S p>, of the field before.
+            Share of these columns in <u, K u>, or with `inverse` in <p, S p>, where u or p is the
+            field before the multiplication.
         """
         return float(multiply(block.view(self.dtype), m // self.ranks, inverse, *self.factors))
 
@@ -134,12 +140,13 @@ class Body:
     Attributes
     ----------
     name : str
-        The file's.
+        Name of the body's file.
     table_share : float
-        Numbers that are stored per point of a grid, for each precision.
+        Size of the table of K in each precision, in numbers per point of the grid; 0 without one.
     full_p_star : float
-        Below this p* full contact is taken to be impossible: the pressure that flattens a surface
-        varies by std(p) >= E* g_rms/2 about its mean (unless the surface is very skewed).
+        Mean pressure over E* g_rms below which full contact is taken to be impossible: the pressure
+        that flattens a surface varies by std(p) >= E* g_rms/2 about its mean (unless the surface is
+        very skewed).
     error : float
         Bound of the relative error of the pressure (L2) that comes from approximations in S.
     sources : tuple of str
@@ -162,7 +169,7 @@ class Body:
         Parameters
         ----------
         material : scene.Material
-            Of the scene; lengths in the unit of the surface's.
+            The table [material] of the scene; lengths in the unit of the surface's.
         free : pair of bool
             Whether the boundaries along x, along y are free instead of periodic.
 
@@ -196,26 +203,26 @@ class Body:
         raise NotImplementedError
 
     def waves(self, grid: Grid, q_x: np.ndarray, q_y: np.ndarray) -> Waves:
-        """Return the wave numbers that take the place of a grid's in K; here its own.
+        """Return the wave numbers at which K is computed on a grid; here its own, unchanged.
 
         Parameters
         ----------
         grid : Grid
             The grid.
         q_x, q_y : array
-            Its wave numbers, in 1/a.
+            Wave numbers of the grid along x and along y, in 1/a.
 
         Returns
         -------
         tuple of array
-            Along x and along y, in the shapes of q_x and q_y.
+            Along x and along y, in the shapes of q_x and q_y; perhaps these arrays themselves.
         """
         return q_x, q_y
 
     def multipliers(self, grid: Grid, fft: SlabFFT) -> Multipliers:
         """Return this body's Multipliers for the transforms of a grid. Collective.
 
-        They are made at the first call and kept in `fft`.
+        They are made at the first call and kept in `fft`: later calls return the same object.
 
         Parameters
         ----------
@@ -274,7 +281,7 @@ class Body:
 
     @once_per_grid
     def bounds(self, grid: Grid) -> tuple[float, float]:
-        """Return the smallest and the largest K of all waves of the grid, in 1/a."""
+        """Return the smallest and the largest K, in 1/a, of 400 samples over the grid's waves."""
         shortest = SQRT2 * grid.q_nyquist
         longest = min(
             (2 * np.pi * grid.a / size for size, n in zip(grid.sizes, grid.n) if n > 1),
@@ -299,6 +306,7 @@ class Body:
     def weights(self, grid: Grid) -> np.ndarray:
         """Return the stiffness of each level of the preconditioner, relative to the finest.
 
+        An array of one number per level, finest first; the larger it is, the less a level corrects.
         A wave is corrected on its own level and on all finer ones. So K of a level is the largest
         of all waves as long as its own or longer. Where it falls less than in proportion to q from
         a level to the next (a thin layer pressed by long waves), the next one has little to add, or
@@ -343,10 +351,12 @@ class Body:
 
     @once_per_grid
     def near(self, grid: Grid) -> np.ndarray:
-        """Return K in real space, in 1/a: at a point itself, and at its nearest neighbours.
+        """Return K in real space, in 1/a, between a point and itself, and its nearest neighbours.
 
-        The four numbers couple a point with itself, its neighbours along x, along y, and the
-        diagonal ones; 0 for an axis of less than three points.
+        These are the pressures, for E* = 1, at a point that is displaced by 1 while all others are
+        held, at its neighbours along x and along y, and at the diagonal ones. Along an axis of less
+        than three points there are no neighbours: their numbers are 0. The array (4,) is kept for
+        later calls and must not be changed.
         """
         n_x, n_y = (min(k, NEAR_POINTS) for k in grid.n)
         q_x, q_y = (
@@ -362,21 +372,20 @@ class Body:
 
     @once_per_grid
     def point_compliance(self, grid: Grid) -> float:
-        """Return S between a point and itself, in units of a.
+        """Return S between a point and itself, the displacement of a point under its own pressure.
 
-        That is how far a pressure of 1 on this point alone presses it down, relative to the mean.
+        A pressure of E* on this point alone moves it so far relative to the mean of the grid.
 
         Parameters
         ----------
         grid : Grid
-            Its spacings and numbers of points are used.
+            Only its spacings and numbers of points are used.
 
         Returns
         -------
         float
-            The mean of 1/K over all waves but the uniform one. It is summed over NEAR_POINTS wave
-            numbers per axis, with finer and finer ones for the longest waves, so no table is
-            needed.
+            The mean of 1/K over all waves but the uniform one, in units of a. Few waves are summed:
+            64 per axis, with finer and finer wave numbers for the longest ones.
         """
         left, unit, total = np.array(grid.n), np.array(grid.spacings) / grid.a, 0.0
         weight = 1.0

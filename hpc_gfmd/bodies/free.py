@@ -151,7 +151,7 @@ class Free(HalfSpace):
         )
 
     def exchanged(self, grid: Grid) -> int:
-        """Return how many numbers one multiplication by K sums over all ranks."""
+        """Return how many numbers each rank adds to a sum over ranks in one multiplication by K."""
         shape = self._shape(grid)
         return 4 * (shape.modes[0] + 1) * (shape.modes[1] + 1) if shape else 0
 
@@ -189,7 +189,7 @@ def rounded(q: np.ndarray, spacing: float, ends: bool) -> np.ndarray:
     q : array
         Wave numbers, in the inverse of any unit of length.
     spacing : float
-        Of the points, in this unit.
+        Distance of neighbouring points, in this unit.
     ends : bool
         Whether the axis is free: |q| is averaged over a normal distribution then.
 
@@ -209,7 +209,10 @@ def rounded(q: np.ndarray, spacing: float, ends: bool) -> np.ndarray:
 
 @lru_cache(maxsize=16)
 def _half_space(shape: Shape, dtype: np.dtype) -> tuple[Images, Matrices]:
-    """Return the Images of a shape and its `matrices_of` in a precision. The last 16 are kept."""
+    """Return the Images of a shape and its `matrices_of` in a precision.
+
+    The last 16 results are kept and shared: they must not be changed.
+    """
     waves = [2 * np.pi / size * np.arange(k + 1) for size, k in zip(shape.cell, shape.modes)]
     q_x, q_y = map(rounded, waves, np.divide(shape.cell, shape.points), shape.free)
     q = np.hypot(q_x[:, None], q_y)
@@ -250,11 +253,23 @@ class Coupled(Multipliers):
     Parameters
     ----------
     grid, fft, q
-        As of Multipliers.
+        See Multipliers.
     of_shape : Images
-        Of the grid's shape.
+        The images of the grid's Shape.
     matrices : dict
         As `matrices_of` returns them.
+
+    Attributes
+    ----------
+    up, down : array (modes along x, modes along y), complex
+        What the last `couple` computed, to be added to the columns: for the wave numbers along x
+        from 0 up, and for the negative ones.
+    energy : float
+        What it adds to <u, K u> or <p, S p>.
+    norm : array (m_x, m_y)
+        Factors that make the modes orthonormal.
+    unit : dict
+        Factor of the matrices for K (False) and for S (True), in the units of the grid.
     """
 
     alone = False
@@ -320,22 +335,22 @@ class Coupled(Multipliers):
     def multiply(self, block: np.ndarray, m: int, inverse: bool) -> float:
         """Multiply the columns of a block by K/N, or by S/N, in place, and add the coupled modes.
 
-        To be called after `couple`.
+        Call `couple` with the same `inverse` before.
 
         Parameters
         ----------
         block : array (W, n_x), complex
             Columns of the spectrum.
         m : int
-            The block's number, among the blocks of all ranks.
+            Number of the block among those of all ranks; it must be one of this rank.
         inverse : bool
             Multiply by S.
 
         Returns
         -------
         float
-            What these columns add to <u, K u>, or to <p, S p>; block 0 also has what the coupled
-            modes add.
+            Share of these columns in <u, K u>, or with `inverse` in <p, S p>. That of block 0
+            includes all that the coupled modes add.
         """
         energy = super().multiply(block, m, inverse)
         columns = slice(int(self.edges[m]), int(min(self.edges[m + 1], self.modes[1] + 1)))

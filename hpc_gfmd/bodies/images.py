@@ -39,20 +39,21 @@ PARITIES = [(a, b) for a in (1, -1) for b in (1, -1)]
 class Images:
     """The operator T that is added to S of a periodic cell to get S of free space.
 
-    It acts on the lowest modes of the cell and is right between points of the surface.
+    It acts on the lowest modes of the cell and is right between points of the surface. Objects are
+    shared, see `images`: the arrays must not be changed.
 
     Attributes
     ----------
     T : dict of array (stack, m, m)
-        By the parities along x and y: matrices between modes in the order of `stacked`. Without the
-        mode k = 0 along an axis of parity -1.
+        For each pair of parities along x and y a stack of matrices between m modes, in the order of
+        `stacked`. An axis of parity -1 lacks the mode k = 0.
     free : (bool, bool)
         Whether each axis is free instead of periodic.
     modes : (int, int)
         The highest mode number along each axis.
     constant : float
-        What S + T leaves to the mean: S of a uniform pressure on the whole cell, over its area; nan
-        if one axis is periodic.
+        S of the mean, which T leaves out: displacement under a uniform pressure of 1 on the whole
+        cell, over the area of the cell; nan if one axis is periodic.
     """
 
     T: dict[tuple[int, int], np.ndarray]
@@ -138,8 +139,10 @@ def images(
 class _Nodes:
     """Points of one half of the surface along an axis, to fit functions of either parity.
 
-    offsets: distances between points of the whole surface; fits: by parity, what `_fit` returns;
-    even: the even basis, rotated to as few rows as it has columns.
+    Made from the sizes of the cell and of the surface in it along this axis, and the highest mode
+    number. offsets: distances of the points of the whole surface from its first one; fits: for each
+    parity, what `_fit` returns; even: the even modes at the points, rotated to as many rows as
+    there are modes.
     """
 
     def __init__(self, cell: float, inside: float, modes: int):
@@ -199,7 +202,7 @@ def _without_mean(T: np.ndarray, q: np.ndarray, basis: np.ndarray) -> tuple[np.n
     """Return a T that is the given one on the surface, up to a constant, but 0 for the mean mode.
 
     The mean is the first mode, q = 0. Also returns the constant. q: wave numbers of the modes;
-    basis: their values at points of the surface.
+    basis: their values at points of the surface, a column each (its rows may be rotated).
 
     On the surface the mean is a combination m of the other modes. With t of the mean and A of the
     others in T, modes scaled so that S is 1, T is A + m t' + t m' + x m m', where the constant
@@ -236,21 +239,22 @@ def _without_mean(T: np.ndarray, q: np.ndarray, basis: np.ndarray) -> tuple[np.n
 
 
 def kernel(x: np.ndarray, y: np.ndarray, X: float, Y: float) -> np.ndarray:
-    """Return c, what free space has more than the cell in S between two points, for two free axes.
+    """Return c = S of free space minus S of the periodic cell between two points; both axes free.
 
-    It is Ewald's sum over the images, without the origin itself.
+    S of the cell has no mean. -c is the sum over all images of the origin (Ewald), without the
+    origin itself; so c is finite where the offset is 0.
 
     Parameters
     ----------
     x, y : array
-        Offsets along both axes.
+        Offsets between the points along both axes, from 0 to less than X and Y; one-dimensional.
     X, Y : float
         Sizes of the cell, in the unit of the offsets.
 
     Returns
     -------
-    array (x, y)
-        c at all pairs of offsets, in the inverse of this unit, E* = 1.
+    array (len(x), len(y))
+        c at all pairs of an x and a y, in the inverse of this unit, for E* = 1.
     """
     from scipy.special import erf, erfc
 
@@ -279,23 +283,24 @@ def kernel(x: np.ndarray, y: np.ndarray, X: float, Y: float) -> np.ndarray:
 
 
 def kernel_of_wave(x: np.ndarray, X: float, q: float) -> np.ndarray:
-    """Return c, what free space has more than the cell in S, of a wave along a periodic axis.
+    """Return c = S of free space minus S of the periodic cell, with one free axis.
 
-    The other axis is free.
+    S relates two lines along the periodic axis, on each of which the pressure is the same wave. For
+    q = 0 c is known up to a constant.
 
     Parameters
     ----------
     x : array
-        Offsets along the free axis.
+        Offsets between the lines along the free axis, from 0 to less than X.
     X : float
-        Size of the cell along it, in the unit of the offsets.
+        Size of the cell along the free axis, in the unit of the offsets.
     q : float
-        Wave number along the periodic axis, in the inverse of this unit.
+        Wave number along the periodic axis, in the inverse of this unit; 0 for a uniform pressure.
 
     Returns
     -------
     array
-        In the shape of x, E* = 1.
+        c in the shape of x, without unit, for E* = 1.
     """
     from scipy.special import k0
 

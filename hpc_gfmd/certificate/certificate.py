@@ -69,7 +69,8 @@ class Certificate:
         half-space that is periodic along both axes; nan if it is periodic along one axis.
     approach : float
         Distance that the bodies have approached since their first contact without deformation. nan
-        for a periodic half-space, which has no finite displacement under a uniform pressure.
+        for a half-space that is periodic along an axis, which has no finite displacement under a
+        uniform pressure.
     uKu : float
         <u, K u>.
     pressures : float
@@ -177,8 +178,8 @@ def certify(
     p : array, local slab
         Gets the recomputed pressure; its values are not read.
     levels : Multilevel, optional
-        Multilevel operator of the grid; its fields are overwritten. Without it the errors of the
-        certificate are nan.
+        Multilevel operator of the grid in the precision of g; its fields are overwritten. Without
+        it the errors of the certificate are nan.
     dtype : dtype
         Precision of the transforms.
     dual : bool
@@ -237,7 +238,7 @@ def certify(
 def _recompute(problem: Problem, elastic: Elastic, g: np.ndarray, p: np.ndarray) -> _Recomputed:
     """Overwrite p with the pressure of the gap g, and return the sums of both over all ranks.
 
-    Collective, one FFT pair of `elastic`.
+    With an attraction it is the pressure of the wall. Collective, one FFT pair of `elastic`.
     """
     grid = problem.grid
     level = problem.level(g)
@@ -282,7 +283,8 @@ def _duality_gap(
     """Return the duality gap G over (wall_load times the sum of gaps).
 
     Infinite if the contact has no admissible pressure, or if G > 0 while all gaps are 0. sums: of g
-    and its pressure p, over all ranks. Collective, half an FFT pair of `elastic`.
+    and its pressure p, over all ranks; g and p stay as they are. Collective, half an FFT pair of
+    `elastic`.
     """
     grid = problem.grid
     load = grid.N * wall_load

@@ -345,10 +345,11 @@ def relative_error(wrong: float, value: float) -> float:
 
 
 def full_contact_error(problem: Problem) -> float:
-    """Return the relative error of the pressure field in full contact, which takes no iterations.
+    """Return the relative error of the pressure field of full contact, computed from u = -h.
 
-    It is that of S and of storing heights and pressures in the working precision. Collective when
-    the rounding error of the problem is first read.
+    No iterations contribute to it, only the error of S and rounding errors of heights and pressures
+    in the working precision. The load of the problem must be above 0. Collective when the rounding
+    error of the problem is first read.
     """
     return float(
         np.linalg.norm([problem.rounding / problem.p0, _epsilon(problem), problem.body.error])

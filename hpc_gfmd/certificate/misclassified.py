@@ -83,21 +83,30 @@ def _likely_to_change(
 ) -> float:
     """Return how many points of a histogram will probably change sides, with a margin for scatter.
 
-    With a hardness all points within reach count, otherwise those of the fuller half of the range;
-    in both cases at least `follow_load`, the points that a correction of the load would move.
+    In reach are points that take a change of pressure of less than CALIBRATION.reach times the rms
+    error of the pressure. With a hardness all of them are expected to change sides, otherwise those
+    of one half of this range of pressures, the half with more points. If `follow_load` is larger,
+    that number is expected. The root of the expected number is added for scatter. The result is no
+    less than CALIBRATION.few, or than all points of the histogram if these are fewer.
 
     Parameters
     ----------
     problem : Problem
-        The contact.
+        The contact; only whether it has a hardness is used.
     points : array (BINS,)
         Histogram of the points by `takes`.
     takes : array (BINS,)
-        Square of the change of pressure that moves the points of each bin.
+        Square of the smallest change of pressure that moves points of each bin to the other side.
     mean_square : float
-        Mean square error of the pressure where that error is.
+        Mean square of the error of the pressure over the points that have this error.
     follow_load : float
-        Number of points; below 0 if the load moves points in the other direction.
+        Number of points that a correction of the load would move to the other side; below 0 if it
+        moves points in the opposite direction.
+
+    Returns
+    -------
+    float
+        A number of points, not always whole.
     """
     near, within = (
         points[takes < mean_square * x**2].sum() for x in (CALIBRATION.reach / 2, CALIBRATION.reach)

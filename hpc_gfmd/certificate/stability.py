@@ -6,17 +6,18 @@ At fixed contact A a small displacement e of the open points changes the energy 
     s = min <e, (K + phi'') e>/<e, K e>    over e = 0 on A:
 
 1 without attraction, 0 where the surfaces are about to jump, and below 0 at a saddle, from which
-the energy falls along e. It is 1 - mu, mu being the largest eigenvalue of D = -phi'' with respect
-to K. It is computed by locally optimal conjugate gradients (Knyazev 2001) in the space of e, the
-preconditioned residual and the last change of e, with one application of K per step. The first e is
-M D 1, which does not change sign, like the mode that is sought; the mode of an earlier search is
-added if there is one.
+the energy falls along e. It is 1 - mu, mu being the largest eigenvalue of D with respect to K,
+where D = -phi'' on open points and 0 in contact. It is computed by locally optimal conjugate
+gradients (Knyazev 2001) in the space of e, the preconditioned residual and the last change of e,
+with one application of K per step. The preconditioner M is that of operators/multilevel.py, which
+stands for S = 1/K on open points. The first e is M D 1, which does not change sign, like the mode
+that is sought; the mode of an earlier search is added if there is one.
 
 This value of s is never too small. How much too large it may be follows from the residual
-R = D e - mu K e: there is an eigenvalue within |R|_S/|e|_K of mu, where M stands for S = 1/K on
-open points. Before the search has converged there may be a larger eigenvalue, so twice this
-uncertainty counts. If single points are soft there may be modes of few points, of which the first e
-hardly has a part: then the search makes some steps more.
+R = D e - mu K e: there is an eigenvalue within |R|_S/|e|_K of mu. Before the search has converged
+there may be a larger eigenvalue, so twice this uncertainty counts. If single points are soft there
+may be modes of few points, of which the first e hardly has a part: then the search makes some steps
+more.
 
 To first order there is an equilibrium at the distance m/s, m = |u - T(u)|_K. But phi'' changes on
 the way: just beyond a jump there are states with a small m and s > 0, but without an equilibrium.
@@ -164,10 +165,27 @@ def stability_up_to_equilibrium(
 
 
 class _Search:
-    """The search of `stability_of`: its fields, and the steps on them. Collective.
+    """The search of `stability_of`: its fields, and the steps on them.
 
-    It overwrites the fields of `levels`. `attracts` is whether any open point is attracted,
-    `softness` the largest softening of a point over its stiffness.
+    Parameters are those of `stability_of`. Creating it is collective; `run` overwrites the fields
+    of `levels`.
+
+    Attributes
+    ----------
+    D : array, local slab
+        The softening -phi''(g) >= 0 on open points; 0 in contact and beyond the surface.
+    closed : array, local slab
+        1 at points in contact, g <= 0 and p > 0, else 0.
+    residual : array, local slab
+        R = D e - mu K e of the present direction e; before the first one D.
+    z : array (rows + 2, n_y)
+        M residual on open points, 0 in contact; its first and last rows are halo rows.
+    residual_and_contact : array (2, rows + 2, n_y)
+        Memory of `residual` and `closed` with their halo rows, as the levels read it.
+    attracts : bool
+        Whether any open point on any rank is attracted; if not, there is nothing to search.
+    softness : float
+        The largest D of a point over the stiffness K of a point alone, over all ranks.
     """
 
     def __init__(self, problem: Problem, g: np.ndarray, p: np.ndarray, levels: Multilevel):
@@ -195,7 +213,12 @@ class _Search:
     def run(
         self, enough: float, too_little: float, mode: np.ndarray | None, tolerance: float
     ) -> Stability:
-        """Step until s is known well enough; for arguments and result see `stability_of`."""
+        """Step until s is known well enough; for arguments and result see `stability_of`.
+
+        V has up to three directions: V[0] is e, V[1] the preconditioned residual (in the first step
+        the given mode, if there is one), V[2] the last change of e. KV is K V on open points.
+        Collective.
+        """
         shape = (3, *self.grid.shape)
         V, KV = np.zeros(shape, self.dtype), np.zeros(shape, self.dtype)
         self.residual[...] = self.D
@@ -238,7 +261,7 @@ class _Search:
     def _apply(self, field: np.ndarray, out: np.ndarray) -> None:
         """Set out = K field on open points and 0 in contact, with one FFT pair. Collective.
 
-        K(0) is the stiffness of the spring that holds the mean gap.
+        K of the mean is the stiffness of the problem's spring, 0 under a dead load.
         """
 
         def fill(i0: int, i1: int, x: np.ndarray) -> None:
@@ -252,7 +275,10 @@ class _Search:
         self.elastic.use_rows(use)
 
     def _precondition(self) -> float:
-        """Set self.z = M residual on open points, and return <residual, z> over all ranks."""
+        """Set self.z = M residual on open points, and return <residual, z> over all ranks.
+
+        Overwrites the fields of the levels. Collective.
+        """
         self.levels.restrict_from(0, self.residual_and_contact)
         self.levels.sweep()
         rz = self.levels.smooth(0, self.residual_and_contact, self.z)[0]
@@ -266,7 +292,7 @@ class _Search:
 
     def _best(self, V: np.ndarray, KV: np.ndarray, k: int) -> tuple[float, np.ndarray]:
         """Return the largest eigenvalue mu of D (with respect to K) in the span of V[:k], and the
-        weights (3,) that combine V to its direction e with <e, K e> = 1. No FFT."""
+        weights (3,) that combine V to its direction e with <e, K e> = 1. Collective, no FFT."""
 
         def products(i0: int, i1: int) -> np.ndarray:
             sums = np.zeros((2, 3, 3))
@@ -286,10 +312,10 @@ class _Search:
         return float(mu[-1]), weights
 
     def _combine(self, V: np.ndarray, KV: np.ndarray, k: int, weights: np.ndarray) -> None:
-        """Combine the first k directions: V[0] = sum of weights[i] V[i], V[2] = that without V[0].
+        """Combine the first k directions in place: V[0] becomes the sum of weights[i] V[i].
 
-        The same for KV. V[0] is the new mode, V[2] the direction of its change (LOBPCG). Local, in
-        place.
+        V[2] becomes this sum without its term i = 0, the direction in which e changes. The same
+        combinations are made of KV. Local.
         """
         real = weights.astype(self.dtype)
 
@@ -308,7 +334,10 @@ class _Search:
         self.grid.by_rows(subtract)
 
     def _normalise(self, field: np.ndarray) -> None:
-        """Scale a field in place so that its largest absolute value over all ranks is about 1."""
+        """Scale a field in place so that its largest absolute value over all ranks is about 1.
+
+        A field of zeros stays as it is. Collective.
+        """
         largest = self.grid.comm.max([float(np.abs(field).max(initial=0.0))])[0]
         if largest > 0:
             field *= self.dtype.type(1 / largest)

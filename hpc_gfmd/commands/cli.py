@@ -92,7 +92,10 @@ class PrintCompletion(Action):
 
 
 def build_parser() -> ArgumentParser:
-    """Make the parser of hpc-gfmd with all commands, whose files it imports."""
+    """Make the parser of hpc-gfmd with all commands, whose files it imports.
+
+    The parsed arguments have the attribute `main`: the function `main` of the chosen command.
+    """
     parser = Parser(prog="hpc-gfmd", description=DESCRIPTION)
     version = versions().get("hpc_gfmd", "that is not installed")
     parser.add_argument("--version", action="version", version=f"hpc-gfmd {version}")

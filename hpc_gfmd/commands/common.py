@@ -16,7 +16,7 @@ def add_file(parser: ArgumentParser, *names: str, **options: Any) -> None:
     parser : ArgumentParser
         The parser of a command.
     *names : str
-        Names or option strings, as of `ArgumentParser.add_argument`.
+        Names or option strings, as `ArgumentParser.add_argument` takes them.
     **options
         All else that `ArgumentParser.add_argument` takes.
     """
@@ -70,7 +70,7 @@ def number(text: str) -> float:
 
 
 def as_json(value: Any, indent: int | None = None) -> str:
-    """Write a value as JSON.
+    """Return a value as JSON.
 
     Parameters
     ----------

@@ -50,6 +50,7 @@ def _scene_keys(key: str | None, markdown: bool) -> str:
     """Return help on the keys of a scene.
 
     As text it is on one key or table, or on all if key is None; as Markdown it is always on all.
+    Raises SceneError for an unknown key.
     """
     from ..contact import all_distributions, observable_names
     from ..scene import reference

@@ -135,7 +135,8 @@ def _of_maps(maps: list[str], path: Path, tables: dict[str, Any]) -> Any:
     """Read one height map or two and return the Suggestion for them.
 
     Its paths are relative to the folder of the scene, which will be at `path`. tables: settings of
-    the user by table; those of "surface" take part.
+    the user by table. Those of "surface" are used when the maps are read; without "material" the
+    Suggestion says that a modulus is missing if the maps have units.
     """
     from ..scene import Scene
     from ..surface.doubtful_numbers import NO_MODULUS

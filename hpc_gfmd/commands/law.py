@@ -142,7 +142,7 @@ def as_dict(law: InterfaceLaw) -> dict:
 
 
 def as_text(law: InterfaceLaw) -> str:
-    """Write a law as a table of values with their errors, after its remarks."""
+    """Return a law as text: its remarks, a table of values with errors, when channels close."""
     from ..output.summary import with_error
 
     headings = ["pressure", *law.values]

@@ -66,7 +66,10 @@ def to_limits(result: Result, table: str = "ours") -> dict:
 
 
 def limits_text(limits: dict) -> str:
-    """Write what `to_limits` returned as text: a line per number and load step, then notes."""
+    """Return `limits`, from `to_limits`, as text: a line per number and load step, then notes.
+
+    The terms shown are what is added to a value, minus its corrections.
+    """
     lines = [
         "extrapolated to the thermodynamic, fractal and continuum limits with the coefficients"
         f" {limits['table']}"

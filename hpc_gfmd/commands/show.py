@@ -105,7 +105,7 @@ def as_dict(result: Result) -> dict:
 
 
 def as_text(result: Result, errors: bool = False) -> str:
-    """Write head, table and notes of a result.
+    """Return head, table and notes of a result as text.
 
     Parameters
     ----------

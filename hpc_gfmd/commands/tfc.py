@@ -70,12 +70,15 @@ def main(args: Namespace) -> int:
 
 
 def _options(names: list[str]) -> str:
-    """Write names of arguments as options: "--p-star, --eps-t"."""
+    """Return names of arguments as options: "--p-star, --eps-t"."""
     return ", ".join(f"--{name.replace('_', '-')}" for name in names)
 
 
 def _extrapolate(args: Namespace) -> tuple[dict[str, Any], str]:
-    """Return an extrapolation as a dict for JSON and as text. Raises SceneError."""
+    """Return an extrapolation as a dict for JSON and as text.
+
+    Raises SceneError if an argument is missing or out of range, or the table cannot be read.
+    """
     from ..theory import tfc
 
     values = {name: getattr(args, name) for name in REQUIRED}

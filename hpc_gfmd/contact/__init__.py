@@ -28,7 +28,10 @@ COMMON = ("base", "contact", "notes", "attraction_notes", "other_branch")  # no 
 
 
 def all_observables() -> dict[str, Observable]:
-    """Return {name: Observable} of this package and of plugins, those of one file in its order."""
+    """Return {name: Observable} of this package and of plugins, those of one file in its order.
+
+    Callers must not change the dict, which is kept.
+    """
     return _merged("OBSERVABLES")
 
 
@@ -62,7 +65,7 @@ def observables_named(names: Iterable[str]) -> dict[str, Observable]:
 
 
 def all_distributions() -> dict[str, Distribution]:
-    """Return {name: Distribution} of this package and of plugins."""
+    """Return {name: Distribution} of this package and of plugins; the dict must not be changed."""
     return _merged("DISTRIBUTIONS")
 
 

@@ -45,7 +45,7 @@ def a_r_corrected(contact: Contact) -> float | None:
     """Return a_r minus the excess area along the contact edge; None if the correction is invalid.
 
     EDGE_CORRECTION is invalid on a grid of one point along an axis, and on points whose sides
-    differ by more than SQUARE.
+    differ by more than SQUARE. Collective if `contact.edges` was not computed before.
     """
     a_x, a_y = contact.grid.spacings
     if 1 in contact.grid.nominal or abs(a_x / a_y - 1) > SQUARE:
@@ -57,9 +57,10 @@ def a_r_discretisation(contact: Contact) -> float:
     """Estimate the relative error of a_r that is due to the grid spacing; inf if nothing touches.
 
     The solver's error comes on top. The estimate is (b S + sqrt(S/12))/n_c for n_c points in
-    contact and S boundary segments: the full edge correction b S, plus the random error of rounding
-    each segment to whole points, which matters if they are few. It was tested against grids up to
-    16 times as fine (the finest edge-corrected):
+    contact and S boundary segments: the full edge correction b S with b = EDGE_CORRECTION, plus the
+    random error of rounding each segment to whole points, which matters if they are few. Collective
+    if `contact.edges` was not computed before. It was tested against grids up to 16 times as fine
+    (the finest edge-corrected):
 
     * 126 self-affine contacts (H = 0.3, 0.8; p* = 0.007, 0.05, 0.35; lam_s/a = 2, 4, 8, 16): a_r
       is always too large, at H = 0.3, p* = 0.007, lam_s/a = 2 by 57 to 87 %; the error is 0.95 edge

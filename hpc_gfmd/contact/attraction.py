@@ -8,8 +8,8 @@ from .base import Contact, Observable
 def attraction(contact: Contact) -> float | None:
     """Return the mean attractive pressure over the nominal area, in the unit of E_star, positive.
 
-    The mean pressure of the wall exceeds the load by it. None without a law of attraction and for
-    separated bodies.
+    The mean pressure on the wall is the mean pressure of the load plus this attraction. None
+    without a law of attraction and for separated bodies.
     """
     if contact.attraction is None or contact.is_separated:
         return None
@@ -30,9 +30,10 @@ def separation_work(contact: Contact) -> float | None:
 
 
 def stability(contact: Contact) -> float | None:
-    """Return the stability of an equilibrium: 1 without attraction, 0 at a jump, < 0 at a saddle.
+    """Return the stability of an equilibrium with attraction: 0 at a jump, negative at a saddle.
 
-    See certificate/stability.py. None without a law of attraction, or if it was not computed.
+    At most 1, its value for a vanishing attraction; see certificate/stability.py. None without a
+    law of attraction, or if it was not computed.
     """
     share = contact.certificate.stability
     return share if isfinite(share) else None

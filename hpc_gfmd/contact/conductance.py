@@ -18,8 +18,8 @@ def conductance(contact: Contact) -> float | None:
 
     It is the contact stiffness over E_star: that of the mean gap for a periodic surface, that of
     the approach for a surface with free edges along both axes. None for layers and coatings, for
-    free edges along one axis only, and if no point or every point touches. Collective; the first
-    call that needs `contact.tangent` takes FFT pairs.
+    free edges along one axis only, if no point or every point touches, and if the accuracy was not
+    reached. Collective; the first call that needs `contact.tangent` takes FFT pairs.
     """
     from ..bodies.halfspace import HalfSpace
 

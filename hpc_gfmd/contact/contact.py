@@ -40,12 +40,14 @@ class Contact:
     p_mean : float
         Mean pressure over the nominal area.
     g, p : array, local slabs of the grid
-        Gap and pressure of the solution, in the program's units (operators/problem.py). The next
-        load of a sweep overwrites them.
+        Gap and pressure as the solver left them, in the program's units (operators/problem.py),
+        padding of the grid included. Where a point yields, g < 0 is minus the depth of the dent.
+        Out of contact p need not be 0; `pressure_rows` and `gap_rows` return the results. The next
+        load of a sweep overwrites g and p.
     status : str
         "converged", "stagnated", "max_iterations", "nonfinite", "interrupted", or "separated" if
-        the load pulls more than the attraction holds. Then there is no contact, and the fields are
-        those of undeformed bodies.
+        the load pulls more than the attraction holds. Separated bodies have no contact, and the
+        fields are those of undeformed bodies.
     certificate : Certificate
         The independent check of this solution, with its errors.
     accuracy : float
@@ -124,7 +126,10 @@ class Contact:
 
     @property
     def approach(self) -> float:
-        """How far the bodies have approached since they touched undeformed; nan if unbounded."""
+        """Length by which the bodies have approached since they touched undeformed.
+
+        nan if it is unbounded: for a half-space that is periodic along at least one axis.
+        """
         return self.certificate.approach * self.surface.height_unit
 
     @property
@@ -173,7 +178,7 @@ class Contact:
 
     @cached_property
     def asked_pairs(self) -> list[float]:
-        """FFT pairs taken by observables of this contact. Observables append to this list."""
+        """FFT pairs of each observable computed so far; observables append to this list."""
         return []
 
     @property
@@ -304,9 +309,10 @@ class Contact:
 
     @cached_property
     def edges(self) -> tuple[int, int]:
-        """Number of grid-cell sides between contact and open points: (along x, along y).
+        """Number of grid-cell sides between contact and open points that run (along x, along y).
 
-        On all ranks; free edges of a surface are not counted. Collective at first use.
+        Summed over all ranks, the same on each. Sides across the border of a periodic axis count;
+        the sides at a free edge of the surface do not. Collective at first use.
         """
         grid = self.grid
         rows, points = grid.inside
@@ -331,7 +337,10 @@ class Contact:
 
     @property
     def boundary_segments(self) -> int:
-        """Number of grid-cell sides between contact and open points. Collective at first use."""
+        """Number of grid-cell sides between contact and open points: both numbers of `edges` added.
+
+        Collective at first use.
+        """
         return sum(self.edges)
 
     def field(self, name: str) -> LazyField:
@@ -340,8 +349,9 @@ class Contact:
         Parameters
         ----------
         name : str
-            "pressure" (>= 0, and 0 out of contact), "gap" (>= 0), "displacement" (>= -h, positive
-            away from the rigid surface, dents included) or "plastic" (depth of dents, >= 0).
+            "pressure" (>= 0, and 0 out of contact), "gap" (>= 0), "displacement" (positive away
+            from the rigid surface, dents included; only if `surface.h` is not None) or "plastic"
+            (depth of dents, >= 0).
 
         Returns
         -------
@@ -370,7 +380,8 @@ class Contact:
 def heights_of(surface: Surface) -> LazyField:
     """Return the heights of a surface as a local slab that is computed when it is sliced.
 
-    In the scene's unit, peaks up, the highest at 0. The surface must store its heights.
+    In the scene's unit, peaks up, the highest at 0. `surface.h`, from which they are computed, must
+    not be None.
     """
     h = surface.h
     assert h is not None  # asked for before a sweep in low memory gives them away
@@ -385,8 +396,9 @@ def _on_the_whole_grid(
 ) -> LazyField:
     """Return the LazyField of a surface whose values are computed from the solver's arrays.
 
-    `values(i0, i1)` returns rows of these arrays, in units of the result. If an axis was left out
-    because nothing varies along it, the values are repeated along it.
+    `values(i0, i1)` returns rows of these arrays, in units of the result; it is called on several
+    threads. If an axis was left out because nothing varies along it, the values are repeated along
+    it.
     """
     left_out = surface.reduced_axis
 

@@ -80,7 +80,8 @@ OfRows = Callable[[int, int], np.ndarray]
 def _range(contact: Contact, values: OfRows) -> tuple[float, float]:
     """Return (lowest, highest) value over all ranks; (inf, -inf) if there are none. Collective.
 
-    `values(i0, i1)` returns the values in some local rows, in any number.
+    `values(i0, i1)` returns an array of the values in some local rows, of any length; it is called
+    on several threads.
     """
     grid = contact.grid
 
@@ -97,7 +98,8 @@ def _range(contact: Contact, values: OfRows) -> tuple[float, float]:
 def _counts(contact: Contact, bins: OfRows, lowest: int, highest: int) -> np.ndarray:
     """Return the number of points in each of the bins `lowest` to `highest`, on all ranks.
 
-    Collective. `bins(i0, i1)` returns the bin number of each point in some local rows.
+    Collective. `bins(i0, i1)` returns the bin number of each point that counts in some local rows,
+    from `lowest` to `highest`; it is called on several threads.
     """
     grid = contact.grid
     zeros = np.zeros(highest - lowest + 1)

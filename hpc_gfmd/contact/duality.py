@@ -1,11 +1,13 @@
 """The duality gap G of the certificate, and the strict error bounds that follow from it.
 
-With e = u - u* the distance from the solution, <e, K e> <= 2 G. So the L2 error of the pressure is
-at most sqrt(2 G K_max), plus the pressure that the solver leaves out of contact, which the result
-sets to 0. The error of the mean gap, without a hardness, is at most |e|_K (|u*|_K/p0 + |v|_S)/N,
-see certificate/error_estimates.py. Errors of rounding and of the operator (Body.error) come on top.
-G takes half an FFT pair, so it is computed on request only (and for solvers without error
-estimates).
+With e = u - u* the distance of the displacement u from the exact solution u*, K the stiffness of
+the body, |e|_K^2 = <e, K e> and N the number of points, |e|_K^2 <= 2 G. So the L2 error of the
+pressure is at most sqrt(2 G K_max), plus the pressure that the solver leaves out of contact, which
+the result sets to 0. The error of the mean gap, without a hardness, is at most
+|e|_K (|u*|_K/p0 + |v|_S)/N with the mean pressure p0 and the self-energy |v|_S of the nominal area
+(0 without free edges), see certificate/error_estimates.py. Errors of rounding and of the operator
+(Body.error) come on top. G takes half an FFT pair, so it is computed on request only (and for
+solvers without error estimates).
 """
 
 import numpy as np
@@ -14,9 +16,10 @@ from .base import Contact, Observable
 
 
 def duality_gap(contact: Contact) -> float | None:
-    """Return the duality gap G over (p0 gap_mean), a bound of the relative error of the energy.
+    """Return the duality gap G over N times mean pressure of the wall times mean gap.
 
-    See certificate/certificate.py. None if it was not computed.
+    It bounds the error of the energy relative to that product; see certificate/certificate.py. None
+    if it was not computed.
     """
     return contact.certificate.duality_gap
 
@@ -59,7 +62,8 @@ def gap_bound(contact: Contact) -> float | None:
 def _energy_norm(contact: Contact) -> float | None:
     """Return an upper bound of |e|_K, the energy norm of the error of the displacement.
 
-    In the program's units, summed over points. None without a finite duality gap.
+    e is the error of the displacement; in the program's units, with sums over points. None without
+    a finite duality gap.
     """
     certificate = contact.certificate
     if certificate.duality_gap is None or not np.isfinite(certificate.duality_gap):
@@ -70,9 +74,9 @@ def _energy_norm(contact: Contact) -> float | None:
 
 
 def _relative(wrong: float, value: float) -> float | None:
-    """Return an upper bound of the relative error from a bound of the error and the value found.
+    """Return wrong/(value - wrong), an upper bound of the relative error of a computed value.
 
-    None if the error may be as large as the value.
+    wrong: upper bound of its absolute error. None if the error may be as large as the value.
     """
     if wrong == 0:
         return 0.0

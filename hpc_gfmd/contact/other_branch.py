@@ -26,7 +26,7 @@ def compared(contact: Any, other: Any) -> OtherBranch | None:
     """Compare the contacts of one load on both branches. Collective.
 
     They agree if contact points, mean gap and pressure field differ by no more than the sum of
-    their estimated errors.
+    their estimated errors (plus one point), or if both are separated.
 
     Parameters
     ----------

@@ -46,10 +46,9 @@ def _percolates(
 
 
 def _all(corners: bool) -> dict[str, Observable]:
-    """Return {name: Observable} of the percolation of contact and gap around the cell.
+    """Return {name: Observable}: whether contact and gap go around the cell along x, along y.
 
-    Along x and along y. With `corners` points that share only a corner are connected, too, and the
-    names end in _8.
+    With `corners` points that share only a corner are connected, too, and the names end in _8.
     """
     end = "_8" if corners else ""
     return {

@@ -39,7 +39,7 @@ def power(name: str, contact: Contact) -> Arrays | None:
     name : str
         One of FIELDS.
     contact : Contact
-        Its `asked_pairs` grows by 0.5.
+        0.5 is appended to its `asked_pairs`.
 
     Returns
     -------
@@ -78,7 +78,7 @@ def autocorrelation(name: str, contact: Contact) -> Arrays:
     name : str
         One of FIELDS.
     contact : Contact
-        Its `asked_pairs` grows by 1.
+        1.0 is appended to its `asked_pairs`.
 
     Returns
     -------
@@ -131,7 +131,7 @@ def _lengths(grid: Grid) -> list[float]:
 
 
 def _unit(contact: Contact, name: str) -> float:
-    """Return the program's unit of a field in the scene's unit."""
+    """Return the size of the program's unit of a field (one of FIELDS), in the scene's unit."""
     return contact.pressure_unit if name == "pressure" else contact.surface.height_unit
 
 
@@ -144,9 +144,10 @@ def _columns(
 ) -> list:
     """Transform a field, return the results of apply(block, m) for this rank's blocks of columns.
 
-    Collective. The field is in the program's units. `apply` may change the block in place; with
+    Collective. The field, one of FIELDS, is in the program's units. `apply` is called on several
+    threads with the block of number m; it may change the block in place and must not keep it. With
     `backward` the changed columns are transformed back along axis 0, ready for `fft.backward_rows`.
-    Heights that are generated instead of stored have the opposite sign.
+    The sign of the heights differs between stored ones (peaks down) and generated ones (peaks up).
     """
     h: Any = contact.surface.h
     if name == "heights" and h is None:

@@ -11,9 +11,9 @@ def stiffness(contact: Contact) -> float | None:
     """Return the stiffness -dp/d(mean gap) at a fixed set of points in contact.
 
     A pressure per length. Its relative error is at most `contact.accuracy`. Collective; the first
-    call that needs `contact.tangent` takes FFT pairs. None with an attraction (which it would have
-    to include), in full contact (where it is infinite), if nothing touches, and if the accuracy was
-    not reached.
+    call that needs `contact.tangent` takes FFT pairs. None with an attraction (whose slope it
+    would have to include), in full contact (where it is infinite), if nothing touches, and if the
+    accuracy was not reached.
     """
     if contact.attraction is not None:
         return None

@@ -61,12 +61,15 @@ class AreaSearch(SecantSearch):
     # -- the quantity
 
     def guess(self, surface: Surface) -> float:
-        """Guess x by an area of 2 p0; with a hardness by f(target), which is about x."""
+        """Guess x: an elastic area is about 2 p0; with a hardness f(target) is about x.
+
+        Neither `surface` nor the search is changed; `surface` is not used.
+        """
         return log(self.half_area) if isinf(self.closes_at) else self.straight(self.target)
 
     @property
     def half_area(self) -> float:
-        """Half of the prescribed contact area."""
+        """Half of the prescribed relative contact area."""
         return self.target / 2
 
     @property
@@ -95,7 +98,11 @@ class AreaSearch(SecantSearch):
         return miss if miss * self.aim * self.heights.points * self.map_points > POINT else 0.0
 
     def straight(self, y: float) -> float:
-        """Return f(y) by Persson's area, erf(c p0), with a hardness also by y = p0/hardness."""
+        """Return f(y): x at the load where Persson's theory, erf(c p0), has the relative area y.
+
+        With a hardness the area y = p0/hardness of a yielding contact counts, too. -inf for y <= 0;
+        y is limited to 1 less a quarter of a point.
+        """
         y = min(y, 1 - 0.25 / self.heights.points)
         if y <= 0:
             return -inf
@@ -106,11 +113,18 @@ class AreaSearch(SecantSearch):
         return -log(1 / p0 - 1 / self.closes_at)
 
     def predicted(self, solver: Solver, progress: Progress, errors: Errors) -> Value | None:
-        """Predict the area by `progress.predicted`, with the relative error of the pressure."""
+        """Predict the relative area by `progress.predicted`; None without that.
+
+        The error of the pressure field stands for that of the area.
+        """
         return (round(progress.predicted[0]) / solver.N, errors[1]) if progress.predicted else None
 
     def may_be_met(self, solver: Solver, progress: Progress, accuracy: float) -> bool:
-        """Return whether a certificate may find the target met, or certainly missed."""
+        """Return whether a certificate may find the target met, or certainly missed.
+
+        The error of the area must be less than what the predicted miss leaves of the accuracy; if
+        the miss is larger than the accuracy, less than the miss. Collective.
+        """
         missed = self._predicted_miss(solver, progress)
         room = accuracy - missed if missed < accuracy else missed
         return area_may_be_met(solver, progress, room)
@@ -121,7 +135,10 @@ class AreaSearch(SecantSearch):
 
     @property
     def _alone(self) -> float:
-        """The load p_1 that the highest point carries alone."""
+        """The p_1 in x = log(p0 - p_1): the highest point certainly carries up to p_1 alone.
+
+        A mean pressure on the present grid, in the program's unit; 0 if several points are as high.
+        """
         return self.heights.alone
 
     @property
@@ -134,10 +151,12 @@ class AreaSearch(SecantSearch):
     # -- between two loads
 
     def distance(self, solver: Solver, y: float) -> float:
-        """Return minus the change of pressure that would take the state to the aim.
+        """Return how far the load is beyond the aim, as a pressure in the program's unit.
 
-        It is that to the middle of all states whose number of points meets the aim, in the
-        program's unit. Below 0 if the load is too small. `y` is not used. Collective.
+        Below 0 if the load is too small. The contact has k points once the pressure has changed by
+        the k-th value of `SideChanges`. The distance is minus the mean of two of these values: for
+        the smallest number of points that meets the aim, and for the smallest that is too large.
+        `y` is not used; the solver is not changed. Collective.
         """
         points = self.aim * self.heights.points
         fewest = max(ceil(points - self.allowed), 1)
@@ -146,7 +165,10 @@ class AreaSearch(SecantSearch):
         return -0.5 * (changes.of_rank(fewest) + changes.of_rank(too_many))
 
     def begin(self, problem: Problem | None = None) -> float:
-        """Begin on another grid at the present load; forget jumps, too."""
+        """Begin on another grid at the present load, and return p0; forget jumps, too. Collective.
+
+        See `SecantSearch.begin`. p0 may change with the highest points of the grid, x does not.
+        """
         self.jumps = False
         self.undecided = 0.0
         return super().begin(problem)
@@ -158,8 +180,8 @@ class AreaSearch(SecantSearch):
     def learn(self, solver: Solver, certificate: Certificate) -> float:
         """Add the load to the bracket, and decide whether the area jumps over the target.
 
-        Sets `undecided`, `jumps` and `note`. Returns the miss over the tolerance, but no less than
-        `undecided`; at a jump 0 on its nearer side.
+        Sets `undecided`, `jumps` and `note`. Returns what `SecantSearch.learn` returns, or
+        `undecided` if that is larger; at a jump 0 on its nearer side and infinity on the other one.
         """
         if self.jumps:
             return self._confirm(solver, certificate)
@@ -287,7 +309,7 @@ class AreaSearch(SecantSearch):
 
     @property
     def _nearer(self) -> Bound:
-        """The bound whose area is closer to the aim."""
+        """The bound whose area is closer to the aim; there must be a bound."""
         return min(self.bracket.bounds, key=lambda bound: abs(bound.value - self.aim))
 
     def _confirm(self, solver: Solver, certificate: Certificate) -> float:

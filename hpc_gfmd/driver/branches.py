@@ -110,8 +110,9 @@ class SaddleGuard:
         """Kick the solver away from a saddle, along the mode in which the energy falls.
 
         The kick changes the gap, and with a spring p0, and starts the solver there (one FFT pair).
-        Returns False, and changes nothing, if the last stability was above 0, if no kick lowers the
-        energy, or after KICKS kicks. Collective.
+        `look` must have been called at this state. Returns False, and changes nothing, if the
+        stability that it computed is above 0, if no kick lowers the energy, or after twelve kicks.
+        Collective.
         """
         solver, mode = self.solver, self._mode
         if self.kicks >= KICKS or mode is None or self._value > 0:

@@ -57,5 +57,8 @@ class ContactModel:
 
     @property
     def retracts(self) -> bool:
-        """Whether each load starts from the load before: with an attraction, on retraction."""
+        """Whether there is an attraction and the branch is retraction.
+
+        Then a load that does not rise starts from the solution of the load before.
+        """
         return self.attraction is not None and self.branch == RETRACTION

@@ -199,6 +199,13 @@ class Limits:
         The iterating solver.
     criterion : StoppingCriterion
         The accuracy that the solution has to reach, and the limit of iterations.
+
+    Attributes
+    ----------
+    measure : float
+        The measure of the progress that was noted last.
+    asked : float
+        The same, or with the stability in the errors once `is_stable_enough` was asked.
     """
 
     def __init__(self, solver: Solver, criterion: StoppingCriterion):
@@ -237,7 +244,10 @@ class Limits:
             self.best_at = self.solver.iterations
 
     def ask_for_certificate(self, progress: Progress) -> bool:
-        """Return whether a certificate is due: the measure is below the threshold."""
+        """Return whether a certificate is due: the measure is below the threshold.
+
+        False while the next one is postponed. `note` must have been called with this progress.
+        """
         is_time = self.measure < self.look_below or self.solver.iterations >= self.look_at
         return progress.finite and self.measure < self.threshold and is_time
 
@@ -263,7 +273,8 @@ class Limits:
     def wait_at_saddle(self) -> bool:
         """Count a look at a saddle, and return whether to iterate further before leaving it.
 
-        The solver may leave the saddle by itself: two of three calls return True.
+        The solver may leave the saddle by itself: two of three calls return True. The next
+        certificate is postponed.
         """
         self.saddles += 1
         self._look_later(0.0)
@@ -297,7 +308,11 @@ class Limits:
         return self.refusals > CALIBRATION.refusals
 
     def exceeded(self, progress: Progress) -> str | None:
-        """Return the status with which the iterations have to end; None if they may continue."""
+        """Return the status with which the iterations have to end; None if they may continue.
+
+        It is "nonfinite", "max_iterations", or "stagnated" after too many iterations without
+        progress (`solver.patience`, with a factor of LoopCalibration). Call `note` before.
+        """
         if not progress.finite:
             return "nonfinite"
         if self.solver.iterations >= self.criterion.max_iterations:

@@ -203,8 +203,9 @@ class ClosingSearch(LoadSearch):
         return self._press(solver, rounding - lowest)
 
     def _lowest(self, solver: Solver) -> tuple[float, float]:
-        """Return by how much the present load exceeds that at which the first point opens, and the
-        rounding error of this. Below 0 if points are in tension. Collective."""
+        """Return two mean pressures: by how much the load of the solver is above that at which the
+        first point opens (below 0 if points are in tension), and the rounding error of that number.
+        Collective."""
         tension, rounding = tension_of(solver.grid, solver.p, self.unit)
         stored = solver.problem_now.rounding if self.unit is not None else 0.0
         return -tension, max(rounding, stored)

@@ -49,6 +49,9 @@ class Held(LoadSearch):
     ----------
     spring : float
         Stiffness of the spring, see `spring_of`.
+    unit : float
+        Length to which `tolerance` is relative: |target|, for an approach no less than the range of
+        the attraction.
     """
 
     def __init__(self, quantity: str, target: float, tolerance: float, p0: float, problem: Problem):
@@ -75,7 +78,10 @@ class Held(LoadSearch):
         return abs(self._p0)
 
     def begin_at(self, p0: float) -> None:
-        """Set the mean pressure at the start, that of the gap from which the solver starts."""
+        """Set `p0`, the mean pressure at the start, which must belong to the gap at the start.
+
+        The spring holds that gap by this pressure: the two determine where its end is.
+        """
         self._p0 = p0
 
     def _value(self, certificate: Certificate) -> float:
@@ -85,7 +91,8 @@ class Held(LoadSearch):
     def learn(self, solver: Solver, certificate: Certificate) -> float:
         """Store the solver's p0; return the miss of the target over the tolerance (met below 1).
 
-        The certified error of the mean gap is subtracted from the tolerance first.
+        The certified error of the mean gap is subtracted from the tolerance first, of which a tenth
+        is left at least.
         """
         self._p0 = solver.p0
         error = certificate.errors[1] * certificate.gap_mean / self.unit

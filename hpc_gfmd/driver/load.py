@@ -24,8 +24,8 @@ class Load:
         Its prescribed value: a pressure in the unit of E_star, a length in the unit of the heights,
         or a relative area.
     given_p0 : float
-        The mean pressure in the program's unit, if it is known without a search; nan until
-        `Searches.begin` has prepared the load.
+        The mean pressure in the program's unit, if it is known without a search; nan in a load that
+        is not yet prepared (`Searches.begin` returns a prepared copy) and in one with a search.
     search : LoadSearch or None
         Finds the mean pressure during the iterations; None if it is known without one.
     """

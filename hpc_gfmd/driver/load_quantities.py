@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class GapSearch(SecantSearch):
-    """A search for the load that gives a mean gap."""
+    """A search for the load that gives a mean gap. For attributes see `SecantSearch`."""
 
     usual = 0.4
 
@@ -92,7 +92,7 @@ class OpeningSearch(GapSearch):
 
 
 class ApproachSearch(SecantSearch):
-    """A search for the load that gives an approach of the bodies."""
+    """A search for the load that gives an approach of the bodies. See `SecantSearch`."""
 
     usual = 0.8
 
@@ -105,7 +105,10 @@ class ApproachSearch(SecantSearch):
         return log(y) if y > 0 else -inf
 
     def predicted(self, solver: Solver, progress: Progress, errors: Errors) -> Value | None:
-        """Return the approach of the present displacement, and its error."""
+        """Return the approach of the solver's present displacement, and its relative error.
+
+        Unlike the other searches it does not extrapolate to the converged solution. Collective.
+        """
         grid = solver.grid
         heights = self.heights
         share = grid.N / grid.cell_points

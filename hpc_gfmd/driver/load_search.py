@@ -257,7 +257,11 @@ class SecantSearch(LoadSearch):
         self.finest = heights()
 
     def begin(self, problem: Problem | None = None) -> float:
-        """Begin on another grid at the present load: measure its heights, and clear the bracket."""
+        """Begin on another grid at the present load: measure its heights, and clear the bracket.
+
+        Returns p0. problem: with stored heights, on a coarse grid; None for the finest grid, whose
+        statistics `measure` has stored. Collective.
+        """
         self.heights = self.finest
         if problem is not None:
             self.heights = HeightStatistics.of(problem)
@@ -279,8 +283,8 @@ class SecantSearch(LoadSearch):
     def near(self, solver: Solver, progress: Progress) -> bool:
         """Return whether p0 stays on this coarse grid; else move it to the predicted target.
 
-        It stays if the predicted miss is small enough, after `trials` changes, and on a grid that
-        lacks the highest peak.
+        It stays if the predicted miss is small enough or unknown, after five changes on this grid,
+        and on a grid that lacks the highest peak.
         """
         lacks_peak = self.heights.lowest > self.heights.top
         if lacks_peak or self.trials == CALIBRATION.trials:
@@ -299,10 +303,10 @@ class SecantSearch(LoadSearch):
         return self._follow_prediction(solver, progress, CALIBRATION.share * self.tolerance)
 
     def _follow_prediction(self, solver: Solver, progress: Progress, allowed: float) -> bool:
-        """Go to where a secant has the target, if the prediction misses it by more than `allowed`.
+        """Go to where a secant has the aim, if the prediction misses it by more than `allowed`.
 
         Returns whether p0 of the solver has changed. It does not if the error of the prediction is
-        too large, or if the new load is outside of the bracket.
+        large beside the miss, or if the new load is outside of the bracket.
         """
         prediction = self._prediction(solver, progress)
         if prediction is None:
@@ -346,7 +350,8 @@ class SecantSearch(LoadSearch):
     def learn(self, solver: Solver, certificate: Certificate) -> float:
         """Add the load to the bracket if it misses the target by more than the certified error.
 
-        Returns the miss over the tolerance, with the error if that counts.
+        Returns the miss over the tolerance. If the error counts, it is instead the sum of miss and
+        error over the tolerance, or over the miss if that is larger.
         """
         y, error = self.certified(solver, certificate)
         missed = self.miss(y)
@@ -376,7 +381,9 @@ class SecantSearch(LoadSearch):
         return self._go(x, solver)
 
     def secant(self, y: float, error: float = 0.0) -> float:
-        """Set `slope` by the last two certified values, if they differ enough.
+        """Set `slope` by the last two certified values, if their x differ enough.
+
+        Stores the newest x and f(y) in `certified_before`. Does nothing if f(y) is infinite.
 
         Parameters
         ----------
@@ -413,7 +420,7 @@ class SecantSearch(LoadSearch):
         return min(max(way, -CALIBRATION.step), CALIBRATION.step) if isfinite(wanted) else 0.0
 
     def _go(self, x: float, solver: Solver) -> bool:
-        """Set x, and continue the solver at its p0. Counts a correction; returns True."""
+        """Set x, and continue the solver at the p0 of x. Counts a correction; returns True."""
         self.x = x
         self.corrections += 1
         solver.continue_at(self.p0)

@@ -45,7 +45,11 @@ class LowMemorySurface(WorkingSurface):
     solver_makes_room = True
 
     def _plan(self) -> None:
-        """Plan nothing, to save memory; raise SceneError for surfaces without a spectrum."""
+        """Raise SceneError for a periodic surface that has no spectrum of its heights.
+
+        Called once, when the object is made. Unlike `WorkingSurface._plan` it plans no transforms,
+        to save memory: they are planned when they are first used.
+        """
         if self.surface.add_spectrum is None and not self.surface.grid.padded:
             raise SceneError(
                 'solver.low_memory: found true, allowed: with surface.kind = "self-affine"'
@@ -64,7 +68,8 @@ class LowMemorySurface(WorkingSurface):
     def problem_to_iterate(self, problem: Problem) -> Problem:
         """Return the problem with the spectrum in place of the heights, which are freed.
 
-        With free edges the heights stay. Memory that the C library holds goes back to the system.
+        `self.surface` then has none, either. With free edges both keep them. Memory that the C
+        library holds goes back to the system.
         """
         if self.surface.add_spectrum is not None:
             spectrum = HeightSpectrum(self.surface.add_spectrum, self.dtype)
@@ -91,7 +96,10 @@ class LowMemorySurface(WorkingSurface):
         return None if self.surface.grid.padded else problem.heights
 
     def nested(self) -> Nested | None:
-        """Return new coarser grids, whose transforms are freed with them. Collective."""
+        """Make and return coarser grids; when the caller drops them their transforms are freed.
+
+        Never None; `nests` is not asked. Collective.
+        """
         return Nested(self.surface.grid, self.dtype)
 
     def rounding_counts(self, problem: Problem, criterion: StoppingCriterion) -> bool:

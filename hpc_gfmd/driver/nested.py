@@ -211,6 +211,15 @@ class Nested:
         The working precision, for which transforms are planned.
     finer : int
         Number of grids that are finer than this one.
+
+    Attributes
+    ----------
+    step : Decimation or None
+        From this grid to the next coarser one; None if there is none.
+    coarser : Nested or None
+        The same for the next coarser grid; None if there is none, or no rows of it on this rank.
+    reduction : float
+        Residual to reach on the next coarser grid, over that of the start there.
     """
 
     def __init__(self, grid: Grid, dtype: DTypeLike, finer: int = 0):
@@ -298,7 +307,7 @@ class Nested:
         """Return whether full contact on this grid is likely, and the FFT pairs that this took.
 
         It is if nearly no point is in tension in the closed contact of the next coarser grid. True
-        without a coarser grid. The same on all ranks.
+        without a coarser grid. The same on all ranks. problem: with stored heights, on this grid.
         """
         if self.step is None:
             return True, 0.0

@@ -144,8 +144,8 @@ def precisions(
 ) -> list[np.dtype | None]:
     """Predict the precision of each load of a scene; nothing is solved.
 
-    It is the first one, unless too few points touch or rounding errors are too large. Once a load
-    is in double precision, all later ones are.
+    It is that of `first_precision`. With "auto" it becomes double at the first load at which too
+    few points touch or rounding errors are too large, and stays so for all later loads.
 
     Parameters
     ----------
@@ -154,12 +154,14 @@ def precisions(
     n : pair of int
         Number of points of its surface along x and y.
     unknown : dtype, optional
-        Precision to assume for a load whose precision cannot be predicted, and then for later ones.
+        Precision to assume for a load whose precision cannot be predicted. If that is double, all
+        later loads are in double precision, too.
 
     Returns
     -------
     list of dtype or None
-        One for each load; None if it cannot be predicted and `unknown` is not given.
+        One for each load; None if it cannot be predicted and `unknown` is not given. Later loads
+        are then predicted as if this one were solved in single precision.
     """
     settings = scene.solver
     precision = first_precision(settings)
@@ -185,7 +187,9 @@ def precisions(
 
 
 def least_precision(scene: Scene, N: int) -> np.dtype:
-    """Return the lowest precision in which a scene may run, by its keys alone.
+    """Return the lowest precision in which the loads of a scene may run, by its keys alone.
+
+    Loads whose p* the keys do not tell (None in `known_p_stars`) are left out.
 
     Parameters
     ----------
@@ -197,8 +201,8 @@ def least_precision(scene: Scene, N: int) -> np.dtype:
     Returns
     -------
     dtype
-        float64 if the scene requests it, or if too few points touch at any of its loads; else the
-        precision of the first load.
+        That of `first_precision`. Only with "auto" it is float64 instead if at any load too few
+        points touch for single precision (`few_points`).
     """
     settings = scene.solver
     if settings.precision == "auto":

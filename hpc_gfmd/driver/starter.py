@@ -136,7 +136,8 @@ class Starter:
     def follows(self, working: WorkingSurface, load: Load) -> bool:
         """Return whether a load starts from the solution of the load before.
 
-        It does if the two are close; on retraction always, if the load does not rise.
+        It does if the two are close; on retraction always, if the load does not rise. It does not
+        without a solver, nor if it seeks the smallest load that closes the gap.
 
         Parameters
         ----------
@@ -239,8 +240,9 @@ class Starter:
     ) -> tuple[Solver, StoppingCriterion]:
         """Return the solver with its counts at 0 and its p0 at the load, and its criterion.
 
-        Makes the solver if there is none, with `gap` as its array. The search begins on the finest
-        grid. In low memory the heights are freed.
+        Makes the solver if there is none, with `gap` as its array; an existing one keeps its own.
+        Either way the caller has to start it at the gap (`_lay_down`). The search begins on the
+        finest grid. In low memory the heights are freed.
         """
         p0 = load.p0 if load.search is None else load.search.begin()
         problem = working.problem_to_iterate(replace(problem, p0=p0))

@@ -140,7 +140,8 @@ class Sweep:
     def loads(self, table: LoadTable) -> list[Load]:
         """Return the loads of the table [load] of a scene, to be solved in this order.
 
-        Collective. Raises SceneError for loads that this surface cannot have, see `loads_of`.
+        Nothing is solved, and no load has a search yet. Collective. Raises SceneError for loads
+        that this surface cannot have, see `loads_of`.
         """
         return loads_of(table, self.working, self.settings, self.starter.solver_class)
 
@@ -209,7 +210,7 @@ class Sweep:
         assert contact is not None  # the final precision always gives one
         self._failed = contact.status not in ("converged", "interrupted", "separated")
         self._separated_at = load if contact.is_separated else None
-        searched = self.working.model.attraction is None  # no other load is
+        searched = self.working.model.attraction is None  # with an attraction no load is
         if contact.status == "converged" and searched:
             self.searches.remember(contact, self.working)
         if self.working.model.unique:

@@ -174,7 +174,8 @@ def full_contact(
     Returns
     -------
     Attempt
-        Without a contact if u = -h is not the solution, or if single precision cannot tell.
+        Without a contact if full contact was not tried, if u = -h is not the solution, or if single
+        precision cannot tell.
     """
     none = Attempt(None, pairs)
     attracts = working.model.attraction is not None

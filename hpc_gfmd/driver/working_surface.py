@@ -45,6 +45,8 @@ class WorkingSurface:
     ----------
     surface : Surface
         The surface in this precision.
+    make_surface, model, dtype, nests
+        The parameters.
     full_contact_is_known : bool
         Whether full contact, u = -h, can be computed without iterations (heights are stored).
     certifies_in_turn : bool

@@ -56,6 +56,8 @@ def work_of_step(law, g, d_rows, i0, i1, inside):
 def add_change(law, g, d, Kd, s, i0, i1, inside):
     """Turn K d into y = K d + (t(g + s d) - t(g))/s, in place, on rows i0 <= i < i1.
 
+    g stays as it is; new gaps g + s d below 0 count as 0.
+
     Parameters
     ----------
     law : Law

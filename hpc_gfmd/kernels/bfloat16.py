@@ -11,7 +11,10 @@ from numba.extending import overload
 
 
 def stored_dtype(dtype):
-    """Return the dtype of such numbers: uint16 beside fields of float32, float32 beside float64."""
+    """Return the dtype that stores numbers of lower precision beside fields of a dtype.
+
+    uint16 (bfloat16) beside float32, float32 beside float64.
+    """
     return np.dtype(np.uint16 if np.dtype(dtype) == np.float32 else np.float32)
 
 
@@ -40,7 +43,15 @@ def _decode(number):
 
 
 class Decoded:
-    """View of a stored array as float32: a slice of it is converted when it is taken."""
+    """View of a stored array, of uint16 or float32, as float32.
+
+    A slice is converted when it is taken, to a new array; a slice of float32 is a view.
+
+    Parameters
+    ----------
+    numbers : array of uint16 or float32
+        What `encoded` returns.
+    """
 
     dtype = np.dtype(np.float32)
 

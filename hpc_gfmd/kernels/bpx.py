@@ -113,8 +113,10 @@ def search_passes(
     ----------
     passes : (passes, 2) int
         First row of each pass, and the row after its last one.
-    shares, turns
-        As of kernels/spectral.py: multiply_blocks.
+    shares : (shares, 2) int
+        First pass of each share, and the pass after its last one.
+    turns : (1,) int64
+        Counter that threads have in common: the next share, 0 before.
     rows : tuple
         Row transforms of one thread (transforms.py), whose memory gets the step and its spectra.
     scratch : (>= 2, >= n_y)
@@ -175,6 +177,8 @@ def update_passes(
         Memory of one thread: `gathered` and `shared` of `update_state`.
     first_rows : (shares, 3, m)
         Gets the part of each share's first pass in the coarse row that the pass before has, too.
+        The caller adds it to `coarse` when all threads have ended, and zeroes the coarse rows that
+        no pass writes to: see operators/multilevel.py, `update`.
     sums : (passes, 10) float64
         Gets the UpdateSums of each pass.
     g, p, s, coarse, transfer, H, inside

@@ -42,16 +42,17 @@ def split(waves, shift_x, shift_y, norm, parts):
 
 @kernel
 def multiply(part, matrices, by_columns, x):
-    """Multiply the modes of one parity by their matrices, in place.
+    """Multiply the modes of one parity, an array of `parts`, by their matrices, in place.
 
     Parameters
     ----------
     part : (rows, columns)
         The modes; overwritten.
     matrices : (stack, m, m)
-        Symmetric: one matrix for all modes (stack = 1), or one for each column or row of them.
+        Symmetric. With `by_columns` one matrix for each column, m = rows. Without it one for each
+        row, m = columns; or a single one, m = rows times columns, for all modes row by row.
     by_columns : bool
-        Each column has its matrix.
+        Whether each column has its matrix.
     x : (>= m,)
         Scratch.
 

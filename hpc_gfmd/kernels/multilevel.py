@@ -427,7 +427,12 @@ def sweep_levels(
 
 @inline
 def _begin_smoothing(memory, levels, mode, mode_level, totals):
-    """Set the totals before any level is smoothed: 0, the mean of r, and <mode, r>."""
+    """Set all totals from r of the levels, before smoothing overwrites it with z.
+
+    totals[MEAN] becomes r of the coarsest level, a single point: the mean of r. totals[AMPLITUDE]
+    becomes <mode, r> on level `mode_level`, 0 without a mode. The other totals become 0: they are
+    sums, to which `_close_smoothing` adds.
+    """
     coarsest = levels.shape[0] - 2
     for c in range(TOTALS):
         totals[c] = 0.0
@@ -442,7 +447,13 @@ def _begin_smoothing(memory, levels, mode, mode_level, totals):
 
 @inline
 def _close_smoothing(fields, sums, softness, has_mode, mode, totals):
-    """Finish a level: add its pieces' sums to `totals` and the gap mode to z; set z's halo rows."""
+    """Finish a level once z is there: add up its sums, add the gap mode, set the halo rows of z.
+
+    fields: of the level, z in place of r; sums: of its pieces, as `smooth_level` returns them.
+    totals[0] and [1], <r, z> and <x, z>, become those of this level; the others grow by its sums
+    times softness. has_mode: whether this is the level of the mode, whose amplitude in z is
+    totals[AMPLITUDE]; <r, z> and <x, z> then count it, too.
+    """
     rows = fields.shape[1] - 2
     n = fields.shape[2]
     for c in range(SUMS):

@@ -161,9 +161,10 @@ def _coarse_line(field, k, between, factor, near, far, line):
 
 @inline
 def _interpolate_row(line, fine, halve_y, near, far):
-    """Set fine[1:-1] from the coarse points line[1:-2] of a periodic row, a copy unless halve_y.
+    """Set fine[1:-1] from the coarse points line[1:-2] of a periodic row.
 
-    A fine point between two coarse ones gets near times both neighbours and far times the next two.
+    Without halve_y it is a copy. With it a fine point between two coarse ones gets near times both
+    neighbours and far times the next two; the ends of `line` are overwritten.
     """
     n = fine.shape[0] - 2
     m = line.shape[0] - 3
@@ -193,8 +194,10 @@ def _wrap(row):
 def _relax(ring, at, i, n, inner, deepest, couplings):
     """Make one gradient step of v, the correction of the displacement, for row i.
 
-    v of the row's first `inner` points stays >= -g_c, where the gap is closed, but for dents. at:
-    where the ring of the step's input begins in `ring`; that of its output follows.
+    v of the row's first `inner` points stays >= -g_c, where the gap is closed, but for dents
+    (deepest: see `prolong_gap`). n: points of a row. at: where the ring of the step's input begins
+    in `ring`; that of its output follows. couplings: factors of v at the point itself, its
+    neighbours along x, along y, and the diagonal ones.
     """
     with_itself, along_x, along_y, diagonal = couplings
     slot = (i + RING) % RING

@@ -32,7 +32,8 @@ def _mode(k_x, k_y, spectrum):
     """Return the amplitude (re, im) of the mode (k_x, k_y) of any signs; (0, 0) outside the band.
 
     It is the conjugate of that of (-k_x, -k_y). spectrum: (seed, aspect, low, high, rolloff,
-    exponent); wave numbers k are in units of 2 pi/L_x, aspect = L_y/L_x.
+    exponent), with aspect = L_y/L_x. The band is low <= k <= high, k being |q| in units of 2
+    pi/L_x; both parts are random numbers between -A and A, A = max(k, rolloff)^-exponent.
     """
     seed, aspect, low, high, rolloff, exponent = spectrum
     y = k_y / aspect

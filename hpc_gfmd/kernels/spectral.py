@@ -42,12 +42,14 @@ def multiply_blocks(columns, shares, turns, numbers, factors, inverse, backward,
     factors : tuple
         (scale, weight, q_x, q_y, table), see `multiply`.
     inverse : bool
-        Multiply by 1/K.
+        Whether to multiply by 1/K.
     backward : bool
-        Transform back; if not, the blocks in memory stay as they are.
+        Whether to transform back and write the blocks to where they were read. If not, they stay
+        as they are there, and only `sums` is of use.
     sums : (blocks, 2) float64
         [k, 0] gets what `multiply` returns for block k, [k, 1] the real part of its first number
-        before the multiplication.
+        before the multiplication: in block 0 of rank 0 that of q = 0. Blocks without columns are
+        left out.
     """
     plans = columns[5]
     scale, weight, q_x, q_y, table = factors
@@ -71,8 +73,8 @@ def multiply(columns, k, inverse, scale, weight, q_x, q_y, table):
 
     Parameters
     ----------
-    columns : (W, 2 n_x)
-        Of block k.
+    columns : (w, 2 n_x)
+        All w <= W columns of block k, real and imaginary parts in turn.
     k : int
         Block of this rank.
     inverse : bool
@@ -91,7 +93,8 @@ def multiply(columns, k, inverse, scale, weight, q_x, q_y, table):
     Returns
     -------
     float
-        Sum of weight scale K |columns|^2, or with 1/K, of the values before.
+        Sum of weight scale K |c|^2 over the complex numbers c of the columns before they were
+        multiplied; with `inverse` of weight scale |c|^2/K, without those whose K is 0.
     """
     energy = 0.0
     for w in range(columns.shape[0]):
@@ -106,8 +109,10 @@ def multiply(columns, k, inverse, scale, weight, q_x, q_y, table):
 def _multiply_by_q(column, q_x, q_y, scale, inverse):
     """Multiply one column by scale K or scale/K, with K = |q|/2, in place; return its energy.
 
-    The energy is the sum of scale K |column|^2, or with 1/K, of the values before. PIECE numbers at
-    a time are summed up in their own precision.
+    column: (2 n_x,), real and imaginary parts in turn; q_x: (2 n_x,), every wave number twice; q_y:
+    that of the column. The energy is the sum of scale K |c|^2 over the complex numbers c before
+    they were multiplied; with `inverse` it is that of scale |c|^2/K. Where K is 0, 1/K counts as 0.
+    PIECE numbers at a time are summed up in their own precision.
     """
     real = column.dtype.type
     qy2 = q_y * q_y
@@ -139,7 +144,8 @@ def _multiply_by_q(column, q_x, q_y, scale, inverse):
 def _multiply_by_table(column, table, scale, inverse):
     """Multiply one column by scale K or scale/K, with K from a table, in place; return its energy.
 
-    As `_multiply_by_q` does. table: K of q_x >= 0 in this column.
+    column, inverse and energy: as for `_multiply_by_q`. table: K of q_x = 0 and the positive ones
+    at the q_y of this column.
     """
     n_x = column.shape[0] // 2
     stored = table.shape[0]

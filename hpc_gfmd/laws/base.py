@@ -73,7 +73,10 @@ def gaps_of(law: Law) -> np.ndarray:
 
 
 def is_concave(law: Law) -> bool:
-    """Return whether the attraction never rises with the gap, at the gaps of `gaps_of`."""
+    """Return whether the attraction never rises with the gap, but for rounding errors.
+
+    Both its slope and its differences are tested, at the gaps of `gaps_of` only.
+    """
     curvature, traction = law.curvature(gaps_of(law)), law.traction(gaps_of(law))
     rises = TOLERANCE * np.abs(curvature).max()
     steeper = TOLERANCE * np.abs(traction).max()

@@ -10,8 +10,7 @@ WIDTH = 0.1  # of the range: half of the ramp over which the attraction ends
 
 
 class Dugdale(Law):
-    """A constant attraction work/range up to the range; it falls linearly to 0 from 0.9 to 1.1
-    ranges.
+    """An attraction of work/range up to a gap of 0.9 ranges, which falls linearly to 0 at 1.1.
 
     Attributes
     ----------

@@ -151,9 +151,11 @@ class CoarsestLevels:
     ----------
     fields : array (fields, rows + 2, n)
         Fields of the first level with a halo row before and after. The caller writes r, t and
-        perhaps x; a sweep replaces r by z.
+        perhaps x to the rows between these, before each sweep; a sweep replaces r by z, also on the
+        halo rows.
     mode : flat array
-        The gap mode (deflation.py), which the caller sets and `smooth` applies; empty: none.
+        What GapMode.find returns (deflation.py) for level `mode_level`, set by the caller: `smooth`
+        and `sweep` add mode <mode, r> to z of that level. Empty: none.
     mode_level : int
         The level of the gap mode.
     looks : int
@@ -181,7 +183,10 @@ class CoarsestLevels:
         self.mode_level = 0
 
     def sweep(self) -> tuple[float, ...]:
-        """Restrict r and t of `fields` to all levels and replace r by z; return `smooth`'s sums."""
+        """Restrict r and t of `fields` to all levels and replace r by z on each of them.
+
+        Returns the sums that `smooth` returns.
+        """
         self._do(0, len(self._tables.pieces))
         return tuple(self._totals[: MEAN + 1].tolist())
 
@@ -195,8 +200,8 @@ class CoarsestLevels:
         Returns
         -------
         tuple
-            <r, z> and <x, z> on the first level; <r, r>, <t, t>, <r, t>, <t, s> and <r, s>, summed
-            over levels times their softness; the mean of r.
+            <r, z> and <x, z> on the first level, 0 without x; <r, r>, <t, t>, <r, t>, <t, s> and
+            <r, s>, summed over levels times their softness; the mean of r.
         """
         self._do(self._tables.restricted, len(self._tables.pieces))
         return tuple(self._totals[: MEAN + 1].tolist())
@@ -278,7 +283,7 @@ class CoarsestLevels:
         return self.fields[0, 1:-1]
 
     def contact(self, k: int) -> np.ndarray:
-        """Return t of level k as `restrict` left it, (rows, n), a view."""
+        """Return t of level k, (rows, n), a view; `restrict` or `sweep` has put it there."""
         return self._fields_of(k)[1, 1:-1]
 
     def _fields_of(self, k: int) -> np.ndarray:

@@ -4,12 +4,13 @@ If little of the surface touches, the eigenvalues of M K lie between 0.4 and 1.6
 0.15 to 0.3, which is the smaller the larger the grid. Its wave is the rise of all that is open, w =
 K_FF^-1 1, the answer to a change of the load (tangent.py). So w is added to M,
 
-    M + (1 - mu) w w^T/<1, w>,    mu = <1, M 1>/<1, w>: what M has of w as it is.
+    M + (1 - mu) w w^T/<1, w>,    mu = <1, M 1>/<1, w>,
 
-A w of a coarse level is good enough, with theta the share of contact there: a few steps of
-conjugate gradients for (K + theta) w = 1, K in units of that of the grid's shortest wave,
-preconditioned by the levels from there on. Single points in contact are as soft then as on the
-grid.
+where mu is the share of w w^T/<1, w> that M contains without this. A w of a coarse level is good
+enough: it takes a few steps of conjugate gradients for (K + theta) w = 1, with theta the share of
+contact at each point of that level and K in units of that of the grid's shortest wave,
+preconditioned by that level and the coarser ones. Single points in contact are as soft then as on
+the grid.
 """
 
 from collections.abc import Sequence
@@ -76,7 +77,7 @@ class GapMode:
     """Computes the deflation vectors of contacts on one grid.
 
     Such a vector is the wave w for which the preconditioner M is far too stiff: how everything that
-    is out of contact rises if the load falls.
+    is out of contact rises if the load falls. The head of this file has the equations.
 
     Parameters
     ----------
@@ -94,7 +95,12 @@ class GapMode:
     level : int or None
         Number of the level that w is computed on; None if the grid is too small for a mode.
     pairs : float
-        Cost of one `find` in FFT pairs of the grid.
+        Cost of one `find` in FFT pairs of the grid; 0 without a mode.
+    levels : CoarsestLevels
+        The preconditioner M: this level and all coarser ones. Missing without a mode.
+    K : array
+        Stiffness of the half spectrum on `level`, over that of the grid's shortest wave; 0 at q =
+        0. Missing without a mode.
     """
 
     def __init__(self, grid: Grid, body: Body, levels: Sequence[Level], weights: np.ndarray):
@@ -126,8 +132,9 @@ class GapMode:
     def find(self, t: np.ndarray) -> np.ndarray:
         """Return w sqrt((1 - mu)/<1, w>), whose outer product with itself is to be added to M.
 
-        mu = <1, M 1>/<1, w> is what M has of w already. t is the share of contact at each point of
-        `level`; it stays as it is, and the result has its shape and precision. Not collective.
+        mu = <1, M 1>/<1, w> is the share of that product which M contains already. t is the share
+        of contact at each point of `level`, which must not be None; t stays as it is, and the
+        result has its shape and precision. Overwrites the fields of `levels`. Not collective.
         """
         real = t.dtype.type
         w = np.zeros_like(t)

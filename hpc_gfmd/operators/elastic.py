@@ -35,7 +35,12 @@ class Elastic:
     pairs : float
         FFT pairs done so far on this grid; a transform in one direction is half a pair.
     mean : float
-        This rank's share of the mean of the field that was multiplied last.
+        This rank's share of the mean of the field that was multiplied last; the sum over ranks is
+        the mean.
+    fft : SlabFFT
+        The transforms; missing between `make_room` and `plan`.
+    multipliers : Multipliers
+        What the body multiplies the columns of `fft` by; missing like it.
     """
 
     def __init__(self, grid: Grid, body: Body, dtype: DTypeLike):
@@ -68,8 +73,9 @@ class Elastic:
     ) -> float:
         """Multiply all columns by K or S and, if `backward`, transform them back. Collective.
 
-        Sets `mean`. Returns this rank's share of <u, K u> or <p, S p>. add(block, m) completes a
-        block of columns before it is multiplied; `spring` stands for K(0).
+        Sets `mean`. Returns this rank's share of <u, K u> or <p, S p>. inverse: whether to multiply
+        by S. add(block, m) completes a block of columns before it is multiplied; `spring` stands
+        for K(0).
         """
         multipliers = self.multipliers
         multipliers.couple(self.fft, inverse)
@@ -96,8 +102,8 @@ class Elastic:
     def pressure_rows(self, fill: RowFunction) -> list:
         """Begin an application of K or S: transform the rows that `fill` makes. Not collective.
 
-        fill(i0, i1, x) writes local rows i0 <= i < i1 of the field into x. Returns a list of what
-        it returned.
+        fill(i0, i1, x) writes local rows i0 <= i < i1 of the field into x, scratch that it must not
+        keep; it is called on several threads at once. Returns a list of what it returned.
         """
         return self.fft.forward_rows(fill)
 
@@ -123,8 +129,9 @@ class Elastic:
     def use_rows(self, use: RowFunction) -> list:
         """End an application: transform the rows of K u (or S p) back and hand them to `use`.
 
-        use(i0, i1, x) gets local rows i0 <= i < i1 in x. Counts one pair in `pairs`. Returns a list
-        of what `use` returned. Not collective.
+        use(i0, i1, x) gets local rows i0 <= i < i1 in x, scratch that it must not keep; it is
+        called on several threads at once. Counts one pair in `pairs`. Returns a list of what `use`
+        returned. Not collective.
         """
         self.pairs += 1
         return self.fft.backward_rows(use)

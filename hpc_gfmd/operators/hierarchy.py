@@ -94,7 +94,10 @@ class Step:
 
     @property
     def counted_rows(self) -> tuple[int, int]:
-        """Range (begin, end) of the rows that this rank counts in sums, among its own fine rows."""
+        """Range (begin, end) of the rows that this rank counts in sums.
+
+        Numbers count from the first of its fine rows.
+        """
         rank = self.transfer.rank
         begin = self.transfer.fine[0]
         return int(self.counted[rank] - begin), int(self.counted[rank + 1] - begin)
@@ -122,8 +125,8 @@ def steps_of(
     dtype : dtype
         Precision of the tables.
     coarsest_points : int, optional
-        A rank has levels of at most so many points alone, and those below the level of the gap
-        mode; default: COARSEST_POINTS, and one process has all of them.
+        A rank has levels of at most so many points alone, and those coarser than the level of the
+        gap mode; default: COARSEST_POINTS, but a single process has all coarse levels.
 
     Returns
     -------
@@ -168,8 +171,8 @@ def steps_of(
 def groups_of(steps: Sequence[Step]) -> list[list[Step]]:
     """Split the steps into groups within which a rank restricts without waiting for messages.
 
-    A group ends with a step whose rows are gathered, the last one with the level that a rank has
-    alone.
+    A group ends with a step whose coarse rows are gathered; the last group ends with the step to
+    the first level that a rank has alone.
     """
     groups: list[list[Step]] = [[]]
     for step in steps:
@@ -238,7 +241,7 @@ class Hierarchy:
     weights : array (levels,)
         Stiffness of each level, in the precision of the fields.
     softness : array (levels,)
-        What each level adds to S, over S of the shortest wave.
+        What each level adds to the compliance S = 1/K, over S of the shortest wave.
     area : NominalArea
         The indicator of the nominal area on all levels.
     nominal : list of (array, array)

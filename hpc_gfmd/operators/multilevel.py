@@ -43,8 +43,9 @@ class Multilevel:
     """Sweep of the multilevel preconditioner M over the coarse levels of a grid, in one precision.
 
     `update`, `restrict` or `restrict_from` put a state on level 1: r, the pressure out of contact,
-    t, 1 in contact and 0 elsewhere, and K d, the change of the pressure. `sweep` makes z = M r
-    there, from which the solver interpolates. Making a Multilevel is collective.
+    t, 1 in contact and 0 elsewhere, and (the first two alone) K d, the change of the pressure by
+    the solver's last step d. `sweep` makes z = M r there, from which the solver interpolates. It
+    overwrites r, so that each sweep needs a new state. Making a Multilevel is collective.
 
     Parameters
     ----------
@@ -72,6 +73,13 @@ class Multilevel:
     fields : list of array (fields, window rows + 2, m)
         Of levels 1, 2, ...: this rank's window, its part of a sum over ranks, of r, t and, on level
         1, K d on F, the points out of contact; of a single process the whole level (coarsest.py).
+    owned : list of array (fields, rows + 2, m)
+        Of levels 1, 2, ... but the last of `fields`: the rows that this rank goes on with, which
+        are the array of `fields` itself where rows are not gathered.
+    coarsest : CoarsestLevels or None
+        The levels that this rank has alone; None on a rank whose window of the first is empty.
+    last_comm : Comm or None
+        Of the ranks that have a `coarsest`; None on all others.
     ends : array (passes, 2)
         First row and end of each pass of the solver.
     scratch : list of (array, array)
@@ -154,15 +162,16 @@ class Multilevel:
         s : float
             Step length.
         rows : list of tuple
-            Row transforms of each thread, see kernels/transforms.py.
+            Row transforms of each thread, see kernels/transforms.py. The memory that they refer to
+            holds K d.
         hardness : float, optional
-            Largest pressure, in the precision of the fields.
+            Largest pressure, in the precision of the fields; default: there is none.
         spectra : bool
-            Whether the rows of K d come as spectra, see kernels/bpx.py: update_passes.
+            Whether `rows` hold K d as spectra, see kernels/bpx.py: update_passes.
         law : tuple, optional
-            Law of attraction, as kernels take it.
+            Law of attraction, as kernels take it; default: there is none.
         attracted : array (passes, 2), optional
-            Gets what kernels/adhesive_rows.py: add_change returns of each pass.
+            Gets what kernels/adhesive_rows.py: add_change returns of each pass; needed with a law.
 
         Returns
         -------
@@ -217,20 +226,23 @@ class Multilevel:
     def sweep(self, new_contact: bool = False) -> tuple[float, ...]:
         """Replace r by z on level 1, from the restricted state there. Collective.
 
-        z is M' r, M' being M without the finest level, on all rows of this rank's window.
+        z is M' r, M' being M without the finest level, on all rows of this rank's window. The state
+        must have been put there since the last sweep, by `update` or `restrict` if <K d, M' p> is
+        to have a meaning.
 
         Parameters
         ----------
         new_contact : bool
-            Whether M first gets the gap mode of this contact; if not, it keeps the one it has.
+            Whether M first gets the gap mode of this contact, or none if it needs none; if not, M
+            keeps the one it has.
 
         Returns
         -------
         tuple
             This rank's shares, to be summed over ranks: <p, M' p> and <K d, M' p>, both out of
             contact, as sums over level 1 times N/N_1; the mean of p out of contact; and <r, r>, <t,
-            t>, <r, t>, <t, s> and <r, s>, each summed over the coarse levels times softness N/N_l.
-            s is 1 on the surface and 0 beyond.
+            t>, <r, t>, <t, s> and <r, s>, each summed over the coarse levels l times softness
+            N/N_l. N, N_l: points of the grid and of level l. s is 1 on the surface and 0 beyond.
         """
         for k in range(self.distributed):
             self._gather(k)
@@ -250,6 +262,8 @@ class Multilevel:
 
     def restrict_from(self, k: int, fine: np.ndarray) -> None:
         """Restrict r and t of level k to this rank's window of the next one. Not collective.
+
+        The window, `fields[k]`, then holds this rank's part of a sum over ranks.
 
         Parameters
         ----------
@@ -271,6 +285,8 @@ class Multilevel:
 
     def smooth(self, k: int, fields: np.ndarray, out: np.ndarray) -> np.ndarray:
         """Make z of level k from r and t there and z of the next level. Not collective.
+
+        z of the next level is taken from `fields[k]`, where `sweep` leaves it for k = 0.
 
         Parameters
         ----------
@@ -329,8 +345,8 @@ class Multilevel:
     def _add_group(self, end: int) -> None:
         """Add up over ranks, in place, the rows that windows share before `fields[end]`.
 
-        These are the levels since rows were gathered last: one message to each neighbour.
-        Collective.
+        The windows are those of the levels since rows were gathered last, `fields[end]` itself not
+        among them. A rank sends each neighbour one message. Collective.
         """
         begin = end
         while begin > 0 and self.steps[begin - 1].windows is None:
@@ -390,6 +406,8 @@ class Multilevel:
         self, g: np.ndarray, p: np.ndarray, hardness: np.floating | None = None
     ) -> UpdateSums:
         """Restrict a given state to level 1, as `update` does after a step. Not collective.
+
+        K d is 0 there, and so are all sums with d.
 
         Parameters
         ----------
@@ -451,8 +469,9 @@ class Multilevel:
     def _find_mode(self, coarsest: CoarsestLevels) -> None:
         """Compute the gap mode of the contact on the levels; set none if it is not wanted.
 
-        It is kept in `coarsest`, or in this object if ranks share its level. Collective over the
-        ranks that have the coarsest levels.
+        Needs t on the levels of `coarsest`, as its `restrict` leaves it. The mode is kept in
+        `coarsest`; if ranks share its level it is kept in this object, with its product with r,
+        which is still on that level. Collective over the ranks that have the coarsest levels.
         """
         coarsest.mode = coarsest.mode[:0]
         self._mode = None

@@ -156,13 +156,16 @@ class Problem:
 
     @property
     def sunk(self) -> float:
-        """Estimate of how much the displacement varies if nothing but the load limits it."""
+        """Estimate of how much the displacement varies if nothing but the load limits it.
+
+        p_cell times the square root of the number of points, in units of height.
+        """
         return float(self.p_cell * np.sqrt(self.grid.cell_points))
 
     def noise(self, h_rms: float) -> float:
-        """Return about the largest rms error of the pressure from transforms.
+        """Estimate the largest rms error of the pressure from transforms in the working precision.
 
-        They are made in the working precision; h_rms is sqrt(mean h^2) of the heights.
+        h_rms: sqrt(mean h^2) of the heights over the surface.
         """
         if self.stored is None:
             varies = h_rms
@@ -173,8 +176,8 @@ class Problem:
     def level(self, g: np.ndarray) -> float:
         """Estimate the mean of the field that is transformed, from some rows of g. Collective.
 
-        The field is u = g - h, or g if the heights are not stored. K ignores its mean, but rounding
-        errors grow with it, so `displacement_rows` subtracts it.
+        g is a local slab. The field is u = g - h, or g if the heights are not stored. K ignores its
+        mean, but rounding errors grow with it, so `displacement_rows` subtracts it.
         """
         every = max(1, len(g) // SAMPLE)
         few = g[::every]

@@ -59,7 +59,7 @@ def balancing_shift(problem: Problem, p0: float, g: np.ndarray) -> tuple[np.floa
     shift : float
         To be subtracted from every gap; below 0 if the body must rise; in the precision of g.
     gain : float
-        By how much this lowers the energy.
+        By how much this lowers the energy, summed over points, in the program's units.
     """
     grid = problem.grid
     shift = nth_smallest(grid, g, points_to_carry(problem, p0))

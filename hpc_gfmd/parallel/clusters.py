@@ -125,7 +125,11 @@ class _Joiner:
         self.percolates = np.zeros(2, np.bool_)
 
     def labelled(self, mask: np.ndarray, i0: int) -> _Block:
-        """Label the clusters of a strip whose first row is i0, and return its block."""
+        """Label the clusters of a strip of at least one row, and return its block.
+
+        mask: (rows of the strip, n_y), true on the clusters; i0: number of its first row in the
+        whole field.
+        """
         from scipy import ndimage
 
         structure = ndimage.generate_binary_structure(2, 2 if self.corners else 1)
@@ -142,7 +146,10 @@ class _Joiner:
         return self._joined(pairs, counts, first_row, last_row)
 
     def together(self, upper: _Block | None, lower: _Block | None) -> _Block | None:
-        """Join two blocks, the second of which begins where the first one ends; None: no rows."""
+        """Return the block of the rows of two blocks; `lower` begins where `upper` ends.
+
+        None stands for no rows. Both blocks stay as they are; the result may be one of them.
+        """
         if upper is None or lower is None:
             return lower if upper is None else upper
         lower_first = lower.first_row.copy()
@@ -154,7 +161,10 @@ class _Joiner:
         return self._joined(pairs, counts, upper.first_row, lower_last)
 
     def close(self, block: _Block) -> None:
-        """Join the last row of all to the first one if they touch; count all remaining clusters."""
+        """Count the clusters of the block of all rows, joined across the first and the last row.
+
+        They are joined there if the surface is periodic along x.
+        """
         pairs = self._pairs(block.last_row, block.first_row, (1, 0)) if self.periodic[0] else []
         border = block.first_row[:, :0]
         self._joined(pairs, block.counts, border, border)
@@ -164,8 +174,9 @@ class _Joiner:
     ) -> list[np.ndarray]:
         """Return the edges between points that touch on two neighbouring lines a and b.
 
-        A list of arrays (4, m), as `join` takes them transposed. across: borders crossed from a to
-        b.
+        a, b: lines of points as `_Block` has them, (3, points). across: borders of the cell, along
+        x and along y, that are crossed from a to b. Returns a list of arrays (4, edges), whose
+        transposes kernels/clusters.py: join takes.
         """
         ways = [(slice(None), slice(None), 0)]
         if self.corners:
@@ -189,8 +200,8 @@ class _Joiner:
     ) -> _Block:
         """Join pieces of clusters that share edges, and return the block between two rows.
 
-        pairs: edges as `_pairs` returns them; counts: those of the pieces. Clusters that reach
-        neither of the rows are whole, and are counted.
+        pairs: edges as `_pairs` returns them; counts: of each piece, as `_Block` has them. Clusters
+        that reach neither of the rows are whole: their sizes are appended to `whole`.
         """
         pieces = counts.shape[1]
         parent = np.arange(pieces)

@@ -34,7 +34,9 @@ class Level:
     n : (int, int)
         Points along x and y.
     q : float
-        Its largest wave number over sqrt 2 (as Grid.q_nyquist) in units of 1/a.
+        Its largest wave number over sqrt 2 (as Grid.q_nyquist) in units of 1/a, a being the unit of
+        length of the finest grid. A single point has half the q of the level before, or 1 if
+        there is none.
     """
 
     n: tuple[int, int]
@@ -44,9 +46,9 @@ class Level:
 def levels(grid: Grid) -> list[Level]:
     """List all levels of a grid, finest first, down to one point.
 
-    Axes whose spacing is more than sqrt 2 larger than that of the other are not coarsened in that
-    step (semi-coarsening), so stretched cells and grids with very different n_x and n_y approach
-    square spacing.
+    An axis whose spacing is at least sqrt 2 times that of the other is not coarsened in that step
+    (semi-coarsening), so stretched cells and grids with very different n_x and n_y approach square
+    spacing.
     """
     n = grid.n
     spacing = tuple(s / grid.a for s in grid.spacings)
@@ -68,16 +70,16 @@ def halved(
     n : (int, int)
         Points along x and y.
     spacing : (float, float)
-        Of the points.
+        Distance of neighbouring points along x and y, in any unit.
     fewest : int
-        Axes of fewer points are not coarsened.
+        An axis of fewer points is not coarsened, and its spacing is not compared with the other.
 
     Returns
     -------
     (int, int)
         Points of the coarse level.
     (float, float)
-        Their spacing.
+        Their spacing, in the same unit.
     """
     finest = min((s for s, k in zip(spacing, n) if k >= fewest), default=0.0)
     coarse = [(k + 1) // 2 if k >= fewest and s < SQRT2 * finest else k for k, s in zip(n, spacing)]
@@ -176,17 +178,18 @@ def owned_rows(starts: ArrayLike, n: int, m: int) -> np.ndarray:
 def agglomerated(starts: ArrayLike, points: int, share: int) -> np.ndarray:
     """Return the rows of every rank after they are gathered on ranks 0, s, 2 s, ...
 
-    s is the smallest power of two that leaves each of these ranks enough points; the others have
-    none.
+    s is the smallest power of two that leaves these ranks enough on average; the others then have
+    no rows.
 
     Parameters
     ----------
     starts : array_like of int
         First row of every rank before, and the number of rows.
     points : int
-        Of the grid.
+        Size of the level: its points, or its rows.
     share : int
-        Points that each of these ranks has on average at least; each has a row as well.
+        How much of this size each of these ranks has on average, at least. There are never more of
+        these ranks than rows.
 
     Returns
     -------
@@ -252,7 +255,8 @@ class Transfer:
     def tables(self) -> Tables:
         """The tuple that kernels take as `transfer` (kernels/multilevel.py).
 
-        A plain tuple: numba takes it as fast as its parts.
+        A plain tuple: numba takes it as fast as its parts. Its arrays are shared with other objects
+        and must not be changed.
         """
         J0, f_x = axis_tables(self.n[0], self.m[0], self.dtype, *self.fine)
         # row numbers count the row before the window
@@ -278,11 +282,11 @@ class Transfer:
 
     @cached_property
     def pieces(self) -> list[tuple[int, int]]:
-        """Row ranges that a thread works on at a time."""
+        """Ranges (begin, end) of its fine rows, from 0 on, that a thread works on at a time."""
         return self.passes(piece_rows(self.n[1]))
 
     def passes(self, longest: int) -> list[tuple[int, int]]:
-        """Split its fine rows into ranges of at most `longest` rows, see `passes_of`."""
+        """Split this rank's fine rows into ranges of at most `longest` rows, see `passes_of`."""
         return passes_of(self.k0, longest)
 
 
@@ -302,7 +306,7 @@ def passes_of(coarse_rows: np.ndarray, longest: int) -> list[tuple[int, int]]:
     Returns
     -------
     list of (int, int)
-        In order.
+        In order; numbers are indices of `coarse_rows`.
     """
     passes = []
     begin = 0

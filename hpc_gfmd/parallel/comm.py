@@ -25,12 +25,12 @@ class SerialComm:
     ----------
     rank, size : int
         Number of this process, and of all.
-    mpi : mpi4py communicator or None
-        What is below.
+    mpi : None
+        There is no communicator of mpi4py below.
     io_obstacles : dict
-        Why MPI-IO cannot write, for each folder that was tried.
+        Empty: a single process does not use MPI-IO.
     node_ranks : ndarray of int
-        Ranks that share memory with this one.
+        Ranks that share memory with this one: [0].
     """
 
     rank = 0
@@ -42,100 +42,99 @@ class SerialComm:
         self.parent = parent
 
     def sum(self, values: ArrayLike) -> np.ndarray:
-        """Return the sum over ranks of each number, float64, in the shape of `values`."""
+        """Return the numbers as they are, float64, which are also the `max` and `min` of one rank.
+
+        May be `values` itself.
+        """
         return np.asarray(values, dtype=np.float64)
 
     max = min = sum
 
     def bcast(self, obj: Any, root: int = 0) -> Any:
-        """Return the object of rank `root` on all ranks. Collective.
+        """Return the object of rank `root`, the only one: `obj` itself.
 
         Parameters
         ----------
         obj : object
-            Of this rank; ignored on all ranks but `root`.
+            Of this rank.
         root : int
-            A rank.
+            0.
 
         Returns
         -------
         object
-            Of rank `root`.
+            obj.
         """
         return obj
 
     def allgather(self, obj: Any) -> list:
-        """Return the list of every rank's object."""
+        """Return the list of every rank's object: [obj]."""
         return [obj]
 
     def gather(self, obj: Any) -> list | None:
-        """Return the list of every rank's object on rank 0, None on the others."""
+        """Return the list of every rank's object on rank 0, which this is: [obj]."""
         return [obj]
 
     def exchange(self, send: Mapping[int, np.ndarray], receive: Mapping[int, np.ndarray]) -> None:
-        """Send arrays to other ranks and receive arrays from them.
-
-        Collective for those that take part.
+        """Do nothing: there are no other ranks to exchange arrays with.
 
         Parameters
         ----------
-        send : dict of ndarray
-            The array for each rank; contiguous.
-        receive : dict of ndarray
-            The array to be filled from each rank; contiguous.
+        send, receive : dict of ndarray
+            Must be empty.
         """
 
     def allgather_arrays(self, send: np.ndarray, receive: np.ndarray, counts: list[int]) -> None:
-        """Fill `receive` on every rank with the arrays of all ranks. Collective.
+        """Copy the array of this rank, the only one, to `receive`.
 
         Parameters
         ----------
         send : flat array
             Of this rank.
         receive : flat array
-            Filled with those of all ranks, one after the other.
+            Becomes equal to it.
         counts : list of int
-            How many numbers each rank has.
+            How many numbers each rank has; not used.
         """
         receive[...] = send
 
     def alltoall_bytes(self, send: tuple, receive: tuple) -> None:
-        """Send bytes from every rank to every other: changes the receiving array. Collective.
+        """Do nothing: a rank sends itself no bytes, and there are no others.
 
         Parameters
         ----------
         send, receive : tuple
-            (array, number of bytes for or from each rank, their offsets in the array).
+            (array, number of bytes for or from each rank, their offsets in the array). The number,
+            of this rank for itself, must be 0: nothing would be copied.
         """
 
     def reduce(self, obj: T, join: Callable[[T, T], T]) -> T | None:
-        """Join the objects of all ranks, two neighbours at a time. Collective.
+        """Return the object of this rank, since there is no other to join it with.
 
         Parameters
         ----------
         obj : object
             Of this rank.
         join : function
-            join(a, b) returns the joined object of all ranks of a and b, where the ranks of b
-            follow those of a.
+            Is not called.
 
         Returns
         -------
-        object or None
-            That of all ranks on rank 0, None on the others.
+        object
+            obj itself.
         """
         return obj
 
     def subcomm(self, ranks: Sequence[int]) -> "Comm | None":
-        """Return the communicator of these ranks alone; None on ranks that are not among them."""
+        """Return this communicator; `ranks`, which is [0], is not looked at."""
         return self
 
     def barrier(self) -> None:
-        """Wait for all ranks."""
+        """Do nothing: there is no rank to wait for."""
 
     @property
     def machine(self) -> "Comm":
-        """The communicator of the ranks on the same machine."""
+        """The communicator of the ranks on the same machine: this one."""
         return self
 
     node = machine  # of those that have memory in common with this one
@@ -156,12 +155,14 @@ class MpiComm:
     mpi : mpi4py communicator
         What is below.
     parent : Comm, optional
-        The communicator that this is a part of.
+        The communicator that this is a part of; default: none.
 
     Attributes
     ----------
     rank, size : int
         Number of this process, and of all.
+    allgather, gather : methods
+        Of mpi4py: the pickled objects of all ranks as a list, on every rank or on rank 0 alone.
     io_obstacles : dict
         Why MPI-IO cannot write, for each folder that was tried (parallel/mpi_io.py).
     """
@@ -177,7 +178,10 @@ class MpiComm:
         self.io_obstacles: dict[Path, str] = {}  # of parallel.mpi_io, for each folder
 
     def _allreduce(self, values: ArrayLike, op: str) -> np.ndarray:
-        """Reduce each number over all ranks; op: of MPI, such as "SUM". Collective."""
+        """Reduce each number over all ranks to a new array of float64. Collective.
+
+        op: name of an operation of MPI, such as "SUM".
+        """
         from mpi4py import MPI
 
         send = np.ascontiguousarray(values, dtype=np.float64)
@@ -217,14 +221,15 @@ class MpiComm:
     def exchange(self, send: Mapping[int, np.ndarray], receive: Mapping[int, np.ndarray]) -> None:
         """Send arrays to other ranks and receive arrays from them, all at once.
 
-        Collective for those that take part.
+        Collective for the ranks that take part: each array that a rank sends must be expected by
+        the other one, in the same size.
 
         Parameters
         ----------
         send : dict of ndarray
-            The array for each rank; contiguous.
+            The array for each rank, by its number; contiguous.
         receive : dict of ndarray
-            The array to be filled from each rank; contiguous.
+            The array to be filled from each rank, by its number; contiguous.
         """
         from mpi4py import MPI
 
@@ -247,12 +252,13 @@ class MpiComm:
         self.mpi.Allgatherv(send, [receive, counts])
 
     def alltoall_bytes(self, send: tuple, receive: tuple) -> None:
-        """Send bytes from every rank to every other: changes the receiving array. Collective.
+        """Send bytes from every rank to every other, into the array of `receive`. Collective.
 
         Parameters
         ----------
         send, receive : tuple
-            (array, number of bytes for or from each rank, their offsets in the array).
+            (contiguous array of any type, number of bytes for or from each rank, offset of these
+            bytes in the array). Bytes of the receiving array that no rank sends to stay.
         """
         from mpi4py import MPI
 
@@ -292,8 +298,9 @@ class MpiComm:
     def subcomm(self, ranks: Sequence[int]) -> "Comm | None":
         """Return the communicator of these ranks alone; None on ranks that are not among them.
 
-        Made once for the same ranks, since MPI has a limited number of communicators. The first of
-        the ranks becomes rank 0. All ranks themselves: this communicator. Collective.
+        ranks: numbers in this communicator, ascending; the first of them becomes rank 0. All ranks
+        together are this communicator itself. Collective over all ranks of this communicator; for
+        the same ranks it is made once, since MPI has a limited number of communicators.
         """
         from mpi4py import MPI
 

@@ -50,7 +50,7 @@ class SlabFFT(Layout):
 
     They are planned when the object is made, which is collective. `blocks` holds one spectrum at a
     time: `forward_rows` overwrites it, and so do `columns` and `multiply_columns` unless told not
-    to transform back.
+    to transform back. A convolution is `forward_rows`, one of the latter two, and `backward_rows`.
 
     Parameters
     ----------
@@ -69,6 +69,8 @@ class SlabFFT(Layout):
     ----------
     blocks : ndarray of complex
         The spectrum: row spectra of this rank, block by block.
+    rows : tuple
+        Scratch and row transforms of each thread, (real, spectra) of kernels/transforms.py.
     scale : float
         1/(n_x n_y), which the transforms leave out.
     multipliers : dict
@@ -172,9 +174,9 @@ class SlabFFT(Layout):
     def forward_rows(self, fill: Callable[[int, int, np.ndarray], T]) -> list[T]:
         """Transform the rows that `fill` makes, into `blocks`. Not collective.
 
-        fill(i0, i1, x) writes local rows i0 <= i < i1 into the first rows of x, (R, n_y) scratch.
-        It is called for all `passes`, on several threads. Returns what fill returned, in their
-        order.
+        fill(i0, i1, x) writes local rows i0 <= i < i1 into the first rows of x, (R, n_y), which is
+        scratch of a thread and must not be kept. It is called for all `passes`, on several threads
+        at once. Returns what fill returned, in the order of the passes.
         """
 
         def one(i0: int, i1: int, rows: tuple) -> T:
@@ -187,8 +189,9 @@ class SlabFFT(Layout):
     def backward_rows(self, use: Callable[[int, int, np.ndarray], T]) -> list[T]:
         """Transform the row spectra in `blocks` back and hand the rows to `use`. Not collective.
 
-        use(i0, i1, x) gets local rows i0 <= i < i1 in the first rows of x, (R, n_y) scratch. It is
-        called for all `passes`, on several threads. Returns what use returned, in their order.
+        use(i0, i1, x) gets local rows i0 <= i < i1 in the first rows of x, (R, n_y), which is
+        scratch of a thread and must not be kept. It is called for all `passes`, on several threads
+        at once. Returns what use returned, in the order of the passes.
         """
 
         def one(i0: int, i1: int, rows: tuple) -> T:
@@ -198,7 +201,10 @@ class SlabFFT(Layout):
         return on_threads(self.threads, one, self.passes(), self.rows)
 
     def first_columns(self, count: int) -> np.ndarray:
-        """Return a copy of the first columns of the row spectra, (n_loc, count) complex."""
+        """Return a copy of the first columns of the row spectra in `blocks`.
+
+        Its shape is (n_loc, count), complex. Not collective.
+        """
         blocks = [
             self._slab(m, m + 1).reshape(self.n_loc, self.edges[m + 1] - self.edges[m])
             for m in range(np.searchsorted(self.edges, count))
@@ -242,21 +248,26 @@ class SlabFFT(Layout):
     def multiply_columns(
         self, factors: tuple, inverse: bool, backward: bool
     ) -> tuple[float, float]:
-        """Multiply all columns of `blocks` by K or 1/K in one compiled pass. Collective.
+        """Apply K or 1/K to the field u whose row spectra are in `blocks`. Collective.
+
+        One compiled pass multiplies all complete columns; K is a function of the wave vector.
 
         Parameters
         ----------
-        factors, inverse
-            As of kernels/spectral.py: multiply.
+        factors : tuple
+            (scale, weight, q_x, q_y, table), which define K: see kernels/spectral.py, `multiply`.
+        inverse : bool
+            Whether to apply 1/K, which counts as 0 where K is 0.
         backward : bool
-            Whether to transform back; if not, `blocks` stays as it is.
+            Whether to put the row spectra of the result into `blocks`, for `backward_rows`. If not,
+            `blocks` keeps those of u, and only the sums are of use.
 
         Returns
         -------
         float
-            This rank's share of <u, K u>, or with 1/K of <u, u/K>, u being the field before.
+            This rank's share of the sum over points of u K u, or with `inverse` of u (u/K).
         float
-            Mean of this field on rank 0; 0 on the others.
+            Mean of u over the grid on rank 0; 0 on the others.
         """
         sums = np.zeros((self.K, 2))
 
@@ -281,8 +292,10 @@ class SlabFFT(Layout):
     ) -> None:
         """Call work(k0, k1, columns) for all blocks of this rank, on all threads. Collective.
 
-        Before it, if `forward`, rows of the blocks are fetched from other nodes; after it, if
-        `backward`, they are sent back. The ranks of a node wait for each other before and after.
+        It works on blocks k0 <= k < k1 of this rank; columns: memory and column transforms of a
+        thread (kernels/transforms.py). Before it, if `forward`, rows of the blocks are fetched from
+        other nodes; after it, if `backward`, they are sent back. The ranks of a node wait for each
+        other before and after.
         """
         self.comm.node.barrier()  # all rows of the node are there
         if self.far.any():
@@ -300,7 +313,8 @@ class SlabFFT(Layout):
     def _exchange(self, group: range, back: bool) -> None:
         """Exchange blocks with other nodes: fetch rows of blocks k in `group`, or send them back.
 
-        Each k has the scratch of a thread of its own. Collective.
+        Block k is received into, or sent from, the scratch of thread k - group.start: there are no
+        more blocks in `group` than threads. Collective.
         """
         for k, scratch in zip(group, self._scratch):
             blocks = self._slab(k * self.size, (k + 1) * self.size)
@@ -308,7 +322,7 @@ class SlabFFT(Layout):
             self.comm.alltoall_bytes(*(reversed(ends) if back else ends))
 
     def _slab(self, m0: int, m1: int) -> np.ndarray:
-        """Return the part of `blocks` that holds blocks m0 <= m < m1, a view."""
+        """Return the part of `blocks` that holds blocks m0 <= m < m1 of all ranks, a flat view."""
         return self.blocks[self.n_loc * self.edges[m0] : self.n_loc * self.edges[m1]]
 
 

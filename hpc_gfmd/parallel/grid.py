@@ -107,12 +107,12 @@ class Grid:
         """Make a grid that shares transforms and tables with earlier grids of its size.
 
         They are shared only by grids of a single process, made in the same thread, because scratch
-        memory is among them.
+        memory is among them. A thread keeps those of the KEPT sizes that it has used last.
 
         Parameters
         ----------
         n, sizes, comm, threads, starts, nominal
-            As of the class.
+            As for the class. A single process has all rows, whatever `starts` says.
 
         Returns
         -------
@@ -222,9 +222,9 @@ class Grid:
         return list(self._tables.transforms.values())
 
     def forget_fft(self, dtype: DTypeLike) -> None:
-        """Forget the transforms in one precision if they take much memory.
+        """Forget the transforms in one precision if their spectrum takes more than SMALL bytes.
 
-        The next call of `fft` plans them again.
+        The next call of `fft` then plans them again.
         """
         fft = self._tables.transforms.get(np.dtype(dtype))
         if fft is not None and fft.blocks.nbytes > SMALL:
@@ -248,7 +248,7 @@ class Grid:
         Parameters
         ----------
         work : function
-            work(i0, i1) works on the local rows i0 <= i < i1.
+            work(i0, i1) works on the local rows i0 <= i < i1; called on several threads at once.
         rows : int, optional
             The first so many local rows; default: all.
 
@@ -272,7 +272,8 @@ class Grid:
         Returns
         -------
         object
-            The value, which is kept, and shared by the grids that share tables.
+            The value, which is kept, and shared by the grids that share tables: it must not be
+            changed.
         """
         values = self._tables.values
         if key not in values:
@@ -282,8 +283,8 @@ class Grid:
     def column_tables(self, fft: SlabFFT) -> tuple[np.ndarray, np.ndarray]:
         """Return wave number q_y and multiplicity of every column in the blocks of `fft`.
 
-        Both have shape (blocks of all ranks, W) and the precision of `fft`; 0 for missing columns
-        of a narrow block.
+        Both have shape (blocks of all ranks, W) and the precision of `fft`; q_y is in units of 1/a.
+        Both are 0 for columns that a narrow block lacks.
         """
         j = fft.edges[:-1, None] + np.arange(fft.W)
         weight = np.where(j < fft.edges[1:, None], self.multiplicity(j), 0)

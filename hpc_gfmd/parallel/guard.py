@@ -28,8 +28,9 @@ def collective_errors(comm: Comm, doing: str) -> Iterator[None]:
     Raises
     ------
     GfmdError
-        On all ranks: a GfmdError stays what it is, any other exception becomes one. A rank that has
-        not failed gets the message of the first one that has.
+        On all ranks: a GfmdError stays what it is, any other Exception becomes one. A rank that has
+        not failed gets the message of the lowest rank that has. A KeyboardInterrupt or SystemExit
+        is not caught: it leaves the block on its rank alone, while the others wait.
     """
     error: GfmdError | None = None
     try:
@@ -84,8 +85,8 @@ def raise_on_all(comm: Comm, error: Exception | None) -> None:
     Raises
     ------
     Exception
-        A rank's own error. On ranks without one that of the first rank that has one: of the same
-        type if it is a GfmdError, else as a GfmdError.
+        A rank's own error, if it has one. All other ranks raise that of the lowest rank that has
+        one: with its type and text if it is a GfmdError, otherwise a GfmdError with its text.
     """
     failing_rank = int(comm.min([comm.size if error is None else comm.rank])[0])
     if failing_rank == comm.size:

@@ -50,8 +50,8 @@ class Stored:
     checksum : int
         Of all its numbers, as the file has it.
     passed : (int, int)
-        Progress of the check: number of rows that have been read from the first one on without a
-        gap, and their checksum.
+        Progress of the check, which `pieces` moves on: number of rows that have been read from the
+        first one on without a gap, and their checksum.
     """
 
     path: Path
@@ -66,6 +66,8 @@ class Stored:
     ) -> Iterator[tuple[int, np.ndarray]]:
         """Yield this rank's rows piece by piece, in as many pieces on every rank. Collective.
 
+        Every rank must take all of its pieces, some of which may have no rows.
+
         Parameters
         ----------
         comm : Comm, optional
@@ -79,7 +81,7 @@ class Stored:
         Yields
         ------
         int
-            Number of the first row of a piece.
+            Number of the first row of a piece, in the whole field.
         ndarray
             The rows, shape (rows of the piece, n_y).
 
@@ -125,7 +127,7 @@ class Stored:
         Raises
         ------
         GfmdError
-            As `pieces`.
+            On all ranks, as `pieces` does, or if a rank lacks the memory.
         """
         with collective_errors(comm, f"reading {self.path}"):
             slab = np.empty((rows[1] - rows[0], self.shape[1]), self.dtype)
@@ -241,7 +243,7 @@ def write_file(
 
 
 def sync(path: Path, wait: bool = True) -> None:
-    """Have the system write a file or folder to the disk.
+    """Have the system write a file or folder to the disk; does nothing on Windows.
 
     Parameters
     ----------
@@ -286,7 +288,8 @@ def _opened(comm: Comm, path: Path, together: bool, doing: str) -> Iterator[Any]
 def reading(path: Path) -> Any:
     """Open an h5py file for reading, without locking it, and return it.
 
-    So it can be read while it is written, or while it is open elsewhere in this process.
+    So it can be read while it is written, or while it is open elsewhere in this process. The caller
+    closes it. Raises OSError if it cannot be opened.
     """
     import h5py
 
@@ -405,7 +408,8 @@ def _pieces(
 def _cuts(comm: Comm, rows: tuple[int, int], row_bytes: int) -> list[tuple[int, int]]:
     """Cut this rank's rows into pieces (start, stop) of at most PIECE_BYTES, as many on every rank.
 
-    The last ones may be empty. row_bytes: bytes of memory that go with a row. Collective.
+    A piece has at least one row, however long, but the last ones may be empty. row_bytes: bytes of
+    memory that each row of a piece takes. Collective.
     """
     step = max(1, PIECE_BYTES // row_bytes)
     count = int(comm.max([-((rows[0] - rows[1]) // step)])[0])
@@ -432,10 +436,10 @@ def _write(dataset: Any, start: int, rows: np.ndarray) -> None:
 
 
 def _checksum(rows: np.ndarray, start: int) -> int:
-    """Return the checksum of rows start, start + 1, ...: their words, weighted by row.
+    """Return the checksum of rows start, start + 1, ... of a field, which must be contiguous.
 
-    The sum of the words of row i is multiplied by 2 i + 1. Checksums add up over pieces and ranks,
-    modulo 2**64.
+    The sum of the words of row i is multiplied by 2 i + 1. A word is an unsigned number of 8 bytes,
+    or of 4 if that does not divide the row. Checksums add up over pieces and ranks, modulo 2**64.
     """
     words = rows.view("u8" if rows.shape[1] * rows.itemsize % 8 == 0 else "u4")
     return int(

@@ -91,7 +91,7 @@ class Windows:
         owned : ndarray, shape (..., rows of this rank, m)
             What is copied.
         window : ndarray, shape (..., rows of the window, m)
-            What is filled; `owned` may be a part of it.
+            What is filled; `owned` may be a part of it. Rows that belong to no rank stay.
         """
         received = _exchange(comm, owned, self.give, window, self.take)
         for rows, owned_rows in self._apart(owned, window):
@@ -128,7 +128,10 @@ class Windows:
         return [piece for piece in self.own if not (is_same_memory and piece[0] == self.interior)]
 
     def sent_rows(self, adding: bool) -> dict[int, int]:
-        """Return how many rows this rank sends to each other rank, by `add` or by `fill`."""
+        """Return how many rows this rank sends to each other rank, by `add` if adding or by `fill`.
+
+        Ranks that get none are left out.
+        """
         sent = self.take if adding else self.give
         return {peer: sum(map(_length, pieces)) for peer, pieces in sent.items()}
 
@@ -257,13 +260,13 @@ def add_all(
     comm : Comm
         The ranks that have windows.
     window : ndarray, shape (fields, rows of the window, m)
-        Of this rank.
+        Of this rank; it stays as it is.
     bounds : sequence of (int, int)
-        First row and end of each rank's window.
+        Window lo <= i < hi of each rank; may reach around the ring.
     whole : ndarray, shape (fields, n, m)
         Becomes the sum on all n rows of the ring.
     number : float
-        Of this rank; travels with the window, in its precision.
+        Of this rank; travels with the window, rounded to the precision of that.
 
     Returns
     -------

@@ -59,8 +59,10 @@ def stop(number: int) -> NoReturn:
 class Interrupt:
     """Listens for requests to stop in a `with` block: signals, and the wall-clock budget.
 
-    It installs handlers for HANDLED, and restores those of Python at the end of the block. A first
-    signal is noted for `poll` and `check`; a second one ends the process at once.
+    In the main thread it installs handlers for HANDLED, and at the end of the block it restores
+    those that were there before (the default for those that Python had not installed). In another
+    thread it leaves signals alone. A first signal is noted for `poll` and `check`; a second one
+    ends the process at once.
 
     Parameters
     ----------
@@ -71,6 +73,15 @@ class Interrupt:
     announce : function, optional
         Called without arguments as soon as this rank gets a signal, before all have agreed to stop:
         mpirun leaves its ranks a second, which an iteration may take.
+
+    Attributes
+    ----------
+    begun : float
+        When this object was made, by time.monotonic().
+    signal : int
+        Number of the first signal that this rank got, 0 without one.
+    agreed : int
+        Number of the signal that all ranks have agreed to stop for, 0 before that.
     """
 
     def __init__(
@@ -121,7 +132,8 @@ class Interrupt:
     def poll(self) -> bool:
         """Return whether to stop now, because of a signal to any rank or the deadline.
 
-        The same on all ranks. Collective.
+        The same on all ranks. Collective. If so, `agreed` becomes the largest number of a signal on
+        any rank; a deadline counts as SIGTERM.
         """
         late = signal.SIGTERM if self._late else 0
         number = int(self.comm.max([self.signal or late])[0])
@@ -130,9 +142,10 @@ class Interrupt:
         return bool(number)
 
     def require_time(self) -> None:
-        """Raise SceneError on all ranks if the deadline passed before the first load.
+        """Raise SceneError on all ranks if the deadline of any of them has passed. Collective.
 
-        Resuming such a run would end in the same way again and again. Collective.
+        The caller calls it before the first load: resuming a run whose start-up takes longer than
+        the deadline would end in the same way again and again.
         """
         seconds = self.comm.max([self._late and time.monotonic() - self.begun])[0]
         if seconds:

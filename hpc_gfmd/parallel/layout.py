@@ -53,6 +53,8 @@ class Layout:
 
     Attributes
     ----------
+    size : int
+        Number of ranks.
     n_c : int
         Columns of the half spectrum, n_y // 2 + 1.
     n_loc : int
@@ -67,6 +69,8 @@ class Layout:
         Columns of the widest block.
     R : int
         Rows that are transformed at a time.
+    node_ranks : ndarray of int
+        Ranks that share memory with this one, itself among them.
     far : ndarray of bool, shape (size,)
         Which ranks do not share memory with this one, so that messages are needed.
     """
@@ -136,7 +140,10 @@ class Layout:
 
     @cached_property
     def widths(self) -> list[int]:
-        """The numbers of columns for which transforms are planned, ascending."""
+        """The numbers of columns for which transforms are planned, ascending.
+
+        A block of another width uses the plan for the next larger number.
+        """
         if self.size == 1:
             return [self.W]
         return np.unique(self.block_widths[self.block_widths > 0]).tolist()
@@ -153,10 +160,10 @@ class Layout:
         return self.n_loc * self.n_c * self.itemsize
 
     def sent(self, k: int) -> tuple[np.ndarray, np.ndarray]:
-        """Return what this rank sends of its rows in the all-to-all number k.
+        """Return what this rank sends of its rows in the all-to-all number k: (sizes, offsets).
 
-        The bytes for every rank, 0 for those that share memory, and their offsets in the blocks of
-        k.
+        sizes: bytes for every rank, 0 for those that share memory with this one; offsets: where
+        they begin, in bytes from the first block of number k (of rank 0). Both have shape (size,).
         """
         first_columns = self.edges[k * self.size : (k + 1) * self.size]
         column_bytes = self.n_loc * self.itemsize
@@ -164,15 +171,19 @@ class Layout:
         return sizes, (first_columns - first_columns[0]) * column_bytes
 
     def received(self, k: int) -> tuple[np.ndarray, np.ndarray]:
-        """Return what this rank receives of its columns in the all-to-all number k.
+        """Return what this rank receives of its columns in all-to-all number k: (sizes, offsets).
 
-        The bytes from every rank, 0 from those that share memory, and their offsets.
+        sizes: bytes from every rank, 0 from those that share memory with this one; offsets: where
+        they begin, in bytes, in the memory that receives them. Both have shape (size,).
         """
         row_bytes = self.block_widths[k, self.rank] * self.itemsize
         return self.far * np.diff(self.starts) * row_bytes, self.starts[:-1] * row_bytes
 
     def traffic(self) -> tuple[int, int]:
-        """Return (bytes, messages) that this rank sends to other nodes in one FFT pair."""
+        """Return (bytes, messages) that this rank sends to other nodes in one FFT pair.
+
+        That is the exchange of rows for columns, and the one back.
+        """
         to_others = self.block_widths[:, self.far]
         mine = self.block_widths[:, self.rank]
         rows = np.diff(self.starts) * self.far

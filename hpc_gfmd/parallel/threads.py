@@ -90,6 +90,8 @@ def shares(count: int, threads: int) -> list[tuple[int, int]]:
 class Shares:
     """A range in parts that threads take by themselves, in compiled calls that run at once.
 
+    An object serves for one pass over the range: `turns` is not set back.
+
     Parameters
     ----------
     count : int
@@ -100,9 +102,9 @@ class Shares:
     Attributes
     ----------
     parts : ndarray (parts, 2)
-        As `shares` returns them.
-    turns : ndarray (1,)
-        The next part, for kernels/atomic.py.
+        (start, stop) of each part, as `shares` returns them; must not be written to.
+    turns : ndarray (1,) of int64
+        Number of the next part to take; threads raise it by kernels/atomic.py: add.
     """
 
     def __init__(self, count: int, threads: int):
@@ -111,14 +113,16 @@ class Shares:
         self._threads = min(threads, len(self.parts))
 
     def on_threads(self, work: Callable[[Any], Any], scratch: Sequence[Any]) -> None:
-        """Call a function once on each of the threads that get a part.
+        """Call a function as often as there are threads that can get a part, at the same time.
+
+        A thread that is free early may make the call of another one, which then finds no part left.
 
         Parameters
         ----------
         work : callable
-            work(scratch of the thread) takes parts by `turns` until none is left.
+            work(scratch[thread]) must itself take parts by `turns`, until none is left.
         scratch : sequence
-            Of each thread its own.
+            Memory of each thread.
         """
         on_threads(self._threads, work, [()] * self._threads, scratch)
 
@@ -138,7 +142,8 @@ def on_threads(
     """Call work(*piece) for every piece, on whichever thread is free, and wait for all of them.
 
     Threads run at the same time only while `work` has left Python: in kernels, transforms and
-    NumPy. An exception of `work` is raised once all threads have ended.
+    NumPy. An exception of `work` is raised once all threads have ended; it ends its own thread,
+    while the others go on with the pieces that are left.
 
     Parameters
     ----------
@@ -215,7 +220,7 @@ class _Helper:
         threading.Thread(target=self._run, name="hpc-gfmd", daemon=True).start()
 
     def begin(self, work: Callable[[], None]) -> None:
-        """Begin with some work, after `end` of the work before."""
+        """Let the thread do some work; `end` must have been called for the work before."""
         self.error = None
         self._work.append(work)
         if self._begun.locked():  # if not, it has yet to wake up for work that was withdrawn
@@ -224,7 +229,8 @@ class _Helper:
     def end(self) -> None:
         """Wait until the work has ended, or withdraw it if the thread has not woken up yet.
 
-        An error of the work is in `error` then.
+        Work that is withdrawn is never done: `on_threads` calls this when no pieces are left or its
+        own thread has failed. An error of work that was done is in `error` then.
         """
         try:
             self._work.pop()

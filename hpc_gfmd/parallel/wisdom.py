@@ -48,7 +48,8 @@ def planned(comm: Comm, dtype: DTypeLike, make: Callable[[], T], shapes: Hashabl
     make : function
         make() makes the plans of this rank; it is called once.
     shapes : hashable
-        Identifies these plans: if a single process has made them before, the cache is left alone.
+        Identifies these plans: if a single process has made plans with these `shapes` before, it
+        does not read or write the cache.
 
     Returns
     -------
@@ -82,7 +83,7 @@ def _take_over(comm: Comm, wisdom: _Wisdom) -> None:
     """Replace the wisdom of all ranks by that of rank 0. Collective.
 
     It has up to a megabyte, which takes longer to read than to send, and is mostly the same as for
-    the grid before: it is sent only if a rank has another version.
+    the grid before: it is sent only if the `version` of a rank differs. Sets `version` if it is.
     """
     text = wisdom.text() if comm.rank == 0 else None
     version = comm.bcast(text and hashlib.sha256(text).digest())
@@ -95,6 +96,11 @@ def _take_over(comm: Comm, wisdom: _Wisdom) -> None:
 
 class _Wisdom:
     """The wisdom of this process in one precision, which FFTW itself holds.
+
+    Parameters
+    ----------
+    name : str
+        The precision: "float32" or "float64". FFTW must be there.
 
     Attributes
     ----------
@@ -174,7 +180,10 @@ _used: list[str] = []  # precisions
 
 @cache
 def _wisdom(name: str) -> _Wisdom:
-    """Return the wisdom of this process in a precision, one object for each; adds it to `_used`."""
+    """Return the wisdom of this process in a precision, "float32" or "float64".
+
+    The same object at every call; the first one adds the precision to `_used`.
+    """
     _used.append(name)
     return _Wisdom(name)
 

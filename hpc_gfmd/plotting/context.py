@@ -33,6 +33,8 @@ class FigureContext:
     ----------
     result : Result
         With the chosen load steps only.
+    dpi, name
+        As given.
     pull_off : dict or None
         The last load step before the surfaces separate, chosen or not; None if they do not.
     left_out : int
@@ -81,7 +83,7 @@ class FigureContext:
         self.lengths = self.units.of("length", [x1 - x0, y1 - y0])
 
     def name_of(self, k: int) -> str:
-        """Return the label of the k-th chosen step: number, load, and a mark if not converged."""
+        """Return the label of result.steps[k]: number, load, and a mark if not converged."""
         step = self.result.steps[k]
         name = f"step {self.result.indices[k]}"
         pressures = self.units.of("pressure", [step.get("p")])

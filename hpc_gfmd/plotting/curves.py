@@ -32,7 +32,7 @@ def curves(contexts: Sequence[FigureContext], names: list[str]) -> Page:
         One for each result.
     names : list of str
         Numbers of a load, by their names in the result file. kappa is left out if p* has no meaning
-        for a surface and there are others.
+        for one of the surfaces, unless it is the only name.
 
     Returns
     -------
@@ -157,7 +157,8 @@ def _mean_and_scatter(
 ) -> None:
     """Draw the mean of many results on axes, with a band of one standard deviation.
 
-    If the results have different loads all are drawn as points of one colour instead.
+    Loads without a value that can be shown are left out; at least one result must have one. If the
+    results that have any differ in their loads, all are drawn as points of one colour instead.
     """
     rows = [
         [
@@ -195,9 +196,9 @@ def _mean_and_scatter(
 
 
 def _tight(ax: Any, contexts: list[FigureContext], key: str, loads: LoadAxis) -> None:
-    """Shade the loads from which on no result has an open channel.
+    """Shade the loads from which on no result has an open channel: their critical gap is 0.
 
-    Critical gaps of 0 do not show on a logarithmic axis. The right limit of the axis stays.
+    Such gaps would not show on a logarithmic axis. The right limit of the axis stays.
     """
     steps = sorted((step for context in contexts for step in context.result.steps), key=loads.of)
     open_loads = [k for k, step in enumerate(steps) if not is_tight(key, step)]

@@ -14,7 +14,8 @@ from .survey import histogram
 from .units import label
 
 DECADES = 5  # of the gap, below the largest one; smaller ones are rounding
-NAMES = {  # symbol, title, how many of the smallest count a bin has at least, power of the unit
+# symbol, title, least share of a bin (over the smallest that is not 0), power of the unit
+NAMES = {
     "pressure": ("p", "pressure in the contact", 4, 1),
     "gap": ("g", "gap outside", 4, 1),
     "patches": ("A", "contact patches", 1, 2),

@@ -93,11 +93,12 @@ def plot(
         Solved loads, or the path of a result file. Several, as a list or as a dict with names for
         the legend, can only be drawn as curves.
     what : str, optional
-        "maps" (pressure and gap), one of these, "contact", "heights", "displacement", "plastic";
-        "distributions", "spectra"; "curves" against the load, or one of them: "a_r", "kappa",
-        "gap_mean", "approach", or any other number of the loads, as "conductance" or
-        "critical_gap_x". Default: the first of these that the result has. Curves of more than six
-        results show the mean and the standard deviation.
+        "maps" (pressure and gap), or a single map: "pressure", "gap", "contact", "heights",
+        "displacement", "plastic"; "distributions"; "spectra"; "curves" against the load, or a
+        single curve: "a_r", "kappa", "gap_mean", "approach", or any other number of the loads, such
+        as "conductance" or "critical_gap_x". Default: the first that the result has of maps,
+        distributions, spectra, curves, and single maps and curves. Curves of more than six results
+        show the mean and the standard deviation.
     step : int or list of int, optional
         Numbers of the load steps to draw. Default: all for curves, otherwise at most four, the
         first and the last among them.
@@ -169,9 +170,10 @@ def plot(
 
 
 def _can_draw(what: Any, results: Mapping[str, Result], step: Any) -> bool:
-    """Whether every result has a load step for this picture, and several may share it.
+    """Whether every result has a load step for the picture `what`; of several, only curves.
 
-    Raises SceneError if step names load steps that a result does not have.
+    False if `what` is not a text. Raises SceneError if step names load steps that a result does not
+    have.
     """
     if not isinstance(what, str) or not (len(results) == 1 or kind_of(what).over_loads):
         return False

@@ -123,7 +123,7 @@ def relative_error(quantity: PlottedQuantity, step: Mapping[str, Any]) -> float:
     Returns
     -------
     float
-        Root of the summed squares; 0 if the quantity has no errors.
+        Root of the summed squares; an error that the load step lacks counts as 0.
     """
     return hypot(*(step.get(error) or 0.0 for error in quantity.errors))
 

@@ -60,7 +60,7 @@ class Picture(Figure):
         Parameters
         ----------
         *args, **how
-            As of matplotlib's Figure.savefig.
+            What matplotlib's Figure.savefig takes.
         """
         with styled():
             super().savefig(*args, **how)
@@ -184,7 +184,7 @@ def legend(fig: Any, loc: str, columns: int = 1) -> None:
     ----------
     fig : matplotlib.figure.Figure
     loc : str
-        Position of the legend, as of matplotlib.
+        Position of the legend, as matplotlib takes it.
     columns : int
         Number of columns.
     """

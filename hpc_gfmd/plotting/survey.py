@@ -19,7 +19,7 @@ class Survey:
 
     Attributes
     ----------
-    means : dict of str to ndarray
+    means : dict of str to ndarray, shape (pixels along x, along y)
         Mean of each field over each pixel; of the pressure, the mean over touching points (0 if
         there are none). "contact": share of points that touch, if pressure or gap are known.
         "yielded": share of the touching points whose pressure is the hardness, if there is one.

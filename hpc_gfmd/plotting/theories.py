@@ -1,7 +1,8 @@
 """Theories to draw beside results.
 
 Persson's theory for self-affine surfaces, Hertz' for spheres and cylinders, Westergaard's for
-waves.
+waves. An argument `surface` is the [surface] of a scene; p is a mean pressure, x a local one, both
+in the unit of the result.
 """
 
 from collections.abc import Callable
@@ -32,7 +33,7 @@ class Theory:
         Functions of the mean pressure, by the names of the numbers of a load that they predict.
     density : callable or None
         density(x, p) is the density of the local pressure x > 0 at the mean pressure p; its
-        integral is the contact area.
+        integral over x is the relative contact area.
     height : Scale or None
         Scale of heights if these have no unit; None: h_rms.
     sources : tuple of str
@@ -129,7 +130,7 @@ def _persson(surface: Any, unit: float, attributes: Any) -> Theory:
 
 
 def _yielding(E_star: float, hardness: float, slope: float) -> Theory:
-    """Return Persson's theory of a surface with a hardness; slope: g_rms. It has no gap."""
+    """Return Persson's theory of a surface with a hardness, without a gap curve; slope: g_rms."""
 
     def density(x: Any, p: Any) -> np.ndarray:
         return yielding.pressure_distribution(x, p, hardness, slope, E_star)

@@ -20,7 +20,7 @@ def finite(value: Any) -> bool:
 
 
 def tex_number(x: float, form: str = ".3g") -> str:
-    """Write a number in TeX, with an exponent as a power of ten.
+    """Return a number as TeX, with an exponent as a power of ten.
 
     Parameters
     ----------

@@ -17,7 +17,8 @@ ADVICE = "use more machines, fewer points or single precision"
 def require_memory(comm: Comm, scene: Scene, grid: Grid, threads: int) -> None:
     """Raise SceneError on all ranks if a scene needs more memory than some machine has.
 
-    Collective. Nothing is allocated.
+    Collective. Nothing is allocated. The memory is that of `memory_of`, in the lowest precision in
+    which the scene may run.
 
     Parameters
     ----------
@@ -33,8 +34,8 @@ def require_memory(comm: Comm, scene: Scene, grid: Grid, threads: int) -> None:
     Raises
     ------
     SceneError
-        With the memory that is needed and that is available: the scene's machine.memory_gib, or
-        what is free now; or the limit of a process (ulimit -v).
+        If a rank needs more than its process may still take (ulimit -v), or the ranks of a machine
+        together need more than machine.memory_gib of the scene (default: what is free there now).
     """
     single = memory_of(scene, grid.n, 4, comm.size, threads)
     double = memory_of(scene, grid.n, 8, comm.size, threads)

@@ -88,7 +88,7 @@ class Share:
         """(steps, levels) of the preconditioner.
 
         The steps are those to the distributed levels and the first one to a level that is not
-        distributed. The levels are all of them.
+        distributed. The levels are all of them, the grid itself first.
         """
         return steps_of(self.grid, self.dtype)
 
@@ -160,6 +160,7 @@ def share_of(
     ranks: int,
     rank: int = 0,
     nominal: Sequence[int] | None = None,
+    sizes: Sequence[float] | None = None,
     nested: bool = True,
     per_node: int = 1,
 ) -> Share:
@@ -175,6 +176,9 @@ def share_of(
         Number of ranks, and the number of this rank.
     nominal : (int, int), optional
         Points of the surface; by default all.
+    sizes : (float, float), optional
+        Lengths of the grid, which decide the axes that a coarser level halves. By default points
+        are square.
     nested : bool
         Whether the load is solved on coarser grids first.
     per_node : int
@@ -187,7 +191,8 @@ def share_of(
         That of this rank.
     """
     comm: Any = DryRunComm(rank, ranks, np.arange(ranks) // per_node)
-    return Share(Grid(n, (1.0, 1.0), comm, nominal=nominal), np.dtype(dtype), nested)
+    lengths = tuple(map(float, sizes or n))
+    return Share(Grid(n, lengths, comm, nominal=nominal), np.dtype(dtype), nested)
 
 
 def busiest(
@@ -209,7 +214,7 @@ def busiest(
     per_node : int
         Ranks on each node.
     **options
-        nominal and nested, as for `share_of`.
+        nominal, sizes and nested, as for `share_of`.
 
     Returns
     -------

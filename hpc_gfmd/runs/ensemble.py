@@ -31,8 +31,8 @@ class Ensemble:
 
     Parameters
     ----------
-    results : iterable of Solutions or path
-        What `solve_many` yields, or result files; at least two.
+    results : iterable of Solutions, Solution or path
+        What `solve_many` or `solve` returned, or result files; at least two.
 
     Attributes
     ----------
@@ -90,18 +90,23 @@ class Ensemble:
     def values(self, name: str) -> np.ndarray:
         """Return a number of all loads of all results, shape (results, loads).
 
-        nan for a load without a value.
+        nan for a load without a value. It is computed where a result does not have it, as by
+        `Solution.value`.
         """
         return np.array([result.values(name) for result in self.results], dtype=float)
 
     def mean(self, name: str) -> np.ndarray:
-        """Return the mean of a number over the results, shape (loads,); nan if one has no value."""
+        """Return the mean of a number over the results, shape (loads,).
+
+        nan for a load at which one of the results has no value.
+        """
         return self.values(name).mean(axis=0)
 
     def std(self, name: str) -> np.ndarray:
-        """Return the standard deviation of a number over the results, shape (loads,).
+        """Return the sample standard deviation of a number over the results, shape (loads,).
 
-        nan if one has no value. It is the sample's, with n - 1.
+        It divides by the number of results less 1. nan for a load at which one of them has no
+        value.
         """
         return self.values(name).std(axis=0, ddof=1)
 
@@ -123,8 +128,8 @@ class Ensemble:
     def to_dataframe(self) -> DataFrame:
         """Return a pandas table with a row for each load.
 
-        For each number NAME it has the columns NAME (the mean) and NAME_std (the standard
-        deviation). `attrs["units"]` holds {column: unit}.
+        For `load` and each number NAME of `names` it has the columns NAME (the mean) and NAME_std
+        (the standard deviation). `attrs["units"]` holds {column: unit}.
         """
         from pandas import DataFrame
 
@@ -203,7 +208,8 @@ class Ensemble:
 def _solutions(result: Any, number: int) -> Solutions:
     """Return the Solutions of one member of an ensemble, read from its file if it is a path.
 
-    `number` is its place, from 1. Raises SceneError for an exception in its place.
+    `number` is its place, from 1, for messages. Raises SceneError if the result is an exception
+    (which `solve_many` yields for a surface that it could not solve), or as `load`.
     """
     if isinstance(result, Exception):
         raise SceneError(f"ensemble: result {number} is an error ({result}), allowed: solutions")

@@ -130,7 +130,10 @@ class Surfaces:
     setup_seconds: float | None = None
 
     def __call__(self, dtype: np.dtype) -> Surface:
-        """Return the surface in a precision, a kept one if there is one. Collective."""
+        """Return the surface in a precision, a kept one if there is one. Collective.
+
+        Sets `checksum` and, at first, `setup_seconds`. Only a surface from a file has its checksum.
+        """
         if self.ready is not None and dtype in self.ready:
             surface = self._with_grid_of_this_thread(self.ready[dtype])
         else:
@@ -230,7 +233,8 @@ def solve_loads(
 ) -> SolvedLoads:
     """Solve all loads of a scene.
 
-    Collective. On one process a line on standard error tells if kernels are compiled.
+    Collective. On one process a line on standard error tells if kernels are compiled. At the end
+    the transforms on the grids of kept contacts are freed.
 
     Parameters
     ----------

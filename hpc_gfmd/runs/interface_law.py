@@ -18,7 +18,7 @@ from ..util.errors import SceneError
 from ..util.quantities import Quantity, parse
 from .law_samplers import Steps, sampler_of
 
-Sampler = Callable[[list[float]], list[Steps]]  # of pressures, for each surface
+Sampler = Callable[[list[float]], list[Steps]]  # takes pressures, returns the loads of each surface
 
 
 def interface_law(
@@ -55,7 +55,8 @@ def interface_law(
         For scenes; default: all processes that the launcher started.
     **keys
         For surfaces that are no scenes: other arguments of `solve`, such as E_star and accuracy
-        (default: a tenth of `error`).
+        (default: a tenth of `error`, unless `residual` is given). A scene has its own accuracy,
+        which becomes a tenth of `error` if it is coarser, or its residual.
 
     Returns
     -------
@@ -107,6 +108,10 @@ class _Curves:
 
     Attributes
     ----------
+    quantities : sequence of str
+        Numbers of a load that the law is of.
+    error : float
+        Largest deviation that is accepted, relative.
     steps : dict of float to list of dict
         Attributes of the load of each surface, by pressure.
     deviations : dict of float to dict of str to float
@@ -152,8 +157,11 @@ class _Curves:
     ) -> bool:
         """Whether an interval needs no further load, judged by the solved load in its middle.
 
-        True if the load deviates little enough from `predicted`, the values that the law had there
-        without it, or if the interval is short. The deviations are stored in `deviations`.
+        True if all quantities deviate little enough from `predicted`, the values that the law had
+        there without this load, and none of them is 0 at one end of the interval and positive at
+        the other; always true for an interval that is shorter than `error` in the logarithm of the
+        pressure. A quantity without a value in the middle does not count. The deviations are stored
+        in `deviations`: inf where only the load has a value, not the law.
         """
         deviations = {}
         accepted = True
@@ -184,8 +192,8 @@ class _Curves:
     def law(self, facts: Mapping[str, Any]) -> InterfaceLaw:
         """Return the law from all solved loads.
 
-        A quantity without any value is left out. Its `about` tells that, and which loads did not
-        converge. `facts` are those of the sampler.
+        A quantity without any value is left out. Its `about` tells that and, for each status other
+        than "converged", the highest pressure with it. `facts` are those of the sampler.
         """
         pressures = sorted(self.steps)
         about = list(facts["about"])
@@ -216,8 +224,8 @@ class _Curves:
     def _errors(self, name: str, pressures: Sequence[float]) -> np.ndarray:
         """Return the relative error of a quantity at each pressure, shape (pressures,).
 
-        It is the load's own estimated error plus the larger deviation of the intervals on both
-        sides.
+        It is the load's own estimated error plus that of the interpolation: the larger of its
+        `deviations` at the nearest pressures not above and not below this one, at most 1.
         """
         checked = [p for p in pressures if name in self.deviations.get(p, ())]
         errors = []
@@ -248,7 +256,7 @@ def _scatter(name: str, steps: Steps) -> float:
 
 
 def _estimated_error(name: str, steps: Steps) -> float:
-    """Return the largest estimated relative error of a quantity over the surfaces."""
+    """Return the largest estimated relative error of a quantity over the surfaces at one load."""
     return max(_relative_error(name, step) for step in steps)
 
 

@@ -83,7 +83,8 @@ class HeightSampler:
     quantities : sequence of str
         Numbers to compute for each load.
     error : float
-        Error of the law; that of each load is ACCURACY_SHARE of it.
+        Error of the law. The accuracy of the loads is ACCURACY_SHARE of it unless `keys` has
+        accuracy or residual.
     keys : mapping
         Further arguments of `solve`.
     progress : bool
@@ -120,10 +121,11 @@ class HeightSampler:
         return sampled
 
     def facts(self) -> dict[str, Any]:
-        """Return what the law tells of its surfaces; only after the first loads.
+        """Return what the law tells of its surfaces; only after the first loads were solved.
 
         A dict with "surface" (attributes of the first one), "pressure_unit", "gap_at_touch" (mean
-        over the surfaces) and "about" (lines).
+        gap when the highest point just touches, in the unit of the heights, averaged over the
+        surfaces) and "about" (lines of text).
         """
         heights = [s.heights if isinstance(s, PreparedSurface) else s for s in self.surfaces]
         return {
@@ -140,7 +142,8 @@ class SceneSampler:
     Parameters
     ----------
     scenes : sequence of path or Scene
-        Their [load] and [output] are ignored.
+        Their [load] and [output] are ignored. An accuracy that is coarser than ACCURACY_SHARE of
+        `error` is refined to that.
     quantities, error, progress
         As for HeightSampler.
     realisations : int
@@ -182,8 +185,8 @@ class SceneSampler:
     def _solve(self, number: int, scene: Scene, pressures: Pressures) -> Steps:
         """Solve one scene at some pressures and return the attributes of its loads in their order.
 
-        `number` is its place among the scenes. At the first call its mean gap at touch is stored.
-        Collective.
+        `number` is its place among the scenes. At the first call the mean gap when its highest
+        point just touches is stored in `gaps`. Collective.
         """
         tables = tomllib.loads(scene.to_toml())
         tables["load"] = {"pressure": list(pressures)}
@@ -215,7 +218,10 @@ class SceneSampler:
         ]
 
     def facts(self) -> dict[str, Any]:
-        """Return what the law tells of its surfaces, as HeightSampler.facts. Not collective."""
+        """Return what the law tells of its surfaces, as HeightSampler.facts. Not collective.
+
+        "about" begins with the first title that a scene has.
+        """
         titles = [scene.title for scene in self.scenes if scene.title]
         return {
             "surface": self.surface,
@@ -228,8 +234,8 @@ class SceneSampler:
 def _realisations(scene: str | PathLike | Scene, realisations: int) -> list[Scene]:
     """Return copies of a scene with the seeds seed, seed + 1, ..., as many as `realisations`.
 
-    1: only the scene itself. It is read if it is a path. Raises SceneError if more are requested of
-    a surface without a seed.
+    1: only the scene itself. It is read if it is a path. Raises SceneError for any number but 1 of
+    a surface without a seed, and for less than 1.
     """
     original = scene if isinstance(scene, Scene) else load_scene(scene)
     if realisations == 1:

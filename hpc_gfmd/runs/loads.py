@@ -86,7 +86,8 @@ def sweep_of(scene: Scene, make_surface: Callable[[np.dtype], Surface]) -> Sweep
     scene : Scene
         What is solved.
     make_surface : callable
-        ``make_surface(dtype)`` returns its surface in a precision.
+        ``make_surface(dtype)`` returns its surface in a precision; collective. The sweep calls it
+        again later if a load needs another precision.
 
     Returns
     -------
@@ -116,7 +117,10 @@ def sweep_of(scene: Scene, make_surface: Callable[[np.dtype], Surface]) -> Sweep
 
 
 def _require_consistent_units(scene: Scene, surface: Surface) -> None:
-    """Raise SceneError if a length or force has a unit and the height map none, or vice versa."""
+    """Raise SceneError if a length or force has a unit and the height map none, or vice versa.
+
+    Only a surface from a file is checked, and only numbers other than 0.
+    """
     lengths_and_forces = {
         "material.thickness": (scene.material.thickness, "2 um"),
         "load.gap_mean": (scene.load.gap_mean, "50 nm"),
@@ -157,7 +161,8 @@ def surface_attributes(scene: Scene, surface: Surface) -> dict[str, Any]:
     Returns
     -------
     dict
-        Numbers, lists and texts by name; empty texts are left out.
+        Numbers, lists and texts by name; empty texts are left out. Of a surface without a spectrum
+        eps_t, eps_f and eps_c are nan; of one without a seed "seed" is -1.
     """
     spec = scene.surface
     attributes = {
@@ -188,7 +193,8 @@ def solved(
 ) -> Iterator[tuple[int, Contact, float]]:
     """Solve loads one after the other and yield each; the next one is solved when it is requested.
 
-    Collective. All runs use this loop.
+    Collective. All runs use this loop. On the retraction branch the loads before the first of
+    `indices` are solved, too, if it needs their solution; they are not yielded.
 
     Parameters
     ----------
@@ -244,10 +250,10 @@ def _solve_loads_before(
     index: int,
     unfinished_of: Callable[[int], tuple[Unfinished, float] | None],
 ) -> None:
-    """Solve the loads before `index` again if a resumed load needs their solution. Collective.
+    """Solve the loads before `index` if load `index` has to start from their solution. Collective.
 
-    It does on the retraction branch, unless its own state was stored. Their results are not used
-    otherwise.
+    It has to on the retraction branch, unless `unfinished_of` returns its own stored state. Nothing
+    is returned: the solutions only remain in the sweep.
     """
     if scene.load.branch == RETRACTION and unfinished_of(index) is None:
         for load in loads[:index]:
@@ -273,7 +279,8 @@ def _target(load: LoadTable, index: int) -> dict[str, float]:
 def step_attributes(scene: Scene, index: int, contact: Contact, seconds: float) -> dict[str, Any]:
     """Return the attributes of a solved load, by the names of the result file.
 
-    Collective. It computes the observables and distributions that the scene requests.
+    Collective. It computes the default observables, and the observables and distributions that the
+    scene requests.
 
     Parameters
     ----------
@@ -289,7 +296,8 @@ def step_attributes(scene: Scene, index: int, contact: Contact, seconds: float) 
     Returns
     -------
     dict
-        Numbers, lists and texts by name; None for an observable without a value.
+        Numbers, lists and texts by name. An observable without a value is None; a distribution to
+        which no point contributes is left out.
     """
     observables = observables_named([*default_observables(), *(scene.output.observables or ())])
     numbers = {name: observable(contact) for name, observable in observables.items()}
@@ -319,5 +327,5 @@ def step_attributes(scene: Scene, index: int, contact: Contact, seconds: float) 
 
 
 def worst_status(steps: Sequence[dict]) -> str:
-    """Return the worst status of the load steps with these attributes (STATUS_ORDER)."""
+    """Return the worst status (STATUS_ORDER) of load steps, at least one, from their attributes."""
     return max((step["status"] for step in steps), key=STATUS_ORDER.index)

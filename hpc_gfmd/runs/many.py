@@ -162,7 +162,15 @@ def _solutions(
 
 
 class _Worker:
-    """A process that solves one surface after another; if it has died, `solve` starts a new one."""
+    """A process that solves one surface after another; if it has died, `solve` starts a new one.
+
+    Attributes
+    ----------
+    process : subprocess.Popen
+        The process, which runs `serve`.
+    connection : Connection
+        This end of the pipe to it.
+    """
 
     def __init__(self) -> None:
         self.start()
@@ -183,9 +191,10 @@ class _Worker:
     def solve(self, surface: Any, arguments: dict[str, Any]) -> Outcome:
         """Let the process solve a surface; return (Solutions or an exception, warnings).
 
-        Starts the process again if it has died. Never raises: the exception is the one that `solve`
-        raised in the process, or one that tells that the process died or the surface cannot be
-        pickled.
+        `arguments` are those of `runs.solve.solve`. Waits for the outcome; one thread at a time may
+        call this. Starts the process again if it has died. Raises no Exception: it is returned, be
+        it the one that `solve` raised in the process, one that tells that the process died, or one
+        of pickling the surface.
         """
         if self.process.poll() is not None:
             self.start()

@@ -49,6 +49,7 @@ def plan_of(
         Numbers by the names that `hpc-gfmd plan --json` prints; memory in GiB, times in seconds.
     """
     cell = cell_of(n, scene.surface.free, sizes)
+    cell_sizes = tuple(size * m / k for size, m, k in zip(sizes, cell, n))
     dtype_at_first = first_precision(scene.solver)
     dtypes = precisions(scene, n)  # None: unknown before the run
     dtype = np.dtype(np.float64) if np.float64 in dtypes else dtype_at_first
@@ -63,7 +64,7 @@ def plan_of(
         "threads": threads,
         "notes": scene.warnings(),
     }
-    plan |= _decomposition(scene, n, cell, dtype, ranks, per_node)
+    plan |= _decomposition(scene, n, cell, cell_sizes, dtype, ranks, per_node)
     plan |= _memory(scene, cell, dtype.itemsize, ranks, per_node, threads)
     plan |= _files(scene, n, cell, dtype.itemsize)
     pairs = expected_pairs(scene)
@@ -85,13 +86,17 @@ def _decomposition(
     scene: Scene,
     n: tuple[int, int],
     cell: tuple[int, int],
+    cell_sizes: tuple[float, ...],
     dtype: np.dtype,
     ranks: int,
     per_node: int,
 ) -> dict[str, Any]:
-    """Return the points and messages of the ranks by name; of any rank the most."""
+    """Return the decomposition by name: numbers of idle ranks, points, columns and messages.
+
+    Points, columns and messages are each those of the rank that has most of them.
+    """
     nested = scene.solver.nested is not False
-    shares = busiest(cell, dtype, ranks, per_node, nominal=n, nested=nested)
+    shares = busiest(cell, dtype, ranks, per_node, nominal=n, sizes=cell_sizes, nested=nested)
     nbytes, messages = np.max([share.traffic for share in shares], axis=0).tolist()
     return {
         "idle_ranks": max(0, ranks - cell[0]),
@@ -201,6 +206,6 @@ def counted(number: int, noun: str) -> str:
 
 
 def duration(seconds: float) -> str:
-    """Return seconds as text with two digits and no power of ten: 0.35 s, 110 s, 12000 s."""
+    """Return seconds as text: two significant digits, no power of ten: 0.35 s, 110 s, 12000 s."""
     digits = 1 - int(np.floor(np.log10(max(seconds, 1e-3))))
     return f"{round(seconds, digits):.{max(digits, 0)}f} s"

@@ -14,9 +14,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Source:
-    """The table [surface] that a PreparedSurface was made from, and what it was then.
+    """The table [surface] that a PreparedSurface was made from, and its attributes at that time.
 
-    `PreparedSurface.table` compares these to find out whether the surface was changed since.
+    `PreparedSurface.table` compares the attributes to find out whether the surface was changed
+    since.
 
     Attributes
     ----------
@@ -26,7 +27,7 @@ class Source:
     sizes : (L_x, L_y)
     unit : str
     free : (bool, bool)
-        As of the PreparedSurface that was made.
+        The attributes of the PreparedSurface that was made.
     """
 
     table: dict[str, Any]
@@ -80,7 +81,7 @@ class PreparedSurface:
         return source.table if is_same else None
 
     def from_table(self, table: dict[str, Any]) -> "PreparedSurface":
-        """Return a copy that remembers the scene's [surface] it was made from."""
+        """Return a copy that remembers the keys `table` of the scene's [surface] it is from."""
         source = Source(table, self.heights, self.sizes, self.unit, self.free)
         return replace(self, source=source)
 

@@ -98,6 +98,8 @@ class Reporter:
     def watch(self, iterations: int, progress: Progress) -> None:
         """Report on the load after an iteration: move the bar, or print a line every LINE_SECONDS.
 
+        `step` must have been called for this load.
+
         Parameters
         ----------
         iterations : int
@@ -122,9 +124,10 @@ class Reporter:
             self.say(f"{self.name}: {text}, {now - self.begin_time:.0f} s")
 
     def _draw(self, error: float, text: str) -> None:
-        """Set the bar to the share of the decades of the error that are done, and its text.
+        """Move the bar after an iteration that left this error, and show a text beside it.
 
-        The share never falls. May raise OSError or ValueError.
+        The bar shows which share of the decades from the first error to the required one is done;
+        it never falls back. There must be a bar. Raises OSError or ValueError if the stream fails.
         """
         wanted = self.target.tolerance
         if 0 < error < math.inf:

@@ -19,8 +19,12 @@ ROUNDING = 1e-6  # relative, of stored pressures
 def restored_contact(result: Result) -> Contact:
     """Return the Contact of a Result with one load, from its fields, on one process.
 
-    The displacement energy, the approach and the duality gap cannot be restored and are nan or
-    None. Fields are read from the file. Raises SceneError if the pressure or the gap is missing.
+    Fields are read whole. Without stored heights `surface.h` is None. Of the certificate only the
+    numbers of points in contact and yielded, the mean gap, the attraction and the stability are
+    restored. All else in it is not of this load: energy, approach and errors are nan, the duality
+    gap is None, the violations are 0; nor are the numbers of iterations and FFT pairs.
+
+    Raises SceneError if the pressure or the gap is missing, or if the stored scene is not valid.
     """
     step = result.steps[0]
     stored = result.fields[0]

@@ -43,13 +43,14 @@ class RunResult:
     Attributes
     ----------
     path : Path
-        The result file; it does not exist if the run was interrupted.
+        The result file, which is written when all loads are finished.
     steps : list of dict
         Attributes of all finished loads, by the names of the result file.
     status : str
         The worst status of the loads; "interrupted" if some are missing.
     exit_code : int
-        Exit code for the command line.
+        Exit code for the command line: 0 if every load is converged or separated; that of the
+        interruption if the run was interrupted; otherwise 3.
     """
 
     path: Path
@@ -68,9 +69,9 @@ def run_scene(
 ) -> RunResult:
     """Solve a scene and write its result file, as `hpc-gfmd run` does. Collective.
 
-    If an interrupted run of the same scene lies at its output, it is continued. While it runs,
-    signals to stop (SIGINT, SIGTERM, ...) are handled: the run stops after the current iteration,
-    and what is finished is kept.
+    If an interrupted run of the same scene lies at its output, it is continued. On a signal to stop
+    (SIGINT, SIGTERM, ...), or when machine.wall_seconds are over, the run stops after the current
+    iteration, and what is finished is kept.
 
     Parameters
     ----------
@@ -148,7 +149,10 @@ def run_scene(
 
 @dataclass(eq=False)
 class _Run:
-    """The loads of one run: those that are missing are solved and written at once."""
+    """The loads of one run: each that is missing is solved, and written as soon as it is finished.
+
+    `start` has to be called first: it sets `loads` and makes the attributes `sweep` and `table`.
+    """
 
     comm: Comm
     scene: Scene
@@ -212,7 +216,7 @@ class _Run:
             )
 
     def all_loads(self) -> str:
-        """Solve the missing loads, write the result file and the table; return the worst status.
+        """Solve the missing loads, write the result file, print the table; return the worst status.
 
         Collective. Raises Stopped if the run has to stop before all loads are finished.
         """

@@ -55,7 +55,8 @@ class Solution(Solved):
     Every number of the result is an attribute of its name: `hpc-gfmd help observables` lists them.
     Pressures are in the unit of E_star (Pa if `pressure_unit` is "Pa"), lengths in that of the
     heights (m if `unit` is "m"). Fields have the shape of the heights, (n_x, n_y); with a
-    communicator they are the rows of this rank, `rows`.
+    communicator they are the rows of this rank, `rows`. Reading a field that was not kept raises
+    SceneError, unless it follows from those that were.
 
     Attributes
     ----------
@@ -171,14 +172,18 @@ class Solution(Solved):
 
     @property
     def contact(self) -> np.ndarray:
-        """Mask of the points in contact, (n_x, n_y) of bool: pressure > 0."""
+        """Mask of the points in contact, (n_x, n_y) of bool: pressure > 0.
+
+        Raises SceneError if the pressure was not kept.
+        """
         return self.pressure > 0
 
     def value(self, name: str) -> Any:
         """Return a number, text or list by its name in the result file.
 
-        An observable that the result does not have is computed, see `observable`; None if it has no
-        value. Raises SceneError for an unknown name.
+        An observable that the result does not have is computed by `observable`, which is
+        collective; None if it has no value. Raises SceneError for an unknown name, and as
+        `observable`.
         """
         return self._step[name] if name in self._step else self.observable(name)
 
@@ -189,8 +194,9 @@ class Solution(Solved):
 
         For a name such as "stiffness" the number, or None if it has no value; for a name that
         stands for several, such as "percolation", a dict. `name` is one that output.observables of
-        a scene may have. Raises SceneError for an unknown name, and if the stored fields do not
-        suffice to compute it.
+        a scene may have. Raises SceneError for an unknown name. For a result without a contact in
+        memory it also raises it for energy, approach and error bounds, which fields do not tell,
+        and for any other observable unless pressure and gap were stored.
         """
         require_known("observable", name, observable_names())
         members = observables_named([name])
@@ -211,8 +217,12 @@ class Solution(Solved):
 
         `name` is one that output.distributions of a scene may have. "pressure", "gap", "patches":
         {"edges": (k + 1,), "density": (k,)}; "heights_spectrum": {"q", "power"}; ... with their
-        `units`. None if no point contributes. Raises SceneError as `observable`, and if it needs a
-        periodic surface.
+        `units`. None if no point contributes.
+
+        Raises SceneError for an unknown name. If it has to be computed, it also raises it for a
+        spectrum or autocorrelation of a surface with free edges or, with a name that begins with
+        "heights", without heights, and for a result without a contact in memory unless pressure and
+        gap were stored.
         """
         require_known("distribution", name, all_distributions())
         if not self._stored_distribution(name):
@@ -229,12 +239,12 @@ class Solution(Solved):
 
     @property
     def observables(self) -> dict[str, float | None]:
-        """{name: value} of the observables known so far; `observable` computes others."""
+        """{name: value} of the observables of the result and of those computed since."""
         return {name: self._step[name] for name in all_observables() if name in self._step}
 
     @property
     def distributions(self) -> dict[str, StoredDistribution]:
-        """{name: arrays} of the distributions known so far; `distribution` computes others."""
+        """{name: arrays} of the distributions of the result and of those computed since."""
         return {
             name: distribution
             for name in all_distributions()
@@ -246,7 +256,7 @@ class Solution(Solved):
 
         Columns: area, load (the force that it carries), x and y (its centre), perimeter, periodic
         (whether it continues across an edge of the cell). `attrs["units"]` holds {column: unit}.
-        Raises SceneError if the fields are spread over ranks, or pressure and gap are missing.
+        Raises SceneError if the fields are spread over ranks, or if pressure or gap was not stored.
         """
         from pandas import DataFrame
 
@@ -288,9 +298,9 @@ class Solution(Solved):
 
     @cached_property
     def _whole_contact(self) -> "Contact":
-        """The contact in memory, or one restored from the stored fields.
+        """The contact in memory, or one restored from the stored fields (`restored_contact`).
 
-        Raises SceneError if the pressure or the gap was not stored.
+        Raises SceneError if it has to be restored and the pressure or the gap was not stored.
         """
         from .restored import restored_contact
 

@@ -29,7 +29,7 @@ class Solutions(Solved, Sequence[Solution]):
     ----------
     p, p_star, a_r, a_r_error, a_r_discretisation, contact_area, contact_pressure_mean,
     contact_pressure_max, gap_mean, gap_error, pressure_error, fft_pairs : ndarray, shape (loads,)
-        As of a Solution; nan for a load without a value.
+        The numbers of that name of each Solution; nan for a load without a value.
     result : output.result.Result
         All numbers and fields, by the names of the result file.
     """
@@ -81,6 +81,7 @@ class Solutions(Solved, Sequence[Solution]):
     @overload
     def __getitem__(self, index: slice) -> "Solutions": ...
     def __getitem__(self, index: int | slice) -> "Solution | Solutions":
+        """Return the solution of one load, or for a slice a Solutions that shares its loads."""
         if not isinstance(index, slice):
             return self._all[index]
         chosen = Solutions(self.result.some(index), self.rows, self.comm)
@@ -115,6 +116,7 @@ class Solutions(Solved, Sequence[Solution]):
         """Return a number of all loads, shape (loads,), by its name in the result file.
 
         Observables that the result does not have are computed. nan for a load without a value.
+        Collective and raises SceneError as `Solution.value`.
         """
         of_loads = [solution.value(name) for solution in self]
         return np.array([np.nan if value is None else value for value in of_loads])

@@ -32,7 +32,8 @@ if TYPE_CHECKING:
 class Solved:
     """Common base of Solution and Solutions.
 
-    Numbers of the result are attributes: a name that is none of its own is looked up there.
+    Numbers of the result are attributes: a name that the class does not define is looked up among
+    them.
 
     Parameters
     ----------
@@ -44,7 +45,7 @@ class Solved:
         The ranks that share the fields; default: this process alone.
     """
 
-    _picture: str | None = None
+    _picture: str | None = None  # what `plot` draws by default; None: the first that is possible
     _get: Callable[[str], Any]  # a number by its name
 
     def __init__(self, result: Result, rows: tuple[int, int] | None = None, comm: Any = None):
@@ -228,7 +229,8 @@ class Solved:
         Raises
         ------
         SceneError
-            For numbers out of range, and if neither the gap nor the critical gap was stored.
+            For numbers out of range, and if the result has no critical gap and lacks pressure or
+            gap to compute it.
         """
         from ..theory.leak import leak_rate
 
@@ -264,8 +266,8 @@ class Solved:
     def to_xarray(self) -> "Dataset":
         """Return an xarray Dataset of numbers (load), fields (load, x, y) and heights (x, y).
 
-        Units and meanings are attributes. Fields are read. Raises GfmdError without xarray, and
-        SceneError if the fields are spread over ranks.
+        It has the fields that all loads have, which are read. Units and meanings are attributes.
+        Raises GfmdError without xarray, and SceneError if the fields are spread over ranks.
         """
         try:
             from xarray import Dataset

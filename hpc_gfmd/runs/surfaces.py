@@ -142,8 +142,10 @@ def combine_surfaces(
 ) -> PreparedSurface:
     """Add two rough surfaces that face each other to a single one, on one process.
 
-    The grid is that of the finer one, within the window that both cover. The coarser one is
-    interpolated by cubic splines.
+    Along each axis the points of the sum are those of the finer surface (of `surface` if both are
+    equally fine); the other one is interpolated there by cubic splines. Along a periodic axis two
+    surfaces of equal length are added over the whole period, and the shift wraps around. Along any
+    other axis they are added where they overlap.
 
     Parameters
     ----------
@@ -151,19 +153,21 @@ def combine_surfaces(
         Each a PreparedSurface, a Topography of SurfaceTopography, or the path of a height map;
         peaks up.
     shift : (x, y)
-        Where the first corner of `facing` lies, relative to that of `surface`: lengths such as "5
-        um", or numbers in the unit of the sizes.
+        Where the first corner of `facing`, after it was mirrored, lies relative to that of
+        `surface`: lengths such as "5 um", or numbers in the unit of the sizes.
     mirrored : str
-        Axis along which `facing` is mirrored, "x" or "y": as a scan from above is when its body is
-        turned over to face the other. "none" if x and y of both are the same directions in space.
+        Axis along which `facing` is mirrored about its middle, "x" or "y": as a scan from above is
+        when its body is turned over to face the other. "none" if x and y of both are the same
+        directions in space.
     **keys
         Those of `read_surface`: how files are read, and operations on the sum.
 
     Returns
     -------
     PreparedSurface
-        As `read_surface`; it has free edges along an axis where one of the two has, unless
-        `boundary`, `mirror` or `window` is given.
+        As `read_surface`. Unless `boundary`, `mirror` or `window` is given, it has free edges along
+        an axis where one of the two, in memory, has free edges; whether a file is periodic is found
+        when it is read.
 
     Raises
     ------
@@ -199,10 +203,11 @@ def _free_edges(surface: Any) -> tuple[bool, bool]:
 
 
 def _scan(surface: Any, path: str, spec: Any, keys: dict[str, Any]) -> Topography:
-    """Return the Topography of one of two surfaces; a file is opened.
+    """Return the Topography of one of the two surfaces of `combine_surfaces`; a file is opened.
 
-    `path` is its path, or a name for messages. Raises SceneError if it cannot be read, or if keys
-    for reading files are given with a PreparedSurface.
+    `path` is its path, or a name for messages; `spec` the [surface] of the sum; `keys` those of the
+    call. Raises SceneError if it cannot be read, if it is of another type, or if keys for reading
+    files are given with a PreparedSurface.
     """
     if isinstance(surface, PreparedSurface):
         of_files = [key for key in keys if key in Reading.model_fields]
@@ -242,9 +247,10 @@ def _prepared(topography: Topography, spec: Any) -> PreparedSurface:
 
 
 def _surface(topography: Topography, spec: Any) -> PreparedSurface:
-    """Read all heights of a map, which is pressed as it is, with the edges of a scene's [surface].
+    """Return the PreparedSurface with the heights of a map, all of which are read as they are.
 
-    Heights that belong to the caller are copied; those of the result cannot be written to.
+    Its edges are those of `spec`, a scene's [surface]. Heights that belong to the caller are
+    copied; those of the result cannot be written to.
     """
     heights = topography.rows(0, topography.n[0])
     if not heights.flags.owndata:  # those of the caller, who may change them

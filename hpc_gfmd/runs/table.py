@@ -96,9 +96,9 @@ class GrowingTable:
         self._heading: list[list[str]] = []
 
     def add(self, steps: dict[int, dict]) -> str:
-        """Add steps, by their numbers, and return their rows as text.
+        """Add new steps, by their numbers, and return their rows as text.
 
-        The headings come first if they differ from the last ones, as when a unit changes.
+        The headings come first if they are not those returned last, as when a unit changes.
         """
         self._steps |= steps
         rows = cells(self._steps, self._surface, self._observables)

@@ -135,7 +135,8 @@ class Cluster:
 def seconds_per_work(dtype: DTypeLike) -> float:
     """Return the seconds of an iteration (one FFT pair) on one core, divided by N log2 N.
 
-    Measured once for each precision, stored in the user's cache, and read from there later.
+    N is the number of points of the grid. Measured once for each precision, stored in the user's
+    cache, and read from there later.
     """
     folder = cache_folder()
     path = folder and folder / f"speed-{np.dtype(dtype).name}-{platform.node()}"

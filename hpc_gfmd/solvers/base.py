@@ -1,9 +1,9 @@
 """What a solver is.
 
-A solver allocates everything in __init__(problem, options), begins with `start(g)` or
-`continue_at(p0)`, and then does one step at a time. It owns the gap g and the pressure p (local
-slabs). After every step `progress()` measures how far it is from the solution. When to stop, files
-and clocks are not its business: that is `drive.py`.
+A solver allocates everything in __init__(problem, options), begins with `start(g)`, later perhaps
+with `continue_at(p0)`, and then does one step at a time. It owns the gap g and the pressure p
+(local slabs). After every step `progress()` measures how far it is from the solution. When to stop,
+files and clocks are not its business: that is `drive.py`.
 """
 
 from __future__ import annotations
@@ -96,21 +96,33 @@ class Solver:
     uKu : float
         <u, K u> of the state at the last start or `refresh`, over all ranks; bpx updates it in
         every step.
+    N : int
+        Number of points of the surface.
+    elastic : Elastic
+        Applies K; has the transforms, and counts their pairs.
+    stability : Stability or None
+        Stability of the present state with an attraction; the loop sets it, None while unknown.
+    patience : int
+        Iterations without progress after which the loop counts the solver as stagnated.
+    dents, attracts : bool
+        Whether it can solve contacts with a hardness, and with an attraction.
+    d : array, local slab
+        The last step, in solvers that store one.
     allowed : dict
         The smallest and largest value of each option, by name.
     sources : tuple of str
         Papers that introduced the algorithm, with DOI.
     """
 
-    d: np.ndarray  # the last step, in solvers that store one
+    d: np.ndarray
     name = ""
     sources: tuple[str, ...] = ()
     uKu: float
     allowed: Mapping[str, tuple[float, float]] = {}
-    dents = False  # whether it can solve contacts with a hardness
-    attracts = False  # whether it can solve contacts with an attraction
-    stability: Stability | None = None  # of the state with an attraction, as last computed
-    patience = 60  # iterations without progress after which the solver counts as stagnated
+    dents = False
+    attracts = False
+    stability: Stability | None = None
+    patience = 60
 
     def __init__(
         self, problem: Problem, options: dict[str, float] | None = None, g: np.ndarray | None = None
@@ -144,12 +156,15 @@ class Solver:
 
     @property
     def problem_now(self) -> Problem:
-        """A copy of the problem at the present p0. Shares the heights; collective at first."""
+        """A copy of the problem at the present p0, which shares the heights.
+
+        Collective at the first access, which computes the rms height.
+        """
         return replace(self.problem, p0=self.p0, h_rms=self.problem.root_mean_square)
 
     @property
     def wall_load(self) -> float:
-        """Mean pressure that the wall bears over the surface: p0, plus the mean attraction."""
+        """Mean pressure that the wall bears over the surface: p0 here, without an attraction."""
         return self.p0
 
     @property
@@ -158,7 +173,7 @@ class Solver:
         return self.p0 * (self.grid.N / self.grid.cell_points)
 
     def start(self, g: np.ndarray) -> None:
-        """Begin at a gap: set self.g, and compute self.p and self.uKu. Takes one FFT pair.
+        """Begin at a gap and the present p0: set self.g, self.p and self.uKu. Takes one FFT pair.
 
         Parameters
         ----------
@@ -170,7 +185,8 @@ class Solver:
     def continue_at(self, p0: float) -> None:
         """Set the mean pressure to p0 and go on from the present gap, without an FFT.
 
-        The pressure p changes by a constant everywhere; the last step is forgotten (`refresh`).
+        The pressure p changes by a constant everywhere. Then `refresh` forgets the last step; with
+        a hardness bpx may also move or dent the body as a whole there. Collective.
         """
         before = self.p_cell
         self.p0 = float(p0)
@@ -196,7 +212,8 @@ class Solver:
     def refresh(self, uKu: float | None = None) -> None:
         """Compute all sums of the state again from self.g and self.p, and forget the last step.
 
-        Call it after other code has overwritten self.p or the fields of self.levels. Takes no FFT.
+        Call it after other code has overwritten self.p or the fields of self.levels. Takes no FFT,
+        apart from the gap mode of bpx; with a hardness bpx may change g and p, too.
 
         Parameters
         ----------
@@ -252,7 +269,8 @@ class Solver:
         """Estimate the errors that a certificate would find, from g and p without an FFT.
 
         Overwrites the fields of self.levels; takes one pass over memory and a sweep over the
-        levels. For solvers whose steps do not compute these sums. Needs stored heights.
+        levels. For solvers whose steps do not compute these sums. Needs stored heights, and that
+        there is no attraction.
         """
         from ..certificate.error_estimates import State, estimate
 
@@ -277,7 +295,10 @@ class Solver:
         return estimate(self.problem, self.levels, self.g, state)
 
     def _work_of_pressure(self, i0: int, i1: int) -> float:
-        """Return the share of <u, K u> = <u, p - p_cell> of local rows i0 <= i < i1."""
+        """Return the share of local rows i0 <= i < i1 in <u, K u> = <u, p - p_cell>.
+
+        Only without an attraction, which p would contain.
+        """
         rows, points = self.grid.inside
         u = self.g[i0:i1].astype(np.float64)
         inner = max(min(rows, i1) - i0, 0)

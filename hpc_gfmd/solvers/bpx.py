@@ -50,6 +50,37 @@ class Bpx(Solver):
     ------
     SceneError
         If there are options.
+
+    Attributes
+    ----------
+    d : array, local slab
+        Last step of the gap, as kernels/bfloat16.py stores it, in half the bits.
+    s : float
+        Share of d that was made: the gap has changed by s d.
+    compliance : float
+        1/K of the shortest wave.
+    law : Law or None
+        The attraction, in the working precision.
+    attracted : float
+        Sum of the attraction over all points and ranks.
+    contact, yielded : float
+        Numbers of points in contact (yielded ones included), and of those that yield.
+    changing : float
+        Number of points that would open or close, whichever is more, if the last step were
+        repeated.
+    gap_mean : float
+        Mean gap over the surface; dents count as 0.
+    rr, pp : float
+        <r, r> and <p, p>, where r is p at the points out of elastic contact (less the hardness
+        where they yield), and 0 elsewhere.
+    mean : float
+        Mean of r over the whole grid.
+    rz, rd, zKd, dKd : float
+        Products of r, of the preconditioned residual z = M r and of the last step, s d.
+    rayleigh : float
+        <z, K z>/<r, z> of the last step, by which that of the next step is predicted.
+    level_sums : list of float
+        The last five sums that Multilevel.sweep returns, over all ranks.
     """
 
     name = "bpx"
@@ -74,7 +105,7 @@ class Bpx(Solver):
         return 1.0 / (self.compliance * self.problem.body.bounds(self.grid)[1])
 
     def make_room(self) -> None:
-        """Free the memory of the transforms and of the last step until `take_room`."""
+        """Free the memory of the transforms and of the last step until `take_room`; g, p stay."""
         del self.d
         self.elastic.make_room()
 
@@ -90,7 +121,8 @@ class Bpx(Solver):
     def start(self, g: np.ndarray) -> None:
         """Begin at the gap g >= 0 (local slab, copied): compute its pressure with one FFT pair.
 
-        With a hardness the start itself may be moved or dented as a whole, see `_begin`.
+        The gap mode may take more pairs. With a hardness the body may be moved or dented as a whole
+        right at the start, see `_begin`. Collective.
         """
         self._lay(g)
         self.elastic.pressure_rows(
@@ -111,10 +143,11 @@ class Bpx(Solver):
         self._begin(sums)
 
     def refresh(self, uKu: float | None = None) -> None:
-        """Forget the last step and begin a new descent at the present g and p, without an FFT.
+        """Forget the last step and begin a new descent at the present g and p.
 
-        uKu: their <u, K u>, the stored one if None. With an attraction `self.attracted` must be
-        that of g already. With a hardness g and p may change, see `_begin`. Collective.
+        Takes no FFT, apart from the gap mode. uKu: <u, K u> of this state, the stored one if None.
+        With an attraction the caller has set `self.attracted` to that of g, and p contains it. With
+        a hardness g, p and uKu may change, see `_begin`. Collective.
         """
         self.uKu = self.uKu if uKu is None else uKu
         self.d[...] = 0
@@ -134,8 +167,11 @@ class Bpx(Solver):
     def _begin(self, sums: UpdateSums) -> None:
         """Begin a new descent: without a last step, with the Rayleigh quotient of a first step.
 
-        With a hardness and no attraction the body may be moved or dented as a whole, if that has
-        less energy: g and p change then. sums: this rank's, of the present state with d = 0.
+        The caller has set self.d to 0, and self.uKu and self.attracted to those of the present
+        state, and has put r and t (1 in contact, else 0) on the levels by `levels.update` or
+        `levels.restrict`, which returned the sums of this rank. With a hardness and no attraction
+        the body may be moved or dented as a whole, if that has less energy: g changes then, and
+        with a dent p and uKu, too. Collective; the gap mode may take FFT pairs.
         """
         self.s = 1.0
         self.rayleigh = FIRST
@@ -158,6 +194,7 @@ class Bpx(Solver):
         A rigid shift costs no elastic energy, but would take many steps. Without an attraction p
         stays and the descent continues; with one p changes and a new descent begins. Does nothing
         if a gap is 0 already, if a spring holds the body, or if the load pulls it off the wall.
+        Collective.
         """
         rows, points = self.grid.inside
         lowest = self.grid.comm.min([self.g[:rows, :points].min(initial=np.inf)])[0]
@@ -178,8 +215,8 @@ class Bpx(Solver):
     def step(self) -> None:
         """Make one iteration, with one FFT pair: update g, p and all scalars in place.
 
-        If nothing touches, the body is first lowered to its first contact. With a spring p0
-        changes, too; with a hardness the body may be shifted after the step.
+        If nothing touches, `_descend_to_contact` is called first. With a spring p0 changes, too;
+        with a hardness the body may be shifted after the step (`_balance`). Collective.
         """
         if self.contact == 0:
             self._descend_to_contact()
@@ -241,8 +278,11 @@ class Bpx(Solver):
         return 0.0, 0.0, self._search(self.gradient, 0.0, 0.0)
 
     def _rayleigh_quotient(self, a: float, b: float, dKd: float) -> float:
-        """Return <z, K z>/<r, z> after the step -(a z + b d) with this <d, K d>; 1 if a = 0 or the
-        quotient is not finite."""
+        """Return <z, K z>/<r, z> by the <d, K d> of the new step -(a z + b d): `dKd`.
+
+        The products of self must still be those of the state before the step. 1 if a or <r, z> is
+        0, or if the quotient is not finite.
+        """
         if not a * a * self.rz > 0:
             return 1.0
         zKz = dKd - 2 * a * b * self.zKd - b * b * self.dKd
@@ -253,9 +293,9 @@ class Bpx(Solver):
     def _balance(self, descent: float) -> None:
         """Shift self.g by a constant if too few points touch, or too many yield, to carry the load.
 
-        Only with a hardness, and only if the shift gains more energy than `descent`, which is that
-        of the last step (at the start, what the first step may gain). p stays, the last step is
-        forgotten.
+        Only with a hardness, and only if the shift lowers the energy by more than `descent`: what
+        the last step has gained, or at the start what the first step may gain. p stays, the last
+        step is forgotten. Collective.
         """
         hardness = self.problem.hardness or np.inf
         if hardness * self.yielded <= self.N * self.p0 <= hardness * self.contact:
@@ -273,7 +313,8 @@ class Bpx(Solver):
     def _coefficients(self) -> tuple[float, float]:
         """Return a and b of the step -(a z + b d) of least energy in the plane of z and d.
 
-        <z, K z> is not known; it is predicted with the Rayleigh quotient of the last z.
+        <z, K z> is not known; it is predicted with the Rayleigh quotient of the last z. Here d is
+        the last step that was made, s times self.d. b is 0 without a last step, a too if z is 0.
         """
         rho = self.rayleigh if self.rayleigh > 0 else 1.0
         rz, rd, zKd, dKd = self.rz, self.rd, self.zKd, self.dKd
@@ -290,9 +331,11 @@ class Bpx(Solver):
     def _search(self, a: float, b: float, coupling: float) -> list[float]:
         """Make the first pass: overwrite self.d with the next step, and transform its rows.
 
-        The step is -(a z + b d), projected; coupling = 0 leaves the coarse levels out of z. Returns
-        sums over all ranks: <p, d>, with the work of dents; by how much dents become deeper; and
-        <t, d> and the change of phi, 0 without an attraction (kernels/adhesive_rows.py).
+        The step is -(a z + b d), projected, where d is the last step that was made; coupling = 0
+        leaves the coarse levels out of z, else `_measure` must have swept them. Returns four sums
+        over all ranks: <p, d>, with the work of dents; by how much dents become deeper; <t, d> and
+        the change of phi, both 0 without an attraction t = phi' (kernels/adhesive_rows.py).
+        Collective.
         """
         levels = self.levels
         fft = self.elastic.fft
@@ -320,8 +363,10 @@ class Bpx(Solver):
     def _update(self, s: float) -> tuple[UpdateSums, float]:
         """Make the last pass: add s d to self.g and s K d to self.p (with an attraction s y).
 
-        Counts an FFT pair. Returns this rank's UpdateSums, and <d, y - K d> over all ranks, which
-        the attraction adds to <d, K d> (kernels/adhesive_rows.py; 0 without one).
+        The rows of the transforms hold the spectra of K d already. y is K d plus the change of the
+        attraction over s (kernels/adhesive_rows.py). Also puts the new r and t on the levels, sets
+        self.attracted and counts an FFT pair. Returns this rank's UpdateSums, and <d, y - K d> over
+        all ranks, 0 without an attraction. Collective with one.
         """
         self.elastic.pairs += 1
         rows = self.elastic.fft.rows
@@ -336,7 +381,10 @@ class Bpx(Solver):
         return sums, stiffer
 
     def _add_attraction(self) -> None:
-        """Add the attraction to self.p, so far the pressure of the body; sets self.attracted."""
+        """Add the attraction to self.p, the pressure of the body alone; set self.attracted.
+
+        self.p is then the pressure of the wall. Collective.
+        """
 
         def add(i0: int, i1: int) -> tuple[float, float]:
             return add_attraction(self.law, self.g, self.p[i0:i1], i0, i1, self.grid.inside)
@@ -345,12 +393,12 @@ class Bpx(Solver):
         self.attracted = t
 
     def _measure(self, sums: UpdateSums, new_contact: bool = False) -> None:
-        """Sweep r and t on the levels to z, and set the products and counts that the next step and
-        `progress` need. Collective.
+        """Sweep the levels to z, and set the products and counts that the next step and `progress`
+        need. Collective.
 
-        r and t are on the levels already. sums: this rank's, of the present state, as
-        `levels.restrict` or `update` returned them. new_contact: whether to compute the gap mode
-        of the present contact first, which takes FFT pairs.
+        `levels.restrict` or `levels.update` has put the present state on the levels, and returned
+        `sums`, those of this rank. new_contact: whether to compute the gap mode of the present
+        contact first, which takes FFT pairs if it is wanted.
         """
         totals = self.grid.comm.sum([*sums, *self.levels.sweep(new_contact)]).tolist()
         rz1, xz1, self.mean, *self.level_sums = totals[len(sums) :]
@@ -423,8 +471,11 @@ class Bpx(Solver):
     def _predicted(self, errors: Estimate) -> tuple[float, float] | None:
         """Predict the number of points in contact and the mean gap of the converged solution.
 
-        The area is taken as proportional to the load that the contact carries; at full contact
-        both stay as they are. None if no point touches or the contact carries no load.
+        The contact carries the mean pressure of the wall, less the part that is still out of
+        contact (self.mean). The number of points grows in proportion until it carries all, to N at
+        most; the mean gap changes by 0.62 times `errors.shift` over N. At full contact both stay as
+        they are. errors: as `_estimate` returns them for this state. None if no point touches or
+        the contact carries no load.
         """
         carried = self._p_cell_of_wall
         n = self.contact

@@ -58,6 +58,15 @@ class Gfmd(Solver):
     ------
     SceneError
         If an option is unknown or its value is not allowed.
+
+    Attributes
+    ----------
+    d : array, local slab
+        The velocity: the change of the gap in the last time step.
+    longest, stiffest : float
+        Smallest and largest K of the waves of the grid.
+    rr, pp, pd, dd, dx, contact, gap : float
+        Sums over all ranks after the last step, see DynamicsSums; x is K d.
     """
 
     name = "gfmd"
@@ -131,7 +140,7 @@ class Gfmd(Solver):
         return a, 0.0 if uphill else ((1 - ratio) / (1 + ratio)) ** 2
 
     def _update(self, i0: int, i1: int, x: np.ndarray) -> tuple[float, ...]:
-        """Add x to self.p on local rows i0 <= i < i1, and return the DynamicsSums of these rows."""
+        """Add x, rows of K d, to self.p on local rows i0 <= i < i1; return their DynamicsSums."""
         return update_pressure(self.g, self.p, self.d, x, i0, i1, self.grid.inside)
 
     def _measure(self, parts: Sequence[tuple[float, ...]]) -> None:

@@ -2,9 +2,9 @@
 and Toporov, and by Maugis between them; a wave by Johnson; and when a rough wall sticks, by
 Pastewka and Robbins.
 
-Scalars or arrays; numbers out of range raise SceneError. `w` is the work of adhesion per area,
-E_star in the unit of pressure, w in that times the unit of length. Forces pull where they are
-negative.
+Arguments are numbers or arrays, but numbers alone where the signature says float; those out of
+range raise SceneError. `w` is the work of adhesion per area, E_star in the unit of pressure, w in
+that times the unit of length. Forces pull where they are negative.
 """
 
 import numpy as np
@@ -67,7 +67,8 @@ class JohnsonKendallRoberts:
     def radius(self, F: ArrayLike) -> np.ndarray:
         """Compute the contact radius of stable equilibrium under the force F; nan if F < pull_off.
 
-        Of the two equilibria between `pull_off` and 0 it is the one with the larger radius.
+        F may be any number or array; below 0 it pulls. Of the two equilibria between `pull_off` and
+        0 it is the one with the larger radius.
         """
         F = np.asarray(F, float)
         pull = 3 * np.pi * self.w * self.R
@@ -123,7 +124,7 @@ def maugis_pull_off(lam: float) -> float:
     lam = float(within("lam", within("lam", lam, SMALLEST, np.inf), -np.inf, LARGEST))
 
     def radius(m: float) -> float:
-        """Return the contact radius over (pi w R^2/K)^(1/3).
+        """Return the contact radius over (pi w R^2/K)^(1/3), with K = 4 E*/3.
 
         m: outer radius of the attracting ring over that of the contact.
         """
@@ -180,6 +181,7 @@ class AdhesiveWave:
     def a_r(self, p0: float) -> float:
         """Compute the relative contact area under the mean pressure p0 on the stable branch.
 
+        p0 is in the unit of E_star, negative if it pulls.
         The branch begins at `pull_off` and ends at the pressure at which the contact jumps to full
         contact; nan below and above.
         """

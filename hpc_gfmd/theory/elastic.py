@@ -100,7 +100,7 @@ class Westergaard:
 
     Attributes
     ----------
-    p_full : float
+    p_full : float or array
         Smallest mean pressure of full contact.
     a_r, gap_mean, peak_pressure : float or array
         Relative contact area, mean gap (unit of A), largest pressure.
@@ -127,9 +127,9 @@ class Westergaard:
         self.compliance = np.where(x > 0, -A / self.p_full * log, np.inf) + 0.0
 
     def pressure(self, x: ArrayLike) -> np.ndarray:
-        """Compute the pressure at the positions x, 0 where the gap is open; p0 must be a scalar.
+        """Compute the pressure at the positions x, 0 where the gap is open.
 
-        The crest of the wave is at x = 0.
+        The wave must have been made with numbers, not arrays. Its crest is at x = 0.
         """
         phase = np.pi * np.asarray(x) / self.L
         if self._ratio >= 1:

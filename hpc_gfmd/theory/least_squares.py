@@ -51,7 +51,9 @@ def least_squares(
     model, jacobian : functions of x
         Return arrays of shapes (runs,) and (runs, k).
     starts : list of arrays, shape (k,)
+        Parameters x to begin with.
     value : array, shape (runs,)
+        What the model is fitted to; finite.
     sigma : array or None
         Standard errors, shape (runs,), or covariance matrix, shape (runs, runs); None: errors of 1.
     bounds : pair of numbers or of arrays, shape (k,)
@@ -65,8 +67,8 @@ def least_squares(
     Raises
     ------
     SceneError
-        If sigma is not a covariance matrix, no start converges, or the data do not determine every
-        parameter.
+        If sigma has another shape or is no covariance matrix, no start converges, or the data do
+        not determine every parameter.
     """
     best: Fit | None = None
     for start in starts:

@@ -152,7 +152,8 @@ class SlopeProfile:
     def integrate(self, p_star: ArrayLike, kernel: Function, power: int) -> np.ndarray:
         """Integrate (g/g_rms)^power (q_0/q) kernel(x) d ln g over all roughness, for each load.
 
-        Here x = sqrt(2) p_star g_rms/g, and g rises from 0 to g_rms.
+        Here x = sqrt(2) p_star g_rms/g; g rises from 0 to g_rms, and q is the wave vector with g(q)
+        = g.
 
         Parameters
         ----------
@@ -177,7 +178,7 @@ class SlopeProfile:
         return np.array(integrals).reshape(loads.shape)
 
     def _log_g_at(self, y: float) -> float:
-        """Return ln(g(q)/g_rms) at y = ln(q/q_0)."""
+        """Return ln(g(q)/g_rms) at y = ln(q/q_0) > 0; 0 for a profile of a single wave vector."""
         i = min(int(np.searchsorted(self.y, y, side="right")), self.beta.size) - 1
         d = y - self.y[i]
         grown = d * exprel(self.beta[i] * d) / self.inverse_rate[i] if d > 0 else 1.0
@@ -185,10 +186,12 @@ class SlopeProfile:
 
     @cached_property
     def _nodes(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Gauss-Legendre points for integrals over ln g: (ln(g/g_rms), ln(q/q_0), weights), all 1D.
+        """The Gauss-Legendre points of integrals over ln g: (log_g, y, weights), three 1D arrays.
 
-        The panels reach from ln g = 0 down to where the integrand, which falls at least like g, is
-        below double precision.
+        log_g: ln(g/g_rms) of each point; y: ln(q/q_0), q being the wave vector with that g(q). The
+        sum of weights times the values of a function is its integral over ln g, from far below 0 up
+        to ln(g/g_rms) = 0: the rest is below double precision if the function falls at least like g
+        towards small g. Cached: the arrays must not be changed.
         """
         low = self._log_g_at(min(1.0, self.y[-1])) - _TAIL
         with np.errstate(divide="ignore"):

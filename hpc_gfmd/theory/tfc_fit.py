@@ -161,8 +161,9 @@ def sigma_of_terms(row: Mapping[str, Any], eps: Mapping[str, float]) -> float:
     Parameters
     ----------
     row : mapping
-        A row of a coefficient table. Its "covariance" (in the order of "names") is used if it is
-        there, otherwise its "sigma", by name; coefficients without a sigma count as exact.
+        A row of a coefficient table with "sigma". Its "covariance" (in the order of "names") is
+        used if it is there, otherwise its "sigma", by name; coefficients without a sigma count as
+        exact.
     eps : mapping
         Ratios by term, {"t": ..., ...}.
 
@@ -203,8 +204,8 @@ def fit_tfc(
         Error bars of value, shape (runs,), or their covariance matrix, shape (runs, runs), if runs
         share a surface. If None, errors follow from the scatter of the fit.
     alpha : dict, optional
-        Exponents by term, e.g. {"t": 1, "f": 0.67, "c": None}. None means that the exponent is
-        fitted (0.02 to 5); a term that is absent has the paper's exponent.
+        Exponents by term, above 0 and at most 10, e.g. {"t": 1, "f": 0.67, "c": None}. None means
+        that the exponent is fitted (0.02 to 5); a term that is absent has the paper's exponent.
     terms : iterable of str
         The terms to fit, of "t", "f", "c".
     limit : float, optional

@@ -3,7 +3,8 @@
 With growing resolution the distribution of pressures diffuses between two absorbing ends: 0, where
 the gap opens, and the hardness H, where a point yields. The variance is that of full contact, (E*
 g_rms/2)^2; the solution is a sum over the images of p0 in both ends. The limit H -> infinity is
-that of `persson`. All pressures are in the same unit, which is arbitrary.
+that of `persson`. All pressures are in the same unit, which is arbitrary. Numbers out of range
+raise SceneError.
 """
 
 import numpy as np

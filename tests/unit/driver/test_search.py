@@ -108,3 +108,24 @@ def test_search_variable_maps_to_the_load(p0, closes_at):
     search = CurveSearch(0.3, TOLERANCE, True, HEIGHTS, HEIGHTS, closes_at=closes_at)
     search.x = search.x_of(p0)
     assert search.p0 == pytest.approx(p0, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("step", "factor", "error", "way", "slope"),
+    [
+        (0.5, exp(1.0), 0.0, 0.0, 2.0),  # the last two values give the slope
+        (0.5, 1.0, 0.0, 1.0, 1.0),  # a plateau: twice the last step at least
+        (-0.5, 1.0, 0.0, 1.0, 1.0),
+        (0.5, exp(0.01), 0.0, 1.0, 1.0),
+        (0.5, exp(10.0), 0.0, 0.0, 1.0),  # too steep to be used
+        (0.5, exp(1.0), 0.6, 0.0, 1.0),  # within the error
+        (0.5, 0.0, 0.0, 0.0, 1.0),  # no contact
+    ],
+)
+def test_secant_of_the_last_two_values(step, factor, error, way, slope):
+    search = CurveSearch(1.0, TOLERANCE, True, HEIGHTS, HEIGHTS, slope=1.0)
+    search.x = 0.0
+    assert search.secant(2.0) == 0.0
+    search.x = step
+    assert search.secant(2.0 * factor, error) == pytest.approx(way)
+    assert search.slope == pytest.approx(slope)

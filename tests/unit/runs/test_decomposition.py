@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 from contacts import scene_text
 
-from hpc_gfmd.runs.decomposition import busiest, share_of
+from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.parallel.grid import Grid
+from hpc_gfmd.runs.decomposition import Share, busiest, share_of
 
 MIB = 2**20
 SIZES = [2**k for k in range(12, 18)]
@@ -128,3 +130,13 @@ def test_shares_of_large_grids_need_little_memory(n):
         assert tracemalloc.get_traced_memory()[1] < 4 * n
     finally:
         tracemalloc.stop()
+
+
+@pytest.mark.parametrize(("n", "sizes"), [((2048, 64), (32.0, 1.0)), ((2048, 64), (1.0, 1.0))])
+def test_levels_follow_the_lengths_of_the_grid(n, sizes):
+    """A share has the levels of the grid that is solved, whose points need not be square."""
+    planned = share_of(n, np.float64, 1, sizes=sizes)
+    solved = Share(Grid(n, sizes, SerialComm()), np.dtype(np.float64))
+    assert [level.n for level in planned.hierarchy[1]] == [level.n for level in solved.hierarchy[1]]
+    square = share_of(n, np.float64, 1)
+    assert (planned.level_points == square.level_points) == (sizes[0] == 32.0)
