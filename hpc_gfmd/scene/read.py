@@ -2,7 +2,7 @@
 
 import os
 import tomllib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -46,14 +46,14 @@ def load_scene(path: str | PathLike, overrides: Iterable[str] = ()) -> Scene:
     return Scene.from_dict(data, origin, Path(path).parent)
 
 
-def with_overrides(scene: Scene, overrides: Sequence[str], table: str) -> Scene:
+def with_overrides(scene: Scene, overrides: Iterable[str], table: str) -> Scene:
     """Return a scene with changed keys in one table; the scene itself if there are no overrides.
 
     Parameters
     ----------
     scene : Scene
         The scene, which stays as it is.
-    overrides : sequence of str
+    overrides : iterable of str
         "table.key=value", see `apply_override`.
     table : str
         The only table that may be changed.
