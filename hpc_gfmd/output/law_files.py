@@ -30,6 +30,7 @@ def write_law(
     Parameters
     ----------
     law : InterfaceLaw
+        The law, which is not changed.
     path : path
         The file, which is replaced if it exists. ".csv": everything, with units. ".inp": CalculiX
         and Abaqus, `*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR` and `*GAP CONDUCTANCE`. ".i":
@@ -186,8 +187,8 @@ def _csv(law: InterfaceLaw, conductivity: float | None, name: str) -> str:
 def _inp(law: InterfaceLaw, conductivity: float | None, name: str) -> str:
     """Return the law as input of CalculiX or Abaqus. `name` is that of the surface interaction.
 
-    Raises SceneError if the law has no mean gap, or no conductance although `conductivity` is
-    given.
+    It holds the conductance only if `conductivity`, the mean of both bodies, is given. Raises
+    SceneError if the law has no mean gap, or no conductance although `conductivity` is given.
     """
     pressure, closure = finite_element_table(law)
     lines = [f"*SURFACE INTERACTION, NAME={name}"]
@@ -203,7 +204,8 @@ def _inp(law: InterfaceLaw, conductivity: float | None, name: str) -> str:
 def _moose(law: InterfaceLaw, conductivity: float | None, name: str) -> str:
     """Return the law as functions of MOOSE, whose names begin with `name`.
 
-    Raises SceneError as `_inp`.
+    The functions are the pressure over the overclosure and, if `conductivity` is given, the
+    conductance over the pressure. Raises SceneError as `_inp`.
     """
     pressure, closure = finite_element_table(law)
     tables = {f"{name}_pressure_of_closure": (closure, pressure)}
@@ -225,8 +227,9 @@ def _numbers(values: np.ndarray) -> str:
 def _conductance_rows(law: InterfaceLaw, conductivity: float) -> tuple[np.ndarray, np.ndarray]:
     """Return arrays (pressure, conductance per area and kelvin) of a law, from (0, 0).
 
-    The pressures are those of `finite_element_table` at which the law has a conductance. Raises
-    SceneError if the law has no conductance or no mean gap.
+    The conductance is `conductivity`, the mean of both bodies, times that of the law. The pressures
+    are those of `finite_element_table` at which the law has one. Raises SceneError if the law has
+    no conductance or no mean gap.
     """
     if "conductance" not in law.values:
         raise SceneError(

@@ -96,6 +96,7 @@ def with_error(value: float, relative: float | None) -> str:
     Parameters
     ----------
     value : float
+        The number, in the unit in which it is shown.
     relative : float or None
         Relative error; None: not estimated, and no error is shown.
 

@@ -59,7 +59,8 @@ def _number(noun: str, metadata: tuple) -> str:
     """Describe a number by its bounds, as "a number from 0 to 1".
 
     The bounds LARGEST and MAX_INT, which only prevent overflow, are left out, and SMALLEST becomes
-    "greater than 0". `metadata` is as for `allowed_values`.
+    "greater than 0". `noun` is "a number" or "a whole number"; `metadata` is as for
+    `allowed_values`.
     """
     bounds: dict[str, Any] = {}
     for item in metadata:

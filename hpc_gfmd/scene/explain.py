@@ -140,7 +140,8 @@ def explain(error: ValidationError, scene: Model, data: dict) -> str:
 def _line(item: Any, scene: Model, data: dict) -> tuple[tuple, str]:
     """Return (key, message) for one error of pydantic; the key is a tuple of names.
 
-    `item` is an entry of `ValidationError.errors`; `data` are the tables that were validated.
+    `item` is an entry of `ValidationError.errors`; `scene` is the class and `data` are the tables
+    that were validated.
     """
     if not item["loc"]:  # a rule on the whole scene
         return (), str(item["ctx"]["error"])
@@ -229,8 +230,9 @@ def _nearest(name: str, of_table: str, siblings: Iterable[str], scene: Model) ->
     """Return "unknown key, nearest: ..." for an unknown key `name`.
 
     `of_table` is the table in which it stands, with a dot ("load."), or "" before the first table;
-    `siblings` are the valid keys there, of which the most similar is suggested. If another table
-    has a key of this very name it is mentioned; without a table it is suggested instead.
+    `siblings` are the valid keys there, of which the most similar is suggested. If another table of
+    `scene` has a key of this very name, that is mentioned; for a key before the first table it is
+    suggested instead.
     """
     places = {
         key: f"{table}.{key}" for table in scene.model_fields for key in _fields(scene, table)

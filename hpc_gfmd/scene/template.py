@@ -89,7 +89,8 @@ def template(kind: str, tables: Mapping[str, Any], suggestion: Suggestion, head:
 def _line(key: Key, values: Mapping[str, Any], suggestion: Suggestion) -> str:
     """Return the line of a key: set, or as a comment with its default and an example.
 
-    `values` maps the keys of its table that are set to their values.
+    `values` maps the keys of its table that are set to their values; `suggestion` has reasons and
+    values of the file, and is empty for tables other than [surface].
     """
     value = values.get(key.name, key.example if key.default is None else None)
     if key.name == "kind":

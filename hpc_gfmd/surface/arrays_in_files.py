@@ -294,6 +294,7 @@ def is_mask(
     dtype : dtype
         Type of the mask.
     shape_of_heights : (int, int)
+        Shape of the array of heights.
 
     Returns
     -------

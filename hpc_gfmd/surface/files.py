@@ -95,14 +95,18 @@ def opener_of(contents: Contents) -> tuple[str, Opener]:
 
 
 def _hdf5(contents: Contents, spec: Any) -> Map:
-    """Open an HDF5 file, a file of Zygo by its own reader. Raises what the readers raise."""
+    """Open an HDF5 file, a file of Zygo by its own reader, for a scene.File.
+
+    Raises what `of_zygo` and `read_hdf5` raise.
+    """
     return instruments.of_zygo(contents, spec) or arrays_in_files.read_hdf5(contents, spec)
 
 
 def _require_keys_apply(spec: Any, kind: str) -> None:
     """Raise SceneError if the scene sets a key that has no meaning for a format.
 
-    kind: name of the format that was read, such as "text".
+    spec: a scene.File. kind: name of the format that was read, such as "text". height_range is for
+    "tiff" and "png", and the keys OF_TEXT are for "text".
     """
     of_pictures = () if kind in ("tiff", "png") else ("height_range",)
     for key in (*(() if kind == "text" else OF_TEXT), *of_pictures):

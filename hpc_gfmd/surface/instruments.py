@@ -162,7 +162,8 @@ def topography_of_channel(contents: Contents, dataset: str) -> Any:
 def _open(source: Any, kind: str | None = None) -> Any:
     """Open a path or a stream by a reader of SurfaceTopography, which must not print.
 
-    kind: name of the format; None: the first that takes the file. Returns the reader.
+    source: a path, or a BytesIO that stays in use as long as the reader. kind: name of the format;
+    None: the first that takes the file. Returns the reader.
     """
     io = surface_topography().IO
     source = source if isinstance(source, BytesIO) else str(source)
@@ -268,7 +269,10 @@ def _is_length(channel: Any) -> bool:
 
 
 def _read_channel(reader: Any, spec: Any) -> Map:
-    """Read heights and metadata of the channel that `_channel_of` chooses for spec.dataset."""
+    """Read heights and metadata of the channel that `_channel_of` chooses for spec.dataset.
+
+    spec: a scene.File. Returns them as `read` does. Raises ValueError if there is no such channel.
+    """
     channel = _channel_of(reader, spec.dataset)
     sized = channel.physical_sizes is not None
     topography = channel.topography(**({} if sized else {"physical_sizes": (1.0, 1.0)}))
@@ -335,7 +339,10 @@ def _of_gwyddion(contents: Contents, spec: Any) -> Map:
 
 
 def _unit_of(field: Any, key: str) -> str:
-    """Return the unit that a map of Gwyddion has under this key, "" if none."""
+    """Return the unit that a map of Gwyddion has, "" if none.
+
+    field: a GwyDataField. key: "si_unit_xy" for the sizes, "si_unit_z" for the values.
+    """
     return str((field.get(key) or {}).get("unitstr", "")).strip()
 
 

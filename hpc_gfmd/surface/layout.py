@@ -173,6 +173,7 @@ def count_numbers(tokens: list[str], decimal: str, missing: frozenset[str]) -> t
     Parameters
     ----------
     tokens : list of str
+        What `tokens_of` makes of the line.
     decimal : str
     missing : frozenset of str
         As for `number_of`.
@@ -211,9 +212,10 @@ def _candidate(
 ) -> tuple[tuple, TextLayout]:
     """Return (score, layout) for a mark and a decimal mark; the layout with the highest score wins.
 
-    The score is the count of numbers in lines with the best number of columns, then whether there
-    is a mark other than white space. skip: lines that belong to the header anyway. If no line can
-    be read the layout has 0 columns.
+    The layout has the number of columns whose lines hold the most numbers in total; that total,
+    and then whether there is a mark other than white space, is the score. missing: texts that stand
+    for missing points, in lower case. skip: number of lines that belong to the header anyway, None
+    for 0. If no line can be read the layout has 0 columns.
     """
     numbers_of: dict[int, int] = {}  # {columns: numbers in lines of so many}
     first_of: dict[int, int] = {}
@@ -239,8 +241,9 @@ def _candidate(
 def _require_header(lines: list[str], layout: TextLayout) -> None:
     """Raise ValueError if lines just before the numbers hold numbers too.
 
-    They may be lines of the map with an unknown token, or damaged ones. A blank line or a comment
-    ends the search.
+    lines: the first lines of the text, in which `layout` was found. Such lines may belong to the
+    map, with an unknown token or damaged. The search goes backwards from the numbers to a blank
+    line or a comment.
     """
     hint = "surface.skip_lines tells how long the header is"
     for k in range(layout.header_lines - 1, -1, -1):

@@ -81,7 +81,8 @@ class MapUnits:
     def _height_unit(self, metadata: Metadata, spec: Any, path: object) -> str | None:
         """Return the unit of the heights, None if it is not known; may add to `lacks` and `notes`.
 
-        Raises SceneError if scene and file contradict each other.
+        The arguments are those of the class. Raises SceneError if scene and file contradict each
+        other.
         """
         if metadata.unit is None:
             return spec.unit
@@ -126,7 +127,8 @@ def lengths_text(sizes: Any, are_named: bool) -> str:
 
     Parameters
     ----------
-    sizes : iterable of float
+    sizes : sequence of float
+        The lengths; they are read twice.
     are_named : bool
         Whether they are in m; otherwise they have no unit.
 

@@ -93,6 +93,7 @@ def require_range(E_star: float, surface: Surface, pressures: Sequence[float]) -
     Parameters
     ----------
     E_star : float
+        Contact modulus in the scene's units.
     surface : Surface
     pressures : sequence of float
         Magnitudes of the mean pressures, in the unit of E_star, none of them 0.

@@ -47,7 +47,7 @@ def resampled(
 def _resampled_columns(
     rows: Rows, before: np.ndarray, after: np.ndarray, ends: bool, comm: Any
 ) -> Rows:
-    """Resample the rows of a map to after[-1] points and transpose it. Collective.
+    """Resample the rows of a map to after[-1] points each and transpose the map. Collective.
 
     rows: reads rows of the map. before: the first row of each rank, then the number of rows. after:
     the first of the resampled columns that each rank gets, then their number. ends: whether the

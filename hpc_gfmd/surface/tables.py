@@ -152,7 +152,9 @@ def without_coordinates(table: np.ndarray, labels: Labels, coordinates: str | No
 def _with_numbers_in_the_corner(table: np.ndarray, labels: Labels) -> Matrix:
     """Decide on a matrix whose first line and column change evenly, with a number in the corner.
 
-    Returns it with or without coordinates. Raises ValueError if they may be either.
+    Returns it with or without coordinates. Whole numbers beside decimals are coordinates; a small
+    matrix that changes evenly with its corner is all heights. Raises ValueError if the first line
+    and column may be either.
     """
     line = table[0, 1:]
     column = table[1:, 0]

@@ -111,7 +111,9 @@ def _one_of(blocks: list[Block], layout: TextLayout, spec: Any, are_points: bool
 def _of_instrument(block: Block, layout: TextLayout, spec: Any) -> Map | None:
     """Read a block with a header of an instrument; None if the header is not one that is known.
 
-    Raises ValueError if the header describes another quantity or other numbers of points.
+    Returns heights of shape (lines, columns) in the unit that the header gives, and metadata.
+    Raises ValueError if the header describes another quantity than heights or other numbers of
+    points.
     """
     title = block.header
     if layout.decimal == ",":
@@ -129,7 +131,8 @@ def _points(
 ) -> Map:
     """Put points whose columns are named x, y and z on a grid. Raises ValueError if they fit none.
 
-    title: lines of the header.
+    names: the columns of the block. title: lines of the header. Returns heights of shape
+    (n_x, n_y) and metadata, with a remark on columns that are not used.
     """
     table = block.table()
     x, y, z = (table[:, place] for place in names.places)
@@ -146,7 +149,8 @@ def _of_points(
 ) -> Metadata:
     """Return the metadata of points on a grid. Raises ValueError if x and y have different units.
 
-    units: of x, y and z; None if they are not known.
+    sizes: (L_x, L_y) in the unit of x. units: those of x, y and z; None if they are not known.
+    remarks: those of the metadata.
     """
     sizes_unit, unit_of_y, unit = units or (None, None, None)
     if sizes_unit != unit_of_y:

@@ -245,10 +245,10 @@ def topography_of(data: Any, metadata: Metadata, spec: Any) -> Topography:
 
 
 def _sum(lower: Topography, upper: Topography) -> Topography:
-    """Return a map whose rows are the sums of those of two maps, read when they are wanted.
+    """Return the sum of two maps of the same points, whose rows are read when they are wanted.
 
-    Metadata are those of `lower`, notes those of both. Raises SceneError if numbers of points,
-    lengths or units differ.
+    Metadata are those of `lower`, notes those of both. Raises SceneError if the two maps differ in
+    numbers of points, lengths or unit.
     """
     if (
         lower.n != upper.n
@@ -275,9 +275,10 @@ def _sum(lower: Topography, upper: Topography) -> Topography:
 
 
 def _with_first_axis(metadata: Metadata, spec: Any) -> Metadata:
-    """Return metadata with the direction of x that the scene's first_axis gives.
+    """Return metadata with the direction of x that the scene's first_axis gives, if it is given.
 
-    Sizes and directions of the axes are exchanged if the file says otherwise.
+    Sizes and directions of the axes are exchanged if the file takes the other axis for x. spec: a
+    scene.File.
     """
     if spec.first_axis is None:
         return metadata
@@ -299,7 +300,8 @@ def _with_first_axis(metadata: Metadata, spec: Any) -> Metadata:
 def _rows_of(data: Any, metadata: Metadata, start: int, stop: int, n_x: int) -> np.ndarray:
     """Read rows start <= i < stop of heights: float64, x and y rising, nan where missing.
 
-    data: array as in the file, in its unit, which is kept. n_x: number of points along x.
+    data: array as in the file, in whose unit the heights stay. metadata: that of the file, with
+    what the scene says of the axes. n_x: number of points along x.
     """
     begin, end = (n_x - stop, n_x - start) if metadata.falling[0] else (start, stop)
     z = data[:, begin:end].T if metadata.transposed else data[begin:end, :]
@@ -314,7 +316,11 @@ def _rows_of(data: Any, metadata: Metadata, start: int, stop: int, n_x: int) -> 
 
 
 def _notes_on_reading(metadata: Metadata, spec: Any, n: tuple[int, ...]) -> list[str]:
-    """Return notes for the user on how a file was read, a line each."""
+    """Return notes for the user on how a file was read, a line each.
+
+    They are remarks of the reader, the choice among several channels, and the direction of x if the
+    file does not give it and the map is not square. n: points along x and y.
+    """
     notes = [f"{spec.path}: {remark}" for remark in metadata.remarks]
     if metadata.other_channels and spec.dataset != metadata.channel:
         other_names = one_line(", ".join(metadata.other_channels))
@@ -329,7 +335,10 @@ def _notes_on_reading(metadata: Metadata, spec: Any, n: tuple[int, ...]) -> list
 
 
 def _notes_on_sizes(n: tuple[int, ...], units: MapUnits, spec: Any) -> list[str]:
-    """Return notes on sizes that seem to be exchanged or in a wrong unit, a line each."""
+    """Return notes on sizes that seem to be exchanged or in a wrong unit, a line each.
+
+    n: points along x and y. spec: not used.
+    """
     notes = []
     spacings = [size / k for size, k in zip(units.sizes, n)]
     exchanged = [size / k for size, k in zip(units.sizes[::-1], n)]

@@ -106,7 +106,7 @@ class Axis:
         )
 
     def _read(self, read: Rows, begin: int, end: int) -> np.ndarray:
-        """Read rows begin <= i < end, some of which may lie beyond the ends of the scan.
+        """Read rows begin <= i < end by `read`, also rows that lie beyond the ends of the scan.
 
         Beyond the ends a periodic scan goes on; any other is continued by its rows mirrored about
         the end point, which leaves the spline straight there.
@@ -245,6 +245,7 @@ def interpolated(scans: tuple[Any, Any], spec: Any) -> list[Any]:
     Parameters
     ----------
     scans : (Topography, Topography)
+        Each at its `origin`, with sizes and units.
     spec : scene.File
         As for `combined`.
 
@@ -290,7 +291,7 @@ def spacings_text(scan: Any, factor: float = 1.0) -> str:
 def _common_axes(scans: tuple[Any, Any], spec: Any) -> tuple[tuple[Axis, Axis], ...]:
     """Return two pairs of Axis, for x and for y: the common grid on the first and the second scan.
 
-    Raises SceneError if the scans do not overlap.
+    spec: as for `combined`. Raises SceneError if the scans do not overlap.
     """
     repeats: tuple[bool, ...] = (bool(scans[0].periodic and scans[1].periodic),) * 2
     if spec.boundary is not None:
