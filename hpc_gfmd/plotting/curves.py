@@ -81,10 +81,11 @@ def _panel(ax: Any, contexts: list[FigureContext], key: str) -> None:
         _points(ax, contexts[0], "kappa_corrected", corrected, loads, unit, how)
     ax.set_xlabel(loads.label)
     ax.set_ylabel(quantity.label(scales))
-    pushed = all(loads.of(step) > 0 for context in contexts for step in context.result.steps)
+    all_loads = [loads.of(step) for context in contexts for step in context.result.steps]
+    pushed = min(all_loads) > 0
     if pushed:
         log_axis(ax, "x")
-    _limits(ax, pushed)  # before theories, which may leave the panel
+    _limits(ax, all_loads, pushed)  # before theories, which may leave the panel
     for k, context in enumerate(contexts if len(contexts) <= MOST_NAMED else ()):
         _pull_off(ax, context, loads, colour(k))
     with_theory = contexts if len(contexts) <= MOST_NAMED else contexts[:1]
@@ -157,7 +158,7 @@ def _mean_and_scatter(
 ) -> None:
     """Draw the mean of many results on axes, with a band of one standard deviation.
 
-    Loads without a value that can be shown are left out; at least one result must have one. If the
+    Loads without a value that can be shown are left out; nothing is drawn if none has one. If the
     results that have any differ in their loads, all are drawn as points of one colour instead.
     """
     rows = [
@@ -169,6 +170,8 @@ def _mean_and_scatter(
         for context in contexts
     ]
     curves_of_results = [np.array(row, dtype=float) for row in rows if row]
+    if not curves_of_results:
+        return
     x = curves_of_results[0][:, 0]
     alike = all(
         len(curve) == len(x) and np.allclose(curve[:, 0], x, rtol=SAME_LOAD)
@@ -234,13 +237,16 @@ def _pull_off(ax: Any, context: FigureContext, loads: LoadAxis, line_colour: Any
         ax.axvline(held, color=line_colour, linestyle=":", linewidth=0.8, label="pull-off")
 
 
-def _limits(ax: Any, pushed: bool) -> None:
+def _limits(ax: Any, all_loads: list[float], pushed: bool) -> None:
     """Set the limits of axes around what has been drawn.
 
-    The y axis becomes logarithmic if positive values span more than a decade. pushed: whether all
-    loads are above 0 and the x axis is logarithmic.
+    The y axis becomes logarithmic if positive values span more than a decade. all_loads: the x axis
+    shows them if nothing has been drawn. pushed: whether all of them are above 0 and the x axis is
+    logarithmic.
     """
     left, low, right, high = ax.dataLim.extents
+    if left > right:
+        left, low, right, high = min(all_loads), 0.0, max(all_loads), 1.0
     if pushed:
         ax.set_xlim(left / BEYOND, right * BEYOND)
     else:

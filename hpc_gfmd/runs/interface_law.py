@@ -192,8 +192,8 @@ class _Curves:
     def law(self, facts: Mapping[str, Any]) -> InterfaceLaw:
         """Return the law from all solved loads.
 
-        A quantity without any value is left out. Its `about` tells that and, for each status other
-        than "converged", the highest pressure with it. `facts` are those of the sampler.
+        A quantity without any value is left out. Its `about` tells that, and which loads are not
+        "converged". `facts` are those of the sampler.
         """
         pressures = sorted(self.steps)
         about = list(facts["about"])
@@ -203,11 +203,9 @@ class _Curves:
                 names.append(name)
             else:
                 about.append(f"{name}: has no value on this body or surface")
-        failed = {
-            step["status"]: p for p in pressures for step in self.steps[p]
-            if step["status"] != "converged"
-        }  # fmt: skip
-        about += [f"a load at {p:g} is {status}" for status, p in failed.items()]
+        for p in pressures:
+            status = {step["status"] for step in self.steps[p]} - {"converged"}
+            about += [f"a load at {p:g} is {name}" for name in sorted(status)]
         values = {name: self.curve(name)[1] for name in names}
         return InterfaceLaw(
             np.array(pressures),

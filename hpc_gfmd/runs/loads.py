@@ -42,7 +42,8 @@ def check(scene: Scene) -> None:
 
     These are unknown names (solver, observables, distributions, law), distributions that need a
     periodic surface, an accuracy that free boundaries do not reach, fields that the material or
-    low_memory excludes, and low_memory with adhesion. Nothing is read or allocated.
+    low_memory excludes, and low_memory with adhesion or without nested iteration. Nothing is read
+    or allocated.
     """
     require_periodic(scene.output.distributions, scene.surface.free, "output.distributions")
     for key, names, allowed in (
@@ -69,6 +70,8 @@ def check(scene: Scene) -> None:
         )
     if "plastic" in scene.output.fields and scene.material.hardness is None:
         raise SceneError('output.fields: found "plastic", allowed with material.hardness')
+    if scene.solver.low_memory and scene.solver.nested is False:
+        raise SceneError('solver.nested: found false, allowed with solver.low_memory: true, "auto"')
     if scene.solver.low_memory and "displacement" in scene.output.fields:
         raise SceneError(
             'output.fields: found "displacement", allowed with solver.low_memory: pressure, gap,'

@@ -402,6 +402,8 @@ def _read_scene(
         )
     if not isinstance(scene, Scene):
         scene = load_scene(scene, overrides)
+    elif [*overrides]:
+        raise SceneError("overrides: found with a Scene, allowed: with the path of a scene file")
     if out is not None:
         scene = with_overrides(scene, [f"output.path={json.dumps(str(out))}"], "output")
     return scene

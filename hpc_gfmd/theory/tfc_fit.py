@@ -161,9 +161,8 @@ def sigma_of_terms(row: Mapping[str, Any], eps: Mapping[str, float]) -> float:
     Parameters
     ----------
     row : mapping
-        A row of a coefficient table with "sigma". Its "covariance" (in the order of "names") is
-        used if it is there, otherwise its "sigma", by name; coefficients without a sigma count as
-        exact.
+        A row of a coefficient table. Its "covariance" (in the order of "names") is used if it is
+        there, otherwise its "sigma", by name; coefficients without a sigma count as exact.
     eps : mapping
         Ratios by term, {"t": ..., ...}.
 
@@ -175,10 +174,11 @@ def sigma_of_terms(row: Mapping[str, Any], eps: Mapping[str, float]) -> float:
     names = row.get("names", COEFFICIENTS)
     derivatives = slopes(row, eps) | {"limit": 0.0}
     gradient = np.array([derivatives.get(name, 0.0) for name in names])
-    covariance = row.get(
-        "covariance", np.diag([row["sigma"].get(name, 0.0) ** 2 for name in names])
-    )
-    return float(np.sqrt(max(gradient @ np.asarray(covariance) @ gradient, 0.0)))
+    if "covariance" in row:
+        covariance = np.asarray(row["covariance"])
+    else:
+        covariance = np.diag([row["sigma"].get(name, 0.0) ** 2 for name in names])
+    return float(np.sqrt(max(gradient @ covariance @ gradient, 0.0)))
 
 
 def fit_tfc(

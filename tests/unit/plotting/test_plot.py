@@ -494,6 +494,11 @@ def test_tight_loads_are_shaded():
     assert len(ax.containers[0].lines[0].get_xdata()) == first
     (ax,) = sweep.plot("critical_gap_x", step=[0, 1]).axes
     assert not ax.patches
+    only_tight = hpc_gfmd.solve(wall, p_star=[0.8, 1.0], observables=["critical_gap"], fields=())
+    for results in ([only_tight], [only_tight] * 7):
+        (ax,) = hpc_gfmd.plot(results, "critical_gap_x").axes
+        assert ax.patches[0].get_label() == "tight"
+        assert ax.get_xlim()[0] < 0.8 < 1.0 < ax.get_xlim()[1]
 
 
 def test_one_column_of_panels_is_85_mm_wide(cli):
