@@ -12,9 +12,10 @@ from ..parallel.grid import Grid
 
 @dataclass(frozen=True)
 class FreeSpace:
-    """Empty space that the grid has beyond a surface with free edges: the largest of these lengths.
+    """Empty space that the grid has along an axis beyond a surface with free edges.
 
-    Measured by what more space changes, see tests/physics/test_free.py.
+    It is the largest of the lengths that these numbers give. They were measured by what more space
+    changes, see tests/physics/test_free.py.
 
     Attributes
     ----------
@@ -28,7 +29,7 @@ class FreeSpace:
     spacings : float
         In grid spacings of any axis with free edges, to resolve these modes.
     periodic_spacings : int
-        In grid spacings of any other axis.
+        In grid spacings of any other axis that has more than one point.
     slender : int
         The square of the longest side over the product of a side and the space beyond it is at most
         this, since otherwise S, the displacements per pressure (bodies/free.py), would not be

@@ -153,7 +153,10 @@ def format_of(contents: Contents) -> str:
 
 
 def is_utf16(head: bytes) -> bool:
-    """Whether bytes begin a text in UTF-16: by its mark, or by zeros in every second byte."""
+    """Whether bytes begin a text in UTF-16: by its mark, or by zeros in every second byte.
+
+    head: the first bytes of a file. Without a mark at least 18 of them are needed.
+    """
     if head.startswith(_UTF16):
         return True
     pairs = len(head) // 2

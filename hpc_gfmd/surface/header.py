@@ -54,7 +54,8 @@ def columns_named(header: list[str], mark: str | None, columns: int) -> Columns 
     Returns
     -------
     Columns or None
-        None unless a line has a name for every column, and exactly one for each of x, y and z.
+        None unless a line has as many fields as there are columns, and exactly one of them names
+        each of x, y and z.
     """
     titles = [line.strip().lstrip("#%;/ \t").strip() for line in header if line.strip()][-3:]
     for title in reversed(titles):
