@@ -260,7 +260,7 @@ class _Run:
 
     def _write(self, index: int, contact: Contact, seconds: float) -> None:
         """Compute the observables of a finished load, write it, print its row. Collective."""
-        self._require_storable(contact.p_mean)
+        self._require_storable(contact.wall_pressure)
         attributes = step_attributes(self.scene, index, contact, seconds)
         names = self.scene.output.fields
         self.file.write_step(
@@ -304,12 +304,18 @@ class _Run:
         return unfinished, numbers["seconds"]
 
     def _require_storable(self, *pressures: float) -> None:
-        """Raise SceneError if output.dtype = "single" cannot hold the fields at these pressures."""
+        """Raise SceneError if output.dtype = "single" cannot hold the fields at these pressures.
+
+        They are mean pressures on the wall. One that is not above 0 decides nothing: before a load
+        is solved its attraction is not known, and a wall without pressure is stored as zeros.
+        """
         if self.scene.output.dtype != "single":
             return
         surface = self.sweep.surface
         for name in self.scene.output.fields:
             for p_mean in pressures:
+                if name == "pressure" and p_mean <= 0:
+                    continue
                 if field_dtype(name, np.float32, p_mean, surface) != np.float32:
                     raise SceneError(
                         f'output.dtype: found "single", which cannot hold the {name} at a mean'

@@ -289,3 +289,19 @@ def test_stickiness_of_a_stored_contact(tmp_path):
     solution = hpc_gfmd.solve(adhesive.wall(), adhesive.LOAD, adhesion=adhesion)
     stored = hpc_gfmd.load(solution.save(tmp_path / "stored.h5"))[0]
     assert stored.observable("stickiness") == pytest.approx(solution.observable("stickiness"))
+
+
+def test_pulling_loads_are_stored_in_single_precision(tmp_path):
+    """A file of float32 holds the pressures of loads that pull, and the zeros after pull-off."""
+    tables = {
+        "surface": {"kind": "sphere", "radius": 1.0, "n": [64, 64], "physical_sizes": [1.0, 1.0]},
+        "material": {"adhesion": {"work": 0.02, "range": 0.05}},
+        "load": {"pressure": [0.05, -0.5]},
+        "output": {"path": str(tmp_path / "o.h5"), "fields": ["pressure"], "dtype": "single"},
+    }
+    hpc_gfmd.run(hpc_gfmd.scene.Scene.from_dict(tables), quiet=True)
+    held, separated = hpc_gfmd.load(tmp_path / "o.h5")
+    assert (held.status, separated.status) == ("converged", "separated")
+    assert held.pressure.dtype == separated.pressure.dtype == np.float32
+    assert held.pressure.mean(dtype=float) > 0.05
+    assert not separated.pressure.any()

@@ -6,6 +6,7 @@ import warnings
 import numpy as np
 import pytest
 from contacts import heights_of, rough, scene_text
+from refusal import refused
 from scene_tables import WAVE, tables
 
 import hpc_gfmd
@@ -143,3 +144,13 @@ def test_notes_on_height_maps_appear_once_everywhere(z, tmp_path, cli):
     for text in (log, cli.prints("show contact.h5")):
         assert text.count("steps 0, 1: g_rms = 1e+09") == 1
     assert "note: g_rms" in log
+
+
+def test_arguments_without_an_effect_are_refused():
+    """Overrides of a Scene, which has no file, and low memory without coarser grids."""
+    with refused("^overrides: found with a Scene"):
+        hpc_gfmd.run(Scene.from_dict(tables()), ["load.p_star=0.1"], quiet=True)
+    with refused(r"^solver.nested: found false, allowed with solver.low_memory: true"):
+        hpc_gfmd.run(
+            Scene.from_dict(tables(solver={"low_memory": True, "nested": False})), quiet=True
+        )
