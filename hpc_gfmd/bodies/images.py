@@ -178,11 +178,13 @@ class _Nodes:
 
 
 def _in_modes(D: np.ndarray, *axes: tuple[_Nodes, int]) -> np.ndarray:
-    """Fit a kernel D in the lowest modes: return the least T with basis T basis' = D.
+    """Return the symmetric matrix T that represents a kernel of distances in the lowest modes.
 
-    D: the kernel at the axes' offsets; axes: each with its nodes and a parity. Where a product of
-    singular values is below LEAST, relative to the largest, only rounding errors are left: T is 0
-    there.
+    basis T basis' is the kernel between any two points of the axes; T is square, of the size of the
+    product of the axes' numbers of modes, the last axis fastest. D: values of the kernel at the
+    offsets of each axis. axes: of each its nodes and the parity of its modes, 1 (even) or -1 (odd).
+    Combinations of modes whose product of singular values is below LEAST times the largest have no
+    part in T: they are rounding errors.
     """
     fits = [nodes.fits[parity] for nodes, parity in axes]
     size = np.ones(())

@@ -374,7 +374,7 @@ class Contact:
                 g = g - self.g[i0:i1, : g.shape[1]]
             return g * real(self.surface.height_unit)
 
-        return _on_the_whole_grid(self.surface, values, dtype)
+        return _field_of_surface(self.surface, values, dtype)
 
 
 def heights_of(surface: Surface) -> LazyField:
@@ -386,19 +386,20 @@ def heights_of(surface: Surface) -> LazyField:
     h = surface.h
     assert h is not None  # asked for before a sweep in low memory gives them away
     dtype = field_dtype("heights", h.dtype, 0.0, surface)
-    return _on_the_whole_grid(
+    return _field_of_surface(
         surface, lambda i0, i1: h[i0:i1] * -dtype.type(surface.height_unit), dtype
     )
 
 
-def _on_the_whole_grid(
+def _field_of_surface(
     surface: Surface, values: Callable[[int, int], np.ndarray], dtype: np.dtype
 ) -> LazyField:
-    """Return the LazyField of a surface whose values are computed from the solver's arrays.
+    """Return a field of this rank's rows of the surface, computed when it is sliced.
 
-    `values(i0, i1)` returns rows of these arrays, in units of the result; it is called on several
-    threads. If an axis was left out because nothing varies along it, the values are repeated along
-    it.
+    `values(i0, i1)` returns rows of the solver's arrays, cut to the points of the surface (without
+    the margin of free edges), in units of the result; it is called on several threads. If an axis
+    was left out because nothing varies along it (`Surface.reduced_axis`), values gets rows of the
+    arrays without that axis, and they are repeated along it.
     """
     left_out = surface.reduced_axis
 

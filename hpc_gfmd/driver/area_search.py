@@ -135,9 +135,10 @@ class AreaSearch(SecantSearch):
 
     @property
     def _alone(self) -> float:
-        """The p_1 in x = log(p0 - p_1): the highest point certainly carries up to p_1 alone.
+        """Mean pressure up to which the highest point certainly carries the load alone.
 
-        A mean pressure on the present grid, in the program's unit; 0 if several points are as high.
+        It is p_1 in x = log(p0 - p_1), of the present grid, in the program's unit; 0 if several
+        points are as high.
         """
         return self.heights.alone
 

@@ -77,7 +77,11 @@ class Load:
 
     @property
     def spring(self) -> float:
-        """Stiffness of the spring that presses the body (see Problem); 0 for a dead load."""
+        """Stiffness of the spring that presses the body, in the program's units (see Problem).
+
+        0 for a pressure, given or searched for. Only a mean gap or an approach that is held under
+        an attraction has a spring.
+        """
         return 0.0 if self.search is None else self.search.spring
 
     @property

@@ -281,10 +281,11 @@ class SecantSearch(LoadSearch):
     # -- in the course of the iterations
 
     def near(self, solver: Solver, progress: Progress) -> bool:
-        """Return whether p0 stays on this coarse grid; else move it to the predicted target.
+        """Return whether p0 is near enough for this coarse grid; if not, change it. Collective.
 
-        It stays if the predicted miss is small enough or unknown, after five changes on this grid,
-        and on a grid that lacks the highest peak.
+        Called after every iteration on a coarse grid. p0 is near enough if the predicted miss is
+        small or unknown, after five changes on this grid, and on a grid that lacks the highest
+        peak. Otherwise x is set, and the solver goes on at the p0 that should meet the target.
         """
         lacks_peak = self.heights.lowest > self.heights.top
         if lacks_peak or self.trials == CALIBRATION.trials:

@@ -283,7 +283,10 @@ class CoarsestLevels:
         return self.fields[0, 1:-1]
 
     def contact(self, k: int) -> np.ndarray:
-        """Return t of level k, (rows, n), a view; `restrict` or `sweep` has put it there."""
+        """Return t of level k of these levels, (rows, n), a view.
+
+        The caller writes that of level 0; `restrict` and `sweep` put the others there.
+        """
         return self._fields_of(k)[1, 1:-1]
 
     def _fields_of(self, k: int) -> np.ndarray:

@@ -23,10 +23,10 @@ SIGNS = (
 def describe(file: Any, head: dict, surface: dict, steps: Mapping[str, dict], about: About) -> None:
     """Add what other programs need to an open result file whose fields are laid out.
 
-    The values of the fields need not be written yet. The function writes
+    The values of the fields need not be written yet. Called by one rank, once for each file. The
+    function writes
 
-    - the attributes of the root, the surface and the steps, and nothing else before the surface has
-      its size "n";
+    - the attributes of the root, the surface and the steps; without surface["n"] nothing else;
     - the arrays load, x, y, and one array over the loads for each number;
     - the units and meanings of all fields;
     - in each group with fields (a step, or the surface): links to x and y;
@@ -70,6 +70,8 @@ def coordinates(
     group: Any, surface: Attributes, of_loads: Mapping[str, np.ndarray], about: About
 ) -> list:
     """Write the dimension scales load, x and y into a group, and the numbers of all loads.
+
+    All get their units and meanings. Called by one rank only; the others need not take part.
 
     Parameters
     ----------

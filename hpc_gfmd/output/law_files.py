@@ -220,7 +220,7 @@ def _moose(law: InterfaceLaw, conductivity: float | None, name: str) -> str:
 
 
 def _numbers(values: np.ndarray) -> str:
-    """Return numbers as text in one line, separated by blanks, as MOOSE reads them."""
+    """Return numbers as text in one line with ten digits, separated by blanks, for MOOSE."""
     return " ".join(f"{value:.9E}" for value in values)
 
 

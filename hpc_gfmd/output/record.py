@@ -32,7 +32,7 @@ from .result import FORMAT_VERSION, Result, group_of
 class RunFile(AbstractContextManager):
     """The result file of one run, for use in a `with` statement.
 
-    All methods are collective; only `take` and `close` do not communicate.
+    All methods are collective, `take` and `close` too, although these two send no message.
 
     Creating it locks the folder OUT.h5.partial and may empty it (see `claim.claim`). Leaving the
     `with` statement releases the lock; what is finished stays in the folder and can be resumed,
@@ -302,8 +302,10 @@ class RunFile(AbstractContextManager):
     ) -> dict[str, Stored]:
         """Write a file with the head, the surface, some steps and fields.
 
-        `status` is that of the run. `fields` are local slabs or Stored, by their path in the file.
-        Returns {path in the file: Stored} of the fields in the new file. Collective.
+        `status` is that of the run. `fields` are local slabs, or Stored (where another file has
+        one), by their path in the file. Replaces the file as a whole or not at all. Returns
+        {path in the file: Stored} of the fields in the new file. Raises GfmdError on all ranks.
+        Collective.
         """
         head = self._head | {"status": status}
         return write_file(

@@ -18,6 +18,9 @@ PAGE = mmap.PAGESIZE
 def common_memory(comm: Any, nbytes: int) -> tuple[np.ndarray, np.ndarray]:
     """Make memory that all ranks of a communicator share. Collective.
 
+    It is freed with the last array that refers to it. Ranks that read what others write have to
+    synchronise themselves.
+
     Parameters
     ----------
     comm : Comm

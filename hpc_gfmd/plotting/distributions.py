@@ -103,8 +103,9 @@ def _theory(ax: Any, context: FigureContext, densities: list[Any], unit: float) 
 def _shares(result: Result, name: str) -> Iterator[Any]:
     """Yield (index of the load, edges, shares) of every load step that has this distribution.
 
-    The shares of the bins add up to the share of the area (for patches: to 1). They come from the
-    result file if it has them, otherwise from the fields, which are read.
+    Shares of the pressure add up to the area in contact, a_r, those of the gap to 1 - a_r, and
+    those of patches to 1. Loads with an empty histogram are left out. They come from the result
+    file if it has them, otherwise from the fields, which are read.
     """
     for k, (step, fields) in enumerate(zip(result.steps, result.fields)):
         if f"{name}_edges" in step:

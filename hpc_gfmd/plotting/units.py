@@ -74,7 +74,7 @@ class Scale:
         return label(symbol, (self, power))
 
     def value(self, symbol: str, number: float) -> str:
-        """Return an equation such as "$p = 20$ MPa".
+        """Return an equation such as "$p = 20$ MPa" or, of a relative unit, "$p/E^* = 0.2$".
 
         Parameters
         ----------

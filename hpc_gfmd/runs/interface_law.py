@@ -243,9 +243,9 @@ def _mean(name: str, steps: Steps) -> float:
 
 
 def _scatter(name: str, steps: Steps) -> float:
-    """Return the standard deviation of a number over the surfaces; 0 for a single surface.
+    """Return the sample standard deviation of a number over the surfaces; 0 for a single surface.
 
-    nan if one of them has no value.
+    steps: one load, of each surface. nan if one of them has no value.
     """
     values = [step.get(name) for step in steps]
     if None in values:

@@ -27,7 +27,7 @@ from .solve import solve
 from .surfaces import surface_of_topography
 
 ACCURACY_SHARE = 0.1  # of the law's error: accuracy of its loads, so that it does not deviate by it
-Steps = list[dict[str, Any]]  # attributes of the loads of one surface
+Steps = list[dict[str, Any]]  # attributes of loads: several of one surface, or one of each surface
 Pressures = Sequence[float | str]
 
 

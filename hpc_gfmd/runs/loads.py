@@ -264,7 +264,11 @@ def _solve_loads_before(
 
 
 def _shown_target(scene: Scene, sweep: Sweep, load: Load, index: int) -> tuple[str, float]:
-    """Return the name and the value by which a load is shown; a pressure is shown as p*."""
+    """Return (name, value) of a load for the line of progress.
+
+    Of a force, area, gap or approach: as the scene prescribes it for load `index`, in its units. Of
+    any pressure: ("p_star", p* of `load`).
+    """
     for name, value in _target(scene.load, index).items():
         return name.removeprefix("target_"), value
     return "p*", load.value / sweep.working.pressure_unit

@@ -40,7 +40,7 @@ def _tuple(value: Any) -> Any:
 
 
 def each(value: Any) -> tuple:
-    """Return a list as a tuple, and any other value as a tuple with this value only."""
+    """Return a list or tuple as a tuple, and any other value as a tuple of this one value."""
     return tuple(value) if isinstance(value, list | tuple) else (value,)
 
 

@@ -31,7 +31,8 @@ def filled(topography: Topography, how: str, comm: Any) -> Topography:
     Returns
     -------
     Topography
-        Its `rows` are complete; topography itself if no height is missing.
+        A copy whose `rows` reads the given map and puts in the missing heights, which every rank
+        keeps; its `prepared` has a line on that. topography itself if no height is missing.
 
     Raises
     ------

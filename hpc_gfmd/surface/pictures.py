@@ -19,6 +19,7 @@ DIRECTION = "to the right in the picture, y down"
 _NO_DATA = 42113  # GDAL's tags of a TIFF
 _SCALES = 42112
 _UPRIGHT = 1
+_WHITE_IS_0 = 0  # photometric interpretation
 _ALLOWED = (
     'one number a point, either with decimals, or whole and surface.height_range = ["0 nm", "500'
     ' nm"] for the lowest and the highest one that there may be'
@@ -51,7 +52,11 @@ def read_png(contents: Contents, spec: Any) -> Map:
 
 
 def read_tiff(contents: Contents, spec: Any) -> Map:
-    """Read a TIFF, x to the right, y down. What an instrument wrote is read by its own reader.
+    """Read a TIFF, x to the right, y down.
+
+    If SurfaceTopography finds sizes or a unit in it, its reading is returned, and nothing of what
+    follows applies. Numbers that spec.missing or GDAL's tag lists are compared as they are stored;
+    then GDAL's scale and offset are applied, after which numbers count as decimals.
 
     Parameters
     ----------
@@ -92,8 +97,10 @@ def read_tiff(contents: Contents, spec: Any) -> Map:
         try:
             z = page.asarray()
             valid = masks[0].asarray() if masks else None
-        except ValueError:  # packed: Pillow reads fewer types of numbers, but unpacks more
-            z = _grey(contents)
+        except ValueError as error:  # packed in a way that only Pillow unpacks
+            if masks:
+                raise ValueError(f"{error}; Pillow does not read its mask") from None
+            z = _unpacked(contents, page)
             valid = None
     if valid is not None and valid.shape != z.shape:
         raise ValueError(f"its mask has {valid.shape} points, its heights {z.shape}")
@@ -152,6 +159,27 @@ def _grey(contents: Contents) -> np.ndarray:
             raise ValueError(f"found colours ({picture.mode}), allowed: one number a point")
         z = np.asarray(picture)
     return z.astype(np.uint16) if picture.mode == "I" else z  # how some versions open 16 bits
+
+
+def _unpacked(contents: Contents, page: Any) -> np.ndarray:
+    """Read the one picture of a packed TIFF by Pillow, in the type of numbers that the file names.
+
+    page: tifffile's. Raises ValueError if it has colours, if Pillow reads its numbers less exactly
+    or as others, or if it inverts them (0 stands for white).
+    """
+    from PIL import Image
+
+    if page.photometric == _WHITE_IS_0:
+        raise ValueError("it is packed, and 0 stands for white, allowed: not packed")
+    with Image.open(contents.source) as picture:
+        if picture.mode not in (*GREY, "F"):
+            raise ValueError(f"found colours ({picture.mode}), allowed: one number a point")
+        z = np.asarray(picture)
+    numbers = z.astype(page.dtype)
+    is_narrower = z.itemsize < numbers.itemsize
+    if is_narrower or (z.itemsize > numbers.itemsize and not np.array_equal(numbers, z)):
+        raise ValueError(f"it is packed, with numbers {page.dtype}, allowed: not packed")
+    return numbers
 
 
 def _numbers(text: Any) -> np.ndarray:

@@ -34,10 +34,11 @@ def self_affine_gap(
     gap : ndarray
         z_max - z, this rank's slab, scaled so that g_rms = 1 per grid spacing.
     h_rms : float
-        Rms height of the gap, in its own unit.
+        Rms height, in the unit of the gap.
     add_spectrum : function
-        add_spectrum(fft) returns a function (block, m) that adds the transform of minus the gap
-        (not divided by N) to block m of the columns of fft; heights thus need not be kept.
+        add_spectrum(fft) returns add(block, m), for `fft.columns`: it adds the transform of minus
+        the gap, without a factor 1/N, to the columns of block m. It is computed again from the
+        seed, so that heights need not be kept.
     """
     fft = grid.fft(made_in)
     low = spec.L_over_lam_l

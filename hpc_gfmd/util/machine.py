@@ -70,7 +70,8 @@ def control_groups(
 
 
 def limit_gib() -> float:
-    """Return how many GiB `ulimit -v` leaves this process; infinity without a limit."""
+    """Return how many GiB of address space more this process may take: the limit of `ulimit -v`
+    less what it has; infinity without a limit."""
     try:
         import resource
 

@@ -132,12 +132,12 @@ def _persson(quantity: str, p_star: np.ndarray, hurst: float, eps_f: float) -> n
 
 
 def load(path: str | Path | None = None) -> Reference:
-    """Read a file of reference data.
+    """Read reference curves of contact area and mean gap of self-affine surfaces.
 
     Parameters
     ----------
     path : path, optional
-        Default: the file shipped with the package.
+        A JSON file; default: the one shipped with the package.
 
     Returns
     -------

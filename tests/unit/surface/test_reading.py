@@ -19,7 +19,8 @@ from hpc_gfmd.runs.simulation import run_scene
 from hpc_gfmd.runs.surfaces import surface_of_topography
 from hpc_gfmd.scene import File, Scene
 from hpc_gfmd.surface import build_surface
-from hpc_gfmd.surface.topography import open_topography
+from hpc_gfmd.surface.metadata import Metadata
+from hpc_gfmd.surface.topography import open_topography, topography_of
 from hpc_gfmd.util.libraries import surface_topography
 
 # in m; numbers of points and pixel sizes differ along x and y, which reveals exchanged axes
@@ -271,6 +272,13 @@ def test_text_that_is_no_height_map_is_refused(text, words):
 
 
 STEPS = np.round(65535 * (Z - Z.min()) / np.ptp(Z)).astype(np.uint16)
+
+
+def packed(numbers, **how):
+    """Return a function of a path that writes a TIFF which tifffile alone does not unpack."""
+    return partial(Image.fromarray(numbers).save, compression="tiff_lzw", **how)
+
+
 RANGE = {"height_range": [f"{1e9 * z!r} nm" for z in (float(Z.min()), float(Z.max()))]}
 
 
@@ -282,7 +290,10 @@ RANGE = {"height_range": [f"{1e9 * z!r} nm" for z in (float(Z.min()), float(Z.ma
         ("u.tif", lambda p: tifffile.imwrite(p, STEPS.T), RANGE),
         ("i.tif", lambda p: tifffile.imwrite(p, (STEPS.T - 2.0**15).astype("i2")), RANGE),
         ("u.png", Image.fromarray(STEPS.T).save, RANGE),
-        ("l.tif", partial(Image.fromarray(STEPS.T).save, compression="tiff_lzw"), RANGE),
+        ("l.tif", packed(STEPS.T), RANGE),
+        ("l2.tif", packed(STEPS.T ^ 2**15, tiffinfo={339: 2}), RANGE),  # two's complement
+        ("l4.tif", packed((65537 * STEPS.T.astype("i8") - 2**31).astype("i4")), RANGE),
+        ("lf.tif", packed((1e9 * Z.T).astype("f4")), {}),
     ],
 )
 def test_images(name, write, keys):
@@ -457,3 +468,27 @@ def test_keys_of_prepared_surfaces(tmp_path):
     assert loads[0].gap_mean == pytest.approx(loads[1].gap_mean)
     with refused(r"surface.detrent: unknown key, nearest: surface.detrend"):
         hpc_gfmd.read_surface("z.x3p", detrent="mean")
+
+
+def test_sizes_without_a_unit_beside_heights_in_volts():
+    """The unit that the scene gives the heights holds for the sizes in the file, too."""
+    table = spec("z.npy", unit="nm", physical_sizes=("1 um", "2 um"), boundary="periodic")
+    notes = topography_of(Z, Metadata((1200.0, 400.0), None, "V"), table).notes
+    text = "surface.physical_sizes are 1 um x 2 um, the file says 1.2 um x 0.4 um"
+    assert text in notes
+
+
+def test_packed_pictures_that_cannot_be_read_rightly_are_refused():
+    """A mask or inverted grey is not left out without a word when Pillow unpacks the numbers."""
+    pages = {"save_all": True, "append_images": [Image.fromarray(STEPS.T)], "tiffinfo": {254: 0}}
+    packed(STEPS.T, **pages)("masked.tif")
+    packed(STEPS.T)("inverted.tif")
+    for name, page, tag, value in (
+        ("masked.tif", 1, 254, 4),  # the second page is a mask
+        ("inverted.tif", 0, 262, 0),  # 0 stands for white
+    ):
+        with tifffile.TiffFile(name, mode="r+b") as file:
+            file.pages[page].tags[tag].overwrite(value)
+    for name, words in (("masked.tif", "does not read its mask"), ("inverted.tif", "0 .* white")):
+        with refused(words):
+            hpc_gfmd.read_surface(name, boundary="periodic", **BY_HAND, **RANGE)
