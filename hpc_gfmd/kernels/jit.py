@@ -5,6 +5,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from numba.core.registry import CPUDispatcher
 
 from .cache import compiled_on_first_use
 
@@ -24,8 +25,8 @@ def kernel(function: Callable[..., Any], piece: bool = False, part: bool = False
     piece : bool
         Set for a small piece of other kernels: its machine code is copied into theirs. If it were
         called instead, code from the cache and code that has just been compiled would contain
-        different copies of it, and results could differ in the last bits. Python must not
-        call it: there is no entry for Python, and the process would end.
+        different copies of it, and results could differ in the last bits. It has no entry for
+        Python, which can call its source, `py_func`.
     part : bool
         Set for a large part of one other kernel: its source is copied into that one before anything
         is compiled, which takes half as long as compiling both.
@@ -33,9 +34,9 @@ def kernel(function: Callable[..., Any], piece: bool = False, part: bool = False
     Returns
     -------
     function
-        Called as the one that was given.
+        Called as the one that was given. A piece raises TypeError when Python calls it.
     """
-    return compiled_on_first_use(
+    compiled = compiled_on_first_use(
         function,
         nogil=True,
         error_model="numpy",
@@ -46,6 +47,18 @@ def kernel(function: Callable[..., Any], piece: bool = False, part: bool = False
         no_cpython_wrapper=piece,
         no_cfunc_wrapper=True,
     )
+    if piece:
+        compiled.__class__ = Piece
+    return compiled
+
+
+class Piece(CPUDispatcher):
+    """A piece of other kernels, which has no entry for Python."""
+
+    def __call__(self, *_: Any, **__: Any) -> Any:
+        """Raise TypeError: without an entry, numba's own call would end the process."""
+        name = self.py_func.__name__
+        raise TypeError(f"{name} is a piece of kernels; Python can call {name}.py_func")
 
 
 inline = partial(kernel, piece=True)
