@@ -61,7 +61,7 @@ def pytest_generate_tests(metafunc):
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config, items):
     for item in items:
-        if Path(__file__).parent / "unit" in item.path.parents:
+        if Path(__file__).parent / "unit" in item.path.parent.parents:
             item.add_marker(pytest.mark.unit)
     lacking = mpi_harness.missing()
     marked = [item for item in items if item.get_closest_marker("mpi")]

@@ -74,7 +74,7 @@ class MapUnits:
             float(size if isinstance(size, Quantity) else size * self.length)
             for size in scene_sizes or in_file or (1.0, 1.0)
         )
-        self._compare(file_unit, in_file, scene_sizes)
+        self._compare(metadata, in_file, scene_sizes)
         if scene_sizes is None and in_file is not None and not metadata.sizes_unit and spec.unit:
             self.notes.append(f"x and y in {path} are taken in {spec.unit}, as the heights are")
 
@@ -105,12 +105,15 @@ class MapUnits:
             )
         return spec.unit or metadata.unit
 
-    def _compare(self, file_unit: str | None, in_file: Any, scene_sizes: Any) -> None:
+    def _compare(self, metadata: Metadata, in_file: Any, scene_sizes: Any) -> None:
         """Add a note if the sizes in the scene differ from those in the file by more than 0.1 %.
 
-        file_unit: of the sizes in the file, None if it is not known. in_file, scene_sizes:
-        (L_x, L_y), None if not given. They are not compared if only one of them has a unit.
+        in_file, scene_sizes: (L_x, L_y), None if not given. They are not compared if only one of
+        them has a unit of length.
         """
+        file_unit = metadata.sizes_unit or metadata.unit
+        if file_unit and length_factor(file_unit) is None:  # heights in volts, say
+            file_unit = None
         if scene_sizes is None or in_file is None or (file_unit is None) == self.are_named:
             return
         sizes = [size * _factor(file_unit, "") for size in in_file]

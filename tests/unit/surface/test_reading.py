@@ -471,11 +471,10 @@ def test_keys_of_prepared_surfaces(tmp_path):
 
 
 def test_sizes_without_a_unit_beside_heights_in_volts():
-    """The unit that the scene gives the heights holds for the sizes in the file, too."""
+    """The unit that the scene gives the heights is not one of the sizes in the file."""
     table = spec("z.npy", unit="nm", physical_sizes=("1 um", "2 um"), boundary="periodic")
-    notes = topography_of(Z, Metadata((1200.0, 400.0), None, "V"), table).notes
-    text = "surface.physical_sizes are 1 um x 2 um, the file says 1.2 um x 0.4 um"
-    assert text in notes
+    (note,) = topography_of(Z, Metadata((1200.0, 400.0), None, "V"), table).notes
+    assert note == "heights are taken in nm, as surface.unit says; z.npy says 'V'"
 
 
 def test_packed_pictures_that_cannot_be_read_rightly_are_refused():
