@@ -213,6 +213,7 @@ class _Helper:
     def __init__(self) -> None:
         self.error: BaseException | None = None
         self._work: list[Callable[[], None]] = []  # at most one; whoever takes it out has it
+        self._has_begun = False
         self._begun = threading.Lock()
         self._ended = threading.Lock()
         self._begun.acquire()
@@ -223,6 +224,7 @@ class _Helper:
         """Let the thread do some work; `end` must have been called for the work before."""
         self.error = None
         self._work.append(work)
+        self._has_begun = True
         if self._begun.locked():  # if not, it has yet to wake up for work that was withdrawn
             self._begun.release()
 
@@ -230,12 +232,15 @@ class _Helper:
         """Wait until the work has ended, or withdraw it if the thread has not woken up yet.
 
         Work that is withdrawn is never done: `on_threads` calls this when no pieces are left or its
-        own thread has failed. An error of work that was done is in `error` then.
+        own thread has failed. An error of work that was done is in `error` then. Returns at once if
+        Ctrl-C came before the work began.
         """
         try:
             self._work.pop()
         except IndexError:
-            self._ended.acquire()
+            if self._has_begun:
+                self._ended.acquire()
+        self._has_begun = False
 
     def _run(self) -> None:
         """Do work whenever some has begun."""

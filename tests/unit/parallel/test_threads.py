@@ -6,6 +6,7 @@ import time
 
 import pytest
 
+from hpc_gfmd.parallel import threads
 from hpc_gfmd.parallel.threads import on_threads, shares
 
 
@@ -103,3 +104,25 @@ def test_work_is_withdrawn_from_a_thread_that_has_not_woken_up():
     for _ in range(2000):  # sometimes the other thread is late, sometimes it is not
         assert on_threads(2, lambda k: k, [(0,), (1,)]) == [0, 1]
     together(2, 2)
+
+
+def test_ctrl_c_before_a_helper_begins(monkeypatch):
+    """Nobody waits for work that was never given away."""
+
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(threads._Helper, "begin", interrupted)
+    monkeypatch.setattr(threads, "_free_helpers", [])
+    raised = []
+
+    def call():
+        try:
+            on_threads(2, abs, [(1,), (2,)])
+        except KeyboardInterrupt as error:
+            raised.append(error)
+
+    caller = threading.Thread(target=call, daemon=True)
+    caller.start()
+    caller.join(30)
+    assert len(raised) == 1
