@@ -129,7 +129,11 @@ def run(args):
     )
     for n in args.n:
         surface = RoughContact(
-            *(n, 1.0, args.hurst, args.boundary, args.hardness),
+            n,
+            1.0,
+            args.hurst,
+            args.boundary,
+            args.hardness,
             L_over_lam_l=args.l_over_lam_l,
             lam_s_over_a=args.lam_s_over_a,
         )
