@@ -23,6 +23,7 @@ from ..kernels.bfloat16 import stored_dtype
 from ..kernels.bpx import UpdateSums, update_passes
 from ..kernels.multilevel import SUMS, restrict_level, smooth_level
 from ..kernels.transforms import no_rows
+from ..parallel.coarsening import Transfer
 from ..parallel.halo import add_all, add_overlaps
 from ..parallel.threads import Shares, added, on_threads, pieces_of
 from ..util.aligned import LINE, zeros_aligned
@@ -81,7 +82,7 @@ class Multilevel:
     last_comm : Comm or None
         Of the ranks that have a `coarsest`; None on all others.
     ends : array (passes, 2)
-        First row and end of each pass of the solver.
+        First row and end of each pass of the solver; must not be written to.
     scratch : list of (array, array)
         Memory of each thread for the solver's passes, see kernels/bpx.py: update_state.
     """
@@ -129,7 +130,10 @@ class Multilevel:
         self._mode: np.ndarray | None = None
         self._amplitude = 0.0
         to_level_1 = self.transfers[0]
-        self.ends = np.array(to_level_1.passes(longest), np.int64).reshape(-1, 2)
+        self.ends = grid.once(
+            (Transfer.passes, longest),
+            lambda: np.array(to_level_1.passes(longest), np.int64).reshape(-1, 2),
+        )
         gathered = (6, grid.n[1] + LINE // self.dtype.itemsize)
         shared = (2, 3, to_level_1.m[1])
         self.scratch = [
@@ -473,9 +477,10 @@ class Multilevel:
     def _find_mode(self, coarsest: CoarsestLevels, share: float) -> None:
         """Compute the gap mode of the contact on the levels; set none if it is not wanted.
 
-        share: of the grid's points in elastic contact. Needs t on the levels of `coarsest`, as its `restrict` leaves it. The mode is kept in
-        `coarsest`; if ranks share its level it is kept in this object, with its product with r,
-        which is still on that level. Collective over the ranks that have the coarsest levels.
+        share: of the grid's points in elastic contact. Needs t on the levels of `coarsest`, as its
+        `restrict` leaves it. The mode is kept in `coarsest`; if ranks share its level it is kept in
+        this object, with its product with r, which is still on that level. Collective over the
+        ranks that have the coarsest levels.
         """
         coarsest.mode = coarsest.mode[:0]
         self._mode = None

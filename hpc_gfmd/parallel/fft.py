@@ -122,7 +122,7 @@ class SlabFFT(Layout):
         )
 
     def _block_plans(self) -> np.ndarray:
-        """Return the `plans` of this rank's blocks (K, 4), as described in kernels/transforms.py."""
+        """Return the `plans` of this rank's blocks, (K, 4), see kernels/transforms.py."""
         forward = self.plans.columns_forward
         backward = self.plans.columns_backward
         of_widths = np.array([(w, forward[w][1], backward[w][1]) for w in self.widths])
