@@ -183,3 +183,14 @@ def test_help_on_single_topics(cli):
     assert "allowed: scene, " in cli.refused("help rum")
     assert "found solver, allowed: a key after scene" in cli.refused("help run solver")
     assert "patch_largest" in cli.prints("help scene output")
+
+
+def test_a_map_far_above_its_zero_is_judged_as_at_zero():
+    """Heights of nanometres that are stored with a position of a tenth of a metre."""
+    remarks = []
+    for offset in (0.0, 0.1):
+        np.savez("map.npz", z=2e-9 * PERIODIC / PERIODIC.std() + offset, unit="m")
+        notes = compose("map.npz", Path("a.toml"), ["surface.physical_sizes=['1 um','1 um']"])[2]
+        remarks.append([line for line in notes if "h_rms" in line or "tilt" in line])
+    assert remarks[0] == remarks[1]
+    assert any("h_rms = 2 nm" in line for line in remarks[0])
