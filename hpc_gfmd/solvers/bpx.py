@@ -449,7 +449,8 @@ class Bpx(Solver):
         """Return how far the state is from the solution, with estimates after every step."""
         finite = bool(np.isfinite(self.pp + self.gap_mean))
         carried = max(self.wall_load, np.finfo(float).tiny)
-        residual = np.sqrt(self.rr / self.N) / carried
+        with np.errstate(over="ignore"):  # infinite where the attraction pulls more than it holds
+            residual = np.sqrt(self.rr / self.N) / carried
         errors = self._estimate() if finite else Estimate()
         predicted = self._predicted(errors) if finite else None
         return Progress(float(residual), self.contact, self.gap_mean, errors, finite, predicted)

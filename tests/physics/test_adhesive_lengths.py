@@ -82,3 +82,35 @@ def test_a_rough_wall_at_mean_gaps(branch):
         assert one.p == pytest.approx(same.p, rel=2e-3, abs=1e-5)
         assert one.a_r == pytest.approx(same.a_r, abs=2 / 32**2)
         assert one.value("unique") in (0, 1)
+
+
+def test_a_gap_at_which_the_bodies_touch_is_never_separated():
+    """On its way to a small gap the search pulls the bodies apart, and brings them back."""
+    wall = adhesive.wall(8, 8)
+    heights = np.asarray(wall.heights)
+    touching = heights.max() - heights.mean()
+    gaps = [0.02 * touching, 0.1 * touching, 0.9 * touching]
+    found = hpc_gfmd.solve(
+        wall,
+        gap_mean=gaps,
+        adhesion=adhesive.attraction(1.0, 0.3),
+        branch="retraction",
+        accuracy=1e-2,
+        fields=(),
+    )
+    assert [one.status for one in found] == ["converged"] * 3
+    for one, gap in zip(found, gaps, strict=True):
+        assert one.gap_mean == pytest.approx(gap, rel=1e-2)
+        assert one.p < 0 < one.a_r
+
+
+def test_a_gap_that_the_contact_jumps_past():
+    """Where one side of a jump follows the other without end the search gives up, and says so."""
+    wall = adhesive.wall(2, 4)
+    heights = np.asarray(wall.heights)
+    gap = 0.02 * (heights.max() - heights.mean())
+    how = {"adhesion": adhesive.attraction(3.0, 0.3), "fields": ()}
+    with pytest.warns(hpc_gfmd.NotConverged, match="stagnated"):
+        found = hpc_gfmd.solve(wall, gap_mean=gap, **how)
+    assert "jumps past" in found.note
+    assert found.iterations < 10_000
