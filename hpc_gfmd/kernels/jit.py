@@ -8,19 +8,15 @@ import numpy as np
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.registry import CPUDispatcher
-from numba.core.typed_passes import InlineOverloads, NopythonRewrites
-from numba.core.untyped_passes import InlineClosureLikes, InlineInlinables
 
 from .cache import compiled_on_first_use
 
 # NaN and infinity must stay visible, so no "nnan" and "ninf"; "reassoc" is what lets a sum use the
 # vector unit.
 FASTMATH = {"reassoc", "contract", "nsz", "arcp"}
-
-
 # Passes of numba for what no kernel contains: functions within it, functions whose source is copied
 # in, and expressions of whole arrays.
-NEEDLESS = {InlineClosureLikes, InlineInlinables, InlineOverloads, NopythonRewrites}
+NEEDLESS = {"InlineClosureLikes", "InlineInlinables", "InlineOverloads", "NopythonRewrites"}
 
 
 def kernel(function: Callable[..., Any], piece: bool = False) -> Any:
@@ -71,7 +67,7 @@ class Piece(CPUDispatcher):
 
 
 class KernelCompiler(CompilerBase):  # type: ignore[misc]
-    """The compiler of numba without what kernels do not need."""
+    """numba's compiler without what kernels do not need."""
 
     def define_pipelines(self) -> list:
         """Return the passes from Python's bytecode to machine code."""
@@ -80,19 +76,21 @@ class KernelCompiler(CompilerBase):  # type: ignore[misc]
             state.library = PieceLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
             state.library.enable_object_caching()
         pipeline = DefaultPassBuilder.define_nopython_pipeline(state)
-        pipeline.passes = [each for each in pipeline.passes if each[0] not in NEEDLESS]
+        pipeline.passes = [each for each in pipeline.passes if each[0].__name__ not in NEEDLESS]
         pipeline.finalize()
         return [pipeline]
 
 
 class PieceLibrary(JITCodeLibrary):  # type: ignore[misc]
-    """The compiled code of a piece, which only kernels that it is copied into optimise as a whole.
+    """What LLVM makes of a piece: it is optimised as a whole, and becomes machine code, only within
+    the kernels that it is copied into.
 
-    No machine code is made of it alone.
+    numba's own library would do both for every piece as well. Should a version of numba not call
+    this method, it does so again, which only takes longer.
     """
 
     def _optimize_final_module(self) -> None:
-        """Mark the functions that are always copied as not to be found here."""
+        """Make no machine code of the functions that are always copied."""
         for function in self._final_module.functions:
             if not function.is_declaration and b"alwaysinline" in b" ".join(function.attributes):
                 function.linkage = "available_externally"
