@@ -23,6 +23,7 @@ def test_a_wave_is_held_beyond_its_pull_off():
     gaps = [0.36, 1.0, 1.2, 1.28, 1.32, 1.36, 1.6, 1.7]
     found = hpc_gfmd.solve(z, gap_mean=gaps, **how)
     assert [one.status for one in found] == ["converged"] * 6 + ["separated"] * 2
+    assert all("too far apart" in one.note for one in found[6:])
     held, exact = found[:6], AdhesiveWave(work)
     pulls = [-one.p / exact.p_full for one in held]
     for one, gap in zip(held, gaps, strict=False):
