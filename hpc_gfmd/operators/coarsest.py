@@ -178,7 +178,6 @@ class CoarsestLevels:
         self._totals = np.empty(TOTALS)
         self.looks = 0
         self.fields = self._fields_of(0)
-        self.fields[:, [1, -1]] = 0  # rows that are added up, also of fields that nobody has set
         self.mode = np.zeros(0, dtype)
         self.mode_level = 0
 

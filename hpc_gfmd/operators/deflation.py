@@ -138,13 +138,14 @@ class GapMode:
         from scipy import fft  # takes a tenth of a second
 
         real = t.dtype.type
+        theta = t / real(DAMPING)
         w = np.zeros_like(t)
         r = np.ones_like(t)
         d = np.zeros_like(t)
         rz_before = np.inf
         M_sum = float(self.levels.apply(r, t).sum())  # <1, M 1>
         for _ in range(CALIBRATION.steps):
-            z = self.levels.apply(r, t / real(DAMPING))
+            z = self.levels.apply(r, theta)
             rz = float((r * z).sum())
             if rz < CALIBRATION.solved * M_sum:
                 break
