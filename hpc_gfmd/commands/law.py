@@ -84,12 +84,13 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Compute an interface law, print it and write its files; returns 0. Collective.
+    """Compute an interface law, print it and write its files. Collective.
 
-    Raises SceneError if the scenes are wrong, or if a file exists (unless --force).
+    Returns 0, or 3 if some load is not converged; the law says which. Raises SceneError if the
+    scenes are wrong, if a file exists (unless --force), or if the law cannot be written to it.
     """
     from ..output.interface_law import QUANTITIES
-    from ..output.law_files import harmonic_mean, require_suffix, write_law
+    from ..output.law_files import harmonic_mean, require_file, write_law
     from ..parallel.guard import on_rank_0
     from ..parallel.world import world
     from ..runs.interface_law import interface_law
@@ -98,9 +99,11 @@ def main(args: Namespace) -> int:
     comm = world()
     conductivity = None if args.conductivity is None else harmonic_mean(args.conductivity)
 
+    quantities = args.quantities or QUANTITIES
+
     def scenes() -> list:
         for path in args.output:
-            require_suffix(path)
+            require_file(path, quantities, conductivity, args.name)
             if Path(path).exists() and not args.force:
                 raise SceneError(f"{path}: exists, allowed: another name, or --force")
         return [load_scene(path, args.set) for path in args.scene]
@@ -110,22 +113,24 @@ def main(args: Namespace) -> int:
         args.start,
         args.stop,
         args.error,
-        quantities=args.quantities or QUANTITIES,
+        quantities=quantities,
         realisations=args.realisations,
         progress=not (args.quiet or args.json),
         comm=comm,
     )
 
+    # before the files: a law that cannot be written has been computed nevertheless
+    if comm.rank == 0 and not args.quiet:
+        print(as_json(as_dict(law)) if args.json else as_text(law), flush=True)
+
     def write() -> None:
         for path in args.output:
             write_law(law, path, conductivity, args.name)
+            if not (args.quiet or args.json):
+                print(f"law: {path}")
 
     on_rank_0(comm, "writing the law", write)
-    if comm.rank == 0 and not args.quiet:
-        print(as_json(as_dict(law)) if args.json else as_text(law))
-        for path in args.output if not args.json else ():
-            print(f"law: {path}")
-    return 0
+    return 0 if law.converged else 3
 
 
 def as_dict(law: InterfaceLaw) -> dict:

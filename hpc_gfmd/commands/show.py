@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 HELP = "the result table of a file"
 DESCRIPTION = """
 Print the results of a finished, running or interrupted run. Lengths are in the unit of the surface,
-pressures in the unit of E*. +- is the estimated error, of the contact area that of the solver and
+pressures in that of E_star. +- is the estimated error, of the contact area that of the solver and
 that caused by the grid spacing together."""
 
 

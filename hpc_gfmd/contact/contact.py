@@ -10,6 +10,7 @@ import numpy as np
 from ..bodies.base import Body
 from ..bodies.halfspace import HALF_SPACE
 from ..certificate.certificate import Certificate
+from ..kernels.pressure import contact_pressure
 from ..laws.base import Law
 from ..operators.tangent import Tangent, tangent
 from ..output.fields import LazyField
@@ -224,14 +225,13 @@ class Contact:
             In the program's units (`pressure_unit`): 0 out of contact, the hardness where a point
             yields.
         """
-        points = self.grid.nominal[1]
-        g = self.g[i0:i1, :points]
-        p = self.p[i0:i1, :points]
-        p = np.where((g <= 0) & (p > 0), p, 0)
+        p = self.p[i0:i1]
+        p_yield = None
         if self.hardness is not None:
             p_yield = p.dtype.type(self.hardness / self.pressure_unit)
-            p = np.where(g < 0, p_yield, np.minimum(p, p_yield))
-        return p
+        pressure = np.empty((len(p), self.grid.nominal[1]), p.dtype)
+        contact_pressure(self.g[i0:i1], p, p_yield, pressure)
+        return pressure
 
     def gap_rows(self, i0: int, i1: int) -> np.ndarray:
         """Return the gap in some rows of this rank, with 0 where there is a dent.

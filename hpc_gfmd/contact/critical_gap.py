@@ -18,7 +18,7 @@ SOURCES = (
 )
 
 
-def critical_gap(axis: int, contact: Contact) -> float:
+def critical_gap(axis: int, contact: Contact) -> float | None:
     """Return the largest t for which points with a gap >= t reach from edge to edge. Collective.
 
     Found by bisection over the bit patterns of the gap: those of positive floating-point numbers,
@@ -32,9 +32,12 @@ def critical_gap(axis: int, contact: Contact) -> float:
 
     Returns
     -------
-    float
-        In the unit of heights, the same on all ranks; 0 if no channel is open.
+    float or None
+        In the unit of heights, the same on all ranks; 0 if no channel is open. None for separated
+        bodies, whose distance is unknown.
     """
+    if contact.is_separated:
+        return None
     rows, points = contact.grid.inside
     g = contact.g[:rows, :points]
     comm = contact.grid.comm
@@ -66,6 +69,7 @@ OBSERVABLES = {
         f"largest t for which points with a larger gap reach along {'xy'[axis]} from edge to edge",
         "length",
         SOURCES,
+        absent="the bodies are separated",
     )
     for axis in (0, 1)
 }

@@ -8,9 +8,10 @@ With f_q = (1/N) sum_r f(r) exp(-i q.r), without the mean (q = 0):
 The variance of f is sum_q C(q)/(L_x L_y) = A(0).
 
 There are RINGS rings per factor of two, starting at the longest wave and at the nearest neighbours;
-the q and r that are returned are means over the points of a ring. On a grid of one point along an
-axis, C is L <|f_q|^2>. The transforms are those that the solver has planned, in double precision if
-it has both.
+the q and r that are returned are means over the points of a ring. A surface that varies along one
+axis only is solved on a grid of one point along the other: its rings then hold the waves along that
+axis alone, and C is the spectrum of a line times the length of the other axis. The transforms are
+those that the solver has planned, in double precision if it has both.
 """
 
 from __future__ import annotations
@@ -53,7 +54,7 @@ def power(name: str, contact: Contact) -> Arrays | None:
     q_y = grid.q_y / grid.a
     longest = 2 * np.pi / max(_lengths(grid))
     weight = grid.multiplicity(np.arange(len(q_y)))
-    scale = np.prod(_lengths(grid)) * (fft.scale * _unit(contact, name)) ** 2
+    scale = np.prod(grid.sizes) * (fft.scale * _unit(contact, name)) ** 2
 
     def sums(block: np.ndarray, m: int) -> np.ndarray:
         """Return the ring sums of |f_q|^2 in a block of columns."""

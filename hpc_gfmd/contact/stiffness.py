@@ -30,6 +30,7 @@ OBSERVABLES = {
         stiffness,
         "-dp/d(gap_mean), the tangent of the load curve, positive",
         "pressure/length",
-        absent="full contact has an infinite one, no contact has none",
+        absent="full contact has an infinite one, no contact has none, and with adhesion it is not"
+        " computed",
     )
 }

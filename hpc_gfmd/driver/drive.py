@@ -118,7 +118,13 @@ def drive(
     pairs = 0.0
     while True:
         if solver.is_separated:
-            return Outcome("separated", Certificate(errors=(0.0, 0.0, 0.0)), pairs)
+            if search is None or not search.touches:
+                return Outcome("separated", Certificate(errors=(0.0, 0.0, 0.0)), pairs)
+            if not search.bring_back(solver):
+                return Outcome("stagnated", _of_lost_contact(solver), pairs)
+            limits.begin_again()
+            solver.step()
+            continue
         progress = solver.progress()
         if search is not None and search.adjust(solver, progress):
             limits.begin_again()
@@ -161,6 +167,16 @@ def drive(
         if search is not None and search.correct(solver, certificate, error < 1):
             limits.begin_again()
         solver.step()
+
+
+def _of_lost_contact(solver: Solver) -> Certificate:
+    """Return a certificate without content of separated bodies that should touch."""
+    return Certificate(
+        errors=(np.inf, np.inf, np.inf),
+        residual=np.inf,
+        gap_mean=solver.progress().gap_mean,
+        energy=np.nan,
+    )
 
 
 def _goes_elsewhere(

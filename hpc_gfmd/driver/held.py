@@ -8,7 +8,8 @@ one, but its stability includes the spring.
 - An approach: k is the body's stiffness against a uniform pressure. The mean displacement and p0
   then always add up to the same approach, which does not change from the first step on.
 - A mean gap: k is eight times the stiffness against a wave as long as the cell. A secant method
-  moves the end of the spring until the mean gap is the prescribed one.
+  moves the end of the spring until the mean gap is the prescribed one. Where the contact jumps
+  past it, forth and back, there is no such equilibrium: the search ends.
 """
 
 from __future__ import annotations
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
     from ..solvers.base import Solver
 
 STIFF = 8.0  # k of a mean gap, over the stiffness against a wave as long as the cell
+MOST_TURNS = 20  # solutions that miss the target on the other side than the one before
+JUMPS = "the contact jumps past the prescribed value: no equilibrium was found that is held there"
 
 
 class Held(LoadSearch):
@@ -44,19 +47,34 @@ class Held(LoadSearch):
         Mean pressure at the start.
     problem : Problem
         The contact on the finest grid.
+    gap_at_touch : float
+        Mean gap of undeformed bodies that just touch, in the program's unit.
 
     Attributes
     ----------
     spring : float
         Stiffness of the spring, see `spring_of`.
+    touches : bool
+        Whether the target is a mean gap at which the bodies touch.
+    note : str or None
+        JUMPS once the search has given up.
     unit : float
         Length to which `tolerance` is relative: |target|, for an approach no less than the range of
         the attraction.
     """
 
-    def __init__(self, quantity: str, target: float, tolerance: float, p0: float, problem: Problem):
+    def __init__(
+        self,
+        quantity: str,
+        target: float,
+        tolerance: float,
+        p0: float,
+        problem: Problem,
+        gap_at_touch: float,
+    ):
         self.quantity = quantity
         self.target = target
+        self.touches = quantity == "gap_mean" and target < gap_at_touch
         # an approach may be 0
         self.unit = abs(target)
         if quantity == "approach" and problem.attraction is not None:
@@ -66,6 +84,7 @@ class Held(LoadSearch):
         self.spring = spring_of(quantity, problem)
         # of each solution: end of the spring as a p0, and by how much the bodies are too far apart
         self._solutions: list[tuple[float, float]] = []
+        self._turns = 0
 
     @property
     def p0(self) -> float:
@@ -102,22 +121,46 @@ class Held(LoadSearch):
     def correct(self, solver: Solver, certificate: Certificate, solved: bool) -> bool:
         """Move the end of the spring to where a secant expects the target, and continue there.
 
-        Does nothing and returns False unless `solved`; changes p0 of the solver otherwise.
+        Does nothing and returns False unless `solved`, and after MOST_TURNS, of which `note` tells;
+        changes p0 of the solver otherwise.
         """
         if not solved:
             return False
+        if self._turns >= MOST_TURNS:
+            self.note = JUMPS
+            return False
         missed = self._value(certificate) - self.target
         missed = missed if self.quantity == "gap_mean" else -missed
-        share = solver.grid.cell_points / solver.N
-        end = solver.p0 - self.spring * share * certificate.gap_mean
-        step = self.spring * share * missed
+        stiffness = self._stiffness_of(solver)
+        end = solver.p0 - stiffness * certificate.gap_mean
+        step = stiffness * missed
         if self._solutions:
             end_before, missed_before = self._solutions[-1]
             slope = (missed - missed_before) / (end - end_before) if end != end_before else 0.0
             step = -missed / slope if slope < 0 else step
+            self._turns += missed * missed_before < 0
         self._solutions.append((end, missed))
         solver.continue_at(solver.p0 + step)
         return True
+
+    def bring_back(self, solver: Solver) -> bool:
+        """Move the end of the spring in by as much as separated bodies are too far apart.
+
+        Changes p0 of the solver. Does nothing and returns False after MOST_TURNS, of which `note`
+        tells.
+        """
+        self._turns += 1
+        if self._turns > MOST_TURNS:
+            self.note = JUMPS
+            return False
+        self._solutions.clear()  # the bodies apart are no solution
+        missed = solver.progress().gap_mean - self.target
+        solver.continue_at(solver.p0 + self._stiffness_of(solver) * missed)
+        return True
+
+    def _stiffness_of(self, solver: Solver) -> float:
+        """Return the change of p0 of a solver over that of the mean gap of its surface."""
+        return self.spring * solver.grid.cell_points / solver.N
 
 
 def spring_of(quantity: str, problem: Problem) -> float:

@@ -30,11 +30,14 @@ class LoadSearch:
         Whether the iterations start from a gap of 0 everywhere.
     spring : float
         Stiffness of the spring that presses the body (operators/problem.py); 0 for a dead load.
+    touches : bool
+        Whether separated bodies cannot meet the target, so that they have to be brought back.
     """
 
     note: str | None = None
     from_full_contact = False
     spring = 0.0
+    touches = False
 
     @property
     def p0(self) -> float:
@@ -170,6 +173,23 @@ class LoadSearch:
         -------
         bool
             Whether p0, and with it the state of the solver, has changed.
+        """
+        return False
+
+    def bring_back(self, solver: Solver) -> bool:
+        """Change p0 of a solver whose bodies are separated, so that they touch again. Collective.
+
+        Called only if the target is one at which they touch (`touches`).
+
+        Parameters
+        ----------
+        solver : Solver
+            The solver; gets the new p0 if it changes.
+
+        Returns
+        -------
+        bool
+            Whether p0 has changed; False if the search gives up.
         """
         return False
 

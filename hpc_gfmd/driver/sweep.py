@@ -377,7 +377,14 @@ class Sweep:
             start = bare.solve(load, self._raise_if_stopped)
             gap, p0, pairs = start.g, start.p_mean / working.pressure_unit, start.pairs
         target = load.value / working.surface.height_unit
-        search = Held(load.quantity, target, self.settings.tolerance, p0, working.problem(p0))
+        search = Held(
+            load.quantity,
+            target,
+            self.settings.tolerance,
+            p0,
+            working.problem(p0),
+            gap_at_touch=working.heights.top / working.surface.grid.a,
+        )
         return replace(load, search=search), gap, pairs
 
     # -- what some loads need before their own

@@ -111,11 +111,17 @@ def flat_contact(working: WorkingSurface, load: Load, criterion: StoppingCriteri
     Returns
     -------
     Contact
-        Converged, with a uniform pressure and errors of 0.
+        Converged, with a uniform pressure and errors of 0. Of a layer on a rigid base the energy
+        and the approach are those of its compression, otherwise 0 and nan.
     """
+    grid = working.surface.grid
     g = np.zeros_like(working.surface.gap)
-    p = np.full_like(g, load.value / working.model.E_star)
-    certificate = Certificate(contact=working.surface.grid.N, errors=EXACT, duality_gap=0.0)
+    p0 = load.value / working.model.E_star
+    p = np.full_like(g, p0)
+    certificate = Certificate(contact=grid.N, errors=EXACT, duality_gap=0.0)
+    uniform = float(working.model.body.stiffness(np.zeros(1), grid.a)[0])
+    if uniform > 0:  # a layer is compressed as a whole
+        certificate = replace(certificate, energy=0.5 * p0**2 / uniform, approach=p0 / uniform)
     return contact_of(working, load, criterion, load.value, g, p, "converged", certificate)
 
 

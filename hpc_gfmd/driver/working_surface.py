@@ -67,13 +67,15 @@ class WorkingSurface:
         self._plan()
 
     def _plan(self) -> None:
-        """Plan the transforms of the solver, the certificate and the coarser grids. Collective."""
+        """Plan the transforms of the solver and the coarser grids. Collective.
+
+        Those of a certificate in double precision are planned when there is one.
+        """
         self._nested: Nested | None = None
         if self.is_flat:
             return
         grid = self.surface.grid
         grid.fft(self.dtype)
-        grid.fft(np.float64)  # of the certificate
         if self.nests:
             self._nested = Nested(grid, self.dtype)
 

@@ -17,7 +17,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import fft
 
 from ..bodies.base import Body
 from ..parallel.coarsening import Level
@@ -136,14 +135,17 @@ class GapMode:
         of contact at each point of `level`, which must not be None; t stays as it is, and the
         result has its shape and precision. Overwrites the fields of `levels`. Not collective.
         """
+        from scipy import fft  # takes a tenth of a second
+
         real = t.dtype.type
+        theta = t / real(DAMPING)
         w = np.zeros_like(t)
         r = np.ones_like(t)
         d = np.zeros_like(t)
         rz_before = np.inf
         M_sum = float(self.levels.apply(r, t).sum())  # <1, M 1>
         for _ in range(CALIBRATION.steps):
-            z = self.levels.apply(r, t / real(DAMPING))
+            z = self.levels.apply(r, theta)
             rz = float((r * z).sum())
             if rz < CALIBRATION.solved * M_sum:
                 break

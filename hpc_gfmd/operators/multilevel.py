@@ -23,6 +23,7 @@ from ..kernels.bfloat16 import stored_dtype
 from ..kernels.bpx import UpdateSums, update_passes
 from ..kernels.multilevel import SUMS, restrict_level, smooth_level
 from ..kernels.transforms import no_rows
+from ..parallel.coarsening import Transfer
 from ..parallel.halo import add_all, add_overlaps
 from ..parallel.threads import Shares, added, on_threads, pieces_of
 from ..util.aligned import LINE, zeros_aligned
@@ -81,7 +82,7 @@ class Multilevel:
     last_comm : Comm or None
         Of the ranks that have a `coarsest`; None on all others.
     ends : array (passes, 2)
-        First row and end of each pass of the solver.
+        First row and end of each pass of the solver; must not be written to.
     scratch : list of (array, array)
         Memory of each thread for the solver's passes, see kernels/bpx.py: update_state.
     """
@@ -129,7 +130,10 @@ class Multilevel:
         self._mode: np.ndarray | None = None
         self._amplitude = 0.0
         to_level_1 = self.transfers[0]
-        self.ends = np.array(to_level_1.passes(longest), np.int64).reshape(-1, 2)
+        self.ends = grid.once(
+            (Transfer.passes, longest),
+            lambda: np.array(to_level_1.passes(longest), np.int64).reshape(-1, 2),
+        )
         gathered = (6, grid.n[1] + LINE // self.dtype.itemsize)
         shared = (2, 3, to_level_1.m[1])
         self.scratch = [
@@ -223,7 +227,7 @@ class Multilevel:
         """The result of `sweep` on level 1, a view: (window rows + 2, m)."""
         return self.fields[0][0]
 
-    def sweep(self, new_contact: bool = False) -> tuple[float, ...]:
+    def sweep(self, new_share: float | None = None) -> tuple[float, ...]:
         """Replace r by z on level 1, from the restricted state there. Collective.
 
         z is M' r, M' being M without the finest level, on all rows of this rank's window. The state
@@ -232,8 +236,9 @@ class Multilevel:
 
         Parameters
         ----------
-        new_contact : bool
-            Whether M first gets the gap mode of this contact, or none if it needs none; if not, M
+        new_share : float, optional
+            Share of the grid's points in elastic contact, over all ranks, if the contact is a new
+            one: M first gets the gap mode of this contact, or none if it needs none. Default: M
             keeps the one it has.
 
         Returns
@@ -247,7 +252,7 @@ class Multilevel:
         for k in range(self.distributed):
             self._gather(k)
             self.restrict_from(k + 1, self.owned[k][:2])
-        rz, xz, *sums, mean = self._sweep_coarsest(new_contact)
+        rz, xz, *sums, mean = self._sweep_coarsest(new_share)
         for k in reversed(range(self.distributed)):
             fields = self.owned[k]
             rz, xz, *level_sums = self.smooth(k + 1, fields, fields[0])
@@ -277,11 +282,13 @@ class Multilevel:
         on_threads(
             self.grid.threads,
             lambda i0, i1, scratch: restrict_level(
-                fine, coarse, transfer.tables, i0, i1, scratch[0]
+                fine, coarse, transfer.tables, i0, i1, tuple(scratch[0][:2])
             ),
             transfer.pieces,
             self.scratch,
         )
+        # K d is not restricted: of its rows the sweep adds up these two
+        self.fields[k][2:, [1, -1]] = 0
 
     def smooth(self, k: int, fields: np.ndarray, out: np.ndarray) -> np.ndarray:
         """Make z of level k from r and t there and z of the next level. Not collective.
@@ -319,7 +326,7 @@ class Multilevel:
                 nominal,
                 i0,
                 i1,
-                scratch[0],
+                tuple(scratch[0][:2]),
             )
 
         rows = len(transfer.k0)
@@ -427,11 +434,12 @@ class Multilevel:
         rows = [no_rows(still)] * self.grid.threads
         return self.update(g, p, d, 0.0, rows, hardness, spectra=False)
 
-    def _sweep_coarsest(self, new_contact: bool) -> tuple[float, ...]:
+    def _sweep_coarsest(self, new_share: float | None) -> tuple[float, ...]:
         """Sweep the levels that a rank has alone, and copy z into this rank's window. Collective.
 
-        First r and t are added up from the windows of all ranks. Returns the sums of
-        CoarsestLevels.smooth on the first of the ranks that have these levels, zeros on all others.
+        First r and t are added up from the windows of all ranks. new_share: see `sweep`. Returns
+        the sums of CoarsestLevels.smooth on the first of the ranks that have these levels, zeros on
+        all others.
         """
         k = self.distributed
         nothing = (0.0,) * (SUMS + 1)
@@ -454,9 +462,9 @@ class Multilevel:
                 0.0 if self._mode is None else float(np.vdot(self._mode, self.owned[-1][0, 1:-1])),
             )
         self._add_group(k)
-        if new_contact:
+        if new_share is not None:
             coarsest.restrict()
-            self._find_mode(coarsest)
+            self._find_mode(coarsest, new_share)
             sums = coarsest.smooth()
         else:
             sums = coarsest.sweep()
@@ -466,22 +474,23 @@ class Multilevel:
             np.take(fields[0, 1:-1], rows, axis=0, out=z, mode="wrap")
         return sums if self.last_comm.rank == 0 else nothing
 
-    def _find_mode(self, coarsest: CoarsestLevels) -> None:
+    def _find_mode(self, coarsest: CoarsestLevels, share: float) -> None:
         """Compute the gap mode of the contact on the levels; set none if it is not wanted.
 
-        Needs t on the levels of `coarsest`, as its `restrict` leaves it. The mode is kept in
-        `coarsest`; if ranks share its level it is kept in this object, with its product with r,
-        which is still on that level. Collective over the ranks that have the coarsest levels.
+        share: of the grid's points in elastic contact. Needs t on the levels of `coarsest`, as its
+        `restrict` leaves it. The mode is kept in `coarsest`; if ranks share its level it is kept in
+        this object, with its product with r, which is still on that level. Collective over the
+        ranks that have the coarsest levels.
         """
         coarsest.mode = coarsest.mode[:0]
         self._mode = None
         level = self.gap_mode.level
-        if level is None or not self.gap_mode.wanted(coarsest.fields[1, 1:-1].mean()):
+        if level is None or not self.gap_mode.wanted(share):
             return
         if level >= len(self.steps):
             coarsest.mode_level = level - len(self.steps)
             t = coarsest.contact(coarsest.mode_level)
-            coarsest.mode = self.gap_mode.find(t.copy()).ravel()
+            coarsest.mode = self.gap_mode.find(t).ravel()
             return
         assert level == self.distributed
         assert self.last_comm is not None

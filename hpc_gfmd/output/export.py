@@ -93,10 +93,13 @@ def to_vtkhdf(result: Result, path: Path, about: About) -> None:
     surface = result.surface
     n_x, n_y = surface["n"]
     fields = common_fields(result)
-    if not fields or min(n_x, n_y) < 2:
+    if min(n_x, n_y) < 2:
         raise SceneError(
-            f"{result.path}: ParaView shows fields on two axes, allowed: a result with"
-            " output.fields"
+            f"vtkhdf: found {n_x} x {n_y} points, allowed: at least two along each axis"
+        )
+    if not fields:
+        raise SceneError(
+            "vtkhdf: found no field that all loads have, allowed: a result with output.fields"
         )
     size_x, size_y = surface["physical_sizes"]
     # HDF5 cannot create a file by the name of a descriptor, which atomic_write gives

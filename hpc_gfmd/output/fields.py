@@ -49,7 +49,7 @@ class LazyField:
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> np.ndarray:
         """Compute all local rows and return them as a new array, whatever `copy` is."""
-        return np.array(self[:], dtype=dtype)
+        return np.asarray(self[:], dtype=dtype)
 
 
 @dataclass(frozen=True)

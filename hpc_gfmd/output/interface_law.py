@@ -16,6 +16,7 @@ from ..util.errors import SceneError
 if TYPE_CHECKING:
     from pandas import DataFrame
 
+LOAD_AT = "a load at "  # begins the line of InterfaceLaw.about on a load that is not converged
 QUANTITIES = ("a_r", "gap_mean", "stiffness", "conductance", "critical_gap_x", "critical_gap_y")
 
 
@@ -88,8 +89,13 @@ class InterfaceLaw:
                 f"pressure: found {outside.flat[0]:g}, allowed: {low:g} to {high:g}, the range of"
                 " the law"
             )
-        values = interpolate(self.pressure, self.values[name], pressure)
+        values = interpolate(self.pressure, self.values[name], np.clip(pressure, low, high))
         return float(values) if values.ndim == 0 else values
+
+    @property
+    def converged(self) -> bool:
+        """Whether all loads of the law have the status "converged"; `about` names those without."""
+        return not any(line.startswith(LOAD_AT) for line in self.about)
 
     def sealing_pressure(self, axis: str = "x") -> float:
         """Return the smallest pressure of the law at which the seal is tight.

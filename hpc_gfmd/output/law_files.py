@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Container, Sequence
 from io import StringIO
 from os import PathLike
 from pathlib import Path
@@ -16,6 +16,7 @@ from .interface_law import InterfaceLaw, interpolate
 
 MOST_ROWS = 400  # CalculiX reads no longer table
 STRAIGHT = 1e-3  # relative deviation of straight lines from the law, in tables for finite elements
+INTERACTION = re.compile(r"[A-Za-z]\w*", re.ASCII)  # a name that all programs read
 FACT = re.compile(r"^[#* ]*(\w+) = ([-+.\deE]+)(?: (\S+))?$", re.MULTILINE)
 
 
@@ -41,7 +42,8 @@ def write_law(
         conductance per area and kelvin in files for finite elements, which contain none without
         it. A ".csv" only records it in its heading.
     name : str
-        Name of the surface interaction (.inp), or beginning of the names of functions (.i).
+        Name of the surface interaction (.inp), or beginning of the names of functions (.i): a
+        letter, then letters, digits and underscores.
 
     Returns
     -------
@@ -51,9 +53,9 @@ def write_law(
     Raises
     ------
     SceneError
-        For another suffix, for conductivities that are not positive, and if files for finite
-        elements are requested from a law without a mean gap, or with a conductivity from one
-        without conductance.
+        For another suffix, a folder that does not exist, another name, for conductivities that are
+        not positive, and if files for finite elements are requested from a law without a mean gap
+        or whose mean gap does not decrease, or with a conductivity from one without conductance.
 
     Notes
     -----
@@ -63,19 +65,55 @@ def write_law(
     many rows that this deviates from the law by less than 0.1 % of the overclosure.
     """
     path = Path(path)
-    require_suffix(path)
     if conductivity is not None:
         conductivity = harmonic_mean(conductivity)
+    require_file(path, law.values, conductivity, name)
     text = WRITERS[path.suffix](law, conductivity, name)
     with atomic_write(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
     return path
 
 
-def require_suffix(path: str | PathLike) -> None:
-    """Raise SceneError if `write_law` has no format for the suffix of a path."""
-    if Path(path).suffix not in WRITERS:
+def require_file(
+    path: str | PathLike,
+    quantities: Container[str],
+    conductivity: float | None = None,
+    name: str = "ROUGH",
+) -> None:
+    """Check that `write_law` can write a law with these quantities to a path; nothing is written.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    quantities : container of str
+        Names of the quantities of the law.
+    conductivity, name
+        As for `write_law`; the conductivity is the mean of both bodies.
+
+    Raises
+    ------
+    SceneError
+        For a suffix without a format, a folder that does not exist, a name that other programs do
+        not read, and if a file for finite elements needs a quantity that the law does not have.
+    """
+    path = Path(path)
+    if path.suffix not in WRITERS:
         raise SceneError(f"path: found {str(path)!r}, allowed: one in {', '.join(WRITERS)}")
+    if not path.parent.is_dir():
+        raise SceneError(f"path: found {str(path)!r}, allowed: a file in a folder that exists")
+    if not INTERACTION.fullmatch(name):
+        raise SceneError(
+            f"name: found {name!r}, allowed: a letter, then letters, digits and underscores"
+        )
+    if path.suffix == ".csv":
+        return
+    if "gap_mean" not in quantities:
+        raise SceneError("law: found no gap_mean, allowed for finite elements: a law that has it")
+    if conductivity is not None and "conductance" not in quantities:
+        raise SceneError(
+            "conductivity: found with a law that has no conductance, allowed: with a half-space"
+        )
 
 
 def harmonic_mean(conductivity: float | Sequence[float]) -> float:
@@ -132,10 +170,9 @@ def finite_element_table(law: InterfaceLaw) -> tuple[np.ndarray, np.ndarray]:
     Each interval between the pressures of the law is halved (in the logarithm) until the straight
     line deviates from the law in its middle by less than STRAIGHT times the overclosure, or until
     the next step would make MOST_ROWS rows or more. Rows whose overclosure does not exceed that of
-    all rows before are left out. Raises SceneError if the law has no mean gap.
+    all rows before are left out. Raises SceneError if only the first row is left, as of a flat
+    surface, whose gap is 0 under any pressure.
     """
-    if "gap_mean" not in law.values:
-        raise SceneError("law: found no gap_mean, allowed for finite elements: a law that has it")
 
     def overclosure(pressure: np.ndarray) -> np.ndarray:
         """Return `gap_at_touch` minus the mean gap at some pressures."""
@@ -155,6 +192,11 @@ def finite_element_table(law: InterfaceLaw) -> tuple[np.ndarray, np.ndarray]:
     closure = overclosure(pressure)
     rising = np.concatenate([[True], np.diff(np.maximum.accumulate(closure)) > 0])
     rising &= closure > 0
+    if not rising.any():
+        raise SceneError(
+            "law: found a mean gap that no pressure decreases, allowed for finite elements: that of"
+            " a rough surface"
+        )
     return np.concatenate([[0.0], pressure[rising]]), np.concatenate([[0.0], closure[rising]])
 
 
@@ -188,7 +230,7 @@ def _inp(law: InterfaceLaw, conductivity: float | None, name: str) -> str:
     """Return the law as input of CalculiX or Abaqus. `name` is that of the surface interaction.
 
     It holds the conductance only if `conductivity`, the mean of both bodies, is given. Raises
-    SceneError if the law has no mean gap, or no conductance although `conductivity` is given.
+    SceneError as `finite_element_table`.
     """
     pressure, closure = finite_element_table(law)
     lines = [f"*SURFACE INTERACTION, NAME={name}"]
@@ -228,13 +270,8 @@ def _conductance_rows(law: InterfaceLaw, conductivity: float) -> tuple[np.ndarra
     """Return arrays (pressure, conductance per area and kelvin) of a law, from (0, 0).
 
     The conductance is `conductivity`, the mean of both bodies, times that of the law. The pressures
-    are those of `finite_element_table` at which the law has one. Raises SceneError if the law has
-    no conductance or no mean gap.
+    are those of `finite_element_table` at which the law has one.
     """
-    if "conductance" not in law.values:
-        raise SceneError(
-            "conductivity: found with a law that has no conductance, allowed: with a half-space"
-        )
     pressure, _ = finite_element_table(law)
     conductance = interpolate(law.pressure, law.values["conductance"], pressure[1:])
     exists = np.isfinite(conductance)

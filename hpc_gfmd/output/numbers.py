@@ -10,6 +10,7 @@ from ..util.quantities import in_units
 Attributes = Mapping[str, Any]
 About = Mapping[str, tuple[str, str]]  # {name: (meaning, unit)}, as contact.all_numbers gives
 
+SCALARS = (bool, int, float, str)
 MEANINGS = {
     "pressure": ("contact pressure, 0 where the gap is open", "pressure"),
     "gap": (
@@ -39,7 +40,7 @@ def scalar_names(steps: Sequence[Attributes]) -> dict[str, None]:
         name
         for step in steps
         for name, value in step.items()
-        if name.isidentifier() and isinstance(value, bool | int | float | str)
+        if isinstance(value, SCALARS) and name.isidentifier()
     )
 
 

@@ -116,12 +116,26 @@ class SlabFFT(Layout):
         )
         for a in (real, half, columns):
             a[...] = 0  # planning has left noise
-        self.rows, self._columns = zip(*map(self._for_kernels, self._scratch))
+        block_plans = self._block_plans()
+        self.rows, self._columns = zip(
+            *(self._for_kernels(scratch, block_plans) for scratch in self._scratch)
+        )
 
-    def _for_kernels(self, scratch: tuple[np.ndarray, ...]) -> tuple[tuple, tuple]:
+    def _block_plans(self) -> np.ndarray:
+        """Return the `plans` of this rank's blocks, (K, 4), see kernels/transforms.py."""
+        forward = self.plans.columns_forward
+        backward = self.plans.columns_backward
+        of_widths = np.array([(w, forward[w][1], backward[w][1]) for w in self.widths])
+        # a block of another width uses the plan for the next larger one
+        planned = np.searchsorted(self.widths, self._own_widths)
+        return np.column_stack([self._own_widths, of_widths[planned]])
+
+    def _for_kernels(
+        self, scratch: tuple[np.ndarray, ...], block_plans: np.ndarray
+    ) -> tuple[tuple, tuple]:
         """Return `rows` and `columns` of a thread, as described in kernels/transforms.py.
 
-        scratch: arrays of this thread, which both refer to.
+        scratch: arrays of this thread, which both refer to. block_plans: see `_block_plans`.
         """
         real, half, columns, received = scratch
         plans = self.plans
@@ -135,18 +149,13 @@ class SlabFFT(Layout):
             (*plans.rows_forward, real.ctypes.data, half.ctypes.data),
             (*plans.rows_backward, half.ctypes.data, real.ctypes.data),
         )
-        planned = [next(w for w in self.widths if w >= width) for width in widths]
-        of_blocks = [
-            (width, w, plans.columns_forward[w][1], plans.columns_backward[w][1])
-            for width, w in zip(widths, planned)
-        ]
         return (real, spectra), (
             _moved(columns),
             columns.ctypes.data,
             (_moved(self._memory), self._first, self._near_rows),
             (_moved(received), np.outer(widths, self._far_rows[:, 0]), self._far_rows),
             plans.columns_forward[self.W][0],
-            np.array(of_blocks),
+            block_plans,
         )
 
     def _common(self, dtype: np.dtype) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -236,7 +245,10 @@ class SlabFFT(Layout):
             block = columns[0].view(self.blocks.dtype)
             for k in range(k0, k1):
                 if self._own_widths[k]:
-                    load_columns(columns, k, forward)
+                    if forward:
+                        load_columns(columns, k)
+                    else:
+                        columns[0][...] = 0
                     m = k * self.size + self.rank
                     results[k] = apply(block[: self._own_widths[k]], m)
                     if backward:

@@ -53,8 +53,6 @@ class FigureContext:
         Scales of all kinds of quantities.
     lengths : Scale
         Scale of positions within the window.
-    dimensions : int
-        1 if the surface is a wave along one axis, otherwise 2.
     """
 
     def __init__(
@@ -77,8 +75,6 @@ class FigureContext:
         self.hardness = scene.material.hardness if scene else None
         self.attracts = scene is not None and scene.material.adhesion is not None
         self.units = Units(result, self.theory, dimensionless)
-        # 1 where all varies along one axis alone
-        self.dimensions = 1 if 0 in getattr(scene and scene.surface, "periods", ()) else 2
         x0, x1, y0, y1 = self.window
         self.lengths = self.units.of("length", [x1 - x0, y1 - y0])
 

@@ -61,18 +61,17 @@ def _spectrum(ax: Any, context: FigureContext, name: str) -> None:
     """
     length = context.lengths
     lines = list(_lines(context, name, "spectrum_q", "spectrum_power"))
-    dims = context.dimensions
-    size = np.sqrt(max(power.max() for _, power, _ in lines) / context.units.size**dims)
+    size = np.sqrt(max(power.max() for _, power, _ in lines) / context.units.size**2)
     scale = context.units.of(name, [float(size)])
     for q, power, how in lines:
         shown = power > ROUNDING * power.max()
-        y = power[shown] / (scale.unit**2 * length.unit**dims)
+        y = power[shown] / (scale.unit**2 * length.unit**2)
         if shown.sum() == 1:
             how |= {"linestyle": "", "marker": "."}
         ax.loglog(q[shown] * length.unit, y, **how)
     ax.set(
         xlabel=label("q", (length, -1)),
-        ylabel=label(f"C_{SYMBOLS[name]}(q)", (scale, 2), (length, dims)),
+        ylabel=label(f"C_{SYMBOLS[name]}(q)", (scale, 2), (length, 2)),
         title=name,
     )
     log_axis(ax, "x")

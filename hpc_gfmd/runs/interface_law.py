@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..contact import all_numbers
-from ..output.interface_law import QUANTITIES, InterfaceLaw, interpolate
+from ..output.interface_law import LOAD_AT, QUANTITIES, InterfaceLaw, interpolate
 from ..output.numbers import unit_of
 from ..util.errors import SceneError
 from ..util.quantities import Quantity, parse
@@ -88,9 +88,13 @@ def interface_law(
         )
     if not 1e-4 <= error <= 0.5:
         raise SceneError(f"error: found {error!r}, allowed: a number from 1e-4 to 0.5")
-    if not quantities or set(quantities) - set(all_numbers()):
-        unknown = sorted(set(quantities) - set(all_numbers()))
-        raise SceneError(f"quantities: found {unknown}, allowed: {', '.join(QUANTITIES)}")
+    names = [quantities] if isinstance(quantities, str) else list(quantities)
+    unknown = sorted(set(names) - set(all_numbers()))
+    if isinstance(quantities, str) or not names or unknown:
+        raise SceneError(
+            f"quantities: found {unknown or quantities!r}, allowed: a list out of"
+            f" {', '.join(QUANTITIES)}, or of other numbers of a load"
+        )
     sampler = sampler_of(surfaces, quantities, error, realisations, keys, comm, progress)
     unit = " Pa" if isinstance(low, Quantity) else ""
 
@@ -205,7 +209,7 @@ class _Curves:
                 about.append(f"{name}: has no value on this body or surface")
         for p in pressures:
             status = {step["status"] for step in self.steps[p]} - {"converged"}
-            about += [f"a load at {p:g} is {name}" for name in sorted(status)]
+            about += [f"{LOAD_AT}{p:g} is {name}" for name in sorted(status)]
         values = {name: self.curve(name)[1] for name in names}
         return InterfaceLaw(
             np.array(pressures),

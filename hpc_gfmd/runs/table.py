@@ -220,14 +220,15 @@ def column_scale(key: str, values: list[float], surface: dict) -> tuple[float, s
     scale : float
         Values are divided by it.
     unit : str
-        In brackets, such as "[nm]"; "" if dimensionless. a_r and errors are in per cent.
+        In brackets, such as "[nm]", or the dimension, such as "[pressure]", if the result has no
+        units; "" if dimensionless. a_r and errors are in per cent.
     """
     if key in PER_CENT:
         return 0.01, "[%]"
     unit = all_numbers()[key][1]
     named = in_units(unit, surface)
     if named in ("", "1", unit):
-        return 1.0, unit and f"[{unit.replace('pressure', 'E*')}]"
+        return 1.0, unit and f"[{unit}]"
     if named.startswith("1/"):
         return 1.0, f"[{named}]"
     base, square, _ = named.partition("^2")

@@ -349,7 +349,7 @@ class Bpx(Solver):
         shares = Shares(len(ends), fft.threads)
 
         def passes(thread: int) -> None:
-            scratch = fft.rows[thread], levels.scratch[thread][0], sums_of_passes
+            scratch = fft.rows[thread], tuple(levels.scratch[thread][0][:2]), sums_of_passes
             search_passes(
                 ends, shares.parts, shares.turns, *scratch, *fields, step, *limits, self.law, work
             )
@@ -400,7 +400,11 @@ class Bpx(Solver):
         `sums`, those of this rank. new_contact: whether to compute the gap mode of the present
         contact first, which takes FFT pairs if it is wanted.
         """
-        totals = self.grid.comm.sum([*sums, *self.levels.sweep(new_contact)]).tolist()
+        share = None
+        if new_contact:
+            elastic = self.grid.comm.sum([sums.contact - sums.yielded])[0]
+            share = float(elastic / self.grid.cell_points)
+        totals = self.grid.comm.sum([*sums, *self.levels.sweep(share)]).tolist()
         rz1, xz1, self.mean, *self.level_sums = totals[len(sums) :]
         sums = UpdateSums(*totals[: len(sums)])
         s = self.s
@@ -414,8 +418,7 @@ class Bpx(Solver):
         self.gap_mean = sums.gap / self.N
         self.changing = max(sums.opening, sums.closing)
         self.yielded = sums.yielded
-        elastic_share = (self.contact - self.yielded) / self.grid.cell_points
-        if new_contact and self.levels.gap_mode.wanted(elastic_share):
+        if share is not None and self.levels.gap_mode.wanted(share):
             self.elastic.pairs += self.levels.gap_mode.pairs
 
     # -- how far
@@ -446,7 +449,8 @@ class Bpx(Solver):
         """Return how far the state is from the solution, with estimates after every step."""
         finite = bool(np.isfinite(self.pp + self.gap_mean))
         carried = max(self.wall_load, np.finfo(float).tiny)
-        residual = np.sqrt(self.rr / self.N) / carried
+        with np.errstate(over="ignore"):  # infinite where the attraction pulls more than it holds
+            residual = np.sqrt(self.rr / self.N) / carried
         errors = self._estimate() if finite else Estimate()
         predicted = self._predicted(errors) if finite else None
         return Progress(float(residual), self.contact, self.gap_mean, errors, finite, predicted)

@@ -232,9 +232,11 @@ def _channel_of(reader: Any, dataset: str) -> Any:
 
     Raises
     ------
+    SceneError
+        If there is no map of that name.
     ValueError
-        If there is no map, or none of that name, or, in formats of arrays of any meaning, no name
-        is given and there is not exactly one array.
+        If there is no map or, in formats of arrays of any meaning, no name is given and there is
+        not exactly one array.
     """
     maps = _maps_of(reader)
     if not maps:
@@ -242,12 +244,12 @@ def _channel_of(reader: Any, dataset: str) -> Any:
         raise ValueError(
             "it has no map of heights, only profiles" if has_profiles else "it has no heights"
         )
-    names = one_line(", ".join(str(channel.name) for channel in maps), 400)
+    names = one_line(", ".join(repr(str(channel.name)) for channel in maps), 400)
     for channel in maps:
         if channel.name == dataset:
             return channel
     if dataset != ANY:
-        raise ValueError(f"surface.dataset = {dataset!r}: it has the maps {names}")
+        raise SceneError(f"surface.dataset: found {dataset!r}, allowed in this file: {names}")
     if reader.format() in WITHOUT_CHANNELS:
         wide = [channel for channel in maps if min(channel.nb_grid_pts) > 1]
         if len(wide) != 1:
@@ -271,7 +273,8 @@ def _is_length(channel: Any) -> bool:
 def _read_channel(reader: Any, spec: Any) -> Map:
     """Read heights and metadata of the channel that `_channel_of` chooses for spec.dataset.
 
-    spec: a scene.File. Returns them as `read` does. Raises ValueError if there is no such channel.
+    spec: a scene.File. Returns them as `read` does. Raises SceneError if there is no such channel,
+    and ValueError if there is no map.
     """
     channel = _channel_of(reader, spec.dataset)
     sized = channel.physical_sizes is not None
@@ -319,7 +322,7 @@ def _of_gwyddion(contents: Contents, spec: Any) -> Map:
         raise ValueError("it has no map of heights")
     name = next(iter(fields)) if spec.dataset == ANY and len(fields) == 1 else spec.dataset
     if name not in fields:
-        allowed = one_line(", ".join(fields), 400)
+        allowed = one_line(", ".join(map(repr, fields)), 400)
         raise SceneError(f"surface.dataset: found {name!r}, allowed in {spec.path}: {allowed}")
     field = container[f"/{fields[name]}/data"]
     heights = np.asarray(field.data, np.float64).T

@@ -281,10 +281,11 @@ def _measure_quality(topography: Topography) -> MapQuality:
     Not collective: called on rank 0.
     """
     n_x, n_y = topography.n
+    first = float(topography.rows(0, 1)[0, 0])
 
     def row(i: int) -> np.ndarray:
-        """Read row i, shape (1, n_y), or (0, n_y) beyond the map."""
-        return topography.rows(min(i, n_x), min(i + 1, n_x))
+        """Read row i, shape (1, n_y), or (0, n_y) beyond the map; heights above the first point."""
+        return topography.rows(min(i, n_x), min(i + 1, n_x)) - first
 
     def differences(z: np.ndarray, i: int, axis: int) -> _Differences:
         """Return the differences between row i, which is z, and the next points along an axis."""
@@ -339,7 +340,7 @@ def _measure_quality(topography: Topography) -> MapQuality:
     )
     edge = np.nan_to_num([_typical(rows[2] - rows[1]) for rows in ends])
     edge_bend = np.nan_to_num([_typical(np.diff(rows, n=2, axis=0)) for rows in ends])
-    rounding = DOUBT.rounding * np.sqrt(square)
+    rounding = DOUBT.rounding * np.sqrt(square + first**2)
     mean_squares = [_mean([d.square for d in axis]) for axis in of_axes]
     spacings = [size / k for size, k in zip(topography.sizes, topography.n)]
     with np.errstate(divide="ignore", invalid="ignore"):

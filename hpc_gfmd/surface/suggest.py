@@ -206,13 +206,9 @@ def _by_heights(
     """
     values = result.values
     why = result.why
-    plain: dict[str, object] = {
-        "boundary": "periodic",
-        "radius": None,
-        "refine": 1,
-        "downsample": 1,
-        "fill": "harmonic",
-    }
+    plain: dict[str, object] = {"radius": None, "refine": 1, "downsample": 1, "fill": "harmonic"}
+    if "boundary" not in user_keys:
+        plain["boundary"] = "periodic"
     if result.missing:
         plain |= {"physical_sizes": (1.0, 1.0), "crop": None}
 
@@ -222,7 +218,9 @@ def _by_heights(
         return heights, quality_of(heights, SerialComm())
 
     heights, quality = prepared_map()
-    result.about.append(f"{heights.filled or 'no'} points without a height")
+    refusal = ', which surface.fill = "none" refuses: the scene does not run'
+    is_refused = heights.filled and user_keys.get("fill") == "none"
+    result.about.append(f"{heights.filled or 'no'} points without a height{refusal * is_refused}")
     if heights.filled and "fill" not in user_keys:
         values["fill"] = "harmonic"
         why["fill"] = f"{heights.filled} points have no height"
@@ -241,6 +239,11 @@ def _by_heights(
             " what neighbours differ by: dust or spikes? They are pressed as they are"
         )
     result.about.append(f"done to it: {', '.join(heights.prepared) or 'nothing'}")
+    ends = max(quality.jumps) > DOUBT.jump and not periodic
+    ends &= {"boundary", "mirror", "window"}.isdisjoint(user_keys)
+    if ends:
+        values["boundary"] = "free"
+        why["boundary"] = f"{edges}; mirror = true is another way"
     scale, name = prefixed([quality.h_rms], heights.unit)
     result.about.append(
         f"h_rms = {quality.h_rms / scale:.3g} {name}".strip()
@@ -252,10 +255,7 @@ def _by_heights(
         if note not in result.about
         and not _is_repeated(note, heights.metadata)
         and "the jump is pressed" not in note  # the line on edges says it
+        and not (ends and note.startswith("opposite edges"))
     ]
     if not result.missing:
         result.about += slope_notes(quality.g_rms, measured=True)
-    ends = max(quality.jumps) > DOUBT.jump and not periodic
-    if ends and {"boundary", "mirror", "window"}.isdisjoint(user_keys):
-        values["boundary"] = "free"
-        why["boundary"] = f"{edges}; mirror = true is another way"

@@ -228,7 +228,7 @@ def topography_of(data: Any, metadata: Metadata, spec: Any) -> Topography:
 
     notes = [*_notes_on_reading(metadata, spec, n), *units.notes]
     if "physical_sizes" not in units.lacks:
-        notes += _notes_on_sizes(n, units, spec)
+        notes += _notes_on_sizes(n, units)
     return Topography(
         n,
         units.sizes,
@@ -334,10 +334,10 @@ def _notes_on_reading(metadata: Metadata, spec: Any, n: tuple[int, ...]) -> list
     return notes
 
 
-def _notes_on_sizes(n: tuple[int, ...], units: MapUnits, spec: Any) -> list[str]:
+def _notes_on_sizes(n: tuple[int, ...], units: MapUnits) -> list[str]:
     """Return notes on sizes that seem to be exchanged or in a wrong unit, a line each.
 
-    n: points along x and y. spec: not used.
+    n: points along x and y.
     """
     notes = []
     spacings = [size / k for size, k in zip(units.sizes, n)]

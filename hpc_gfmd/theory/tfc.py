@@ -241,7 +241,7 @@ def extrapolate(
 
 
 def _part(table: Table, observable: str, p_star: float) -> Table:
-    """Return the entry of a table for an observable within 5 % of p_star.
+    """Return the entry of a table for an observable whose p_star is nearest, within 5 %.
 
     Raises SceneError if the table has no such entry.
     """
@@ -249,9 +249,9 @@ def _part(table: Table, observable: str, p_star: float) -> Table:
     if observable not in names:
         raise SceneError(f"observable: found {observable!r}, allowed: {', '.join(names)}")
     parts = [part for part in table["tables"] if part["observable"] == observable]
-    for part in parts:
-        if abs(p_star / part["p_star"] - 1) <= PRESSURE_TOLERANCE:
-            return part
+    nearest: Table = min(parts, key=lambda part: abs(p_star / part["p_star"] - 1))
+    if abs(p_star / nearest["p_star"] - 1) <= PRESSURE_TOLERANCE:
+        return nearest
     allowed = " or ".join(f"{part['p_star']:g}" for part in parts)
     raise SceneError(
         f"p_star: found {p_star:g}, allowed: {allowed} within {PRESSURE_TOLERANCE:.0%}; "

@@ -26,9 +26,9 @@ def swept(comm, n, g, p):
     levels = Multilevel(grid, HALF_SPACE, np.float64, 8)
     mine = slice(*grid.rows)
     results = []
-    for pressure, is_new in ((p, True), (np.roll(p, 7, 0), False)):
+    for pressure, new_share in ((p, np.mean(g <= 0)), (np.roll(p, 7, 0), None)):
         levels.restrict(g[mine], np.where(g > 0, pressure, 1.0)[mine])
-        sums = levels.sweep(is_new)
+        sums = levels.sweep(new_share)
         transfer = levels.transfers[0]
         m_x = transfer.m[0]
         rows = np.arange(transfer.lo[transfer.rank], transfer.hi[transfer.rank]) % m_x
@@ -66,7 +66,7 @@ def test_gap_mode_counts(comm, monkeypatch):
     grid = levels.grid
     mine = slice(*grid.rows)
     levels.restrict(g[mine], np.where(g > 0, p, 1.0)[mine])
-    levels.sweep(True)
+    levels.sweep(np.mean(g <= 0))
     transfer = levels.transfers[0]
     rows = np.arange(transfer.lo[transfer.rank], transfer.hi[transfer.rank]) % transfer.m[0]
     assert not np.allclose(levels.z[1 : 1 + len(rows)], z[rows], rtol=1e-3)

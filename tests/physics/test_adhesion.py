@@ -198,6 +198,7 @@ def test_a_tensile_load_separates_on_approach():
     assert solution.a_r == 0
     assert solution.pressure.max() == 0
     assert solution.value("gap_mean") is None
+    assert solution.observable("critical_gap") == {"critical_gap_x": None, "critical_gap_y": None}
     assert "separated" in solution.note
 
 

@@ -23,6 +23,7 @@ def test_a_wave_is_held_beyond_its_pull_off():
     gaps = [0.36, 1.0, 1.2, 1.28, 1.32, 1.36, 1.6, 1.7]
     found = hpc_gfmd.solve(z, gap_mean=gaps, **how)
     assert [one.status for one in found] == ["converged"] * 6 + ["separated"] * 2
+    assert all("too far apart" in one.note for one in found[6:])
     held, exact = found[:6], AdhesiveWave(work)
     pulls = [-one.p / exact.p_full for one in held]
     for one, gap in zip(held, gaps, strict=False):
@@ -32,6 +33,7 @@ def test_a_wave_is_held_beyond_its_pull_off():
     assert max(pulls) == pulls[3] == pytest.approx(-exact.pull_off / exact.p_full, rel=0.015)
     assert pulls[3] > pulls[4] > pulls[5] + 0.004
     assert pulls[5] == pytest.approx(0.0881, rel=0.01)
+    assert found.pull_off == found[3].p
     by_load = hpc_gfmd.solve(z, [one.p for one in held[:4]], **how)
     for one, same in zip(held, by_load[:3], strict=False):
         assert same.a_r == pytest.approx(one.a_r, rel=2e-2)
@@ -82,3 +84,35 @@ def test_a_rough_wall_at_mean_gaps(branch):
         assert one.p == pytest.approx(same.p, rel=2e-3, abs=1e-5)
         assert one.a_r == pytest.approx(same.a_r, abs=2 / 32**2)
         assert one.value("unique") in (0, 1)
+
+
+def test_a_gap_at_which_the_bodies_touch_is_never_separated():
+    """On its way to a small gap the search pulls the bodies apart, and brings them back."""
+    wall = adhesive.wall(8, 8)
+    heights = np.asarray(wall.heights)
+    touching = heights.max() - heights.mean()
+    gaps = [0.02 * touching, 0.1 * touching, 0.9 * touching]
+    found = hpc_gfmd.solve(
+        wall,
+        gap_mean=gaps,
+        adhesion=adhesive.attraction(1.0, 0.3),
+        branch="retraction",
+        accuracy=1e-2,
+        fields=(),
+    )
+    assert [one.status for one in found] == ["converged"] * 3
+    for one, gap in zip(found, gaps, strict=True):
+        assert one.gap_mean == pytest.approx(gap, rel=1e-2)
+        assert one.p < 0 < one.a_r
+
+
+def test_a_gap_that_the_contact_jumps_past():
+    """Where one side of a jump follows the other without end the search gives up, and says so."""
+    wall = adhesive.wall(2, 4)
+    heights = np.asarray(wall.heights)
+    gap = 0.02 * (heights.max() - heights.mean())
+    how = {"adhesion": adhesive.attraction(3.0, 0.3), "fields": ()}
+    with pytest.warns(hpc_gfmd.NotConverged, match="stagnated"):
+        found = hpc_gfmd.solve(wall, gap_mean=gap, **how)
+    assert "jumps past" in found.note
+    assert found.iterations < 10_000

@@ -102,16 +102,21 @@ def test_a_profile_has_the_spectrum_of_a_line():
     """The power of a wave is in one ring, and its autocorrelation is the cosine."""
     x = np.arange(64) / 64
     z = np.repeat(0.01 * np.cos(2 * np.pi * 4 * x)[:, None], 8, axis=1)
+    L_x, L_y = 2.0, 3.0
     distributions = hpc_gfmd.solve(
-        z, 0.01, distributions=["heights_spectrum", "heights_autocorrelation"]
+        z,
+        0.01,
+        physical_sizes=(L_x, L_y),
+        distributions=["heights_spectrum", "heights_autocorrelation"],
     ).distributions
     q, power = distributions["heights_spectrum"].values()
-    ring = np.argmin(np.abs(q - 8 * np.pi))
-    assert power[ring] == pytest.approx(0.01**2 / 4)  # for each sign of q
+    ring = np.argmin(np.abs(q - 8 * np.pi / L_x))
+    # for each sign of q; as of any other surface the variance is the sum over q over the area
+    assert power[ring] == pytest.approx(L_x * L_y * 0.01**2 / 4)
     assert np.delete(power, ring) == pytest.approx(0, abs=1e-12)
     r, correlation = distributions["heights_autocorrelation"].values()
-    single = r <= 4 / 64  # rings of one distance
-    assert correlation[single] == pytest.approx(0.01**2 / 2 * np.cos(8 * np.pi * r[single]))
+    single = r <= 4 * L_x / 64  # rings of one distance
+    assert correlation[single] == pytest.approx(0.01**2 / 2 * np.cos(8 * np.pi * r[single] / L_x))
 
 
 def test_the_spectrum_of_heights_in_low_memory():

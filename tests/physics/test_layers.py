@@ -6,6 +6,7 @@ import oracle
 import pytest
 from contacts import EXACT, field, heights_of, relative, rough, solve_scene, sweep_of
 
+import hpc_gfmd
 from hpc_gfmd.bodies import body_of
 from hpc_gfmd.bodies.layer import Layer
 from hpc_gfmd.scene import Material
@@ -161,3 +162,15 @@ def test_the_approach_in_low_memory():
         for way in ways
     )
     assert low.approach == pytest.approx(plain.approach, rel=1e-5)
+
+
+@every_layer
+def test_a_flat_layer_is_compressed_as_a_whole(nu, base):
+    """Its modulus is E(1 - nu)/((1 + nu)(1 - 2 nu)) if bonded, E* if frictionless."""
+    E_star, t, p = 2.0, 0.1, 0.3
+    modulus = E_star
+    if base == "bonded":
+        modulus *= (1 - nu) ** 2 / (1 - 2 * nu)
+    flat = hpc_gfmd.solve(np.zeros((8, 6)), p, E_star, nu=nu, thickness=t, base=base)
+    assert flat.approach == pytest.approx(p * t / modulus)
+    assert flat.value("energy") == pytest.approx(p**2 * t / modulus / 2)

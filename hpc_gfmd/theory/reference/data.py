@@ -163,6 +163,12 @@ def load(path: str | Path | None = None) -> Reference:
             shape = len(hurst), len(eps_f), len(p_star[name])
             if not value[name].shape == sigma[name].shape == shape or not (value[name] > 0).all():
                 raise ValueError("arrays of different lengths, or values that are not positive")
+            if not (sigma[name] >= 0).all():
+                raise ValueError("uncertainties that are not numbers from 0")
+        for name, nodes in {"hurst": hurst, "eps_f": eps_f, **p_star}.items():
+            is_rising = (np.diff(nodes) > 0).all()
+            if not (is_rising and len(nodes) and nodes[0] >= 0 and np.isfinite(nodes[-1])):
+                raise ValueError(f"numbers of {name} that do not rise")
         return Reference(hurst, eps_f, p_star, value, sigma, data["provenance"])
     except (OSError, ValueError, KeyError, TypeError) as error:
         allowed = "a JSON file written by python scripts/paper curves --reference"

@@ -44,6 +44,32 @@ def test_existing_files_and_bad_arguments_are_refused(scene, cli, tmp_path):
     assert "conductivity" in cli.refused("law", scene, *RANGE, "--conductivity", "-1")
 
 
+@pytest.mark.parametrize(
+    ("arguments", "reason"),
+    [
+        (("-o", "missing/law.csv"), "folder"),
+        (("-o", "law.inp", "--quantities", "a_r"), "gap_mean"),
+        (("-o", "law.i", "--quantities", "gap_mean", "--conductivity", "50"), "conductance"),
+        (("-o", "law.inp", "--name", "A B"), "name"),
+    ],
+)
+def test_what_cannot_be_written_is_refused_before_a_load(
+    scene, cli, arguments, reason, monkeypatch
+):
+    monkeypatch.setattr("hpc_gfmd.runs.interface_law.interface_law", None)
+    monkeypatch.chdir(scene.parent)
+    assert reason in cli.refused("law", scene, *RANGE, *arguments)
+
+
+def test_a_law_with_a_load_that_is_not_converged(scene, cli, tmp_path):
+    path = tmp_path / "law.csv"
+    wide = ["--from", "0.02", "--to", "0.3", "--error", "50%"]
+    few = "solver.max_iterations=1"
+    completed = cli("law", scene, *wide, "--quantities", "a_r", "--set", few, "-q", "-o", path)
+    assert completed.code == 3
+    assert not hpc_gfmd.read_law(path).converged
+
+
 @pytest.mark.mpi
 def test_ranks_compute_the_same_law(scene, mpirun, cli, ranks):
     data = json.loads(cli.prints("law", scene, *RANGE, "--json"))

@@ -1,5 +1,7 @@
 """The law of an interface: interpolation, and round trips through files."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -106,6 +108,8 @@ def test_piecewise_linear_table_follows_the_law():
         ({"path": "law.txt"}, r"\.csv"),
         ({"path": "law.inp", "conductivity": -1.0}, "conductivity"),
         ({"path": "law.inp", "conductivity": (1.0, 2.0, 3.0)}, "conductivity"),
+        ({"path": "law.inp", "name": "ROUGH, TYPE=X"}, "name"),
+        ({"path": "missing/law.inp"}, "folder"),
     ],
 )
 def test_bad_arguments_write_no_file(arguments, reason, tmp_path):
@@ -113,6 +117,23 @@ def test_bad_arguments_write_no_file(arguments, reason, tmp_path):
     with pytest.raises(SceneError, match=reason):
         write_law(power_law(), path, **arguments)
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("suffix", [".inp", ".i"])
+def test_a_flat_surface_has_no_table_for_finite_elements(suffix, tmp_path):
+    law = power_law()
+    law.values["gap_mean"][:] = 0.0
+    with pytest.raises(SceneError, match="rough"):
+        write_law(replace(law, gap_at_touch=0.0), tmp_path / f"law{suffix}")
+    assert not list(tmp_path.iterdir())
+
+
+def test_rounding_at_the_ends_of_the_range_changes_nothing():
+    law = power_law()
+    for name in law.values:
+        low, high = law.pressure[[0, -1]]
+        assert law(name, low * (1 - 5e-13)) == law(name, low)
+        assert law(name, high * (1 + 5e-13)) == law(name, high)
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".inp", ".i"])

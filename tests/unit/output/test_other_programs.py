@@ -236,6 +236,15 @@ def test_a_killed_export_leaves_no_file(path, monkeypatch):
     assert all(names == ["out.h5"] for names in folder_contents)
 
 
+def test_paraview_shows_no_line(tmp_path):
+    line = hpc_gfmd.solve(np.cos(np.arange(8.0))[:, None], 0.1, boundary="periodic")
+    with refused(r"8 x 1 points, allowed: at least two along each axis"):
+        line.export("line.vtkhdf")
+    with refused("no field"):
+        hpc_gfmd.solve(np.eye(8), 0.1, boundary="periodic", fields=()).export("map.vtkhdf")
+    assert not os.listdir(tmp_path)
+
+
 def test_refused_exports_write_nothing(path, tmp_path, cli):
     """Damaged fields are in test_result_file.py."""
     for options in ("netcdf -o out.h5", "netcdf -o missing/a.nc", "pdf"):

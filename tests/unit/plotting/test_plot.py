@@ -261,7 +261,7 @@ def test_a_closed_gap_has_no_autocorrelation():
 
 @pytest.mark.parametrize("kind", ["wave", "rough"])
 def test_plot_of_spectra(kind):
-    """The spectrum of a wave is a single point, in units of a profile's spectrum."""
+    """The spectrum of a wave is a single point."""
     solution = solved(kind, units=True)[0]
     spectrum = solution.distribution("heights_spectrum")
     solution.distribution("pressure_autocorrelation")
@@ -276,8 +276,8 @@ def test_plot_of_spectra(kind):
         spectrum["q"][spectrum["power"] > 1e-12 * spectrum["power"].max()] * 1e-6
     )
     if kind == "wave":
-        assert ax.get_ylabel() == "$C_z(q)$ (nm$^{2}$ µm)"
-        assert power == pytest.approx([200**2 * 20 / 4])
+        assert ax.get_ylabel() == "$C_z(q)$ (nm$^{2}$ µm$^{2}$)"
+        assert power == pytest.approx([200**2 * 20**2 / 4])
         assert line.get_marker() == "."
 
 

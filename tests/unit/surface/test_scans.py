@@ -573,6 +573,8 @@ def test_topography_precedes_other_channels():
     named = hpc_gfmd.read_surface("z.gwy", boundary="periodic", dataset="Error")
     assert is_map(1e9 * named.heights, -Z)
     assert not any("channel" in note for note in named.notes)
+    with refused("surface.dataset: found 'Nix', allowed in this file: 'Error', 'Phase', 'ZSensor'"):
+        hpc_gfmd.read_surface("z.gwy", dataset="Nix")
 
 
 # Missing values

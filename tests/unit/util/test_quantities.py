@@ -94,7 +94,7 @@ def test_units_give_the_solution_of_si_numbers(cli):
     for words in ("L = 100 x 100 um", "h_rms = 200 nm", "[MPa]", "[nm]", " 20 ", " 100 "):
         assert words in shown
     shown = cli.prints("show 1.h5")
-    assert "[E*]" in shown
+    assert "[pressure]" in shown
     assert "h_rms = 2e-07" in shown
 
 
