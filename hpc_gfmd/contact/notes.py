@@ -35,8 +35,10 @@ def _doubt(contact: Any) -> str | None:
     rounding errors, an accuracy of the gap that no iteration can reach.
     """
     points = contact.contact_points
-    if contact.is_separated:
+    if contact.is_separated and contact.p_mean < 0:
         return "separated: the load pulls more than the attraction holds"
+    if contact.is_separated:  # at a mean gap or an approach
+        return "separated: the bodies are too far apart for the attraction to hold them"
     if contact.g_rms == 0 and not contact.grid.padded:
         return "flat surface: every point touches at any load"
     if points == contact.N:

@@ -50,7 +50,7 @@ import numpy as np
 from .adhesive_rows import add_change, work_of_step
 from .atomic import add
 from .bfloat16 import decode, encode
-from .jit import inline, kernel, part, points_inside
+from .jit import inline, kernel, points_inside
 from .multilevel import combine_rows, interpolate_row, restrict_row, rows_beside
 from .transforms import load_rows, store_rows
 from .yielding import at_contact, landing, limit, yields
@@ -119,8 +119,8 @@ def search_passes(
         Counter that threads have in common: the next share, 0 before.
     rows : tuple
         Row transforms of one thread (transforms.py), whose memory gets the step and its spectra.
-    scratch : (>= 2, >= n_y)
-        Memory of one thread.
+    scratch : two arrays, (>= n_y,)
+        Memory of one thread: rows of separate arrays, or else LLVM takes one to overlap the other.
     sums : (passes, 2) float64
         Gets what `projected_step` returns of each pass.
     g, p, d, z_1, transfer, step, H, inside
@@ -234,7 +234,7 @@ def update_passes(
         share = add(turns, 0, 1)
 
 
-@part
+@inline
 def projected_step(g, p, d, d_rows, i0, i1, z_1, transfer, step, H, inside, scratch):
     """Make the step d = max(g - alpha z - beta d, 0) - g out of contact, 0 in contact.
 
@@ -260,7 +260,7 @@ def projected_step(g, p, d, d_rows, i0, i1, z_1, transfer, step, H, inside, scra
         Hardness.
     inside : (rows, points)
         This rank's part of the surface: its first rows and points.
-    scratch : (>= 2, >= n_y)
+    scratch : two arrays, (>= n_y,)
         Memory of one thread.
 
     Returns
@@ -279,8 +279,8 @@ def projected_step(g, p, d, d_rows, i0, i1, z_1, transfer, step, H, inside, scra
     one = g.dtype.type(1)
     STILL = encode(zero)
     PROJECTED = encode(g.dtype.type(-np.inf))
-    coarse_row = scratch[0, :m]
-    Pz = scratch[1, :n]  # P z_1 on one row
+    coarse_row = scratch[0][:m]
+    Pz = scratch[1][:n]  # P z_1 on one row
     for j in range(n):
         Pz[j] = zero
     length = alpha * compliance
@@ -328,7 +328,7 @@ def projected_step(g, p, d, d_rows, i0, i1, z_1, transfer, step, H, inside, scra
     return rd, deeper
 
 
-@part
+@inline
 def update_state(g, p, d, Kd, s, i0, i1, coarse, shared, transfer, H, inside, gathered, sums):
     """Set g += s d and p += s K d on rows i0 <= i < i1, and restrict the new state to level 1.
 

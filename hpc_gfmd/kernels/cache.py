@@ -37,13 +37,15 @@ ROOM = 64 * 2**20  # bytes that must be free
 SUFFIX = ".kernel"  # of the files
 
 
-def compiled_on_first_use(function: Callable[..., Any], **options: Any) -> Any:
+def compiled_on_first_use(function: Callable[..., Any], variant: str = "", **options: Any) -> Any:
     """Return numba.njit(**options)(function), which keeps its machine code in `folder()`.
 
     Parameters
     ----------
     function : function
         The source of a kernel.
+    variant : str
+        Part of the names of the files; differs for kernels that are made of the same source.
     **options
         Of numba.njit, but `cache`.
 
@@ -70,7 +72,7 @@ def compiled_on_first_use(function: Callable[..., Any], **options: Any) -> Any:
         try:
             dispatcher = numba.njit(cache=True, **options)(function)
             numbas = dispatcher._cache._cache_file
-            stem = Path(numbas._index_path).with_suffix("")
+            stem = Path(numbas._index_path).with_suffix(f".{variant}" if variant else "")
             if stem.is_relative_to(path):
                 dispatcher._cache._cache_file = KernelFiles(stem, repr(numbas._source_stamp))
                 return dispatcher

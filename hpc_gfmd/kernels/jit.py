@@ -1,10 +1,12 @@
-"""The one decorator of all kernels."""
+"""The decorators of all kernels, and how they are compiled."""
 
 from collections.abc import Callable
-from functools import partial
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.registry import CPUDispatcher
 
 from .cache import compiled_on_first_use
@@ -12,57 +14,89 @@ from .cache import compiled_on_first_use
 # NaN and infinity must stay visible, so no "nnan" and "ninf"; "reassoc" is what lets a sum use the
 # vector unit.
 FASTMATH = {"reassoc", "contract", "nsz", "arcp"}
+# Passes of numba for what no kernel contains: functions within it, functions whose source is copied
+# in, and expressions of whole arrays.
+NEEDLESS = {"InlineClosureLikes", "InlineInlinables", "InlineOverloads", "NopythonRewrites"}
 
 
-def kernel(function: Callable[..., Any], piece: bool = False, part: bool = False) -> Any:
+def kernel(function: Callable[..., Any], piece: bool = False) -> Any:
     """Make a function a kernel: compiled on first use, kept in the cache, run without the GIL.
 
     Parameters
     ----------
     function : function
         Of arrays and numbers. It must not make arrays: counting references, also of every row that
-        a loop takes, would be slow.
+        a loop takes, would be slow. Nor may it contain functions.
     piece : bool
-        Set for a small piece of other kernels: its machine code is copied into theirs. If it were
-        called instead, code from the cache and code that has just been compiled would contain
-        different copies of it, and results could differ in the last bits. It has no entry for
-        Python, which can call its source, `py_func`.
-    part : bool
-        Set for a large part of one other kernel: its source is copied into that one before anything
-        is compiled, which takes half as long as compiling both.
+        Set for a piece of other kernels: it is copied into theirs. If it were called instead, code
+        from the cache and code that has just been compiled would contain different copies of it,
+        and results could differ in the last bits.
 
     Returns
     -------
     function
-        Called as the one that was given. A piece raises TypeError when Python calls it.
+        Called as the one that was given. When Python calls a piece, a kernel is made of the same
+        function.
     """
     compiled = compiled_on_first_use(
         function,
+        variant="piece" if piece else "",
         nogil=True,
         error_model="numpy",
         fastmath=FASTMATH,
         _nrt=False,
         forceinline=piece,
-        inline="always" if part else "never",
         no_cpython_wrapper=piece,
         no_cfunc_wrapper=True,
+        pipeline_class=KernelCompiler,
     )
     if piece:
         compiled.__class__ = Piece
     return compiled
 
 
+kernel_of = cache(kernel)
+
+
 class Piece(CPUDispatcher):
     """A piece of other kernels, which has no entry for Python."""
 
-    def __call__(self, *_: Any, **__: Any) -> Any:
-        """Raise TypeError: without an entry, numba's own call would end the process."""
-        name = self.py_func.__name__
-        raise TypeError(f"{name} is a piece of kernels; Python can call {name}.py_func")
+    def __call__(self, *arguments: Any) -> Any:
+        """Call the kernel that is made of the same function: numba's own call would crash."""
+        return kernel_of(self.py_func)(*arguments)
+
+
+class KernelCompiler(CompilerBase):  # type: ignore[misc]
+    """numba's compiler without what kernels do not need."""
+
+    def define_pipelines(self) -> list:
+        """Return the passes from Python's bytecode to machine code."""
+        state = self.state
+        if state.flags.forceinline:
+            state.library = PieceLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
+            state.library.enable_object_caching()
+        pipeline = DefaultPassBuilder.define_nopython_pipeline(state)
+        pipeline.passes = [each for each in pipeline.passes if each[0].__name__ not in NEEDLESS]
+        pipeline.finalize()
+        return [pipeline]
+
+
+class PieceLibrary(JITCodeLibrary):  # type: ignore[misc]
+    """What LLVM makes of a piece: it is optimised as a whole, and becomes machine code, only within
+    the kernels that it is copied into.
+
+    numba's own library would do both for every piece as well. Should a version of numba not call
+    this method, it does so again, which only takes longer.
+    """
+
+    def _optimize_final_module(self) -> None:
+        """Make no machine code of the functions that are always copied."""
+        for function in self._final_module.functions:
+            if not function.is_declaration and b"alwaysinline" in b" ".join(function.attributes):
+                function.linkage = "available_externally"
 
 
 inline = partial(kernel, piece=True)
-part = partial(kernel, part=True)
 
 
 @inline

@@ -189,7 +189,7 @@ def gather_rows(fine, start, end, f_x, complete, following):
         following[j] = next_a * row_a + next_b * row_b
 
 
-@kernel
+@inline
 def restrict_level(fine, coarse, transfer, i0, i1, scratch):
     """Restrict fields to the coarse rows that own rows i0 <= i < i1 lie on or after.
 
@@ -207,14 +207,14 @@ def restrict_level(fine, coarse, transfer, i0, i1, scratch):
         Tables between the two, see the head of the file.
     i0, i1 : int
         i0 is the first of the rows beside its coarse row.
-    scratch : (>= 2, >= n)
+    scratch : two arrays, (>= n,)
         Memory of one thread.
     """
     J_x, f_x, mode, J_y, f_y, factor = transfer
     rows = fine.shape[1] - 2
     n = fine.shape[2]
-    complete = scratch[0, :n]
-    following = scratch[1, :n]
+    complete = scratch[0][:n]
+    following = scratch[1][:n]
     # the rows of the coarse row before, which have a part of the first one
     before = i0
     while before > 0 and J_x[before - 1] == J_x[i0 - 1]:
@@ -235,7 +235,7 @@ def restrict_level(fine, coarse, transfer, i0, i1, scratch):
             start = end
 
 
-@kernel
+@inline
 def smooth_level(fields, z_coarse, out, weight, damping, transfer, nominal, i0, i1, scratch):
     """Set z = r/(weight + damping t) + P z_coarse on own rows i0 <= i < i1 of a level.
 
@@ -259,7 +259,7 @@ def smooth_level(fields, z_coarse, out, weight, damping, transfer, nominal, i0, 
         (rows,) and (n,): factors of s, the indicator of the surface.
     i0, i1 : int
         Own rows.
-    scratch : (>= 2, >= n)
+    scratch : two arrays, (>= n,)
         Memory of one thread.
 
     Returns
@@ -272,8 +272,8 @@ def smooth_level(fields, z_coarse, out, weight, damping, transfer, nominal, i0, 
     n = fields.shape[2]
     has_x = fields.shape[0] > 2
     zero = fields.dtype.type(0)
-    coarse_row = scratch[0, : z_coarse.shape[1]]
-    z_row = scratch[1, :n]
+    coarse_row = scratch[0][: z_coarse.shape[1]]
+    z_row = scratch[1][:n]
     rz = xz = rr = tt = rt = ts = rs = 0.0
     for i in range(i0, i1):
         combine_rows(z_coarse, J_x[i], f_x[i], coarse_row)
@@ -362,7 +362,7 @@ def sweep_levels(
         The gap mode: z of level `mode_level` gets mode times <mode, r>; empty: none.
     mode_level : int
         The level of the gap mode.
-    scratch : (>= 2, >= n)
+    scratch : two arrays, (>= n,)
         Memory of one thread; n: points along a row of level 0, or of any other.
     sums : (pieces, SUMS) float64
         Gets the sums of each piece that is smoothed.

@@ -57,7 +57,7 @@ def multiply_blocks(columns, shares, turns, numbers, factors, inverse, backward,
     while share < shares.shape[0]:
         for k in range(shares[share, 0], shares[share, 1]):
             if plans[k, 0] > 0:
-                load_columns(columns, k, True)
+                load_columns(columns, k)
                 sums[k, 1] = numbers[0, 0]
                 sums[k, 0] = multiply(
                     numbers[: plans[k, 0]], k, inverse, scale, weight, q_x, q_y, table
@@ -67,7 +67,7 @@ def multiply_blocks(columns, shares, turns, numbers, factors, inverse, backward,
         share = add(turns, 0, 1)
 
 
-@kernel
+@inline
 def multiply(columns, k, inverse, scale, weight, q_x, q_y, table):
     """Multiply the columns of block k by scale K or by scale/K (0 where K is 0), in place.
 

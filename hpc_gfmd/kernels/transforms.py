@@ -31,7 +31,7 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
-from .jit import inline, kernel, part
+from .jit import inline, kernel
 from .lines import WIDTH, move_line
 
 TILE = 8  # complex numbers of single precision in a cache line
@@ -120,8 +120,8 @@ def load_rows(spectra, i0, i1):
     transform(function, plan, source, target)
 
 
-@part
-def load_columns(columns, k, forward):
+@kernel
+def load_columns(columns, k):
     """Fill a thread's scratch with the columns of a block of the spectrum, transformed along x.
 
     Parameters
@@ -131,21 +131,18 @@ def load_columns(columns, k, forward):
         head of the file; moved is the scratch.
     k : int
         Block of this rank.
-    forward : bool
-        If not, the scratch is filled with 0.
     """
     moved, address, near, far, function, plans = columns
     width = plans[k, 0]
-    for w in range(width if forward else 0, plans[k, 1]):
+    for w in range(width, plans[k, 1]):
         for i in range(moved.shape[1]):
             moved[w, i] = 0
-    if forward:
-        for memory, begins, rows in (near, far):
-            _transpose(memory, begins[k], rows, moved, width)
-        transform(function, plans[k, 2], address, address)
+    for memory, begins, rows in (near, far):
+        _transpose(memory, begins[k], rows, moved, width)
+    transform(function, plans[k, 2], address, address)
 
 
-@part
+@inline
 def store_columns(columns, k):
     """Transform the scratch back and write it to where `load_columns` read the block.
 

@@ -171,7 +171,7 @@ class CoarsestLevels:
         self._memory[-tables.zeros :] = 0
         self._threads = threads_for(tables.points, threads)
         self._scratch = [
-            empty_aligned((2, tables.longest_row), dtype) for _ in range(self._threads)
+            tuple(empty_aligned((2, tables.longest_row), dtype)) for _ in range(self._threads)
         ]
         self._turns = zeros_aligned((TURNS,), np.int64)
         self._sums = np.empty((len(tables.pieces), SUMS))
@@ -209,7 +209,7 @@ class CoarsestLevels:
         """Do the pieces begin <= piece < end of a sweep, on all threads at the same time."""
         self._turns[[NEXT, ENDED, CLOSED]] = begin
 
-        def work(scratch: np.ndarray) -> int:
+        def work(scratch: tuple[np.ndarray, ...]) -> int:
             looks = 0
             while (result := self._do_some(end, scratch)) < 0:
                 looks += -1 - result
@@ -218,7 +218,7 @@ class CoarsestLevels:
 
         self.looks = sum(on_threads(self._threads, work, [()] * self._threads, self._scratch))
 
-    def _do_some(self, end: int, scratch: np.ndarray) -> int:
+    def _do_some(self, end: int, scratch: tuple[np.ndarray, ...]) -> int:
         """Do pieces on one thread until `end`, or until it loses patience with other threads.
 
         Returns what kernels/multilevel.py: sweep_levels does: a number below 0 if it lost patience.

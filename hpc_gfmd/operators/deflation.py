@@ -17,7 +17,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import fft
 
 from ..bodies.base import Body
 from ..parallel.coarsening import Level
@@ -136,6 +135,8 @@ class GapMode:
         of contact at each point of `level`, which must not be None; t stays as it is, and the
         result has its shape and precision. Overwrites the fields of `levels`. Not collective.
         """
+        from scipy import fft  # takes a tenth of a second
+
         real = t.dtype.type
         theta = t / real(DAMPING)
         w = np.zeros_like(t)

@@ -282,7 +282,7 @@ class Multilevel:
         on_threads(
             self.grid.threads,
             lambda i0, i1, scratch: restrict_level(
-                fine, coarse, transfer.tables, i0, i1, scratch[0]
+                fine, coarse, transfer.tables, i0, i1, tuple(scratch[0][:2])
             ),
             transfer.pieces,
             self.scratch,
@@ -326,7 +326,7 @@ class Multilevel:
                 nominal,
                 i0,
                 i1,
-                scratch[0],
+                tuple(scratch[0][:2]),
             )
 
         rows = len(transfer.k0)

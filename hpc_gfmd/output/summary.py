@@ -12,6 +12,7 @@ from ..util.quantities import prefixed
 DIGITS = 4  # of a number without an error estimate
 MAX_DIGITS = 6
 FINE = ("converged", "separated")  # statuses
+LENGTHS = ("target_gap_mean", "target_gap_over_h_rms", "target_approach")  # of held loads
 
 
 def summary(step: dict, surface: dict) -> str:
@@ -80,13 +81,18 @@ def converged(step: dict) -> bool:
 
 
 def last_held(steps: Sequence[dict]) -> dict | None:
-    """Return the converged load step before the first one that pulls the bodies apart (pull-off).
+    """Return the converged load step that is nearest to the pull-off of the bodies.
 
-    None if no load separates them after a converged one.
+    It is the last one before the first that pulls the bodies apart. At prescribed gaps or
+    approaches, which hold the bodies beyond the largest pull, it is that with the largest pull
+    until then. None if no load separates the bodies after a converged one.
     """
-    for before, after in pairwise(steps):
+    for number, (before, after) in enumerate(pairwise(steps), 1):
         if after.get("status") == "separated" and before.get("status") == "converged":
-            return before
+            if not any(name in after for name in LENGTHS):
+                return before
+            held = [step for step in steps[:number] if step.get("status") == "converged"]
+            return min(held, key=lambda step: step["p"])
     return None
 
 

@@ -245,7 +245,10 @@ class SlabFFT(Layout):
             block = columns[0].view(self.blocks.dtype)
             for k in range(k0, k1):
                 if self._own_widths[k]:
-                    load_columns(columns, k, forward)
+                    if forward:
+                        load_columns(columns, k)
+                    else:
+                        columns[0][...] = 0
                     m = k * self.size + self.rank
                     results[k] = apply(block[: self._own_widths[k]], m)
                     if backward:

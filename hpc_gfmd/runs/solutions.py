@@ -106,8 +106,9 @@ class Solutions(Solved, Sequence[Solution]):
     def pull_off(self) -> float | None:
         """Mean pressure of the last load before the surfaces come apart, in the unit of `p`.
 
-        The pull-off load lies between this one and the next one of the sweep. None if no load
-        separates surfaces that touched at the load before.
+        The pull-off load lies between this one and the next one of the sweep. At prescribed gaps or
+        approaches, which hold the surfaces beyond it, it is the largest pull before they come
+        apart. None if no load separates surfaces that touched at the load before.
         """
         held = last_held(self.result.steps)
         return None if held is None else float(held["p"])

@@ -349,7 +349,7 @@ class Bpx(Solver):
         shares = Shares(len(ends), fft.threads)
 
         def passes(thread: int) -> None:
-            scratch = fft.rows[thread], levels.scratch[thread][0], sums_of_passes
+            scratch = fft.rows[thread], tuple(levels.scratch[thread][0][:2]), sums_of_passes
             search_passes(
                 ends, shares.parts, shares.turns, *scratch, *fields, step, *limits, self.law, work
             )

@@ -64,8 +64,6 @@ def cell_of(n: tuple, free: tuple[bool, bool], sizes: tuple[float, ...]) -> tupl
     (int, int)
         n along periodic axes; along axes with free edges more, a number that is fast to transform.
     """
-    from scipy.fft import next_fast_len
-
     space = FREE_SPACE
     axes = list(zip(n, sizes, free))
     longest = max((size for _, size, ends in axes if ends), default=0.0)
@@ -79,6 +77,8 @@ def cell_of(n: tuple, free: tuple[bool, bool], sizes: tuple[float, ...]) -> tupl
     for k, size, ends in axes:
         longer = k
         if ends:
+            from scipy.fft import next_fast_len  # takes a tenth of a second
+
             needed = max([*beside, min(length**2 / (space.slender * size), length / 2)]) * k / size
             mean = (k * (longest * k / size) ** 2) ** (1 / 3)
             beyond = max(k * space.share, space.of_longest * mean, space.points, needed)

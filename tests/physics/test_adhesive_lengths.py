@@ -23,6 +23,7 @@ def test_a_wave_is_held_beyond_its_pull_off():
     gaps = [0.36, 1.0, 1.2, 1.28, 1.32, 1.36, 1.6, 1.7]
     found = hpc_gfmd.solve(z, gap_mean=gaps, **how)
     assert [one.status for one in found] == ["converged"] * 6 + ["separated"] * 2
+    assert all("too far apart" in one.note for one in found[6:])
     held, exact = found[:6], AdhesiveWave(work)
     pulls = [-one.p / exact.p_full for one in held]
     for one, gap in zip(held, gaps, strict=False):
@@ -32,6 +33,7 @@ def test_a_wave_is_held_beyond_its_pull_off():
     assert max(pulls) == pulls[3] == pytest.approx(-exact.pull_off / exact.p_full, rel=0.015)
     assert pulls[3] > pulls[4] > pulls[5] + 0.004
     assert pulls[5] == pytest.approx(0.0881, rel=0.01)
+    assert found.pull_off == found[3].p
     by_load = hpc_gfmd.solve(z, [one.p for one in held[:4]], **how)
     for one, same in zip(held, by_load[:3], strict=False):
         assert same.a_r == pytest.approx(one.a_r, rel=2e-2)

@@ -3,6 +3,7 @@ block agrees with what it prints, numbers to the digits shown."""
 
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 import tomllib
@@ -95,11 +96,19 @@ def run(folder, *arguments):
     return completed.stdout
 
 
+@pytest.fixture(scope="module")
+def scan(tmp_path_factory):
+    """The path of scan.x3p, made by the script at the end of the tutorial."""
+    folder = tmp_path_factory.mktemp("scan")
+    (folder / "scan.py").write_text(SCAN)
+    run(folder, "scan.py")
+    return folder / "scan.x3p"
+
+
 @pytest.mark.parametrize("page", PAGES)
-def test_code_of_a_page(page, tmp_path):
+def test_code_of_a_page(page, scan, tmp_path):
     """Python blocks share one process, and commands run one after another."""
-    (tmp_path / "scan.py").write_text(SCAN)
-    run(tmp_path, "scan.py")
+    shutil.copy(scan, tmp_path)
     if page.stem != "tutorial":  # it makes the scene
         (tmp_path / "scene.toml").write_text(SCENE)
     program = []

@@ -76,15 +76,20 @@ def _parameters(row):
 def _fits(runs, level, observable):
     """Yield (area, exponents, fit) of all fits for which there are enough runs."""
     for area, suffix in AREAS.items():
-        column = f"{observable}{suffix}"
-        if column not in runs[0]:
-            continue
         for exponents in ("free", "paper"):
-            try:
-                fit = estimates.fit_observable(runs, column, level, printed=exponents == "paper")
-            except SceneError:  # the series is not long enough yet
-                continue
-            yield area, exponents, fit
+            fit = _fit(runs, level, f"{observable}{suffix}", exponents)
+            if fit is not None:
+                yield area, exponents, fit
+
+
+def _fit(runs, level, column, exponents):
+    """Fit eq. tfc to a column of runs at one H and p*; None if the series are too short."""
+    if column not in runs[0]:
+        return None
+    try:
+        return estimates.fit_observable(runs, column, level, printed=exponents == "paper")
+    except SceneError:
+        return None
 
 
 def compare(rows: Rows, observable: str, pressure: str) -> Iterator[dict]:
@@ -119,12 +124,11 @@ def our_table(runs: Rows, level: str) -> dict:
     tables = []
     for observable in ("kappa", "gap_over_h_rms"):
         for pressure, part in low_high(runs).items():
-            rows = [
-                fit.row(hurst)
+            fits = {
+                hurst: _fit(family, level, observable, "free")
                 for hurst, family in by_hurst(part).items()
-                for *kind, fit in _fits(family, level, observable)
-                if kind == ["raw", "free"]
-            ]
+            }
+            rows = [fit.row(hurst) for hurst, fit in fits.items() if fit is not None]
             if rows:
                 p_star = PRESSURES[pressure]
                 tables.append({"observable": observable, "p_star": p_star, "rows": rows})

@@ -48,7 +48,7 @@ def test_projected_step(random, n, coupling, hardness, dtype, rough, rounding):
     dents = np.minimum(v, 0) + np.maximum(v - through, 0)
     wanted = np.where(closed, 0, np.where(yields, dents, opens) - g)
     x = np.empty(n, dtype)
-    work = np.zeros((2, n[1] + 1), dtype)
+    work = tuple(np.zeros((2, n[1] + 1), dtype))
     step = tuple(dtype(number) for number in (a, b, coupling, compliance))
     limit = hardness and dtype(hardness)
     work_of_solver, deeper = bpx.projected_step(

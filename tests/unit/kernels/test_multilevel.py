@@ -30,7 +30,7 @@ def test_transfers_are_adjoint(random, n):
     coarse = np.zeros((1, m[0] + 2, m[1]))
     fine[0, 1:-1] = x
     for rows in transfer.passes(3):
-        multilevel.restrict_level(fine, coarse, transfer.tables, *rows, np.empty((2, n[1])))
+        multilevel.restrict_level(fine, coarse, transfer.tables, *rows, tuple(np.empty((2, n[1]))))
     R = coarse[0, 1:-1].copy()
     R[0] += coarse[0, -1]
     R[-1] += coarse[0, 0]
@@ -46,7 +46,7 @@ def test_transfers_are_adjoint(random, n):
         transfer.tables,
         tuple(map(np.ones, n)),
         *(0, n[0]),
-        np.empty((2, max(n[1], m[1]))),
+        tuple(np.empty((2, max(n[1], m[1])))),
     )
     assert np.allclose(Py[0, 1:-1], interpolated(y, n), atol=1e-13)
     assert np.vdot(R, y) * x.size / y.size == pytest.approx(np.vdot(x, Py[0, 1:-1]), abs=1e-12)
