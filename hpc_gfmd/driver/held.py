@@ -9,7 +9,7 @@ one, but its stability includes the spring.
   then always add up to the same approach, which does not change from the first step on.
 - A mean gap: k is eight times the stiffness against a wave as long as the cell. A secant method
   moves the end of the spring until the mean gap is the prescribed one. Where the contact jumps
-  past it, forth and back, there is no such equilibrium: the search ends.
+  past it from both sides, there is no such equilibrium: the search ends.
 """
 
 from __future__ import annotations
