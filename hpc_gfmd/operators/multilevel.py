@@ -287,8 +287,9 @@ class Multilevel:
             transfer.pieces,
             self.scratch,
         )
-        # K d is not restricted: of its rows the sweep adds up these two
-        self.fields[k][2:, [1, -1]] = 0
+        # K d is not restricted: of its rows the sweep adds up these two, if this rank has any
+        self.fields[k][2:, 1:2] = 0
+        self.fields[k][2:, -1:] = 0
 
     def smooth(self, k: int, fields: np.ndarray, out: np.ndarray) -> np.ndarray:
         """Make z of level k from r and t there and z of the next level. Not collective.
