@@ -1,0 +1,82 @@
+"""Launches of device kernels, and sums over the threads of a block."""
+
+import sys
+
+import numpy as np
+from numba import cuda
+
+THREADS = 128  # of a block; a power of 2
+STRIP = 32  # rows that a thread works on, one after another; even
+ZERO = np.float32(0)
+HALF = np.float32(0.5)
+ONE = np.float32(1)
+
+
+def library_of(array):
+    """Return the module whose array this is: cupy, or numpy under the simulator."""
+    return sys.modules[type(array).__module__.partition(".")[0]]
+
+
+def to_host(array):
+    """Return a device array as a NumPy array, once all launches before have ended."""
+    return array.get() if hasattr(array, "get") else array
+
+
+def launch(kernel, blocks, threads, *arguments):
+    """Launch a kernel without waiting for anything.
+
+    Parameters
+    ----------
+    kernel : function
+        Made by cuda.jit.
+    blocks, threads : int or tuple of int
+        Blocks of the launch, and threads of a block.
+    *arguments : arrays and numbers
+        Device arrays of CuPy are handed over without the synchronisation that numba would make.
+    """
+    views = [
+        cuda.as_cuda_array(each, sync=False) if hasattr(each, "__cuda_array_interface__") else each
+        for each in arguments
+    ]
+    kernel[blocks, threads](*views)
+
+
+def blocks_of(rows, columns):
+    """Return the blocks of a launch in which each thread has one column of STRIP rows."""
+    return -(-columns // THREADS), -(-rows // STRIP)
+
+
+def partial_sums(array, blocks, count):
+    """Return memory for the sums of each block of a launch, (blocks, count) float64, as `array`."""
+    return library_of(array).empty((blocks[0] * blocks[1], count), np.float64)
+
+
+def total_of(partial):
+    """Return the sums over all blocks as a list of float, always added in the same order."""
+    return to_host(partial.sum(axis=0)).tolist()
+
+
+@cuda.jit(device=True)
+def block_number():
+    """Return the number of this block in its launch."""
+    return cuda.blockIdx.y * cuda.gridDim.x + cuda.blockIdx.x
+
+
+@cuda.jit(device=True)
+def sum_of_block(value, shared, partial, column):
+    """Set partial[block, column] to the sum of a value over all threads of the block.
+
+    All threads of the block call this together. shared: (THREADS,) float64, shared memory.
+    """
+    k = cuda.threadIdx.x
+    cuda.syncthreads()
+    shared[k] = value
+    cuda.syncthreads()
+    half = THREADS // 2
+    while half > 0:
+        if k < half:
+            shared[k] += shared[k + half]
+        cuda.syncthreads()
+        half //= 2
+    if k == 0:
+        partial[block_number(), column] = shared[0]
