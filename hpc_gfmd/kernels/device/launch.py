@@ -22,6 +22,13 @@ def to_host(array):
     return array.get() if hasattr(array, "get") else array
 
 
+def view_of(argument):
+    """Return a device array as numba takes it, without the synchronisation that it would make."""
+    if hasattr(argument, "__cuda_array_interface__"):
+        return cuda.as_cuda_array(argument, sync=False)
+    return argument
+
+
 def launch(kernel, blocks, threads, *arguments):
     """Launch a kernel without waiting for anything.
 
@@ -32,13 +39,9 @@ def launch(kernel, blocks, threads, *arguments):
     blocks, threads : int or tuple of int
         Blocks of the launch, and threads of a block.
     *arguments : arrays and numbers
-        Device arrays of CuPy are handed over without the synchronisation that numba would make.
+        Arrays are those of the device.
     """
-    views = [
-        cuda.as_cuda_array(each, sync=False) if hasattr(each, "__cuda_array_interface__") else each
-        for each in arguments
-    ]
-    kernel[blocks, threads](*views)
+    kernel[blocks, threads](*map(view_of, arguments))
 
 
 def blocks_of(rows, columns):

@@ -37,6 +37,11 @@ def restrict_level(fine, coarse, transfer, i0, i1, scratch):
     transfer, scratch
         Not used.
     """
+    restrict_on_rows(fine, coarse, i0, i1)
+
+
+def restrict_on_rows(fine, coarse, i0, i1):
+    """Do what `restrict_level` does, of the arguments that it uses."""
     launch(restrict_fields, blocks_of(i1 - i0, coarse.shape[2]), THREADS, fine, coarse, i0, i1)
 
 
