@@ -18,8 +18,8 @@ from pathlib import Path
 import numpy as np
 
 if not hasattr(np, "row_stack"):  # which some versions of numba-cuda still look for
-    np.row_stack = np.vstack
-sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
+    np.vstack = np.vstack
+sys.path[0] = str(Path(__file__).resolve().parents[2])
 
 import cupy as cp
 from cupy.cuda import cufft
@@ -289,7 +289,9 @@ class Convolution:
         self.blocks = [(j, min(j + W, n_c)) for j in range(0, n_c, W)]
         stride, dist = (1, n) if transposes else (pitch, 1)
         self.plans = {
-            w: cufft.PlanNd((n,), (n,), stride, dist, (n,), stride, dist, cufft.CUFFT_C2C, w, "C", 0, None)
+            w: cufft.PlanNd(
+                (n,), (n,), stride, dist, (n,), stride, dist, cufft.CUFFT_C2C, w, "C", 0, None
+            )
             for w in {j1 - j0 for j0, j1 in self.blocks}
         }
         self.scratch = cp.empty((W if transposes else 0, n), np.complex64)
@@ -355,7 +357,9 @@ class Convolution:
         k_x, k_y = n // 3, n // 7
         phase_x = 2 * np.pi / n * (np.arange(n) * k_x % n)
         phase_y = 2 * np.pi / n * (np.arange(n) * k_y % n)
-        cos_x, sin_x = (cp.asarray(f(phase_x).astype(np.float32))[:, None] for f in (np.cos, np.sin))
+        cos_x, sin_x = (
+            cp.asarray(f(phase_x).astype(np.float32))[:, None] for f in (np.cos, np.sin)
+        )
         cos_y, sin_y = (cp.asarray(f(phase_y).astype(np.float32)) for f in (np.cos, np.sin))
 
         def wave(i0, i1):
@@ -465,7 +469,7 @@ def check_passes(rows, kernels, n=256):
     closing = (g_new > 0) & (g_new + s * made <= 0)
     reference = [(r * r).sum(), (p_new**2).sum(), (r * made).sum(), (free * made).sum()]
     reference += [(r * free).sum(), t.sum(), g_new.sum(), opening.sum(), closing.sum(), 0]
-    for k, name in enumerate("rr pp rd dKd rKd contact gap opening closing yielded".split()):
+    for k, name in enumerate(["rr", "pp", "rd", "dKd", "rKd", "contact", "gap", "opening", "closing", "yielded"]):
         rows.check(f"update, {name}", sums[k], reference[k], 1e-4, **named)
     fields = np.stack([full_weighting(field) for field in (r, t, free)])
     rows.check("update, level 1", periodic(state.levels[0]), fields, 1e-6, **named)
@@ -532,7 +536,9 @@ def measure_copies(rows):
     rows.copy_speed = 2 * size / milliseconds * 1e3
     rows.add("copy on the device", ms=milliseconds, GB_per_s=round(rows.copy_speed / 1e9, 1))
     milliseconds = timed(lambda: cp.multiply(source, np.float32(2), out=target))
-    rows.add("scale on the device", ms=milliseconds, GB_per_s=round(2 * size / milliseconds / 1e6, 1))
+    rows.add(
+        "scale on the device", ms=milliseconds, GB_per_s=round(2 * size / milliseconds / 1e6, 1)
+    )
     size = 2**28
     pinned = np.frombuffer(cp.cuda.alloc_pinned_memory(size), np.uint8, size)
     pageable = np.ones(size, np.uint8)
@@ -645,9 +651,7 @@ def measure_passes(rows, n, state, real, kernels):
 
         def change():
             for i0, i1 in pieces:
-                kernels.change(
-                    state.g, state.p, state.d[i0:i1], real, np.float32(1e-3), i0, i1
-                )
+                kernels.change(state.g, state.p, state.d[i0:i1], real, np.float32(1e-3), i0, i1)
 
         rows.add_time("update alone", n, timed(change), 22 * points, **named)
     return total
