@@ -117,6 +117,32 @@ def scaling():
     return table(columns, [row for row in rows("scaling") if row["kind"] != "weak"])
 
 
+def gpu():
+    """Return the milliseconds of an iteration on a GPU and of its parts, by grid."""
+    parts = ("search", "update and restriction", "levels", "iteration")
+    lines = []
+    for (n,), part in grouped([row for row in rows("gpu") if "n" in row and "ms" in row], "n"):
+        fastest = min(row["ms"] for row in part if row["item"] == "pair")
+        line = {"n": n, "pair": fastest} | dict.fromkeys(parts, "")
+        for row in part:
+            if row["item"] in parts and (row["kernels"] == "cuda" or row["item"] == "levels"):
+                line[row["item"]] = f"{row['ms']:.3g}"
+            if row["item"] == "iteration" and row["kernels"] == "cuda":
+                line |= {"share": row["share_of_copy"], "memory": row["GiB_in_use"]}
+        lines.append(line)
+    columns = {
+        "n": "{n}",
+        "FFT pair": "{pair:.3g} ms",
+        "search": "{search} ms",
+        "update, restriction": "{update and restriction} ms",
+        "coarse levels": "{levels} ms",
+        "iteration": "{iteration} ms",
+        "59 bytes a point over the speed of a copy": "{share:.2f}",
+        "memory": "{memory:.1f} GiB",
+    }
+    return table(columns, lines)
+
+
 def storage():
     """Return the speed of the result file and of raw writes."""
     columns = {
@@ -347,7 +373,7 @@ def numbers():
 TABLES = {
     function.__name__: function
     for function in (
-        *(pairs, process, scaling, storage, releases, billion),
+        *(pairs, process, scaling, gpu, storage, releases, billion),
         *(peers, campaign, failures, model, numbers),
     )
 }

@@ -2,8 +2,8 @@
 
     python scripts/bench/gpu.py --n 4096 16384 32768 65536 --out gpu.jsonl
 
-It needs CuPy and numba-cuda, and of this package only hpc_gfmd/kernels/device/. Every kernel is
-first compared with NumPy in double precision on random data; the transforms are compared with a
+It needs CuPy and numba-cuda, and of this package only gpu_kernels/ beside it. Every kernel is first
+compared with NumPy in double precision on random data; the transforms are compared with a
 plane wave at every size. A row of a kernel that is wrong says so, and the exit status is 1.
 """
 
@@ -13,16 +13,17 @@ import statistics
 import sys
 import time
 import traceback
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 if not hasattr(np, "row_stack"):  # which some versions of numba-cuda still look for
-    np.vstack = np.vstack
-sys.path[0] = str(Path(__file__).resolve().parents[2])
+    np.row_stack = np.vstack  # noqa: NPY201
+sys.path[0] = str(Path(__file__).resolve().parents[1])
 
-import cupy as cp
-from cupy.cuda import cufft
+import cupy as cp  # noqa: E402
+from cupy.cuda import cufft  # noqa: E402
 
 FLOOR = 59  # bytes per point of an iteration if all passes were fused as on the CPU
 MIB = 2**20
@@ -42,7 +43,7 @@ class Rows:
     """
 
     def __init__(self, out, seconds):
-        self.file = open(out, "w") if out else None
+        self.file = open(out, "w") if out else None  # noqa: SIM115
         self.start = time.monotonic()
         self.seconds = seconds
         self.copy_speed = float("nan")
@@ -156,7 +157,7 @@ class NumbaKernels:
     fused = False
 
     def __init__(self):
-        from hpc_gfmd.kernels.device import bpx, multilevel, spectral
+        from bench.gpu_kernels import bpx, multilevel, spectral
 
         self.step = bpx.step_on_rows
         self.change = bpx.change_on_rows
@@ -307,6 +308,11 @@ class Convolution:
         """Return the first row of each piece, and the one after it."""
         R = self.real.shape[0]
         return [(i, i + R) for i in range(0, self.n, R)]
+
+    def on_pieces(self, transform):
+        """Call transform(first row) for each piece."""
+        for i0, _ in self.pieces():
+            transform(i0)
 
     def store(self, i0):
         """Transform the rows in `real` to the spectrum, from row i0 on."""
@@ -469,7 +475,9 @@ def check_passes(rows, kernels, n=256):
     closing = (g_new > 0) & (g_new + s * made <= 0)
     reference = [(r * r).sum(), (p_new**2).sum(), (r * made).sum(), (free * made).sum()]
     reference += [(r * free).sum(), t.sum(), g_new.sum(), opening.sum(), closing.sum(), 0]
-    for k, name in enumerate(["rr", "pp", "rd", "dKd", "rKd", "contact", "gap", "opening", "closing", "yielded"]):
+    for k, name in enumerate(
+        ["rr", "pp", "rd", "dKd", "rKd", "contact", "gap", "opening", "closing", "yielded"]
+    ):
         rows.check(f"update, {name}", sums[k], reference[k], 1e-4, **named)
     fields = np.stack([full_weighting(field) for field in (r, t, free)])
     rows.check("update, level 1", periodic(state.levels[0]), fields, 1e-6, **named)
@@ -599,9 +607,9 @@ def measure_pairs(rows, n, spectrum, real, sets, strided):
                 error = convolution.error_of_wave()
                 right = bool(error < 1e-4)
                 rows.is_wrong |= not right
-                forward = timed(lambda: [convolution.store(i0) for i0, _ in convolution.pieces()])
+                forward = timed(partial(convolution.on_pieces, convolution.store))
                 columns = timed(convolution.columns)
-                backward = timed(lambda: [convolution.load(i0) for i0, _ in convolution.pieces()])
+                backward = timed(partial(convolution.on_pieces, convolution.load))
                 total = forward + columns + backward
                 traffic = (56 if transposes else 40) * n * n
                 rows.add_time(
@@ -690,7 +698,7 @@ def measure_levels(rows, n, state, kernels):
 
 def measure_size(rows, n, sets, piece_bytes):
     """Measure everything at one size."""
-    free, total = cp.cuda.runtime.memGetInfo()
+    free, _ = cp.cuda.runtime.memGetInfo()
     pitch = -(-(n // 2 + 1) // 32) * 32
     needed = int((8 * n * pitch + 10 * n * n + 4.1 * n * n) + 3 * piece_bytes + 1.5e9)
     if needed > free:

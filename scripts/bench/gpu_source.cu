@@ -1,5 +1,5 @@
 // The two row passes of the default solver and the passes over a spectrum, as in
-// hpc_gfmd/kernels/device/: what numba compiles is compared with these. A block has 128 threads, a
+// gpu_kernels/: what numba compiles is compared with these. A block has 128 threads, a
 // thread goes down a strip of 32 rows. n: points along a row, m = n/2.
 
 #define THREADS 128

@@ -27,9 +27,8 @@ def arrays_of_the_simulator(monkeypatch):
     """Let the simulator take NumPy arrays where they stand, also parts of others."""
     if not SIMULATED:
         return
+    from bench.gpu_kernels import launch
     from numba.cuda.simulator.cudadrv.devicearray import FakeCUDAArray
-
-    from hpc_gfmd.kernels.device import launch
 
     def view_of(argument):
         return FakeCUDAArray(argument) if isinstance(argument, np.ndarray) else argument
@@ -75,8 +74,9 @@ def random_state(n):
 @in_simulator
 @pytest.mark.parametrize("coupling", [1.0, 0.0])
 def test_search_passes(coupling):
+    from bench.gpu_kernels import bpx as twin
+
     from hpc_gfmd.kernels import bpx
-    from hpc_gfmd.kernels.device import bpx as twin
 
     n = 32
     g, p, d, z_1 = random_state(n)
@@ -85,9 +85,7 @@ def test_search_passes(coupling):
     d_cpu = d.copy()
     made = np.zeros((n, n), np.float32)
     scratch = tuple(np.zeros((2, n), np.float32))
-    rd, _ = bpx.projected_step(
-        g, p, d_cpu, made, 0, n, z_1, transfer, step, None, (n, n), scratch
-    )
+    rd, _ = bpx.projected_step(g, p, d_cpu, made, 0, n, z_1, transfer, step, None, (n, n), scratch)
     passes = np.array([(0, 20), (20, n)])
     sums = np.full((2, 2), np.nan)
     rows = HostRows(np.full((n, n), np.nan, np.float32), 20)
@@ -103,8 +101,9 @@ def test_search_passes(coupling):
 
 @in_simulator
 def test_update_passes():
+    from bench.gpu_kernels import bpx as twin
+
     from hpc_gfmd.kernels import bpx
-    from hpc_gfmd.kernels.device import bpx as twin
 
     n = 32
     m = n // 2
@@ -137,8 +136,9 @@ def test_update_passes():
 
 @in_simulator
 def test_restrict_level():
+    from bench.gpu_kernels import multilevel as twin
+
     from hpc_gfmd.kernels import multilevel
-    from hpc_gfmd.kernels.device import multilevel as twin
 
     n = 32
     fine = np.random.default_rng(5).normal(size=(3, n + 2, n)).astype(np.float32)
@@ -153,8 +153,9 @@ def test_restrict_level():
 @in_simulator
 @pytest.mark.parametrize("fields", [2, 3])
 def test_smooth_level(fields):
+    from bench.gpu_kernels import multilevel as twin
+
     from hpc_gfmd.kernels import multilevel
-    from hpc_gfmd.kernels.device import multilevel as twin
 
     n = 32
     level = np.random.default_rng(6).normal(size=(fields, n + 2, n)).astype(np.float32)
