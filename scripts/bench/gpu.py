@@ -90,7 +90,7 @@ class Rows:
         return is_right
 
 
-def timed(work, seconds=0.25, most=15):
+def timed(work, seconds=0.25, max_repeats=15):
     """Return the median of the milliseconds that a function takes on the device."""
     start = cp.cuda.Event()
     end = cp.cuda.Event()
@@ -103,8 +103,8 @@ def timed(work, seconds=0.25, most=15):
         return cp.cuda.get_elapsed_time(start, end)
 
     once()
-    first = once()
-    count = int(min(max(seconds * 1e3 / max(first, 1e-3), 3), most))
+    milliseconds = once()
+    count = int(min(max(seconds * 1e3 / max(milliseconds, 1e-3), 3), max_repeats))
     return statistics.median(once() for _ in range(count))
 
 
@@ -360,7 +360,8 @@ class Convolution:
     def error_of_wave(self):
         """Return the error of K times a plane wave, relative to its largest value."""
         n = self.n
-        k_x, k_y = n // 3, n // 7
+        k_x = n // 3
+        k_y = n // 7
         phase_x = 2 * np.pi / n * (np.arange(n) * k_x % n)
         phase_y = 2 * np.pi / n * (np.arange(n) * k_y % n)
         cos_x, sin_x = (
@@ -388,7 +389,8 @@ class Convolution:
 
 def row_plan(n, pitch, rows, kind):
     """Return a plan of transforms of rows to spectra (R2C) or back (C2R)."""
-    real, half = ((n,), 1, n), ((pitch,), 1, pitch)
+    real = ((n,), 1, n)
+    half = ((pitch,), 1, pitch)
     source, target = (real, half) if kind == cufft.CUFFT_R2C else (half, real)
     return cufft.PlanNd((n,), *source, *target, kind, rows, "C", -1, n)
 
@@ -439,10 +441,10 @@ def check_passes(rows, kernels, n=256):
     z_1 = state.levels[0][0]
     g = state.g.get().astype(np.float64)
     p = state.p.get().astype(np.float64)
-    last = np.where(state.d.get() == 0xFF80, 0.0, decoded(state.d, g))
+    last_step = np.where(state.d.get() == 0xFF80, 0.0, decoded(state.d, g))
     alpha, beta, coupling, compliance = (float(x) for x in STEP)
     Pz = interpolated(z_1.get()[1:-1].astype(np.float64))
-    step = np.maximum(g - alpha * compliance * (p + coupling * Pz) - beta * last, 0) - g
+    step = np.maximum(g - alpha * compliance * (p + coupling * Pz) - beta * last_step, 0) - g
     in_A = (g <= 0) & (p > 0)
     step[in_A] = 0
     d_rows = cp.full((n, n), np.nan, np.float32)
@@ -495,7 +497,8 @@ def check_levels(rows, kernels, n=256):
     rows.check("restriction", periodic(coarse), reference, 1e-6, **named)
     z_1 = random_field((1, n // 2 + 2, n // 2))
     with_halo(z_1)
-    weight, damping = np.float32(0.4), np.float32(1.6)
+    weight = np.float32(0.4)
+    damping = np.float32(1.6)
     sums = kernels.smooth(fine, z_1[0], fine[0], weight, damping, 0, n).sum(axis=0).get()
     z = r / (float(weight) + float(damping) * t) + interpolated(z_1[0].get()[1:-1])
     rows.check("smoothing, z", fine[0].get()[1:-1], z, 1e-6, **named)
@@ -671,7 +674,8 @@ def measure_levels(rows, n, state, kernels):
     levels = state.levels
     fine = levels[0]
     coarse = levels[1]
-    weight, damping = np.float32(0.4), np.float32(1.6)
+    weight = np.float32(0.4)
+    damping = np.float32(1.6)
 
     def restrict(k):
         kernels.restrict_level(levels[k][:2], levels[k + 1], 0, levels[k].shape[2])
@@ -711,7 +715,8 @@ def measure_size(rows, n, sets, piece_bytes):
     best = measure_pairs(rows, n, spectrum, real, sets, False)
     if strided_fits:
         also = measure_pairs(rows, n, spectrum, real, sets, True)
-        best = min((each for each in (best, also) if each), key=lambda each: each[1], default=None)
+        found = [variant for variant in (best, also) if variant]
+        best = min(found, key=lambda variant: variant[1], default=None)
     state = State(n)
     real[...] = random_field((R, n), 0.01)
     passes = {}

@@ -18,8 +18,8 @@ in_simulator = pytest.mark.skipif(not SIMULATED, reason="needs numba's CUDA simu
 def test_twins_agree_in_the_simulator():
     environment = {**os.environ, "NUMBA_ENABLE_CUDASIM": "1"}
     command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", __file__]
-    done = subprocess.run(command, env=environment, cwd=ROOT, capture_output=True, text=True)
-    assert done.returncode == 0, done.stdout + done.stderr
+    finished = subprocess.run(command, env=environment, cwd=ROOT, capture_output=True, text=True)
+    assert finished.returncode == 0, finished.stdout + finished.stderr
 
 
 @pytest.fixture(autouse=True)
@@ -111,7 +111,8 @@ def test_update_passes():
     Kd = (0.2 * np.random.default_rng(4).normal(size=(n, n))).astype(np.float32)
     transfer = transfer_of(n)
     s = np.float32(0.9)
-    g_cpu, p_cpu = g.copy(), p.copy()
+    g_cpu = g.copy()
+    p_cpu = p.copy()
     coarse_cpu = np.zeros((3, m + 2, m), np.float32)
     shared = np.zeros((2, 3, m), np.float32)
     sums_cpu = np.zeros(10)
