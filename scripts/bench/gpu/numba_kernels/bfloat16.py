@@ -1,4 +1,4 @@
-"""Storage of float32 in 16 bits, see kernels/bfloat16.py: functions of a number."""
+"""Storage of float32 in 16 bits, as in hpc_gfmd/kernels/bfloat16.py."""
 
 import numpy as np
 from numba import cuda

@@ -1,4 +1,4 @@
-"""Twins of kernels/bpx.py: the two row passes of the default solver. Letters as there.
+"""The two row passes of the default solver, letters as in hpc_gfmd/kernels/bpx.py.
 
 A thread of `step_rows` and `restrict_state` has a coarse column c, of `change_state` a fine one,
 and goes down a strip of rows. Coarse row J, halo rows counted, lies on fine row 2 (J - 1).
@@ -8,48 +8,10 @@ import numpy as np
 from numba import cuda
 
 from .bfloat16 import PROJECTED, STILL, decode, encode
-from .launch import (
-    HALF,
-    ONE,
-    STRIP,
-    THREADS,
-    ZERO,
-    blocks_of,
-    launch,
-    partial_sums,
-    sum_of_block,
-    to_host,
-)
+from .launch import HALF, ONE, STRIP, THREADS, ZERO, blocks_of, launch, partial_sums, sum_of_block
 
 SUMS = 10  # of UpdateSums
 QUARTER = np.float32(0.25)  # factor of a transfer to half the points along both axes
-
-
-def search_passes(
-    passes, shares, turns, rows, scratch, sums, g, p, d, z_1, transfer, step, H, inside, law, work
-):
-    """Make the step d on the rows of all passes and transform these rows.
-
-    Parameters
-    ----------
-    passes : (passes, 2) int, of the host
-        First row of each pass, and the row after its last one; even.
-    rows : object
-        rows.real, (R, n_y), gets the step; rows.store(i0, i1) then transforms these rows.
-    sums : (passes, 2) float64, of the host
-        Gets <r, d> of each pass, and 0.
-    g, p, d, z_1, step
-        See `projected_step` in kernels/bpx.py; d, the last step, becomes the new one.
-    shares, turns, scratch, transfer, H, inside, law, work
-        Not used.
-    """
-    partials = []
-    for i0, i1 in passes.tolist():
-        partials.append(step_on_rows(g, p, d, rows.real, i0, i1, z_1, step))
-        rows.store(i0, i1)
-    for k, partial in enumerate(partials):
-        sums[k, 0] = float(to_host(partial.sum()))
-        sums[k, 1] = 0.0
 
 
 def step_on_rows(g, p, d, d_rows, i0, i1, z_1, step):
@@ -58,61 +20,6 @@ def step_on_rows(g, p, d, d_rows, i0, i1, z_1, step):
     partial = partial_sums(g, blocks, 1)
     launch(step_rows, blocks, THREADS, g, p, d, d_rows, i0, i1, z_1, *step, partial)
     return partial
-
-
-def update_passes(
-    passes,
-    shares,
-    turns,
-    rows,
-    scratch,
-    first_rows,
-    sums,
-    g,
-    p,
-    d,
-    s,
-    spectra,
-    coarse,
-    transfer,
-    H,
-    inside,
-    law,
-    attracted,
-):
-    """Transform rows of K d back and set g += s d and p += s K d, pass after pass.
-
-    Parameters
-    ----------
-    passes : (passes, 2) int, of the host
-        First row of each pass, and the row after its last one; even.
-    rows : object
-        rows.load(i0, i1) transforms the spectra of these rows to rows.real, (R, n_y).
-    first_rows : (shares, 3, m)
-        [0] gets the coarse row of the first pass's first row, the others zeros.
-    sums : (passes, 10) float64, of the host
-        Gets the UpdateSums of each pass.
-    g, p, s, coarse
-        See `update_state` in kernels/bpx.py; g, p and coarse are overwritten.
-    d : (n_loc, n_y) or (rows of a pass, n_y)
-        Last step, of the slab or the same one for every pass.
-    spectra : bool
-        Whether the rows of K d come as spectra; if not, rows.real holds them already.
-    shares, turns, scratch, transfer, H, inside, law, attracted
-        Not used.
-    """
-    partials = []
-    for k, (i0, i1) in enumerate(passes.tolist()):
-        if spectra:
-            rows.load(i0, i1)
-        of_slab = i0 if d.shape[0] == g.shape[0] else 0
-        d_rows = d[of_slab : of_slab + i1 - i0]
-        partials.append(change_on_rows(g, p, d_rows, rows.real, s, i0, i1))
-        restrict_on_rows(g, p, rows.real, i0, i1, k > 0, coarse)
-    for k, partial in enumerate(partials):
-        sums[k] = to_host(partial.sum(axis=0))
-    first_rows[...] = 0
-    first_rows[0] = coarse[:, int(passes[0, 0]) // 2 + 1]
 
 
 def change_on_rows(g, p, d_rows, Kd, s, i0, i1):

@@ -17,11 +17,6 @@ def library_of(array):
     return sys.modules[type(array).__module__.partition(".")[0]]
 
 
-def to_host(array):
-    """Return a device array as a NumPy array, once all launches before have ended."""
-    return array.get() if hasattr(array, "get") else array
-
-
 def view_of(argument):
     """Return a device array as numba takes it, without the synchronisation that it would make."""
     if hasattr(argument, "__cuda_array_interface__"):
@@ -52,11 +47,6 @@ def blocks_of(rows, columns):
 def partial_sums(array, blocks, count):
     """Return memory for the sums of each block of a launch, (blocks, count) float64, as `array`."""
     return library_of(array).empty((blocks[0] * blocks[1], count), np.float64)
-
-
-def total_of(partial):
-    """Return the sums over all blocks as a list of float, always added in the same order."""
-    return to_host(partial.sum(axis=0)).tolist()
 
 
 @cuda.jit(device=True)

@@ -1,4 +1,4 @@
-"""Twins of kernels for a GPU against the kernels themselves, under numba's simulator."""
+"""Kernels for a GPU against those of the package, under numba's simulator."""
 
 import os
 import subprocess
@@ -15,11 +15,12 @@ in_simulator = pytest.mark.skipif(not SIMULATED, reason="needs numba's CUDA simu
 
 
 @pytest.mark.skipif(SIMULATED, reason="would start itself again")
-def test_twins_agree_in_the_simulator():
+def test_all_in_the_simulator():
     environment = {**os.environ, "NUMBA_ENABLE_CUDASIM": "1"}
     command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", __file__]
     finished = subprocess.run(command, env=environment, cwd=ROOT, capture_output=True, text=True)
     assert finished.returncode == 0, finished.stdout + finished.stderr
+    assert "6 passed" in finished.stdout
 
 
 @pytest.fixture(autouse=True)
@@ -27,27 +28,13 @@ def arrays_of_the_simulator(monkeypatch):
     """Let the simulator take NumPy arrays where they stand, also parts of others."""
     if not SIMULATED:
         return
-    from bench.gpu_kernels import launch
+    from bench.gpu.numba_kernels import launch
     from numba.cuda.simulator.cudadrv.devicearray import FakeCUDAArray
 
     def view_of(argument):
         return FakeCUDAArray(argument) if isinstance(argument, np.ndarray) else argument
 
     monkeypatch.setattr(launch, "view_of", view_of)
-
-
-class HostRows:
-    """Stands for the row transforms of a device: rows are kept, not transformed."""
-
-    def __init__(self, kept, longest):
-        self.kept = kept
-        self.real = np.full((longest, kept.shape[1]), np.nan, kept.dtype)
-
-    def store(self, i0, i1):
-        self.kept[i0:i1] = self.real[: i1 - i0]
-
-    def load(self, i0, i1):
-        self.real[: i1 - i0] = self.kept[i0:i1]
 
 
 def transfer_of(n):
@@ -73,8 +60,8 @@ def random_state(n):
 
 @in_simulator
 @pytest.mark.parametrize("coupling", [1.0, 0.0])
-def test_search_passes(coupling):
-    from bench.gpu_kernels import bpx as twin
+def test_search(coupling):
+    from bench.gpu.numba_kernels import bpx as on_gpu
 
     from hpc_gfmd.kernels import bpx
 
@@ -86,22 +73,19 @@ def test_search_passes(coupling):
     made = np.zeros((n, n), np.float32)
     scratch = tuple(np.zeros((2, n), np.float32))
     rd, _ = bpx.projected_step(g, p, d_cpu, made, 0, n, z_1, transfer, step, None, (n, n), scratch)
-    passes = np.array([(0, 20), (20, n)])
-    sums = np.full((2, 2), np.nan)
-    rows = HostRows(np.full((n, n), np.nan, np.float32), 20)
-    twin.search_passes(
-        passes, None, None, rows, None, sums, g, p, d, z_1, transfer, step, None, (n, n), None, None
-    )
+    rows = np.full((n, n), np.nan, np.float32)
+    sums = []
+    for i0, i1 in ((0, 20), (20, n)):
+        sums.append(on_gpu.step_on_rows(g, p, d, rows[i0:i1], i0, i1, z_1, step))
     differ = d != d_cpu  # where a step is rounded to its neighbour in 16 bits
     assert differ.mean() < 0.01
-    assert np.allclose(rows.kept, made, rtol=1 / 100, atol=1e-6)
-    assert sums[:, 0].sum() == pytest.approx(rd, rel=1e-3)
-    assert not sums[:, 1].any()
+    assert np.allclose(rows, made, rtol=1 / 100, atol=1e-6)
+    assert np.concatenate(sums).sum() == pytest.approx(rd, rel=1e-3)
 
 
 @in_simulator
-def test_update_passes():
-    from bench.gpu_kernels import bpx as twin
+def test_update():
+    from bench.gpu.numba_kernels import bpx as on_gpu
 
     from hpc_gfmd.kernels import bpx
 
@@ -121,23 +105,20 @@ def test_update_passes():
         g_cpu, p_cpu, d, Kd, s, 0, n, coarse_cpu, shared, transfer, None, (n, n), gathered, sums_cpu
     )
     coarse_cpu[:, 1], coarse_cpu[:, m + 1] = shared
-    passes = np.array([(0, 20), (20, n)])
-    sums = np.full((2, 10), np.nan)
-    first_rows = np.full((1, 3, m), np.nan, np.float32)
+    sums = []
     coarse = np.full((3, m + 2, m), np.nan, np.float32)
-    rows = HostRows(Kd, 20)
-    arguments = (passes, None, None, rows, None, first_rows, sums, g, p, d, s, True, coarse)
-    twin.update_passes(*arguments, transfer, None, (n, n), None, None)
+    for i0, i1 in ((0, 20), (20, n)):
+        sums.append(on_gpu.change_on_rows(g, p, d[i0:i1], Kd[i0:i1], s, i0, i1))
+        on_gpu.restrict_on_rows(g, p, Kd[i0:i1], i0, i1, i0 > 0, coarse)
     assert np.allclose(g, g_cpu, rtol=1e-5, atol=1e-6)
     assert np.allclose(p, p_cpu, rtol=1e-5, atol=1e-6)
-    assert np.allclose(sums.sum(axis=0), sums_cpu, rtol=1e-4, atol=1e-4)
+    assert np.allclose(np.concatenate(sums).sum(axis=0), sums_cpu, rtol=1e-4, atol=1e-4)
     assert np.allclose(coarse[:, 1:], coarse_cpu[:, 1:], rtol=1e-5, atol=1e-5)
-    assert np.allclose(first_rows[0], coarse_cpu[:, 1], rtol=1e-5, atol=1e-5)
 
 
 @in_simulator
-def test_restrict_level():
-    from bench.gpu_kernels import multilevel as twin
+def test_restriction_of_a_level():
+    from bench.gpu.numba_kernels import multilevel as on_gpu
 
     from hpc_gfmd.kernels import multilevel
 
@@ -147,14 +128,14 @@ def test_restrict_level():
     scratch = tuple(np.zeros((2, n), np.float32))
     multilevel.restrict_level(fine[:2], expected, transfer_of(n), 0, n, scratch)
     for i0, i1 in ((0, 12), (12, n)):
-        twin.restrict_level(fine[:2], coarse, transfer_of(n), i0, i1, None)
+        on_gpu.restrict_on_rows(fine[:2], coarse, i0, i1)
     assert np.allclose(coarse[:, 1:], expected[:, 1:], rtol=1e-5, atol=1e-6)
 
 
 @in_simulator
 @pytest.mark.parametrize("fields", [2, 3])
-def test_smooth_level(fields):
-    from bench.gpu_kernels import multilevel as twin
+def test_smoothing_of_a_level(fields):
+    from bench.gpu.numba_kernels import multilevel as on_gpu
 
     from hpc_gfmd.kernels import multilevel
 
@@ -169,6 +150,6 @@ def test_smooth_level(fields):
     sums_cpu = multilevel.smooth_level(
         expected, z_1, expected[0], *numbers, transfer_of(n), ones, 0, n, scratch
     )
-    sums = twin.smooth_level(level, z_1, level[0], *numbers, transfer_of(n), ones, 0, n, None)
+    sums = on_gpu.smooth_on_rows(level, z_1, level[0], *numbers, 0, n).sum(axis=0)
     assert np.allclose(level[0, 1:-1], expected[0, 1:-1], rtol=1e-5, atol=1e-6)
     assert np.allclose(sums, sums_cpu, rtol=1e-4, atol=1e-3)

@@ -1,6 +1,5 @@
 // The two row passes of the default solver and the passes over a spectrum, as in
-// gpu_kernels/: what numba compiles is compared with these. A block has 128 threads, a
-// thread goes down a strip of 32 rows. n: points along a row, m = n/2.
+// numba_kernels/. A block has 128 threads, a thread goes down a strip of 32 rows. n: points along a row, m = n/2.
 
 #define THREADS 128
 #define STRIP 32

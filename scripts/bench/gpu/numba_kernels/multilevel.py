@@ -1,4 +1,4 @@
-"""Twins of kernels/multilevel.py: restriction and smoothing of one level. Letters as there.
+"""Restriction and smoothing of one level, letters as in hpc_gfmd/kernels/multilevel.py.
 
 A thread has a coarse column c and goes down a strip of rows. Coarse row J, halo rows counted, lies
 on own fine row 2 (J - 1), which is row 2 J - 1 of an array with halo rows.
@@ -7,23 +7,13 @@ on own fine row 2 (J - 1), which is row 2 J - 1 of an array with halo rows.
 import numpy as np
 from numba import cuda
 
-from .launch import (
-    HALF,
-    STRIP,
-    THREADS,
-    ZERO,
-    blocks_of,
-    launch,
-    partial_sums,
-    sum_of_block,
-    total_of,
-)
+from .launch import HALF, STRIP, THREADS, ZERO, blocks_of, launch, partial_sums, sum_of_block
 
-SUMS = 7  # that smooth_level returns
+SUMS = 7  # that smooth_on_rows returns
 QUARTER = np.float32(0.25)  # factor of a transfer to half the points along both axes
 
 
-def restrict_level(fine, coarse, transfer, i0, i1, scratch):
+def restrict_on_rows(fine, coarse, i0, i1):
     """Restrict fields to the coarse rows that own rows i0 <= i < i1 lie on or after.
 
     Parameters
@@ -34,18 +24,11 @@ def restrict_level(fine, coarse, transfer, i0, i1, scratch):
         Gets the result, with the last own row also in the coarse row after it.
     i0, i1 : int
         Own rows; even.
-    transfer, scratch
-        Not used.
     """
-    restrict_on_rows(fine, coarse, i0, i1)
-
-
-def restrict_on_rows(fine, coarse, i0, i1):
-    """Do what `restrict_level` does, of the arguments that it uses."""
     launch(restrict_fields, blocks_of(i1 - i0, coarse.shape[2]), THREADS, fine, coarse, i0, i1)
 
 
-def smooth_level(fields, z_coarse, out, weight, damping, transfer, nominal, i0, i1, scratch):
+def smooth_on_rows(fields, z_coarse, out, weight, damping, i0, i1):
     """Set z = r/(weight + damping t) + P z_coarse on own rows i0 <= i < i1 of a level.
 
     Parameters
@@ -60,19 +43,12 @@ def smooth_level(fields, z_coarse, out, weight, damping, transfer, nominal, i0, 
         Of this level, in the precision of the fields.
     i0, i1 : int
         Own rows; even.
-    transfer, nominal, scratch
-        Not used: the indicator of the surface is 1 everywhere.
 
     Returns
     -------
-    tuple
-        <r, z>, <x, z>, <r, r>, <t, t>, <r, t>, <t, s> and <r, s> over these rows.
+    array (blocks, SUMS) float64
+        <r, z>, <x, z>, <r, r>, <t, t>, <r, t>, and the sums of t and r, in parts.
     """
-    return tuple(total_of(smooth_on_rows(fields, z_coarse, out, weight, damping, i0, i1)))
-
-
-def smooth_on_rows(fields, z_coarse, out, weight, damping, i0, i1):
-    """Do what `smooth_level` does, but return the sums of each block, without waiting for them."""
     blocks = blocks_of(i1 - i0, z_coarse.shape[1])
     partial = partial_sums(fields, blocks, SUMS)
     arguments = (fields, z_coarse, out, weight, damping, i0, i1, partial)
@@ -90,7 +66,7 @@ def weighted_row(fine, field, i, c):
 
 @cuda.jit
 def restrict_fields(fine, coarse, i0, i1):
-    """Restrict fields, as `restrict_level` describes."""
+    """Restrict fields, as `restrict_on_rows` describes."""
     c = cuda.blockIdx.x * THREADS + cuda.threadIdx.x
     start = i0 + cuda.blockIdx.y * STRIP
     end = min(start + STRIP, i1)
@@ -110,7 +86,7 @@ def restrict_fields(fine, coarse, i0, i1):
 
 @cuda.jit
 def smooth_fields(fields, z_coarse, out, weight, damping, i0, i1, partial):
-    """Set z on rows i0 <= i < i1, as `smooth_level` describes; partial gets its sums."""
+    """Set z on rows i0 <= i < i1, as `smooth_on_rows` describes; partial gets its sums."""
     shared = cuda.shared.array(THREADS, np.float64)
     m = z_coarse.shape[1]
     c = cuda.blockIdx.x * THREADS + cuda.threadIdx.x

@@ -1,6 +1,6 @@
-"""Kernels on a spectrum on a GPU: multiplication by K or 1/K, and transposition of columns.
+"""Multiplication of a spectrum by K = |q|/2, and transposition of its columns.
 
-K = |q|/2 is that of a half-space. Letters as in kernels/spectral.py.
+Letters as in hpc_gfmd/kernels/spectral.py.
 """
 
 import math
@@ -15,8 +15,8 @@ PITCH = TILE + 1  # numbers of a row of a tile in shared memory: columns then li
 TILE_ROWS = 8  # of the threads of such a block
 
 
-def multiply(block, q_0, q_1, weight_0, weight_1, scale, inverse):
-    """Multiply complex numbers by scale K or by scale/K (0 where K is 0), in place.
+def multiply(block, q_0, q_1, weight_0, weight_1, scale):
+    """Multiply complex numbers by scale K, in place.
 
     Parameters
     ----------
@@ -28,19 +28,17 @@ def multiply(block, q_0, q_1, weight_0, weight_1, scale, inverse):
         The product is how often a number of the half spectrum occurs in the full one.
     scale : float
         1/N of the transforms.
-    inverse : bool
-        Whether to multiply by 1/K.
 
     Returns
     -------
     array (blocks, 1) float64
         On the device: the sum of weight scale K |c|^2 over the complex numbers c before they were
-        multiplied, in parts; with `inverse` of weight scale |c|^2/K.
+        multiplied, in parts.
     """
     blocks = blocks_of(*block.shape)
     partial = partial_sums(block, blocks, 1)
-    factor = np.float32(scale * (2 if inverse else 0.5))
-    arguments = (block, q_0, q_1, weight_0, weight_1, factor, inverse, partial)
+    factor = np.float32(scale * 0.5)
+    arguments = (block, q_0, q_1, weight_0, weight_1, factor, partial)
     launch(multiply_block, blocks, THREADS, *arguments)
     return partial
 
@@ -53,7 +51,7 @@ def transpose(source, target):
 
 
 @cuda.jit
-def multiply_block(block, q_0, q_1, weight_0, weight_1, factor, inverse, partial):
+def multiply_block(block, q_0, q_1, weight_0, weight_1, factor, partial):
     """Multiply complex numbers, as `multiply` describes."""
     shared = cuda.shared.array(THREADS, np.float64)
     j = cuda.blockIdx.x * THREADS + cuda.threadIdx.x
@@ -65,8 +63,6 @@ def multiply_block(block, q_0, q_1, weight_0, weight_1, factor, inverse, partial
         for i in range(start, end):
             q2 = q_0[i] * q_0[i] + square_1
             scaled = factor * math.sqrt(q2)
-            if inverse:
-                scaled = factor / math.sqrt(q2) if q2 > ZERO else ZERO
             number = block[i, j]
             re = number.real
             im = number.imag

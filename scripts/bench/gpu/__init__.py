@@ -1,0 +1,1 @@
+"""The passes of an iteration, measured on a GPU."""
