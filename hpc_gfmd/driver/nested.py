@@ -292,7 +292,8 @@ class Nested:
                     coarse = replace(coarse, p0=search.begin(coarse))
                 solver = roughly_solved(coarse, make_solver, g, self.reduction, search)
                 pairs = (pairs + solver.pairs) * coarse.grid.cell_points / problem.grid.cell_points
-                full = not coarse.grid.padded and solver.progress().contact == coarse.grid.N
+                contact = solver.progress(with_errors=False).contact
+                full = not coarse.grid.padded and contact == coarse.grid.N
             except interrupt.Stopped as stopped:
                 signal = stopped.number
         # rank 0 has a part in all grids
@@ -359,7 +360,8 @@ def roughly_solved(
     """
     solver = make_solver(problem)
     solver.start(g)
-    progress = solver.progress()
+    searches = search is not None
+    progress = solver.progress(searches)
     enough = reduction * progress.residual
     for _ in range(CALIBRATION.iterations):
         interrupt.check(problem.grid.comm)
@@ -367,7 +369,7 @@ def roughly_solved(
         if not progress.finite or (near and progress.residual <= enough):
             break
         solver.step()
-        progress = solver.progress()
+        progress = solver.progress(searches)
     return solver
 
 

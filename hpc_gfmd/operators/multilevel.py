@@ -218,8 +218,9 @@ class Multilevel:
         row_of = tables[0]
         coarse[:, : row_of[0] + 1] = 0
         coarse[:, row_of[-1] + 2 :] = 0
-        for (k0, _), first_row in zip(shares.parts, first_rows):
-            coarse[:, row_of[self.ends[k0, 0]]] += first_row
+        rows_of_shares = row_of[self.ends[shares.parts[:, 0], 0]].tolist()
+        for row, first_row in zip(rows_of_shares, first_rows):
+            coarse[:, row] += first_row
         return UpdateSums.total(sums)
 
     @property

@@ -158,7 +158,7 @@ class Grid:
         start, stop = self.rows
         return min(start, self.nominal[0]), min(stop, self.nominal[0])
 
-    @property
+    @cached_property
     def rows(self) -> tuple[int, int]:
         """This rank's rows of the grid, by global numbers (start, stop)."""
         r = self.comm.rank

@@ -16,6 +16,7 @@ T = TypeVar("T")
 
 PIECE_POINTS = 2**17  # of a field, which a thread works on at a time
 PIECE_ROWS = 8  # at least
+THREAD_POINTS = 2**15  # of a grid, for each of its threads: fewer take less time than a hand-over
 
 
 def piece_rows(n_y: int) -> int:
@@ -44,7 +45,7 @@ def pieces_of(rows: int, n_y: int) -> list[tuple[int, int]]:
 
 
 def threads_for(points: int, threads: int) -> int:
-    """Return how many threads are useful for a grid: each of them must get a piece.
+    """Return how many threads are useful for a grid.
 
     Parameters
     ----------
@@ -58,7 +59,7 @@ def threads_for(points: int, threads: int) -> int:
     int
         From 1 to `threads`.
     """
-    return max(1, min(threads, points // PIECE_POINTS))
+    return max(1, min(threads, points // THREAD_POINTS))
 
 
 def shares(count: int, threads: int) -> list[tuple[int, int]]:

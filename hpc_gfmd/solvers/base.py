@@ -261,8 +261,19 @@ class Solver:
         """Make one iteration: update self.g and self.p in place, and add 1 to `iterations`."""
         raise NotImplementedError
 
-    def progress(self) -> Progress:
-        """Return how far the present state is from the solution. Gap and pressure stay."""
+    def progress(self, with_errors: bool = True) -> Progress:
+        """Return how far the present state is from the solution. Gap and pressure stay.
+
+        Parameters
+        ----------
+        with_errors : bool
+            Whether to estimate errors and predict the solution; takes longer.
+
+        Returns
+        -------
+        Progress
+            Without errors `estimate` and `predicted` are None.
+        """
         raise NotImplementedError
 
     def estimate_errors(self) -> Estimate:

@@ -445,12 +445,14 @@ class Bpx(Solver):
         """Mean of self.p over the whole grid: `p_cell` plus the attraction."""
         return self.p_cell + self.attracted / self.grid.cell_points
 
-    def progress(self) -> Progress:
+    def progress(self, with_errors: bool = True) -> Progress:
         """Return how far the state is from the solution, with estimates after every step."""
         finite = bool(np.isfinite(self.pp + self.gap_mean))
         carried = max(self.wall_load, np.finfo(float).tiny)
         with np.errstate(over="ignore"):  # infinite where the attraction pulls more than it holds
             residual = np.sqrt(self.rr / self.N) / carried
+        if not with_errors:
+            return Progress(float(residual), self.contact, self.gap_mean, None, finite)
         errors = self._estimate() if finite else Estimate()
         predicted = self._predicted(errors) if finite else None
         return Progress(float(residual), self.contact, self.gap_mean, errors, finite, predicted)

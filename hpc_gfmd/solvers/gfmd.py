@@ -152,11 +152,11 @@ class Gfmd(Solver):
 
     # -- how far
 
-    def progress(self) -> Progress:
+    def progress(self, with_errors: bool = True) -> Progress:
         """Return how far the state is from the solution, with estimates after every fourth step."""
         residual = float(np.sqrt(self.rr / self.N)) / self.p0
         finite = bool(np.isfinite(self.pp + self.gap))
         errors = None
-        if finite and self.iterations % ESTIMATED_EVERY == 0:
+        if finite and with_errors and self.iterations % ESTIMATED_EVERY == 0:
             errors = self.estimate_errors()
         return Progress(residual, self.contact, self.gap / self.N, errors, finite)
