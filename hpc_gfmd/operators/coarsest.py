@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from ..kernels.multilevel import CLOSED, ENDED, MEAN, NEXT, SUMS, TOTALS, TURNS, sweep_levels
 from ..parallel.coarsening import Level, axis_mode, axis_tables, passes_of
-from ..parallel.threads import on_threads, piece_rows, threads_for
+from ..parallel.threads import PIECE_POINTS, on_threads, piece_rows, threads_for
 from ..util.aligned import empty_aligned, zeros_aligned
 
 DAMPING = 4.0  # of a level by the contact on it, over its stiffness
@@ -169,7 +169,7 @@ class CoarsestLevels:
         self._damping = np.array([DAMPING], dtype)[0]
         self._memory = empty_aligned((tables.size,), dtype)
         self._memory[-tables.zeros :] = 0
-        self._threads = threads_for(tables.points, threads)
+        self._threads = threads_for(tables.points, threads, PIECE_POINTS)
         self._scratch = [
             tuple(empty_aligned((2, tables.longest_row), dtype)) for _ in range(self._threads)
         ]

@@ -44,7 +44,7 @@ def pieces_of(rows: int, n_y: int) -> list[tuple[int, int]]:
     return [(i0, i1) for i0, i1 in zip(ends, ends[1:]) if i0 < i1]
 
 
-def threads_for(points: int, threads: int) -> int:
+def threads_for(points: int, threads: int, points_each: int = THREAD_POINTS) -> int:
     """Return how many threads are useful for a grid.
 
     Parameters
@@ -53,13 +53,15 @@ def threads_for(points: int, threads: int) -> int:
         Of the grid.
     threads : int
         Number of threads that there are.
+    points_each : int
+        Points that each of them must get.
 
     Returns
     -------
     int
         From 1 to `threads`.
     """
-    return max(1, min(threads, points // THREAD_POINTS))
+    return max(1, min(threads, points // points_each))
 
 
 def shares(count: int, threads: int) -> list[tuple[int, int]]:
