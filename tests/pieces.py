@@ -2,6 +2,7 @@
 run: results agree within the accuracy."""
 
 from contacts import rough
+from mpi.same import from_rank_0
 from result_files import assert_same_steps
 
 from hpc_gfmd.output.folder import partial_folder
@@ -68,15 +69,20 @@ class Pieces:
             interrupt.polled = 0
             interrupt.after = after
             interrupt.dies = dies
-            status = None
-            if comm is self.comm or self.comm.rank == 0:
-                try:
-                    status = run_scene(scene, out=self.path, quiet=True, comm=comm).status
-                except Died:
-                    status = "died"
-            self.comm.barrier()
-            assert status is None or (status in ("died", "interrupted")) == (after < NEVER)
+            if comm is self.comm:
+                status = self._piece(scene, comm)
+                comm.barrier()
+            else:
+                status = from_rank_0(self.comm, lambda comm=comm: self._piece(scene, comm))
+            assert (status in ("died", "interrupted")) == (after < NEVER)
         assert not partial_folder(self.path).exists()
+
+    def _piece(self, scene, comm):
+        """Run or resume; returns the status."""
+        try:
+            return run_scene(scene, out=self.path, quiet=True, comm=comm).status
+        except Died:
+            return "died"
 
     def compare(self, rel):
         """Numbers and fields agree with the uninterrupted run within a relative tolerance."""

@@ -111,7 +111,8 @@ def _publish(args, items, store):
         print(f"\n{name}: {TEXTS[name]['title']}\n{text}", flush=True)
     if args.report or "all" in args.item:
         for name in OF_PAPER:
-            tables.setdefault(name, publish(STUDIES[name], store, args.level, args.redraw))
+            if name not in tables:
+                tables[name] = publish(STUDIES[name], store, args.level, args.redraw)
         path = report(store, args.level, {name: tables[name] for name in OF_PAPER})
         print(f"report: {path}", flush=True)
     if args.coefficients:

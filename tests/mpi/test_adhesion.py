@@ -3,16 +3,18 @@
 import adhesive
 import numpy as np
 import pytest
+from mpi.same import from_rank_0
 
 import hpc_gfmd
 
 pytestmark = pytest.mark.mpi
 
 
-def solve_twice(comm, z, load, **settings):
-    """Solve on all ranks and on this process."""
-    settings |= {"physical_sizes": (8.0, 8.0), "accuracy": 1e-4, "precision": "double"}
-    return [hpc_gfmd.solve(z, load, comm=world, **settings) for world in (comm, None)]
+def solve_twice(comm, z, *load, **settings):
+    """Solve on all ranks and in one process."""
+    settings |= {"physical_sizes": (8.0, 8.0), "precision": "double"}
+    on_ranks = hpc_gfmd.solve(z, *load, comm=comm, **settings)
+    return on_ranks, from_rank_0(comm, lambda: hpc_gfmd.solve(z, *load, **settings))
 
 
 def assert_same(on_ranks, alone):
@@ -32,7 +34,8 @@ def assert_same(on_ranks, alone):
 def test_approach(comm, boundary, kappa):
     z = adhesive.wall(4, 4).heights
     adhesion = adhesive.attraction(kappa, 0.1)
-    on_ranks, alone = solve_twice(comm, z, 0.1, adhesion=adhesion, boundary=boundary, unique=True)
+    settings = {"accuracy": 1e-4, "boundary": boundary, "unique": True}
+    on_ranks, alone = solve_twice(comm, z, 0.1, adhesion=adhesion, **settings)
     assert on_ranks.status == "converged"
     assert_same(on_ranks, alone)
     assert on_ranks.value("unique") == alone.value("unique")
@@ -43,7 +46,8 @@ def test_retraction_to_separation(comm):
     z = adhesive.wall(4, 4).heights
     adhesion = adhesive.attraction(1.0, 0.1)
     loads = [0.3, 0.05, 0.0, -1.0, -2.0]
-    pair = solve_twice(comm, z, loads, adhesion=adhesion, branch="retraction")
+    settings = {"accuracy": 1e-4, "branch": "retraction"}
+    pair = solve_twice(comm, z, loads, adhesion=adhesion, **settings)
     for on_ranks, alone in zip(*pair, strict=True):
         assert_same(on_ranks, alone)
     assert pair[0][-1].status == "separated"
@@ -54,16 +58,13 @@ def test_retraction_to_separation(comm):
 def test_prescribed_lengths(comm, boundary):
     """A mean gap and an approach are the same on all ranks, and so is the pressure."""
     adhesion = adhesive.attraction(1.0, 0.1)
-    how = {"physical_sizes": (8.0, 8.0), "precision": "double", "branch": "retraction"}
+    how = {"boundary": boundary, "branch": "retraction"}
     if boundary == "periodic":
         z, lengths = adhesive.wall(4, 4).heights, {"gap_mean": [0.3, 0.5]}
     else:
         x = np.arange(32) / 4 - 4
         z, lengths = -(x[:, None] ** 2 + x**2) / 20, {"approach": [0.05, 0, -0.01]}
-    pair = [
-        hpc_gfmd.solve(z, adhesion=adhesion, boundary=boundary, comm=world, **lengths, **how)
-        for world in (comm, None)
-    ]
+    pair = solve_twice(comm, z, adhesion=adhesion, **lengths, **how)
     for on_ranks, wanted in zip(*pair, strict=True):
         assert_same(on_ranks, wanted)
         assert on_ranks.status == "converged"

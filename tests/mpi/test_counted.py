@@ -1,8 +1,11 @@
 """Patches, perimeters and distributions on slabs equal those of one process exactly."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 from counted import contact_of, random_fields, walk
+from mpi.same import from_rank_0
 
 from hpc_gfmd.contact import all_distributions, all_observables, observables_named
 
@@ -42,6 +45,12 @@ def test_same_distributions(comm, n, name):
         assert all(np.array_equal(array, of_rank) for of_rank in comm.allgather(array))
 
 
+def widest(g, periodic, axis):
+    """Return the largest level whose points with at least this gap percolate along an axis."""
+    levels = np.unique(g)
+    return max(level for level in levels if walk(g >= level, periodic, False)[1][axis])
+
+
 @pytest.mark.parametrize(
     ("n", "nominal"),
     [((40, 30), (20, 15)), ((64, 15), (31, 15)), ((9, 48), (9, 17)), ((4, 8), (2, 4))],
@@ -61,11 +70,10 @@ def test_free_edges(comm, n, nominal):
         for kind, expected in (("contact", contact_percolates), ("gap", gap_percolates)):
             names = [f"{kind}_percolates_{axis}{end}" for axis in "xy"]
             assert tuple(all_observables()[name](contact) for name in names) == expected
-    levels = np.unique(g[part])[::-1]
     for axis in (0, 1):
         around = tuple(periodic[k] and k != axis for k in (0, 1))
-        wide = [t for t in levels if walk(g[part] >= t, around, False)[1][axis]]
-        assert all_observables()[f"critical_gap_{'xy'[axis]}"](contact) == max(wide)
+        expected = from_rank_0(comm, partial(widest, g[part], around, axis))
+        assert all_observables()[f"critical_gap_{'xy'[axis]}"](contact) == expected
     sides = sum(
         np.sum(
             np.diff(
