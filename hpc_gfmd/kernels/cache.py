@@ -179,13 +179,13 @@ def on_first_compile(say: Callable[[str], object] | None) -> Iterator[None]:
             return
         if path is None:
             say(
-                "compiling (10 to 30 s), at every start: there is no folder to keep it in,"
+                "compiling (10 to 20 s), at every start: there is no folder to keep it in,"
                 " HPC_GFMD_CACHE=FOLDER names one"
             )
         elif any(path.rglob(f"*{LARGEST}*{SUFFIX}")):
             say("compiling what this scene needs in addition, once (some seconds)")
         else:
-            say("compiling, once (10 to 30 s)")
+            say("compiling, once (10 to 20 s)")
 
     clock = _Clock(announce)
     try:

@@ -22,7 +22,7 @@ class PyHpcGfmd(PythonPackage):
 
     with default_args(type="run"):
         depends_on("py-numpy@2.0.1:")
-        depends_on("py-numba@0.60:")
+        depends_on("py-numba@0.61:")
         depends_on("py-scipy@1.13:")
         depends_on("py-pandas@2.2.2:")
         depends_on("py-pydantic@2.10:2")
