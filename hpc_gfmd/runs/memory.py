@@ -11,7 +11,7 @@ from ..util.machine import GIB
 BYTES = {
     (4, False, 0): (34, 39, 37, 42),
     (4, False, 1): (25, 30, 33, 38),
-    (4, False, 2): (33, 38, 41, 45),
+    (4, False, 2): (32, 37, 41, 45),
     (4, True, 0): (21, 21, 17, 17),
     (4, True, 1): (28, 28, 28, 28),
     (4, True, 2): (29, 29, 30, 30),
@@ -30,7 +30,7 @@ ON_REQUEST = 2.0  # numbers per point for other observables and for distribution
 FIELD_GIB = 1 / 8  # at most, for a piece of a field that is written
 LAYER = 1.5  # numbers per point for the stiffness of a layer, a table
 HALO = 12  # numbers per point along y: rows beside those of the rank on all levels
-PROCESS_GIB = 0.22  # interpreter, libraries, compiled kernels, buffers of MPI
+PROCESS_GIB = 0.217  # interpreter, libraries, compiled kernels, buffers of MPI
 THREAD_GIB = 0.0035  # scratch of a thread
 
 
