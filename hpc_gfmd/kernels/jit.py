@@ -96,7 +96,7 @@ class OperatorTypes:
         Answers everything else.
     """
 
-    known: ClassVar[dict] = {}  # signatures, by operator and types of its operands
+    signatures: ClassVar[dict] = {}  # of operations: by operator and types of its operands
 
     def __init__(self, context: Any):
         self.context = context
@@ -124,9 +124,9 @@ class OperatorTypes:
         if keywords or not isinstance(operator, BuiltinFunctionType):
             return self.context.resolve_function_type(function, arguments, keywords)
         operation = (operator, arguments)
-        if operation not in self.known:
-            self.known[operation] = self.context.resolve_function_type(function, arguments, {})
-        return self.known[operation]
+        if operation not in self.signatures:
+            self.signatures[operation] = self.context.resolve_function_type(function, arguments, {})
+        return self.signatures[operation]
 
 
 class KernelLibrary(JITCodeLibrary):  # type: ignore[misc]

@@ -25,8 +25,8 @@ def from_rank_0(comm, work):
     if comm.size == 1:
         return work()
     result = work() if comm.rank == 0 else None
-    done = comm.mpi.Ibarrier()
-    while not done.Test():
+    meeting = comm.mpi.Ibarrier()
+    while not meeting.Test():
         time.sleep(0.001)
     return comm.bcast(result)
 

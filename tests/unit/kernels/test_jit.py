@@ -32,6 +32,7 @@ def test_python_calls_a_piece():
 
 
 def scaled(a, factor, out):
+    """Set out = factor a."""
     for i in range(a.shape[0]):
         out[i] = factor * a[i]
 
@@ -55,6 +56,7 @@ class CountedTypes:
         self.asked = 0
 
     def resolve_function_type(self, function, arguments, keywords):
+        """Ask numba's own context."""
         self.asked += 1
         return self.context.resolve_function_type(function, arguments, keywords)
 
@@ -65,7 +67,7 @@ NUMBERS = [types.int64, types.uint64, types.float32, types.float64, types.comple
 @pytest.mark.parametrize("operation", [operator.add, operator.truediv, operator.lt, operator.iadd])
 def test_types_that_operators_return(operation, monkeypatch):
     """What is remembered is what numba itself finds; also that some operands are refused."""
-    monkeypatch.setattr(OperatorTypes, "known", {})
+    monkeypatch.setattr(OperatorTypes, "signatures", {})
     numbas = points_inside.targetdescr.typing_context
     numbas.refresh()
     counted = CountedTypes(numbas)
@@ -79,6 +81,8 @@ def test_types_that_operators_return(operation, monkeypatch):
             with pytest.raises(numba.TypingError):
                 remembering.resolve_function_type(operation, pair, {})
     for _ in range(2):
-        found = {each: remembering.resolve_function_type(operation, each, {}) for each in expected}
-        assert found == expected
+        remembered = {
+            pair: remembering.resolve_function_type(operation, pair, {}) for pair in expected
+        }
+        assert remembered == expected
     assert counted.asked == len(pairs)
