@@ -88,7 +88,7 @@ class OperatorTypes:
     """numba's typing context, which remembers the types that operators return.
 
     numba itself tries everything that an operator may mean, for numbers, arrays, texts and more,
-    wherever the operator occurs. That takes a tenth of the time of compiling.
+    wherever the operator occurs. That takes 7 % of the time of compiling.
 
     Parameters
     ----------
@@ -132,7 +132,7 @@ class OperatorTypes:
 class KernelLibrary(JITCodeLibrary):  # type: ignore[misc]
     """What LLVM makes of a kernel: it uses vectors, but does not unroll loops.
 
-    Unrolled loops are more code, which takes a sixth of the time of compiling. The kernels are not
+    Unrolled loops are more code, which takes an eighth of the time of compiling. The kernels are not
     faster with them: most of their time goes into memory and transforms.
     """
 
