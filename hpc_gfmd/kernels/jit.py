@@ -132,8 +132,8 @@ class OperatorTypes:
 class KernelLibrary(JITCodeLibrary):  # type: ignore[misc]
     """What LLVM makes of a kernel: it uses vectors, but does not unroll loops.
 
-    Unrolled loops are more code, which takes an eighth of the time of compiling. The kernels are not
-    faster with them: most of their time goes into memory and transforms.
+    Unrolled loops are more code, which takes an eighth of the time of compiling. The kernels are
+    not faster with them: most of their time goes into memory and transforms.
     """
 
     def _optimize_functions(self, module: Any) -> None:
