@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from math import isnan, nan
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -488,7 +489,9 @@ def _largest_over_tolerance(
         for error, best in zip(errors, at_best, strict=True)
         if not best >= criterion.tolerance  # a limit that is nan is none
     ]
-    return float(np.max(errors_left, initial=0.0)) / criterion.tolerance
+    if any(isnan(error) for error in errors_left):
+        return nan
+    return max(errors_left, default=0.0) / criterion.tolerance
 
 
 def _status_of(certificate: Certificate, criterion: StoppingCriterion) -> str:

@@ -98,7 +98,7 @@ class UpdateSums(NamedTuple):
     @classmethod
     def total(cls, parts):
         """Return the sums of all passes together; parts: (passes, sums), perhaps no pass."""
-        return cls(*np.sum(parts, axis=0))
+        return cls(*np.add.reduce(parts).tolist())
 
 
 @kernel
@@ -177,8 +177,7 @@ def update_passes(
         Memory of one thread: `gathered` and `shared` of `update_state`.
     first_rows : (shares, 3, m)
         Gets the part of each share's first pass in the coarse row that the pass before has, too.
-        The caller adds it to `coarse` when all threads have ended, and zeroes the coarse rows that
-        no pass writes to: see operators/multilevel.py, `update`.
+        `join_shares` adds it to `coarse` once all threads have ended.
     sums : (passes, 10) float64
         Gets the UpdateSums of each pass.
     g, p, s, coarse, transfer, H, inside
@@ -232,6 +231,29 @@ def update_passes(
                     target[j] = shared[0, c, j] + (zero if k == first else target[j])
                     coarse[c, bottom, j] = shared[1, c, j]
         share = add(turns, 0, 1)
+
+
+@kernel
+def join_shares(passes, shares, first_rows, coarse, J_x):
+    """Complete `coarse` after `update_passes`: add the shares' first rows, zero all other rows.
+
+    Parameters
+    ----------
+    passes, shares, first_rows, coarse
+        See `update_passes`; there is at least one pass.
+    J_x : (n_loc,) int
+        Row of level 1 of each row of the grid, counted from its halo row.
+    """
+    zero = coarse.dtype.type(0)
+    first = J_x[0]
+    end = J_x[-1] + 2
+    for c in range(coarse.shape[0]):
+        coarse[c, : first + 1] = zero
+        coarse[c, end:] = zero
+        for share in range(shares.shape[0]):
+            row = J_x[passes[shares[share, 0], 0]]
+            for j in range(coarse.shape[2]):
+                coarse[c, row, j] += first_rows[share, c, j]
 
 
 @inline

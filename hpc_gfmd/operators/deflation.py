@@ -18,10 +18,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..bodies.base import Body
+from ..bodies.base import Body, Multipliers
 from ..parallel.coarsening import Level
+from ..parallel.fft import SlabFFT
 from ..parallel.grid import Grid
+from ..parallel.wisdom import planned
 from .coarsest import DAMPING, CoarsestLevels, LevelTables
+from .elastic import reader
 
 
 @dataclass(frozen=True)
@@ -97,9 +100,8 @@ class GapMode:
         Cost of one `find` in FFT pairs of the grid; 0 without a mode.
     levels : CoarsestLevels
         The preconditioner M: this level and all coarser ones. Missing without a mode.
-    K : array
-        Stiffness of the half spectrum on `level`, over that of the grid's shortest wave; 0 at q =
-        0. Missing without a mode.
+    fft : SlabFFT
+        Transforms of `level`, which this rank does alone. Missing without a mode.
     """
 
     def __init__(self, grid: Grid, body: Body, levels: Sequence[Level], weights: np.ndarray):
@@ -113,13 +115,11 @@ class GapMode:
         self.levels = CoarsestLevels(
             LevelTables(levels[coarser], weights[coarser], weights[coarser])
         )
-        q_x, q_y = (
-            2 * np.pi * np.fft.fftfreq(m, size / m) * grid.a
-            for m, size in zip(n, grid.sizes, strict=True)
+        level_grid = Grid(n, grid.sizes)
+        self.fft = planned(
+            grid.comm, weights.dtype, lambda: level_grid.fft(weights.dtype), ("gap mode", n)
         )
-        K = body.stiffness(np.hypot(q_x[:, None], q_y[: n[1] // 2 + 1]), grid.a) / body.scale(grid)
-        K[0, 0] = 0  # the rigid translation
-        self.K = K.astype(weights.dtype)
+        self._factors = _stiffness_of_level(grid, body, level_grid, self.fft)
 
     def wanted(self, share: float) -> bool:
         """Return whether a contact with this share of points in contact gets a mode.
@@ -135,13 +135,12 @@ class GapMode:
         of contact at each point of `level`, which must not be None; t stays as it is, and the
         result has its shape and precision. Overwrites the fields of `levels`. Not collective.
         """
-        from scipy import fft  # takes a tenth of a second
-
         real = t.dtype.type
         theta = t / real(DAMPING)
         w = np.zeros_like(t)
         r = np.ones_like(t)
         d = np.zeros_like(t)
+        Kd = np.empty_like(t)
         rz_before = np.inf
         M_sum = float(self.levels.apply(r, t).sum())  # <1, M 1>
         for _ in range(CALIBRATION.steps):
@@ -150,10 +149,36 @@ class GapMode:
             if rz < CALIBRATION.solved * M_sum:
                 break
             d = z + real(rz / rz_before) * d
-            Kd = fft.irfft2(self.K * fft.rfft2(d), d.shape) + t * d
+            self._multiply(d, Kd)
+            Kd += t * d
             step = real(rz / float((d * Kd).sum()))
             w += step * d
             r -= step * Kd
             rz_before = rz
         w_sum = float(w.sum())
         return w * real(np.sqrt(max(1 - M_sum / w_sum, 0.0) / w_sum))
+
+    def _multiply(self, d: np.ndarray, Kd: np.ndarray) -> None:
+        """Set Kd to K d, over the stiffness of the grid's shortest wave. Both: fields of `level`."""
+
+        def use(i0: int, i1: int, x: np.ndarray) -> None:
+            Kd[i0:i1] = x[: i1 - i0]
+
+        self.fft.forward_rows(reader(d))
+        self.fft.multiply_columns(self._factors, inverse=False, backward=True)
+        self.fft.backward_rows(use)
+
+
+def _stiffness_of_level(grid: Grid, body: Body, level_grid: Grid, fft: SlabFFT) -> tuple:
+    """Return what multiplies columns of a level by K over the stiffness of the grid's shortest wave.
+
+    These are the `factors` of SlabFFT.multiply_columns, 0 for the rigid translation. grid: the
+    finest level, whose spacing is the unit of K; level_grid, fft: the level, which has no ranks.
+    """
+    to_unit = grid.a / level_grid.a
+    q_x = level_grid.q_x * to_unit
+    q_y = level_grid.column_tables(fft)[0] * to_unit
+    K = body.stiffness(np.hypot(q_x[: len(q_x) // 2 + 1], q_y[..., None]), grid.a)
+    K[0, 0, 0] = 0
+    table = (K / body.scale(grid)).astype(fft.dtype)
+    return Multipliers(level_grid, fft, (q_x, q_y), table).factors

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from ..kernels.bfloat16 import stored_dtype
-from ..kernels.bpx import UpdateSums, update_passes
+from ..kernels.bpx import UpdateSums, join_shares, update_passes
 from ..kernels.multilevel import SUMS, restrict_level, smooth_level
 from ..kernels.transforms import no_rows
 from ..parallel.coarsening import Transfer
@@ -134,6 +134,8 @@ class Multilevel:
             (Transfer.passes, longest),
             lambda: np.array(to_level_1.passes(longest), np.int64).reshape(-1, 2),
         )
+        parts = Shares(len(self.ends), grid.threads).parts
+        self._first_rows = np.empty((len(parts), 3, to_level_1.m[1]), self.dtype)
         gathered = (6, grid.n[1] + LINE // self.dtype.itemsize)
         shared = (2, 3, to_level_1.m[1])
         self.scratch = [
@@ -189,7 +191,6 @@ class Multilevel:
         if not len(self.ends):
             return UpdateSums.total(sums)
         shares = Shares(len(self.ends), grid.threads)
-        first_rows = np.empty((len(shares.parts), 3, coarse.shape[2]), self.dtype)
         step = self.dtype.type(s)
 
         def update_shares(thread: int) -> None:
@@ -199,7 +200,7 @@ class Multilevel:
                 shares.turns,
                 rows[thread],
                 self.scratch[thread],
-                first_rows,
+                self._first_rows,
                 sums,
                 g,
                 p,
@@ -215,12 +216,7 @@ class Multilevel:
             )
 
         shares.on_threads(update_shares, range(grid.threads))
-        row_of = tables[0]
-        coarse[:, : row_of[0] + 1] = 0
-        coarse[:, row_of[-1] + 2 :] = 0
-        rows_of_shares = row_of[self.ends[shares.parts[:, 0], 0]].tolist()
-        for row, first_row in zip(rows_of_shares, first_rows):
-            coarse[:, row] += first_row
+        join_shares(self.ends, shares.parts, self._first_rows, coarse, tables[0])
         return UpdateSums.total(sums)
 
     @property

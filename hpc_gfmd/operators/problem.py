@@ -35,7 +35,7 @@ Columns = Callable[[np.ndarray, int], None]  # changes block m of the columns of
 # rms of the error of K h over the rms of h, in units of the working precision: the largest seen
 ROUNDING = 2.5
 TRANSFORMED = 1.5  # of a transformed K u over the rms of u about its mean, likewise
-SAMPLE = 64  # rows, at least, that say what the mean is
+SAMPLE = 16  # rows, at least, that say what the mean is
 
 
 @dataclass(frozen=True)

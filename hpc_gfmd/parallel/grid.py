@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 KEPT = 16  # sizes of grids whose tables a thread keeps
-SMALL = 2**24  # bytes of transforms below which making them anew costs more than keeping them
+SMALL = 2**25  # bytes of transforms below which making them anew costs more than keeping them
 
 
 class GridTables:

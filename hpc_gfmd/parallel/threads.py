@@ -16,6 +16,7 @@ T = TypeVar("T")
 
 PIECE_POINTS = 2**17  # of a field, which a thread works on at a time
 PIECE_ROWS = 8  # at least
+HALVINGS = 2  # of the last piece: the less is left at the end, the less threads wait for each other
 THREAD_POINTS = 2**15  # of a grid, for each of its threads: fewer take less time than a hand-over
 
 
@@ -25,7 +26,9 @@ def piece_rows(n_y: int) -> int:
 
 
 def pieces_of(rows: int, n_y: int) -> list[tuple[int, int]]:
-    """Cut rows into pieces of nearly the same size, which a thread works on at a time.
+    """Cut rows into pieces of nearly the same size, and the last of these again into shorter ones.
+
+    A thread works on one of them at a time.
 
     Parameters
     ----------
@@ -40,7 +43,10 @@ def pieces_of(rows: int, n_y: int) -> list[tuple[int, int]]:
         (start, stop) of each piece, in order. They do not depend on the number of threads.
     """
     count = max(1, rows // piece_rows(n_y))
-    ends = [rows * k // count for k in range(count + 1)]
+    ends = [rows * k // count for k in range(count)]
+    for _ in range(HALVINGS if count > 1 else 0):
+        ends.append((ends[-1] + rows) // 2)
+    ends.append(rows)
     return [(i0, i1) for i0, i1 in zip(ends, ends[1:]) if i0 < i1]
 
 

@@ -11,7 +11,9 @@ transforms with K between them, `update_passes` (row transforms, new state). The
 never appears: with the gap g = u + h and p = p0 + K u, a step d changes them by d and by K d.
 """
 
+import sys
 from functools import cached_property
+from math import isfinite, sqrt
 
 import numpy as np
 
@@ -286,9 +288,8 @@ class Bpx(Solver):
         if not a * a * self.rz > 0:
             return 1.0
         zKz = dKd - 2 * a * b * self.zKd - b * b * self.dKd
-        with np.errstate(over="ignore"):  # of the last bits of a closed contact
-            quotient = zKz / (a * a * self.rz)
-        return quotient if np.isfinite(quotient) else 1.0
+        quotient = zKz / (a * a * self.rz)
+        return quotient if isfinite(quotient) else 1.0  # of the last bits of a closed contact
 
     def _balance(self, descent: float) -> None:
         """Shift self.g by a constant if too few points touch, or too many yield, to carry the load.
@@ -447,15 +448,14 @@ class Bpx(Solver):
 
     def progress(self, with_errors: bool = True) -> Progress:
         """Return how far the state is from the solution, with estimates after every step."""
-        finite = bool(np.isfinite(self.pp + self.gap_mean))
-        carried = max(self.wall_load, np.finfo(float).tiny)
-        with np.errstate(over="ignore"):  # infinite where the attraction pulls more than it holds
-            residual = np.sqrt(self.rr / self.N) / carried
+        finite = isfinite(self.pp + self.gap_mean)
+        # infinite where the attraction pulls more than it holds
+        residual = sqrt(self.rr / self.N) / max(self.wall_load, sys.float_info.min)
         if not with_errors:
-            return Progress(float(residual), self.contact, self.gap_mean, None, finite)
+            return Progress(residual, self.contact, self.gap_mean, None, finite)
         errors = self._estimate() if finite else Estimate()
         predicted = self._predicted(errors) if finite else None
-        return Progress(float(residual), self.contact, self.gap_mean, errors, finite, predicted)
+        return Progress(residual, self.contact, self.gap_mean, errors, finite, predicted)
 
     def _estimate(self) -> Estimate:
         """Estimate the errors that a certificate would find, by the sums of the last step; rounding
