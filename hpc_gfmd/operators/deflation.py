@@ -159,7 +159,7 @@ class GapMode:
         return w * real(np.sqrt(max(1 - M_sum / w_sum, 0.0) / w_sum))
 
     def _multiply(self, d: np.ndarray, Kd: np.ndarray) -> None:
-        """Set Kd to K d, over the stiffness of the grid's shortest wave. Both: fields of `level`."""
+        """Set Kd to K d, over the stiffness of the grid's shortest wave; both on `level`."""
 
         def use(i0: int, i1: int, x: np.ndarray) -> None:
             Kd[i0:i1] = x[: i1 - i0]
@@ -170,10 +170,10 @@ class GapMode:
 
 
 def _stiffness_of_level(grid: Grid, body: Body, level_grid: Grid, fft: SlabFFT) -> tuple:
-    """Return what multiplies columns of a level by K over the stiffness of the grid's shortest wave.
+    """Return the `factors` with which SlabFFT.multiply_columns applies K on a level.
 
-    These are the `factors` of SlabFFT.multiply_columns, 0 for the rigid translation. grid: the
-    finest level, whose spacing is the unit of K; level_grid, fft: the level, which has no ranks.
+    K is over the stiffness of the grid's shortest wave, and 0 for the rigid translation. grid: the
+    finest level, whose spacing is the unit of K; level_grid, fft: the level, on one rank alone.
     """
     to_unit = grid.a / level_grid.a
     q_x = level_grid.q_x * to_unit

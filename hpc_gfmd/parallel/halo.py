@@ -341,7 +341,7 @@ def _length(rows: slice) -> int:
 def rows_of(
     comm: Any,
     a: np.ndarray,
-    starts: Sequence[int] | np.ndarray,
+    starts: ArrayLike,
     lo: np.ndarray,
     hi: np.ndarray,
     n: int | None = None,
@@ -354,7 +354,7 @@ def rows_of(
         All ranks.
     a : ndarray, shape (..., rows of this rank, m)
         This rank's part of the field.
-    starts : sequence of int
+    starts : array_like of int
         First row of every rank, and the number of rows.
     lo, hi : ndarray of int, shape (ranks,)
         Rows that every rank wants; may reach around the ring.
@@ -366,10 +366,11 @@ def rows_of(
     ndarray, shape (..., hi - lo, m)
         A new array. Rows that belong to no rank are 0.
     """
-    if comm.size == 1 and a.shape[-2] == (starts[-1] if n is None else n):
+    bounds = np.asarray(starts)
+    if comm.size == 1 and a.shape[-2] == (bounds[-1] if n is None else n):
         return np.take(a, np.arange(lo[0], hi[0]), axis=-2, mode="wrap")
     window = np.zeros((*a.shape[:-2], int(hi[comm.rank] - lo[comm.rank]), a.shape[-1]), a.dtype)
-    rows = (tuple(np.asarray(ends).tolist()) for ends in (starts, lo, hi))
+    rows = (tuple(np.asarray(ends).tolist()) for ends in (bounds, lo, hi))
     _windows(comm.rank, *rows, n).fill(comm, a, window)
     return window
 
