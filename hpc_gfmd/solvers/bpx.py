@@ -97,7 +97,7 @@ class Bpx(Solver):
         super().__init__(problem, options, g)
         self.levels = Multilevel(self.grid, problem.body, problem.dtype, self.elastic.fft.R)
         self.d = self.grid.empty(stored_dtype(problem.dtype))
-        self.compliance = 1.0 / problem.body.scale(self.grid)  # of the shortest wave
+        self.compliance = float(1.0 / problem.body.scale(self.grid))  # of the shortest wave
         self.law = problem.law()
         self.attracted = 0.0  # sum of the attraction over all points
 
