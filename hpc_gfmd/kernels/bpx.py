@@ -245,11 +245,9 @@ def join_shares(passes, shares, first_rows, coarse, J_x):
         Row of level 1 of each row of the grid, counted from its halo row.
     """
     zero = coarse.dtype.type(0)
-    first = J_x[0]
-    end = J_x[-1] + 2
     for c in range(coarse.shape[0]):
-        coarse[c, : first + 1] = zero
-        coarse[c, end:] = zero
+        coarse[c, : J_x[0] + 1] = zero
+        coarse[c, J_x[-1] + 2 :] = zero
         for share in range(shares.shape[0]):
             row = J_x[passes[shares[share, 0], 0]]
             for j in range(coarse.shape[2]):
