@@ -233,27 +233,6 @@ def update_passes(
         share = add(turns, 0, 1)
 
 
-@kernel
-def join_shares(passes, shares, first_rows, coarse, J_x):
-    """Complete `coarse` after `update_passes`: add the shares' first rows, zero all other rows.
-
-    Parameters
-    ----------
-    passes, shares, first_rows, coarse
-        See `update_passes`; there is at least one pass.
-    J_x : (n_loc,) int
-        Row of level 1 of each row of the grid, counted from its halo row.
-    """
-    zero = coarse.dtype.type(0)
-    for c in range(coarse.shape[0]):
-        coarse[c, : J_x[0] + 1] = zero
-        coarse[c, J_x[-1] + 2 :] = zero
-        for share in range(shares.shape[0]):
-            row = J_x[passes[shares[share, 0], 0]]
-            for j in range(coarse.shape[2]):
-                coarse[c, row, j] += first_rows[share, c, j]
-
-
 @inline
 def projected_step(g, p, d, d_rows, i0, i1, z_1, transfer, step, H, inside, scratch):
     """Make the step d = max(g - alpha z - beta d, 0) - g out of contact, 0 in contact.

@@ -306,6 +306,27 @@ def smooth_level(fields, z_coarse, out, weight, damping, transfer, nominal, i0, 
 
 
 @kernel
+def join_shares(passes, shares, first_rows, coarse, J_x):
+    """Complete level 1 after the passes of bpx.py: add the shares' first rows, zero all other rows.
+
+    Parameters
+    ----------
+    passes, shares, first_rows, coarse
+        See bpx.py, `update_passes`; there is at least one pass.
+    J_x : (n_loc,) int
+        Row of level 1 of each row of the grid, counted from its halo row.
+    """
+    zero = coarse.dtype.type(0)
+    for c in range(coarse.shape[0]):
+        coarse[c, : J_x[0] + 1] = zero
+        coarse[c, J_x[-1] + 2 :] = zero
+        for share in range(shares.shape[0]):
+            row = J_x[passes[shares[share, 0], 0]]
+            for j in range(coarse.shape[2]):
+                coarse[c, row, j] += first_rows[share, c, j]
+
+
+@kernel
 def sweep_levels(
     pieces,
     end,

@@ -20,8 +20,8 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from ..kernels.bfloat16 import stored_dtype
-from ..kernels.bpx import UpdateSums, join_shares, update_passes
-from ..kernels.multilevel import SUMS, restrict_level, smooth_level
+from ..kernels.bpx import UpdateSums, update_passes
+from ..kernels.multilevel import SUMS, join_shares, restrict_level, smooth_level
 from ..kernels.transforms import no_rows
 from ..parallel.coarsening import Transfer
 from ..parallel.halo import add_all, add_overlaps
