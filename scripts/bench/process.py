@@ -4,9 +4,17 @@ Measured are the first solve, the following ones on the same surface, the same o
 of the time that is spent outside of the solver's passes, and the time in which some threads are
 idle, by part (idle.py), as a share of the time of one thread.
 
+Cores share memory and caches, so that each is slower while others work. `slower_on_threads` is the
+processor time of a solve on several threads over that on one. `slower_beside_others` is the same of
+a solve on one thread while other processes, which share nothing with it, make the same solve on the
+other cores: what the machine takes.
+
 For other codes: `python scripts/bench peers --n 64 128 256 512 1024 2048 4096 --error 1e-3`.
 """
 
+import json
+import sys
+from concurrent.futures import ThreadPoolExecutor
 from itertools import product
 
 from .contacts import RoughContact
@@ -14,7 +22,7 @@ from .idle import IdleWatch
 from .kernels import watch_passes
 from .peak import peak_mib
 from .report import Report
-from .timing import run_workers, serve, summary
+from .timing import Process, ratio, run_workers, serve, summary
 
 PARTS = "python", "hand_overs", "coarse_levels", "set_up"
 
@@ -25,8 +33,17 @@ def run(args):
     for n, precision in product(args.n, args.precision):
         contact = {"n": n, "precision": precision, "p_star": args.p_star}
         jobs = {threads: (1, contact | {"threads": threads}) for threads in args.threads}
+        jobs |= {
+            (threads, "processes"): (1, contact | {"threads": 1, "companions": threads - 1})
+            for threads in args.threads
+            if threads > 1
+        }
+        rounds = run_workers("process", jobs, args.repeats, warm_ups=2)
+        cpu_seconds = {job: [row["cpu_seconds"] for row in rows] for job, rows in rounds.items()}
+        cpu_serial = cpu_seconds[args.threads[0]]
         serial_seconds = None
-        for threads, rows in run_workers("process", jobs, args.repeats, warm_ups=2).items():
+        for threads in args.threads:
+            rows = rounds[threads]
             row = summary(rows)
             core_seconds = row["seconds_min"] * threads
             serial_seconds = serial_seconds or core_seconds
@@ -34,12 +51,21 @@ def run(args):
             idle_shares = {f"short_{part}": fastest[part] / serial_seconds for part in PARTS}
             idle_shares["short_in_all"] = sum(idle_shares.values())
             row = {key: value for key, value in row.items() if key not in PARTS}
-            efficiency = serial_seconds / core_seconds
-            report.add(**contact, threads=threads, efficiency=efficiency, **idle_shares, **row)
+            report.add(
+                **contact,
+                threads=threads,
+                efficiency=serial_seconds / core_seconds,
+                slower_on_threads=ratio(cpu_seconds[threads], cpu_serial),
+                slower_beside_others=ratio(
+                    cpu_seconds.get((threads, "processes"), cpu_serial), cpu_serial
+                ),
+                **idle_shares,
+                **row,
+            )
     report.finish()
 
 
-def worker(comm, n, p_star, boundary="periodic", **settings):
+def worker(comm, n, p_star, boundary="periodic", companions=0, **settings):
     """Return a function that solves the same contact once more and returns its times.
 
     Parameters
@@ -48,6 +74,8 @@ def worker(comm, n, p_star, boundary="periodic", **settings):
         This process.
     n, p_star, boundary
         See RoughContact.
+    companions : int
+        How many other processes make the same solve at the same time.
     **settings
         Arguments of hpc_gfmd.solve.
     """
@@ -56,6 +84,19 @@ def worker(comm, n, p_star, boundary="periodic", **settings):
     cold_seconds = contact.press(**settings)[0]["seconds"]
     watch = watch_passes()
     idle = IdleWatch()
+    arguments = {"n": n, "p_star": p_star, "boundary": boundary} | settings
+    command = [sys.executable, "-m", "bench.process", json.dumps(arguments)]
+    others = [Process("companion", command) for _ in range(companions)]
+    for other in others:
+        other.ask()  # is ready when it has answered
+
+    def measure_beside_others():
+        with ThreadPoolExecutor(max(companions, 1)) as pool:
+            answers = [pool.submit(other.ask) for other in others]
+            row = measure()
+        for answer in answers:
+            answer.result()  # raises its error
+        return row
 
     def measure():
         watch.take()
@@ -76,7 +117,7 @@ def worker(comm, n, p_star, boundary="periodic", **settings):
             }
         )
 
-    return measure
+    return measure_beside_others
 
 
 if __name__ == "__main__":

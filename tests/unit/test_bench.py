@@ -247,6 +247,8 @@ def test_one_process_and_releases(bench, tmp_path, monkeypatch):
     measured = bench("process --n 32 --threads 1 2 --repeats 1")
     assert [row["threads"] for row in measured] == [1, 2]
     assert all(0 < row["outside_passes"] < 1 and row["cold_seconds"] > 0 for row in measured)
+    assert measured[0]["slower_on_threads"] == measured[0]["slower_beside_others"] == 1
+    assert measured[1]["slower_beside_others"] > 0
     monkeypatch.setattr(releases, "SCENES", {"layer": releases.SCENES["layer"]})
     for count in (1, 2):  # rows of other releases are kept
         measured = bench("releases --n 32 --repeats 1")
