@@ -39,30 +39,34 @@ def run(args):
             if threads > 1
         }
         rounds = run_workers("process", jobs, args.repeats, warm_ups=2)
-        cpu_seconds = {job: [row["cpu_seconds"] for row in rows] for job, rows in rounds.items()}
-        cpu_serial = cpu_seconds[args.threads[0]]
-        serial_seconds = None
         for threads in args.threads:
-            rows = rounds[threads]
-            row = summary(rows)
-            core_seconds = row["seconds_min"] * threads
-            serial_seconds = serial_seconds or core_seconds
-            fastest = min(rows, key=lambda row: row["seconds"])
-            idle_shares = {f"short_{part}": fastest[part] / serial_seconds for part in PARTS}
-            idle_shares["short_in_all"] = sum(idle_shares.values())
-            row = {key: value for key, value in row.items() if key not in PARTS}
-            report.add(
-                **contact,
-                threads=threads,
-                efficiency=serial_seconds / core_seconds,
-                slower_on_threads=ratio(cpu_seconds[threads], cpu_serial),
-                slower_beside_others=ratio(
-                    cpu_seconds.get((threads, "processes"), cpu_serial), cpu_serial
-                ),
-                **idle_shares,
-                **row,
-            )
+            _add(report, contact, threads, rounds, args.threads[0])
     report.finish()
+
+
+def _add(report, contact, threads, rounds, fewest):
+    """Report a number of threads; ratios are medians over rounds, in which all take turns.
+
+    rounds: rows of all jobs; fewest: the number of threads that others are compared with.
+    """
+    rows = rounds[threads]
+    alone = rounds[fewest]
+    beside_others = rounds.get((threads, "processes"), alone)
+    one_thread = [fewest * row["seconds"] for row in alone]
+    cpu_alone = [row["cpu_seconds"] for row in alone]
+    idle_shares = {
+        f"short_{part}": ratio([row[part] for row in rows], one_thread) for part in PARTS
+    }
+    report.add(
+        **contact,
+        threads=threads,
+        efficiency=ratio(one_thread, [threads * row["seconds"] for row in rows]),
+        slower_on_threads=ratio([row["cpu_seconds"] for row in rows], cpu_alone),
+        slower_beside_others=ratio([row["cpu_seconds"] for row in beside_others], cpu_alone),
+        **idle_shares,
+        short_in_all=sum(idle_shares.values()),
+        **{key: value for key, value in summary(rows).items() if key not in PARTS},
+    )
 
 
 def worker(comm, n, p_star, boundary="periodic", companions=0, **settings):
