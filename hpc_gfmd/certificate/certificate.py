@@ -241,8 +241,7 @@ def _recompute(problem: Problem, elastic: Elastic, g: np.ndarray, p: np.ndarray)
     With an attraction it is the pressure of the wall. Collective, one FFT pair of `elastic`.
     """
     grid = problem.grid
-    level = problem.level(g)
-    elastic.pressure_rows(problem.displacement_rows(g, level))
+    level = problem.transform_displacement(elastic.fft, g)
     uKu = elastic.pressure_columns(problem.adder(elastic.fft))
     law = problem.law(elastic.fft.dtype)
     attracted = [(0.0, 0.0)]

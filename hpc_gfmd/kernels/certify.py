@@ -23,7 +23,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .jit import kernel, points_inside
+from .atomic import add
+from .jit import inline, kernel, points_inside
+from .transforms import store_rows
 from .yielding import limit, yields
 
 BINS = 160  # of the histograms: down to 2^-40 of the largest
@@ -77,6 +79,35 @@ class KktExtremes(NamedTuple):
 
 
 @kernel
+def displacement_passes(passes, shares, turns, rows, g, h, level):
+    """Transform the rows of u - level, pass after pass, with u as in `displacement_rows`.
+
+    Every thread of the rank calls this, and takes one share of the passes after another.
+
+    Parameters
+    ----------
+    passes : (passes, 2) int
+        First row of each pass, and the row after its last one.
+    shares : (shares, 2) int
+        First pass of each share, and the pass after its last one.
+    turns : (1,) int64
+        Counter that threads have in common: the next share, 0 before.
+    rows : tuple
+        Row transforms of one thread (transforms.py).
+    g, h, level
+        See `displacement_rows`.
+    """
+    share = add(turns, 0, 1)
+    while share < shares.shape[0]:
+        for k in range(shares[share, 0], shares[share, 1]):
+            i0 = passes[k, 0]
+            i1 = passes[k, 1]
+            displacement_rows(g, h, rows[0], i0, i1, level)
+            store_rows(rows[1], i0, i1)
+        share = add(turns, 0, 1)
+
+
+@inline
 def displacement_rows(g, h, x, i0, i1, level):
     """Set x = u - level on some rows, u = g - h on the surface and u = g beyond it.
 

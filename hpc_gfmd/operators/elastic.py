@@ -9,7 +9,7 @@ from numpy.typing import DTypeLike
 
 from ..bodies.base import Body
 from ..parallel.grid import Grid
-from .problem import Columns, Rows
+from .problem import Columns
 
 RowFunction = Callable[[int, int, np.ndarray], Any]  # makes or uses rows i0..i1
 
@@ -154,7 +154,7 @@ class Elastic:
         return self._columns(inverse=True, backward=False)
 
 
-def reader(field: np.ndarray) -> Rows:
+def reader(field: np.ndarray) -> RowFunction:
     """Return a function fill(i0, i1, x) that copies rows i0 <= i < i1 of a local slab to x."""
 
     def fill(i0: int, i1: int, x: np.ndarray) -> None:

@@ -29,7 +29,6 @@ from ..laws.base import Law, in_precision
 from ..parallel.fft import SlabFFT
 from ..parallel.grid import Grid
 
-Rows = Callable[[int, int, np.ndarray], None]  # makes rows i0..i1 of a field in x
 Columns = Callable[[np.ndarray, int], None]  # changes block m of the columns of a spectrum
 
 # rms of the error of K h over the rms of h, in units of the working precision: the largest seen
@@ -177,7 +176,7 @@ class Problem:
         """Estimate the mean of the field that is transformed, from some rows of g. Collective.
 
         g is a local slab. The field is u = g - h, or g if the heights are not stored. K ignores its
-        mean, but rounding errors grow with it, so `displacement_rows` subtracts it.
+        mean, but rounding errors grow with it, so `transform_displacement` subtracts it.
         """
         every = max(1, len(g) // SAMPLE)
         few = g[::every]
@@ -185,32 +184,41 @@ class Problem:
         total, points = self.grid.comm.sum([few.sum() - heights, few.size])
         return float(total / points)
 
-    def displacement_rows(self, g: np.ndarray, level: float) -> Rows:
-        """Return a function that makes rows of the displacement for a transform.
+    def transform_displacement(self, fft: SlabFFT, g: np.ndarray) -> float:
+        """Transform the rows of the displacement u, less about its mean, into `fft.blocks`.
+
+        u = g - h on the surface and g beyond it. If the heights are not stored u = g everywhere,
+        and `adder` subtracts the heights. Collective.
 
         Parameters
         ----------
+        fft : SlabFFT
+            Transforms of the grid; their precision may be another one than that of g.
         g : array, local slab
-            Gap, or displacement beyond the surface; read when the function is called.
-        level : float
-            A constant to subtract, about the mean: see `level`.
+            Gap, or displacement beyond the surface.
 
         Returns
         -------
-        function
-            fill(i0, i1, x) sets x to rows of u - level, u = g - h on the surface and g beyond it.
-            If the heights are not stored u = g everywhere, and `adder` subtracts the heights. x may
-            be of another precision.
+        float
+            What is subtracted, an estimate of the mean: see `level`.
         """
-        from ..kernels.certify import displacement_rows
+        from ..kernels.certify import displacement_passes
 
+        level = self.level(g)
         h = np.zeros((0, 0), self.dtype) if self.stored is None else self.stored
-        return lambda i0, i1, x: displacement_rows(g, h, x, i0, i1, level)
+
+        def transform(
+            passes: np.ndarray, parts: np.ndarray, turns: np.ndarray, rows: tuple
+        ) -> None:
+            displacement_passes(passes, parts, turns, rows, g, h, level)
+
+        fft.forward_passes(transform)
+        return level
 
     def adder(self, fft: SlabFFT) -> Columns | None:
         """Return the function (block, m) that subtracts the heights from columns of g.
 
-        None if the heights are stored: `displacement_rows` has subtracted them.
+        None if the heights are stored: `transform_displacement` has subtracted them.
         """
         return self.h.add(fft) if isinstance(self.h, HeightSpectrum) else None
 

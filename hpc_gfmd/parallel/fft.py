@@ -195,6 +195,23 @@ class SlabFFT(Layout):
 
         return on_threads(self.threads, one, self.passes(), self.rows)
 
+    def forward_passes(
+        self, work: Callable[[np.ndarray, np.ndarray, np.ndarray, tuple], Any]
+    ) -> None:
+        """Transform the rows that a kernel makes, into `blocks`. Not collective.
+
+        Parameters
+        ----------
+        work : function
+            work(passes, parts, turns, rows) makes and transforms rows: all `passes` as an array
+            (passes, 2), parts and turns of `Shares`, and `rows` of a thread. Called on each thread.
+        """
+        passes = np.array(self.passes(), np.int64).reshape(-1, 2)
+        parts_of_threads = Shares(len(passes), self.threads)
+        parts_of_threads.on_threads(
+            partial(work, passes, parts_of_threads.parts, parts_of_threads.turns), self.rows
+        )
+
     def backward_rows(self, use: Callable[[int, int, np.ndarray], T]) -> list[T]:
         """Transform the row spectra in `blocks` back and hand the rows to `use`. Not collective.
 

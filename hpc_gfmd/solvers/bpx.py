@@ -127,9 +127,7 @@ class Bpx(Solver):
         right at the start, see `_begin`. Collective.
         """
         self._lay(g)
-        self.elastic.pressure_rows(
-            self.problem.displacement_rows(self.g, self.problem.level(self.g))
-        )
+        self.problem.transform_displacement(self.elastic.fft, self.g)
         self.uKu = float(
             self.grid.comm.sum(
                 [self.elastic.pressure_columns(self.problem.adder(self.elastic.fft))]

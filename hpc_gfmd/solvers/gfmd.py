@@ -87,9 +87,7 @@ class Gfmd(Solver):
     def start(self, g: np.ndarray) -> None:
         """Begin at rest at the gap g >= 0 (local slab, copied): compute p with one FFT pair."""
         self._lay(g)
-        self.elastic.pressure_rows(
-            self.problem.displacement_rows(self.g, self.problem.level(self.g))
-        )
+        self.problem.transform_displacement(self.elastic.fft, self.g)
         uKu = self.elastic.pressure_columns()
         self.uKu = float(self.grid.comm.sum([uKu])[0])
         self._measure(self.elastic.use_rows(self._update))
