@@ -28,7 +28,7 @@ def piece_rows(n_y: int) -> int:
 def pieces_of(rows: int, n_y: int) -> list[tuple[int, int]]:
     """Cut rows into pieces of nearly the same size, and the last of these again into shorter ones.
 
-    A thread works on one of them at a time.
+    A thread works on one of them at a time. Each has at least PIECE_ROWS rows, or all.
 
     Parameters
     ----------
@@ -45,7 +45,9 @@ def pieces_of(rows: int, n_y: int) -> list[tuple[int, int]]:
     count = max(1, rows // piece_rows(n_y))
     ends = [rows * k // count for k in range(count)]
     for _ in range(HALVINGS if count > 1 else 0):
-        ends.append((ends[-1] + rows) // 2)
+        middle = (ends[-1] + rows) // 2
+        if middle - ends[-1] >= PIECE_ROWS:
+            ends.append(middle)
     ends.append(rows)
     return [(i0, i1) for i0, i1 in zip(ends, ends[1:]) if i0 < i1]
 

@@ -7,7 +7,7 @@ import time
 import pytest
 
 from hpc_gfmd.parallel import threads
-from hpc_gfmd.parallel.threads import on_threads, shares
+from hpc_gfmd.parallel.threads import PIECE_ROWS, on_threads, pieces_of, shares
 
 
 def together(threads, count):
@@ -126,3 +126,14 @@ def test_ctrl_c_before_a_helper_begins(monkeypatch):
     caller.start()
     caller.join(30)
     assert len(raised) == 1
+
+
+@pytest.mark.parametrize("rows", [1, 7, 8, 9, 31, 64, 100, 2048])
+@pytest.mark.parametrize("n_y", [64, 2048, 2**15, 2**17])
+def test_pieces_of_rows(rows, n_y):
+    """They cover all rows in order; none is so short that its neighbours' halos overlap."""
+    pieces = pieces_of(rows, n_y)
+    assert pieces[0][0] == 0
+    assert pieces[-1][1] == rows
+    assert all(stop == start for (_, stop), (start, _) in zip(pieces, pieces[1:]))
+    assert all(stop - start >= min(PIECE_ROWS, rows) for start, stop in pieces)
