@@ -90,13 +90,13 @@ def worker(comm, n, p_star, boundary="periodic", companions=0, **settings):
     idle = IdleWatch()
     arguments = {"n": n, "p_star": p_star, "boundary": boundary} | settings
     command = [sys.executable, "-m", "bench.process", json.dumps(arguments)]
-    others = [Process("companion", command) for _ in range(companions)]
-    for other in others:
-        other.ask()  # is ready when it has answered
+    processes = [Process("companion", command) for _ in range(companions)]
+    for companion in processes:
+        companion.ask()  # is ready when it has answered
 
     def measure_beside_others():
         with ThreadPoolExecutor(max(companions, 1)) as pool:
-            answers = [pool.submit(other.ask) for other in others]
+            answers = [pool.submit(companion.ask) for companion in processes]
             row = measure()
         for answer in answers:
             answer.result()  # raises its error
