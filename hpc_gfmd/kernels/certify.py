@@ -86,14 +86,8 @@ def displacement_passes(passes, shares, turns, rows, g, h, level):
 
     Parameters
     ----------
-    passes : (passes, 2) int
-        First row of each pass, and the row after its last one.
-    shares : (shares, 2) int
-        First pass of each share, and the pass after its last one.
-    turns : (1,) int64
-        Counter that threads have in common: the next share, 0 before.
-    rows : tuple
-        Row transforms of one thread (transforms.py).
+    passes, shares, turns, rows
+        See bpx.py, `search_passes`.
     g, h, level
         See `displacement_rows`.
     """
