@@ -1,5 +1,5 @@
-"""Compile the kernels of a scene on one rank, once per installation; the other ranks then load them
-from the cache."""
+"""Compile the kernels of a scene on one rank, once per installation. The others wait
+asleep, and then load them from the cache."""
 
 from collections.abc import Callable
 
@@ -40,9 +40,10 @@ def compile_once(
 ) -> None:
     """Compile the kernels of a scene by solving a tiny contact, on rank 0 before the others.
 
-    Rank 0 fills the cache of compiled kernels on disk, from which the others load them. On several
-    ranks double precision is compiled as well if a load may need it. Collective; an error of one
-    rank is raised on all.
+    Rank 0 fills the cache of compiled kernels on disk, from which the others load them: first one
+    rank of each machine, which compiles where it does not see that cache. On several ranks double
+    precision is compiled as well if a load may need it. Collective; an error of one rank is raised
+    on all.
 
     Parameters
     ----------
@@ -60,13 +61,13 @@ def compile_once(
     def solve() -> None:
         _tiny_contact(scene, observe, on_ranks=comm.size > 1)
 
-    with collective_errors(comm, "compiling"):
-        if comm.rank == 0:
-            with on_first_compile(say):
-                solve()
-    with collective_errors(comm, "compiling"):
-        if comm.rank != 0:
-            solve()
+    # ranks of a machine without the cache of rank 0 have another one in common
+    my_turn = 0 if comm.rank == 0 else 1 if comm.machine.rank == 0 else 2
+    for turn in range(3):
+        with collective_errors(comm, "compiling"):
+            if turn == my_turn:
+                with on_first_compile(say if turn == 0 else None):
+                    solve()
 
 
 def _tiny_attraction(material: Material) -> Law | None:

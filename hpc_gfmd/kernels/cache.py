@@ -9,8 +9,10 @@ module writes the files: one for each kernel and signature, read only if its che
 
 import gc
 import hashlib
+import os
 import pickle
 import shutil
+import stat
 import tempfile
 import time
 from collections.abc import Callable, Iterator
@@ -237,8 +239,8 @@ class _Clock(event.Listener):  # type: ignore[misc]
 def folder() -> Path | None:
     """Return the folder for machine code of the present `stamp`, which is made if it is missing.
 
-    It is in the cache folder of the user, or in NUMBA_CACHE_DIR. None if it cannot be written to,
-    or the disk is nearly full.
+    It is in NUMBA_CACHE_DIR or the cache folder of the user; where that cannot be written to, in
+    the machine's folder for temporary files, so that not every rank compiles. None if neither can.
     """
     root: Path | None
     if numba.config.CACHE_DIR:
@@ -246,14 +248,27 @@ def folder() -> Path | None:
     else:
         root = cache_folder()
         root = root and root / "kernels"
-    return root and _folder(root, stamp())
+    return (root and _folder(root, stamp())) or _temporary_folder(stamp())
+
+
+def _temporary_folder(state: str) -> Path | None:
+    """Return the folder of a stamp among temporary files, which only this user can write to."""
+    user = getattr(os, "getuid", lambda: "user")()
+    root = Path(tempfile.gettempdir()) / f"hpc-gfmd-{user}"
+    try:
+        root.mkdir(mode=0o700, exist_ok=True)
+        status = root.lstat()
+    except OSError:
+        return None
+    is_ours = stat.S_ISDIR(status.st_mode) and status.st_uid == user and not status.st_mode & 0o077
+    return _folder(root, state) if is_ours or os.name == "nt" else None
 
 
 @cache
 def _folder(root: Path, state: str) -> Path | None:
-    """Return the folder of a stamp in a root, as `folder`; if it is new, remove the oldest ones.
+    """Return the folder of a stamp in a root; if it is new, remove all but the NEWEST ones.
 
-    NEWEST folders stay.
+    None if it cannot be written to, or the disk is nearly full.
     """
     path = root / f"hpc-gfmd-{state}"
     try:

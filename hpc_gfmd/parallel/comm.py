@@ -1,7 +1,9 @@
 """The communicator: a thin layer over MPI, or a stand-in for one process."""
 
+import time
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
+from math import inf
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -11,6 +13,8 @@ from numpy.typing import ArrayLike
 from .shared import can_share
 
 T = TypeVar("T")
+
+SHORTEST_PAUSE, LONGEST_PAUSE = 1e-4, 0.01  # seconds between two looks of a rank that waits asleep
 
 
 class SerialComm:
@@ -131,6 +135,10 @@ class SerialComm:
 
     def barrier(self) -> None:
         """Do nothing: there is no rank to wait for."""
+
+    def wait_asleep(self, seconds: float = inf) -> bool:
+        """Return True: there is no rank to wait for."""
+        return True
 
     @property
     def machine(self) -> "Comm":
@@ -318,6 +326,21 @@ class MpiComm:
     def barrier(self) -> None:
         """Wait for all ranks. Collective."""
         self.mpi.Barrier()
+
+    def wait_asleep(self, seconds: float = inf) -> bool:
+        """Wait for all ranks without using a core, as MPI's own waiting does. Collective.
+
+        Returns whether all have come within this time; the others must not go on if not.
+        """
+        request = self.mpi.Ibarrier()
+        end = time.monotonic() + seconds
+        pause = SHORTEST_PAUSE
+        while not request.Test():
+            if time.monotonic() > end:
+                return False
+            time.sleep(pause)
+            pause = min(2 * pause, LONGEST_PAUSE)
+        return True
 
     @cached_property
     def machine(self) -> "Comm":

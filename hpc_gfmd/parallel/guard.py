@@ -75,6 +75,8 @@ def on_rank_0(comm: Comm, doing: str, work: Callable[[], T]) -> T:
 def raise_on_all(comm: Comm, error: Exception | None) -> None:
     """Raise on every rank if any rank has an error; return if none has one. Collective.
 
+    Ranks wait for each other asleep: one of them may be busy for a long time, on their cores.
+
     Parameters
     ----------
     comm : Comm
@@ -88,6 +90,7 @@ def raise_on_all(comm: Comm, error: Exception | None) -> None:
         A rank's own error, if it has one. All other ranks raise that of the lowest rank that has
         one: with its type and text if it is a GfmdError, otherwise a GfmdError with its text.
     """
+    comm.wait_asleep()
     failing_rank = int(comm.min([comm.size if error is None else comm.rank])[0])
     if failing_rank == comm.size:
         return

@@ -1,44 +1,57 @@
-"""Whether and by what this process was started as one of several: environment variables of MPI
-launchers and of Slurm."""
+"""Whether an MPI launcher started this process, as environment variables and /proc tell."""
 
 import os
 import re
+from collections.abc import Iterator
+from pathlib import Path
 
-# Set by mpirun (Open MPI, MPICH, Intel MPI) and by srun --mpi=pmix/pmi2 for every process that they
-# start.
-LAUNCHER_SIZE = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "MV2_COMM_WORLD_SIZE", "MPI_LOCALNRANKS")
+# Numbers of all processes and of this one, set by mpirun (Open MPI, MPICH, Intel MPI, MVAPICH) and
+# by srun --mpi=pmix or pmi2.
+LAUNCHER_SIZE = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "MV2_COMM_WORLD_SIZE")
 LAUNCHER_RANK = ("PMIX_RANK", "PMI_RANK", "OMPI_COMM_WORLD_RANK", "PALS_RANKID")
+# Intel MPI's number of ranks on this node: a launcher is there, but the size of the world is not it
+LOCAL_SIZE = "MPI_LOCALNRANKS"
 # "mpi" or "none", where these variables mislead: of another launcher, or left over from one around
 LAUNCHER = "HPC_GFMD_LAUNCHER"
+
+PROC = Path("/proc")
+# what the names of processes that start ranks begin with; a person starts the first ones
+TERMINAL_LAUNCHERS = ("mpirun", "mpiexec", "orterun", "prterun")
+LAUNCHERS = (*TERMINAL_LAUNCHERS, "orted", "prted", "prun", "hydra", "slurmstep")
 
 
 def launched() -> tuple[bool, int | None]:
     """Return whether an MPI launcher started this process, and how many processes it started.
 
-    The number is None if the launcher does not tell it. The environment variable HPC_GFMD_LAUNCHER
-    overrides what other variables say: "mpi" or "none".
+    The number is None if the launcher does not tell it. HPC_GFMD_LAUNCHER overrides the rest.
     """
     setting = os.environ.get(LAUNCHER)
     if setting == "none":
         return False, None
     size = environment_number(*LAUNCHER_SIZE)
-    has_rank = any(name in os.environ for name in LAUNCHER_RANK)
-    by_launcher = setting == "mpi" or size is not None or has_rank
+    present = any(name in os.environ for name in (*LAUNCHER_RANK, LOCAL_SIZE))
+    by_launcher = setting == "mpi" or size is not None or present
     if by_launcher and size is None:
         size = srun_size()  # PMIx tells processes their rank only
     return by_launcher, size
 
 
 def srun_size() -> int | None:
-    """Return the number of processes of this process's Slurm step, or None outside Slurm."""
+    """Return the number of processes of this process's Slurm step, or None outside one."""
     return environment_number("SLURM_STEP_NUM_TASKS")
 
 
-def tasks_per_node() -> int | None:
-    """Return the number of processes on the fullest node of the Slurm job around this process.
+def idle_tasks() -> str:
+    """Return a note if this process runs alone in a Slurm job of several tasks, else ""."""
+    tasks = environment_number("SLURM_NTASKS") or 1
+    alone = not launched()[0] and srun_size() is None and LAUNCHER not in os.environ
+    if tasks == 1 or not alone:
+        return ""
+    return f"the job has {tasks} tasks, of which one is used: start it with srun or mpirun"
 
-    None outside Slurm, or if Slurm does not tell it.
-    """
+
+def tasks_per_node() -> int | None:
+    """Return the number of processes on the fullest node of the Slurm job, None outside Slurm."""
     text = os.environ.get("SLURM_NTASKS_PER_NODE") or os.environ.get("SLURM_TASKS_PER_NODE", "")
     # the latter as in "16(x3),8"
     counts = [int(digits) for digits in re.findall(r"(?:^|,)(\d+)", text)]
@@ -59,3 +72,51 @@ def environment_number(*names: str) -> int | None:
         if text.isdigit():
             return int(text)
     return None
+
+
+def ancestors(proc: Path = PROC) -> Iterator[tuple[Path, str]]:
+    """Yield (folder in /proc, name) of the parent of this process, its parent and so on.
+
+    Process 1 is left out. Ends early where /proc cannot be read.
+    """
+    pid = os.getppid()
+    try:
+        while pid > 1:
+            # pid (name) state parent ...; the name may hold spaces and brackets
+            head, _, tail = (proc / f"{pid}/stat").read_text().rpartition(")")
+            yield proc / str(pid), head.partition("(")[2]
+            pid = int(tail.split()[1])
+    except (OSError, ValueError, IndexError):
+        pass
+
+
+def enclosing_mpi_program(proc: Path = PROC) -> str | None:
+    """Return the command line of the MPI program that started this process without a launcher.
+
+    Such as an optimiser under mpirun. This process then has the variables of that rank, and MPI
+    aborts if a second process uses them. None if there is none.
+    """
+    try:
+        for folder, name in ancestors(proc):
+            if name.startswith(LAUNCHERS):
+                return None
+            if b"/libmpi" in (folder / "maps").read_bytes():
+                words = (folder / "cmdline").read_bytes().split(b"\0")
+                return b" ".join(words).decode(errors="replace").strip()
+    except OSError:
+        pass
+    return None
+
+
+def launcher_is_watched(proc: Path = PROC) -> bool:
+    """Return whether the mpirun that started this process writes its errors to a terminal.
+
+    Standard error of this process itself is a pipe to mpirun.
+    """
+    for folder, name in ancestors(proc):
+        if name.startswith(TERMINAL_LAUNCHERS):
+            try:
+                return os.readlink(folder / "fd/2").startswith(("/dev/pts/", "/dev/tty"))
+            except OSError:
+                return False
+    return False

@@ -5,7 +5,7 @@ import os
 from ..util.errors import SceneError
 from ..util.machine import cores
 from .comm import Comm
-from .launcher import environment_number, tasks_per_node
+from .launcher import environment_number, idle_tasks, tasks_per_node
 
 THREADS_PER_CORE = 8  # more are a mistake
 THREADED_POINTS = 2**20  # of a surface; two threads take as long as one for a quarter of them
@@ -88,20 +88,12 @@ def ranks_per_node(ranks: int, threads: int) -> int:
 
 
 def oversubscription(comm: Comm, threads: int) -> str:
-    """Return a note if cores have to run more than one thread each, else "". Collective.
+    """Return a note if cores run more than one thread each, or a batch job's tasks none, else "".
 
-    Parameters
-    ----------
-    comm : Comm
-        All ranks.
-    threads : int
-        Of each rank.
-
-    Returns
-    -------
-    str
-        A note for a person, the same on all ranks.
+    The same on all ranks; collective. `threads`: of each rank.
     """
+    if comm.size == 1 and (note := idle_tasks()):
+        return note
     usable = cores()
     machine = comm.machine
     shared = {core for of_rank in machine.allgather(usable) for core in of_rank}

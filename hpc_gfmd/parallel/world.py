@@ -8,11 +8,11 @@ from contextlib import suppress
 from types import TracebackType
 from typing import Any
 
-from ..util.errors import GfmdError, SceneError, one_line
-from .ancestors import enclosing_mpi_program
+from ..util.errors import GfmdError, SceneError, how_to_install, one_line
 from .comm import Comm, MpiComm, SerialComm
-from .launcher import LAUNCHER, launched, launcher_rank, srun_size
-from .mpi_library import REBUILD, load_mpi
+from .launcher import LAUNCHER, enclosing_mpi_program, launched, launcher_rank, srun_size
+
+REBUILD = "pip install --force-reinstall --no-deps --no-cache-dir --no-binary=mpi4py mpi4py"
 
 Hook = Callable[[type[BaseException], BaseException, TracebackType | None], Any]
 
@@ -45,7 +45,7 @@ def world() -> Comm:
 
 
 def _launched_world() -> Comm:
-    """Find out who started this process, and make the communicator that `world` returns."""
+    """Make the communicator that `world` returns: that of mpi4py under a launcher."""
     setting = os.environ.get(LAUNCHER, "")
     if setting not in ("", "mpi", "none"):
         raise SceneError(f'{LAUNCHER}: found "{setting}", allowed: "mpi", "none"')
@@ -73,7 +73,7 @@ def _launched_world() -> Comm:
     if MPI.COMM_WORLD.Get_size() > 1:
         sys.excepthook = _abort_on_error(MPI.COMM_WORLD, sys.excepthook)
         return MpiComm(MPI.COMM_WORLD)
-    if size and size > 1:
+    if size is not None:
         raise GfmdError(
             f"the launcher started {size} processes but mpi4py sees one: mpi4py was built for"
             f" {MPI.get_vendor()[0]}, mpirun belongs to another MPI library: load the modules of"
@@ -82,23 +82,36 @@ def _launched_world() -> Comm:
     return SerialComm()
 
 
+def load_mpi() -> Any:
+    """Import and return mpi4py.MPI, which starts MPI.
+
+    Raises GfmdError if mpi4py is missing, or does not find the MPI library it was built for.
+    """
+    try:
+        import mpi4py
+    except ImportError as error:
+        raise GfmdError(
+            f"mpi4py cannot be imported ({one_line(str(error))}): {how_to_install('mpi4py')}"
+        ) from None
+    try:
+        from mpi4py import MPI
+    except (ImportError, RuntimeError) as error:  # RuntimeError: of its wheels
+        reason = one_line(str(error).partition("\n")[0])
+        raise GfmdError(
+            f"mpi4py {mpi4py.__version__} is installed but does not load an MPI library"
+            f" ({reason}); it has to be built for the one that is here: {REBUILD}"
+        ) from None
+    return MPI
+
+
 def collective_exit(
     exit_code: int, seconds: float = 10.0, say: Callable[[], object] | None = None
 ) -> None:
     """Wait until all ranks are about to leave with an error, then return.
 
-    mpirun kills the others, silently, as soon as one has left. If they do not come in time, this
-    rank ends the job (MPI's Abort).
-
-    Parameters
-    ----------
-    exit_code : int
-        Of the job if it is ended here.
-    seconds : float
-        How long to wait for the other ranks.
-    say : function, optional
-        Prints the error. Rank 0 calls it at once, another rank only if it is left alone with its
-        error, so that it is printed once.
+    mpirun kills the others, silently, as soon as one has left. Rank 0 calls `say`, which prints the
+    error, at once; another rank calls it only if it is left alone with its error for `seconds`. It
+    then ends the job with `exit_code` by MPI's Abort.
     """
     say = say or (lambda: None)
     if launcher_rank() == 0:
@@ -108,15 +121,10 @@ def collective_exit(
     except GfmdError:  # no way to wait for each other: time enough for one line
         time.sleep(1.0 if launched()[0] else 0.0)
         return
-    if comm.size > 1:
-        request = comm.mpi.Ibarrier()
-        end = time.monotonic() + seconds
-        while not request.Test():
-            if time.monotonic() > end:
-                if comm.rank != 0:
-                    say()
-                comm.mpi.Abort(exit_code)
-            time.sleep(0.01)
+    if not comm.wait_asleep(seconds):
+        if comm.rank != 0:
+            say()
+        comm.mpi.Abort(exit_code)
 
 
 def comm_of(argument: Any) -> Comm:

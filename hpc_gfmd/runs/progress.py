@@ -7,8 +7,8 @@ import time
 from importlib.util import find_spec
 from typing import Any
 
-from ..parallel.ancestors import launcher_is_watched
 from ..parallel.comm import Comm
+from ..parallel.launcher import launcher_is_watched
 from ..scene import SolverTable
 from ..solvers.base import Progress
 from ..util.notebook import in_notebook

@@ -7,6 +7,7 @@ import pickle
 import platform
 import shutil
 import sys
+import tempfile
 from itertools import permutations
 
 import pytest
@@ -117,9 +118,26 @@ def test_a_cache_that_cannot_be_written(reason, compiled, monkeypatch, tmp_path)
         monkeypatch.setattr(os, "replace", fails)
     else:
         monkeypatch.setattr(os, "makedirs", fails)
+    monkeypatch.setattr(tempfile, "gettempdir", lambda: str(tmp_path / "nowhere"))
     assert compiled() == (6.0, 0)
     assert compiled() == (6.0, 0)
     assert compiled.files() == []
+
+
+@pytest.mark.skipif(not hasattr(os, "getuid"), reason="needs owners of files")
+def test_temporary_files_are_the_cache_where_the_users_cannot_be_written(
+    compiled, monkeypatch, tmp_path
+):
+    """Unless others can write there, too."""
+    (tmp_path / "cache").write_text("a file where the folder should be")
+    temporary = tmp_path / "temporary"
+    temporary.mkdir()
+    monkeypatch.setattr(tempfile, "gettempdir", lambda: str(temporary))
+    assert compiled() == (6.0, 0)
+    assert compiled() == (6.0, 1)
+    (folder,) = temporary.iterdir()
+    folder.chmod(0o777)
+    assert compiled() == (6.0, 0)
 
 
 def test_other_sources_have_another_folder_and_few_are_kept(compiled, monkeypatch, tmp_path):

@@ -8,21 +8,32 @@ import pytest
 from mpi_harness import environment, python
 from refusal import refused
 
-from hpc_gfmd.parallel import ancestors, launcher, thread_count, world
+from hpc_gfmd.parallel import launcher, thread_count, world
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.parallel.launcher import launched, launcher_rank
-from hpc_gfmd.parallel.mpi_library import load_mpi
+from hpc_gfmd.parallel.world import load_mpi
 from hpc_gfmd.util.errors import GfmdError
 
+VARIABLES = (
+    *launcher.LAUNCHER_SIZE,
+    *launcher.LAUNCHER_RANK,
+    launcher.LOCAL_SIZE,
+    launcher.LAUNCHER,
+    "SLURM_PROCID",
+    "SLURM_STEP_NUM_TASKS",
+    "SLURM_NTASKS",
+)
 
-def test_launcher_and_its_override(monkeypatch):
-    for name in (
-        *launcher.LAUNCHER_SIZE,
-        *launcher.LAUNCHER_RANK,
-        launcher.LAUNCHER,
-        "SLURM_PROCID",
-    ):
+
+@pytest.fixture
+def alone(monkeypatch):
+    """No launcher's variable is set, and `world.world()` has not been called."""
+    for name in VARIABLES:
         monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr(world, "_world", None)
+
+
+def test_launcher_and_its_override(alone, monkeypatch):
     assert launched() == (False, None)
     monkeypatch.setenv("OMPI_COMM_WORLD_SIZE", "4")
     monkeypatch.setenv("OMPI_COMM_WORLD_RANK", "2")
@@ -33,10 +44,50 @@ def test_launcher_and_its_override(monkeypatch):
     monkeypatch.delenv("OMPI_COMM_WORLD_RANK")
     monkeypatch.setenv("HPC_GFMD_LAUNCHER", "mpi")
     assert launched() == (True, None)
-    monkeypatch.setattr(world, "_world", None)
     monkeypatch.setenv("HPC_GFMD_LAUNCHER", "slurm")
     with refused(r'HPC_GFMD_LAUNCHER: found "slurm", allowed: "mpi", "none"'):
         world.world()
+
+
+class Library:
+    """mpi4py.MPI with a communicator of some ranks."""
+
+    def __init__(self, size):
+        self.COMM_WORLD = self
+        self.Get_size = lambda: size
+        self.Get_rank = lambda: 0
+        self.allgather = self.gather = None
+        self.get_vendor = lambda: ("Another MPI", ())
+
+
+@pytest.mark.parametrize(
+    ("variables", "ranks", "expected"),
+    [
+        ({"MPI_LOCALNRANKS": "1"}, 2, 2),  # one rank on each of two machines
+        ({"MPI_LOCALNRANKS": "1"}, 1, 1),
+        ({"PMI_SIZE": "2", "MPI_LOCALNRANKS": "1"}, 1, "sees one"),
+    ],
+)
+def test_the_library_tells_how_many_ranks_there_are(variables, ranks, expected, alone, monkeypatch):
+    for name, value in variables.items():
+        monkeypatch.setenv(name, value)
+    monkeypatch.setattr(sys, "excepthook", sys.excepthook)
+    monkeypatch.setattr(world, "enclosing_mpi_program", lambda: None)
+    monkeypatch.setattr(world, "load_mpi", lambda: Library(ranks))
+    if isinstance(expected, int):
+        assert world.world().size == expected
+    else:
+        with pytest.raises(GfmdError, match=expected):
+            world.world()
+
+
+def test_a_batch_job_of_several_tasks_without_a_launcher_is_noted(alone, monkeypatch):
+    monkeypatch.setenv("SLURM_NTASKS", "4")
+    note = thread_count.oversubscription(SerialComm(), 1)
+    assert "4 tasks" in note
+    assert "srun or mpirun" in note
+    monkeypatch.setenv("SLURM_STEP_NUM_TASKS", "1")  # srun -n 1
+    assert thread_count.oversubscription(SerialComm(), 1) == ""
 
 
 def test_automatic_threads(monkeypatch):
@@ -93,43 +144,28 @@ def test_more_ranks_than_cores_are_noted(cores_of_ranks, threads, word, monkeypa
 def processes(folder, *ancestors):
     """Make a folder like /proc.
 
-    ancestors: (name, variables, loaded libraries) of processes, each the parent of the one before.
+    ancestors: (name, loaded libraries) of processes, each the parent of the one before.
     """
-    for k, (name, variables, libraries) in enumerate(ancestors):
+    for k, (name, libraries) in enumerate(ancestors):
         place = folder / str(100 + k)
         place.mkdir()
-        (place / "environ").write_bytes(b"\0".join(variables))
         (place / "stat").write_text(f"{100 + k} ({name}) S {101 + k} 1 1")
         (place / "maps").write_text(f"7f00-7f01 r-xp 0 00:00 1 /usr/lib/{libraries}\n")
         (place / "cmdline").write_bytes(b"python\0optimise.py\0")
 
 
-RANK_1 = [b"HOME=/root", b"PMI_RANK=1", b"PMI_SIZE=2"]
-NO_RANK = [b"HOME=/root"]
-
-
 @pytest.mark.parametrize(
     ("chain", "program"),
     [
-        ([("python", RANK_1, "libmpi.so.40")], "python optimise.py"),
-        (
-            [("bash", RANK_1, "libc.so.6"), ("a (b) c", RANK_1, "libmpich.so.12")],
-            "python optimise.py",
-        ),
-        ([("bash", RANK_1, "libc.so.6"), ("hydra_pmi_proxy", NO_RANK, "libc.so.6")], None),
-        ([("mpirun", RANK_1, "libc.so.6"), ("python", RANK_1, "libmpi.so.40")], None),
-        ([("python", NO_RANK, "libmpi.so.40")], None),
-        ([], None),
+        ([("bash", "libc.so.6"), ("a (b) c", "libmpich.so.12")], "python optimise.py"),
+        ([("bash", "libc.so.6"), ("hydra_pmi_proxy", "libc.so.6")], None),
+        ([("mpirun", "libc.so.6"), ("python", "libmpi.so.40")], None),
     ],
 )
 def test_enclosing_mpi_program(chain, program, tmp_path, monkeypatch):
-    for name in launcher.LAUNCHER_RANK:
-        monkeypatch.delenv(name, raising=False)
     processes(tmp_path, *chain)
     monkeypatch.setattr(os, "getppid", lambda: 100)
-    assert ancestors.enclosing_mpi_program(tmp_path) is None
-    monkeypatch.setenv("PMI_RANK", "1")
-    assert ancestors.enclosing_mpi_program(tmp_path) == program
+    assert launcher.enclosing_mpi_program(tmp_path) == program
 
 
 @pytest.mark.parametrize(
@@ -200,16 +236,16 @@ def test_a_run_inside_another_mpi_program(folder):
 def test_whether_mpirun_writes_to_a_terminal(chain, is_watched, tmp_path, monkeypatch):
     """Its standard error is inspected: that of a rank is always a pipe."""
     pty = pytest.importorskip("pty")
-    processes(tmp_path, *((name, [], "libc.so.6") for name in chain))
+    processes(tmp_path, *((name, "libc.so.6") for name in chain))
     monkeypatch.setattr(os, "getppid", lambda: 100)
-    assert not ancestors.launcher_is_watched(tmp_path)
+    assert not launcher.launcher_is_watched(tmp_path)
     ends = pty.openpty()
     try:
         for k in range(len(chain)):
             place = tmp_path / str(100 + k) / "fd"
             place.mkdir()
             (place / "2").symlink_to(os.ttyname(ends[1]))
-        assert ancestors.launcher_is_watched(tmp_path) == is_watched
+        assert launcher.launcher_is_watched(tmp_path) == is_watched
     finally:
         for end in ends:
             os.close(end)
