@@ -1,18 +1,19 @@
 """The independent check of a solution, from its displacement alone.
 
-The pressure p = p0 + K u is recomputed, in double precision if rounding errors would spoil it. A
-certificate lists by how much it violates u >= -h, p >= 0, p g = 0 and mean(p) = p0 (the
-Karush-Kuhn-Tucker conditions). The distance from the solution follows from the duality gap, which
-bounds the error of the energy without any knowledge of the solution:
+A displacement that penetrates the wall is replaced by the nearest feasible one, max(u, -h). The
+pressure p = p0 + K u is recomputed, in double precision if rounding errors would spoil it. A
+certificate lists by how much it violates p >= 0, p g = 0 and mean(p) = p0 (the Karush-Kuhn-Tucker
+conditions). The distance from the solution follows from the duality gap, which bounds the error of
+the energy without any knowledge of the solution:
 
     E(u) - E* <= G = <p^, g> + 1/2 <p^ - p, S (p^ - p)>,    S = 1/K,
 
-for every admissible pressure p^ >= 0 of mean p0; p^ is the rescaled p of the points in contact.
-With a hardness H, p^ is at most H and equal to H in dents, and G has <H - p^, g^-> besides
-<p^, g^+>. The S norm of p^ - p is bounded without a transform by sums of squares on the levels of
-the multilevel operator (EQUIVALENCE). From G follow bounds of the errors of the mean gap and of the
-pressure (error_estimates.py), and from that of the pressure how many points may be in the wrong
-set, in contact or out of it (misclassified.py).
+for every admissible pressure p^ >= 0 of mean p0; p^ is the rescaled p of the points in contact, so
+that <p^, g> = 0. With a hardness H, p^ is at most H and equal to H in dents, and G has
+<H - p^, g^-> besides <p^, g^+>; both are 0. The S norm of p^ - p is estimated without a transform
+by sums of squares on the levels of the multilevel operator (EQUIVALENCE). From it follow estimates
+of the errors of the mean gap and of the pressure (error_estimates.py), and from that of the
+pressure how many points may be in the wrong set, in contact or out of it (misclassified.py).
 
 In single precision violations below the rounding errors of the heights cannot be seen; these
 rounding errors count towards the errors.
@@ -27,7 +28,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from ..kernels.adhesive_rows import add_attraction
-from ..kernels.certify import KktExtremes, KktSums, dual_rows, kkt_residuals
+from ..kernels.certify import KktSums, dual_rows, kkt_residuals
 from ..operators.elastic import Elastic
 from ..operators.multilevel import Multilevel
 from .error_estimates import State, estimate, relative_error
@@ -48,7 +49,7 @@ class Certificate:
     Attributes
     ----------
     penetration : float
-        Largest -g outside of dents.
+        Largest -g outside of dents in the gap as the solver left it; it was set to 0 there.
     tension : float
         Largest -p on closed points, over the mean pressure.
     complementarity : float
@@ -134,8 +135,8 @@ class _Recomputed(NamedTuple):
     ----------
     sums : KktSums
         Sums of the recomputed pressure and the gap.
-    extremes : KktExtremes
-        Largest penetration and tension.
+    tension : float
+        Largest -p where g = 0, or 0.
     uKu : float
         <u, K u>.
     mean : float
@@ -147,7 +148,7 @@ class _Recomputed(NamedTuple):
     """
 
     sums: KktSums
-    extremes: KktExtremes
+    tension: float
     uKu: float
     mean: float
     level: float
@@ -166,6 +167,7 @@ def certify(
 ) -> Certificate:
     """Recompute the pressure of a gap at the load of a problem, and measure all violations.
 
+    The gap becomes feasible first: where it is below 0 and there is no hardness it is set to 0.
     Takes one FFT pair, half of one more with `dual`. Collective. A state that is not finite raises
     nothing: see `Certificate.finite`.
 
@@ -174,7 +176,7 @@ def certify(
     problem : Problem
         The contact with its load p0.
     g : array, local slab
-        Gap of the state; does not change.
+        Gap of the state, as any solver left it; penetration is removed from it.
     p : array, local slab
         Gets the recomputed pressure; its values are not read.
     levels : Multilevel, optional
@@ -194,6 +196,7 @@ def certify(
         The same on all ranks.
     """
     grid, N = problem.grid, problem.grid.N
+    penetration = _lift(problem, g)
     elastic = Elastic(grid, problem.body, dtype)
     state = _recompute(problem, elastic, g, p)
     sums = state.sums
@@ -210,8 +213,8 @@ def certify(
                 problem, levels, g, p, sums, state.uKu, wall_load, stability
             )
         return Certificate(
-            penetration=float(state.extremes.penetration),
-            tension=float(state.extremes.tension / wall_load),
+            penetration=penetration,
+            tension=float(state.tension / wall_load),
             complementarity=float(sums.pg / work) if sums.gap > 0 else 0.0,
             load_balance=float(abs(sums.open_p) / (N * wall_load)),
             duality_gap=duality_gap,
@@ -235,6 +238,27 @@ def certify(
         )
 
 
+def _lift(problem: Problem, g: np.ndarray) -> float:
+    """Set g to 0 where it is below, and return the largest -g before that; collective, no FFT.
+
+    With a hardness nothing changes, because every displacement is feasible: a dent has g < 0.
+    """
+    if problem.hardness is not None:
+        return 0.0
+    rows, points = problem.grid.inside
+
+    def lift(i0: int, i1: int) -> float:
+        on_surface = g[i0:i1, :points]
+        lowest = float(on_surface.min(initial=0.0))
+        if not lowest < 0:
+            return 0.0
+        np.maximum(on_surface, 0, out=on_surface)
+        return -lowest
+
+    (deepest,) = problem.grid.comm.max([max(problem.grid.by_rows(lift, rows), default=0.0)])
+    return float(deepest)
+
+
 def _recompute(problem: Problem, elastic: Elastic, g: np.ndarray, p: np.ndarray) -> _Recomputed:
     """Overwrite p with the pressure of the gap g, and return the sums of both over all ranks.
 
@@ -246,23 +270,22 @@ def _recompute(problem: Problem, elastic: Elastic, g: np.ndarray, p: np.ndarray)
     law = problem.law(elastic.fft.dtype)
     attracted = [(0.0, 0.0)]
 
-    def look(i0: int, i1: int, x: np.ndarray) -> tuple[KktSums, KktExtremes]:
+    def look(i0: int, i1: int, x: np.ndarray) -> tuple[KktSums, float]:
         if law is not None:
             attracted.append(add_attraction(law, g, x, i0, i1, grid.inside))
-        worst = np.zeros((2, g.shape[1]))
+        worst = np.zeros(g.shape[1])
         return kkt_residuals(g, p, x, problem.p_cell, problem.limit, grid.inside, i0, i1, worst)
 
     parts = elastic.use_rows(look)
     sums_of_parts = [sums for sums, _ in parts] or [KktSums(*[0.0] * len(KktSums._fields))]
-    extremes_of_parts = [extremes for _, extremes in parts] or [KktExtremes(0.0, 0.0)]
     *totals, uKu, mean = grid.comm.sum([*np.sum(sums_of_parts, axis=0), uKu, elastic.mean])
-    extremes = KktExtremes(*grid.comm.max(np.max(extremes_of_parts, axis=0)))
+    (tension,) = grid.comm.max([max((tension for _, tension in parts), default=0.0)])
     attraction = energy_of_attraction = 0.0
     if law is not None:
         attraction, energy_of_attraction = grid.comm.sum(np.sum(attracted, axis=0)).tolist()
     return _Recomputed(
         sums=KktSums(*totals),
-        extremes=extremes,
+        tension=float(tension),
         uKu=uKu,
         mean=mean,
         level=level,
@@ -290,11 +313,10 @@ def _duality_gap(
     scale, shift = _admissible(problem, load, load - sums.open_p, sums)
     if scale < 0:
         return np.inf
-    products = elastic.pressure_rows(
+    elastic.pressure_rows(
         lambda i0, i1, x: dual_rows(g, p, x, scale, shift, problem.limit, grid.inside, i0, i1)
     )
-    p_hat_g, norm = grid.comm.sum([sum(products), elastic.compliance_columns()])
-    G = max(p_hat_g + 0.5 * norm, 0.0)
+    G = 0.5 * float(grid.comm.sum([elastic.compliance_columns()])[0])
     if sums.gap > 0:
         return float(G / (wall_load * sums.gap))
     return np.inf if G > 0 else 0.0

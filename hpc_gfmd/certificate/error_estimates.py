@@ -58,8 +58,8 @@ class EstimateCalibration:
     Attributes
     ----------
     pressure : float
-        Error of the pressure field, over its bound computed with the stiffness of a typical wave
-        instead of the stiffest; the largest seen was 0.64.
+        Error of the pressure field, over the formula of its bound with the stiffness of a typical
+        wave instead of the stiffest; the largest seen was 0.64.
     unknown : float
         Factor on the bound of the mean gap's error, for the unknown part of p* (in theory at most
         0.5).
@@ -157,7 +157,7 @@ class Estimate(NamedTuple):
         Height by which the body may move further than the linear estimate says, because all of the
         elastic contact yields or opens (plastic_limits.py).
     distance : float
-        Bound of |u - T(u)|_K, where T(u) is the contact with the attraction of u frozen.
+        Estimate of |u - T(u)|_K, where T(u) is the contact with the attraction of u frozen.
     """
 
     gap: float = np.inf
@@ -227,7 +227,7 @@ def estimate(
         return Estimate()
     norms = _norms(problem, levels, state, stability)
     distance = norms.missing * stability
-    # where points yield the bound itself counts
+    # where points yield the formula of the bound itself counts
     share = CALIBRATION.pressure if problem.hardness is None else 1.0
     # on a soft base short waves may be stiffer than the typical one says
     body, grid = problem.body, problem.grid

@@ -50,7 +50,9 @@ def further_movement(
     e: float,
     response: float,
 ) -> float:
-    """Bound the error of the sum of gaps that yielding adds to the linear estimate. Collective.
+    """Return the error of the sum of gaps that yielding adds to the linear estimate. Collective.
+
+    It is a bound if `e` is one.
 
     Parameters
     ----------

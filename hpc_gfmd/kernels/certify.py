@@ -63,21 +63,6 @@ class KktSums(NamedTuple):
     yielded: float
 
 
-class KktExtremes(NamedTuple):
-    """Largest violations of single points.
-
-    Attributes
-    ----------
-    penetration : float
-        -g where there is no dent.
-    tension : float
-        -p where g <= 0.
-    """
-
-    penetration: float
-    tension: float
-
-
 @kernel
 def displacement_passes(passes, shares, turns, rows, g, h, level):
     """Transform the rows of u - level, pass after pass, with u as in `displacement_rows`.
@@ -144,14 +129,14 @@ def kkt_residuals(g, p, x, p0, H, inside, i0, i1, worst):
         This rank's part of the surface: its first rows and points.
     i0, i1 : int
         Local rows i0 <= i < i1.
-    worst : (2, n_y) float64
-        0; becomes the largest penetration and tension of each column: a single maximum over all
-        points would not use vectors.
+    worst : (n_y,) float64
+        0; becomes the largest tension of each column: a single maximum over all points would not
+        use vectors.
 
     Returns
     -------
-    KktSums, KktExtremes
-        Of these rows.
+    KktSums, float
+        Of these rows; the largest -p where g <= 0, or 0.
     """
     open_p = open_pp = open_p4 = closed_pp = pg = gap = contact = yielded = 0.0
     at_limit = limit(H, 0.0)
@@ -183,15 +168,12 @@ def kkt_residuals(g, p, x, p0, H, inside, i0, i1, worst):
             gap += gij - dent
             yielded += plastic
             tension = closed * -p_new
-            penetration = dent - gij
-            worst[0, j] = penetration if penetration > worst[0, j] else worst[0, j]
-            worst[1, j] = tension if tension > worst[1, j] else worst[1, j]
+            worst[j] = tension if tension > worst[j] else worst[j]
     sums = KktSums(open_p, open_pp, open_p4, closed_pp, pg, contact, gap, yielded)
-    penetration = tension = 0.0
+    tension = 0.0
     for j in range(g.shape[1]):
-        penetration = worst[0, j] if worst[0, j] > penetration else penetration
-        tension = worst[1, j] if worst[1, j] > tension else tension
-    return sums, KktExtremes(penetration, tension)
+        tension = worst[j] if worst[j] > tension else tension
+    return sums, tension
 
 
 @kernel
@@ -320,7 +302,7 @@ def count_heights(g, inside, largest, counts):
 
 @kernel
 def dual_rows(g, p, x, scale, shift, H, inside, i0, i1):
-    """Set x = p^ - p on some rows, and return the sum of p^ g over elastic contact.
+    """Set x = p^ - p on some rows.
 
     The admissible pressure p^ is scale p + shift in elastic contact, H where a point yields, and 0
     elsewhere.
@@ -336,13 +318,7 @@ def dual_rows(g, p, x, scale, shift, H, inside, i0, i1):
     H, inside, i0, i1
         Hardness, this rank's part of the surface, and the rows i0 <= i < i1: see the top of this
         file.
-
-    Returns
-    -------
-    float64
-        0 if g >= 0 everywhere.
     """
-    total = 0.0
     zero = x.dtype.type(0)
     unit = x.dtype.type(1)
     at_limit = limit(H, zero)
@@ -356,5 +332,3 @@ def dual_rows(g, p, x, scale, shift, H, inside, i0, i1):
             touching = g[i, j] <= 0 and pij > 0 and plastic == zero
             admissible = scale * pij + shift if touching else 0.0
             x[i - i0, j] = admissible - pij + plastic * at_limit
-            total += admissible * g[i, j]
-    return total

@@ -235,7 +235,8 @@ class Solver:
     def after_certificate(self, certificate: Certificate) -> None:
         """Prepare the next step after a certificate has overwritten self.p and self.levels.
 
-        By default the last step is forgotten, as in `begin_at`.
+        Where self.g penetrated the surface it is 0 now, and self.p is the pressure of this gap. By
+        default the last step is forgotten, as in `begin_at`.
         """
         self.begin_at(certificate)
 

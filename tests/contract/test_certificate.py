@@ -104,6 +104,60 @@ def test_energy_bound_against_the_duality_gap(surface, p_star, hardness):
     assert compared
 
 
+def lowered(rng, touching):
+    return -rng.random(touching.shape)
+
+
+def lowered_as_a_whole(rng, touching):
+    return -np.ones(touching.shape)
+
+
+def lowered_in_contact_and_moved_elsewhere(rng, touching):
+    waves = np.cos(np.arange(touching.shape[0]))[:, None] + rng.standard_normal(touching.shape)
+    return np.where(touching, -np.abs(waves), waves)
+
+
+@pytest.mark.parametrize(
+    "change", [lowered, lowered_as_a_whole, lowered_in_contact_and_moved_elsewhere]
+)
+@pytest.mark.parametrize("by", [1e-4, 1e-3, 1e-2])
+def test_a_displacement_that_penetrates_is_certified_by_the_nearest_feasible_one(change, by):
+    """Errors and duality gap bound the true ones whatever displacement a solver returns."""
+    z = random_heights((16, 16))
+    wanted = oracle.solve(z, 0.3)
+    grid = Grid(z.shape)
+    problem = Problem(grid, z.max() - z, 0.3 * grid.a)
+    g = wanted.gap + by * np.std(z) * change(np.random.default_rng(3), wanted.pressure > 0)
+    deepest = -g.min()
+    p = np.empty_like(g)
+    levels = Multilevel(grid, HALF_SPACE, np.float64, 8)
+    certificate = certify(problem, g, p, levels, dual=True)
+    area, gap, pressure = certificate.errors
+    found = in_contact(g, p) / grid.a
+    assert g.min() == 0
+    assert certificate.penetration == deepest > 0
+    assert certificate.duality_gap > 0
+    assert abs(certificate.gap_mean / wanted.gap_mean - 1) <= gap
+    assert abs(certificate.contact / (wanted.a_r * z.size) - 1) <= area
+    norm = np.linalg.norm(wanted.pressure)
+    assert np.linalg.norm(found - wanted.pressure) <= pressure * norm
+
+
+@pytest.mark.parametrize("factor", [1.1, 1.3])
+def test_steps_that_are_too_long_are_no_excuse(surface, monkeypatch, factor):
+    """A solver whose steps end below the surface gives solutions as accurate as asked."""
+    truth = started(surface, 0.1)
+    drive(truth, StoppingCriterion(residual=1e-12))
+    wanted = in_contact(truth.g, truth.p)
+    update = Bpx._update
+    monkeypatch.setattr(Bpx, "_update", lambda self, s: update(self, factor * s))
+    solver = started(surface, 0.1)
+    status, certificate, _ = drive(solver, StoppingCriterion(accuracy=1e-3, max_iterations=100))
+    assert status == "converged"
+    wrong = np.linalg.norm(in_contact(solver.g, solver.p) - wanted) / np.linalg.norm(wanted)
+    assert wrong <= certificate.errors[2] < 1e-3
+
+
 def test_full_contact_under_tension_is_not_certified():
     """Tensile points in full contact make the error of the gap infinite."""
     z = random_heights((16, 16))

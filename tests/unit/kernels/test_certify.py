@@ -13,7 +13,7 @@ def test_kkt_residuals(random, hardness):
     g[np.abs(g) < 0.3] = 0
     x = random.standard_normal((6, 5))
     p = np.empty((6, 5))
-    sums, extremes = certify.kkt_residuals(g, p, x, 0.2, hardness, g.shape, 0, 6, np.zeros((2, 5)))
+    sums, tension = certify.kkt_residuals(g, p, x, 0.2, hardness, g.shape, 0, 6, np.zeros(5))
     fresh = 0.2 + x
     closed, yields, r = sides(g, fresh, hardness)
     gap = np.where(yields, 0, g)
@@ -27,9 +27,7 @@ def test_kkt_residuals(random, hardness):
     )
     assert np.array_equal(p, fresh)
     assert sums == pytest.approx(wanted, rel=1e-13)
-    assert extremes == pytest.approx(
-        (max(-gap.min(), 0), max((-fresh[g <= 0]).max(initial=0), 0)), rel=1e-13
-    )
+    assert tension == pytest.approx(max((-fresh[g <= 0]).max(initial=0), 0), rel=1e-13)
     moments = certify.open_moments(g, p, hardness, g.shape)
     assert moments == pytest.approx(wanted[1:3], rel=1e-13)
 
@@ -88,7 +86,7 @@ def test_count_heights(random, inside):
 @pytest.mark.parametrize("hardness", [None, 0.4])
 @pytest.mark.parametrize("inside", [(6, 5), (4, 3)])
 def test_dual_rows(random, hardness, inside):
-    """The change to the admissible pressure, and its work on the gap out of dents."""
+    """The change to the admissible pressure."""
     g = random.standard_normal((6, 5))
     g[np.abs(g) < 0.5] = 0
     p = random.standard_normal((6, 5))
@@ -98,6 +96,5 @@ def test_dual_rows(random, hardness, inside):
     elastic = np.where(surface & closed, 0.9 * p + 0.05, 0)
     admissible = elastic + np.where(surface & yields, hardness or 0, 0)
     x = np.empty((4, 5))
-    work = certify.dual_rows(g, p, x, 0.9, 0.05, hardness, inside, 1, 5)
+    certify.dual_rows(g, p, x, 0.9, 0.05, hardness, inside, 1, 5)
     assert np.allclose(x, (admissible - p)[1:5], rtol=1e-14, atol=1e-15)
-    assert work == pytest.approx(np.sum((elastic * g)[1:5]), abs=1e-14)
