@@ -1,24 +1,29 @@
 """`hpc-gfmd export`: a result for other programs."""
 
-from argparse import ArgumentParser, Namespace
+from argparse import ArgumentParser, ArgumentTypeError, Namespace
 
 from .common import add_file, add_result_file
 
 HELP = "a result for other programs"
 DESCRIPTION = """
-Convert a result for ParaView (vtkhdf), to netCDF-4, to NumPy arrays (npz), its numbers to a table
-(csv), its fields for Gwyddion (gwy), or a field of lengths of one load to X3P. ParaView and xarray
-also open the result file itself."""
+Write the numbers of a result as a table (csv), or its fields for Gwyddion (gwy). ParaView and
+xarray open the result file itself."""
+
+
+def known_format(name: str) -> str:
+    """Return the name of a format; raises ArgumentTypeError if another way leads to it."""
+    from ..output.export import INSTEAD
+
+    if name in INSTEAD:
+        raise ArgumentTypeError(f"{name}: {INSTEAD[name]}")
+    return name
 
 
 def add_arguments(parser: ArgumentParser) -> None:
     """Add the arguments of the command to its parser."""
     add_result_file(parser)
     parser.add_argument(
-        "--to",
-        required=True,
-        choices=["vtkhdf", "netcdf", "npz", "csv", "gwy", "x3p"],
-        help="format",
+        "--to", required=True, type=known_format, choices=["csv", "gwy"], help="format"
     )
     add_file(
         parser, "-o", "--output", metavar="FILE", help="where to write (default: beside the result)"

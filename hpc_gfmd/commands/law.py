@@ -18,7 +18,7 @@ Compute the interface law of a scene: contact area, mean gap, stiffness, conduct
 gap against the mean pressure, with errors, from as few loads as an interpolation with the requested
 error needs. The loads and the output of the scene are ignored. Several scenes, or several seeds of
 one, give the mean and its scatter. Files: .csv (all, with units), .inp (CalculiX and Abaqus:
-*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR and *GAP CONDUCTANCE), .i (functions of MOOSE)."""
+*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR and *GAP CONDUCTANCE)."""
 
 
 def share(text: str) -> float:
@@ -75,7 +75,7 @@ def add_arguments(parser: ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="FILE",
-        help="file that ends in .csv, .inp or .i; may be repeated",
+        help="file that ends in .csv or .inp; may be repeated",
     )
     add_overrides(parser, "change a setting of the scenes: table.key=value")
     parser.add_argument("--force", action="store_true", help="replace files that exist")

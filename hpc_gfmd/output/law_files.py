@@ -1,4 +1,4 @@
-"""Files of an interface law: CSV with units, input for CalculiX and Abaqus, and for MOOSE."""
+"""Files of an interface law: CSV with units, and input of CalculiX and Abaqus."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .interface_law import InterfaceLaw, interpolate
 MOST_ROWS = 400  # CalculiX reads no longer table
 STRAIGHT = 1e-3  # relative deviation of straight lines from the law, in tables for finite elements
 INTERACTION = re.compile(r"[A-Za-z]\w*", re.ASCII)  # a name that all programs read
-FACT = re.compile(r"^[#* ]*(\w+) = ([-+.\deE]+)(?: (\S+))?$", re.MULTILINE)
+FACT = re.compile(r"^# (\w+) = ([-+.\deE]+)(?: \S+)?$", re.MULTILINE)
 
 
 def write_law(
@@ -34,16 +34,14 @@ def write_law(
         The law, which is not changed.
     path : path
         The file, which is replaced if it exists. ".csv": everything, with units. ".inp": CalculiX
-        and Abaqus, `*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR` and `*GAP CONDUCTANCE`. ".i":
-        functions of MOOSE.
+        and Abaqus, `*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR` and `*GAP CONDUCTANCE`.
     conductivity : float or pair of floats, optional
         Thermal conductivities of the two bodies, in W/(m K) if lengths are in m; a single number
         holds for both. Their harmonic mean times the conductance of the law (1/length) is the
-        conductance per area and kelvin in files for finite elements, which contain none without
-        it. A ".csv" only records it in its heading.
+        conductance per area and kelvin in ".inp", which contains none without it. A ".csv" only
+        records it in its heading.
     name : str
-        Name of the surface interaction (.inp), or beginning of the names of functions (.i): a
-        letter, then letters, digits and underscores.
+        Name of the surface interaction in ".inp": a letter, then letters, digits and underscores.
 
     Returns
     -------
@@ -54,8 +52,8 @@ def write_law(
     ------
     SceneError
         For another suffix, a folder that does not exist, another name, for conductivities that are
-        not positive, and if files for finite elements are requested from a law without a mean gap
-        or whose mean gap does not decrease, or with a conductivity from one without conductance.
+        not positive, and if ".inp" is requested from a law without a mean gap or whose mean gap
+        does not decrease, or with a conductivity from one without conductance.
 
     Notes
     -----
@@ -80,28 +78,15 @@ def require_file(
     conductivity: float | None = None,
     name: str = "ROUGH",
 ) -> None:
-    """Check that `write_law` can write a law with these quantities to a path; nothing is written.
+    """Raise SceneError unless `write_law` can write a law of these quantities; nothing is written.
 
-    Parameters
-    ----------
-    path : path
-        The file.
-    quantities : container of str
-        Names of the quantities of the law.
-    conductivity, name
-        As for `write_law`; the conductivity is the mean of both bodies.
-
-    Raises
-    ------
-    SceneError
-        For a suffix without a format, a folder that does not exist, a name that other programs do
-        not read, and if a file for finite elements needs a quantity that the law does not have.
+    conductivity: the mean of both bodies.
     """
     path = Path(path)
     if path.suffix not in WRITERS:
         raise SceneError(f"path: found {str(path)!r}, allowed: one in {', '.join(WRITERS)}")
     if not path.parent.is_dir():
-        raise SceneError(f"path: found {str(path)!r}, allowed: a file in a folder that exists")
+        raise SceneError(f"path: no such folder: {path.parent}")
     if not INTERACTION.fullmatch(name):
         raise SceneError(
             f"name: found {name!r}, allowed: a letter, then letters, digits and underscores"
@@ -109,21 +94,16 @@ def require_file(
     if path.suffix == ".csv":
         return
     if "gap_mean" not in quantities:
-        raise SceneError("law: found no gap_mean, allowed for finite elements: a law that has it")
+        raise SceneError(f"{path}: a law for finite elements needs gap_mean among its quantities")
     if conductivity is not None and "conductance" not in quantities:
         raise SceneError(
-            "conductivity: found with a law that has no conductance, allowed: with a half-space"
+            f"{path}: conductivity needs conductance among the quantities of the law, which only"
+            " half-spaces have"
         )
 
 
 def harmonic_mean(conductivity: float | Sequence[float]) -> float:
-    """Return 2 k1 k2/(k1 + k2) of two conductivities, or the single value of both bodies.
-
-    Raises
-    ------
-    SceneError
-        Unless there are one or two positive numbers.
-    """
+    """Return 2 k1 k2/(k1 + k2) of two conductivities, or the single value of both bodies."""
     values = np.atleast_1d(np.asarray(conductivity, dtype=float))
     if values.size not in (1, 2) or not (np.isfinite(values) & (values > 0)).all():
         raise SceneError(
@@ -133,13 +113,12 @@ def harmonic_mean(conductivity: float | Sequence[float]) -> float:
 
 
 def read_law(path: str | PathLike) -> InterfaceLaw:
-    """Read an interface law from a file that `write_law` has written.
+    """Read an interface law from a CSV file that `write_law` has written.
 
     Parameters
     ----------
     path : path
-        ".csv", ".inp" or ".i". Files for finite elements contain only the mean gap and the
-        conductance; errors and scatter are nan then.
+        The ".csv", which holds the whole law.
 
     Returns
     -------
@@ -151,39 +130,34 @@ def read_law(path: str | PathLike) -> InterfaceLaw:
         If the file cannot be read or is no interface law.
     """
     path = Path(path)
-    if path.suffix not in READERS:
-        raise SceneError(f"path: found {str(path)!r}, allowed: one in {', '.join(READERS)}")
+    if path.suffix != ".csv":
+        raise SceneError(
+            f"path: found {str(path)!r}, allowed: a .csv, which holds the whole law (other files"
+            " hold only what finite elements need)"
+        )
     try:
-        text = path.read_text(encoding="utf-8")
-        return READERS[path.suffix](text)
+        return _law_of(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise SceneError(f"{path}: {error.strerror}") from None
-    except (ValueError, KeyError, IndexError, AttributeError):
-        raise SceneError(
-            f"{path}: found no law of an interface, allowed: a file of hpc-gfmd law"
-        ) from None
+    except (ValueError, KeyError, AttributeError):
+        raise SceneError(f"{path}: not an interface law written by hpc-gfmd law") from None
 
 
 def finite_element_table(law: InterfaceLaw) -> tuple[np.ndarray, np.ndarray]:
     """Return arrays (pressure, overclosure), from (0, 0), for linear interpolation of the law.
 
-    Each interval between the pressures of the law is halved (in the logarithm) until the straight
-    line deviates from the law in its middle by less than STRAIGHT times the overclosure, or until
-    the next step would make MOST_ROWS rows or more. Rows whose overclosure does not exceed that of
-    all rows before are left out. Raises SceneError if only the first row is left, as of a flat
-    surface, whose gap is 0 under any pressure.
+    Intervals are halved (in the logarithm of the pressure) until straight lines deviate by less
+    than STRAIGHT, or until there would be MOST_ROWS rows; only rows that increase the overclosure
+    are kept.
     """
 
     def overclosure(pressure: np.ndarray) -> np.ndarray:
-        """Return `gap_at_touch` minus the mean gap at some pressures."""
         return law.gap_at_touch - interpolate(law.pressure, law.values["gap_mean"], pressure)
 
     pressure = law.pressure[np.isfinite(law.values["gap_mean"])]
     while True:
         middle = np.sqrt(pressure[1:] * pressure[:-1])
-        share = (middle - pressure[:-1]) / np.diff(pressure)
-        ends = overclosure(pressure)
-        straight = ends[:-1] + share * np.diff(ends)
+        straight = np.interp(middle, pressure, overclosure(pressure))
         curved = overclosure(middle)
         coarse = np.abs(curved - straight) > STRAIGHT * curved
         if not coarse.any() or pressure.size + coarse.sum() >= MOST_ROWS:
@@ -194,18 +168,14 @@ def finite_element_table(law: InterfaceLaw) -> tuple[np.ndarray, np.ndarray]:
     rising &= closure > 0
     if not rising.any():
         raise SceneError(
-            "law: found a mean gap that no pressure decreases, allowed for finite elements: that of"
-            " a rough surface"
+            "law: no pressure decreases the mean gap; a table for finite elements needs a rough"
+            " surface"
         )
     return np.concatenate([[0.0], pressure[rising]]), np.concatenate([[0.0], closure[rising]])
 
 
-def _heading(law: InterfaceLaw, mark: str, conductivity: float | None = None) -> str:
-    """Return the comment lines at the head of a file; each begins with `mark`.
-
-    They hold the description of the law and facts such as "gap_at_touch = 1e-6 m". `conductivity`
-    is the harmonic mean of both bodies, None if it was not given.
-    """
+def _heading(law: InterfaceLaw, mark: str, conductivity: float | None) -> str:
+    """Return comment lines, each after `mark`: the description of the law, then its facts."""
     unit = law.units.get("gap_mean", "")
     facts = [f"gap_at_touch = {law.gap_at_touch!r} {unit}".rstrip(), f"surfaces = {law.surfaces}"]
     if conductivity is not None:
@@ -215,10 +185,7 @@ def _heading(law: InterfaceLaw, mark: str, conductivity: float | None = None) ->
 
 
 def _csv(law: InterfaceLaw, conductivity: float | None, name: str) -> str:
-    """Return the law as CSV text with units in the headings of the columns.
-
-    `conductivity` only appears in the comment lines, and `name` is not used.
-    """
+    """Return the law as CSV with units in the headings of the columns; `name` is not used."""
     table = law.to_dataframe()
     units = table.attrs["units"]
     table.columns = [f"{column} [{units[column]}]" for column in table.columns]
@@ -227,65 +194,23 @@ def _csv(law: InterfaceLaw, conductivity: float | None, name: str) -> str:
 
 
 def _inp(law: InterfaceLaw, conductivity: float | None, name: str) -> str:
-    """Return the law as input of CalculiX or Abaqus. `name` is that of the surface interaction.
-
-    It holds the conductance only if `conductivity`, the mean of both bodies, is given. Raises
-    SceneError as `finite_element_table`.
+    """Return the law as input of CalculiX or Abaqus, with the conductance per area and kelvin if
+    the conductivity, the mean of both bodies, is given.
     """
     pressure, closure = finite_element_table(law)
     lines = [f"*SURFACE INTERACTION, NAME={name}"]
     lines += ["*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR"]
     lines += [f"{p:.9E}, {o:.9E}" for p, o in zip(pressure, closure, strict=True)]
     if conductivity is not None:
-        lines += ["*GAP CONDUCTANCE, PRESSURE"]
-        rows = zip(*_conductance_rows(law, conductivity), strict=True)
-        lines += [f"{h:.9E}, {p:.9E}, 0." for p, h in rows]
+        conductance = interpolate(law.pressure, law.values["conductance"], pressure[1:])
+        rows = zip(conductivity * conductance, pressure[1:], strict=True)
+        lines += ["*GAP CONDUCTANCE, PRESSURE", f"{0:.9E}, {0:.9E}, 0."]
+        lines += [f"{h:.9E}, {p:.9E}, 0." for h, p in rows if np.isfinite(h)]
     return _heading(law, "**", conductivity) + "\n".join(lines) + "\n"
 
 
-def _moose(law: InterfaceLaw, conductivity: float | None, name: str) -> str:
-    """Return the law as functions of MOOSE, whose names begin with `name`.
-
-    The functions are the pressure over the overclosure and, if `conductivity` is given, the
-    conductance over the pressure. Raises SceneError as `_inp`.
-    """
-    pressure, closure = finite_element_table(law)
-    tables = {f"{name}_pressure_of_closure": (closure, pressure)}
-    if conductivity is not None:
-        tables[f"{name}_conductance_of_pressure"] = _conductance_rows(law, conductivity)
-    lines = ["[Functions]"]
-    for function, (x, y) in tables.items():
-        lines += [f"  [{function}]", "    type = PiecewiseLinear"]
-        lines += [f"    x = '{_numbers(x)}'", f"    y = '{_numbers(y)}'", "    extrap = false"]
-        lines += ["  []"]
-    return _heading(law, "#", conductivity) + "\n".join([*lines, "[]"]) + "\n"
-
-
-def _numbers(values: np.ndarray) -> str:
-    """Return numbers as text in one line with ten digits, separated by blanks, for MOOSE."""
-    return " ".join(f"{value:.9E}" for value in values)
-
-
-def _conductance_rows(law: InterfaceLaw, conductivity: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return arrays (pressure, conductance per area and kelvin) of a law, from (0, 0).
-
-    The conductance is `conductivity`, the mean of both bodies, times that of the law. The pressures
-    are those of `finite_element_table` at which the law has one.
-    """
-    pressure, _ = finite_element_table(law)
-    conductance = interpolate(law.pressure, law.values["conductance"], pressure[1:])
-    exists = np.isfinite(conductance)
-    return (
-        np.concatenate([[0.0], pressure[1:][exists]]),
-        np.concatenate([[0.0], conductivity * conductance[exists]]),
-    )
-
-
-def _read_csv(text: str) -> InterfaceLaw:
-    """Return the law in a text that `_csv` has written.
-
-    Raises KeyError, ValueError or AttributeError for other texts, as the other readers here do.
-    """
+def _law_of(text: str) -> InterfaceLaw:
+    """Return the law in a text of `_csv`; KeyError, ValueError or AttributeError for others."""
     from pandas import read_csv
 
     table = read_csv(StringIO(text), comment="#")
@@ -295,101 +220,19 @@ def _read_csv(text: str) -> InterfaceLaw:
         name, unit = re.fullmatch(r"(\w+) \[(.*)\]", heading).groups()  # type: ignore[union-attr]
         units[name] = unit
         columns[name] = table[heading].to_numpy(float)
-    pressure = columns.pop("pressure")
-    names = [name for name in columns if not name.endswith(("_error", "_scatter"))]
-    facts = _facts(text)
+    names = [name for name in columns if f"{name}_error" in columns]
+    facts = dict(FACT.findall(text))
+    _, *about = (line for line in text.splitlines() if line.startswith("#"))
     return InterfaceLaw(
-        pressure,
+        columns["pressure"],
         {name: columns[name] for name in names},
         {name: columns[f"{name}_error"] for name in names},
         {name: columns[f"{name}_scatter"] for name in names},
-        facts["gap_at_touch"],
+        float(facts["gap_at_touch"]),
         {name: units[name] for name in ("pressure", *names)},
         int(facts["surfaces"]),
-        _about(text),
+        tuple(line.removeprefix("# ") for line in about if not FACT.match(line)),
     )
 
 
-def _read_inp(text: str) -> InterfaceLaw:
-    """Return the law in a text that `_inp` has written: mean gap, and conductance if present."""
-    tables: dict[str, list[list[float]]] = {}
-    rows: list[list[float]] = []
-    for line in text.splitlines():
-        if line.startswith("**"):
-            continue
-        if line.startswith("*"):
-            rows = tables.setdefault(line.partition(",")[0], [])
-        else:
-            rows.append([float(number) for number in line.split(",")])
-    conductance = [row[1::-1] for row in tables.get("*GAP CONDUCTANCE", ())]
-    return _of_finite_elements(text, tables["*SURFACE BEHAVIOR"], conductance)
-
-
-def _read_moose(text: str) -> InterfaceLaw:
-    """Return the law in a text that `_moose` has written: mean gap, and conductance if present."""
-    functions = re.findall(r"\[(\w+)\]\s+type.*?x = '(.*?)'\s+y = '(.*?)'", text, re.DOTALL)
-    tables = {
-        function.rsplit("_", 2)[0].rsplit("_", 1)[1]: np.array([x.split(), y.split()], float).T
-        for function, x, y in functions
-    }
-    pressure = tables["pressure"][:, ::-1].tolist()
-    return _of_finite_elements(text, pressure, tables.get("conductance", np.empty((0, 2))).tolist())
-
-
-def _of_finite_elements(
-    text: str, behaviour: Sequence[Sequence[float]], conductance: Sequence[Sequence[float]]
-) -> InterfaceLaw:
-    """Return a law from rows (pressure, overclosure) and (pressure, conductance) of a file.
-
-    `behaviour` and `conductance` are these rows; the first row of each is (0, 0) and is left out.
-    Without rows of conductance the law has none; otherwise it is interpolated linearly at the
-    pressures of `behaviour`. `text` is the whole file; its heading has gap_at_touch, the
-    conductivity and the unit of length. Errors and scatter are nan.
-    """
-    facts = _facts(text)
-    pressure, closure = np.array(behaviour[1:], float).T
-    values = {"gap_mean": facts["gap_at_touch"] - closure}
-    if conductance:
-        p, h = np.array(conductance[1:], float).T
-        values["conductance"] = np.interp(
-            pressure, p, h / facts["conductivity"], left=np.nan, right=np.nan
-        )
-    unknown = {name: np.full_like(pressure, np.nan) for name in values}
-    unit = re.search(r"gap_at_touch = \S+ (\S+)", text)
-    length = unit[1] if unit else ""
-    units = {"pressure": "Pa" if length == "m" else "", "gap_mean": length}
-    units["conductance"] = f"1/{length}" if length else ""
-    return InterfaceLaw(
-        pressure,
-        values,
-        unknown,
-        unknown,
-        facts["gap_at_touch"],
-        {name: units[name] for name in ("pressure", *values)},
-        int(facts["surfaces"]),
-        _about(text),
-    )
-
-
-def _facts(text: str) -> dict[str, float]:
-    """Return {name: number} of the facts in the heading of a file, such as "conductivity"."""
-    return {name: float(number) for name, number, _ in FACT.findall(text)}
-
-
-def _about(text: str) -> tuple[str, ...]:
-    """Return the description in the heading of a file: all but its first line and the facts."""
-    heading = [line for line in text.splitlines() if line.startswith(("#", "**"))]
-    lines = [re.sub(r"^[#*]+ ?", "", line) for line in heading]
-    return tuple(line for line in lines[1:] if not FACT.match(line))
-
-
-WRITERS: dict[str, Callable[[InterfaceLaw, float | None, str], str]] = {
-    ".csv": _csv,
-    ".inp": _inp,
-    ".i": _moose,
-}
-READERS: dict[str, Callable[[str], InterfaceLaw]] = {
-    ".csv": _read_csv,
-    ".inp": _read_inp,
-    ".i": _read_moose,
-}
+WRITERS: dict[str, Callable[[InterfaceLaw, float | None, str], str]] = {".csv": _csv, ".inp": _inp}

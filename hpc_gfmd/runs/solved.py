@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..contact import all_numbers, all_observables, default_observables
-from ..output.export import FORMATS, common_fields, export, frame
+from ..output.export import FORMATS, INSTEAD, common_fields, export, frame
 from ..output.fields import Slab
 from ..output.numbers import axes, dataset_attributes, numbers, scalar_names
 from ..output.record import RunFile
@@ -172,8 +172,7 @@ class Solved:
         Parameters
         ----------
         path : path
-            Ends in .vtkhdf (ParaView), .nc, .npz, .csv, .gwy (Gwyddion, all fields) or .x3p (one
-            length of one load).
+            Ends in .csv (a table of the numbers) or .gwy (Gwyddion, all fields).
         fields : list of str, optional
             Fields to export; default: all.
 
@@ -185,18 +184,17 @@ class Solved:
         Raises
         ------
         SceneError
-            For another suffix, if the format cannot hold the fields, or if they are spread over
-            ranks.
+            For another suffix, or if the fields are spread over ranks.
         GfmdError
             If writing fails.
         """
         self._require_whole("export")
-        kinds = {extension: kind for kind, (_, extension) in FORMATS.items()}
-        if Path(path).suffix not in kinds:
-            raise SceneError(f"path: found {str(path)!r}, allowed: one in {', '.join(kinds)}")
-        return export(
-            self.result.only(fields=fields), kinds[Path(path).suffix], path, all_numbers()
-        )
+        kind = Path(path).suffix.removeprefix(".")
+        if kind not in FORMATS:
+            hint = INSTEAD.get("netcdf" if kind == "nc" else kind)
+            allowed = ", ".join(f".{name}" for name in FORMATS)
+            raise SceneError(f"path: found {str(path)!r}, {hint or f'allowed: one in {allowed}'}")
+        return export(self.result.only(fields=fields), kind, path, all_numbers())
 
     def leak_rate(
         self,

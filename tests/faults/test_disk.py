@@ -59,7 +59,7 @@ def test_full(small_disk, undisturbed, when, ranks):
 
 def test_export(small_disk, undisturbed):
     disk = small_disk("4k")
-    job = call(f"export {undisturbed(None, **FIELDS).path} --to netcdf -o {disk}/x")
+    job = call(f"export {undisturbed(None, **FIELDS).path} --to gwy -o {disk}/x")
     assert job.code == 1
     job.says("No space left on device")
     assert not names(disk)

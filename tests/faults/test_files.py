@@ -49,7 +49,7 @@ def test_result_file(fault, tmp_path, refused):
     path = tmp_path / "out.h5"
     make(path)
     assert words in refused("show", "out.h5")
-    for command in (["plot", "out.h5"], ["restart", "out.h5"], ["export", "out.h5", "--to", "npz"]):
+    for command in (["plot", "out.h5"], ["restart", "out.h5"], ["export", "out.h5", "--to", "csv"]):
         refused(*command)
 
 

@@ -76,7 +76,7 @@ def open_without_proc(path, *rest, **more):
 io.open = builtins.open = open_without_proc
 from hpc_gfmd.commands.cli import main
 
-calls = "run scene.toml,plan scene.toml,info,export contact.h5 --to npz,show contact.h5"
+calls = "run scene.toml,plan scene.toml,info,export contact.h5 --to csv,show contact.h5"
 for line in calls.split(","):
     assert main(line.split()) == 0, line
 """
@@ -92,4 +92,4 @@ def test_features_of_linux_are_not_needed(folder):
     )
     assert completed.returncode == 0, completed.stdout + completed.stderr
     assert "inf GiB" in completed.stdout
-    assert {"contact.h5", "contact.npz"} <= {path.name for path in folder.iterdir()}
+    assert {"contact.h5", "contact.csv"} <= {path.name for path in folder.iterdir()}

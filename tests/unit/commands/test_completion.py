@@ -31,7 +31,7 @@ def test_bash(tmp_path):
     (tmp_path / "scene.toml").touch()
     assert {"plan", "plot"} <= set(completed(script, ["hpc-gfmd", "pl"]))
     assert "--force" in completed(script, ["hpc-gfmd", "run", "--fo"])
-    assert {"netcdf", "npz"} <= set(completed(script, ["hpc-gfmd", "export", "--to", "n"]))
+    assert "gwy" in completed(script, ["hpc-gfmd", "export", "--to", "g"])
     assert "scene.toml" in completed(script, ["hpc-gfmd", "run", "sce"])
 
 

@@ -19,17 +19,12 @@ def scene(tmp_path):
 
 
 def test_files_and_table(scene, cli, tmp_path):
-    paths = [tmp_path / name for name in ("law.csv", "law.inp", "law.i")]
+    paths = [tmp_path / name for name in ("law.csv", "law.inp")]
     outputs = [word for path in paths for word in ("-o", path)]
     text = cli.prints("law", scene, *RANGE, *outputs, "--conductivity", "50", "200")
     assert "conductance" in text
     law = hpc_gfmd.read_law(paths[0])
-    for path in paths[1:]:
-        of_elements = hpc_gfmd.read_law(path)
-        pressures = np.geomspace(0.02, 0.3, 5)
-        np.testing.assert_allclose(
-            of_elements("gap_mean", pressures), law("gap_mean", pressures), rtol=1e-3, atol=1e-3
-        )
+    assert "*GAP CONDUCTANCE" in paths[1].read_text()
     data = json.loads(cli.prints("law", scene, *RANGE, "--json"))
     assert data["law"]["a_r"] == pytest.approx(law.values["a_r"].tolist())
 
@@ -49,7 +44,7 @@ def test_existing_files_and_bad_arguments_are_refused(scene, cli, tmp_path):
     [
         (("-o", "missing/law.csv"), "folder"),
         (("-o", "law.inp", "--quantities", "a_r"), "gap_mean"),
-        (("-o", "law.i", "--quantities", "gap_mean", "--conductivity", "50"), "conductance"),
+        (("-o", "law.inp", "--quantities", "gap_mean", "--conductivity", "50"), "conductance"),
         (("-o", "law.inp", "--name", "A B"), "name"),
     ],
 )

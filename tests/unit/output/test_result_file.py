@@ -51,7 +51,6 @@ def test_damaged_fields_are_not_read_copied_drawn_or_exported(path, tmp_path, cl
             stored.read(4, 6)
     with refused(damaged, GfmdError):
         load(path).save("copy.h5")
-    exports = [f"export out.h5 --to {kind}" for kind in ("vtkhdf", "netcdf", "npz")]
-    for command in ("plot out.h5", *exports):
+    for command in ("plot out.h5", "export out.h5 --to gwy"):
         assert damaged in cli.refused(command, code=1)
     assert names(tmp_path) == ["out.h5"]
