@@ -3,7 +3,7 @@
 Nothing here needs MPI, and fields are read a few rows at a time.
 """
 
-from .heights import height_map
+from .maps import height_map
 from .pictures import chosen_steps, figures, plot, plot_result, save_picture
 
 __all__ = ["chosen_steps", "figures", "height_map", "plot", "plot_result", "save_picture"]

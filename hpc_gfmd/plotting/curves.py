@@ -5,17 +5,16 @@ Several results are drawn one by one; if they are many, their mean and scatter.
 
 from collections.abc import Mapping, Sequence
 from functools import partial
-from typing import Any
+from math import hypot
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..output.summary import converged
 from ..util.errors import SceneError
-from .context import FigureContext
-from .page import Page
-from .quantities import LoadAxis, PlottedQuantity, load_axis, quantity_of, relative_error
-from .style import THEORY, WARNING, colour, log_axis, marker
-from .units import finite
+from .scales import Scale, finite, good, label
+from .style import THEORY, WARNING, Page, colour, log_axis, marker
+from .view import View
 
 DOUBTFUL = {"color": WARNING, "marker": "x", "label": "not converged"}
 BEYOND = 2  # factor by which the axis of loads goes on beyond the loads
@@ -23,82 +22,175 @@ MOST_NAMED = 6  # more results than this are shown by their mean and scatter
 SAME_LOAD = 1e-6  # relative
 
 
-def curves(contexts: Sequence[FigureContext], names: list[str]) -> Page:
-    """Return a page with a panel for each number, of one result or of several together.
+class PlottedQuantity(NamedTuple):
+    """A number of a load as a panel shows it: in words, in TeX, its unit and its relative errors.
 
-    Parameters
-    ----------
-    contexts : sequence of FigureContext
-        One for each result.
-    names : list of str
-        Numbers of a load, by their names in the result file. kappa is left out if p* has no meaning
-        for one of the surfaces, unless it is the only name.
+    The unit is a product of powers of "pressure", "gap" (measured like heights) and "length"; the
+    errors are keys of a load step and count as independent.
+    """
 
-    Returns
-    -------
-    Page
-        Not drawn yet.
+    name: str
+    symbol: str = ""
+    unit: tuple[tuple[str, int], ...] = ()
+    errors: tuple[str, ...] = ()
 
-    Raises
-    ------
-    SceneError
-        If the results have different units.
+    def error(self, step: Mapping[str, Any]) -> float:
+        """Return the relative error of the number; an error that the load step lacks is 0."""
+        return hypot(*(step.get(error) or 0.0 for error in self.errors))
+
+
+AREA_ERRORS = ("a_r_error", "a_r_discretisation")
+QUANTITIES = {  # by the names of the result file; the first ones are drawn by default
+    "a_r": PlottedQuantity("contact area", "a_r", errors=AREA_ERRORS),
+    "kappa": PlottedQuantity("", r"\kappa = a_r/p^*", errors=AREA_ERRORS),
+    "gap_mean": PlottedQuantity("mean gap", r"\langle g \rangle", (("gap", 1),), ("gap_error",)),
+    "approach": PlottedQuantity("approach", r"\delta", (("gap", 1),)),
+    "stiffness": PlottedQuantity("stiffness", "k", (("pressure", 1), ("gap", -1))),
+    "conductance": PlottedQuantity("conductance", "c", (("gap", -1),)),
+    "critical_gap_x": PlottedQuantity("critical gap along x", "g_c", (("gap", 1),)),
+    "critical_gap_y": PlottedQuantity("critical gap along y", "g_c", (("gap", 1),)),
+    "contact_area": PlottedQuantity("contact area", "A", (("length", 2),), AREA_ERRORS),
+    "contact_pressure_mean": PlottedQuantity(
+        "mean pressure in contact", r"\langle p \rangle_c", (("pressure", 1),), AREA_ERRORS
+    ),
+    "contact_pressure_max": PlottedQuantity(
+        "largest pressure", r"p_\mathrm{max}", (("pressure", 1),)
+    ),
+    "a_plastic": PlottedQuantity("area that yields", r"a_\mathrm{pl}"),
+    "a_r_corrected": PlottedQuantity("contact area, edge-corrected", "a_r", errors=("a_r_error",)),
+    "patches": PlottedQuantity("number of patches"),
+    "patch_largest": PlottedQuantity("largest patch", "A_1", (("length", 2),)),
+    "patch_mean": PlottedQuantity("mean patch", r"\langle A \rangle", (("length", 2),)),
+    "perimeter": PlottedQuantity("length of the edges of contact", "P", (("length", 1),)),
+    "energy": PlottedQuantity("elastic energy per area", "U/A", (("pressure", 1), ("gap", 1))),
+    "gap_over_h_rms": PlottedQuantity("mean gap", r"\langle g \rangle/h_\mathrm{rms}"),
+}
+OVERVIEW = ("a_r", "kappa", "gap_mean", "approach")
+
+
+def curves(views: Sequence[View], names: list[str]) -> Page:
+    """Return a page with a panel for each number of a load, of one result or of several together.
+
+    kappa is left out if p* has no meaning for one of the surfaces, unless it is the only name.
     """
     units = {
-        tuple(context.units.of(kind, [1.0]).name for kind in ("pressure", "gap"))
-        for context in contexts
+        tuple(view.units.of(kind, [1.0]).name for kind in ("pressure", "gap")) for view in views
     }
     if len(units) > 1:
-        raise SceneError(
-            "results: found different units, allowed: the same for all, or dimensionless = True"
-        )
-    if not all(context.units.rough for context in contexts):
+        raise SceneError("results: have different units; dimensionless = True draws them together")
+    if not all(view.units.rough for view in views):
         names = [name for name in names if name != "kappa"] or names
-    return Page([partial(_panel, contexts=list(contexts), key=name) for name in names])
+    return Page([partial(_curve, views=views, key=name) for name in names])
 
 
-def _panel(ax: Any, contexts: list[FigureContext], key: str) -> None:
+def quantity_of(key: str) -> PlottedQuantity:
+    """Return how a number of a load is shown; an unknown one has its key as name, and no unit."""
+    return QUANTITIES.get(key) or PlottedQuantity(key.replace("_", " "))
+
+
+def _scales(quantity: PlottedQuantity, views: Sequence[View], key: str) -> list[tuple[Scale, int]]:
+    """Return (scale, power) of each factor of the unit of a number, so that they suit all results.
+
+    A unit of one factor suits the values, those of several factors what is typical of each.
+    """
+    values = [step.get(key) for view in views for step in view.result.steps]
+    positive = [float(value) for value in values if value is not None and good(value)]
+    surface = views[0].result.surface
+    typical = {
+        "pressure": max(float(step["p"]) for view in views for step in view.result.steps),
+        "length": float(surface.get("physical_sizes", (1.0,))[0]),
+        "gap": float(surface.get("h_rms") or 0.0),
+    }
+    alone = len(quantity.unit) == 1
+    scales = []
+    for kind, power in quantity.unit:
+        sizes = [value ** (1 / power) for value in positive] if alone else [typical[kind]]
+        scales.append((views[0].units.of(kind, sizes), power))
+    return scales
+
+
+def _axis_label(quantity: PlottedQuantity, scales: list[tuple[Scale, int]]) -> str:
+    """Return the label of the axis of a number."""
+    if quantity.symbol:
+        return f"{quantity.name} {label(quantity.symbol, *scales)}"
+    units = " ".join(f"{scale.name}^{power}" for scale, power in scales if scale.name)
+    return f"{quantity.name} ({units})" if units else quantity.name
+
+
+class LoadAxis(NamedTuple):
+    """The axis of the loads: numbers `key` of load steps over `unit`.
+
+    `pressure` is the mean pressure, in the unit of the result, at 1 on the axis.
+    """
+
+    key: str
+    unit: float
+    pressure: float
+    label: str
+
+    def of(self, step: Mapping[str, Any]) -> float:
+        """Return the position of a load step on the axis."""
+        return float(step[self.key]) / self.unit
+
+
+def _load_axis(views: Sequence[View]) -> LoadAxis:
+    """Return the axis of forces if every load prescribes one, in N, otherwise of mean pressures."""
+    steps = [step for view in views for step in view.result.steps]
+    units = views[0].units
+    forces = [step.get("target_force") for step in steps]
+    scale = units.of("force", forces)
+    if all(isinstance(force, float) for force in forces) and scale.name:
+        pressure = scale.unit * steps[0]["p"] / steps[0]["target_force"]
+        return LoadAxis("target_force", scale.unit, pressure, f"force {scale.label('F')}")
+    scale = units.of("pressure", [step["p"] for step in steps])
+    name = f"pressure {scale.label('p_0')}"
+    if scale.relative and units.rough:
+        name = r"pressure $p^* = p_0/(E^* g_\mathrm{rms})$"
+    return LoadAxis("p", scale.unit, scale.unit, name)
+
+
+def _curve(ax: Any, views: Sequence[View], key: str) -> None:
     """Draw one number over the load on axes, and set labels, scales and limits.
 
     Up to MOST_NAMED results are drawn one by one, more by their mean and scatter; theory, pull-off
     and loads without an open channel are added where they apply.
     """
     quantity = quantity_of(key)
-    loads = load_axis(contexts)
-    scales = quantity.scales(contexts, key)
+    loads = _load_axis(views)
+    scales = _scales(quantity, views, key)
     unit = float(np.prod([scale.unit**power for scale, power in scales]))
-    if len(contexts) > MOST_NAMED:
-        _mean_and_scatter(ax, contexts, key, loads, unit)
+    if len(views) > MOST_NAMED:
+        _mean_and_scatter(ax, views, key, loads, unit)
     else:
-        for k, context in enumerate(contexts):
+        for k, view in enumerate(views):
             bars = " (bars: solver and grid)" if quantity.errors else ""
-            name = f"simulation{bars}" if len(contexts) == 1 else context.name
+            name = f"simulation{bars}" if len(views) == 1 else view.name
             how = {"color": colour(k), "marker": marker(k), "label": name}
-            _points(ax, context, key, quantity, loads, unit, how)
-    if key == "kappa" and len(contexts) == 1:
+            _points(ax, view, key, quantity, loads, unit, how)
+    if key == "kappa" and len(views) == 1:
         how = {"color": colour(1), "marker": marker(1), "label": "edge-corrected"}
         corrected = PlottedQuantity("", "")
-        _points(ax, contexts[0], "kappa_corrected", corrected, loads, unit, how)
+        _points(ax, views[0], "kappa_corrected", corrected, loads, unit, how)
     ax.set_xlabel(loads.label)
-    ax.set_ylabel(quantity.label(scales))
-    all_loads = [loads.of(step) for context in contexts for step in context.result.steps]
+    ax.set_ylabel(_axis_label(quantity, scales))
+    all_loads = [loads.of(step) for view in views for step in view.result.steps]
     pushed = min(all_loads) > 0
     if pushed:
         log_axis(ax, "x")
     _limits(ax, all_loads, pushed)  # before theories, which may leave the panel
-    for k, context in enumerate(contexts if len(contexts) <= MOST_NAMED else ()):
-        _pull_off(ax, context, loads, colour(k))
-    with_theory = contexts if len(contexts) <= MOST_NAMED else contexts[:1]
-    for k, context in enumerate(with_theory):
+    for k, view in enumerate(views if len(views) <= MOST_NAMED else ()):
+        _pull_off(ax, view, loads, colour(k))
+    with_theory = views if len(views) <= MOST_NAMED else views[:1]
+    for k, view in enumerate(with_theory):
         one_line = len(with_theory) == 1
-        _theory(ax, context, key, loads, unit, None if one_line else colour(k))
+        _theory(ax, view, key, loads, unit, None if one_line else colour(k))
     if key.startswith("critical_gap"):
-        _tight(ax, contexts, key, loads)
+        _tight(ax, views, key, loads)
 
 
 def _points(
     ax: Any,
-    context: FigureContext,
+    view: View,
     key: str,
     quantity: PlottedQuantity,
     loads: LoadAxis,
@@ -115,36 +207,23 @@ def _points(
     for is_converged, changes in ((True, {}), (False, DOUBTFUL)):
         steps = [
             step
-            for step in context.result.steps
+            for step in view.result.steps
             if converged(step) == is_converged and _is_shown(key, step)
         ]
         if not steps:
             continue
         x = np.array([loads.of(step) for step in steps])
         y = np.array([step[key] / unit for step in steps], dtype=float)
-        relative = np.array([relative_error(quantity, step) for step in steps])
+        relative = np.array([quantity.error(step) for step in steps])
         bars = np.abs(y) * np.nan_to_num(relative, posinf=0) if quantity.errors else None
         # on a branch loads follow from each other
-        line = {"linestyle": "-" if is_converged and context.attracts else "", "linewidth": 0.8}
+        line = {"linestyle": "-" if is_converged and view.attracts else "", "linewidth": 0.8}
         look = line | {"capsize": 1.5, "elinewidth": 0.8} | how | changes
         ax.errorbar(x, y, bars, **look)
 
 
 def is_tight(key: str, step: Mapping[str, Any]) -> bool:
-    """Whether a number of a load is a critical gap of 0: no channel is open.
-
-    Parameters
-    ----------
-    key : str
-        Name of the number in the result file.
-    step : mapping
-        Attributes of the load step.
-
-    Returns
-    -------
-    bool
-        False for any other number.
-    """
+    """Whether a number of a load is a critical gap of 0: no channel is open."""
     return key.startswith("critical_gap") and bool(step.get(key) == 0)
 
 
@@ -154,7 +233,7 @@ def _is_shown(key: str, step: Mapping[str, Any]) -> bool:
 
 
 def _mean_and_scatter(
-    ax: Any, contexts: list[FigureContext], key: str, loads: LoadAxis, unit: float
+    ax: Any, views: Sequence[View], key: str, loads: LoadAxis, unit: float
 ) -> None:
     """Draw the mean of many results on axes, with a band of one standard deviation.
 
@@ -162,12 +241,8 @@ def _mean_and_scatter(
     results that have any differ in their loads, all are drawn as points of one colour instead.
     """
     rows = [
-        [
-            (loads.of(step), step[key] / unit)
-            for step in context.result.steps
-            if _is_shown(key, step)
-        ]
-        for context in contexts
+        [(loads.of(step), step[key] / unit) for step in view.result.steps if _is_shown(key, step)]
+        for view in views
     ]
     curves_of_results = [np.array(row, dtype=float) for row in rows if row]
     if not curves_of_results:
@@ -198,12 +273,12 @@ def _mean_and_scatter(
     ax.plot(x, mean, "o-", color=colour(0), label=f"mean of {number} results")
 
 
-def _tight(ax: Any, contexts: list[FigureContext], key: str, loads: LoadAxis) -> None:
+def _tight(ax: Any, views: Sequence[View], key: str, loads: LoadAxis) -> None:
     """Shade the loads from which on no result has an open channel: their critical gap is 0.
 
     Such gaps would not show on a logarithmic axis. The right limit of the axis stays.
     """
-    steps = sorted((step for context in contexts for step in context.result.steps), key=loads.of)
+    steps = sorted((step for view in views for step in view.result.steps), key=loads.of)
     open_loads = [k for k, step in enumerate(steps) if not is_tight(key, step)]
     tight_loads = steps[open_loads[-1] + 1 if open_loads else 0 :]
     if tight_loads:
@@ -212,28 +287,26 @@ def _tight(ax: Any, contexts: list[FigureContext], key: str, loads: LoadAxis) ->
         ax.set_xlim(right=right)
 
 
-def _theory(
-    ax: Any, context: FigureContext, key: str, loads: LoadAxis, unit: float, line_colour: Any
-) -> None:
+def _theory(ax: Any, view: View, key: str, loads: LoadAxis, unit: float, line_colour: Any) -> None:
     """Draw the theory of a result's surface on axes; nothing if there is none or a load is not > 0.
 
     line_colour: None takes the colour of a single theory.
     """
-    if not (context.theory and key in context.theory.curves):
+    if not (view.theory and key in view.theory.curves):
         return
-    loads_of_steps = [loads.of(step) for step in context.result.steps]
+    loads_of_steps = [loads.of(step) for step in view.result.steps]
     if min(loads_of_steps) <= 0:
         return
     x = np.geomspace(min(loads_of_steps) / BEYOND, max(loads_of_steps) * BEYOND, 80)
-    values = context.theory.curves[key](loads.pressure_of(x)) / unit
+    values = view.theory.curves[key](loads.pressure * x) / unit
     line = THEORY | ({} if line_colour is None else {"color": line_colour})
-    ax.plot(x, values, zorder=1, label=context.theory.name, **line)
+    ax.plot(x, values, zorder=1, label=view.theory.name, **line)
 
 
-def _pull_off(ax: Any, context: FigureContext, loads: LoadAxis, line_colour: Any) -> None:
+def _pull_off(ax: Any, view: View, loads: LoadAxis, line_colour: Any) -> None:
     """Mark the last load before the surfaces of a result separate; nothing if they do not."""
-    if context.pull_off is not None:
-        held = loads.of(context.pull_off)
+    if view.pull_off is not None:
+        held = loads.of(view.pull_off)
         ax.axvline(held, color=line_colour, linestyle=":", linewidth=0.8, label="pull-off")
 
 

@@ -1,18 +1,29 @@
 """Maps of contact, pressure, gap and other fields, of the whole cell or of a window."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache, partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.colors import ListedColormap, Normalize, PowerNorm
 
-from ..output.summary import converged
-from .context import FigureContext
-from .page import Page
-from .style import CONTACT_MAP, DPI, GROUND, PRESSURE_MAP, WARNING, WIDTH, YIELDED
-from .survey import Survey, survey
-from .units import Scale, good
+from ..output.fields import Slab
+from ..output.summary import converged, surface_line
+from .scales import Scale, Units, good
+from .style import (
+    CONTACT_MAP,
+    DPI,
+    GROUND,
+    PRESSURE_MAP,
+    WARNING,
+    WIDTH,
+    YIELDED,
+    Page,
+    Picture,
+    new_picture,
+    styled,
+)
+from .view import View, window_of
 
 FIELDS = {  # symbol, colours
     "contact": ("", CONTACT_MAP),
@@ -24,59 +35,122 @@ FIELDS = {  # symbol, colours
 }
 # a largest value that is more than this times the 99.5th percentile does not set the colours
 SPIKY = 1.25
+SLAB_BYTES = 2**25
+YIELD_ROUNDING = 1e-5  # relative, of a pressure that is the hardness, in single precision
 
 
-def maps(contexts: Sequence[FigureContext], names: list[str]) -> Page:
-    """Return a page with a row for each load of one result and a column for each field.
+def maps(views: Sequence[View], names: list[str]) -> Page:
+    """Return a page with a row for each load of the first result and a column for each field.
 
-    A single field has two columns of loads instead.
-
-    Parameters
-    ----------
-    contexts : sequence of FigureContext
-        Only the first is used.
-    names : list of str
-        Keys of FIELDS: "contact", "pressure", "gap", ...
-
-    Returns
-    -------
-    Page
-        Not drawn yet; fields are read when it is drawn, each load once.
+    A single field has two columns of loads instead. Fields are read when the page is drawn, each
+    load once.
     """
-    context = contexts[0]
-    x0, x1, y0, y1 = context.window
-    aspect = (y1 - y0) / (x1 - x0)
-    loads = range(len(context.result.steps))
+    view = views[0]
+    loads = range(len(view.result.steps))
     columns = min(2, len(loads)) if len(names) == 1 else len(names)
-    width = 0.735 * WIDTH / max(columns, 2)
-    pixels = max(16, int(width * (context.dpi or DPI)))
+    pixels = _pixels(columns, view.dpi)
 
     @cache
-    def surveyed(k: int) -> Survey:
-        fields = context.result.fields[k]
+    def reduced(k: int) -> Reduced:
+        fields = view.result.fields[k]
         alone = {*names} <= {"heights", "displacement", "plastic"}
         needed = {*names} if alone else {*names, "pressure", "gap"}
         chosen = {n: fields[n] for n in needed & {*fields}}
-        return survey(chosen, pixels, context.points, context.hardness)
+        return reduce_fields(chosen, pixels, view.points, view.hardness)
 
     def panel(k: int, name: str, ax: Any) -> None:
-        _field(ax, context, surveyed(k), name)
+        _field(ax, name, reduced(k), view.units, view.lengths, view.window)
         if name != names[0]:
             ax.set_title(name if k == 0 else "", loc="right")
         elif name != "heights":
-            step = context.result.steps[k]
-            start = ", " if aspect < 2 else "\n"
+            step = view.result.steps[k]
+            start = "\n" if _aspect(view.window) >= 2 else ", "
             area = f"{start}$a_r = {step['a_r']:.3g}$" if good(step.get("a_r")) else ""
             colour = "black" if converged(step) else WARNING
-            ax.set_title(context.name_of(k) + area, loc="left", color=colour)
+            ax.set_title(view.name_of(k) + area, loc="left", color=colour)
 
-    return Page(
-        [partial(panel, k, name) for k in loads for name in names],
-        columns,
-        height=width * np.clip(aspect, 0.4, 2.4) + 0.34,
-        width=WIDTH if columns > 1 else WIDTH / 2,
-        images=True,
-    )
+    return _page([partial(panel, k, name) for k in loads for name in names], columns, view.window)
+
+
+def height_map(
+    heights: Any,
+    sizes: tuple[float, ...] = (1.0, 1.0),
+    unit: str = "",
+    title: str = "surface",
+    window: Any = None,
+    dpi: float | None = None,
+) -> Picture:
+    """Draw a map of heights.
+
+    Parameters
+    ----------
+    heights : ndarray, shape (n_x, n_y)
+        Peaks up.
+    sizes : (L_x, L_y)
+        Lengths of the cell, in the unit of the heights.
+    unit : str
+        "m", or "" if lengths have no unit.
+    title : str
+        Title of the picture.
+    window, dpi
+        As for `plot`.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        A new figure.
+
+    Raises
+    ------
+    SceneError
+        If the window is not a part of the cell.
+    """
+    n = heights.shape
+    h_rms = float(heights.std())
+    surface = {"n": list(n), "physical_sizes": list(sizes), "h_rms": h_rms, "unit": unit}
+    window, points = window_of(surface, window)
+    units = Units(surface)
+    lengths = units.of("length", [window[1] - window[0], window[3] - window[2]])
+    reduced = reduce_fields({"heights": Slab(heights, 0, n)}, _pixels(1, dpi), points)
+
+    def panel(ax: Any) -> None:
+        _field(ax, "heights", reduced, units, lengths, window)
+
+    with styled():
+        fig = new_picture()
+        _page([panel], 1, window).draw(fig)
+        fig.suptitle(title_of(title, surface), x=0.01, ha="left", wrap=True)
+    return fig
+
+
+def title_of(name: str, surface: Mapping[str, Any]) -> str:
+    """Return the title of a figure: a name, and points, sizes and roughness of the surface."""
+    line = surface_line({k: surface.get(k) for k in ("n", "physical_sizes", "h_rms", "unit")})
+    for plain, printed in ((" x ", " × "), (" um", " µm"), ("h_rms", r"$h_\mathrm{rms}$")):
+        line = line.replace(plain, printed)
+    return f"{name}: {line}"
+
+
+def _aspect(window: tuple) -> float:
+    """Return height over width of a window."""
+    x0, x1, y0, y1 = window
+    return (y1 - y0) / (x1 - x0)
+
+
+def _width(columns: int) -> float:
+    """Return the width of a map, in inches."""
+    return 0.735 * WIDTH / max(columns, 2)
+
+
+def _pixels(columns: int, dpi: float | None) -> int:
+    """Return the largest number of pixels of a map along each axis."""
+    return max(16, int(_width(columns) * (dpi or DPI)))
+
+
+def _page(panels: Sequence[Callable[[Any], None]], columns: int, window: tuple) -> Page:
+    """Return a page of maps of a window."""
+    height = _width(columns) * np.clip(_aspect(window), 0.4, 2.4) + 0.34
+    return Page(panels, columns, height, WIDTH if columns > 1 else WIDTH / 2, images=True)
 
 
 def _mark_yielded(ax: Any, share: np.ndarray, extent: list[float]) -> None:
@@ -96,14 +170,13 @@ def _mark_yielded(ax: Any, share: np.ndarray, extent: list[float]) -> None:
         ax.plot([], [], "s", color=YIELDED, label="yields (pressure = hardness)")
 
 
-def _field(ax: Any, context: FigureContext, pixels: Survey, name: str) -> None:
-    """Draw one field of a load on axes, with its colour bar (none for contact).
-
-    pixels: means over pixels of all fields of this load.
-    """
+def _field(
+    ax: Any, name: str, pixels: "Reduced", units: Units, lengths: Scale, window: tuple
+) -> None:
+    """Draw one of the fields of a load on axes, with its colour bar (none for contact)."""
     symbol, colours = FIELDS[name]
     in_units = [pixels.largest[name], float(pixels.means[name].min())]
-    scale = context.units.of(name, in_units) if symbol else Scale()
+    scale = units.of(name, in_units) if symbol else Scale()
     values = pixels.means[name] / scale.unit
     largest = pixels.largest[name] / scale.unit
     clipped = False
@@ -122,7 +195,7 @@ def _field(ax: Any, context: FigureContext, pixels: Survey, name: str) -> None:
         norm = PowerNorm(0.5, vmin=0, vmax=largest)
     if norm.vmin == norm.vmax:
         norm.vmax += 1
-    extent = [edge / context.lengths.unit for edge in context.window]
+    extent = [edge / lengths.unit for edge in window]
     image = ax.imshow(
         values.T, colours, norm, origin="lower", extent=extent, interpolation="nearest"
     )
@@ -131,7 +204,7 @@ def _field(ax: Any, context: FigureContext, pixels: Survey, name: str) -> None:
     ax.tick_params(color="0.5")
     for axis in (ax.xaxis, ax.yaxis):
         axis.set_major_formatter("{x:g}")
-    ax.set(xlabel=context.lengths.label("x"), ylabel=context.lengths.label("y"))
+    ax.set(xlabel=lengths.label("x"), ylabel=lengths.label("y"))
     if name == "contact":
         return
     titled = clipped or isinstance(norm, PowerNorm)
@@ -145,3 +218,69 @@ def _field(ax: Any, context: FigureContext, pixels: Survey, name: str) -> None:
         bar.ax.set_title("square root", fontsize=6.5, pad=2, loc="left")
     if clipped:
         bar.ax.set_title(f"max {largest:.3g}", fontsize=6.5, pad=2, loc="left")
+
+
+class Reduced(NamedTuple):
+    """Fields of a load step, reduced to pixels.
+
+    `means` are over the points of each pixel, of the pressure over those that touch (0 if none do).
+    Besides the fields, "contact" is the share of points that touch, if pressure or gap are known,
+    and "yielded" that of the touching points whose pressure is the hardness. `largest` is the
+    largest value of a point, by field.
+    """
+
+    means: dict[str, np.ndarray]
+    largest: dict[str, float]
+
+
+def reduce_fields(
+    fields: dict, pixels: int, window: tuple | None = None, hardness: float | None = None
+) -> Reduced:
+    """Reduce the fields of one load step to at most `pixels` along each axis, a few rows at a time.
+
+    window: points (i0, i1, j0, j1); default: all. hardness: in the unit of the pressure.
+    """
+    shape = next(iter(fields.values())).shape
+    i0, i1, j0, j1 = window or (0, shape[0], 0, shape[1])
+    f_x, f_y = (max(1, -(-n // pixels)) for n in (i1 - i0, j1 - j0))
+    parts: dict[str, list] = {}
+    largest: dict[str, float] = {}
+    for slab in slabs(fields, i0, i1, f_x, slice(j0, j1)):
+        if hardness is not None and "pressure" in slab:
+            slab["yielded"] = slab["pressure"] >= hardness * (1 - YIELD_ROUNDING)
+        for name, values in slab.items():
+            in_contact = name in ("pressure", "yielded")
+            counted = slab["contact"] if in_contact else np.ones(values.shape)
+            values = values * counted
+            total = _pixel_sums(values, f_x, f_y)
+            points = _pixel_sums(counted, f_x, f_y)
+            parts.setdefault(name, []).append(total / np.maximum(points, 1))
+            largest[name] = max(largest.get(name, -np.inf), float(values.max()))
+    return Reduced({name: np.concatenate(blocks) for name, blocks in parts.items()}, largest)
+
+
+def slabs(fields: dict, i0: int, i1: int, multiple: int, columns: slice) -> Iterator[Any]:
+    """Yield {field: its rows of a slab, float64} for the rows i0 <= i < i1, slab by slab.
+
+    Slabs have a multiple of `multiple` rows, but for the last one. "contact" is added if gap or
+    pressure are there: True where points touch.
+    """
+    shape = next(iter(fields.values())).shape
+    rows = max(1, SLAB_BYTES // (8 * shape[1]) // multiple) * multiple
+    for start in range(i0, i1, rows):
+        stop = min(start + rows, i1)
+        slab: dict[str, np.ndarray] = {
+            name: np.asarray(field.read(start, stop), dtype=np.float64)[:, columns]
+            for name, field in fields.items()
+        }
+        if "gap" in slab:
+            slab["contact"] = slab["gap"] <= 0
+        elif "pressure" in slab:
+            slab["contact"] = slab["pressure"] > 0
+        yield slab
+
+
+def _pixel_sums(values: Any, f_x: int, f_y: int) -> np.ndarray:
+    """Return sums over blocks of f_x times f_y points; the last blocks may be smaller."""
+    sums = np.add.reduceat(values.astype(np.float64), np.arange(0, values.shape[0], f_x), axis=0)
+    return np.add.reduceat(sums, np.arange(0, values.shape[1], f_y), axis=1)

@@ -1,67 +1,53 @@
 """All pictures of a result: which there are, and how they are drawn and saved."""
 
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 
 from ..output.read import read_result
 from ..output.result import Result
-from ..output.summary import surface_line
 from ..scene.explain import nearest
 from ..util.errors import GfmdError, SceneError, reason
-from .context import FigureContext
-from .curves import curves, is_tight
-from .distributions import NAMES, distributions
-from .maps import FIELDS, maps
-from .page import COLUMN_WIDTH, Page
-from .quantities import OVERVIEW, QUANTITIES
-from .spectra import PANELS, spectra
-from .style import Picture, legend, new_picture, save, styled
-from .units import good
+from .curves import OVERVIEW, QUANTITIES, curves, is_tight
+from .maps import FIELDS, maps, title_of
+from .scales import good
+from .spectra import DISTRIBUTIONS, SPECTRA, distributions, spectra
+from .style import COLUMN_WIDTH, Page, Picture, legend, new_picture, save, styled
+from .view import View
 
 MAX_STEPS = 4  # in maps, distributions and spectra unless `step` is given
 SUFFIXES = (".png", ".pdf", ".svg")
 
 
-@dataclass(frozen=True)
-class Kind:
-    """A kind of pictures.
+class Kind(NamedTuple):
+    """How a picture is made, and the numbers and fields of each of its panels, of which a load step
+    needs one.
 
-    Attributes
-    ----------
-    page : callable
-        Makes a Page from figure contexts and names of panels.
-    panels : dict of str to tuple of str
-        Names of numbers and fields, by panel. A load step is shown in a panel if it has one of
-        them.
-    over_loads : bool
-        Whether the picture shows curves against the load: then all loads, and several results, are
-        drawn together.
+    Curves are over all loads, and of several results together.
     """
 
-    page: Callable[[list[FigureContext], list[str]], Page]
+    page: Callable[[Sequence[View], list[str]], Page]
     panels: Mapping[str, tuple[str, ...]]
-    over_loads: bool = False
 
 
 def _curve(name: str) -> Kind:
     """Make the kind of picture that is one curve, of the number `name`, against the load."""
-    return Kind(curves, {name: (name,)}, over_loads=True)
+    return Kind(curves, {name: (name,)})
 
 
 MAPS = {name: (name,) for name in FIELDS} | {"contact": ("pressure", "gap")}
 PAGES = {
     "maps": Kind(maps, {name: MAPS[name] for name in ("contact", "pressure", "gap")}),
     "distributions": Kind(
-        distributions, {name: (*MAPS.get(name, ()), f"{name}_edges") for name in NAMES}
+        distributions, {name: (*MAPS.get(name, ()), f"{name}_edges") for name in DISTRIBUTIONS}
     ),
-    "spectra": Kind(spectra, {name: (f"{name}_q", f"{name}_r") for name in PANELS}),
-    "curves": Kind(curves, {name: (name,) for name in OVERVIEW}, over_loads=True),
+    "spectra": Kind(spectra, {name: (f"{name}_q", f"{name}_r") for name in SPECTRA}),
+    "curves": Kind(curves, {name: (name,) for name in OVERVIEW}),
 }
 PICTURES = (
     PAGES
@@ -128,54 +114,61 @@ def plot(
     """
     results = _results(result)
     if not results:
-        raise SceneError("result: found none, allowed: a result or several")
+        raise SceneError("result: an empty list; give a result or several")
     if what is None:
         what = next((name for name in PICTURES if _can_draw(name, results, step)), "maps")
     if not _can_draw(what, results, step):
         _refuse(what, results, step)
+    kind = kind_of(what)
     with styled():
-        contexts = [
-            FigureContext(one, chosen_steps(one, what, step), window, dpi, dimensionless, name)
+        views = [
+            View(one, chosen_steps(one, what, step), window, dpi, dimensionless, name)
             for name, one in results.items()
         ]
-        kind = kind_of(what)
-        drawn = [
+        panels = [
             name
             for name, keys in kind.panels.items()
-            if any(_steps(context.result, {name: keys}) for context in contexts)
+            if any(_steps(view.result, {name: keys}) for view in views)
         ]
-        if "pressure" in drawn and what == "maps":
-            drawn.remove("contact")  # which the pressure shows, too
-        page = kind.page(contexts, drawn)
-        if columns is not None:
-            page = page.with_columns(columns)
+        if "pressure" in panels and what == "maps":
+            panels.remove("contact")  # which the pressure shows, too
+        page = _arranged(kind.page(views, panels), columns)
+        if ax is not None and len(page.panels) != 1:
+            raise SceneError(
+                f"ax: {what!r} has {len(page.panels)} panels, and one axes takes one panel, such as"
+                ' "pressure" of one load, or "a_r"'
+            )
         fig = ax.figure if ax else new_picture()
         try:
             if ax is None:
                 page.draw(fig)
-                narrow = fig.get_figwidth() <= COLUMN_WIDTH
-                legend(fig, "outside lower center", columns=1 if narrow else 4)
-                if len(contexts) == 1:
-                    fig.suptitle(_title(contexts[0], what), x=0.01, ha="left", wrap=True)
-            elif len(page.panels) == 1:
-                page.panels[0](ax)
             else:
-                raise SceneError(
-                    f"ax: found {what!r} of {len(page.panels)} panels, allowed: one panel, such as"
-                    ' "pressure" of one load, or "a_r"'
-                )
-        except (OSError, ValueError, TypeError, KeyError) as error:
-            raise GfmdError(f"drawing {contexts[0].result.path}: {reason(error)}") from error
+                page.panels[0](ax)
+        except OSError as error:
+            raise GfmdError(f"drawing {views[0].result.path}: {reason(error)}") from error
+        if ax is None:
+            narrow = fig.get_figwidth() <= COLUMN_WIDTH
+            legend(fig, "outside lower center", columns=1 if narrow else 4)
+            if len(views) == 1:
+                fig.suptitle(_title(views[0], what), x=0.01, ha="left", wrap=True)
     return fig
 
 
-def _can_draw(what: Any, results: Mapping[str, Result], step: Any) -> bool:
-    """Whether every result has a load step for the picture `what`; of several, only curves.
+def _arranged(page: Page, columns: int | None) -> Page:
+    """Return a page with this number of columns; a single one is that of a journal."""
+    if columns is None:
+        return page
+    number = len(page.panels)
+    if not 1 <= columns <= number:
+        raise SceneError(
+            f"columns: found {columns}, allowed: from 1 to {number}, the number of panels"
+        )
+    return replace(page, columns=columns, width=COLUMN_WIDTH if columns == 1 else page.width)
 
-    False if `what` is not a text. Raises SceneError if step names load steps that a result does not
-    have.
-    """
-    if not isinstance(what, str) or not (len(results) == 1 or kind_of(what).over_loads):
+
+def _can_draw(what: Any, results: Mapping[str, Result], step: Any) -> bool:
+    """Whether every result has a load step for the picture `what`; of several, only curves."""
+    if not isinstance(what, str) or not (len(results) == 1 or kind_of(what).page is curves):
         return False
     return all(chosen_steps(result, what, step) for result in results.values())
 
@@ -280,31 +273,9 @@ def plot_result(file: Any, where: Any = None, what: Any = None, **how: Any) -> l
 def save_picture(
     fig: Picture, where: Path, name: str, several: bool = False, dpi: float | None = None
 ) -> Path:
-    """Save a picture in a folder, or as a file, which is replaced if it exists.
+    """Save a picture as `where`, a .png, .pdf or .svg, or as NAME.png in the folder `where`.
 
-    Parameters
-    ----------
-    fig : Picture
-    where : Path
-        A folder, created if its parent exists, or a file .png, .pdf or .svg.
-    name : str
-        Name of the picture. In a folder the file is name.png.
-    several : bool
-        Whether to append _name to the name of the file `where`.
-    dpi : float, optional
-        Default: print resolution.
-
-    Returns
-    -------
-    Path
-        Path of the picture.
-
-    Raises
-    ------
-    SceneError
-        If the folder cannot be made.
-    GfmdError
-        If the picture cannot be written.
+    The folder is made if its parent exists. several: append _NAME to the name of the file.
     """
     as_file = where.suffix.lower() in SUFFIXES and not where.is_dir()
     folder = where.parent if as_file else where
@@ -323,36 +294,20 @@ def save_picture(
 
 
 def chosen_steps(result: Result, what: Any, step: Any) -> list[int]:
-    """Choose the load steps that a picture shows.
+    """Return the indices in result.steps that a picture shows, of those that have what it shows.
 
-    Parameters
-    ----------
-    result : Result
-    what : str
-        Name of the picture.
-    step : int, sequence of int or None
-        Numbers of load steps. None: all that the picture can show for curves, the first of them for
-        "heights", otherwise at most four.
-
-    Returns
-    -------
-    list of int
-        Indices in result.steps; those that lack what the picture shows are left out.
-
-    Raises
-    ------
-    SceneError
-        If step is empty or names load steps that the result does not have.
+    step: numbers of load steps, or None: all for curves, the first for "heights", otherwise at most
+    four.
     """
     kind = kind_of(what)
     able = _steps(result, kind.panels)
     if step is not None:
         if not np.size(step):
-            raise SceneError("step: found none, allowed: the number of a load step or several")
+            raise SceneError("step: an empty list; give the number of a load step or several")
         return [k for k in result.places(np.atleast_1d(step).tolist()) if k in able]
     if what == "heights":
         return able[:1]  # the same under all loads
-    if kind.over_loads or len(able) <= MAX_STEPS:
+    if kind.page is curves or len(able) <= MAX_STEPS:
         return able
     return [able[k] for k in np.linspace(0, len(able) - 1, MAX_STEPS).round().astype(int)]
 
@@ -378,13 +333,8 @@ def _name(result: Result) -> str:
     return title or (result.path.stem if result.path else "contact")
 
 
-def _title(context: FigureContext, what: str) -> str:
+def _title(view: View, what: str) -> str:
     """Return the title of a figure: title and surface of the result, number of loads left out."""
-    left = context.left_out if what != "heights" else 0
-    out = f"; {left} of {left + len(context.result.steps)} loads not shown" if left else ""
-    line = surface_line(
-        {key: context.result.surface.get(key) for key in ("n", "physical_sizes", "h_rms", "unit")}
-    )
-    for plain, printed in ((" x ", " × "), (" um", " µm"), ("h_rms", r"$h_\mathrm{rms}$")):
-        line = line.replace(plain, printed)
-    return f"{_name(context.result)}: {line}{out}"
+    left = view.left_out if what != "heights" else 0
+    out = f"; {left} of {left + len(view.result.steps)} loads not shown" if left else ""
+    return title_of(_name(view.result), view.result.surface) + out

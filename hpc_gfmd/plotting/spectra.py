@@ -1,4 +1,4 @@
-"""Power spectra and autocorrelations of heights, pressure and gap."""
+"""Distributions of pressure, gap and patch sizes; power spectra and autocorrelations."""
 
 from collections.abc import Iterator, Sequence
 from functools import partial
@@ -6,63 +6,192 @@ from typing import Any
 
 import numpy as np
 
-from .context import FigureContext
-from .page import Page
-from .style import colour, line, log_axis
-from .units import label
+from ..output.result import Result
+from .maps import slabs
+from .scales import label
+from .style import THEORY, Page, colour, line, log_axis
+from .view import View
 
+BINS = 48  # of pressure
+GAP_DECADES = 6  # of the gap in bins, below the largest one
+PER_DECADE = 10  # bins of the gap
+DECADES = 5  # of the gap that are shown; smaller ones are rounding
+# symbol, title, least share of a bin (over the smallest that is not 0), power of the unit
+DISTRIBUTIONS = {
+    "pressure": ("p", "pressure in the contact", 4, 1),
+    "gap": ("g", "gap outside", 4, 1),
+    "patches": ("A", "contact patches", 1, 2),
+}
 SYMBOLS = {"heights": "z", "pressure": "p", "gap": "g"}
-PANELS = [f"{name}_{kind}" for kind in ("spectrum", "autocorrelation") for name in SYMBOLS]
+SPECTRA = [f"{name}_{kind}" for kind in ("spectrum", "autocorrelation") for name in SYMBOLS]
 ROUNDING = 1e-12  # relative, of a power
 
 
-def spectra(contexts: Sequence[FigureContext], names: list[str]) -> Page:
-    """Return a page of spectra and autocorrelations of one result.
+def distributions(views: Sequence[View], names: list[str]) -> Page:
+    """Return a page with a panel for each distribution of the first result.
 
-    Parameters
-    ----------
-    contexts : sequence of FigureContext
-        Only the first is used.
-    names : list of str
-        Entries of PANELS: "heights_spectrum", "gap_autocorrelation", ...
-
-    Returns
-    -------
-    Page
-        Not drawn yet.
+    What the result file has not is made from the fields, which are read when it is drawn.
     """
+    return Page([partial(_distribution, view=views[0], name=name) for name in names])
+
+
+def spectra(views: Sequence[View], names: list[str]) -> Page:
+    """Return a page with a panel for each of SPECTRA in names, of the first result."""
     draw = {"spectrum": _spectrum, "autocorrelation": _autocorrelation}
     kinds = [name.split("_") for name in names]
-    return Page([partial(draw[kind], context=contexts[0], name=name) for name, kind in kinds])
+    return Page([partial(draw[kind], view=views[0], name=name) for name, kind in kinds])
 
 
-def _lines(context: FigureContext, name: str, x: str, y: str) -> Iterator[Any]:
+def _distribution(ax: Any, view: View, name: str) -> None:
+    """Draw one distribution of every load on axes, with labels, limits and the theory.
+
+    If there is nothing to draw the axes stay empty and their title says so.
+    """
+    symbol, title, fewest, power = DISTRIBUTIONS[name]
+    densities = [
+        (k, *_joined(edges, shares, fewest)) for k, edges, shares in _shares(view.result, name)
+    ]
+    if not densities:
+        ax.set(title=f"{title}: none", xticks=[], yticks=[])
+        return
+    highest = max(edges[-1] for _, edges, _ in densities)
+    scale = view.lengths if power == 2 else view.units.of(name, [highest])
+    unit = scale.unit**power
+    for k, edges, values in densities:
+        ax.stairs(
+            values * unit,
+            edges / unit,
+            baseline=None,
+            linewidth=1.1,
+            color=colour(k),
+            linestyle=line(k),
+            label=view.name_of(k),
+        )
+    density = label(f"P({symbol})", (scale, -power))
+    ax.set(xlabel=scale.label(symbol, power), ylabel=density, title=title)
+    drawn = np.concatenate([values for *_, values in densities]) * unit
+    ax.set_ylim(drawn.min() / 2, drawn.max() * 3)
+    log_axis(ax, "y")
+    if name == "pressure":
+        ax.set_xlim(0, 1.03 * highest / unit)
+        if view.hardness is not None:
+            ax.axvline(
+                view.hardness / unit, label="hardness", color="0.5", linewidth=0.8, linestyle=":"
+            )
+        _theory(ax, view, densities, unit)
+    else:
+        lowest = min(edges[edges > 0][0] for _, edges, _ in densities)
+        below = highest / 10**DECADES if name == "gap" else 0.0
+        ax.set_xlim(max(lowest, below) / unit / 1.5, highest / unit * 1.5)
+        log_axis(ax, "x")
+
+
+def _theory(ax: Any, view: View, densities: list[Any], unit: float) -> None:
+    """Draw on axes the density that the theory gives for each load; nothing if it gives none.
+
+    densities: (index of the load, edges, values). unit: of the axis, in the unit of the result.
+    """
+    theory = view.theory
+    if not (theory and theory.density):
+        return
+    for k, edges, _ in densities:
+        x = np.linspace(0, edges[-1], 301)[1:]
+        y = theory.density(x, view.result.steps[k]["p"])
+        ax.plot(x / unit, y * unit, **THEORY | {"color": colour(k)})
+    ax.plot([], [], label=theory.name, **THEORY)
+
+
+def _shares(result: Result, name: str) -> Iterator[Any]:
+    """Yield (index of the load, edges, shares) of every load step that has this distribution.
+
+    Shares of the pressure add up to the area in contact, a_r, those of the gap to 1 - a_r, and
+    those of patches to 1. Loads with an empty histogram are left out. They come from the result
+    file if it has them, otherwise from the fields, which are read.
+    """
+    for k, (step, fields) in enumerate(zip(result.steps, result.fields)):
+        if f"{name}_edges" in step:
+            edges, density = (np.array(step[f"{name}_{x}"], float) for x in ("edges", "density"))
+            area = step.get("a_r", np.nan)
+            share = {"pressure": area, "gap": 1 - area}.get(name, 1.0)
+            if np.isnan(share):  # the mean of all points over that of these, about
+                whole = step["p" if name == "pressure" else "gap_mean"]
+                share = whole / (density @ np.diff(edges**2) / 2)
+            shares = density * np.diff(edges) * share
+        elif name in fields:
+            edges, shares = histogram(fields, name)
+        else:
+            continue
+        if shares.any():
+            yield k, edges, shares
+
+
+def _joined(edges: np.ndarray, shares: np.ndarray, fewest: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return (edges, density) of a histogram, joining bins until each is filled enough.
+
+    Empty bins at the ends are dropped; each bin then has at least `fewest` times the smallest share
+    of a bin that is not empty.
+    """
+    filled = np.flatnonzero(shares)
+    stop = filled[-1] + 1
+    chosen = [filled[0]]
+    total = np.append(0.0, shares.cumsum())
+    smallest = fewest * shares[filled].min() * (1 - 1e-9)
+    for k in range(chosen[0] + 1, stop + 1):
+        if total[k] - total[chosen[-1]] >= smallest:
+            chosen.append(k)
+    chosen = [*chosen[: max(1, len(chosen) - 1)], stop]
+    return edges[chosen], np.diff(total[chosen]) / np.diff(edges[chosen])
+
+
+def histogram(fields: dict, name: str) -> tuple[np.ndarray, np.ndarray]:
+    """Return (edges, shares) of a histogram; shares are points in each bin over all points.
+
+    Of the pressure at points that touch, in even bins from 0; of the gap at all other points, in
+    logarithmic bins, the first of which reaches down to 0. The fields are read twice.
+    """
+    n_x, n_y = fields[name].shape
+
+    def values() -> Iterator[np.ndarray]:
+        for slab in slabs(fields, 0, n_x, 1, slice(None)):
+            touching = slab["contact"]
+            yield slab[name][touching if name == "pressure" else ~touching]
+
+    top = max(block.max(initial=0.0) for block in values()) or 1.0
+    edges = np.linspace(0, top, BINS + 1)
+    if name == "gap":
+        edges = np.append(
+            0.0, np.geomspace(top / 10**GAP_DECADES, top, GAP_DECADES * PER_DECADE + 1)
+        )
+    return edges, sum(np.histogram(block, edges)[0] for block in values()) / (n_x * n_y)
+
+
+def _lines(view: View, name: str, x: str, y: str) -> Iterator[Any]:
     """Yield (x, y, keywords of plot) of a field for every load that has this distribution.
 
     x, y: endings of its keys in a load step. Heights are the same under all loads and come once.
     """
-    for k, step in enumerate(context.result.steps):
+    for k, step in enumerate(view.result.steps):
         if f"{name}_{x}" in step:
             of_heights = name == "heights"
             how = {
                 "color": "black" if of_heights else colour(k),
                 "linestyle": "-" if of_heights else line(k),
-                "label": "heights" if of_heights else context.name_of(k),
+                "label": "heights" if of_heights else view.name_of(k),
             }
             yield *(np.array(step[f"{name}_{of}"], dtype=float) for of in (x, y)), how
             if of_heights:
                 return
 
 
-def _spectrum(ax: Any, context: FigureContext, name: str) -> None:
+def _spectrum(ax: Any, view: View, name: str) -> None:
     """Draw the power spectrum of a field for each load on axes, with labels and log scales.
 
     name: of the panel, such as "gap_spectrum". Powers below rounding are left out.
     """
-    length = context.lengths
-    lines = list(_lines(context, name, "spectrum_q", "spectrum_power"))
-    size = np.sqrt(max(power.max() for _, power, _ in lines) / context.units.size**2)
-    scale = context.units.of(name, [float(size)])
+    length = view.lengths
+    lines = list(_lines(view, name, "spectrum_q", "spectrum_power"))
+    size = np.sqrt(max(power.max() for _, power, _ in lines) / view.units.size**2)
+    scale = view.units.of(name, [float(size)])
     for q, power, how in lines:
         shown = power > ROUNDING * power.max()
         y = power[shown] / (scale.unit**2 * length.unit**2)
@@ -78,15 +207,15 @@ def _spectrum(ax: Any, context: FigureContext, name: str) -> None:
     log_axis(ax, "y")
 
 
-def _autocorrelation(ax: Any, context: FigureContext, name: str) -> None:
+def _autocorrelation(ax: Any, view: View, name: str) -> None:
     """Draw the autocorrelation of a field over its value at 0 for each load on axes, with labels.
 
     name: of the panel, such as "gap_autocorrelation". A field whose value at 0 is 0 is left out.
     """
-    length = context.lengths
+    length = view.lengths
     ax.axhline(0, color="0.8", linewidth=0.7, zorder=0)
     keys = "autocorrelation_r", "autocorrelation_correlation"
-    for r, correlation, how in _lines(context, name, *keys):
+    for r, correlation, how in _lines(view, name, *keys):
         if correlation[0] > 0:  # not of a gap that is closed
             ax.plot(r / length.unit, correlation / correlation[0], **how)
     symbol = SYMBOLS[name]

@@ -4,8 +4,10 @@ Colour-blind readers can tell the colours apart; sizes are those of a journal of
 """
 
 import io
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +19,7 @@ from matplotlib.ticker import Formatter, LogLocator, NullFormatter
 
 from ..util.atomic import atomic_write
 from ..util.notebook import in_notebook
-from .units import tex_number
+from .scales import tex_number
 
 MARKERS = ("o", "s", "^", "D", "v", "P")
 LINES: tuple[Any, ...] = (
@@ -30,6 +32,7 @@ LINES: tuple[Any, ...] = (
 WARNING = "#D55E00"
 THEORY: dict[str, Any] = {"color": "0.35", "linewidth": 1.2}
 WIDTH = 7.2  # inches across two columns
+COLUMN_WIDTH = 3.35  # inches, 85 mm: one column of a journal
 
 
 def _part(name: str, low: float, high: float) -> LinearSegmentedColormap:
@@ -55,13 +58,7 @@ class Picture(Figure):
     """A figure that a notebook shows, and that is saved at print resolution."""
 
     def savefig(self, *args: Any, **how: Any) -> None:
-        """Save the figure in the style of all pictures, at print resolution unless `dpi` is given.
-
-        Parameters
-        ----------
-        *args, **how
-            What matplotlib's Figure.savefig takes.
-        """
+        """Save as matplotlib does, in the style of all pictures, at print resolution by default."""
         with styled():
             super().savefig(*args, **how)
 
@@ -72,10 +69,7 @@ class Picture(Figure):
         return png.getvalue()
 
     def _ipython_display_(self) -> None:
-        """Show the figure in a notebook.
-
-        It is closed in pyplot, which would show it again at the end of the cell.
-        """
+        """Show the figure in a notebook, and close it in pyplot, which would show it again."""
         from IPython.display import display
         from matplotlib import pyplot
 
@@ -84,15 +78,7 @@ class Picture(Figure):
 
 
 def new_picture() -> Picture:
-    """Make an empty picture.
-
-    In a notebook pyplot registers it, and shows it at the end of the cell if it was not shown
-    before.
-
-    Returns
-    -------
-    Picture
-    """
+    """Make an empty picture; in a notebook pyplot shows it at the end of the cell."""
     if in_notebook() and matplotlib.get_backend().endswith("inline"):
         from matplotlib import pyplot
 
@@ -124,22 +110,11 @@ def shade(x: float) -> Any:
 class LogTicks(LogLocator):
     """Ticks of a logarithmic axis: decades, or 1 and 3 of each, or 1, 2 and 5, ...
 
-    It is the first of these that gives three labels, or two below 1e-3, where labels are long.
+    The first of these that gives three labels, or two below 1e-3, where labels are long.
     """
 
     def tick_values(self, vmin: float, vmax: float) -> Any:
-        """Return the ticks of an axis.
-
-        Parameters
-        ----------
-        vmin, vmax : float
-            Ends of the axis.
-
-        Returns
-        -------
-        ndarray
-            Ascending; a few may lie beyond the ends.
-        """
+        """Return the ticks between vmin and vmax, ascending; a few may lie beyond."""
         decades = np.asarray(super().tick_values(vmin, vmax))
         for digits in ([1], [1, 3], [1, 2, 5], [1, 2, 3, 5, 7]):
             ticks = np.kron(decades, digits)
@@ -162,14 +137,7 @@ class LogLabels(Formatter):
 
 
 def log_axis(ax: Any, which: str) -> None:
-    """Make an axis logarithmic, with labels that do not overlap.
-
-    Parameters
-    ----------
-    ax : matplotlib.axes.Axes
-        Changed.
-    which : {"x", "y"}
-    """
+    """Make the axis "x" or "y" logarithmic, with labels that do not overlap."""
     ax.set(**{f"{which}scale": "log"})
     axis = getattr(ax, f"{which}axis")
     axis.set_major_locator(LogTicks())
@@ -177,17 +145,46 @@ def log_axis(ax: Any, which: str) -> None:
     axis.set_minor_formatter(NullFormatter())
 
 
-def legend(fig: Any, loc: str, columns: int = 1) -> None:
-    """Add one legend of all panels to a figure, each label once; none if there are no labels.
+@dataclass(frozen=True)
+class Page:
+    """Panels, each a function that draws on the axes it is given, and their arrangement.
 
-    Parameters
-    ----------
-    fig : matplotlib.figure.Figure
-    loc : str
-        Position of the legend, as matplotlib takes it.
-    columns : int
-        Number of columns.
+    Images keep their aspect and share their ticks. Sizes are in inches; `height` is that of a row.
+    Without a number of columns the number of panels decides.
     """
+
+    panels: Sequence[Callable[[Any], None]]
+    columns: int | None = None
+    height: float = 2.3
+    width: float = WIDTH
+    images: bool = False
+
+    def draw(self, fig: Any) -> None:
+        """Draw all panels on an empty figure, row by row."""
+        number = len(self.panels)
+        columns = self.columns or (2 if number == 4 else min(3, number))
+        rows = -(-number // columns)
+        images = self.images
+        width = self.width if images or columns > 1 else COLUMN_WIDTH
+        fig.set_size_inches(width, self.height * rows + (0.5 if images else 0.85))
+        if images:
+            fig.set_layout_engine("compressed", hspace=0.01, wspace=0.01, h_pad=0.03)
+        axes = fig.subplots(rows, columns, squeeze=False, sharex=images, sharey=images).flat
+        for k, (ax, panel) in enumerate(zip_longest(axes, self.panels)):
+            if panel is None:
+                ax.set_axis_off()
+                continue
+            panel(ax)
+            if images and k % columns:
+                ax.set_ylabel("")
+            if images and k + columns < number:
+                ax.set_xlabel("")
+            elif images:
+                ax.tick_params(labelbottom=True)
+
+
+def legend(fig: Any, loc: str, columns: int = 1) -> None:
+    """Add one legend of all panels, each label once; none if there are no labels."""
     handles: dict[str, Any] = {}
     for ax in fig.axes:
         for handle, label in zip(*ax.get_legend_handles_labels()):
@@ -210,17 +207,7 @@ def styled() -> Iterator[None]:
 
 @contextmanager
 def figure(path: Path, width: float, height: float) -> Iterator[Figure]:
-    """Yield a new figure in the style of all pictures, and save it at the end of the block.
-
-    It is not saved if the block raises.
-
-    Parameters
-    ----------
-    path : Path
-        File to write, replaced if it exists.
-    width, height : float
-        In inches.
-    """
+    """Yield a new figure of this size in inches; without an error in the block it is saved."""
     with styled():
         fig = Picture(figsize=(width, height), layout="constrained")
         yield fig
@@ -228,15 +215,6 @@ def figure(path: Path, width: float, height: float) -> Iterator[Figure]:
 
 
 def save(fig: Any, path: Path, dpi: float | None = None) -> None:
-    """Save a figure; the file at path is replaced only once the new one is complete.
-
-    Parameters
-    ----------
-    fig : matplotlib.figure.Figure
-    path : Path
-        Its suffix is the format.
-    dpi : float, optional
-        Default: print resolution.
-    """
+    """Save a figure in the format of its suffix; the file is replaced once it is complete."""
     with atomic_write(path) as tmp:
         fig.savefig(tmp, format=path.suffix[1:].lower(), dpi=dpi)

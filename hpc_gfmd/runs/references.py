@@ -18,7 +18,7 @@ def references_of(result: Result) -> list[str]:
     pictures of it show. Raises SceneError if the stored scene is not valid.
     """
     # with Matplotlib, which a solve has no need of
-    from ..plotting.theories import scene_of, theory_of
+    from ..plotting.theory import scene_of, theory_of
 
     scene = result.scene
     names = {name for step in result.steps for name in step}

@@ -15,7 +15,7 @@ from hpc_gfmd import make_surface
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.output.record import RunFile
 from hpc_gfmd.parallel.comm import SerialComm
-from hpc_gfmd.plotting import figures, height_map, plot, plot_result, style, survey
+from hpc_gfmd.plotting import figures, height_map, maps, plot, plot_result, style
 from hpc_gfmd.scene import Scene
 from hpc_gfmd.theory import persson
 from hpc_gfmd.theory.elastic import Westergaard
@@ -299,7 +299,7 @@ def test_plots_on_given_axes():
     wave = solved("wave", units=False)
     hpc_gfmd.plot(wave, "kappa", ax=right)  # not among the curves of a wave
     assert right.containers[0].lines[0].get_ydata() == pytest.approx(wave.values("kappa"))
-    with refused("ax: found 'maps' of 4 panels, allowed: one panel"):
+    with refused("ax: 'maps' has 4 panels"):
         solutions.plot("maps", ax=left)
 
 
@@ -317,7 +317,7 @@ def test_several_results_in_one_plot():
             assert y == pytest.approx(solutions.values("gap_mean"))
     with refused("what: found 'maps', allowed: curves"):
         hpc_gfmd.plot([soft, hard], "maps")
-    with refused("results: found different units, allowed: the same"):
+    with refused("results: have different units"):
         hpc_gfmd.plot([soft, solved("rough", units=False)], "a_r")
 
 
@@ -417,7 +417,7 @@ def test_colours_ignore_a_spike_and_a_title_names_it():
 def test_single_contact_points_are_visible():
     pressure = np.zeros((400, 300))
     pressure[201, 33] = 1e-3
-    surveyed = survey.survey({"pressure": ReadField(pressure)}, 20)
+    surveyed = maps.reduce_fields({"pressure": ReadField(pressure)}, 20)
     assert np.count_nonzero(surveyed.means["contact"]) == 1
     assert surveyed.means["pressure"].max() == 1e-3  # not averaged with points out of contact
     ground = matplotlib.colors.to_rgb(style.GROUND)
@@ -546,14 +546,14 @@ def test_loads_left_out_are_named(cli):
 def test_missing_results_and_steps_are_refused():
     with refused("nothing to draw"):
         plot_result(write("empty.h5", steps=0))
-    with refused("result: found none, allowed: a result or several"):
+    with refused("result: an empty list"):
         hpc_gfmd.plot([])
     file = write("run.h5", n=(8, 6), fields=())
     for options, words in (
         ({"what": "map"}, 'what: found .map., nearest: "maps", allowed: curves'),
         ({"what": "maps"}, "need output.fields"),
         ({"what": "curves", "step": 7}, "step: found 7, allowed: 0, 1"),
-        ({"what": "curves", "step": []}, "step: found none, allowed: the number"),
+        ({"what": "curves", "step": []}, "step: an empty list"),
         ({"what": "curves", "step": 0.5}, r"step: found 0\.5, allowed: 0, 1"),
     ):
         with refused(words):
@@ -572,11 +572,11 @@ def test_heights_of_an_array():
 
 
 def test_survey_reads_slabs_and_keeps_means(monkeypatch):
-    monkeypatch.setattr(survey, "SLAB_BYTES", 8 * 47 * 10)
+    monkeypatch.setattr(maps, "SLAB_BYTES", 8 * 47 * 10)
     noise = np.random.default_rng(2).normal(size=(101, 47))
     pressure = ReadField(np.maximum(noise, 0))
     gap = ReadField(np.maximum(-noise, 0))
-    surveyed = survey.survey({"pressure": pressure, "gap": gap}, 16)
+    surveyed = maps.reduce_fields({"pressure": pressure, "gap": gap}, 16)
     assert pressure.largest_read <= 10
     assert surveyed.means["contact"].shape == (15, 16)
     assert surveyed.means["contact"][0, 0] == (noise[:7, :3] > 0).mean()

@@ -1,11 +1,10 @@
 """Scales of pictures: units with SI prefixes, or factors that make numbers dimensionless."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from math import isfinite
 from typing import Any
 
-from ..output.result import Result
 from ..util.quantities import prefixed
 
 
@@ -20,19 +19,7 @@ def finite(value: Any) -> bool:
 
 
 def tex_number(x: float, form: str = ".3g") -> str:
-    """Return a number as TeX, with an exponent as a power of ten.
-
-    Parameters
-    ----------
-    x : float
-    form : str
-        Format of the number.
-
-    Returns
-    -------
-    str
-        Without dollar signs.
-    """
+    """Return a number in this format as TeX, with an exponent as a power of ten."""
     mantissa, _, exponent = f"{x:{form}}".partition("e")
     factor = "" if mantissa == "1" else rf"{mantissa} \cdot "
     return f"{factor}10^{{{int(exponent)}}}" if exponent else mantissa
@@ -58,34 +45,13 @@ class Scale:
     relative: bool = False
 
     def label(self, symbol: str, power: int = 1) -> str:
-        """Return the label of an axis, such as "$p$ (MPa)" or "$p/E^*$".
-
-        Parameters
-        ----------
-        symbol : str
-            In TeX.
-        power : int
-            Power of the unit.
-
-        Returns
-        -------
-        str
-        """
+        """Return the label of an axis, such as "$p$ (MPa)" or "$p/E^*$"; the symbol is in TeX."""
         return label(symbol, (self, power))
 
     def value(self, symbol: str, number: float) -> str:
         """Return an equation such as "$p = 20$ MPa" or, of a relative unit, "$p/E^* = 0.2$".
 
-        Parameters
-        ----------
-        symbol : str
-            In TeX.
-        number : float
-            In the unit of the result; it is divided by `unit`.
-
-        Returns
-        -------
-        str
+        The number is in the unit of the result.
         """
         name = "" if self.relative else self.name
         left = label(symbol, (self, 1)).split("$")[1]
@@ -93,19 +59,7 @@ class Scale:
 
 
 def label(symbol: str, *scales: tuple[Scale, int]) -> str:
-    """Return the label of an axis whose unit is a product: "$P(p)$ (MPa$^{-1}$)", "$q L_x$".
-
-    Parameters
-    ----------
-    symbol : str
-        In TeX.
-    *scales : (Scale, int)
-        Factors of the unit and their powers.
-
-    Returns
-    -------
-    str
-    """
+    """Return the label of an axis for factors of its unit: "$P(p)$ (MPa$^{-1}$)", "$q L_x$"."""
     above: list[str] = []
     below: list[str] = []
     units: list[str] = []
@@ -124,24 +78,17 @@ def label(symbol: str, *scales: tuple[Scale, int]) -> str:
 class Units:
     """The scales of a result: units with SI prefixes if it has units, otherwise relative ones.
 
-    Parameters
-    ----------
-    result : Result
-    theory : Theory, optional
-        Its `height` is the scale of heights if these have no unit; default: h_rms.
-    dimensionless : bool
-        Whether to ignore the units of the result.
-
-    Attributes
-    ----------
-    size : float
-        L_x, in the unit of the result.
-    rough : bool
-        Whether the surface is rough: p* has a meaning, and pressures scale with E* g_rms.
+    `height` is the scale of heights without a unit (default: h_rms). `rough` tells whether p* has a
+    meaning, so that pressures scale with E* g_rms.
     """
 
-    def __init__(self, result: Result, theory: Any = None, dimensionless: bool = False) -> None:
-        surface = result.surface
+    def __init__(
+        self,
+        surface: Mapping[str, Any],
+        steps: Iterable[Mapping[str, Any]] = (),
+        height: Scale | None = None,
+        dimensionless: bool = False,
+    ) -> None:
         length, pressure = (
             "" if dimensionless else surface.get(unit, "") for unit in ("unit", "pressure_unit")
         )
@@ -151,31 +98,22 @@ class Units:
         slope = surface.get("g_rms")
         unit = (
             step["p"] / step["p_star"] / (1.0 if self.rough else slope)
-            for step in result.steps
+            for step in steps
             if good(slope) and good(step.get("p_star")) and good(step.get("p"))
         )
         name = r"E^* g_\mathrm{rms}" if self.rough else "E^*"
         self._scales = {
             "length": (length, Scale(self.size, "L_x", True)),
             "pressure": (pressure, Scale(next(unit, 0.0), name, True)),
-            "height": (length, (theory and theory.height) or h_rms),
+            "height": (length, height or h_rms),
             "force": ("N" if length and pressure else "", Scale(0.0, "", True)),
         }
 
     def of(self, name: str, values: Iterable[Any]) -> Scale:
-        """Return the scale of numbers of one kind.
+        """Return the scale of "length" (positions), "pressure", "force"; other names are heights.
 
-        Parameters
-        ----------
-        name : str
-            "length" (positions), "pressure" or "force"; any other name means heights and gaps.
-        values : iterable
-            Numbers in the unit of the result, which decide the prefix.
-
-        Returns
-        -------
-        Scale
-            With unit 1 and no name if neither a unit nor a relative scale is known.
+        The values, in the unit of the result, decide the prefix. Without a unit and a relative
+        scale it is 1.
         """
         unit, relative = self._scales.get(name, self._scales["height"])
         if unit:

@@ -2,39 +2,23 @@
 
 from typing import Any
 
+import numpy as np
+
 from ..output.result import Result
 from ..output.summary import converged, last_held
-from .theories import scene_of, theory_of
-from .units import Units, good
-from .window import window_of
+from ..util.errors import SceneError, one_line
+from ..util.quantities import parse
+from .scales import Units, good
+from .theory import scene_of, theory_of
 
 
-class FigureContext:
-    """A result with what all panels of a picture of it share: units, window, theory.
-
-    Raises SceneError if the window is not a part of the cell.
-
-    Parameters
-    ----------
-    result : Result
-        Not changed.
-    chosen : list of int
-        Indices in result.steps of the load steps to draw.
-    window : (x0, x1, y0, y1), optional
-        Part of the cell, as `window_of` takes it; default: all of it.
-    dpi : float, optional
-        Resolution of the print.
-    dimensionless : bool
-        Whether to ignore the units of the result.
-    name : str
-        Name in a legend of several results.
+class View:
+    """Some load steps of a result, with the units, theory and window of a picture of them.
 
     Attributes
     ----------
     result : Result
         With the chosen load steps only.
-    dpi, name
-        As given.
     pull_off : dict or None
         The last load step before the surfaces separate, chosen or not; None if they do not.
     left_out : int
@@ -44,15 +28,11 @@ class FigureContext:
     points : (i0, i1, j0, j1) or None
         The window in grid points; None: all of them.
     hardness : float or None
-        Hardness of the solid, in the unit of the pressure.
+        In the unit of the pressure.
     attracts : bool
         Whether the surfaces attract each other.
-    theory : Theory or None
-        Drawn beside the result.
-    units : Units
-        Scales of all kinds of quantities.
     lengths : Scale
-        Scale of positions within the window.
+        Of positions within the window.
     """
 
     def __init__(
@@ -74,7 +54,8 @@ class FigureContext:
         self.theory = theory_of(scene, result.surface)
         self.hardness = scene.material.hardness if scene else None
         self.attracts = scene is not None and scene.material.adhesion is not None
-        self.units = Units(result, self.theory, dimensionless)
+        height = self.theory.height if self.theory else None
+        self.units = Units(result.surface, result.steps, height, dimensionless)
         x0, x1, y0, y1 = self.window
         self.lengths = self.units.of("length", [x1 - x0, y1 - y0])
 
@@ -89,3 +70,39 @@ class FigureContext:
             name += f": {pressures.value('p_0', step['p'])}"
         doubt = f"\nNOT CONVERGED ({step.get('status', 'unknown')})"
         return name + ("" if converged(step) else doubt)
+
+
+def window_of(surface: Any, window: Any) -> tuple:
+    """Return a part of the cell at the edges of grid points, and its points (i0, i1, j0, j1).
+
+    window: (x0, x1, y0, y1) in the unit of the sizes, or as texts such as "2um"; None is all, whose
+    points are None.
+    """
+    sizes = np.array(surface.get("physical_sizes", (1.0, 1.0)))
+    n = np.array(surface["n"])
+    if window is None:
+        return (0.0, sizes[0], 0.0, sizes[1]), None
+    try:
+        low, high = np.reshape([_length(edge) for edge in window], (2, 2)).T
+        inside = np.all((0 <= low) & (low < high) & (high <= sizes * (1 + 1e-9)))
+    except (TypeError, ValueError):
+        inside = np.False_
+    if not inside:
+        text = " ".join(map(str, window)) if isinstance(window, list | tuple) else str(window)
+        L_x, L_y = (f"{size:g} {surface.get('unit', '')}".rstrip() for size in sizes)
+        raise SceneError(
+            f"window: found {one_line(text)}, allowed: x0 x1 y0 y1 with 0 <= x0 < x1 <= {L_x} and"
+            f' 0 <= y0 < y1 <= {L_y}, plain or as "2um"'
+        )
+    start = np.minimum((low / sizes * n + 1e-9).astype(int), n - 1)
+    stop = np.clip(np.ceil(high / sizes * n - 1e-9).astype(int), start + 1, n)
+    points = np.transpose([start, stop])
+    return tuple((points * (sizes / n)[:, None]).ravel()), tuple(points.ravel().tolist())
+
+
+def _length(edge: Any) -> float:
+    """Return a length, a number or a text such as "5 um", as a number; units become m."""
+    try:
+        return float(edge)
+    except ValueError:
+        return float(parse(edge, "length"))

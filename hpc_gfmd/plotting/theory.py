@@ -18,26 +18,16 @@ from ..theory import persson, yielding
 from ..theory.elastic import Hertz, HertzLine, Westergaard
 from ..theory.slope_profile import SlopeProfile
 from ..util.errors import SceneError
-from .units import Scale, good
+from .scales import Scale, good
 
 
 @dataclass(frozen=True)
 class Theory:
     """A theory of a surface, in the units of the result.
 
-    Attributes
-    ----------
-    name : str
-        Name in legends.
-    curves : dict of str to callable
-        Functions of the mean pressure, by the names of the numbers of a load that they predict.
-    density : callable or None
-        density(x, p) is the density of the local pressure x > 0 at the mean pressure p; its
-        integral over x is the relative contact area.
-    height : Scale or None
-        Scale of heights if these have no unit; None: h_rms.
-    sources : tuple of str
-        Papers, with DOI.
+    `curves` are functions of the mean pressure by the names of the numbers that they predict;
+    density(x, p) is that of the local pressure x > 0 at the mean pressure p, and its integral over
+    x is the relative contact area. `height` is the scale of heights without a unit; None: h_rms.
     """
 
     name: str
@@ -56,18 +46,9 @@ def scene_of(result: Result) -> Scene | None:
 
 
 def theory_of(scene: Scene | None, attributes: Any) -> Theory | None:
-    """Return the theory that applies to a surface.
+    """Return the theory of a surface with these attributes in the result.
 
-    Parameters
-    ----------
-    scene : Scene or None
-    attributes : mapping
-        Attributes of the surface in a result.
-
-    Returns
-    -------
-    Theory or None
-        None for measured surfaces, layers and adhesion, and if no theory covers these boundaries.
+    None for measured surfaces, layers and adhesion, and if no theory covers these boundaries.
     """
     if scene is None or scene.material.thickness is not None:
         return None
