@@ -26,11 +26,7 @@ MODULES = (  # (title, name, description) of public modules beside hpc_gfmd.__al
     ),
     ("Persson's theory", "hpc_gfmd.theory.persson", "Needs only NumPy and SciPy, no solver."),
     ("Closed forms", "hpc_gfmd.theory.elastic", "Exact solutions with which the tests compare."),
-    (
-        "Adhesive contacts",
-        "hpc_gfmd.theory.adhesion",
-        "Balls, waves, and when a rough surface sticks.",
-    ),
+    ("Adhesive contacts", "hpc_gfmd.theory.adhesion", "When a ball or a rough surface sticks."),
 )
 
 

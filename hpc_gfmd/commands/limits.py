@@ -3,6 +3,7 @@
 It works where the tabulated coefficients cover the load steps.
 """
 
+from collections.abc import Mapping
 from math import isfinite
 from typing import Any
 
@@ -66,10 +67,7 @@ def to_limits(result: Result, table: str = "ours") -> dict:
 
 
 def limits_text(limits: dict) -> str:
-    """Return `limits`, from `to_limits`, as text: a line per number and load step, then notes.
-
-    The terms shown are what is added to a value, minus its corrections.
-    """
+    """Return `limits`, from `to_limits`, as text: a line per number and load step, then notes."""
     lines = [
         "extrapolated to the thermodynamic, fractal and continuum limits with the coefficients"
         f" {limits['table']}"
@@ -80,14 +78,14 @@ def limits_text(limits: dict) -> str:
             limit = step.get(observable)
             if limit is None:
                 continue
-            value = _with_sigma(limit["value"], limit["sigma"])
-            head = f"  p* = {step['p_star']:.4g}, {observable} = {value}"
+            value = limit["value"], limit["sigma"]
             if "refused" in limit:
-                lines.append(f"{head}: not corrected: {limit['refused']}")
+                head = _value_text(observable, step["p_star"], value)
+                lines.append(f"  {head}: not corrected: {limit['refused']}")
                 continue
-            terms = ", ".join(f"{i} {-limit[f'correction_{i}']:+.4f}" for i in "tfc")
-            extrapolated = _with_sigma(limit["extrapolated"], limit["extrapolated_sigma"])
-            lines.append(f"{head}; {terms} -> {extrapolated}")
+            extrapolated = limit["extrapolated"], limit["extrapolated_sigma"]
+            line = extrapolation_text(observable, step["p_star"], value, limit, extrapolated)
+            lines.append(f"  {line}")
             if not limit["converged"]:
                 notes.append(f"step {step['step']}: NOT CONVERGED")
             notes += limit["notes"]
@@ -122,6 +120,27 @@ def _limit(
         "converged": converged(step),
         "notes": list(terms.notes),
     }
+
+
+def extrapolation_text(
+    observable: str,
+    p_star: float,
+    value: tuple[float, float | None],
+    corrections: Mapping[str, Any],
+    extrapolated: tuple[float, float | None],
+) -> str:
+    """Return one line: a value, what is added to it (minus its corrections), and its limit.
+
+    value, extrapolated: with their standard deviations.
+    """
+    terms = ", ".join(f"{i} {-corrections[f'correction_{i}']:+.4f}" for i in "tfc")
+    head = _value_text(observable, p_star, value)
+    return f"{head}; {terms} -> {_with_sigma(*extrapolated)}"
+
+
+def _value_text(observable: str, p_star: float, value: tuple[float, float | None]) -> str:
+    """Return a value and its load as text."""
+    return f"p* = {p_star:.4g}, {observable} = {_with_sigma(*value)}"
 
 
 def _with_sigma(value: float, sigma: float | None) -> str:

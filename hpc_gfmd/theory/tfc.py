@@ -5,64 +5,28 @@ Muser 2014:
 
 The coefficients depend on the observable, H and p_star and come from a table: the paper's, kept as
 printed in data/paper_tfc.json, or a file of the same form (rows may have a "sigma" of the
-coefficients). Fits: theory.tfc_fit.
+coefficients).
 """
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
-from pydantic import BaseModel, Field, create_model
 
 from ..util.errors import SceneError, one_line
 from .checks import within
-from .tfc_fit import COEFFICIENTS, TERMS, TfcFit, fit_tfc, ratios, read_runs, sigma_of_terms, term
 
-__all__ = [
-    "TfcFit",
-    "correction",
-    "extrapolate",
-    "fit_tfc",
-    "our_table",
-    "paper_table",
-    "read_runs",
-    "read_table",
-    "table_of",
-]
-
+TERMS = ("t", "f", "c")
+COEFFICIENTS = [f"{name}_{i}" for name in ("C", "alpha") for i in TERMS]
 RATIOS = tuple(f"eps_{i}" for i in TERMS)
 PRESSURE_TOLERANCE = 0.05  # how far p_star may be from a tabulated one, relative
 _DATA = Path(__file__).parent / "data"
 SHIPPED = {"paper": _DATA / "paper_tfc.json", "ours": _DATA / "our_tfc.json"}
 
 Table = dict[str, Any]  # as in the data files
-Finite = Annotated[float, Field(allow_inf_nan=False, strict=True)]
-Positive = Annotated[Finite, Field(gt=0)]
-
-
-_Row = create_model(  # type: ignore[call-overload]
-    "_Row",
-    hurst=(Finite, ...),
-    sigma=(dict[str, Finite], {}),
-    **{name: (Positive if "alpha" in name else Finite, ...) for name in COEFFICIENTS},
-)
-
-
-class _Part(BaseModel):
-    """The coefficients of one observable at one pressure, a row for each Hurst exponent."""
-
-    observable: Annotated[str, Field(pattern=r"^\w+$")]
-    p_star: Positive
-    rows: Annotated[list[_Row], Field(min_length=1)]  # type: ignore[valid-type]
-
-
-class _Table(BaseModel):
-    """The form that a coefficient table in a JSON file must have."""
-
-    tables: list[_Part]
 
 
 @dataclass(frozen=True)
@@ -129,15 +93,34 @@ def read_table(path: str | Path) -> Table:
     """
     try:
         table = json.loads(Path(path).read_text(encoding="utf-8"))
-        _Table.model_validate(table)
-        for row in (row for part in table["tables"] for row in part["rows"]):
-            sigma_of_terms({"sigma": {}} | row, dict.fromkeys(TERMS, 0.5))
-    except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
+        for part in table["tables"]:
+            _check_part(part)
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise SceneError(
             f"table: found {str(path)!r} ({one_line(str(error))}), allowed: a JSON file like"
             " paper_tfc.json"
         ) from None
     return table
+
+
+def _check_part(part: Table) -> None:
+    """Raise ValueError, KeyError or TypeError unless a part of a table has its form."""
+    if not part["observable"].isidentifier() or not part["rows"]:
+        raise ValueError("an observable without a name or without rows")
+    _number(part["p_star"], positive=True)
+    for row in part["rows"]:
+        for name in ("hurst", *COEFFICIENTS):
+            _number(row[name], positive="alpha" in name)
+        for sigma in row.get("sigma", {}).values():
+            _number(sigma)
+        sigma_of_terms({"sigma": {}} | row, dict.fromkeys(TERMS, 0.5))
+
+
+def _number(value: Any, positive: bool = False) -> None:
+    """Raise ValueError unless a value of a table is a finite number (and positive)."""
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    if not is_number or not np.isfinite(value) or (positive and value <= 0):
+        raise ValueError(f"{value!r} is not a {'positive ' if positive else ''}number")
 
 
 def correction(
@@ -238,6 +221,45 @@ def extrapolate(
     terms = correction(observable, hurst, p_star, eps_t, eps_f, eps_c, table)
     sigmas = [within("sigma", x, 0, np.inf) for x in (sigma, terms.sigma) if x is not None]
     return value - terms.total, float(np.hypot.reduce(sigmas)) if sigmas else None, terms
+
+
+def ratios(eps_t: float, eps_f: float, eps_c: float) -> dict[str, float]:
+    """Return the ratios as {"t": eps_t, ...}; raise SceneError unless they are from 0 to 1."""
+    by_term = zip(TERMS, (eps_t, eps_f, eps_c), strict=True)
+    return {i: float(within(f"eps_{i}", value, 0, 1)) for i, value in by_term}
+
+
+def term(row: Mapping[str, Any], i: str, eps: Any) -> Any:
+    """Return one term of eq. tfc, C_i eps^alpha_i, by a row of a table; i is "t", "f" or "c"."""
+    return row[f"C_{i}"] * eps ** row[f"alpha_{i}"]
+
+
+def slopes(row: Mapping[str, Any], eps: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the derivatives of eq. tfc with respect to limit, C_i and alpha_i, by their names.
+
+    eps: ratios by term; those of other terms are left out.
+    """
+    derivatives: dict[str, Any] = {"limit": 1.0}
+    for i, ratio in eps.items():
+        derivatives[f"C_{i}"] = ratio ** row[f"alpha_{i}"]
+        derivatives[f"alpha_{i}"] = term(row, i, ratio) * np.log(np.where(ratio > 0, ratio, 1.0))
+    return derivatives
+
+
+def sigma_of_terms(row: Mapping[str, Any], eps: Mapping[str, float]) -> float:
+    """Return the standard deviation of the sum of the terms, by the uncertainties of a row.
+
+    By its "covariance" (in the order of "names") if it is there, otherwise by its "sigma", by name;
+    coefficients without a sigma count as exact.
+    """
+    names = row.get("names", COEFFICIENTS)
+    derivatives = slopes(row, eps) | {"limit": 0.0}
+    gradient = np.array([derivatives.get(name, 0.0) for name in names])
+    if "covariance" in row:
+        covariance = np.asarray(row["covariance"])
+    else:
+        covariance = np.diag([row["sigma"].get(name, 0.0) ** 2 for name in names])
+    return float(np.sqrt(max(gradient @ covariance @ gradient, 0.0)))
 
 
 def _part(table: Table, observable: str, p_star: float) -> Table:

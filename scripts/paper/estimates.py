@@ -17,11 +17,11 @@ from numpy.typing import ArrayLike
 from scipy.special import digamma
 
 from hpc_gfmd import SceneError
-from hpc_gfmd.theory.least_squares import least_squares
-from hpc_gfmd.theory.tfc_fit import PAPER_ALPHA, TfcFit, fit_tfc
 
 from .cases import CATALOGUE
+from .least_squares import least_squares
 from .rows import Rows, families, fine_half, groups, longest, near
+from .tfc_fit import PAPER_ALPHA, TfcFit, fit_tfc
 
 COLUMNS = (
     *("hurst", "p_star", "L_over_lam_l", "lam_l_over_lam_s", "lam_s_over_a"),

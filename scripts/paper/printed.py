@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from hpc_gfmd.theory import tfc
-from hpc_gfmd.theory.tfc_fit import term
+from hpc_gfmd.theory.tfc import term
 
 from .rows import near
 

@@ -61,11 +61,6 @@ def read_state(path):
             field.read()
 
 
-def read_runs(path):
-    """Read a table of runs and fit it."""
-    tfc.fit_tfc(**tfc.read_runs(path), terms=("t",), alpha={})
-
-
 def read_coefficients(path):
     """Read a table of coefficients and apply it."""
     tfc.extrapolate(2.0, "kappa", 0.5, 0.007, 0.5, 0.001, 0.5, table=tfc.read_table(path))
@@ -78,7 +73,6 @@ READERS = {  # target: (reader, extension of its files)
     "netcdf": (read_heights, ".nc"),
     "result": (read_results, ".h5"),
     "checkpoint": (read_state, ".h5"),
-    "runs": (read_runs, ".csv"),
     "coefficients": (read_coefficients, ".json"),
 }
 

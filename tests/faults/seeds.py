@@ -111,11 +111,6 @@ def _checkpoints(folder):
     return [run.partial / "checkpoint.h5"]
 
 
-def _runs(folder):
-    rows = [f"{t},0.01,0.5,{2 + t},0.1" for t in (0.1, 0.2, 0.3, 0.5)]
-    return [_put(folder / "runs.csv", "\n".join(["eps_t,eps_f,eps_c,value,sigma", *rows]).encode())]
-
-
 def _coefficients(folder):
     return [_put(folder / "table.json", json.dumps(tfc.paper_table()).encode())]
 
@@ -132,6 +127,5 @@ _MAKERS = {
     "netcdf": _netcdf,
     "result": _results,
     "checkpoint": _checkpoints,
-    "runs": _runs,
     "coefficients": _coefficients,
 }

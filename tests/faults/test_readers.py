@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 REGRESSIONS = sorted(p for p in (Path(__file__).parent / "regressions").glob("*/*") if p.is_file())
 # Numbers of changed files. Other targets, which are all HDF5, are read in a child process each.
-EXAMPLES = {"scene": 150, "npy": 100, "coefficients": 60, "runs": 60}
+EXAMPLES = {"scene": 150, "npy": 100, "coefficients": 60}
 quick = settings(
     deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
 )

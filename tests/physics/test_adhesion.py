@@ -3,10 +3,10 @@
 import adhesive
 import numpy as np
 import pytest
+from adhesive_forms import AdhesiveWave, JohnsonKendallRoberts, maugis_pull_off
 from scipy.optimize import minimize
 
 import hpc_gfmd
-from hpc_gfmd.theory.adhesion import AdhesiveWave, JohnsonKendallRoberts, maugis_pull_off
 
 LAWS = ["exponential", "cubic", "dugdale"]
 

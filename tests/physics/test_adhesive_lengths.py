@@ -4,9 +4,9 @@ is a jump under a load."""
 import adhesive
 import numpy as np
 import pytest
+from adhesive_forms import AdhesiveWave
 
 import hpc_gfmd
-from hpc_gfmd.theory.adhesion import AdhesiveWave
 
 
 def test_a_wave_is_held_beyond_its_pull_off():

@@ -1,6 +1,5 @@
-"""`hpc-gfmd persson` and `hpc-gfmd tfc`: output, fits and refused arguments."""
+"""`hpc-gfmd persson` and `hpc-gfmd tfc`: output and refused arguments."""
 
-import numpy as np
 import pytest
 from scene_tables import rows
 
@@ -26,18 +25,7 @@ def test_tfc(cli):
     out = cli.data(f"{TFC} --observable kappa --value 2.2")
     assert out["extrapolated"] == pytest.approx(2.0160, abs=5e-5)
     assert out["sigma"] is None
-    assert "extrapolated: 2.0160 +- 0.0200" in cli.prints(f"{TFC} --value 2.2 --sigma 0.02")
-
-
-def test_tfc_fits(cli, tmp_path):
-    """A fit of a table of runs recovers a planted law."""
-    t, f, c = np.random.default_rng(2).choice([0.5, 0.25, 0.125, 0.0625], (3, 36))
-    value = 1.95 + 0.04 * t + 3 * f**0.7 + 0.3 * c**0.9
-    lines = ["eps_t,eps_f,eps_c,value", *map("{},{},{},{}".format, t, f, c, value)]
-    (tmp_path / "runs.csv").write_text("\n".join(lines))
-    out = cli.data("tfc --fit runs.csv --free fc")
-    assert (out["limit"], out["alpha_f"]) == pytest.approx((1.95, 0.7), rel=1e-5)
-    assert "alpha_t = 1 (fixed)" in cli.prints("tfc --fit runs.csv")
+    assert "-> 2.0160 +- 0.02" in cli.prints(f"{TFC} --value 2.2 --sigma 0.02")
 
 
 @pytest.mark.parametrize(
@@ -50,13 +38,9 @@ persson | --gamma 9 | gamma: found
 tfc |  | --value
 tfc | --value nan | value: found nan
 tfc | --value 2 --hurst 0.1 | hurst
-tfc | --value 2 --terms t | tfc: found --terms, allowed: with --fit
-fit |  | runs: found
-fit | --free x | free: found
-fit | --eps-t 1 --table ours | tfc: found --eps-t, --table, allowed: without --fit
 tfc | --value 2 --sigma -1 | sigma
 """),
 )
 def test_wrong_options_are_refused(command, options, words, cli):
-    commands = {"persson": PERSSON, "tfc": TFC, "fit": "tfc --fit /nowhere.csv"}
+    commands = {"persson": PERSSON, "tfc": TFC}
     assert words in cli.refused(f"{commands[command]} {options}")

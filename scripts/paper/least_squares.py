@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from scipy.optimize import curve_fit
 
-from ..util.errors import SceneError, one_line
+from hpc_gfmd import SceneError
+from hpc_gfmd.util.errors import one_line
 
 # condition number of the normalised design up to which every parameter counts as determined
 WORST = 1e7

@@ -1,22 +1,19 @@
 """Fits of the correction terms of eq. tfc to a set of runs, with uncertainties."""
 
-import csv
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..util.errors import SceneError, one_line
-from .checks import within
+from hpc_gfmd import SceneError
+from hpc_gfmd.theory.checks import within
+from hpc_gfmd.theory.tfc import TERMS, ratios, sigma_of_terms, slopes, term
+
 from .least_squares import least_squares
 
-TERMS = ("t", "f", "c")
-COEFFICIENTS = [f"{name}_{i}" for name in ("C", "alpha") for i in TERMS]
 PAPER_ALPHA = {"t": 1.0, "f": 0.67, "c": 0.67}  # the exponents of the paper for kappa
 _ALPHA_RANGE = (0.02, 5.0)
 _STARTS = (0.3, 0.67, 1.5)
@@ -90,95 +87,6 @@ class TfcFit:
             "names": list(self.names),
             "covariance": self.covariance.tolist(),
         }
-
-
-def ratios(eps_t: float, eps_f: float, eps_c: float) -> dict[str, float]:
-    """Check the three ratios and return them as {"t": eps_t, "f": eps_f, "c": eps_c}.
-
-    Parameters
-    ----------
-    eps_t, eps_f, eps_c : float
-        Thermodynamic, fractal and continuum ratio.
-
-    Returns
-    -------
-    dict of float
-
-    Raises
-    ------
-    SceneError
-        If a ratio is not between 0 and 1.
-    """
-    by_term = zip(TERMS, (eps_t, eps_f, eps_c), strict=True)
-    return {i: float(within(f"eps_{i}", value, 0, 1)) for i, value in by_term}
-
-
-def term(row: Mapping[str, Any], i: str, eps: Any) -> Any:
-    """Return one term of eq. tfc, C_i eps^alpha_i.
-
-    Parameters
-    ----------
-    row : mapping
-        A row of a coefficient table.
-    i : str
-        The term: "t", "f" or "c".
-    eps : float or ndarray
-        The ratio of this term.
-
-    Returns
-    -------
-    float or ndarray
-        In the shape of eps.
-    """
-    return row[f"C_{i}"] * eps ** row[f"alpha_{i}"]
-
-
-def slopes(row: Mapping[str, Any], eps: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the derivatives of eq. tfc with respect to limit, C_i and alpha_i.
-
-    Parameters
-    ----------
-    row : mapping
-        A row of a coefficient table; only its alpha_i and C_i are used.
-    eps : mapping
-        Ratios by term, {"t": ..., ...}; terms that are absent are left out of the result.
-
-    Returns
-    -------
-    dict of float or ndarray
-        By the names "limit", "C_t", "alpha_t", ...
-    """
-    derivatives: dict[str, Any] = {"limit": 1.0}
-    for i, ratio in eps.items():
-        derivatives[f"C_{i}"] = ratio ** row[f"alpha_{i}"]
-        derivatives[f"alpha_{i}"] = term(row, i, ratio) * np.log(np.where(ratio > 0, ratio, 1.0))
-    return derivatives
-
-
-def sigma_of_terms(row: Mapping[str, Any], eps: Mapping[str, float]) -> float:
-    """Compute the standard deviation of the sum of the terms, by the uncertainties of a row.
-
-    Parameters
-    ----------
-    row : mapping
-        A row of a coefficient table. Its "covariance" (in the order of "names") is used if it is
-        there, otherwise its "sigma", by name; coefficients without a sigma count as exact.
-    eps : mapping
-        Ratios by term, {"t": ..., ...}.
-
-    Returns
-    -------
-    float
-        One standard deviation.
-    """
-    names = row.get("names", COEFFICIENTS)
-    derivatives = slopes(row, eps) | {"limit": 0.0}
-    gradient = np.array([derivatives.get(name, 0.0) for name in names])
-    if "covariance" in row:
-        covariance = np.asarray(row["covariance"])
-    else:
-        covariance = np.diag([row["sigma"].get(name, 0.0) ** 2 for name in names])
-    return float(np.sqrt(max(gradient @ covariance @ gradient, 0.0)))
 
 
 def fit_tfc(
@@ -294,24 +202,3 @@ def _enough(value: np.ndarray, eps: dict, free: list, names: tuple) -> None:
             f"runs: found {value.size}, allowed: at least {len(names)}, the number of fitted"
             " parameters"
         )
-
-
-def read_runs(path: str | Path) -> dict:
-    """Read the columns eps_t, eps_f, eps_c, value and, if present, sigma of a CSV file.
-
-    The file at path has a header. Returns {column: array, shape (runs,)}, the arguments of
-    `fit_tfc`. Raises SceneError if the file cannot be read, lacks a column or holds anything but
-    numbers.
-    """
-    try:
-        with open(path, newline="", encoding="utf-8") as file:
-            rows = list(csv.DictReader(file))
-        wanted = ["eps_t", "eps_f", "eps_c", "value"] + (
-            ["sigma"] if rows and "sigma" in rows[0] else []
-        )
-        return {name: np.array([float(row[name]) for row in rows]) for name in wanted}
-    except (OSError, ValueError, KeyError, TypeError, csv.Error) as error:
-        raise SceneError(
-            f"runs: found {str(path)!r} ({one_line(str(error))}), allowed: a CSV file with the"
-            " columns eps_t, eps_f, eps_c, value and maybe sigma"
-        ) from None
