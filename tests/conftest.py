@@ -10,6 +10,7 @@ import shlex
 import shutil
 import signal
 import tempfile
+from collections import defaultdict
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
@@ -60,9 +61,7 @@ def pytest_generate_tests(metafunc):
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config, items):
-    for item in items:
-        if Path(__file__).parent / "unit" in item.path.parent.parents:
-            item.add_marker(pytest.mark.unit)
+    _mark_slow_sets(items)
     lacking = mpi_harness.missing()
     marked = [item for item in items if item.get_closest_marker("mpi")]
     if lacking and marked:
@@ -74,6 +73,32 @@ def pytest_collection_modifyitems(config, items):
             item.add_marker(
                 pytest.mark.skip(reason=f"{lacking} is missing: no tests on several ranks")
             )
+
+
+def _mark_slow_sets(items):
+    """Mark as slow all but at most three sets of parameters of a test function.
+
+    Those marked `quick` are not slow, else the first, the middle and the last one, which differ in
+    most parameters. Two ranks take all of these, three ranks the last one, one and four ranks none.
+    """
+    functions = defaultdict(list)
+    for item in items:
+        if not item.get_closest_marker("slow"):
+            functions[item.nodeid.partition("[")[0], _ranks(item)].append(item)
+    for (_, ranks), sets in functions.items():
+        chosen = [item for item in sets if item.get_closest_marker("quick")]
+        if not chosen:
+            chosen = [sets[0], sets[len(sets) // 2], sets[-1]]
+        if not os.environ.get(mpi_harness.RANKS):
+            chosen = {2: chosen, 3: chosen[-1:], None: chosen}.get(ranks, [])
+        for item in sets:
+            if item not in chosen:
+                item.add_marker(pytest.mark.slow)
+
+
+def _ranks(item):
+    """The number of ranks of a test item, or None."""
+    return item.callspec.params.get("ranks") if hasattr(item, "callspec") else None
 
 
 @pytest.hookimpl(tryfirst=True)

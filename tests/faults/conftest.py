@@ -3,19 +3,11 @@
 import os
 import shutil
 import subprocess
-from pathlib import Path
 
 import pytest
 from faults.jobs import call, write_scene
 
 from hpc_gfmd.output.read import read_result
-
-
-def pytest_collection_modifyitems(items):
-    """Mark the tests of this folder, which scripts/test runs in the background."""
-    for item in items:
-        if Path(__file__).parent in item.path.parents:
-            item.add_marker(pytest.mark.faults)
 
 
 @pytest.fixture
