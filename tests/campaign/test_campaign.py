@@ -68,6 +68,7 @@ def test_the_default_solver_on_hard_walls(name):
     check([row for index in HARD[name] for row in rows_of(name, 11, index, QUICK)])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "seed", "index"), HARD_SEEDS)
 def test_the_default_solver_on_hard_walls_of_other_seeds(name, seed, index):
     check(rows_of(name, seed, index, ways(["bpx"], ["double"], [1e-2, 1e-6], "no")))

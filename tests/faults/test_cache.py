@@ -95,6 +95,7 @@ def test_code_of_another_kernel_or_signature_is_not_run(compiled):
             assert (compiled.module().triple(x), compiled.module().square(x)) == (3 * x, x * x)
 
 
+@pytest.mark.slow
 def test_changed_sources_are_compiled_again(compiled, tmp_path):
     assert compiled() == (6.0, 0)
     # of another length: Python knows a changed source by its size and by whole seconds
@@ -276,6 +277,7 @@ def test_pieces_of_kernels_are_inlined():
     assert restrict_row.targetoptions["forceinline"]
 
 
+@pytest.mark.slow
 def test_numba_without_compilation_is_refused(tmp_path):
     """With numba's switch for debugging Python would call FFTW by an address."""
     completed = python(None, ["-c", SOLVE], environment(NUMBA_DISABLE_JIT="1"))

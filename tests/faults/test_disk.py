@@ -32,12 +32,14 @@ FULL = {  # when: (KiB of the disk, arguments of write_scene, fault, words of th
 @pytest.mark.parametrize(
     ("when", "ranks"),
     [
-        pytest.param(when, ranks, id=f"{when}-{ranks or 'alone'}", marks=marks)
-        for when in FULL
-        for ranks, marks in (
-            (None, ()),
-            (2, [needs_mpi, *[pytest.mark.slow] * (when != "during a field write")]),
-        )
+        pytest.param("at start", None, marks=pytest.mark.quick),
+        pytest.param("during a field write", 2, marks=[needs_mpi, pytest.mark.quick]),
+        *[pytest.param(when, None) for when in FULL if when != "at start"],
+        *[
+            pytest.param(when, 2, marks=needs_mpi)
+            for when in FULL
+            if when != "during a field write"
+        ],
     ],
 )
 def test_full(small_disk, undisturbed, when, ranks):
@@ -57,6 +59,7 @@ def test_full(small_disk, undisturbed, when, ranks):
     assert_resumes(path, undisturbed(ranks, **settings), ranks)
 
 
+@pytest.mark.slow
 def test_export(small_disk, undisturbed):
     disk = small_disk("4k")
     job = call(f"export {undisturbed(None, **FIELDS).path} --to gwy -o {disk}/x")
@@ -75,6 +78,7 @@ def test_read_only(small_disk, ranks):
     job.says("output.path: cannot write to .*: Read-only file system")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ranks", [None, SEVERAL])
 @pytest.mark.parametrize("folder", ["folder/out.h5.partial", "folder"])
 def test_folder_vanished(folder, ranks):

@@ -82,6 +82,7 @@ for line in calls.split(","):
 """
 
 
+@pytest.mark.slow
 def test_features_of_linux_are_not_needed(folder):
     completed = subprocess.run(
         [sys.executable, "-c", NOT_LINUX],

@@ -71,6 +71,7 @@ def test_the_seeds_are_read(target, tmp_path):
     assert outcomes[0] == "read"
 
 
+@pytest.mark.slow
 @settings(quick, max_examples=100)
 @given(results)
 def test_valid_hdf5_of_any_content(content):

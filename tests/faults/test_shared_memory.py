@@ -24,6 +24,7 @@ def is_written_by_rank_0(path):
         return file.attrs["io"] == "serial"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("place", PLACES)
 def test_without_shared_memory(place, undisturbed):
     """As in containers, where Open MPI cannot open files but MPICH can."""
@@ -42,6 +43,7 @@ def test_without_shared_memory(place, undisturbed):
         assert "MPI-IO" in job.out
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["ufs:out.h5", "2026-01-01T12:30:00.h5"])
 def test_a_colon_in_the_path(name, undisturbed, tmp_path):
     """ROMIO takes the text before it as the type of a file system and would write another file."""

@@ -70,6 +70,7 @@ def test_twice(undisturbed):
     assert_resumes(path, undisturbed(2), 2)
 
 
+@pytest.mark.slow
 @needs_mpi
 def test_one_rank_at_start():
     """A rank that is stopped before the run begins must not make the others wait."""

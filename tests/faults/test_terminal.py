@@ -48,6 +48,7 @@ def on_terminal(command, shown, env):
     return text, os.waitstatus_to_exitcode(status)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ranks", [None, pytest.param(2, marks=needs_mpi)])
 def test_ctrl_c(ranks):
     write_scene(lam=256, loads=[0.02, 0.1, 0.2])

@@ -8,7 +8,13 @@ import hpc_gfmd
 
 
 @pytest.mark.parametrize(
-    ("n", "p_star"), [((3, 3000), 0.02), ((3000, 2), 0.02), ((4, 8000), 1e-3), ((2, 20000), 1e-3)]
+    ("n", "p_star"),
+    [
+        pytest.param((3, 3000), 0.02, marks=pytest.mark.quick),
+        pytest.param((3000, 2), 0.02, marks=pytest.mark.quick),
+        ((4, 8000), 1e-3),
+        ((2, 20000), 1e-3),
+    ],
 )
 def test_a_long_strip(n, p_star):
     """An independent random walk in each line takes few FFT pairs.

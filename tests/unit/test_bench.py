@@ -82,6 +82,7 @@ def test_timing():
         timing.run_workers("nonsense", {1: (1, {})}, 1)
 
 
+@pytest.mark.slow
 def test_true_errors():
     """True errors are below the requested accuracy; another discretisation of free edges differs
     slightly."""
@@ -123,6 +124,7 @@ def test_displacement_by_a_cell():
     assert displacement[3, 3] == displacement.max()
 
 
+@pytest.mark.slow
 def test_accuracy(bench, tmp_path):
     measured = bench(
         "accuracy --n 64 --hurst 0.8 --p-star 0.05 --solvers bpx --precision double"
@@ -150,6 +152,7 @@ def solve_nested(tol, **_):
 """
 
 
+@pytest.mark.slow
 def test_peers(bench, tmp_path, monkeypatch):
     """A stand-in for ASPHER, whose true error is three times its tolerance, gets the loosest
     sufficient tolerance; a code that is not installed is reported and left out."""
@@ -216,6 +219,7 @@ def test_wrong_arguments_are_refused(arguments, words, monkeypatch, tmp_path, cl
     assert words in cli.refused(arguments)
 
 
+@pytest.mark.slow
 def test_kernels(bench):
     """Passes on one core and on two, moving about 15 fields per iteration."""
     pytest.importorskip("mpi4py_fft")
@@ -228,6 +232,7 @@ def test_kernels(bench):
             assert row["gb_per_s"] == pytest.approx(row["bytes_per_point"] / row["ns_per_point"])
 
 
+@pytest.mark.slow
 def test_storage(bench, tmp_path):
     measured = bench("storage --n 64 --repeats 1 --folder", str(tmp_path))
     assert [row["way"] for row in measured] == ["raw", "raw, one file", "result file, serial"]
@@ -237,12 +242,14 @@ def test_storage(bench, tmp_path):
     assert {path.suffix for path in tmp_path.iterdir()} == {".jsonl", ".txt"}
 
 
+@pytest.mark.slow
 def test_mean_pairs_over_surfaces(bench):
     measured = bench("pairs --n 32 64 --surfaces 2 1 --accuracy 1e-2")
     assert [(row["loads"], row["converged"]) for row in measured] == [(4, 4), (2, 2)]
     assert all(0 < row["iterations"] < row["fft_pairs"] <= row["largest"] for row in measured)
 
 
+@pytest.mark.slow
 def test_one_process_and_releases(bench, tmp_path, monkeypatch):
     measured = bench("process --n 32 --threads 1 2 --repeats 1")
     assert [row["threads"] for row in measured] == [1, 2]
@@ -257,6 +264,7 @@ def test_one_process_and_releases(bench, tmp_path, monkeypatch):
     assert (tmp_path / "releases.png").stat().st_size > 10_000
 
 
+@pytest.mark.slow
 def test_scaling(bench, tmp_path):
     """The model reproduces the measurement on one core."""
     measured = bench("scaling --n 64 --ranks 1 --threads 1 --precision double --repeats 1")

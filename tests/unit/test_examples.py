@@ -32,6 +32,7 @@ def run(path, monkeypatch):
     return variables
 
 
+@pytest.mark.slow
 def test_example_with_surface_topography(tmp_path):
     script = FOLDER / f"{ALONE}.py"
     assert "a_r = " in printed("-W", "error:::__main__", script, SMALL[ALONE], MPLBACKEND="Agg")
@@ -73,6 +74,7 @@ def test_examples_are_short_and_documented(path):
     assert (FOLDER.parent / "docs" / "gallery" / f"{path.stem}.png").is_file()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_notebook(path):
     """It runs from a clean start, shows a picture in every cell that draws one, and warns of

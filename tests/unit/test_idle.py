@@ -36,6 +36,7 @@ def watch(monkeypatch):
     return IdleWatch()
 
 
+@pytest.mark.slow
 def test_parts_sum_to_the_time_of_a_solve(watch):
     wall = np.random.default_rng(1).standard_normal((64, 64)) * 1e-3
     outer_begin = time.perf_counter()

@@ -35,6 +35,7 @@ def folder(tmp_path_factory):
     return folder
 
 
+@pytest.mark.slow
 def test_python_example(folder):
     (folder / "six.py").write_text(PYTHON)
     (output_line,) = printed("six.py", cwd=folder).splitlines()
@@ -49,6 +50,7 @@ def test_python_example(folder):
     assert {"$x$ (µm)", "$y$ (µm)"} <= set(texts)
 
 
+@pytest.mark.slow
 def test_scene_example(folder):
     (folder / "scene.toml").write_text(TOML)
     output = printed("-m", "hpc_gfmd", "run", "scene.toml", cwd=folder)
@@ -86,6 +88,7 @@ results["new"].export("pressure.gwy", fields=["pressure"])
 """
 
 
+@pytest.mark.slow
 def test_script_for_scans_with_outliers_and_holes(folder):
     """A pipeline of SurfaceTopography, a sweep, a table, a plot of two samples and a GWY file;
     units are only needed for load and modulus."""

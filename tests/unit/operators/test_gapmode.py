@@ -14,6 +14,7 @@ from hpc_gfmd.parallel.grid import Grid, _kept
 N = (144, 160)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
 def test_gap_mode_saves_pairs_at_small_loads(boundary, monkeypatch):
     """Means over three surfaces: 9.5 (periodic) and 10.2 (free) instead of 13.8 and 15.5."""

@@ -44,6 +44,7 @@ def quick(tmp_path_factory):
     return folder
 
 
+@pytest.mark.slow
 def test_one_command_makes_all_items(quick):
     text = (quick / "README.md").read_text()
     made = [name for name, of in TEXTS.items() if "question" not in of] + [*SPECIAL, "limit"]
@@ -64,6 +65,7 @@ def test_one_command_makes_all_items(quick):
     assert "nan" not in re.sub(r"[a-zA-Z]nan|nan[a-zA-Z]", "", text)
 
 
+@pytest.mark.slow
 def test_pages_agree_on_the_limit(quick):
     """Table 5, the errata and the page of the limit show the same kappa."""
     limit, table5 = (read_csv((quick / f"{name}.csv").read_text()) for name in ("limit", "table5"))
@@ -80,6 +82,7 @@ def test_pages_agree_on_the_limit(quick):
     assert shown in (quick / "limit.md").read_text()
 
 
+@pytest.mark.slow
 def test_rendered_again_without_solving(quick, tmp_path):
     shutil.copy(quick / "runs.jsonl", tmp_path)
     paper("fig6", "table1", "--no-run", "-o", tmp_path)
@@ -92,6 +95,7 @@ def test_rendered_again_without_solving(quick, tmp_path):
     assert sigma > 0
 
 
+@pytest.mark.slow
 def test_physics_at_the_quick_level(quick):
     """Trends of the paper hold in small systems: the edge correction shrinks the area, and theory
     is near."""
@@ -140,6 +144,7 @@ def test_dynamics_as_printed_diverges():
     assert dynamics.gfmd(lifted=True)["gap"][-1] == pytest.approx(right["gap"][-1], rel=1e-3)
 
 
+@pytest.mark.slow
 def test_dynamics_reaches_the_contact_of_the_solver():
     """The dynamics of the errata ends where the solver does."""
     z = dynamics.small_surface()

@@ -105,6 +105,7 @@ def test_exit_codes(tmp_path, monkeypatch):
     assert list(Store(tmp_path / "stopped").stored().values()) == []
 
 
+@pytest.mark.slow
 def test_cases_are_merged_and_shared_evenly():
     overlapping = [
         replace(SMALL, p_star=(0.1,)),
@@ -178,6 +179,7 @@ def test_wrong_arguments_are_refused(paper, args, words):
     assert words in paper.refused(args)
 
 
+@pytest.mark.slow
 def test_command(paper, tmp_path):
     lines = paper.prints("--list").splitlines()
     assert [line.split()[0] for line in lines] == list(TEXTS)

@@ -1,1 +1,0 @@
-"""The passes of an iteration, measured on a GPU."""
