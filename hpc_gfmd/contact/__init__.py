@@ -4,8 +4,8 @@ A file of this folder may define
 
 * OBSERVABLES = {name: Observable(function of a contact, meaning, unit)}. The function returns a
   number, or None, and then the number is left out of the result.
-* ON_REQUEST = True if its observables take FFT pairs or passes over the fields. Then they are
-  computed only if the scene names them.
+* ON_REQUEST = True if its observables take FFT pairs or passes over the fields, or the names of
+  those that do. They are computed only if the scene names them.
 * TOGETHER = {name: names of observables}: names that stand for several observables.
 * DISTRIBUTIONS = {name: Distribution(function of a contact, meaning, units)}: arrays, always on
   request. They become the attributes NAME_ARRAY of a load step, one for each array.
@@ -24,7 +24,7 @@ from ..util.errors import SceneError
 from ..util.plugins import module_in, names_in
 from .base import OF_EVERY_LOAD, Distribution, Observable
 
-COMMON = ("base", "contact", "notes", "attraction_notes", "other_branch")  # no observable
+COMMON = ("base", "contact", "notes")  # no observable
 
 
 def all_observables() -> dict[str, Observable]:
@@ -38,14 +38,16 @@ def all_observables() -> dict[str, Observable]:
 def default_observables() -> list[str]:
     """Return the names of the observables that every result has, because they are cheap to compute.
 
-    These are the observables of files without ON_REQUEST.
+    These are those that no file lists as ON_REQUEST.
     """
-    return [
-        name
-        for module in _observables()
-        if not getattr(module, "ON_REQUEST", False)
-        for name in getattr(module, "OBSERVABLES", ())
-    ]
+    names = []
+    for module in _observables():
+        observables = getattr(module, "OBSERVABLES", {})
+        on_request = getattr(module, "ON_REQUEST", ())
+        if on_request is True:
+            on_request = observables
+        names += [name for name in observables if name not in on_request]
+    return names
 
 
 def observable_names() -> set[str]:

@@ -20,8 +20,8 @@ from ..parallel.halo import next_row
 from ..parallel.threads import added
 from ..surface import Surface
 from ..surface.number_range import field_dtype
+from .adhesion import OtherBranch
 from .notes import notes_on
-from .other_branch import OtherBranch
 
 ROUNDING = 16  # times the rounding error of the heights: a mean gap below that is nothing else
 

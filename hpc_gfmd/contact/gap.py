@@ -1,4 +1,6 @@
-"""Mean gap, as a length and relative to lengths of the surface."""
+"""Mean gap, as a length and relative to lengths of the surface, and how far the bodies approach."""
+
+from math import isfinite
 
 from .base import Contact, Observable
 
@@ -30,6 +32,16 @@ def gap_over_g_rms_lam_s(contact: Contact) -> float | None:
     )
 
 
+def approach(contact: Contact) -> float | None:
+    """Return how far the bodies have approached since they touched undeformed; None if unbounded.
+
+    A length, positive when they are pressed together. It is unbounded, and None, for a half-space
+    that is periodic along at least one axis. It has a value for an elastic layer on a base, and for
+    a half-space under a surface with free edges along both axes.
+    """
+    return contact.approach if isfinite(contact.approach) else None
+
+
 OBSERVABLES = {
     "gap_mean": Observable(
         gap_mean, "mean gap over the nominal area, 0 or positive, contact included", "length"
@@ -37,5 +49,10 @@ OBSERVABLES = {
     "gap_over_h_rms": Observable(gap_over_h_rms, "gap_mean over the rms height"),
     "gap_over_g_rms_lam_s": Observable(
         gap_over_g_rms_lam_s, "gap_mean over g_rms times the shortest wavelength"
+    ),
+    "approach": Observable(
+        approach,
+        "how far the bodies have come together since they touched undeformed, positive",
+        "length",
     ),
 }

@@ -1,10 +1,27 @@
-"""Contact patches: how many, how large, and how their sizes are distributed.
+"""Contact patches and open channels: how many, how large, whether they percolate, and the critical
+constriction of a leak.
 
 Points that share a side belong to one patch (4-connected), also across the border of a periodic
 surface: the boundary of the contact consists of such sides, and others count so, too (scipy,
 ContactMechanics). Whether two points that share only a corner would be connected on a finer grid is
 unknown; names that end in _8 connect them (8-connected). Sizes are areas, in the unit of length
 squared.
+
+Percolation: a periodic surface has no edges to connect. A cluster percolates along x if it contains
+a closed path that goes around the cell along x (wrapping, Newman and Ziff 2001); then it is
+infinite along x when the cell is repeated. Reaching from one edge of the cell to the other
+(spanning) is neither necessary nor sufficient. Where clusters connect by sides only, a fluid does
+not pass between two points in contact that share a corner. With names that end in _8 it does pass,
+and contact connects across corners, too: if no side-connected contact goes around, a
+corner-connected gap does. On random surfaces both happen near a contact area of 0.40 (`python
+scripts/paper percolation`; 0.42: Dapp, Luecke, Persson, Mueser 2012); the truth is between the two.
+gap_spans_x is for a cell that is periodic along y only: a fluid that enters at one edge of a seal
+leaves at the other. In a finite cell it does so up to larger contact areas.
+
+Critical constriction, the narrowest place of the widest channel: lower a level t from the largest
+gap. At some t the points whose gap is at least t first connect one edge with the opposite one
+(points connect where they share a side, and across the border of the other axis if the surface is
+periodic along it). Most of the fluid's pressure drops there (Persson and Yang 2008).
 """
 
 from functools import partial
@@ -12,10 +29,35 @@ from functools import partial
 import numpy as np
 
 from .base import Arrays, Contact, Distribution, Observable
-from .perimeter import average_direction
 
 ON_REQUEST = True
 BINS_PER_OCTAVE = 2
+NEWMAN_ZIFF = ("Newman, Ziff, Phys. Rev. E 64 (2001) 016706, doi:10.1103/PhysRevE.64.016706",)
+PERSSON_YANG = (
+    "Persson, Yang, J. Phys.: Condens. Matter 20 (2008) 315011, doi:10.1088/0953-8984/20/31/315011",
+)
+
+
+def perimeter(contact: Contact) -> float:
+    """Return the length of the edges of all contact patches, in the unit of length. Collective.
+
+    The grid-cell sides between points in contact and open points add up to 4/pi times the length of
+    an edge that has no preferred direction (Cauchy and Crofton), whatever the shape of a point. So
+    the result is pi/4 of these sides (as in Yastrebov, Anciaux, Molinari 2017). This is an average
+    over directions: a straight edge along x or y gives pi/4 of its length. Contacts that vary along
+    one axis only have no other edges, and for these the sides are not multiplied by pi/4.
+    """
+    along_x, along_y = contact.edges
+    a_x, a_y = contact.grid.spacings
+    return average_direction(contact) * (along_x * a_x + along_y * a_y)
+
+
+def average_direction(contact: Contact) -> float:
+    """Return the length of an edge over the length of the grid-cell sides along it, on average.
+
+    pi/4, and 1 on a grid of one point along an axis; see `perimeter`.
+    """
+    return 1.0 if 1 in contact.grid.nominal else np.pi / 4
 
 
 def _area(contact: Contact) -> float:
@@ -143,6 +185,89 @@ def patch_table(contact: Contact) -> Arrays:
     return {name: values[order] for name, values in table.items()}
 
 
+def _percolates(
+    name: str, axis: int, corners: bool = False, open_axis: int | None = None
+) -> Observable:
+    """Return the observable that is true if the contact, or the gap, percolates along an axis.
+
+    `name` is "contact" or "gap". With `open_axis` a cluster percolates along that axis if it
+    reaches from edge to edge, otherwise if it goes around the periodic cell. The observable is
+    collective.
+    """
+
+    def percolates(contact: Contact) -> bool:
+        """Whether the contact, or the gap, percolates. Collective."""
+        return contact.clusters(name == "contact", corners, open_axis).percolates[axis]
+
+    along = "xy"[axis]
+    across = "yx"[axis]
+    way = (
+        f"goes around the cell along {along}, periodic along both axes"
+        if open_axis is None
+        else f"reaches along {along} from edge to edge, periodic along {across} alone"
+    )
+    meaning = f"whether the {name} {way}" + ", also by corners" * corners
+    return Observable(percolates, meaning, sources=NEWMAN_ZIFF)
+
+
+def _percolation(corners: bool) -> dict[str, Observable]:
+    """Return {name: Observable}: whether contact and gap go around the cell along x, along y.
+
+    With `corners` points that share only a corner are connected, too, and the names end in _8.
+    """
+    end = "_8" if corners else ""
+    return {
+        f"{name}_percolates_{'xy'[axis]}{end}": _percolates(name, axis, corners)
+        for name in ("contact", "gap")
+        for axis in (0, 1)
+    }
+
+
+def critical_gap(axis: int, contact: Contact) -> float | None:
+    """Return the largest t for which points with a gap >= t reach from edge to edge. Collective.
+
+    Found by bisection over the bit patterns of the gap: those of positive floating-point numbers,
+    read as integers, have the same order as the numbers. So the result is exact.
+
+    Parameters
+    ----------
+    axis : int
+        0: edges at both ends of x, 1: of y.
+    contact : Contact
+
+    Returns
+    -------
+    float or None
+        In the unit of heights, the same on all ranks; 0 if no channel is open. None for separated
+        bodies, whose distance is unknown.
+    """
+    if contact.is_separated:
+        return None
+    rows, points = contact.grid.inside
+    g = contact.g[:rows, :points]
+    comm = contact.grid.comm
+    whole = np.dtype(f"i{g.dtype.itemsize}")
+
+    def bits(value: float) -> int:
+        """Return the bit pattern of a gap as an integer."""
+        return int(g.dtype.type(value).view(whole))
+
+    def spans(level: float) -> bool:
+        """Whether points with a gap of at least `level` reach from edge to edge. Collective."""
+        wide = contact.clusters_of(lambda i0, i1: g[i0:i1] >= level, open_axis=axis)
+        return wide.percolates[axis]
+
+    low = 0
+    high = bits(comm.max([g.max(initial=0)])[0])
+    while low < high:
+        level = whole.type((low + high + 1) // 2).view(g.dtype)
+        if spans(level):
+            low = bits(comm.min([g.min(where=g >= level, initial=np.inf)])[0])
+        else:
+            high = bits(comm.max([g.max(where=g < level, initial=0)])[0])
+    return float(whole.type(low).view(g.dtype)) * contact.surface.height_unit
+
+
 TABLE_UNITS = {
     "area": "length^2",
     "load": "force",
@@ -153,8 +278,38 @@ TABLE_UNITS = {
 }
 SIDES = _of_patches(False)
 CORNERS = _of_patches(True)
-OBSERVABLES = SIDES | CORNERS
-TOGETHER = {"patches": tuple(SIDES), "patches_8": tuple(CORNERS)}
+SPANNING: dict[str, Observable] = {
+    f"gap_spans_{'xy'[axis]}": _percolates("gap", axis, open_axis=axis) for axis in (0, 1)
+}
+CRITICAL_GAPS = {
+    f"critical_gap_{'xy'[axis]}": Observable(
+        partial(critical_gap, axis),
+        f"largest t for which points with a larger gap reach along {'xy'[axis]} from edge to edge",
+        "length",
+        PERSSON_YANG,
+        absent="the bodies are separated",
+    )
+    for axis in (0, 1)
+}
+OBSERVABLES = {
+    "perimeter": Observable(
+        perimeter, "length of the edges of all patches, average over directions", "length"
+    ),
+    **SIDES,
+    **CORNERS,
+    **_percolation(False),
+    **_percolation(True),
+    **SPANNING,
+    **CRITICAL_GAPS,
+}
+TOGETHER = {
+    "patches": tuple(SIDES),
+    "patches_8": tuple(CORNERS),
+    "percolation": tuple(_percolation(False)),
+    "percolation_8": tuple(_percolation(True)),
+    "spanning": tuple(SPANNING),
+    "critical_gap": tuple(CRITICAL_GAPS),
+}
 DISTRIBUTIONS = {
     f"patches{suffix}": Distribution(
         partial(sizes, corners),

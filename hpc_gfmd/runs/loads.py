@@ -18,7 +18,7 @@ from ..contact import (
 )
 from ..contact.area import a_r_discretisation
 from ..contact.contact import Contact
-from ..contact.duality import OBSERVABLES as OF_DUALITY
+from ..contact.response import DUALITY
 from ..driver.branches import RETRACTION
 from ..driver.load import Load, Unfinished
 from ..driver.sweep import Sweep, make_sweep
@@ -108,7 +108,7 @@ def sweep_of(scene: Scene, make_surface: Callable[[np.dtype], Surface]) -> Sweep
         scene.solver,
         scene.material.E_star,
         getattr(scene.surface, "lam_s", None),
-        duality=not {"error_bounds", *OF_DUALITY}.isdisjoint(scene.output.observables or ()),
+        duality=not {"error_bounds", *DUALITY}.isdisjoint(scene.output.observables or ()),
         body=body_of(scene.material, scene.surface.free),
         hardness=scene.material.hardness,
         attraction=attraction_of(scene.material),

@@ -13,7 +13,7 @@ from ..contact import (
     observables_named,
     require_periodic,
 )
-from ..contact.duality import OBSERVABLES as OF_DUALITY
+from ..contact.response import DUALITY
 from ..output.fields import FIELDS
 from ..output.numbers import unit_of
 from ..output.result import Result
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     from ..contact.contact import Contact
 
-LOST = ("energy", "approach", *OF_DUALITY)  # observables that the fields do not tell
+LOST = ("energy", "approach", *DUALITY)  # observables that the fields do not tell
 
 
 def _field(name: str, about: str) -> Any:

@@ -14,8 +14,8 @@ from hpc_gfmd.contact import (
     all_numbers,
     all_observables,
     default_observables,
-    duality,
     observables_named,
+    response,
 )
 from hpc_gfmd.output.numbers import dataset_attributes
 from hpc_gfmd.output.read import read_result
@@ -105,12 +105,10 @@ def test_single_observables_add_no_others(name):
     """Steps hold the requested observable beside the default ones."""
     (_, step) = run(rough((1, 8, 2), boundary="free"), {"observables": [name]}, material=HARD).steps
     cheap = {*default_observables(), *observables_named([name])}
-    duality_observables = (
-        {*duality.OBSERVABLES} - {"gap_bound"} if name in duality.OBSERVABLES else set()
-    )
+    duality_observables = {*response.DUALITY} - {"gap_bound"} if name in response.DUALITY else set()
     assert (
         set(step) & set(all_observables())
-        == cheap - {*duality.OBSERVABLES} - OF_ATTRACTION | duality_observables
+        == cheap - {*response.DUALITY} - OF_ATTRACTION | duality_observables
     )
 
 
@@ -193,9 +191,9 @@ def test_bounds_of_true_errors(p_star, accuracy):
         / np.linalg.norm(exact.field("pressure")[:]),
         abs(solved.gap_mean / exact.gap_mean - 1),
     ]
-    for error, bound in zip(errors, (duality.pressure_bound(solved), duality.gap_bound(solved))):
+    for error, bound in zip(errors, (response.pressure_bound(solved), response.gap_bound(solved))):
         assert bound is None or error < bound < 300 * accuracy
-    assert accuracy > 1e-2 or duality.pressure_bound(solved)
+    assert accuracy > 1e-2 or response.pressure_bound(solved)
 
 
 def test_duality_gap_only_on_request():

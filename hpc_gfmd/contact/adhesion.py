@@ -1,0 +1,181 @@
+"""Contacts with an attraction of the surfaces (material.adhesion): its work and stability, whether
+the other branch (load.unique) has the same equilibrium, and the criterion of Pastewka and Robbins
+for whether a rough wall sticks.
+"""
+
+from math import isfinite, pi
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .base import Contact, Observable
+from .patches import perimeter
+
+ON_REQUEST = ("stickiness",)
+SOLVED = "converged", "separated"  # a status that says which equilibrium there is
+
+
+class OtherBranch(NamedTuple):
+    """What the same load gives when it is reached from the other side (approach or retraction).
+
+    Attributes
+    ----------
+    a_r : float
+        Relative contact area on the other branch.
+    agrees : bool
+        Whether both branches have the same equilibrium, within the errors of both.
+    """
+
+    a_r: float
+    agrees: bool
+
+
+def compared(contact: Any, other: Any) -> OtherBranch | None:
+    """Compare the contacts of one load on both branches. Collective.
+
+    They agree if contact points, mean gap and pressure field differ by no more than the sum of
+    their estimated errors (plus one point), or if both are separated.
+
+    Parameters
+    ----------
+    contact, other : Contact
+        On either branch, on the same grid.
+
+    Returns
+    -------
+    OtherBranch or None
+        With the area of `other`; None if one of the contacts is neither converged nor separated.
+    """
+    if contact.status not in SOLVED or other.status not in SOLVED:
+        return None
+    a_r = other.contact_points / other.N
+    if contact.is_separated or other.is_separated:
+        return OtherBranch(a_r, contact.status == other.status)
+    area, gap, pressure = np.add(contact.certificate.errors, other.certificate.errors)
+    points = abs(contact.contact_points - other.contact_points)
+    gaps = abs(contact.gap_mean - other.gap_mean)
+    agrees = (
+        points <= area * contact.contact_points + 1
+        and gaps <= gap * contact.gap_mean
+        and _difference_of_pressures(contact, other) <= pressure
+    )
+    return OtherBranch(a_r, bool(agrees))
+
+
+def _difference_of_pressures(contact: Any, other: Any) -> float:
+    """Return the L2 norm of the difference of two pressure fields over that of the first.
+
+    inf if the first one is 0. Collective.
+    """
+
+    def squares(i0: int, i1: int) -> tuple[float, float]:
+        """Return the sums of (p - q)^2 and p^2 over some local rows."""
+        p, q = (one.pressure_rows(i0, i1).astype(np.float64) for one in (contact, other))
+        return float(((p - q) ** 2).sum()), float((p**2).sum())
+
+    grid = contact.grid
+    parts = [(0.0, 0.0), *grid.by_rows(squares, grid.inside[0])]
+    difference, whole = grid.comm.sum(np.sum(parts, axis=0)).tolist()
+    return float(np.sqrt(difference / whole)) if whole > 0 else np.inf
+
+
+def attraction(contact: Contact) -> float | None:
+    """Return the mean attractive pressure over the nominal area, in the unit of E_star, positive.
+
+    The mean pressure on the wall is the mean pressure of the load plus this attraction. None
+    without a law of attraction and for separated bodies.
+    """
+    if contact.attraction is None or contact.is_separated:
+        return None
+    return contact.certificate.attraction * contact.pressure_unit
+
+
+def separation_work(contact: Contact) -> float | None:
+    """Return the work per nominal area needed to separate the bodies and remove their deformation.
+
+    It is minus the sum of the elastic energy and the energy of attraction, in the unit of E_star
+    times length. None without a law of attraction, for separated bodies, and where the elastic
+    energy is undefined (a half-space that is periodic along one axis only).
+    """
+    if contact.attraction is None or contact.is_separated or not isfinite(contact.energy):
+        return None
+    unit = contact.pressure_unit * contact.surface.height_unit
+    return -contact.energy - contact.certificate.energy_of_attraction * unit
+
+
+def stability(contact: Contact) -> float | None:
+    """Return the stability of an equilibrium with attraction: 0 at a jump, negative at a saddle.
+
+    At most 1, its value for a vanishing attraction; see certificate/stability.py. None without a
+    law of attraction, or if it was not computed.
+    """
+    share = contact.certificate.stability
+    return share if isfinite(share) else None
+
+
+def unique(contact: Contact) -> float | None:
+    """Return 1 if both branches have the same equilibrium, 0 if not, None if one is unknown.
+
+    The other branch is unknown unless the scene requests it (load.unique) and its load converged.
+    """
+    return None if contact.other_branch is None else float(contact.other_branch.agrees)
+
+
+def a_r_other_branch(contact: Contact) -> float | None:
+    """Return the relative contact area on the other branch; None if that was not solved."""
+    return None if contact.other_branch is None else contact.other_branch.a_r
+
+
+def stickiness(contact: Contact) -> float | None:
+    """Return the attraction in a ring around the contact over the repulsion in the contact.
+
+    The wall sticks above 1; far below 1 adhesion is negligible. Computed from the area, the
+    perimeter and the load of this contact. None without a law of attraction, for separated bodies,
+    on a flat surface, and if no contact edge exists (nothing or everything touches). Collective.
+    """
+    from ..theory.adhesion import stickiness as of_ring
+
+    law = contact.attraction
+    if law is None or contact.is_separated or contact.g_rms == 0:
+        return None
+    edge = perimeter(contact)
+    if edge == 0:
+        return None
+    area = contact.contact_points * contact.grid.spacings[0] * contact.grid.spacings[1]
+    reach = law.work / float(law.traction(0.0))
+    share = contact.contact_points / contact.N
+    return float(
+        of_ring(share, contact.wall_pressure, contact.g_rms, pi * area / edge, law.work, reach)
+    )
+
+
+OBSERVABLES = {
+    "attraction": Observable(
+        attraction, "mean attraction of the surfaces over the nominal area, positive", "pressure"
+    ),
+    "separation_work": Observable(
+        separation_work,
+        "work per nominal area that separates the bodies: minus elastic energy and that of"
+        " attraction",
+        "pressure length",
+    ),
+    "stability": Observable(
+        stability,
+        "of an equilibrium with attraction: least curvature of the energy over the elastic part of"
+        " it; 1 without attraction, 0 at a jump",
+    ),
+    "unique": Observable(
+        unique,
+        "1: both branches have the same equilibrium, so that, but for what a grid adds, there is no"
+        " other; 0: they have not (load.unique)",
+    ),
+    "a_r_other_branch": Observable(
+        a_r_other_branch, "relative contact area at this load on the other branch (load.unique)"
+    ),
+    "stickiness": Observable(
+        stickiness,
+        "attraction beside the contact over the repulsion in it, by the criterion of Pastewka and"
+        " Robbins; the wall sticks above 1",
+        sources=("Pastewka, Robbins, PNAS 111 (2014) 3298, doi:10.1073/pnas.1320846111",),
+    ),
+}
