@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..bodies.halfspace import HALF_SPACE
-from ..contact.adhesion import compared
+from ..contact.contact import compared
 from ..parallel import interrupt
 from ..util.errors import SceneError
 from .branches import SaddleGuard
