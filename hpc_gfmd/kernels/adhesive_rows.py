@@ -19,27 +19,9 @@ from .jit import kernel, points_inside
 
 @kernel
 def work_of_step(law, g, d_rows, i0, i1, inside):
-    """Sum <t, d> and the change of phi that a full step d makes, over rows i0 <= i < i1.
+    """Return the sums of t d and of phi(g + d) - phi(g) over rows i0 <= i < i1.
 
-    Parameters
-    ----------
-    law : Law
-        Energy phi(g) and attraction t = phi'(g), in the precision of g.
-    g : (n_loc, n_y)
-        Gap before the step.
-    d_rows : (>= i1 - i0, n_y)
-        The step in full precision, from row i0 on.
-    i0, i1 : int
-        Local rows i0 <= i < i1.
-    inside : (rows, points)
-        Rows and points per row of this rank within the nominal area.
-
-    Returns
-    -------
-    td : float
-        <t, d>, t before the step.
-    gained : float
-        Sum of phi(g + d) - phi(g).
+    t is that before the step; d_rows holds the step in full precision, from row i0 on.
     """
     td = 0.0
     gained = 0.0
@@ -56,31 +38,8 @@ def work_of_step(law, g, d_rows, i0, i1, inside):
 def add_change(law, g, d, Kd, s, i0, i1, inside):
     """Turn K d into y = K d + (t(g + s d) - t(g))/s, in place, on rows i0 <= i < i1.
 
-    g stays as it is; new gaps g + s d below 0 count as 0.
-
-    Parameters
-    ----------
-    law : Law
-        Energy phi(g) and attraction t = phi'(g), in the precision of g.
-    g : (n_loc, n_y)
-        Gap before the step.
-    d : (>= i1 - i0, n_y), encoded
-        The step from row i0 on, see bpx.py.
-    Kd : (>= i1 - i0, n_y)
-        K d from row i0 on; becomes y.
-    s : float
-        Step length, in the precision of g.
-    i0, i1 : int
-        Local rows i0 <= i < i1.
-    inside : (rows, points)
-        Rows and points per row of this rank within the nominal area.
-
-    Returns
-    -------
-    t : float
-        Sum of t at the new gaps.
-    dt : float
-        <d, t(g + s d) - t(g)>/s, by which <d, y> differs from <d, K d>.
+    d is encoded; it and Kd, which becomes y, begin at row i0. New gaps below 0 count as 0. Returns
+    the sum of t at the new gaps, and <d, y> - <d, K d>.
     """
     zero = g.dtype.type(0)
     PROJECTED = encode(g.dtype.type(-np.inf))
@@ -101,29 +60,10 @@ def add_change(law, g, d, Kd, s, i0, i1, inside):
 
 @kernel
 def add_attraction(law, g, x, i0, i1, inside):
-    """Add the attraction t(g) to a field x, in place, on rows i0 <= i < i1.
+    """Add the attraction t(g) to x, in place, on rows i0 <= i < i1; return the sums of t and phi.
 
-    Gaps below 0 count as 0.
-
-    Parameters
-    ----------
-    law : Law
-        Energy phi(g) and attraction t = phi'(g), in the precision of x.
-    g : (n_loc, n_y)
-        Gap.
-    x : (>= i1 - i0, n_y)
-        Pressure of the body, from row i0 on; becomes that of the wall.
-    i0, i1 : int
-        Local rows i0 <= i < i1.
-    inside : (rows, points)
-        Rows and points per row of this rank within the nominal area.
-
-    Returns
-    -------
-    t : float
-        Sum of t.
-    phi : float
-        Sum of phi.
+    x, from row i0 on, is the pressure of the body and becomes that of the wall. Gaps below 0 count
+    as 0.
     """
     real = x.dtype.type
     zero = real(0)
@@ -141,27 +81,9 @@ def add_attraction(law, g, x, i0, i1, inside):
 
 @kernel
 def shift_gap(law, g, p, by, i0, i1, inside):
-    """Lower the gap by a constant on rows i0 <= i < i1, and change p by that of the attraction.
+    """Lower the gap by a constant on rows i0 <= i < i1 and change p by that of the attraction.
 
-    Beyond the surface only g changes.
-
-    Parameters
-    ----------
-    law : Law
-        Energy phi(g) and attraction t = phi'(g), in the precision of g.
-    g, p : (n_loc, n_y)
-        Gap, no less than `by` on the surface, and pressure of the wall; become the new ones.
-    by : float
-        In the precision of g.
-    i0, i1 : int
-        Local rows i0 <= i < i1.
-    inside : (rows, points)
-        Rows and points per row of this rank within the nominal area.
-
-    Returns
-    -------
-    float
-        Sum of t at the new gaps.
+    No gap on the surface may be below the constant; beyond it only g changes. Returns the sum of t.
     """
     zero = g.dtype.type(0)
     t = 0.0
@@ -180,29 +102,9 @@ def shift_gap(law, g, p, by, i0, i1, inside):
 
 @kernel
 def softening(law, g, closed, x, i0, i1, inside):
-    """Set x = -phi''(g) out of contact, 0 in contact and beyond the surface, on rows i0 <= i < i1.
+    """Set x = -phi''(g) out of contact, 0 elsewhere; return its sum and its maximum.
 
-    Parameters
-    ----------
-    law : Law
-        Energy phi(g) and attraction t = phi'(g), in the precision of g.
-    g : (n_loc, n_y)
-        Gap.
-    closed : (n_loc, n_y)
-        1 in contact, 0 elsewhere.
-    x : (n_loc, n_y)
-        Becomes the softening.
-    i0, i1 : int
-        Local rows i0 <= i < i1.
-    inside : (rows, points)
-        Rows and points per row of this rank within the nominal area.
-
-    Returns
-    -------
-    total : float
-        Sum of x.
-    largest : float
-        Largest x.
+    On rows i0 <= i < i1; `closed` is 1 in contact, 0 elsewhere.
     """
     zero = g.dtype.type(0)
     one = g.dtype.type(1)
@@ -221,25 +123,9 @@ def softening(law, g, closed, x, i0, i1, inside):
 
 @kernel
 def gain_along(law, g, e, length, i0, i1, inside):
-    """Return how much a step along a direction changes the energy of the attraction.
+    """Return the sum of phi(g + length e) - phi(g) over rows i0 <= i < i1.
 
-    Parameters
-    ----------
-    law : Law
-        Energy phi(g) and attraction t = phi'(g), in the precision of g.
-    g, e : (n_loc, n_y)
-        Gap and a direction; they stay as they are.
-    length : float
-        Length of the step, in the precision of g.
-    i0, i1 : int
-        Local rows i0 <= i < i1.
-    inside : (rows, points)
-        Rows and points per row of this rank within the nominal area.
-
-    Returns
-    -------
-    float
-        Sum of phi(g + length e) - phi(g) over these rows; new gaps below 0 count as 0.
+    New gaps below 0 count as 0.
     """
     zero = g.dtype.type(0)
     gained = 0.0
@@ -252,25 +138,9 @@ def gain_along(law, g, e, length, i0, i1, inside):
 
 @kernel
 def pull_along(law, g, e, length, i0, i1, inside):
-    """Return how much a step along e changes the slope of the attraction's energy along e.
+    """Return <t(g + length e) - t(g), e> over rows i0 <= i < i1, in double precision.
 
-    Parameters
-    ----------
-    law : Law
-        Energy phi(g) and attraction t = phi'(g), in double precision.
-    g, e : (n_loc, n_y)
-        Gap and a direction; they stay as they are.
-    length : float
-        Length of the step, in double precision.
-    i0, i1 : int
-        Local rows i0 <= i < i1.
-    inside : (rows, points)
-        Rows and points per row of this rank within the nominal area.
-
-    Returns
-    -------
-    float
-        <t(g + length e) - t(g), e> over these rows; gaps below 0 count as 0.
+    Gaps below 0 count as 0.
     """
     changed = 0.0
     for i in range(i0, i1):

@@ -21,17 +21,7 @@ def _address(context, builder, signature, values):
 
 @intrinsic
 def add(_, counters, index, value):
-    """Add a number to a counter in one step; return the counter before it. Only in kernels.
-
-    Parameters
-    ----------
-    counters : array of int64
-        Contiguous, one axis.
-    index : int
-        Of the counter.
-    value : int
-        The number; with 0 the counter is only read.
-    """
+    """Add a number to a counter in one step; return the counter before it. Only in kernels."""
 
     def generate(context, builder, signature, values):
         number = context.cast(builder, values[2], signature.args[2], types.int64)
@@ -43,19 +33,7 @@ def add(_, counters, index, value):
 
 @intrinsic
 def replace(_, counters, index, expected, value):
-    """Set a counter to `value` in one step, but only if it is `expected`. Only in kernels.
-
-    Returns whether it was.
-
-    Parameters
-    ----------
-    counters : array of int64
-        Contiguous, one axis.
-    index : int
-        Of the counter.
-    expected, value : int
-        The counter before and after.
-    """
+    """Set a counter to `value` in one step if it is `expected`; return whether it was."""
 
     def generate(context, builder, signature, values):
         before, after = (

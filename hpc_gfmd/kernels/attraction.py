@@ -27,17 +27,9 @@ _options = {
 
 
 def decay(x):
-    """Return exp(-x) for x >= 0; kernels compute it by a polynomial that takes vectors of points.
+    """Return exp(-x) for x >= 0, in kernels by a polynomial that takes vectors of points.
 
-    Parameters
-    ----------
-    x : float or array
-        In kernels a number.
-
-    Returns
-    -------
-    float or array
-        Correct up to rounding errors; in kernels never less than exp(-64) = 2e-28.
+    Correct up to rounding errors; in kernels never less than exp(-64) = 2e-28.
     """
     return np.exp(-np.asarray(x))
 
@@ -69,54 +61,15 @@ def _decay(x):
 
 
 def energy_at(law, g):
-    """Return the energy per area phi of the attraction at a gap. Only kernels can call it.
-
-    Parameters
-    ----------
-    law : Law
-        In the precision of g.
-    g : float
-        Gap, >= 0.
-
-    Returns
-    -------
-    float
-        In the precision of g.
-    """
+    """Return the energy per area phi of the attraction at a gap >= 0. Only kernels can call it."""
 
 
 def traction_at(law, g):
-    """Return the attraction t = phi' at a gap, phi being its energy. Only kernels can call it.
-
-    Parameters
-    ----------
-    law : Law
-        In the precision of g.
-    g : float
-        Gap, >= 0.
-
-    Returns
-    -------
-    float
-        In the precision of g.
-    """
+    """Return the attraction t = phi' at a gap >= 0. Only kernels can call it."""
 
 
 def curvature_at(law, g):
-    """Return the second derivative phi'' of the energy at a gap. Only kernels can call it.
-
-    Parameters
-    ----------
-    law : Law
-        In the precision of g.
-    g : float
-        Gap, >= 0.
-
-    Returns
-    -------
-    float
-        In the precision of g.
-    """
+    """Return the second derivative phi'' of the energy at a gap >= 0. Only kernels can call it."""
 
 
 def _overloaded(stub, method):

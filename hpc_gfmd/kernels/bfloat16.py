@@ -46,11 +46,6 @@ class Decoded:
     """View of a stored array, of uint16 or float32, as float32.
 
     A slice is converted when it is taken, to a new array; a slice of float32 is a view.
-
-    Parameters
-    ----------
-    numbers : array of uint16 or float32
-        What `encoded` returns.
     """
 
     dtype = np.dtype(np.float32)
@@ -67,22 +62,10 @@ class Decoded:
 
 
 def encoded(numbers, dtype):
-    """Convert numbers to the lower precision in which they are stored.
+    """Convert numbers to the lower precision in which they are stored beside fields of `dtype`.
 
-    It is bfloat16, as uint16, if fields have float32: the last bits of a float32 are cut off. It is
-    float32 if fields have float64.
-
-    Parameters
-    ----------
-    numbers : array
-        In any precision.
-    dtype : dtype
-        Precision of the fields of the same solver.
-
-    Returns
-    -------
-    array
-        Of `stored_dtype(dtype)`, in the shape of numbers; may be `numbers` itself.
+    bfloat16, as uint16, for float32 (its last bits are cut off), and float32 for float64. May be
+    `numbers` itself.
     """
     numbers = np.asarray(numbers, np.float32)
     if stored_dtype(dtype) == np.float32:

@@ -59,29 +59,10 @@ from .yielding import at_contact, landing, limit, yields
 class UpdateSums(NamedTuple):
     """Sums over the points of some rows that `update_state` makes, in its order.
 
-    A is the set of points in elastic contact, F all others; r is the pressure on F, less the
-    hardness H where a point yields, and d the step of the gap.
-
-    Attributes
-    ----------
-    rr : float
-        <r, r>.
-    pp : float
-        <p, p>; where a point yields r^2 + H^2 in place of p^2.
-    rd : float
-        <r, d>.
-    dKd : float
-        <d, K d> on F.
-    rKd : float
-        <r, K d>.
-    contact : float
-        Number of points in A and of those that yield.
-    gap : float
-        Sum of g over the surface, without dents.
-    opening, closing : float
-        Number of points that would leave A, and reach g = 0, if the same step were made again.
-    yielded : float
-        Number of points that yield.
+    r is the pressure on F, less H where a point yields. pp has r^2 + H^2 in place of p^2 where a
+    point yields; rd, dKd and rKd are products on F; contact counts the points in A and those that
+    yield; gap is the sum of g without dents; opening and closing count the points that would leave
+    A, and reach g = 0, if the same step were made again; yielded counts the points that yield.
     """
 
     rr: float
@@ -107,28 +88,11 @@ def search_passes(
 ):
     """Make the step d on the rows of some passes and transform these rows: lines 1 to 3.
 
-    Every thread of the rank calls this, and takes one share of the passes after another.
-
-    Parameters
-    ----------
-    passes : (passes, 2) int
-        First row of each pass, and the row after its last one.
-    shares : (shares, 2) int
-        First pass of each share, and the pass after its last one.
-    turns : (1,) int64
-        Counter that threads have in common: the next share, 0 before.
-    rows : tuple
-        Row transforms of one thread (transforms.py), whose memory gets the step and its spectra.
-    scratch : two arrays, (>= n_y,)
-        Memory of one thread: rows of separate arrays, or else LLVM takes one to overlap the other.
-    sums : (passes, 2) float64
-        Gets what `projected_step` returns of each pass.
-    g, p, d, z_1, transfer, step, H, inside
-        See `projected_step`; d, the last step, becomes the new one.
-    law : Law or None
-        Law of attraction.
-    work : (passes, 2) float64
-        Gets what `work_of_step` returns of each pass; untouched without a law.
+    Every thread of the rank calls this, and takes one share of the passes after another: `turns` is
+    the counter that they have in common, `shares` the first pass of each share and the one after
+    its last, `passes` the same of rows. `rows` (transforms.py) and `scratch`, two separate rows,
+    are memory of one thread. `sums` and, with a law, `work` get what `projected_step` and
+    `work_of_step` return of each pass.
     """
     share = add(turns, 0, 1)
     while share < shares.shape[0]:
@@ -167,29 +131,10 @@ def update_passes(
 ):
     """Transform rows of K d back and set g += s d and p += s K d, pass after pass: line 6.
 
-    The new state is restricted to level 1, where passes of one share add up a row that both have.
-
-    Parameters
-    ----------
-    passes, shares, turns, rows
-        See `search_passes`; the memory of `rows` holds spectra of K d.
-    scratch : tuple
-        Memory of one thread: `gathered` and `shared` of `update_state`.
-    first_rows : (shares, 3, m)
-        Gets the part of each share's first pass in the coarse row that the pass before has, too.
-        `join_shares` adds it to `coarse` once all threads have ended.
-    sums : (passes, 10) float64
-        Gets the UpdateSums of each pass.
-    g, p, s, coarse, transfer, H, inside
-        See `update_state`; g, p and coarse are overwritten.
-    d : (n_loc, n_y) or (rows of a pass, n_y)
-        Last step, of the slab or the same one for every pass.
-    spectra : bool
-        Whether the rows of K d come as spectra; if not, rows[0] holds them already.
-    law : Law or None
-        Law of attraction.
-    attracted : (passes, 2) float64
-        Gets what `add_change` returns of each pass; untouched without a law.
+    Threads take shares as in `search_passes`. The new state is restricted to level 1: `first_rows`
+    (shares, 3, m) gets the part of each share's first pass in the coarse row that the pass before
+    has, too, and `join_shares` adds it to `coarse`. `sums` gets the UpdateSums of each pass,
+    `attracted` what `add_change` returns. `spectra` tells whether the rows of K d come as spectra.
     """
     gathered, shared = scratch
     zero = g.dtype.type(0)
@@ -239,36 +184,9 @@ def projected_step(g, p, d, d_rows, i0, i1, z_1, transfer, step, H, inside, scra
 
     z, the preconditioned residual, is formed on the fly; coupling = 0 gives the plain projected
     gradient step of line 3. With a hardness the projection is the proximal map `landing`
-    (yielding.py): a point may go through contact and yield, or come out of it.
-
-    Parameters
-    ----------
-    g, p : (n_loc, n_y)
-        Gap and pressure.
-    d : (n_loc, n_y), encoded
-        Last step; becomes the new one, rounded as it is stored.
-    d_rows : (>= i1 - i0, n_y)
-        Gets the new step as it is stored, in full precision.
-    i0, i1 : int
-        Local rows i0 <= i < i1.
-    z_1, transfer
-        z on level 1, and the tables between the grid and level 1: see the head of the file.
-    step : tuple
-        (alpha, beta, coupling, compliance), in the precision of g.
-    H : float or None
-        Hardness.
-    inside : (rows, points)
-        This rank's part of the surface: its first rows and points.
-    scratch : two arrays, (>= n_y,)
-        Memory of one thread.
-
-    Returns
-    -------
-    rd : float
-        <r, d>, with the work of dents; r is the pressure out of contact, less H where a point
-        yields.
-    deeper : float
-        By how much dents become deeper, summed over points.
+    (yielding.py): a point may go through contact and yield, or come out of it. step: (alpha, beta,
+    coupling, compliance). d_rows gets the step as it is stored, in full precision. Returns <r, d>
+    with the work of dents, and by how much dents become deeper, summed over points.
     """
     J_x, f_x, mode, J_y, f_y, _ = transfer
     alpha, beta, coupling, compliance = step
@@ -332,32 +250,10 @@ def update_state(g, p, d, Kd, s, i0, i1, coarse, shared, transfer, H, inside, ga
     """Set g += s d and p += s K d on rows i0 <= i < i1, and restrict the new state to level 1.
 
     Restricted are r, the pressure out of contact (less H where a point yields), t, 1 in elastic
-    contact and 0 elsewhere, and K d out of contact.
-
-    Parameters
-    ----------
-    g, p : (n_loc, n_y)
-        Gap and pressure; become the new ones.
-    d : (>= i1 - i0, n_y), encoded
-        Last step on these rows.
-    Kd : (>= i1 - i0, n_y)
-        K d on these rows.
-    s : float
-        Step length, in the precision of g.
-    i0, i1 : int
-        Local rows; i0 is the first one of those beside its coarse row.
-    coarse : (3, coarse rows + 2, m)
-        r, t and K d on level 1 with halo rows; gets the coarse rows that these rows have alone.
-    shared : (2, 3, m)
-        Gets the first coarse row and the one after the last, which the rows before and after have a
-        part of, too.
-    transfer, H, inside
-        Tables between the grid and level 1, hardness, and this rank's part of the surface: see the
-        head of the file.
-    gathered : (6, >= n_y)
-        Scratch. 0 to 2: a complete coarse row of r, t and K d; 3 to 5: what is there of the next.
-    sums : (10,) float64
-        Gets the UpdateSums of these rows.
+    contact and 0 elsewhere, and K d out of contact. i0 is the first row beside its coarse row.
+    `coarse` (3, coarse rows + 2, m) gets the coarse rows that these rows have alone, `shared` (2,
+    3, m) the first one and the one after the last. In `gathered` (6, >= n_y) rows 0 to 2 are a
+    complete coarse row, 3 to 5 what is there of the next.
     """
     J_x, f_x, mode, J_y, f_y, factor = transfer
     n = g.shape[1]

@@ -38,17 +38,10 @@ def _root(node, parent, shift):
 def join(edges, parent, shift, wraps):
     """Join the trees of all pieces that edges connect: changes parent, shift and wraps.
 
-    Parameters
-    ----------
-    edges : (edges, 4) int
-        Piece a, piece b, borders crossed from a to b along x and along y.
-    parent : (nodes,) int
-        Each piece its own at first; at the end the root of its tree.
-    shift : (nodes, 2) int
-        0 at first; at the end borders crossed from the root to the piece.
-    wraps : (2,) bool
-        Becomes true for an axis along which two ways to the same piece cross different numbers of
-        borders: a closed way goes around the cell. Never becomes false.
+    edges: piece a, piece b, borders crossed from a to b along x and y. parent: at first each piece
+    itself, at the end the root of its tree; shift: borders crossed from the root to the piece.
+    wraps becomes true for an axis along which two ways to the same piece cross different numbers of
+    borders: a closed way goes around the cell.
     """
     for k in range(edges.shape[0]):
         a = edges[k, 0]

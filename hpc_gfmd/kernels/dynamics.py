@@ -24,16 +24,7 @@ from .jit import kernel
 class DynamicsSums(NamedTuple):
     """Sums over points, as `update_pressure` returns them.
 
-    Attributes
-    ----------
-    rr, pp : float
-        p^2 on F, and everywhere.
-    pd, dd, dx : float
-        p d, d^2, and d x.
-    contact : float
-        Number of points in contact.
-    gap : float
-        Of the surface.
+    p^2 on F and everywhere, p d, d^2, d x, number of points in contact, gap of the surface.
     """
 
     rr: float
@@ -49,22 +40,8 @@ class DynamicsSums(NamedTuple):
 def verlet_step(g, p, d, x, i0, i1, a, b, inside):
     """Make one time step on rows i0 <= i < i1: d <- b d - a p, g <- g + d.
 
-    A point that hits the wall stops there (zero restitution): g = 0 and d = 0.
-
-    Parameters
-    ----------
-    g, d : (n_loc, n_y)
-        Gap, and displacement of the last time step; become the new ones.
-    p : (n_loc, n_y)
-        Pressure.
-    x : (>= i1 - i0, n_y)
-        Gets the change of g on these rows.
-    i0, i1 : int
-        Local rows i0 <= i < i1.
-    a, b : float
-        Coefficients of the step, in the precision of g.
-    inside : (rows, points)
-        This rank's part of the surface.
+    A point that hits the wall stops there (zero restitution): g = 0 and d = 0. x gets the change of
+    g, from row i0 on.
     """
     zero = g.dtype.type(0)
     for i in range(i0, i1):
@@ -84,25 +61,9 @@ def verlet_step(g, p, d, x, i0, i1, a, b, inside):
 
 @kernel
 def update_pressure(g, p, d, x, i0, i1, inside):
-    """Set p <- p + x on rows i0 <= i < i1, x being K times the change of g; sum up the new state.
+    """Set p <- p + x on rows i0 <= i < i1 and return the DynamicsSums of the new state.
 
-    Parameters
-    ----------
-    g, d : (n_loc, n_y)
-        Gap, and displacement of the last time step.
-    p : (n_loc, n_y)
-        Pressure; becomes the new one.
-    x : (>= i1 - i0, n_y)
-        K times the change of g on these rows.
-    i0, i1 : int
-        Local rows i0 <= i < i1.
-    inside : (rows, points)
-        This rank's part of the surface.
-
-    Returns
-    -------
-    DynamicsSums
-        Of these rows.
+    x, from row i0 on, is K times the change of g, and d the displacement of the last time step.
     """
     zero = g.dtype.type(0)
     RR = PP = PD = DD = DX = CONTACT = GAP = 0.0

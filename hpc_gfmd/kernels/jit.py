@@ -178,21 +178,9 @@ inline = partial(kernel, piece=True)
 
 @inline
 def points_inside(i: int, inside: tuple[int, int]) -> np.uint64:
-    """Return how many points of row i belong to the surface: the first ones of the row.
+    """Return how many points of row i belong to the surface, the first ones; 0 in a row beyond it.
 
-    The number is unsigned: a loop that begins at a number that might be negative, counted from the
-    end, does not use vectors.
-
-    Parameters
-    ----------
-    i : int
-        Local row.
-    inside : (int, int)
-        Rows and points of this rank's part of the surface.
-
-    Returns
-    -------
-    np.uint64
-        0 in a row beyond the surface.
+    Unsigned: a loop that begins at a number that might be negative, counted from the end, does not
+    use vectors.
     """
     return np.uint64(inside[1] if i < inside[0] else 0)

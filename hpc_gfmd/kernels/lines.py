@@ -10,16 +10,9 @@ WIDTH = 8  # numbers in a line
 
 @intrinsic
 def move_line(_, target, i, source, j):
-    """Copy a line of WIDTH numbers between flat contiguous float64 arrays. Only in kernels.
+    """Set target[i:i + WIDTH] = source[j:j + WIDTH], contiguous float64. Only in kernels.
 
-    Sets target[i:i + WIDTH] = source[j:j + WIDTH] without checking the bounds.
-
-    Parameters
-    ----------
-    target, source : (...,) float64
-        The array to copy to and the one to copy from.
-    i, j : int
-        First index of the line in `target` and in `source`.
+    Bounds are not checked.
     """
 
     def generate(context, builder, signature, values):

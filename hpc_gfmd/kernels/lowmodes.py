@@ -15,16 +15,9 @@ from .jit import kernel
 
 @kernel
 def split(waves, shift_x, shift_y, norm, parts):
-    """Split the lowest modes of a spectrum into products of cos and sin along both axes.
+    """Split the lowest modes of a spectrum, waves, into products of cos and sin along both axes.
 
-    Parameters
-    ----------
-    waves : (n_x, >= m_y) complex
-        The spectrum: transformed along both axes.
-    shift_x, shift_y, norm
-        See the head of the file.
-    parts : (4, m_x, m_y)
-        Gets the parts.
+    `parts` (4, m_x, m_y) gets them.
     """
     n_x = waves.shape[0]
     for k in range(norm.shape[0]):
@@ -44,22 +37,9 @@ def split(waves, shift_x, shift_y, norm, parts):
 def multiply(part, matrices, by_columns, x):
     """Multiply the modes of one parity, an array of `parts`, by their matrices, in place.
 
-    Parameters
-    ----------
-    part : (rows, columns)
-        The modes; overwritten.
-    matrices : (stack, m, m)
-        Symmetric. With `by_columns` one matrix for each column, m = rows. Without it one for each
-        row, m = columns; or a single one, m = rows times columns, for all modes row by row.
-    by_columns : bool
-        Whether each column has its matrix.
-    x : (>= m,)
-        Scratch.
-
-    Returns
-    -------
-    float
-        <part, matrices part> of the modes before.
+    The matrices are symmetric: with `by_columns` one for each column, m = rows; without it one for
+    each row, m = columns, or a single one for all modes row by row. Returns <part, matrices part>
+    of the modes before.
     """
     stack = matrices.shape[0]
     m = matrices.shape[1]
@@ -84,18 +64,8 @@ def multiply(part, matrices, by_columns, x):
 def join(parts, shift_x, shift_y, norm, unit, positive, negative):
     """Undo `split`, and multiply by `unit`: products of cos and sin become modes of a spectrum.
 
-    Parameters
-    ----------
-    parts : (4, m_x, m_y)
-        The products, which stay as they are.
-    shift_x, shift_y, norm
-        See the head of the file.
-    unit : float
-        Factor.
-    positive : (m_x, m_y) complex
-        Gets the modes with wave numbers k_x >= 0.
-    negative : (m_x - 1, m_y) complex
-        Gets those with -k_x < 0, the largest k_x first.
+    `positive` (m_x, m_y) gets the modes with k_x >= 0, `negative` (m_x - 1, m_y) those with -k_x <
+    0, the largest k_x first.
     """
     m_x = norm.shape[0]
     for k in range(m_x):

@@ -40,15 +40,7 @@ TURNS = 24  # numbers of an array that holds them
 
 @inline
 def restrict_row(fine, coarse, factor, mode, J_y, f_y):
-    """Restrict one row: coarse = factor P^T fine, P being linear interpolation.
-
-    Parameters
-    ----------
-    fine, coarse : (n,), (m,)
-        Rows of the two levels.
-    factor, mode, J_y, f_y
-        Of `transfer`, see the head of the file.
-    """
+    """Restrict one row: coarse = factor P^T fine, P being linear interpolation."""
     real = fine.dtype.type
     n = fine.shape[0]
     m = coarse.shape[0]
@@ -77,15 +69,7 @@ def restrict_row(fine, coarse, factor, mode, J_y, f_y):
 
 @inline
 def interpolate_row(coarse, fine, mode, J_y, f_y):
-    """Interpolate one periodic row linearly from the coarse level: fine = P coarse.
-
-    Parameters
-    ----------
-    coarse, fine : (m,), (n,)
-        Rows of the two levels.
-    mode, J_y, f_y
-        Of `transfer`, see the head of the file.
-    """
+    """Interpolate one periodic row linearly from the coarse level: fine = P coarse."""
     real = fine.dtype.type
     n = fine.shape[0]
     m = coarse.shape[0]
@@ -109,14 +93,7 @@ def interpolate_row(coarse, fine, mode, J_y, f_y):
 def combine_rows(coarse, J, f, out):
     """Interpolate along x for one fine row: out = (1 - f) coarse[J] + f coarse[J + 1].
 
-    Parameters
-    ----------
-    coarse : (rows + 2, m)
-        With halo rows.
-    J, f : int, float
-        Of the fine row.
-    out : (m,)
-        Gets the row.
+    `coarse` has halo rows.
     """
     m = out.shape[0]
     one = out.dtype.type(1)
@@ -132,26 +109,8 @@ def combine_rows(coarse, J, f, out):
 def rows_beside(start, end, f_x, zero, one):
     """Return the two rows beside a coarse row, and what they add to it and to the next one.
 
-    There are never more than two. Where there is one, or none as beside the last coarse row of a
-    rank, some other row stands for those that are missing, and adds nothing.
-
-    Parameters
-    ----------
-    start, end : int
-        The rows start <= i < end; not (0, 0).
-    f_x : array
-        Weights of all rows.
-    zero, one : float
-        0 and 1 in the precision of the fields.
-
-    Returns
-    -------
-    a, b : int
-        The two rows.
-    of_a, of_b : float
-        1 - f_x of these.
-    next_a, next_b : float
-        f_x of these.
+    start <= i < end, never both 0. There are never more than two; some other row stands for those
+    that are missing, and adds nothing. The result is a, b, 1 - f_x of each, f_x of each.
     """
     a = start if start < end else start - 1
     b = end - 1
@@ -166,19 +125,8 @@ def rows_beside(start, end, f_x, zero, one):
 def gather_rows(fine, start, end, f_x, complete, following):
     """Restrict along x: add up own rows start <= i < end, all those beside one coarse row.
 
-    Sets complete = following + sum of (1 - f_x) row, and following = sum of f_x row.
-
-    Parameters
-    ----------
-    fine : (rows + 2, n)
-        With halo rows.
-    start, end : int
-        Own rows.
-    f_x : (rows,)
-        Their weights.
-    complete, following : (n,)
-        Get the coarse row, which is then complete, and what these rows add to the next one. On
-        entry `following` holds what earlier rows add to this coarse row.
+    Sets complete = following + sum of (1 - f_x) row, and following = sum of f_x row; on entry
+    `following` holds what earlier rows add to this coarse row. `fine` has halo rows.
     """
     real = complete.dtype.type
     a, b, of_a, of_b, next_a, next_b = rows_beside(start, end, f_x, real(0), real(1))
@@ -193,22 +141,10 @@ def gather_rows(fine, start, end, f_x, complete, following):
 def restrict_level(fine, coarse, transfer, i0, i1, scratch):
     """Restrict fields to the coarse rows that own rows i0 <= i < i1 lie on or after.
 
-    This is full weighting. With the last own row also the coarse row after it is set; coarse rows
-    that no fine row lies beside are left as they are. Rows are added up first: that is contiguous,
-    and leaves half as many rows to restrict along the other axis.
-
-    Parameters
-    ----------
-    fine : (>= fields, rows + 2, n)
-        Its own rows are read.
-    coarse : (fields, coarse rows + 2, m)
-        Gets the result; halo rows are written to like the others.
-    transfer : tuple
-        Tables between the two, see the head of the file.
-    i0, i1 : int
-        i0 is the first of the rows beside its coarse row.
-    scratch : two arrays, (>= n,)
-        Memory of one thread.
+    This is full weighting. i0 is the first of the rows beside its coarse row; with the last own row
+    also the coarse row after it is set; coarse rows that no fine row lies beside are left as they
+    are. Both levels have halo rows. Rows are added up first: that is contiguous, and leaves half as
+    many rows to restrict along the other axis.
     """
     J_x, f_x, mode, J_y, f_y, factor = transfer
     rows = fine.shape[1] - 2
@@ -239,33 +175,9 @@ def restrict_level(fine, coarse, transfer, i0, i1, scratch):
 def smooth_level(fields, z_coarse, out, weight, damping, transfer, nominal, i0, i1, scratch):
     """Set z = r/(weight + damping t) + P z_coarse on own rows i0 <= i < i1 of a level.
 
-    r is the pressure out of contact, t the share of contact, both restricted to the level, and P
-    linear interpolation. Sums are in the precision of the fields along a row, over rows in double
-    precision.
-
-    Parameters
-    ----------
-    fields : (2 or 3, rows + 2, n)
-        r, t and perhaps a third field x.
-    z_coarse : (coarse rows + 2, m)
-        z of the next coarser level, with valid halo rows.
-    out : (rows + 2, n)
-        Gets z; may be the memory of r.
-    weight, damping : float
-        Of this level, in the precision of the fields.
-    transfer : tuple
-        Tables between the levels, see the head of the file.
-    nominal : (s_x, s_y)
-        (rows,) and (n,): factors of s, the indicator of the surface.
-    i0, i1 : int
-        Own rows.
-    scratch : two arrays, (>= n,)
-        Memory of one thread.
-
-    Returns
-    -------
-    tuple
-        <r, z>, <x, z>, <r, r>, <t, t>, <r, t>, <t, s> and <r, s> over these rows.
+    `out` (rows + 2, n) gets z and may be the memory of r; z_coarse has valid halo rows; nominal is
+    (s_x, s_y). Returns <r, z>, <x, z>, <r, r>, <t, t>, <r, t>, <t, s> and <r, s>, in the precision
+    of the fields along a row and over rows in double precision.
     """
     s_x, s_y = nominal
     J_x, f_x, mode, J_y, f_y, _ = transfer
@@ -309,12 +221,7 @@ def smooth_level(fields, z_coarse, out, weight, damping, transfer, nominal, i0, 
 def join_shares(passes, shares, first_rows, coarse, J_x):
     """Complete level 1 after the passes of bpx.py: add the shares' first rows, zero all other rows.
 
-    Parameters
-    ----------
-    passes, shares, first_rows, coarse
-        See bpx.py, `update_passes`; there is at least one pass.
-    J_x : (n_loc,) int
-        Row of level 1 of each row of the grid, counted from its halo row.
+    J_x is the row of level 1 of each row of the grid, counted from its halo row.
     """
     zero = coarse.dtype.type(0)
     for c in range(coarse.shape[0]):
@@ -346,57 +253,24 @@ def sweep_levels(
 ):
     """Sweep over consecutive levels, down to a single point, all of whose rows one rank has.
 
-    r is the pressure out of contact, t the share of contact: both are restricted to all levels, and
-    r of every level becomes z, what the preconditioner makes of it (`smooth_level`). All threads of
-    the rank call this at the same time. Each takes the next piece of the sweep when all stages
-    before it are closed; the thread that ends the last piece of a stage closes it.
+    r and t are restricted to all levels, and r of every level becomes z (`smooth_level`). All
+    threads of the rank call this at the same time. Each takes the next piece when all stages before
+    it are closed; the thread that ends the last piece of a stage closes it.
 
-    Parameters
-    ----------
-    pieces : (pieces, 6) int64
-        In their order, of each: level, its rows i0 <= i < i1, 1 if they are smoothed and 0 if they
-        are restricted, and the first piece of its stage and the one after the last. A stage is one
-        level on the way down or up.
-    end : int
-        The piece after the last one to do.
-    turns : array of int64
-        Counters that threads share and change, at NEXT, ENDED and CLOSED: the next piece, the
-        number of pieces that have ended, and that of pieces in closed stages. The caller sets all
-        three to the first piece to do, with which a stage begins.
-    patience : int
-        How often a thread looks at a stage that is not closed before it returns.
-    memory : flat array
-        Fields of all levels: r, t and on level 0 perhaps another one, x. r of every level becomes
-        z, with halo rows. A level of zeros follows the last one: what is coarser than a point.
-    levels : (levels + 1, 7) int64
-        Of each level: where its fields begin in `memory`, their number, rows, points along a row,
-        mode of the columns, and where its rows and columns begin in `tables`.
-    tables : tuple
-        J_x, f_x, J_y, f_y, s_x and s_y of all levels, one level after the other.
-    numbers : (levels, 2)
-        Weight and factor of each level.
-    softness : (levels,) float64
-        Weight of each level in the sums.
-    damping : float
-        Of all levels, in the precision of the fields.
-    mode : flat array
-        The gap mode: z of level `mode_level` gets mode times <mode, r>; empty: none.
-    mode_level : int
-        The level of the gap mode.
-    scratch : two arrays, (>= n,)
-        Memory of one thread; n: points along a row of level 0, or of any other.
-    sums : (pieces, SUMS) float64
-        Gets the sums of each piece that is smoothed.
-    totals : (TOTALS,) float64
-        Gets <r, z> and <x, z> on level 0; <r, r>, <t, t>, <r, t>, <t, s> and <r, s>, summed over
-        levels times their softness, s being the indicator of the surface; r of the last level, a
-        single point: the mean of r; and the product of the gap mode with r.
+    pieces (pieces, 6): level, rows i0 <= i < i1, whether they are smoothed (or restricted), first
+    piece of the stage and the one after the last; a stage is one level on the way down or up.
+    turns: counters NEXT, ENDED and CLOSED, all of which the caller sets to the first piece to do;
+    end: the piece after the last one. patience: how often a thread looks at a stage that is not
+    closed before it returns. memory: fields of all levels, and a level of zeros. levels (levels +
+    1, 7): where its fields begin, their number, rows, points along a row, mode of the columns,
+    where its rows and columns begin in `tables`, which holds J_x, f_x, J_y, f_y, s_x and s_y of all
+    levels. numbers: weight and factor of each level; softness: its weight in the sums. mode: the
+    gap mode of level `mode_level`, empty if there is none.
 
-    Returns
-    -------
-    int
-        How often this thread looked in vain at a stage that was not closed. -1 less that number if
-        it lost patience: it must call again, and nothing is lost.
+    `sums` gets the sums of each piece that is smoothed; `totals` <r, z> and <x, z> on level 0, the
+    other sums of `smooth_level` over levels times their softness, the mean of r, and the product of
+    the gap mode with r. Returns how often this thread looked in vain at a stage that was not
+    closed, or -1 less that number if it lost patience: it must call again, and nothing is lost.
     """
     J_x, f_x, J_y, f_y, s_x, s_y = tables
     coarsest = levels.shape[0] - 2

@@ -6,17 +6,7 @@ from .yielding import limit, yields
 
 @kernel
 def contact_pressure(g, p, H, out):
-    """Write the pressure on some rows: 0 out of contact, the hardness where a point yields.
-
-    Parameters
-    ----------
-    g, p : array, rows of a local slab
-        Gap and pressure of a state.
-    H : float or None
-        Hardness, in the precision of p.
-    out : array (rows, points)
-        Gets the pressure of these first points of each row.
-    """
+    """Write the pressure on some rows to `out`: 0 out of contact, H where a point yields."""
     zero = p.dtype.type(0)
     one = p.dtype.type(1)
     at_limit = limit(H, zero)

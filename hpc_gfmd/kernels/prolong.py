@@ -37,27 +37,10 @@ def prolong_gap(u, p, h, g, fine_rows, coarse_rows, halved, compliance, stencil,
     """Compute the gap g on some rows of the fine grid from the solution on the decimated grid.
 
     Between coarse points u is the cubic through the four nearest, (-1, 9, 9, -1)/16, and p the mean
-    of two.
-
-    Parameters
-    ----------
-    u, p, h : tuple of three arrays
-        Rows before this rank's own, its own rows, and rows after them. There are HALO rows of the
-        coarse fields u and p on either side, and SWEEPS rows of h.
-    g : (rows, n)
-        Gets the gap; may be the memory of h.
-    fine_rows, coarse_rows : (int, int)
-        Number of this rank's first row, and number of rows on all ranks.
-    halved : (bool, bool)
-        Whether the coarse grid has half as many points along x, along y.
-    compliance : float
-        Length of a gradient step, in the precision of g.
-    stencil : (4,)
-        K between a point and itself, its neighbours along x, along y, and the diagonal ones.
-    deepest : float
-        Compliance times the hardness, inf without one.
-    nominal : (int, int)
-        Points along each axis that have an initial gap.
+    of two. u, p, h: the rows before this rank's own, its own, and those after, HALO of the coarse
+    fields and SWEEPS of h. g may be the memory of h. fine_rows, coarse_rows: number of this rank's
+    first row, and rows of all ranks. stencil: K between a point and itself, its neighbours along x,
+    along y, and the diagonal ones. deepest: compliance times hardness, inf without one.
     """
     # Rows in rings, with one more point on either side: -g_c, then compliance P p, then v after
     # 0, 1, ... steps; the last row is scratch.

@@ -61,21 +61,9 @@ def _mode(k_x, k_y, spectrum):
 def self_affine(block, keep, factor, j0, columns, n_y, spectrum):
     """Set block = keep block + factor times a random self-affine spectrum.
 
-    A mode number of exactly half the points is the sum of the two modes that the grid cannot
-    distinguish.
-
-    Parameters
-    ----------
-    block : (W, n_x) complex
-        Complete columns of the half spectrum; overwritten.
-    keep, factor : float
-        See above.
-    j0, columns : int
-        Column w < columns is mode number k_y = j0 + w; the others have no modes.
-    n_y : int
-        Points along y.
-    spectrum : tuple
-        (seed, aspect, low, high, rolloff, exponent), as for `_mode`.
+    block (W, n_x): complete columns of the half spectrum; column w < columns is mode number k_y =
+    j0 + w, the others have no modes. A mode number of exactly half the points is the sum of the two
+    modes that the grid cannot distinguish. spectrum: as for `_mode`.
     """
     W, n_x = block.shape
     for w in range(W):

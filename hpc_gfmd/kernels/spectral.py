@@ -24,32 +24,13 @@ PIECE = 1024  # numbers that are summed up in their own precision
 
 @kernel
 def multiply_blocks(columns, shares, turns, numbers, factors, inverse, backward, sums):
-    """Transform blocks of columns, multiply them by K or 1/K, and transform back.
+    """Transform blocks of columns, multiply them by K or 1/K, and transform back, in place.
 
-    K is the stiffness of the body. Everything happens in the memory of `columns`. Threads call this
-    at the same time; each takes one share of the blocks after another.
-
-    Parameters
-    ----------
-    columns : tuple
-        Column transforms of one thread, see transforms.py.
-    shares : (shares, 2) int
-        First block of each share, and the block after its last one.
-    turns : (1,) int64
-        Counter that threads have in common: the next share, 0 before.
-    numbers : (W, 2 n_x)
-        The scratch of `columns` as real numbers.
-    factors : tuple
-        (scale, weight, q_x, q_y, table), see `multiply`.
-    inverse : bool
-        Whether to multiply by 1/K.
-    backward : bool
-        Whether to transform back and write the blocks to where they were read. If not, they stay
-        as they are there, and only `sums` is of use.
-    sums : (blocks, 2) float64
-        [k, 0] gets what `multiply` returns for block k, [k, 1] the real part of its first number
-        before the multiplication: in block 0 of rank 0 that of q = 0. Blocks without columns are
-        left out.
+    Threads call this at the same time, each with column transforms of its own (transforms.py); each
+    takes one share of the blocks after another, `turns` being their common counter. numbers: the
+    scratch of `columns` as real numbers; factors: (scale, weight, q_x, q_y, table). `sums` (blocks,
+    2) gets what `multiply` returns and the real part of the block's first number before: in block 0
+    of rank 0 that of q = 0. Without `backward` only `sums` is of use.
     """
     plans = columns[5]
     scale, weight, q_x, q_y, table = factors
@@ -71,30 +52,9 @@ def multiply_blocks(columns, shares, turns, numbers, factors, inverse, backward,
 def multiply(columns, k, inverse, scale, weight, q_x, q_y, table):
     """Multiply the columns of block k by scale K or by scale/K (0 where K is 0), in place.
 
-    Parameters
-    ----------
-    columns : (w, 2 n_x)
-        All w <= W columns of block k, real and imaginary parts in turn.
-    k : int
-        Block of this rank.
-    inverse : bool
-        Multiply by 1/K.
-    scale : float
-        In the precision of the columns.
-    weight : (blocks, W)
-        How often each column of the half spectrum occurs in the full one.
-    q_x : (2 n_x,)
-        Every wave number twice.
-    q_y : (blocks, W)
-        Wave numbers of the columns.
-    table : (blocks, W, n_x//2 + 1) or None
-        Stiffness K of q_x = 0 and the positive ones; None: K = |q|/2.
-
-    Returns
-    -------
-    float
-        Sum of weight scale K |c|^2 over the complex numbers c of the columns before they were
-        multiplied; with `inverse` of weight scale |c|^2/K, without those whose K is 0.
+    q_x holds every wave number twice. Returns the sum of weight scale K |c|^2 over the complex
+    numbers c before they were multiplied; with `inverse` of weight scale |c|^2/K, without those
+    whose K is 0.
     """
     energy = 0.0
     for w in range(columns.shape[0]):
@@ -167,20 +127,7 @@ def _multiply_by_table(column, table, scale, inverse):
 
 @kernel
 def spectrum_sums(columns, q_x, q_y, weight):
-    """Add up the power of a spectrum and of its gradient, both without q = 0.
-
-    Parameters
-    ----------
-    columns : (W, n_x) complex
-        Columns of one block.
-    q_x, q_y, weight : (n_x,), (W,), (W,)
-        Of these columns.
-
-    Returns
-    -------
-    power, slopes : float
-        Sums of weight |columns|^2 and of weight q^2 |columns|^2, in double precision.
-    """
+    """Return the sums of weight |columns|^2 and of weight q^2 |columns|^2, both without q = 0."""
     power = 0.0
     slopes = 0.0
     for w in range(columns.shape[0]):

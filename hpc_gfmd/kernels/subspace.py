@@ -18,20 +18,10 @@ from .jit import kernel
 
 @kernel
 def subspace_products(V, KV, D, k, i0, i1, sums):
-    """Compute the products <V_a, K V_b> and <V_a, D V_b> of k directions over rows i0 <= i < i1.
+    """Add up <V_a, K V_b> and <V_a, D V_b> of the first k directions over rows i0 <= i < i1.
 
-    Parameters
-    ----------
-    V, KV : (3, n_loc, n_y)
-        Directions of the gap, and the stiffness K times each.
-    D : (n_loc, n_y)
-        Diagonal of a second operator, as a stiffness.
-    k : int
-        The first k directions are used.
-    i0, i1 : int
-        Local rows i0 <= i < i1.
-    sums : (2, 3, 3) float64
-        [0, a, b] becomes <V_a, K V_b> and [1, a, b] <V_a, D V_b>, for b <= a < k.
+    V, KV: directions of the gap and K times each, (3, n_loc, n_y). sums[0, a, b] and sums[1, a, b]
+    are set for b <= a < k.
     """
     for a in range(k):
         for b in range(a + 1):
@@ -47,20 +37,9 @@ def subspace_products(V, KV, D, k, i0, i1, sums):
 
 @kernel
 def combine_directions(V, KV, k, weights, i0, i1):
-    """Replace the best direction by a weighted sum of all, on rows i0 <= i < i1.
+    """Replace V[0] by the sum of weights V, V[2] by the same without its first term; KV likewise.
 
-    V[0] becomes the sum of weights V, and V[2] the same sum without its first term; KV likewise.
-
-    Parameters
-    ----------
-    V, KV : (3, n_loc, n_y)
-        Directions of the gap, and the stiffness K times each; [0] and [2] are overwritten.
-    k : int
-        The first k directions are used.
-    weights : (3,)
-        In the precision of V.
-    i0, i1 : int
-        Local rows i0 <= i < i1.
+    On rows i0 <= i < i1, of the first k directions.
     """
     for field in (V, KV):
         for i in range(i0, i1):

@@ -8,21 +8,9 @@ from numba.extending import intrinsic
 
 @intrinsic
 def view_fields(_, flat, begin, fields, rows, n):
-    """View a part of a flat array as an array (fields, rows, n). Only in kernels.
+    """View flat[begin : begin + fields rows n] as an array (fields, rows, n). Only in kernels.
 
-    Parameters
-    ----------
-    flat : array, one axis
-        Contiguous; has to outlive the view.
-    begin : int
-        Index of the first number of the part.
-    fields, rows, n : int
-        Shape of the view.
-
-    Returns
-    -------
-    (fields, rows, n)
-        A view of flat[begin : begin + fields rows n]; the bounds are not checked.
+    `flat` has to outlive the view; bounds are not checked.
     """
     array_type = types.Array(flat.dtype, 3, "C")
 
