@@ -25,12 +25,20 @@ launch() {
     return $code
 }
 
-# run SCENE.toml [-o OUT.h5] [--set ...]: `hpc-gfmd run` on all ranks; returns its exit code, which is 143 for a run that was
-# stopped. Not all launchers tell (MPICH's mpirun returns 0), but the folder OUT.h5.partial does, which is gone from a finished run.
-run() {
-    local out code=0
-    out=$(python "$root/scripts/output-path" "$@")
-    launch python -m hpc_gfmd run "$@" || code=$?
+# run SCENE.toml [-o OUT.h5] [--set ...]: `hpc-gfmd run` on all ranks; returns the exit code of the launcher.
+run() { launch python -m hpc_gfmd run "$@"; }
+
+# solve SCENE OUT.h5 [--set ...]: whatever is missing of a result: nothing, the rest of an interrupted run, or all of it. The exit
+# code is that of the run, 143 if it was stopped. Not all launchers tell (MPICH's mpirun returns 0), but the folder OUT.h5.partial
+# does, which is gone from a finished run.
+solve() {
+    local scene=$1 out=$2 code=0
+    shift 2
+    if [ -e "$out" ] && [ ! -d "$out.partial" ]; then
+        echo "$out is complete"
+        return
+    fi
+    run "$scene" -o "$out" "$@" || code=$?
     case $code in
         0 | 3)
             if [ -d "$out.partial" ]; then
@@ -42,15 +50,4 @@ run() {
             fi ;;
     esac
     return $code
-}
-
-# solve SCENE OUT.h5 [--set ...]: whatever is missing of a result: nothing, the rest of an interrupted run, or all of it.
-solve() {
-    local scene=$1 out=$2
-    shift 2
-    if [ -e "$out" ] && [ ! -d "$out.partial" ]; then
-        echo "$out is complete"
-    else
-        run "$scene" -o "$out" "$@"
-    fi
 }

@@ -1,6 +1,7 @@
 """`hpc-gfmd run`: solve a scene."""
 
 from argparse import ArgumentParser, Namespace
+from pathlib import Path
 
 from .common import add_file, add_overrides, add_quiet
 
@@ -26,6 +27,9 @@ def add_arguments(parser: ArgumentParser) -> None:
         action="store_true",
         help="start anew: overwrite an interrupted run or the result of another scene",
     )
+    parser.add_argument(
+        "--plot", action="store_true", help="draw the result, too, in the folder OUT_plots"
+    )
     add_quiet(parser)
 
 
@@ -34,8 +38,21 @@ def main(args: Namespace) -> int:
 
     3 means that a load did not converge.
     """
+    from ..parallel.world import world
     from ..runs.simulation import run_scene
 
-    return run_scene(
-        args.scene, args.set, args.output, force=args.force, quiet=args.quiet
-    ).exit_code
+    result = run_scene(args.scene, args.set, args.output, force=args.force, quiet=args.quiet)
+    if args.plot and result.exit_code in (0, 3) and world().rank == 0:
+        _plot(result.path)
+    return result.exit_code
+
+
+def _plot(path: Path) -> None:
+    """Draw a result file in a folder beside it and print the paths of both."""
+    from ..output.read import read_result
+    from ..plotting import plot_result
+
+    pictures = path.with_name(f"{path.stem}_plots")
+    plot_result(read_result(path), pictures)
+    print(f"result:   {path}")
+    print(f"pictures: {pictures}")

@@ -24,9 +24,8 @@ LAUNCHERS = {
 CODES = dict(zip(LAUNCHERS, (0, 3, 143, 143, 1, 2, 143), strict=True))
 
 
-@pytest.mark.parametrize("function", ["run scene.toml -o out.h5", "solve scene.toml out.h5"])
 @pytest.mark.parametrize("kind", LAUNCHERS)
-def test_exit_codes_follow_from_files(kind, function, tmp_path):
+def test_exit_codes_follow_from_files(kind, tmp_path):
     mpirun = tmp_path / "mpirun"
     mpirun.write_text(f"#!/bin/bash\necho started >>log\n{LAUNCHERS[kind]}\n")
     mpirun.chmod(0o755)
@@ -37,40 +36,13 @@ def test_exit_codes_follow_from_files(kind, function, tmp_path):
         "SLURM_NTASKS": "2",
         "root": str(ROOT),
     }
-    script = f"source {ROOT}/slurm/launch.sh; {function}"
+    script = f"source {ROOT}/slurm/launch.sh; solve scene.toml out.h5"
 
     def code():
         command = ["bash", "-c", script]
         return subprocess.run(command, cwd=tmp_path, env=env, capture_output=True).returncode
 
     assert code() == CODES[kind]
-    if function.startswith("solve") and kind in ("finished", "less accurate"):
+    if kind in ("finished", "less accurate"):
         assert code() == 0
         assert (tmp_path / "log").read_text() == "started\n"
-
-
-@pytest.mark.parametrize(
-    ("words", "path"),
-    [
-        ("scene.toml", "of scene.h5"),
-        ("plain.toml", "contact.h5"),
-        ("scene.toml -o a.h5", "a.h5"),
-        ("--output=a.h5 scene.toml", "a.h5"),
-        ("scene.toml --set output.path=b.h5 --set solver.accuracy=1e-2", "b.h5"),
-        ('scene.toml --set=output.path="b.h5"', "b.h5"),
-        ("-q plain.toml --set output.fields=[]", "contact.h5"),
-        ("none.toml", ""),
-        ("", ""),
-    ],
-)
-def test_output_path_of_a_command(words, path, tmp_path):
-    (tmp_path / "scene.toml").write_text("output.path = 'of scene.h5'\n")
-    (tmp_path / "plain.toml").write_text("[load]\npressure = 1\n")
-    completed = subprocess.run(
-        [sys.executable, ROOT / "scripts" / "output-path", *words.split()],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    assert completed.stdout == f"{path}\n"
