@@ -22,24 +22,9 @@ def body_classes() -> dict[str, type[Body]]:
 
 
 def body_of(material: Material, free: tuple[bool, bool] = (False, False)) -> Body:
-    """Return the elastic body that a scene describes.
+    """Return the elastic body of a scene: the first whose `of` accepts its material and boundaries.
 
-    Parameters
-    ----------
-    material : scene.Material
-        Table of the scene.
-    free : (bool, bool)
-        Whether the boundaries along x, along y are free instead of periodic.
-
-    Returns
-    -------
-    Body
-        The first body of `body_classes` whose `of` accepts these keys and boundaries.
-
-    Raises
-    ------
-    SceneError
-        If no body does: a thickness with a free boundary.
+    Raises SceneError if none does: a thickness with a free boundary.
     """
     for cls in body_classes().values():
         if body := cls.of(material, free):

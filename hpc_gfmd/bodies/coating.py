@@ -43,20 +43,7 @@ class Coating(Body):
 
     @classmethod
     def of(cls, material: Material, free: Sequence[bool]) -> Body | None:
-        """Return the coating that a scene describes: a thickness, and a base with a modulus.
-
-        Parameters
-        ----------
-        material : scene.Material
-            Lengths in the unit of the surface's.
-        free : pair of bool
-            Whether the boundaries along x, along y are free instead of periodic.
-
-        Returns
-        -------
-        Coating or None
-            None for other materials, and if a boundary is free.
-        """
+        """Return the coating of a scene: a thickness on a base with a modulus, no free edges."""
         t = material.thickness
         nu = material.nu1
         base_E = material.base_E
@@ -72,20 +59,7 @@ class Coating(Body):
         return [cls(0.1, 0.3, 0.05, 0.2), cls(0.03, 0.0, 2.0, 0.5), cls(0.02, 0.5, 20.0, 0.3)]
 
     def stiffness(self, q: np.ndarray, a: float) -> np.ndarray:
-        """Return the stiffness K of the coated half-space, by the formula of the class.
-
-        Parameters
-        ----------
-        q : array
-            Wave numbers >= 0, in units of 1/a.
-        a : float
-            Grid spacing in the unit of `thickness`.
-
-        Returns
-        -------
-        array
-            K in units of 1/a, in the shape of q.
-        """
+        """Return K by the formula of the class."""
         x = np.asarray(q, np.float64) * (self.thickness / a)
         e = np.exp(-2 * x)
         b = 3 - 4 * self.nu

@@ -37,17 +37,7 @@ Matrices = dict[bool, dict[tuple[int, int], np.ndarray]]
 class Shape(NamedTuple):
     """What `images` needs to know of a grid; lengths in units of the root of the cell's area.
 
-    Attributes
-    ----------
-    cell, inside : (float, float)
-        Sizes of the cell, and of the surface in it.
-    free : (bool, bool)
-        Whether each axis is free instead of periodic.
-    modes : (int, int)
-        The highest mode number along each axis.
-    points : (int, int)
-        Points along each axis; at most three times as many as modes, beyond which they do not
-        matter.
+    At most three times as many `points` as modes along an axis, beyond which they do not matter.
     """
 
     cell: tuple[float, float]
@@ -59,13 +49,7 @@ class Shape(NamedTuple):
 
 @dataclass(frozen=True)
 class Free(HalfSpace):
-    """A half-space under a surface with free boundaries along at least one axis.
-
-    Attributes
-    ----------
-    free : (bool, bool)
-        Whether the boundaries along x, along y are free instead of periodic.
-    """
+    """A half-space under a surface with free boundaries along at least one axis."""
 
     free: tuple[bool, bool]
 
@@ -77,20 +61,7 @@ class Free(HalfSpace):
 
     @classmethod
     def of(cls, material: Material, free: Sequence[bool]) -> Body | None:
-        """Return the half-space under a free surface, if the scene has no thickness.
-
-        Parameters
-        ----------
-        material : scene.Material
-            Lengths in the unit of the surface's.
-        free : pair of bool
-            Whether the boundaries along x, along y are free instead of periodic.
-
-        Returns
-        -------
-        Free or None
-            None if the material has a thickness, or both axes are periodic.
-        """
+        """Return the half-space under a surface with a free boundary, without a thickness."""
         return cls((free[0], free[1])) if material.thickness is None and any(free) else None
 
     @classmethod
@@ -108,40 +79,14 @@ class Free(HalfSpace):
         return 0.4 * smallest, largest  # S of a mode is at most 2.5 times that of the cell
 
     def waves(self, grid: Grid, q_x: np.ndarray, q_y: np.ndarray) -> Waves:
-        """Return the wave numbers, without their kink at the shortest wave along free axes.
-
-        Parameters
-        ----------
-        grid : Grid
-            The grid.
-        q_x, q_y : array
-            Its wave numbers, in 1/a.
-
-        Returns
-        -------
-        tuple of array
-            In the shapes of q_x and q_y, by `rounded`.
-        """
+        """Return the wave numbers, without their kink at the shortest wave along free axes."""
         q_x, q_y = map(rounded, (q_x, q_y), np.divide(grid.spacings, grid.a), self.free)
         return q_x, q_y
 
     def make_multipliers(self, grid: Grid, fft: SlabFFT, q: Waves) -> Multipliers:
         """Make the Multipliers that also couple the lowest modes. Collective.
 
-        Parameters
-        ----------
-        grid : Grid
-            The grid.
-        fft : SlabFFT
-            Its transforms in one precision; the Multipliers keep no reference to it.
-        q : (q_x, q_y)
-            Wave numbers (n_x,) and (blocks of this rank, W), in 1/a.
-
-        Returns
-        -------
-        Multipliers
-            Coupled; those of the periodic half-space if no free axis of the grid has more than two
-            points.
+        Those of the periodic half-space if no free axis of the grid has more than two points.
         """
         shape = self._shape(grid)
         return (
@@ -182,21 +127,9 @@ class Free(HalfSpace):
 
 
 def rounded(q: np.ndarray, spacing: float, ends: bool) -> np.ndarray:
-    """Return the wave numbers of an axis; if it is free, |q| without the kink at pi/spacing.
+    """Return the wave numbers of an axis; if it `ends`, |q| without the kink at pi/spacing.
 
-    Parameters
-    ----------
-    q : array
-        Wave numbers, in the inverse of any unit of length.
-    spacing : float
-        Distance of neighbouring points, in this unit.
-    ends : bool
-        Whether the axis is free: |q| is averaged over a normal distribution then.
-
-    Returns
-    -------
-    array
-        In the shape of q; q itself, signs included, unless the axis is free.
+    There |q| is averaged over a normal distribution.
     """
     from scipy.special import erfc
 
@@ -222,22 +155,10 @@ def _half_space(shape: Shape, dtype: np.dtype) -> tuple[Images, Matrices]:
 
 
 def matrices_of(of_shape: Images, S: np.ndarray, dtype: np.dtype) -> Matrices:
-    """Return the matrices that couple the lowest modes, for K and for S.
+    """Return the matrices that couple the lowest modes, {inverse: {parities: (stack, m, m)}}.
 
-    Parameters
-    ----------
-    of_shape : Images
-        What is added to S of the cell.
-    S : array (m_x, m_y)
-        S of the cell alone, of each mode.
-    dtype : dtype
-        Precision of the matrices.
-
-    Returns
-    -------
-    dict
-        [inverse][parity along x, parity along y] is an array (stack, m, m): what is added to K, or
-        with inverse = True to S.
+    They are what is added to K, or with inverse = True to S. `S` is that of the cell alone, of each
+    mode.
     """
     return {
         inverse: {parity: matrix.astype(dtype) for parity, matrix in matrices.items()}
@@ -246,30 +167,11 @@ def matrices_of(of_shape: Images, S: np.ndarray, dtype: np.dtype) -> Matrices:
 
 
 class Coupled(Multipliers):
-    """Multipliers that also couple the lowest modes of the cell.
+    """Multipliers that also couple the lowest modes of the cell, by the images of its Shape.
 
-    `couple` computes what coupling adds to the product, `multiply` adds it to the columns.
-
-    Parameters
-    ----------
-    grid, fft, q
-        See Multipliers.
-    of_shape : Images
-        The images of the grid's Shape.
-    matrices : dict
-        As `matrices_of` returns them.
-
-    Attributes
-    ----------
-    up, down : array (modes along x, modes along y), complex
-        What the last `couple` computed, to be added to the columns: for the wave numbers along x
-        from 0 up, and for the negative ones.
-    energy : float
-        What it adds to <u, K u> or <p, S p>.
-    norm : array (m_x, m_y)
-        Factors that make the modes orthonormal.
-    unit : dict
-        Factor of the matrices for K (False) and for S (True), in the units of the grid.
+    `couple` computes what coupling adds to the product: `up` and `down`, for wave numbers along x
+    from 0 up and for the negative ones, and `energy`, added to <u, K u> or <p, S p>. `norm` makes
+    the modes orthonormal; `unit` holds the factors of the matrices for K (False) and S (True).
     """
 
     alone = False
@@ -297,17 +199,7 @@ class Coupled(Multipliers):
         self.energy = 0.0
 
     def couple(self, fft: SlabFFT, inverse: bool) -> None:
-        """Compute what the coupling of the lowest modes adds to the product. Collective.
-
-        `multiply` adds it to the columns.
-
-        Parameters
-        ----------
-        fft : SlabFFT
-            Holds the row spectra of the field; they stay as they are.
-        inverse : bool
-            Whether the field will be multiplied by S.
-        """
+        """Compute what the coupling of the lowest modes adds; `multiply` adds it. Collective."""
         from scipy.fft import fft as transform
 
         waves = transform(fft.first_columns(self.norm.shape[1]), fft.n[0], axis=0)
@@ -333,24 +225,9 @@ class Coupled(Multipliers):
         )
 
     def multiply(self, block: np.ndarray, m: int, inverse: bool) -> float:
-        """Multiply the columns of a block by K/N, or by S/N, in place, and add the coupled modes.
+        """Multiply the columns of a block in place, and add the coupled modes, after `couple`.
 
-        Call `couple` with the same `inverse` before.
-
-        Parameters
-        ----------
-        block : array (W, n_x), complex
-            Columns of the spectrum.
-        m : int
-            Number of the block among those of all ranks; it must be one of this rank.
-        inverse : bool
-            Multiply by S.
-
-        Returns
-        -------
-        float
-            Share of these columns in <u, K u>, or with `inverse` in <p, S p>. That of block 0
-            includes all that the coupled modes add.
+        What these add to the product is in the share of block 0.
         """
         energy = super().multiply(block, m, inverse)
         columns = slice(int(self.edges[m]), int(min(self.edges[m + 1], self.modes[1] + 1)))

@@ -39,21 +39,10 @@ PARITIES = [(a, b) for a in (1, -1) for b in (1, -1)]
 class Images:
     """The operator T that is added to S of a periodic cell to get S of free space.
 
-    It acts on the lowest modes of the cell and is right between points of the surface. Objects are
-    shared, see `images`: the arrays must not be changed.
-
-    Attributes
-    ----------
-    T : dict of array (stack, m, m)
-        For each pair of parities along x and y a stack of matrices between m modes, in the order of
-        `stacked`. An axis of parity -1 lacks the mode k = 0.
-    free : (bool, bool)
-        Whether each axis is free instead of periodic.
-    modes : (int, int)
-        The highest mode number along each axis.
-    constant : float
-        S of the mean, which T leaves out: displacement under a uniform pressure of 1 on the whole
-        cell, over the area of the cell; nan if one axis is periodic.
+    It acts on the lowest modes of the cell and is right between points of the surface. T[parities
+    along x and y] is a stack of matrices (stack, m, m), in the order of `stacked`; an axis of
+    parity -1 lacks the mode k = 0. `constant` is S of the mean, which T leaves out, over the area
+    of the cell; nan if one axis is periodic. Objects are shared: the arrays must not be changed.
     """
 
     T: dict[tuple[int, int], np.ndarray]
@@ -95,23 +84,9 @@ def images(
     free: tuple[bool, bool],
     modes: tuple[int, int],
 ) -> Images:
-    """Compute the operator T that takes the images out of S, for one shape of the cell.
+    """Return the operator T that takes the images out of S, for one shape of the cell; 16 are kept.
 
-    The last 16 are kept.
-
-    Parameters
-    ----------
-    cell, inside : (float, float)
-        Sizes of the cell, and of the surface in it, in any unit.
-    free : (bool, bool)
-        Whether each axis is free instead of periodic; at least one is.
-    modes : (int, int)
-        The highest mode number along each axis.
-
-    Returns
-    -------
-    Images
-        Not to be changed: the same object for the same shape.
+    `modes` are the highest mode numbers.
     """
     k_x, k_y = (np.arange(highest + 1) for highest in modes)
     q = 2 * np.pi * np.hypot(k_x[:, None] / cell[0], k_y / cell[1])
@@ -241,22 +216,11 @@ def _without_mean(T: np.ndarray, q: np.ndarray, basis: np.ndarray) -> tuple[np.n
 
 
 def kernel(x: np.ndarray, y: np.ndarray, X: float, Y: float) -> np.ndarray:
-    """Return c = S of free space minus S of the periodic cell between two points; both axes free.
+    """Return c = S of free space minus S of the periodic cell at offsets (x, y); both axes free.
 
     S of the cell has no mean. -c is the sum over all images of the origin (Ewald), without the
-    origin itself; so c is finite where the offset is 0.
-
-    Parameters
-    ----------
-    x, y : array
-        Offsets between the points along both axes, from 0 to less than X and Y; one-dimensional.
-    X, Y : float
-        Sizes of the cell, in the unit of the offsets.
-
-    Returns
-    -------
-    array (len(x), len(y))
-        c at all pairs of an x and a y, in the inverse of this unit, for E* = 1.
+    origin itself; so c is finite where the offset is 0. Offsets are from 0 to less than X and Y;
+    the result has the shape (len(x), len(y)), for E* = 1.
     """
     from scipy.special import erf, erfc
 
@@ -285,24 +249,11 @@ def kernel(x: np.ndarray, y: np.ndarray, X: float, Y: float) -> np.ndarray:
 
 
 def kernel_of_wave(x: np.ndarray, X: float, q: float) -> np.ndarray:
-    """Return c = S of free space minus S of the periodic cell, with one free axis.
+    """Return c = S of free space minus S of the periodic cell at offsets x, with one free axis.
 
-    S relates two lines along the periodic axis, on each of which the pressure is the same wave. For
-    q = 0 c is known up to a constant.
-
-    Parameters
-    ----------
-    x : array
-        Offsets between the lines along the free axis, from 0 to less than X.
-    X : float
-        Size of the cell along the free axis, in the unit of the offsets.
-    q : float
-        Wave number along the periodic axis, in the inverse of this unit; 0 for a uniform pressure.
-
-    Returns
-    -------
-    array
-        c in the shape of x, without unit, for E* = 1.
+    S relates two lines along the periodic axis, on each of which the pressure is the same wave of
+    wave number q. For q = 0 c is known up to a constant. X is the size of the cell along the free
+    axis.
     """
     from scipy.special import k0
 

@@ -41,20 +41,7 @@ class Layer(Body):
 
     @classmethod
     def of(cls, material: Material, free: Sequence[bool]) -> Body | None:
-        """Return the layer that a scene describes: a thickness on a rigid base.
-
-        Parameters
-        ----------
-        material : scene.Material
-            Lengths in the unit of the surface's.
-        free : pair of bool
-            Whether the boundaries along x, along y are free instead of periodic.
-
-        Returns
-        -------
-        Layer or None
-            None for other materials, and if a boundary is free.
-        """
+        """Return the layer of a scene: a thickness on a rigid base, no free edges."""
         t = material.thickness
         nu = material.nu1
         if t is None or nu is None or not material.rigid_base or any(free):
@@ -72,20 +59,7 @@ class Layer(Body):
         ]
 
     def stiffness(self, q: np.ndarray, a: float) -> np.ndarray:
-        """Return the stiffness K = 1/S of the layer, by the formulas of the class.
-
-        Parameters
-        ----------
-        q : array
-            Wave numbers >= 0, in units of 1/a.
-        a : float
-            Grid spacing in the unit of `thickness`.
-
-        Returns
-        -------
-        array
-            K in units of 1/a, in the shape of q.
-        """
+        """Return K = 1/S by the formulas of the class."""
         t = self.thickness / a
         x = np.maximum(np.asarray(q, np.float64) * t, TINY)
         # both parts of the fraction times e: nothing overflows; the upper one over x

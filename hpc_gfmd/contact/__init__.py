@@ -91,19 +91,7 @@ def all_numbers() -> dict[str, tuple[str, str]]:
 def require_periodic(names: Iterable[str], free: tuple[bool, bool], key: str) -> None:
     """Raise SceneError if a distribution needs a periodic surface and this one has free edges.
 
-    Parameters
-    ----------
-    names : iterable of str
-        Requested distributions.
-    free : (bool, bool)
-        Whether the surface has free edges along x, along y.
-    key : str
-        The key that holds the names, with which the message begins.
-
-    Raises
-    ------
-    SceneError
-        With the first such name, and the distributions that do not need a periodic surface.
+    key: holds the names; the message begins with it.
     """
     distributions = all_distributions()
     periodic = [name for name in distributions if distributions[name].periodic and any(free)]

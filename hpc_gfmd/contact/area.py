@@ -83,18 +83,9 @@ def a_r_discretisation(contact: Contact) -> float:
 
 
 def kappa(area: Callable[[Contact], float | None], contact: Contact) -> float | None:
-    """Return a relative contact area divided by p_star.
+    """Return a relative contact area, by the function `area`, divided by p_star.
 
-    Parameters
-    ----------
-    area : callable
-        Function of a Contact that returns the relative contact area, or None.
-    contact : Contact
-
-    Returns
-    -------
-    float or None
-        None if the area is None, the surface is flat or the mean pressure is 0.
+    None if the area is None, the surface is flat or the mean pressure is 0.
     """
     if contact.g_rms == 0 or contact.p_mean == 0:
         return None

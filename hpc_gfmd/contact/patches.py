@@ -101,19 +101,10 @@ def _of_patches(corners: bool) -> dict[str, Observable]:
 
 
 def sizes(corners: bool, contact: Contact) -> Arrays | None:
-    """Return the distribution of patch areas. Collective.
+    """Return the distribution of patch areas, None if there is no patch. Collective.
 
-    Parameters
-    ----------
-    corners : bool
-        Whether points that share only a corner are connected.
-    contact : Contact
-
-    Returns
-    -------
-    dict of str to ndarray, or None
-        "edges" of bins, two per factor of two (1, 2, 3, 4, 6, 8, 12, ... points), and "density",
-        the share of the patches per area, which integrates to 1. None if there is no patch.
+    "edges" of bins, two per factor of two (1, 2, 3, 4, 6, 8, 12, ... points), and "density", the
+    share of the patches per area, which integrates to 1.
     """
     comm = contact.grid.comm
     of_rank = contact.clusters(corners=corners).sizes
@@ -227,19 +218,8 @@ def critical_gap(axis: int, contact: Contact) -> float | None:
     """Return the largest t for which points with a gap >= t reach from edge to edge. Collective.
 
     Found by bisection over the bit patterns of the gap: those of positive floating-point numbers,
-    read as integers, have the same order as the numbers. So the result is exact.
-
-    Parameters
-    ----------
-    axis : int
-        0: edges at both ends of x, 1: of y.
-    contact : Contact
-
-    Returns
-    -------
-    float or None
-        In the unit of heights, the same on all ranks; 0 if no channel is open. None for separated
-        bodies, whose distance is unknown.
+    read as integers, have the same order as the numbers. So the result is exact. 0 if no channel is
+    open; None for separated bodies, whose distance is unknown.
     """
     if contact.is_separated:
         return None

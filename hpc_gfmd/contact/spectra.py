@@ -33,20 +33,9 @@ FIELDS = {"heights": "length", "pressure": "pressure", "gap": "length"}
 
 
 def power(name: str, contact: Contact) -> Arrays | None:
-    """Return the radial power spectrum of a field. Collective; counts as half an FFT pair.
+    """Return the radial power spectrum of one of FIELDS: wave numbers "q" and "power" C(q).
 
-    Parameters
-    ----------
-    name : str
-        One of FIELDS.
-    contact : Contact
-        0.5 is appended to its `asked_pairs`.
-
-    Returns
-    -------
-    dict of str to ndarray, or None
-        Wave numbers "q", ascending, and "power" C(q), in the scene's units; the same on all ranks.
-        None on a grid of one point.
+    None on a grid of one point. Collective; adds half an FFT pair to `asked_pairs`.
     """
     grid = contact.grid
     fft = _transforms(contact)
@@ -72,20 +61,10 @@ def power(name: str, contact: Contact) -> Arrays | None:
 
 
 def autocorrelation(name: str, contact: Contact) -> Arrays:
-    """Return the radial autocorrelation of a field. Collective; counts as one FFT pair.
+    """Return the radial autocorrelation of one of FIELDS: "r", ascending, and "correlation" A(r).
 
-    Parameters
-    ----------
-    name : str
-        One of FIELDS.
-    contact : Contact
-        1.0 is appended to its `asked_pairs`.
-
-    Returns
-    -------
-    dict of str to ndarray
-        Distances "r", ascending, up to half of the shorter side of the cell, and "correlation"
-        A(r), in the scene's units; the same on all ranks.
+    r goes up to half of the shorter side of the cell. Collective; adds one FFT pair to
+    `asked_pairs`.
     """
     grid = contact.grid
     fft = _transforms(contact)

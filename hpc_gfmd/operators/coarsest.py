@@ -23,36 +23,10 @@ PAUSE = 1e-5  # seconds
 class LevelTables:
     """What a sweep over consecutive levels needs besides memory for fields, made once.
 
-    Parameters
-    ----------
-    levels : list of Level
-        Finest first, down to a single point.
-    weights : array
-        Stiffness of each level, in the precision of the fields.
-    softness : array of float64
-        Weight of each level in the sums of a sweep.
-    fields : int
-        Number of fields of the first level: 2 (r, t) or 3 (r, t and another field x); all others
-        have r and t.
-    nominal : list of (s_x, s_y), optional
-        The two factors of s, the indicator of the surface, on each level; default: 1 everywhere.
-
-    Attributes
-    ----------
-    dtype : dtype
-        Precision of the fields.
-    size : int
-        Numbers that all fields take, the last `zeros` of which stand for a level of zeros.
-    zeros : int
-        See `size`.
-    points : int
-        Of the first level.
-    longest_row : int
-        Points along the longest row of a level.
-    pieces, levels, tables, numbers, softness : arrays
-        As kernels/multilevel.py: sweep_levels takes them.
-    restricted : int
-        How many of the pieces restrict; the others smooth.
+    Levels run from the finest to a single point; the first has `fields` fields (r, t and perhaps
+    x), all others r and t. `nominal` holds (s_x, s_y) of each level; default: 1 everywhere. `size`
+    numbers hold all fields, the last `zeros` of them a level of zeros. The arrays are as
+    sweep_levels of kernels/multilevel.py takes them; `restricted` counts the pieces that restrict.
     """
 
     def __init__(
@@ -113,13 +87,6 @@ def _pieces_of(
     """Return the pieces of a sweep, as `sweep_levels` takes them, and how many of them restrict.
 
     They depend on the sizes of the levels alone, so that no sum depends on threads.
-
-    Parameters
-    ----------
-    shapes : sequence of (int, int)
-        Points of each level.
-    coarse_rows : sequence of ndarray
-        The coarse row before each row of each level.
     """
     passes = [
         passes_of(J_x, max(1, piece_rows(n_y) // PIECES))
@@ -138,29 +105,11 @@ class CoarsestLevels:
     """Consecutive levels, down to a single point, that one rank sweeps alone, with their memory.
 
     A sweep applies the coarse part of the preconditioner: from r, the pressure out of contact, and
-    t, the share of contact, it makes z (kernels/multilevel.py). No method is collective.
-
-    Parameters
-    ----------
-    tables : LevelTables
-        Of these levels.
-    threads : int
-        Threads of this rank; only as many are used as the first level has work for.
-
-    Attributes
-    ----------
-    fields : array (fields, rows + 2, n)
-        Fields of the first level with a halo row before and after. The caller writes r, t and
-        perhaps x to the rows between these, before each sweep; a sweep replaces r by z, also on the
-        halo rows.
-    mode : flat array
-        What GapMode.find returns (deflation.py) for level `mode_level`, set by the caller: `smooth`
-        and `sweep` add mode <mode, r> to z of that level. Empty: none.
-    mode_level : int
-        The level of the gap mode.
-    looks : int
-        How often threads looked in vain whether they could go on, in the last sweep, for
-        measurements.
+    t, the share of contact, it makes z (kernels/multilevel.py). The caller writes r, t and perhaps
+    x to `fields` of the first level, between halo rows, before each sweep, which replaces r by z,
+    also on the halo rows; and sets the gap mode `mode` of level `mode_level` (deflation.py), empty
+    if there is none. `looks` counts how often threads looked in vain whether they could go on.
+    Nothing here is collective.
     """
 
     def __init__(self, tables: LevelTables, threads: int = 1):
@@ -196,11 +145,8 @@ class CoarsestLevels:
     def smooth(self) -> tuple[float, ...]:
         """Replace r by z on every level, from the coarsest one to the first, after `restrict`.
 
-        Returns
-        -------
-        tuple
-            <r, z> and <x, z> on the first level, 0 without x; <r, r>, <t, t>, <r, t>, <t, s> and
-            <r, s>, summed over levels times their softness; the mean of r.
+        Returns <r, z> and <x, z> on the first level, 0 without x; <r, r>, <t, t>, <r, t>, <t, s>
+        and <r, s>, summed over levels times their softness; the mean of r.
         """
         self._do(self._tables.restricted, len(self._tables.pieces))
         return tuple(self._totals[: MEAN + 1].tolist())
@@ -243,20 +189,7 @@ class CoarsestLevels:
         )
 
     def time_of_a_look(self, clock: Callable[[], float]) -> float:
-        """Measure how long a thread takes to look once whether it can go on, for scripts/bench.
-
-        The next sweep is not affected.
-
-        Parameters
-        ----------
-        clock : callable
-            Returns a time in seconds.
-
-        Returns
-        -------
-        float
-            Seconds.
-        """
+        """Return the seconds that a thread takes to look once whether it can go on, by `clock`."""
         self._turns[[NEXT, ENDED]] = 0
         self._turns[CLOSED] = -1  # so that no piece may begin
         begin = clock()
@@ -264,18 +197,7 @@ class CoarsestLevels:
         return (clock() - begin) / PATIENCE
 
     def apply(self, r: np.ndarray, t: np.ndarray) -> np.ndarray:
-        """Copy r and t into `fields`, sweep, and return z on the first level.
-
-        Parameters
-        ----------
-        r, t : array (rows, n)
-            Fields of the first level; they stay as they are.
-
-        Returns
-        -------
-        array (rows, n)
-            z, a view of `fields`: the next sweep overwrites it.
-        """
+        """Copy r and t into `fields`, sweep, and return z on the first level, a view of `fields`."""
         self.fields[0, 1:-1] = r
         self.fields[1, 1:-1] = t
         self.sweep()

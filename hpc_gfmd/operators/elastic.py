@@ -19,28 +19,9 @@ class Elastic:
 
     K turns a displacement u into a pressure, S a pressure p into a displacement. An application is
     three calls: `pressure_rows`, then `pressure_columns` (K) or `displacement_columns` (S), then
-    `use_rows`. Functions of the caller make and use the rows.
-
-    Parameters
-    ----------
-    grid : Grid
-        Of the fields.
-    body : Body
-        Whose K it is.
-    dtype : dtype
-        Precision of the transforms.
-
-    Attributes
-    ----------
-    pairs : float
-        FFT pairs done so far on this grid; a transform in one direction is half a pair.
-    mean : float
-        This rank's share of the mean of the field that was multiplied last; the sum over ranks is
-        the mean.
-    fft : SlabFFT
-        The transforms; missing between `make_room` and `plan`.
-    multipliers : Multipliers
-        What the body multiplies the columns of `fft` by; missing like it.
+    `use_rows`; functions of the caller make and use the rows. `pairs` counts FFT pairs, half a pair
+    for one direction. `mean` is this rank's share of the mean of the field multiplied last. `fft`
+    and `multipliers` are missing between `make_room` and `plan`.
     """
 
     def __init__(self, grid: Grid, body: Body, dtype: DTypeLike):
@@ -110,19 +91,8 @@ class Elastic:
     def pressure_columns(self, add: Columns | None = None, spring: float = 0.0) -> float:
         """Multiply the columns by K and transform them back, after `pressure_rows`. Collective.
 
-        Sets `mean`.
-
-        Parameters
-        ----------
-        add : callable, optional
-            add(block, m) completes the columns of block m in place before they are multiplied.
-        spring : float
-            K(0): the uniform pressure that a uniform displacement of 1 takes.
-
-        Returns
-        -------
-        float
-            This rank's share of <u, K u>; the sum over ranks is the product.
+        add(block, m) completes the columns of block m in place before; spring is K(0). Sets `mean`
+        and returns this rank's share of <u, K u>.
         """
         return self._columns(add=add, spring=spring)
 

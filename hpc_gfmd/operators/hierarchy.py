@@ -39,22 +39,11 @@ class Step:
     """The step from one level to the next coarser one, as one rank sees it.
 
     The rank's window is the coarse rows that its fine rows lie on or beside. Windows of neighbours
-    overlap; each holds its part of a sum over ranks.
-
-    Attributes
-    ----------
-    transfer : Transfer
-        This rank's part of restriction and interpolation.
-    counted : ndarray (ranks + 1,)
-        First of the fine rows that each rank counts in sums (windows overlap), and the number of
-        rows.
-    fields : int
-        Number of fields that are restricted.
-    windows : Windows or None
-        Between the coarse rows of all ranks and those of the few on which they are gathered; None:
-        they are not gathered.
-    starts : ndarray (ranks + 1,)
-        First coarse row of every rank, after gathering if there is any, and the number of rows.
+    overlap; each holds its part of a sum over ranks. `counted` (ranks + 1,) is the first of the
+    fine rows that each rank counts in sums, `fields` the number of restricted fields, `windows`
+    leads between the coarse rows of all ranks and those of the few on which they are gathered
+    (None: they are not), and `starts` (ranks + 1,) is the first coarse row of every rank after
+    that.
     """
 
     transfer: Transfer
@@ -116,24 +105,11 @@ def _with_ends(rows: int) -> int:
 def steps_of(
     grid: Grid, dtype: DTypeLike, coarsest_points: int | None = None
 ) -> tuple[list[Step], list[Level]]:
-    """Decide which levels ranks share, and which a rank has alone. Not collective.
+    """Return the steps between levels that ranks share, and all levels, finest first.
 
-    Parameters
-    ----------
-    grid : Grid
-        The finest level; its communicator says which rank is meant.
-    dtype : dtype
-        Precision of the tables.
-    coarsest_points : int, optional
-        A rank has levels of at most so many points alone, and those coarser than the level of the
-        gap mode; default: COARSEST_POINTS, but a single process has all coarse levels.
-
-    Returns
-    -------
-    steps : list of Step
-        From the grid down to the first level that a rank has alone.
-    levels : list of Level
-        All levels, finest first; those from number len(steps) on a rank has alone.
+    The levels from number len(steps) on a rank has alone: those of at most coarsest_points points
+    (default: COARSEST_POINTS, or all for a single process), and those coarser than the level of the
+    gap mode. Not collective.
     """
     rank = grid.comm.rank
     if coarsest_points is None:
@@ -183,20 +159,7 @@ def groups_of(steps: Sequence[Step]) -> list[list[Step]]:
 
 
 def traffic_of(steps: Sequence[Step], itemsize: int) -> tuple[int, int]:
-    """Return how much a rank sends in one sweep.
-
-    Parameters
-    ----------
-    steps : list of Step
-        Of that rank.
-    itemsize : int
-        Bytes of a number.
-
-    Returns
-    -------
-    nbytes, messages : int
-        Bytes and messages of all levels together.
-    """
+    """Return the bytes and the messages that a rank sends in one sweep by its steps."""
     numbers = messages = 0
     for group in groups_of(steps):
         peers: set[int] = set()
@@ -220,35 +183,12 @@ def traffic_of(steps: Sequence[Step], itemsize: int) -> tuple[int, int]:
 
 
 class Hierarchy:
-    """What a sweep over the levels of a grid needs besides memory for fields; the same for all
-    sweeps of a grid, body and precision.
+    """What a sweep over the levels of a grid needs besides memory for fields.
 
-    Parameters
-    ----------
-    grid : Grid
-        The finest level.
-    body : Body
-        Its stiffness weights the levels.
-    dtype : dtype
-        Precision of the fields.
-    coarsest_points : int, optional
-        See `steps_of`.
-
-    Attributes
-    ----------
-    steps, levels
-        See `steps_of`.
-    weights : array (levels,)
-        Stiffness of each level, in the precision of the fields.
-    softness : array (levels,)
-        What each level adds to the compliance S = 1/K, over S of the shortest wave.
-    area : NominalArea
-        The indicator of the nominal area on all levels.
-    nominal : list of (array, array)
-        The two factors of this indicator on every level that ranks share: on the rows that this
-        rank restricts, and on all columns.
-    gap_mode : GapMode
-        Computes the deflation vector of a contact.
+    The same for all sweeps of a grid, body and precision. `weights` are the stiffnesses of the
+    levels, `softness` what each adds to the compliance S = 1/K over S of the shortest wave, `area`
+    the indicator of the nominal area on all levels, and `nominal` its two factors on every level
+    that ranks share, on the rows that this rank restricts and on all columns.
     """
 
     def __init__(self, grid: Grid, body: Body, dtype: np.dtype, coarsest_points: int | None = None):

@@ -48,43 +48,12 @@ class Multilevel:
     the solver's last step d. `sweep` makes z = M r there, from which the solver interpolates. It
     overwrites r, so that each sweep needs a new state. Making a Multilevel is collective.
 
-    Parameters
-    ----------
-    grid : Grid
-        The finest level.
-    body : Body
-        Its stiffness weights the levels.
-    dtype : dtype
-        Precision of the fields.
-    longest : int
-        Rows of a pass of the solver, at most.
-    coarsest_points : int, optional
-        See hierarchy.py.
-
-    Attributes
-    ----------
-    hierarchy : Hierarchy
-        Levels, weights and tables, shared by all sweeps of this grid and body.
-    gap_mode : GapMode
-        Computes the deflation vector of a contact.
-    distributed : int
-        Number of coarse levels of which a rank may have a part; the others it has alone.
-    transfers : list of Transfer
-        From each level to the next coarser one, as this rank sees it.
-    fields : list of array (fields, window rows + 2, m)
-        Of levels 1, 2, ...: this rank's window, its part of a sum over ranks, of r, t and, on level
-        1, K d on F, the points out of contact; of a single process the whole level (coarsest.py).
-    owned : list of array (fields, rows + 2, m)
-        Of levels 1, 2, ... but the last of `fields`: the rows that this rank goes on with, which
-        are the array of `fields` itself where rows are not gathered.
-    coarsest : CoarsestLevels or None
-        The levels that this rank has alone; None on a rank whose window of the first is empty.
-    last_comm : Comm or None
-        Of the ranks that have a `coarsest`; None on all others.
-    ends : array (passes, 2)
-        First row and end of each pass of the solver; must not be written to.
-    scratch : list of (array, array)
-        Memory of each thread for the solver's passes, see kernels/bpx.py: update_state.
+    Of levels 1, 2, ... `fields` are this rank's windows, its parts of sums over ranks (of a single
+    process the whole level), and `owned` the rows that it goes on with, the same arrays where rows
+    are not gathered. `distributed` levels are shared; `coarsest` has the others, None on a rank
+    whose window of the first is empty; `last_comm` is that of the ranks that have it. `ends` are
+    first row and end of each pass of the solver, at most `longest` rows, and `scratch` memory of
+    each thread for them.
     """
 
     def __init__(
@@ -157,32 +126,10 @@ class Multilevel:
     ) -> UpdateSums:
         """Set g += s d and p += s K d, and restrict the new state to this rank's window of level 1.
 
-        Not collective.
-
-        Parameters
-        ----------
-        g, p : array, local slab
-            Gap and pressure; become g + s d and p + s K d.
-        d : array
-            Last step, as it is stored (kernels/bfloat16.py), of the slab or of one pass.
-        s : float
-            Step length.
-        rows : list of tuple
-            Row transforms of each thread, see kernels/transforms.py. The memory that they refer to
-            holds K d.
-        hardness : float, optional
-            Largest pressure, in the precision of the fields; default: there is none.
-        spectra : bool
-            Whether `rows` hold K d as spectra, see kernels/bpx.py: update_passes.
-        law : tuple, optional
-            Law of attraction, as kernels take it; default: there is none.
-        attracted : array (passes, 2), optional
-            Gets what kernels/adhesive_rows.py: add_change returns of each pass; needed with a law.
-
-        Returns
-        -------
-        UpdateSums
-            Of this rank.
+        d is stored as in kernels/bfloat16.py, of the slab or of one pass; `rows` are the row
+        transforms of each thread, whose memory holds K d, as spectra or not. `attracted` gets what
+        add_change of kernels/adhesive_rows.py returns, with a law. Returns the UpdateSums of this
+        rank. Not collective.
         """
         grid = self.grid
         coarse = self.fields[0]
@@ -227,24 +174,14 @@ class Multilevel:
     def sweep(self, new_share: float | None = None) -> tuple[float, ...]:
         """Replace r by z on level 1, from the restricted state there. Collective.
 
-        z is M' r, M' being M without the finest level, on all rows of this rank's window. The state
-        must have been put there since the last sweep, by `update` or `restrict` if <K d, M' p> is
-        to have a meaning.
+        z is M' r, M' being M without the finest level, on all rows of this rank's window. <K d, M'
+        p> has a meaning only after `update` or `restrict`. new_share is the share of points in
+        elastic contact if the contact is a new one: M first gets the gap mode of it, or none if it
+        needs none.
 
-        Parameters
-        ----------
-        new_share : float, optional
-            Share of the grid's points in elastic contact, over all ranks, if the contact is a new
-            one: M first gets the gap mode of this contact, or none if it needs none. Default: M
-            keeps the one it has.
-
-        Returns
-        -------
-        tuple
-            This rank's shares, to be summed over ranks: <p, M' p> and <K d, M' p>, both out of
-            contact, as sums over level 1 times N/N_1; the mean of p out of contact; and <r, r>, <t,
-            t>, <r, t>, <t, s> and <r, s>, each summed over the coarse levels l times softness
-            N/N_l. N, N_l: points of the grid and of level l. s is 1 on the surface and 0 beyond.
+        Returns this rank's shares of sums over ranks: <p, M' p> and <K d, M' p>, both out of
+        contact, over level 1 times N/N_1; the mean of p out of contact; <r, r>, <t, t>, <r, t>, <t,
+        s> and <r, s>, each summed over the coarse levels l times softness N/N_l.
         """
         for k in range(self.distributed):
             self._gather(k)
@@ -263,16 +200,10 @@ class Multilevel:
         return rz * ratio, xz * ratio, mean, *sums
 
     def restrict_from(self, k: int, fine: np.ndarray) -> None:
-        """Restrict r and t of level k to this rank's window of the next one. Not collective.
+        """Restrict r and t of level k (0: the grid) to this rank's window of the next level.
 
-        The window, `fields[k]`, then holds this rank's part of a sum over ranks.
-
-        Parameters
-        ----------
-        k : int
-            Level of `fine`; 0: the grid itself.
-        fine : array (2, rows + 2, n)
-            Its own rows, between the first and the last, are read.
+        The window then holds a part of a sum over ranks. `fine` has a halo row before and after its
+        own. Not collective.
         """
         coarse = self.fields[k][:2]
         transfer = self.transfers[k]
@@ -289,24 +220,11 @@ class Multilevel:
         self.fields[k][2:, -1:] = 0
 
     def smooth(self, k: int, fields: np.ndarray, out: np.ndarray) -> np.ndarray:
-        """Make z of level k from r and t there and z of the next level. Not collective.
+        """Make z of level k (0: the grid) from r and t there and z of the next level.
 
-        z of the next level is taken from `fields[k]`, where `sweep` leaves it for k = 0.
-
-        Parameters
-        ----------
-        k : int
-            Level of `fields`; 0: the grid itself.
-        fields : array (2 or 3, rows + 2, n)
-            r, t and, if the sum <x, z> is wanted, a field x.
-        out : array (rows + 2, n)
-            Gets z on all of these rows; may be the memory of r.
-
-        Returns
-        -------
-        array
-            <r, z>, <x, z>, <r, r>, <t, t>, <r, t>, <t, s> and <r, s> over the rows that this rank
-            counts.
+        The latter is in `fields[k]`. `out` gets z on all rows and may be the memory of r. Returns
+        <r, z>, <x, z>, <r, r>, <t, t>, <r, t>, <t, s> and <r, s> over the rows that this rank
+        counts; x is an optional third field. Not collective.
         """
         z_coarse = self.fields[k][0]
         transfer = self.transfers[k]
@@ -378,25 +296,12 @@ class Multilevel:
         ts: float,
         rs: float,
     ) -> tuple[float, float, float]:
-        """Estimate norms and product of two pressures, w and the test pressure v, from sums.
+        """Estimate norms and product of two pressures, w and the test pressure v, from global sums.
 
         w = r - missing t is the pressure r that is out of contact, less as much load spread evenly
-        over the contact. v = t/share - s is the test pressure of certificate/error_estimates.py,
-        with the share of the surface in contact and the indicator s of the surface.
-
-        Parameters
-        ----------
-        open_p, open_pp : float
-            Sums of r and of r^2 over all points.
-        contact : float
-            Number of points in contact, > 0.
-        rr, tt, rt, ts, rs : float
-            As `sweep` returns them, summed over ranks.
-
-        Returns
-        -------
-        tuple of float
-            |w|_S^2, share^2 |v|_S^2 and share <v, S w>, over the compliance of the shortest wave.
+        over the contact. v = t/share - s is the test pressure of certificate/error_estimates.py.
+        Returns |w|_S^2, share^2 |v|_S^2 and share <v, S w>, over the compliance of the shortest
+        wave.
         """
         share = contact / self.grid.N
         missing = open_p / contact
@@ -410,21 +315,9 @@ class Multilevel:
     def restrict(
         self, g: np.ndarray, p: np.ndarray, hardness: np.floating | None = None
     ) -> UpdateSums:
-        """Restrict a given state to level 1, as `update` does after a step. Not collective.
+        """Restrict a given state to level 1, as `update` does after a step; K d is 0 there.
 
-        K d is 0 there, and so are all sums with d.
-
-        Parameters
-        ----------
-        g, p : array, local slab
-            Gap and pressure; they stay as they are.
-        hardness : float, optional
-            Largest pressure, in the precision of the fields.
-
-        Returns
-        -------
-        UpdateSums
-            Of this rank.
+        Returns the UpdateSums of this rank. Not collective.
         """
         longest = int(np.diff(self.ends).max(initial=0))
         still = np.zeros((longest, self.grid.n[1]), self.dtype)

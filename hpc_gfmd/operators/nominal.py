@@ -14,25 +14,10 @@ from ..parallel.coarsening import Level, restrict_axis
 
 
 class NominalArea:
-    """Norm and sums of s, the indicator of the nominal area, on the levels of a grid.
+    """Norm and sums of s, the indicator of the nominal area, restricted to the levels of a grid.
 
-    s is 1 on the surface and 0 beyond it, restricted to each level.
-
-    Parameters
-    ----------
-    grid : Grid
-        The finest level.
-    levels : sequence of Level
-        All levels, from the grid itself on.
-    softness : iterable of float
-        What every level adds to S, see Body.softness.
-
-    Attributes
-    ----------
-    weights : list of float
-        softness N/N_l of every level; N, N_l: points of the grid and of the level.
-    s : list of [array (n_x,), array (n_y,)]
-        The two factors of s on every level, functions of the row and of the column.
+    s, 1 on the surface and 0 beyond, is the product of the two factors in `s`. `weights` are
+    softness N/N_l of every level.
     """
 
     def __init__(self, grid: Any, levels: Sequence[Level], softness: Iterable[float]):

@@ -39,15 +39,10 @@ SAMPLE = 16  # rows, at least, that say what the mean is
 
 @dataclass(frozen=True)
 class HeightSpectrum:
-    """Heights that are not stored but known mode by mode.
+    """Heights that are not stored but known mode by mode; `dtype` is the precision of the gap.
 
-    Attributes
-    ----------
-    add : function
-        add(fft) returns a function of (block, m) that subtracts the transform of the heights from
-        block m of the columns, in place.
-    dtype : dtype
-        Precision of the gap.
+    add(fft) returns a function of (block, m) that subtracts the transform of the heights from block
+    m of the columns, in place.
     """
 
     add: Callable[[SlabFFT], Columns]
@@ -58,25 +53,10 @@ class HeightSpectrum:
 class Problem:
     """A body pressed against a wall with a mean pressure.
 
-    Attributes
-    ----------
-    grid : Grid
-        Of the cell.
-    h : array, local part of the nominal area, or HeightSpectrum
-        Initial gap, >= 0 with minimum 0, in the working precision.
-    p0 : float
-        Mean pressure over the nominal area.
-    h_rms : float
-        sqrt(mean h^2), if it is known already; None: `root_mean_square` computes it.
-    body : Body
-        See bodies/.
-    hardness : float or None
-        The largest pressure; None: there is none.
-    attraction : Law or None
-        Law of attraction in the program's units; None: there is none.
-    spring : float
-        Stiffness, mean pressure of the cell per displacement, of the spring through which the body
-        is pressed; 0: a dead load. With a spring p0 changes with every step.
+    `h` is the initial gap, >= 0 with minimum 0, on this rank's part of the nominal area. `p0` is
+    the mean pressure over that area; `spring`, the mean pressure of the cell per displacement
+    through which the body is pressed (0: a dead load), changes it with every step. `h_rms` is
+    sqrt(mean h^2) if known.
     """
 
     grid: Grid
@@ -185,22 +165,11 @@ class Problem:
         return float(total / points)
 
     def transform_displacement(self, fft: SlabFFT, g: np.ndarray) -> float:
-        """Transform the rows of the displacement u, less about its mean, into `fft.blocks`.
+        """Transform the rows of the displacement u, less about its mean; return what is subtracted.
 
         u = g - h on the surface and g beyond it. If the heights are not stored u = g everywhere,
-        and `adder` subtracts the heights. Collective.
-
-        Parameters
-        ----------
-        fft : SlabFFT
-            Transforms of the grid; their precision may be another one than that of g.
-        g : array, local slab
-            Gap, or displacement beyond the surface.
-
-        Returns
-        -------
-        float
-            What is subtracted, an estimate of the mean: see `level`.
+        and `adder` subtracts the heights. The precision of fft may differ from that of g.
+        Collective.
         """
         from ..kernels.certify import displacement_passes
 

@@ -21,45 +21,17 @@ if TYPE_CHECKING:
 
 
 def points_to_carry(problem: Problem, p0: float) -> int:
-    """Return how many points with the pressure H carry a load: load/H, rounded up.
-
-    Parameters
-    ----------
-    problem : Problem
-        With a hardness.
-    p0 : float
-        Mean pressure.
-
-    Returns
-    -------
-    int
-        From 1 to the number of points of the surface.
-    """
+    """Return how many points with the pressure H carry a load: load/H, rounded up, at least 1."""
     hardness = problem.hardness or np.inf
     N = problem.grid.N
     return min(max(int(np.ceil(N * p0 / hardness)), 1), N)
 
 
 def balancing_shift(problem: Problem, p0: float, g: np.ndarray) -> tuple[np.floating, float]:
-    """Return by how much the gap must be lowered for the contact to carry the load. Collective.
+    """Return by how much to lower the gap so that the contact carries p0, and the energy it frees.
 
-    The gap itself stays as it is.
-
-    Parameters
-    ----------
-    problem : Problem
-        With a hardness.
-    p0 : float
-        Mean pressure.
-    g : array, local slab
-        Gap.
-
-    Returns
-    -------
-    shift : float
-        To be subtracted from every gap; below 0 if the body must rise; in the precision of g.
-    gain : float
-        By how much this lowers the energy, summed over points, in the program's units.
+    The shift, below 0 if the body must rise, is in the precision of g, which stays as it is; the
+    energy is summed over points. Collective.
     """
     grid = problem.grid
     shift = nth_smallest(grid, g, points_to_carry(problem, p0))
@@ -78,24 +50,9 @@ def dent_rigidly(
     """Replace a state by a rigid body that dents the surface, if that has less energy. Collective.
 
     States that come from a coarser grid or a clipped plane, without a hardness, have pressures far
-    beyond it; a rigid body has a uniform pressure, the load. Does nothing without stored heights or
-    without a hardness.
-
-    Parameters
-    ----------
-    problem : Problem
-        With a hardness.
-    p0, p_cell : float
-        Mean pressure over the surface, and over the whole grid.
-    g, p : array, local slabs
-        Gap and pressure of the state; overwritten if the rigid body is better.
-    uKu : float
-        <u, K u> of the state.
-
-    Returns
-    -------
-    bool
-        Whether the state was replaced, the same on all ranks.
+    beyond it; a rigid body has a uniform pressure, the load. p0 is over the surface, p_cell over
+    the grid, uKu that of the state. Returns whether g and p were overwritten; never without stored
+    heights or without a hardness.
     """
     h, hardness = problem.stored, problem.hardness
     if h is None or hardness is None:

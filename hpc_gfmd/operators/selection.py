@@ -13,25 +13,10 @@ if TYPE_CHECKING:
 
 
 def nth_smallest(grid: Grid, field: np.ndarray, n: int) -> np.floating:
-    """Return the n-th smallest number of a field over the surface. Collective.
+    """Return the n-th smallest number (from 1) of a field over the surface. Collective.
 
-    The result is exact: each pass of a radix selection over the field decides 16 more bits, so
-    single precision takes two passes and double precision four. The field is neither copied nor
-    changed.
-
-    Parameters
-    ----------
-    grid : Grid
-        Of the field.
-    field : array of float32 or float64, local slab
-        Points beyond the surface do not count.
-    n : int
-        1 for the smallest number, grid.N for the largest.
-
-    Returns
-    -------
-    float32 or float64
-        The number, the same on all ranks.
+    Exact: each pass of a radix selection over the field decides 16 more bits, so single precision
+    takes two passes and double precision four. The field is neither copied nor changed.
     """
     real = field.dtype.type
     size = 8 * field.dtype.itemsize
