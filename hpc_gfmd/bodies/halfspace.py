@@ -28,7 +28,7 @@ class HalfSpace(Body):
         return q / 2
 
     def make_multipliers(self, grid: Grid, fft: SlabFFT, q: Waves) -> Multipliers:
-        """Make the Multipliers without a table: |q|/2 is computed as it is needed. Not collective."""
+        """Make the Multipliers without a table: |q|/2 is computed on the fly. Not collective."""
         return Multipliers(grid, fft, q)
 
 

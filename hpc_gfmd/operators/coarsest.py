@@ -197,7 +197,7 @@ class CoarsestLevels:
         return (clock() - begin) / PATIENCE
 
     def apply(self, r: np.ndarray, t: np.ndarray) -> np.ndarray:
-        """Copy r and t into `fields`, sweep, and return z on the first level, a view of `fields`."""
+        """Copy r and t into `fields`, sweep, and return z on the first level, a view of these."""
         self.fields[0, 1:-1] = r
         self.fields[1, 1:-1] = t
         self.sweep()
