@@ -1,5 +1,8 @@
-"""Code on the pages works: Python blocks, `hpc-gfmd` commands and scenes. Output shown below a
-block agrees with what it prints, numbers to the digits shown."""
+"""Code on the pages works: Python blocks, `hpc-gfmd` commands and scenes.
+
+Quick tests read it. The slow test, which scripts/docs runs, runs it: output shown below a block
+agrees with what it prints, numbers to the digits shown.
+"""
 
 import re
 import shlex
@@ -12,6 +15,7 @@ from pathlib import Path
 import pytest
 from mpi_harness import environment
 
+from hpc_gfmd.commands.cli import build_parser
 from hpc_gfmd.scene import Scene
 
 ROOT = Path(__file__).parents[2]
@@ -105,6 +109,34 @@ def scan(tmp_path_factory):
     return folder / "scan.x3p"
 
 
+def scene_of(source):
+    """The scene of a block of TOML, completed where a page shows a part of it."""
+    scene = NEEDED | tomllib.loads(source)
+    if scene["surface"].get("kind", "file") == "file" and "bodies" not in scene["surface"]:
+        scene["surface"] = WALL | scene["surface"]
+    return scene
+
+
+def commands_of(source):
+    """The words of every `hpc-gfmd` command of a block."""
+    for line in COMMAND.findall(source.replace("\\\n", " ")):
+        yield shlex.split(line.partition(" > ")[0])
+
+
+def test_code_of_all_pages_is_read():
+    """Python compiles, scenes are valid, commands and their options exist."""
+    for page in PAGES:
+        for kind, source, _ in blocks(page):
+            if kind == "python":
+                compile(source, str(page), "exec")
+            elif kind == "toml":
+                Scene.from_dict(scene_of(source))
+            elif kind == "":
+                for words in commands_of(source):
+                    build_parser().parse_args(words)
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("page", PAGES)
 def test_code_of_a_page(page, scan, tmp_path):
     """Python blocks share one process, and commands run one after another."""
@@ -117,15 +149,9 @@ def test_code_of_a_page(page, scan, tmp_path):
         if kind == "python":
             program.append(source + f"\nprint('block {len(wanted)}')\n")
             wanted.append(shown)
-        elif kind == "toml":
-            scene = NEEDED | tomllib.loads(source)
-            if scene["surface"].get("kind", "file") == "file" and "bodies" not in scene["surface"]:
-                scene["surface"] = WALL | scene["surface"]
-            Scene.from_dict(scene)
         elif kind == "":
-            for line in COMMAND.findall(source.replace("\\\n", " ")):
-                words, _, _ = line.partition(" > ")
-                printed = run(tmp_path, "-m", "hpc_gfmd", *shlex.split(words))
+            for words in commands_of(source):
+                printed = run(tmp_path, "-m", "hpc_gfmd", *words)
             assert not shown or agree(shown.strip(), printed)
     if program:
         (tmp_path / "page.py").write_text("".join(program))
