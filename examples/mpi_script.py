@@ -8,11 +8,10 @@ memory of one process are for scenes: mpirun -n 4 hpc-gfmd run scene.toml
 import sys
 
 import numpy as np
-from mpi4py import MPI
 
 import hpc_gfmd
 
-comm = MPI.COMM_WORLD
+comm = hpc_gfmd.world()  # an error of one rank ends the whole job
 n = int(sys.argv[1]) if sys.argv[1:] else 1024
 wall = hpc_gfmd.make_surface(
     "self-affine",
@@ -29,7 +28,7 @@ solutions = hpc_gfmd.solve(wall, ["10 MPa", "50 MPa"], "2 GPa", comm=comm)
 for solution in solutions:
     mine = solution.pressure  # rows start <= i < stop
     start, stop = solution.rows
-    largest = comm.allreduce(mine.max(initial=0), MPI.MAX)
+    (largest,) = comm.max([mine.max(initial=0)])
     patches = solution.observable("patches")  # collective: all ranks ask
     print(
         f"rank {comm.rank} has rows {start} to {stop}, {np.count_nonzero(mine)} points of them"

@@ -119,17 +119,22 @@ def main(args: Namespace) -> int:
         comm=comm,
     )
 
-    # before the files: a law that cannot be written has been computed nevertheless
-    if comm.rank == 0 and not args.quiet:
-        print(as_json(as_dict(law)) if args.json else as_text(law), flush=True)
+    written: list[str] = []
 
     def write() -> None:
         for path in args.output:
             write_law(law, path, conductivity, args.name)
-            if not (args.quiet or args.json):
-                print(f"law: {path}")
+            written.append(path)
 
-    on_rank_0(comm, "writing the law", write)
+    # Files first: whoever reads the text may stop reading. A law that cannot be written is printed.
+    try:
+        on_rank_0(comm, "writing the law", write)
+    finally:
+        if comm.rank == 0 and not args.quiet:
+            print(as_json(as_dict(law)) if args.json else as_text(law), flush=True)
+    if comm.rank == 0 and not (args.quiet or args.json):
+        for path in written:
+            print(f"law: {path}")
     return 0 if law.converged else 3
 
 

@@ -161,7 +161,8 @@ OBSERVABLES = DUALITY | {
     ),
     "conductance": Observable(
         conductance,
-        "contact conductance per nominal area, over 2 k1 k2/(k1 + k2) or 2/(rho1 + rho2)",
+        "contact conductance per nominal area, over 2 k1 k2/(k1 + k2) or 2/(rho1 + rho2); with free"
+        " edges the spreading resistance of the lone body counts",
         "1/length",
         ("Barber, Proc. R. Soc. A 459 (2003) 53, doi:10.1098/rspa.2002.1038",),
         absent="layers and coatings have none (heat passes through another body than pressure),"

@@ -62,7 +62,8 @@ def compile_once(
         _tiny_contact(scene, observe, on_ranks=comm.size > 1)
 
     # ranks of a machine without the cache of rank 0 have another one in common
-    my_turn = 0 if comm.rank == 0 else 1 if comm.machine.rank == 0 else 2
+    leads_machine = comm.machine.rank == 0  # collective: on every rank
+    my_turn = 0 if comm.rank == 0 else 1 if leads_machine else 2
     for turn in range(3):
         with collective_errors(comm, "compiling"):
             if turn == my_turn:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,9 @@ from ..util.errors import SceneError
 from ..util.quantities import Quantity, parse
 from .law_samplers import Steps, sampler_of
 
+# Beginnings of the names of numbers that are no smooth functions of the load: they depend on single
+# points, or count patches.
+UNEVEN = ("contact_pressure_max", "patch", "contact_percolates", "gap_percolates", "gap_spans")
 Sampler = Callable[[list[float]], list[Steps]]  # takes pressures, returns the loads of each surface
 
 
@@ -45,7 +49,9 @@ def interface_law(
     error : float
         Largest relative deviation of a further load from the interpolated law, from 1e-4 to 0.5.
     quantities : sequence of str
-        Numbers of a load, by the names of the result file.
+        Numbers of a load, by the names of the result file; not those that jump from load to load,
+        such as contact_pressure_max. The conductance is stiffness/E_star, also with free edges:
+        without the spreading resistance of a lone body, which the finite-element model has itself.
     realisations : int
         Number of surfaces of each scene with a self-affine surface: with seeds `seed`, `seed` + 1,
         ...
@@ -95,6 +101,12 @@ def interface_law(
             f"quantities: found {unknown or quantities!r}, allowed: a list out of"
             f" {', '.join(QUANTITIES)}, or of other numbers of a load"
         )
+    uneven = sorted(name for name in names if name.startswith(UNEVEN))
+    if uneven:
+        raise SceneError(
+            f"quantities: found {', '.join(uneven)}, which jump from load to load, so that no"
+            " error of an interpolation is known; solve the pressures that are needed instead"
+        )
     sampler = sampler_of(surfaces, quantities, error, realisations, keys, comm, progress)
     unit = " Pa" if isinstance(low, Quantity) else ""
 
@@ -118,16 +130,17 @@ class _Curves:
         Largest deviation that is accepted, relative.
     steps : dict of float to list of dict
         Attributes of the load of each surface, by pressure.
-    deviations : dict of float to dict of str to float
-        Relative deviation of a load in the middle of an interval from the law without it, by
-        pressure and quantity.
+    deviations : dict of (float, float) to dict of str to float
+        By interval, one between neighbouring pressures or one that was halved later: relative
+        deviation of quantities, from the law without it, of the load that was the last to test the
+        interval: the one in the middle of the interval of which it is a half.
     """
 
     def __init__(self, quantities: Sequence[str], error: float) -> None:
         self.quantities = quantities
         self.error = error
         self.steps: dict[float, Steps] = {}
-        self.deviations: dict[float, dict[str, float]] = {}
+        self.deviations: dict[tuple[float, float], dict[str, float]] = {}
 
     def refine(self, sample: Sampler, low: float, high: float) -> None:
         """Solve loads from low to high until each interval is accepted.
@@ -182,7 +195,8 @@ class _Curves:
             closes = min(ends) == 0 < max(ends)  # somewhere within the interval
             accurate = deviation <= max(self.error, _estimated_error(name, self.steps[middle]))
             accepted = accepted and accurate and not closes
-        self.deviations[middle] = deviations
+        low, high = interval
+        self.deviations[low, middle] = self.deviations[middle, high] = deviations
         return accepted or math.log(interval[1] / interval[0]) <= self.error
 
     def curve(self, name: str) -> tuple[np.ndarray, np.ndarray]:
@@ -226,18 +240,18 @@ class _Curves:
     def _errors(self, name: str, pressures: Sequence[float]) -> np.ndarray:
         """Return the relative error of a quantity at each pressure, shape (pressures,).
 
-        It is the load's own estimated error plus that of the interpolation: the larger of its
-        `deviations` at the nearest pressures not above and not below this one, at most 1.
+        It is the load's own estimated error plus that of the interpolation: the larger one of the
+        `deviations` of the two intervals that end at the pressure, at most 1.
         """
-        checked = [p for p in pressures if name in self.deviations.get(p, ())]
-        errors = []
-        for pressure in pressures:
-            below = [p for p in checked if p <= pressure]
-            above = [p for p in checked if p >= pressure]
-            beside = {*below[-1:], *above[:1]}
-            deviation = max((self.deviations[p][name] for p in beside), default=0.0)
-            errors.append(_estimated_error(name, self.steps[pressure]) + min(deviation, 1.0))
-        return np.array(errors)
+        between = [0.0]
+        between += [self.deviations[interval].get(name, 0.0) for interval in pairwise(pressures)]
+        between.append(0.0)
+        return np.array(
+            [
+                _estimated_error(name, self.steps[pressure]) + min(max(beside), 1.0)
+                for pressure, beside in zip(pressures, pairwise(between), strict=True)
+            ]
+        )
 
 
 def _mean(name: str, steps: Steps) -> float:

@@ -73,6 +73,26 @@ def sampler_of(
     return HeightSampler(listed, quantities, error, keys, progress)
 
 
+def requested(quantities: Sequence[str]) -> list[str]:
+    """Return the observables to compute for a law: also the stiffness, if it has a conductance."""
+    with_stiffness = "conductance" in quantities and "stiffness" not in quantities
+    return [*quantities, "stiffness"] if with_stiffness else list(quantities)
+
+
+def of_interface(steps: Steps, E_star: float) -> Steps:
+    """Return the attributes of loads with the conductance of an interface: stiffness/E_star.
+
+    That of a body with free edges is smaller: it contains the spreading resistance of the body.
+    """
+    of_interface = []
+    for step in steps:
+        stiffness = step.get("stiffness")
+        if "conductance" in step and stiffness is not None:
+            step = step | {"conductance": stiffness / E_star}
+        of_interface.append(step)
+    return of_interface
+
+
 class HeightSampler:
     """Solves loads of surfaces in memory, on this process.
 
@@ -104,7 +124,7 @@ class HeightSampler:
             for surface in surfaces
         ]
         accuracy = {"accuracy": ACCURACY_SHARE * error} if "residual" not in keys else {}
-        self.keys = accuracy | {"observables": list(quantities), "fields": ()} | dict(keys)
+        self.keys = accuracy | {"observables": requested(quantities), "fields": ()} | dict(keys)
         self.progress = progress
         self.surface: dict[str, Any] = {}
 
@@ -117,7 +137,9 @@ class HeightSampler:
         for surface in self.surfaces:
             solutions = solve(surface, pressures, progress=self.progress, **self.keys)
             self.surface = self.surface or solutions.result.surface
-            sampled.append(solutions.result.steps)
+            sampled.append(
+                of_interface(solutions.result.steps, solutions.result.scene.material.E_star)
+            )
         return sampled
 
     def facts(self) -> dict[str, Any]:
@@ -190,7 +212,7 @@ class SceneSampler:
         """
         tables = tomllib.loads(scene.to_toml())
         tables["load"] = {"pressure": list(pressures)}
-        tables["output"] = {"observables": list(self.quantities)}
+        tables["output"] = {"observables": requested(self.quantities)}
         if "residual" not in tables["solver"]:
             of_scene = tables["solver"].get("accuracy", self.accuracy)
             tables["solver"]["accuracy"] = min(of_scene, self.accuracy)
@@ -212,10 +234,11 @@ class SceneSampler:
             self.gaps[number] = -total / (n[0] * n[1])
         say = Reporter(self.comm, at_pressures.solver, not self.progress)
         loads = sweep.loads(at_pressures.load)
-        return [
+        steps = [
             step_attributes(at_pressures, index, contact, seconds)
             for index, contact, seconds in solved(at_pressures, sweep, loads, say)
         ]
+        return of_interface(steps, at_pressures.material.E_star)
 
     def facts(self) -> dict[str, Any]:
         """Return what the law tells of its surfaces, as HeightSampler.facts. Not collective.

@@ -313,8 +313,8 @@ class ArrayScene(Scene):
         """Raise ValueError for solver.low_memory, which generates heights from a spectrum."""
         if self.solver.low_memory:
             raise ValueError(
-                'solver.low_memory: found true, allowed: with surface.kind = "self-affine", in a'
-                " scene"
+                "solver.low_memory: found true for heights that are in memory already; a scene with"
+                ' surface.kind = "self-affine" makes them row by row (hpc_gfmd.run)'
             )
         return self
 

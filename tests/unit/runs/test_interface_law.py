@@ -124,3 +124,51 @@ def test_missing_quantities_have_a_reason():
 def test_bad_arguments_are_refused(arguments, reason):
     with pytest.raises(SceneError, match=reason):
         interface_law(wall(), **arguments)
+
+
+def test_errors_are_those_of_the_finest_intervals():
+    """A bend that the first, long intervals miss must not stay in the errors of the rows there."""
+
+    def bend(p):
+        return p**0.9 * (1 + 0.3 * np.tanh(4 * np.log(p / 40)))
+
+    sample, _ = formula(bend)
+    curves = _Curves(["a_r"], 0.02)
+    curves.refine(sample, 1.0, 1000.0)
+    pressures = sorted(curves.steps)
+    errors = curves._errors("a_r", pressures)
+    assert errors.max() <= 0.02
+    at = np.geomspace(1, 1000, 999)
+    from hpc_gfmd.output.interface_law import interpolate
+
+    missed = np.abs(interpolate(*curves.curve("a_r"), at) / bend(at) - 1)
+    after = np.clip(np.searchsorted(pressures, at), 1, len(pressures) - 1)
+    claimed = np.maximum(errors[after], errors[after - 1])
+    assert (missed <= 1.5 * claimed + 1e-12).all()
+
+
+def test_conductance_of_a_piece_is_that_of_the_whole_wall():
+    """With free edges it is stiffness/E_star: without the spreading resistance of a lone piece."""
+    whole = hpc_gfmd.make_surface(
+        "self-affine", hurst=0.8, L_over_lam_l=4, lam_l_over_lam_s=8, lam_s_over_a=4, seed=1
+    )
+    n = len(whole.heights) // 2
+    piece = hpc_gfmd.prepare_surface(
+        np.array(whole.heights[:n, :n]), physical_sizes=(0.5, 0.5), boundary="free"
+    )
+    p = 0.3 * whole.g_rms
+    names = ["conductance", "stiffness"]
+    law_of_piece, law_of_whole = (
+        interface_law(surface, p / 2, 2 * p, 0.05, quantities=names, E_star=2.0)
+        for surface in (piece, whole)
+    )
+    stiffness = law_of_piece("stiffness", p)
+    assert law_of_piece("conductance", p) == pytest.approx(stiffness / 2, rel=1e-12)
+    alone = hpc_gfmd.solve(piece, p, 2.0, observables=["conductance"]).value("conductance")
+    assert alone < 0.5 * law_of_piece("conductance", p)
+    assert law_of_piece("conductance", p) == pytest.approx(law_of_whole("conductance", p), rel=0.6)
+
+
+def test_numbers_that_jump_are_refused():
+    with pytest.raises(SceneError, match="contact_pressure_max"):
+        interface_law(wall(), 0.1, 0.2, quantities=["a_r", "contact_pressure_max"])
