@@ -240,16 +240,16 @@ class _Curves:
     def _errors(self, name: str, pressures: Sequence[float]) -> np.ndarray:
         """Return the relative error of a quantity at each pressure, shape (pressures,).
 
-        It is the load's own estimated error plus that of the interpolation: the larger one of the
-        `deviations` of the two intervals that end at the pressure, at most 1.
+        It is the load's own estimated error plus that of the interpolation: the largest of the
+        `deviations` of the two intervals on either side of the pressure, at most 1. One alone may
+        be small by chance, where the law crosses the true curve.
         """
-        between = [0.0]
-        between += [self.deviations[interval].get(name, 0.0) for interval in pairwise(pressures)]
-        between.append(0.0)
+        between = [self.deviations[interval].get(name, 0.0) for interval in pairwise(pressures)]
         return np.array(
             [
-                _estimated_error(name, self.steps[pressure]) + min(max(beside), 1.0)
-                for pressure, beside in zip(pressures, pairwise(between), strict=True)
+                _estimated_error(name, self.steps[pressure])
+                + min(max(between[max(k - 2, 0) : k + 2]), 1.0)
+                for k, pressure in enumerate(pressures)
             ]
         )
 

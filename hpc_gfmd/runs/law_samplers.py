@@ -87,7 +87,7 @@ def of_interface(steps: Steps, E_star: float) -> Steps:
     of_interface = []
     for step in steps:
         stiffness = step.get("stiffness")
-        if "conductance" in step and stiffness is not None:
+        if step.get("conductance") is not None and stiffness is not None:
             step = step | {"conductance": stiffness / E_star}
         of_interface.append(step)
     return of_interface
