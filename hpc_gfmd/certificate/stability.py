@@ -17,7 +17,10 @@ This value of s is never too small. How much too large it may be follows from th
 R = D e - mu K e: there is an eigenvalue within |R|_S/|e|_K of mu. Before the search has converged
 there may be a larger eigenvalue, so twice this uncertainty counts. If single points are soft there
 may be modes of few points, of which the first e hardly has a part: then the search makes some steps
-more.
+more. Under a dead load the least stable mode moves the body as a whole. A spring holds that mode,
+and one that breaks the symmetry of the wall may be less stable: in a search that is not to end
+early the first e is then made of scattered numbers, or all steps would keep the symmetry, and there
+are eight steps at least. A mode of which e has a small part may still be missed.
 
 To first order there is an equilibrium at the distance m/s, m = |u - T(u)|_K. But phi'' changes on
 the way: just beyond a jump there are states with a small m and s > 0, but without an equilibrium.
@@ -39,12 +42,15 @@ from ..operators.multilevel import Multilevel
 
 if TYPE_CHECKING:
     from ..operators.problem import Problem
+    from ..parallel.grid import Grid
 
 STEPS = 60  # largest number of steps of a search
 SOFT, FEWEST = 0.5, 4  # softening over stiffness of a point, above which at least 4 steps are made
 TOLERANCE = 0.02  # relative change of s in a step below which the search has converged
 DOUBTED = 0.25  # `lowest` is at least this share of a positive s, however uncertain s is
 LEAST = 0.02  # smaller values of s are computed with the absolute accuracy of this one
+FEWEST_HELD = 8  # smallest number of steps of an accurate search if a spring holds the body
+SCATTER = 0.9  # of the first direction then, so that it has a part outside of any symmetry
 INDEPENDENT = 1e-10  # smallest eigenvalue of the Gram matrix that is kept, over the largest
 FARTHER = 20  # largest number of distances that `stability_up_to_equilibrium` tries
 NEAR_ENOUGH = 0.95  # ratio of two successive stabilities from which on they count as equal
@@ -164,6 +170,20 @@ def stability_up_to_equilibrium(
     return 0.0
 
 
+def scattered(grid: Grid, dtype: np.dtype) -> np.ndarray:
+    """Return numbers between 1 - SCATTER and 1 + SCATTER, fixed for each point of a grid.
+
+    A new array, local slab; the same numbers on any number of ranks.
+    """
+    start, stop = grid.rows
+    i = np.arange(start, stop, dtype=np.uint64)[:, None]
+    j = np.arange(1, grid.n[1] + 1, dtype=np.uint64)
+    # the upper bits of products of odd numbers are as good as random
+    bits = i * np.uint64(0x9E3779B97F4A7C15) + j * np.uint64(0xC2B2AE3D27D4EB4F)
+    bits = (bits ^ (bits >> np.uint64(29))) * np.uint64(0xBF58476D1CE4E5B9) >> np.uint64(40)
+    return (1 + SCATTER * (bits.astype(dtype) * dtype.type(2.0**-23) - 1)).astype(dtype)
+
+
 class _Search:
     """The search of `stability_of`: its fields, and the steps on them.
 
@@ -222,18 +242,23 @@ class _Search:
         shape = (3, *self.grid.shape)
         V, KV = np.zeros(shape, self.dtype), np.zeros(shape, self.dtype)
         self.residual[...] = self.D
+        is_held = self.problem.spring > 0 and np.isinf(enough)
+        if is_held:
+            self.residual *= scattered(self.grid, self.dtype)
         self._precondition()
         V[0] = self.z[1:-1]
         self._normalise(V[0])
         self._apply(V[0], KV[0])
         directions = 1
-        if mode is not None:
+        if mode is not None and not is_held:
             V[1] = mode
             V[1] *= 1 - self.closed
             self._normalise(V[1])
             self._apply(V[1], KV[1])
             directions = 2
         fewest = FEWEST if self.softness > SOFT else 1
+        fewest_held = FEWEST_HELD if is_held else 1
+        rounding = float(np.finfo(self.dtype).eps)
         s, lowest = np.nan, -np.inf
         for step in range(1, STEPS + 1):
             before = s
@@ -244,9 +269,13 @@ class _Search:
             missing = self._precondition()  # <R, M R>; <e, K e> is 1
             doubt = np.sqrt(max(missing, 0.0))
             lowest = s - 2 * doubt
-            if (lowest > enough and step >= fewest) or s < too_little or not missing > 0:
+            if s < too_little or not doubt > rounding:
                 break
-            if abs(s - before) < tolerance * max(abs(s), LEAST):
+            if step < fewest_held:
+                pass
+            elif lowest > enough and step >= fewest:
+                break
+            elif abs(s - before) < tolerance * max(abs(s), LEAST):
                 lowest = max(s - doubt, s / 2)
                 break
             V[1] = self.z[1:-1]

@@ -63,6 +63,8 @@ class SaddleGuard:
     at_saddle : bool
         Whether the last `look` found no equilibrium near the state: it is a saddle, or the surfaces
         are about to jump.
+    stability : float
+        The stability that the last `look` computed; nan before the first.
     """
 
     def __init__(self, solver: Solver, branch: str):
@@ -71,7 +73,7 @@ class SaddleGuard:
         self.kicks = 0
         self.at_saddle = False
         self._mode: np.ndarray | None = None
-        self._value = np.nan  # of the last stability that was computed
+        self.stability = np.nan
 
     def look(self, measure: float = np.inf) -> float:
         """Compute the stability of the present state, and return the FFT pairs that this took.
@@ -101,7 +103,7 @@ class SaddleGuard:
         self._mode = stability.mode
         lowest = stability_up_to_equilibrium(solver.problem_now, solver.g, stability, distance)
         self.at_saddle = lowest <= 0
-        self._value = stability.value
+        self.stability = stability.value
         solver.stability = replace(stability, lowest=lowest)
         solver.after_stability()
         return stability.pairs
@@ -115,7 +117,7 @@ class SaddleGuard:
         Collective.
         """
         solver, mode = self.solver, self._mode
-        if self.kicks >= KICKS or mode is None or self._value > 0:
+        if self.kicks >= KICKS or mode is None or self.stability > 0:
             return False
         length = self._length_of_kick(mode)
         if length == 0:

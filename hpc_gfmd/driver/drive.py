@@ -116,6 +116,7 @@ def drive(
         Status and certificate of the final state, the same on all ranks.
     """
     limits = Limits(solver, criterion)
+    solver.stability = None  # that of the load before is not that of this one
     pairs = 0.0
     while True:
         if solver.is_separated:
@@ -159,10 +160,18 @@ def drive(
         error = error_left(certificate, criterion)
         miss = search.learn(solver, certificate) if search is not None else 0.0
         if max(error, miss) < 1:
-            return Outcome(_status_of(certificate, criterion), certificate, pairs)
-        limits.note_refusal(certificate, max(error, miss))
+            if guard is None or solver.problem.spring == 0:
+                return Outcome(_status_of(certificate, criterion), certificate, pairs)
+            pairs += guard.look()  # for modes that a search with an early end does not see
+            if not guard.at_saddle:
+                certificate = replace(certificate, stability=guard.stability)
+                return Outcome(_status_of(certificate, criterion), certificate, pairs)
+        limits.note_refusal(certificate, max(error, miss, 1.0))
         if limits.refused_too_often:
             return Outcome("stagnated", certificate, pairs)
+        if guard is not None and guard.leave_saddle():
+            limits.begin_again()
+            continue
         solver.stability = None
         solver.after_certificate(certificate)
         if search is not None and search.correct(solver, certificate, error < 1):
@@ -338,7 +347,7 @@ class Limits:
         patience = self.solver.patience * (CALIBRATION.patience_at_floor if refused else 1)
         if self.solver.problem.attraction is not None:
             # the energy falls, errors may rise meanwhile
-            patience = self.solver.patience * CALIBRATION.patience_with_attraction
+            patience *= CALIBRATION.patience_with_attraction
         if self.solver.iterations - self.best_at > patience:
             return "stagnated"
         return None

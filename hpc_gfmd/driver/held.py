@@ -7,9 +7,10 @@ one, but its stability includes the spring.
 
 - An approach: k is the body's stiffness against a uniform pressure. The mean displacement and p0
   then always add up to the same approach, which does not change from the first step on.
-- A mean gap: k is eight times the stiffness against a wave as long as the cell. A secant method
-  moves the end of the spring until the mean gap is the prescribed one. Where the contact jumps
-  past it from both sides, there is no such equilibrium: the search ends.
+- A mean gap: k is eight times the stiffness against a wave as long as the cell at first. A secant
+  method moves the end of the spring until the mean gap is the prescribed one. Where the contact
+  jumps past it, it begins again with a stiffer spring. At an infinite k the gap is fixed, and the
+  state of least energy at that gap is stable, so there is one that a stiff enough spring holds.
 """
 
 from __future__ import annotations
@@ -26,8 +27,10 @@ if TYPE_CHECKING:
     from ..operators.problem import Problem
     from ..solvers.base import Solver
 
-STIFF = 8.0  # k of a mean gap, over the stiffness against a wave as long as the cell
-MOST_TURNS = 20  # solutions that miss the target on the other side than the one before
+STIFF = 8.0  # k of a mean gap at first, over the stiffness against a wave as long as the cell
+STIFFER = 4.0  # factor on k where the contact jumps past the target
+HALVED = 0.5  # a smaller share of the miss before, on the other side, is no jump
+MOST_TRIALS = 25  # positions of the end of the spring
 JUMPS = "the contact jumps past the prescribed value: no equilibrium was found that is held there"
 
 
@@ -49,11 +52,13 @@ class Held(LoadSearch):
         The contact on the finest grid.
     gap_at_touch : float
         Mean gap of undeformed bodies that just touch, in the program's unit.
+    gap_at_start : ndarray
+        Gap from which the load starts, local slab; it is kept until the target is met.
 
     Attributes
     ----------
     spring : float
-        Stiffness of the spring, see `spring_of`.
+        Stiffness of the spring at the start, see `spring_of`.
     touches : bool
         Whether the target is a mean gap at which the bodies touch.
     note : str or None
@@ -71,6 +76,7 @@ class Held(LoadSearch):
         p0: float,
         problem: Problem,
         gap_at_touch: float,
+        gap_at_start: np.ndarray,
     ):
         self.quantity = quantity
         self.target = target
@@ -80,11 +86,9 @@ class Held(LoadSearch):
         if quantity == "approach" and problem.attraction is not None:
             self.unit = max(self.unit, float(problem.attraction.range))
         self.tolerance = tolerance
-        self._p0 = p0
+        self.gap_at_start = gap_at_start
         self.spring = spring_of(quantity, problem)
-        # of each solution: end of the spring as a p0, and by how much the bodies are too far apart
-        self._solutions: list[tuple[float, float]] = []
-        self._turns = 0
+        self.begin_at(p0)
 
     @property
     def p0(self) -> float:
@@ -101,7 +105,22 @@ class Held(LoadSearch):
 
         The spring holds that gap by this pressure: the two determine where its end is.
         """
-        self._p0 = p0
+        self._p0_at_start = p0
+        self.begin()
+
+    def begin(self, problem: Problem | None = None) -> float:
+        """Begin at the mean pressure of the start with the spring of the start; return p0.
+
+        What an attempt in another precision has found is forgotten.
+        """
+        self._p0 = self._p0_at_start
+        self._stiffness = self.spring
+        self._end = 0.0  # by how much the end of the spring has moved, as a p0
+        # of the solution before: this end, and by how much the bodies were too far apart
+        self._before: tuple[float, float] | None = None
+        self._trials = 0
+        self.note = None
+        return self._p0
 
     def _value(self, certificate: Certificate) -> float:
         """Return the mean gap or approach that a certificate found."""
@@ -121,46 +140,75 @@ class Held(LoadSearch):
     def correct(self, solver: Solver, certificate: Certificate, solved: bool) -> bool:
         """Move the end of the spring to where a secant expects the target, and continue there.
 
-        Does nothing and returns False unless `solved`, and after MOST_TURNS, of which `note` tells;
-        changes p0 of the solver otherwise.
+        The spring becomes stiffer if the contact has jumped past the target. Does nothing and
+        returns False unless `solved`, and after MOST_TRIALS, of which `note` tells.
         """
         if not solved:
             return False
-        if self._turns >= MOST_TURNS:
-            self.note = JUMPS
-            return False
         missed = self._value(certificate) - self.target
         missed = missed if self.quantity == "gap_mean" else -missed
-        stiffness = self._stiffness_of(solver)
-        end = solver.p0 - stiffness * certificate.gap_mean
-        step = stiffness * missed
-        if self._solutions:
-            end_before, missed_before = self._solutions[-1]
-            slope = (missed - missed_before) / (end - end_before) if end != end_before else 0.0
+        before = self._before
+        self._before = (self._end, missed)
+        if self._jumps(before, missed, certificate):
+            return self._stiffen(solver)
+        step = self._stiffness_of(solver) * missed
+        if before is not None and self._end != before[0]:
+            slope = (missed - before[1]) / (self._end - before[0])
             step = -missed / slope if slope < 0 else step
-            self._turns += missed * missed_before < 0
-        self._solutions.append((end, missed))
-        solver.continue_at(solver.p0 + step)
-        return True
+        return self._move(solver, step)
+
+    def _jumps(
+        self, before: tuple[float, float] | None, missed: float, certificate: Certificate
+    ) -> bool:
+        """Return whether the contact has jumped past a mean gap: it has closed, or the bodies are
+        nearly as far on the other side of the target as before or farther."""
+        if self.quantity != "gap_mean":
+            return False
+        if certificate.gap_mean == 0 or before is None:
+            return certificate.gap_mean == 0
+        return missed * before[1] < 0 and abs(missed) > HALVED * abs(before[1])
 
     def bring_back(self, solver: Solver) -> bool:
         """Move the end of the spring in by as much as separated bodies are too far apart.
 
-        Changes p0 of the solver. Does nothing and returns False after MOST_TURNS, of which `note`
-        tells.
+        If they touched before they have jumped, and the spring becomes stiffer. Returns False after
+        MOST_TRIALS, of which `note` tells.
         """
-        self._turns += 1
-        if self._turns > MOST_TURNS:
+        if self._before is not None:
+            return self._stiffen(solver)
+        missed = solver.progress().gap_mean - self.target
+        return self._move(solver, self._stiffness_of(solver) * missed)
+
+    def _stiffen(self, solver: Solver) -> bool:
+        """Begin again at the gap of the start with a stiffer spring, which holds the target by the
+        mean pressure of the start. Takes one FFT pair; returns False after MOST_TRIALS."""
+        self._before = None  # solutions with another spring say nothing of this one
+        self._stiffness *= STIFFER
+        gap = self.gap_at_start
+        rows, points = solver.grid.inside
+        (total,) = solver.grid.comm.sum([gap[:rows, :points].sum(dtype=float)])
+        missed = total / solver.N - self.target
+        return self._move(solver, self._stiffness_of(solver) * missed, self.gap_at_start)
+
+    def _move(self, solver: Solver, step: float, gap: np.ndarray | None = None) -> bool:
+        """Move the end of the spring by a step, which changes p0 of the solver at its present gap,
+        or at the start (`gap`). Returns False and does nothing after MOST_TRIALS."""
+        self._trials += 1
+        if self._trials > MOST_TRIALS:
             self.note = JUMPS
             return False
-        self._solutions.clear()  # the bodies apart are no solution
-        missed = solver.progress().gap_mean - self.target
-        solver.continue_at(solver.p0 + self._stiffness_of(solver) * missed)
+        self._end += step
+        if gap is None:
+            solver.continue_at(solver.p0 + step)
+        else:
+            solver.hold(self._stiffness)
+            solver.p0 = self._p0_at_start + step
+            solver.start(gap)
         return True
 
     def _stiffness_of(self, solver: Solver) -> float:
         """Return the change of p0 of a solver over that of the mean gap of its surface."""
-        return self.spring * solver.grid.cell_points / solver.N
+        return self._stiffness * solver.grid.cell_points / solver.N
 
 
 def spring_of(quantity: str, problem: Problem) -> float:

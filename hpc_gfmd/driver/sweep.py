@@ -384,6 +384,7 @@ class Sweep:
             p0,
             working.problem(p0),
             gap_at_touch=working.heights.top / working.surface.grid.a,
+            gap_at_start=gap,
         )
         return replace(load, search=search), gap, pairs
 

@@ -39,7 +39,9 @@ Heights = Any  # an array, a PreparedSurface or a Topography of SurfaceTopograph
 
 # The surfaces of prepared heights, which cannot be written to, for as long as these live: a second
 # solve finds them ready.
-_surfaces: WeakKeyDictionary[PreparedSurface, dict[np.dtype, Surface]] = WeakKeyDictionary()
+_surfaces: WeakKeyDictionary[PreparedSurface, dict[tuple[np.dtype, bool], Surface]] = (
+    WeakKeyDictionary()
+)
 
 
 # -- the scene and its surface
@@ -123,7 +125,7 @@ class Surfaces:
     scene: Scene
     topography: Topography
     threads: int
-    ready: dict[np.dtype, Surface] | None
+    ready: dict[tuple[np.dtype, bool], Surface] | None
     is_made: bool
     begun: float = field(default_factory=time.monotonic)
     checksum: str | None = None
@@ -134,15 +136,14 @@ class Surfaces:
 
         Sets `checksum` and, at first, `setup_seconds`. Only a surface from a file has its checksum.
         """
-        if self.ready is not None and dtype in self.ready:
-            surface = self._with_grid_of_this_thread(self.ready[dtype])
+        whole = self.scene.may_break_symmetry
+        if self.ready is not None and (dtype, whole) in self.ready:
+            surface = self._with_grid_of_this_thread(self.ready[dtype, whole])
         else:
             free = self.scene.surface.free
-            surface = surface_of(
-                self.topography, self.comm, dtype, self.threads, free, with_checksum=True
-            )
+            surface = surface_of(self.topography, self.comm, dtype, self.threads, free, True, whole)
             if self.ready is not None:
-                self.ready[dtype] = surface
+                self.ready[dtype, whole] = surface
         self.checksum = surface.checksum
         if self.setup_seconds is None:
             self.setup_seconds = time.monotonic() - self.begun

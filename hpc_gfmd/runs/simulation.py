@@ -203,7 +203,8 @@ class _Run:
     def _make_surface(self, dtype: np.dtype) -> Surface:
         """Return the surface of the scene in a precision. Collective."""
         low_memory = self.scene.solver.low_memory
-        return build_surface(self.scene.surface, self.comm, dtype, self.threads, low_memory)
+        whole = self.scene.may_break_symmetry
+        return build_surface(self.scene.surface, self.comm, dtype, self.threads, low_memory, whole)
 
     def _require_the_same_heights(self, surface: Surface) -> None:
         """Raise SceneError if the resumed run had other heights."""

@@ -49,6 +49,14 @@ class Scene(Table):
         allowed="a table [machine]",
     )
 
+    @property
+    def may_break_symmetry(self) -> bool:
+        """Whether a contact may vary along an axis along which the heights do not.
+
+        With adhesion at a gap or an approach; under a pressure such states are no more stable.
+        """
+        return self.material.adhesion is not None and self.load.is_searched
+
     @model_validator(mode="after")
     def _rough(self) -> Self:
         """Raise ValueError if the surface is flat and the load is no pressure, force or approach.

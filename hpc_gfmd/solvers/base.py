@@ -198,6 +198,10 @@ class Solver:
         self.grid.by_rows(shift)
         self.refresh()
 
+    def hold(self, spring: float) -> None:
+        """Press the body by a spring of another stiffness from now on; p0 stays. Collective."""
+        self.problem = replace(self.problem_now, spring=spring)
+
     def _lay(self, g: np.ndarray) -> None:
         """Copy g into self.g, and set self.d to 0 and self.p to the constant `p_cell`."""
 

@@ -264,7 +264,9 @@ class Bpx(Solver):
         work = self._search(a, b, 1.0)
         descent = a * self.rz + b * self.rd
         gained = -work[0]
-        while not gained > DESCENT * descent and self.problem.hardness is not None:
+        has_hardness = self.problem.hardness is not None
+        # at full contact there is nothing to descend
+        while has_hardness and descent > 0 and not gained > DESCENT * descent:
             # a parabola through what was predicted at the start and what came out
             a *= 0.5 * descent / (descent - gained)
             b = 0.0

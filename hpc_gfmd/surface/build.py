@@ -123,7 +123,12 @@ def surface_size(spec: Any) -> tuple[tuple[int, int], tuple[float, ...]]:
 
 
 def build_surface(
-    spec: Any, comm: Any, dtype: DTypeLike, threads: int = 1, low_memory: bool = False
+    spec: Any,
+    comm: Any,
+    dtype: DTypeLike,
+    threads: int = 1,
+    low_memory: bool = False,
+    whole: bool = False,
 ) -> Surface:
     """Make or read the surface of a scene. Collective.
 
@@ -140,6 +145,8 @@ def build_surface(
     low_memory : bool
         Whether to make a self-affine surface with transforms in the precision of the gap, not in
         double precision.
+    whole : bool
+        Whether to keep both axes where heights vary along one only.
 
     Returns
     -------
@@ -161,7 +168,7 @@ def build_surface(
         )
         raise_on_all(comm, None if comm.bcast(size) == size else differs)
         topography = prepare(topography, spec, comm)
-        return surface_of(topography, comm, dtype, threads, spec.free, with_checksum=True)
+        return surface_of(topography, comm, dtype, threads, spec.free, True, whole)
     rows = wave_rows(spec) if spec.kind == "wave" else flat_rows
     if spec.kind == "self-affine":
         kept = np.dtype(np.float64) if spec.radius else dtype
@@ -188,7 +195,7 @@ def build_surface(
         unit = made.height_unit
         rows = lambda start, stop: -unit * h[start - begin : stop - begin]  # noqa: E731
     topography = Topography(spec.n, spec.physical_sizes, rows).on_form(spec.radii)
-    return surface_of(topography, comm, dtype, threads, spec.free)
+    return surface_of(topography, comm, dtype, threads, spec.free, whole=whole)
 
 
 def surface_of(
@@ -198,6 +205,7 @@ def surface_of(
     threads: int,
     free: tuple[bool, bool],
     with_checksum: bool = False,
+    whole: bool = False,
 ) -> Surface:
     """Make the Surface with the heights of a Topography, which are read here. Collective.
 
@@ -218,6 +226,8 @@ def surface_of(
         Whether the edges are free along x, along y.
     with_checksum : bool
         Whether to compute the checksum, which tells height maps apart.
+    whole : bool
+        Whether to keep both axes where heights vary along one only.
 
     Returns
     -------
@@ -250,7 +260,7 @@ def surface_of(
     del topography  # the heights, where it holds them
     top = _largest(grid, z)
     _by_rows(grid, lambda z: np.subtract(top, z, out=z), z)  # the gap, exact where it is small
-    if not cell.padded:
+    if not cell.padded and not whole:
         grid, z = _leave_out_constant_axis(grid, z)
         cell = grid
     span = _largest(grid, z)

@@ -3,8 +3,10 @@ is a jump under a load."""
 
 import adhesive
 import numpy as np
+import oracle
 import pytest
 from adhesive_forms import AdhesiveWave
+from scipy.linalg import eigh, null_space
 
 import hpc_gfmd
 
@@ -107,12 +109,53 @@ def test_a_gap_at_which_the_bodies_touch_is_never_separated():
 
 
 def test_a_gap_that_the_contact_jumps_past():
-    """Where one side of a jump follows the other without end the search gives up, and says so."""
-    wall = adhesive.wall(2, 4)
-    heights = np.asarray(wall.heights)
-    gap = 0.02 * (heights.max() - heights.mean())
-    how = {"adhesion": adhesive.attraction(3.0, 0.3), "fields": ()}
+    """Where no spring of the search holds the gap it gives up, and says so."""
+    groove = np.zeros((9, 9))
+    groove[:, :3] = -0.77
+    groove += 1e-3 * np.random.default_rng(0).standard_normal((9, 9))
+    how = {"adhesion": {"work": 217.0, "range": 1.3245}, "fields": ()}
     with pytest.warns(hpc_gfmd.NotConverged, match="stagnated"):
-        found = hpc_gfmd.solve(wall, gap_mean=gap, **how)
-    assert "jumps past" in found.note
-    assert found.iterations < 10_000
+        found = hpc_gfmd.solve(groove, gap_mean=0.0775, boundary=["free", "periodic"], **how)
+    assert "jumps past" in found.note or "full contact" in found.note
+    assert found.fft_pairs < 1000
+
+
+def stability_at(solution, work, reach):
+    """The smallest eigenvalue of K + phi'' over K on the open points at a fixed mean gap."""
+    is_open = np.asarray(solution.pressure).ravel() == 0
+    K = oracle.stiffness(solution.pressure.shape)[np.ix_(is_open, is_open)]
+    gap = np.asarray(solution.gap, float).ravel()[is_open]
+    H = K - np.diag(work / reach**2 * np.exp(-gap / reach))
+    Z = null_space(np.ones((1, is_open.sum())))
+    return eigh(Z.T @ H @ Z, Z.T @ K @ Z, eigvals_only=True)[0]
+
+
+def test_a_ball_whose_contact_jumps_with_a_soft_spring():
+    """Strong attraction closes the gap at once; a stiffer spring holds a stable state."""
+    x = (np.arange(24) + 0.5) / 24 - 0.5
+    ball = -0.1 * np.add.outer(x * x, x * x)
+    gap = 0.5 * (ball.max() - ball.mean())
+    reach = np.ptp(ball)
+    work = 9 * np.pi * reach**2
+    found = hpc_gfmd.solve(ball, gap_mean=gap, adhesion={"work": work, "range": reach})
+    assert found.status == "converged"
+    assert found.gap_mean == pytest.approx(gap, rel=1e-3)
+    assert found.p == pytest.approx(-0.646, abs=5e-3)
+    assert stability_at(found, work, reach) > 0
+    assert found.fft_pairs < 400
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-8])
+def test_a_symmetric_wall_is_left_where_the_symmetric_state_is_a_saddle(noise):
+    """A cylinder: the state that is uniform along it has a stability of -0.16."""
+    n, work, reach = 16, 1.1213e-4, 2.59e-3
+    x = np.arange(n) / n - 0.5
+    heights = -0.02 * np.add.outer(x * x, 0 * x)
+    gap = 0.5966 * (heights.max() - heights.mean())
+    heights += noise * np.random.default_rng(1).standard_normal(heights.shape)
+    found = hpc_gfmd.solve(
+        heights, gap_mean=gap, adhesion={"work": work, "range": reach}, accuracy=1e-5
+    )
+    assert found.status == "converged"
+    assert found.p == pytest.approx(-0.01794, rel=1e-3)
+    assert stability_at(found, work, reach) > 0.1

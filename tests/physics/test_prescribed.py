@@ -5,6 +5,7 @@ import tomllib
 from functools import partial
 
 import numpy as np
+import oracle
 import pytest
 from contacts import EXACT, field, random_heights, relative, rough, sweep_of, sweep_over
 from refusal import refused
@@ -400,3 +401,42 @@ def test_an_area_far_from_earlier_ones():
     load = Load("a_r", 4e-5)
     search = search_for(load, sweep.surface, sweep.working.heights, 1e-3, True, near)
     assert abs(search.x - np.log(2e-5)) < 3
+
+
+@pytest.mark.parametrize("hardness", [0.05, 5.0])
+@pytest.mark.parametrize("load", [{"a_r": 0.9}, {"gap_mean": 1e-4}, {"gap_mean": 1e-6}])
+def test_a_hardness_that_no_pressure_reaches_changes_nothing(hardness, load):
+    """On the way the search closes the gap, where no point is open and no step descends."""
+    wave = hpc_gfmd.make_surface("wave", amplitude=0.005, n=(64, 64))
+    plain = hpc_gfmd.solve(wave, **load)
+    found = hpc_gfmd.solve(wave, hardness=hardness, **load)
+    assert plain.pressure.max() < hardness
+    assert found.status == plain.status == "converged"
+    # one line of points more or less: the area goes in steps of 1/64
+    assert found.p == pytest.approx(plain.p, rel=1e-2 if "a_r" in load else 1e-3)
+    assert abs(found.a_r - plain.a_r) < 1.001 / 64
+
+
+@pytest.mark.parametrize("n", [(1, 3), (5, 7), (16, 16)])
+def test_small_walls_with_a_hardness(n):
+    """Areas, gaps and pressures near full contact end, and what converges is right."""
+    rng = np.random.default_rng(n)
+    converged = 0
+    for k in range(12):
+        z = 0.05 * rng.standard_normal(n)
+        hardness = float(0.1 * 10.0 ** rng.uniform(-1, 2))
+        load = [
+            {"a_r": float(1 - 0.3 * rng.random())},
+            {"gap_mean": float(10.0 ** rng.uniform(-5, -0.1) * (z.max() - z.mean()))},
+            {"pressure": float(hardness * rng.uniform(0.1, 0.99))},
+        ][k % 3]
+        found = hpc_gfmd.solve(z, hardness=hardness, **load)
+        if found.status != "converged":
+            continue
+        converged += 1
+        exact = oracle.solve_yielding(z, found.p, hardness)
+        assert relative(found.pressure, exact.pressure) < 1e-3
+        assert found.gap_mean == pytest.approx(exact.gap_mean, rel=1e-3, abs=1e-12)
+        if "gap_mean" in load:
+            assert found.gap_mean == pytest.approx(load["gap_mean"], rel=1e-3)
+    assert converged >= 8

@@ -74,7 +74,7 @@ def test_a_kick_lowers_the_energy(branch, monkeypatch):
     for share in KICK_LENGTHS:
         other = np.copysign(share * 0.4 / largest, length)
         assert energy(solver, g + other * mode) >= energy(solver, g + length * mode) - 1e-12
-    guard._value = -1.0
+    guard.stability = -1.0
     assert guard.leave_saddle()
     assert guard.kicks == 1
     assert solver.g == pytest.approx(np.maximum(g + length * mode, 0), abs=1e-12)
