@@ -49,8 +49,8 @@ def to_limits(result: Result, table: str = "ours") -> dict:
     ]
     if missing:
         raise SceneError(
-            f"--tfc: found a surface of kind {surface.get('kind', 'unknown')!r} without"
-            f" {', '.join(missing)}, allowed: results of a self-affine surface"
+            f"--tfc: needs a self-affine surface; this one, of kind"
+            f" {surface.get('kind', 'unknown')!r}, has no {', '.join(missing)}"
         )
     parameters: dict[str, Any] = {key: float(surface[key]) for key in ("hurst", *tfc.RATIOS)}
     parameters["table"] = tfc.table_of(table)

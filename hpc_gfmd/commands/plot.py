@@ -105,7 +105,7 @@ def _plot_together(args: Namespace) -> int:
     from ..plotting import plot, save_picture
 
     if args.step or args.window:
-        raise SceneError("plot: found several files with --step or --window, allowed: one file")
+        raise SceneError("plot: --step and --window need a single file")
     names = args.what or ["curves"]
     where = Path(args.output or "curves.png")
     pictures = {

@@ -64,7 +64,7 @@ def law_named(name: str, work: float, reach: float) -> Law:
     law = law_class(name)(work, reach)
     if not is_concave(law):
         raise SceneError(
-            f'material.adhesion.law: found "{name}", whose attraction does not fall with the gap'
-            " everywhere, allowed: a law with an energy that is concave in the gap"
+            f'material.adhesion.law: the attraction of "{name}" does not fall with the gap'
+            " everywhere; its energy must be concave in the gap"
         )
     return law

@@ -34,7 +34,7 @@ def export(result: Result, kind: str, path: str | os.PathLike | None, about: Abo
     itself = result.path and result.path.exists() and path.exists() and path.samefile(result.path)
     if itself or not path.parent.is_dir() or (path.exists() and not path.is_file()):
         raise SceneError(
-            f"-o: found {path}, allowed: a file in a folder that exists, not the result itself"
+            f"-o: cannot write {path}: give a file in an existing folder, not the result itself"
         )
     if not result.steps:
         raise SceneError(f"{result.path}: no finished load step yet, nothing to export")

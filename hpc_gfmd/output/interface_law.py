@@ -120,14 +120,14 @@ class InterfaceLaw:
         """
         name = f"critical_gap_{axis}"
         if name not in self.values:
-            raise SceneError(f"axis: found {axis!r}, allowed: an axis whose {name} is in the law")
+            raise SceneError(f"axis: found {axis!r}, but the law has no {name}")
         tight = np.flatnonzero(self.values[name] == 0)
         if not tight.size or tight[0] == 0:
             open_or_tight = "tight" if tight.size else "open"
             raise SceneError(
-                f"sealing_pressure: found a seal that is {open_or_tight} along {axis} from"
-                f" {self.pressure[0]:g} to {self.pressure[-1]:g}, allowed: a law whose range holds"
-                " the load at which it closes"
+                f"sealing_pressure: the seal is {open_or_tight} along {axis} from"
+                f" {self.pressure[0]:g} to {self.pressure[-1]:g}; a wider law has the load at which"
+                " it closes"
             )
         return float(self.pressure[tight[0]])
 

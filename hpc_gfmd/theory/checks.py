@@ -12,28 +12,9 @@ from ..util.errors import SceneError
 def within(
     name: str, value: ArrayLike, low: float, high: float, open_low: bool = False
 ) -> np.ndarray:
-    """Check that numbers are finite and within an interval, and return them as a float array.
+    """Return numbers as a float array; raise SceneError unless all are finite and in the interval.
 
-    Parameters
-    ----------
-    name : str
-        Name of the quantity in the message.
-    value : array_like
-        The numbers; not changed.
-    low, high : float
-        The interval, ends included.
-    open_low : bool
-        Whether `low` itself is excluded.
-
-    Returns
-    -------
-    ndarray of float64
-        In the shape of value (0-dimensional for a scalar).
-
-    Raises
-    ------
-    SceneError
-        If value is not numeric, or any number is nan, infinite or outside of the interval.
+    Both ends belong to it, but for `low` with open_low. `name` begins the message.
     """
     try:
         x = np.asarray(value, dtype=float)

@@ -30,16 +30,9 @@ Function = Callable[[np.ndarray], np.ndarray]
 class SlopeProfile:
     """g(q)/g_rms of a spectrum that consists of power laws between q_0 < q_1 < ... < q_m.
 
-    g(q) is the rms gradient of all roughness with wave vectors up to q.
-
-    Attributes
-    ----------
-    y, g2 : array, shape (m+1,)
-        ln(q_i/q_0) and (g(q_i)/g_rms)^2, which rises from 0 to 1.
-    beta, inverse_rate : array, shape (m,)
-        In the piece i d(g2)/dy = exp(beta_i (y-y_i))/inverse_rate_i.
-    q_min, g_rms, h_rms : float
-        Smallest wave vector, rms gradient and rms height, in the units of the surface.
+    g(q) is the rms gradient of all roughness with wave vectors up to q. y and g2 (m+1) are
+    ln(q_i/q_0) and (g(q_i)/g_rms)^2, which rises from 0 to 1; in the piece i d(g2)/dy = exp(beta_i
+    (y-y_i))/inverse_rate_i.
     """
 
     y: np.ndarray
@@ -54,21 +47,7 @@ class SlopeProfile:
     def self_affine(cls, hurst: float, eps_f: float) -> Self:
         """Return the profile of C(q) ~ q^(-2-2H) for q_l <= q <= q_s, in units q_l = 1, g_rms = 1.
 
-        Parameters
-        ----------
-        hurst : float
-            H, from 0 to 1.
-        eps_f : float
-            q_l/q_s, from 1e-100 to 1.
-
-        Returns
-        -------
-        SlopeProfile
-
-        Raises
-        ------
-        SceneError
-            If hurst or eps_f is out of range.
+        eps_f = q_l/q_s, from 1e-100 to 1. Raises SceneError if a number is out of range.
         """
         hurst = float(within("hurst", hurst, 0, 1))
         decades = -np.log(float(within("eps_f", eps_f, 1e-100, 1)))  # ln(q_s/q_l)
@@ -87,26 +66,11 @@ class SlopeProfile:
 
     @classmethod
     def from_spectrum(cls, q: ArrayLike, C: Any, area: float = 1.0) -> Self:
-        """Return the profile of an isotropic spectrum.
+        """Return the profile of an isotropic spectrum C, at increasing q or a function of q.
 
-        Parameters
-        ----------
-        q : array_like, shape (m,)
-            Increasing wave numbers, at least two.
-        C : array_like, shape (m,), or callable
-            The spectrum at q, interpolated by power laws; or a function of q, which is also sampled
-            at 1000 wave numbers between the first and the last q (error of order 1000^-4).
-        area : float
-            Normalises C by h_rms^2 = area/(2 pi)^2 int C d^2q.
-
-        Returns
-        -------
-        SlopeProfile
-
-        Raises
-        ------
-        SceneError
-            If q does not increase, C has another shape, or a number is not positive and finite.
+        It is interpolated by power laws; a function is also sampled at 1000 wave numbers between
+        the first and the last q (error of order 1000^-4). area normalises C by h_rms^2 = area/(2
+        pi)^2 int C d^2q. Raises SceneError for an unusable q or C.
         """
         q = within("q", q, 0, np.inf, open_low=True)
         if q.ndim != 1 or q.size < 2 or np.any(np.diff(q) <= 0):
@@ -152,23 +116,9 @@ class SlopeProfile:
     def integrate(self, p_star: ArrayLike, kernel: Function, power: int) -> np.ndarray:
         """Integrate (g/g_rms)^power (q_0/q) kernel(x) d ln g over all roughness, for each load.
 
-        Here x = sqrt(2) p_star g_rms/g; g rises from 0 to g_rms, and q is the wave vector with g(q)
-        = g.
-
-        Parameters
-        ----------
-        p_star : array_like
-            Loads, one integral each; clipped to 1e-300 ... 1e200.
-        kernel : callable
-            Function of an array x. It must vanish beyond x = 28 if power = 1, and be bounded if
-            power = 2.
-        power : int
-            1 or 2.
-
-        Returns
-        -------
-        ndarray
-            In the shape of p_star.
+        x = sqrt(2) p_star g_rms/g; g rises from 0 to g_rms, and q is the wave vector with g(q) = g.
+        The kernel must vanish beyond x = 28 if power = 1, and be bounded if power = 2. Loads are
+        clipped to 1e-300 ... 1e200.
         """
         loads = np.clip(np.asarray(p_star, dtype=float), 1e-300, 1e200)
         log_g, y, weight = self._nodes
