@@ -56,6 +56,7 @@ def test_run_with_broken_streams(folder, stream):
         assert "converged" in out
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(bool(missing()), reason="no mpirun")
 @pytest.mark.parametrize(
     "after",
