@@ -13,7 +13,7 @@ from mpi_harness import printed
 from refusal import refused
 
 import hpc_gfmd
-from hpc_gfmd.contact import all_distributions, all_observables, duality, observable_names
+from hpc_gfmd.contact import all_distributions, all_observables, observable_names, response
 from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.output.folder import partial_folder
 from hpc_gfmd.output.read import read_result
@@ -171,7 +171,7 @@ def test_parts_of_a_file_are_saved_again(sweep, saved):
 @pytest.mark.parametrize("of_file", [False, True])
 def test_observables_computed_later(sweep, saved, of_file):
     """They agree with those computed during the solve."""
-    names = sorted(observable_names() - {"error_bounds", *duality.OBSERVABLES})
+    names = sorted(observable_names() - {"error_bounds", *response.DUALITY})
     spreads = sorted(all_distributions())
     requested = solve(LOADS, observables=names, distributions=spreads)
     for solution, with_request in zip(saved if of_file else sweep, requested, strict=True):
