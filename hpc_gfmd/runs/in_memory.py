@@ -22,8 +22,7 @@ from ..parallel.thread_count import threads_of
 from ..scene import Scene
 from ..surface.arrays import complete_array, is_topography
 from ..surface.build import Surface, surface_of
-from ..surface.heights import checked
-from ..surface.quality import quality_of
+from ..surface.quality import edges_of
 from ..surface.topography import Topography
 from ..util.errors import SceneError
 from ..util.versions import versions
@@ -158,7 +157,7 @@ class Surfaces:
 
 
 def surfaces_of(
-    comm: Comm, scene: Scene, wall: np.ndarray | PreparedSurface, note_quality: bool
+    comm: Comm, scene: Scene, wall: np.ndarray | PreparedSurface, look_at_edges: bool
 ) -> Surfaces:
     """Return the object that makes the surface of a scene from its heights, in any precision.
 
@@ -172,8 +171,8 @@ def surfaces_of(
         What is solved.
     wall : ndarray or PreparedSurface
         Its heights.
-    note_quality : bool
-        Whether to look for signs that an array is not periodic; they become notes of the surface.
+    look_at_edges : bool
+        Whether an array is taken as periodic, so that it is noted where its edges do not meet.
 
     Returns
     -------
@@ -197,8 +196,8 @@ def surfaces_of(
     else:
         sizes = tuple(float(size) for size in scene.surface.physical_sizes or ())
         topography = Topography(array.shape, sizes, rows_of)
-        notes = _quality_notes(comm, topography) if note_quality else ()
-        topography = replace(topography.on_form(scene.surface.radii), notes=notes)
+        notes = edges_of(rows_of, array.shape).notes((True, True)) if look_at_edges else ()
+        topography = replace(topography.on_form(scene.surface.radii), notes=tuple(notes))
     is_made = isinstance(wall, PreparedSurface) and wall.table is not None
     threads = threads_of(comm, scene.machine.threads, array.size)
     return Surfaces(comm, scene, topography, threads, ready, is_made, begun)
@@ -376,17 +375,6 @@ def _fields(names: Iterable[str], contact: Contact) -> dict[str, Slab]:
         name: Slab(contact.field(name) if name in FIELDS else heights_of(surface), start, n)
         for name in names
     }
-
-
-def _quality_notes(comm: Comm, topography: Topography) -> tuple[str, ...]:
-    """Return notes on an array that is taken as periodic: on jumps and kinks where its edges meet,
-    tilt, and a spectrum that the grid does not resolve.
-
-    Collective; rank 0 looks at some of the rows. Raises SceneError if a height there is not finite.
-    """
-    rows = topography.rows
-    checked_topography = replace(topography, rows=lambda i, j: checked(rows(i, j), i, "surface"))
-    return tuple(quality_of(checked_topography, comm).notes((True, True)))
 
 
 def _require_the_same(comm: Comm, scene: Scene, shape: tuple[int, ...]) -> None:

@@ -176,7 +176,7 @@ def solve(
     start_time = datetime.now(UTC).isoformat(timespec="seconds")
     comm = comm_of(comm)
     scene, wall = scene_of(comm, heights, keywords, more)
-    surfaces = surfaces_of(comm, scene, wall, note_quality=boundary is None)
+    surfaces = surfaces_of(comm, scene, wall, look_at_edges=boundary is None)
     several = several_loads(keywords)
     loads = solve_loads(comm, scene, surfaces, progress, keep_interrupted=several)
     solutions = collect(comm, scene, surfaces, loads, start_time)

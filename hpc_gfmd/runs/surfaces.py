@@ -15,8 +15,7 @@ from ..surface import build_surface
 from ..surface.arrays import checked_array, complete_array, is_topography, of_topography, unreliable
 from ..surface.heights import checked
 from ..surface.metadata import Metadata
-from ..surface.prepare import prepare
-from ..surface.quality import notes_on
+from ..surface.prepare import notes_on, prepare
 from ..surface.topography import Topography, open_topography, topography_of
 from ..surface.two_scans import combined, placed
 from ..util.errors import SceneError
@@ -104,7 +103,7 @@ def surface_of_topography(topography: Any) -> PreparedSurface:
     checked(complete_array(topography.heights()), 0, "heights")
     if as_it_is.lacks:
         raise SceneError("; ".join(as_it_is.lacks.values()))
-    notes, _ = notes_on(as_it_is, spec, SerialComm())
+    notes = notes_on(as_it_is, spec, SerialComm(), look=False)
     return _surface(replace(as_it_is, notes=(*as_it_is.notes, *notes)), spec)
 
 
@@ -243,7 +242,7 @@ def _prepared(topography: Topography, spec: Any) -> PreparedSurface:
 
     All heights are read. Raises SceneError as `prepare`.
     """
-    return _surface(prepare(topography, spec, SerialComm()), spec)
+    return _surface(prepare(topography, spec, SerialComm(), look=True), spec)
 
 
 def _surface(topography: Topography, spec: Any) -> PreparedSurface:

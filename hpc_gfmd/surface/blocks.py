@@ -1,8 +1,10 @@
 """All numbers of a text. A text is refused if any line after the header breaks its layout."""
 
 from array import array
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from itertools import islice
+from typing import Any
 
 import numpy as np
 
@@ -19,7 +21,7 @@ class Block:
         Number of the first of them in the text, from 1.
     header : list of str
         Lines before them: header and comments since the block before.
-    numbers : array.array of float
+    numbers : array.array or ndarray of float
         Line by line.
     lines : int
         Number of lines of numbers.
@@ -27,7 +29,7 @@ class Block:
 
     first_line: int
     header: list[str]
-    numbers: array = field(default_factory=lambda: array("d"))
+    numbers: Any = field(default_factory=lambda: array("d"))
     lines: int = 0
 
     def table(self) -> np.ndarray:
@@ -36,6 +38,48 @@ class Block:
         While it exists `numbers` cannot be extended.
         """
         return np.frombuffer(self.numbers, np.float64).reshape(self.lines, -1)
+
+
+def plain_block(lines: Iterator[str], layout: TextLayout) -> Block | None:
+    """Read a text whose lines after the header are numbers alone, by NumPy's parser.
+
+    Parameters
+    ----------
+    lines : iterator of str
+        All lines of the text.
+    layout : TextLayout
+
+    Returns
+    -------
+    Block or None
+        None if NumPy refuses a line, or if a line is blank: then `read_blocks` says what is wrong,
+        or finds gaps and blocks.
+    """
+    if layout.decimal == layout.mark:
+        return None
+    header = list(islice(lines, layout.header_lines))
+    count = 0
+
+    def bare() -> Iterator[str]:
+        nonlocal count
+        is_over = False
+        for line in lines:
+            text = line.rstrip("\r\n ")
+            if text and (is_over or (layout.decimal == "," and "." in text)):
+                raise ValueError
+            is_over = not text
+            if text:
+                count += 1
+                text = text.removesuffix(layout.mark) if layout.ended and layout.mark else text
+                yield text.replace(layout.decimal, ".")
+
+    try:
+        table = np.loadtxt(bare(), delimiter=layout.mark, comments=None, ndmin=2)
+    except ValueError:
+        return None
+    if table.shape != (count, layout.columns):  # NumPy skips lines of blanks without a word
+        return None
+    return Block(layout.header_lines + 1, header, table.ravel(), count)
 
 
 def read_blocks(lines: Iterable[str], layout: TextLayout) -> list[Block]:

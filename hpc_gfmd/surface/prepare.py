@@ -14,11 +14,11 @@ from typing import Any
 
 import numpy as np
 
-from ..parallel.guard import collective_errors
+from ..parallel.guard import collective_errors, on_rank_0
 from ..util.errors import SceneError
 from ..util.quantities import format_quantity
 from .fill import filled
-from .quality import DOUBT, notes_on, quality_of, window_note
+from .quality import DOUBT, Edges, MapQuality, edges_of, quality_of, window_note
 from .resample import resampled
 from .slabs import own_slabs
 from .topography import Topography
@@ -60,7 +60,7 @@ def prepared_size(topography: Topography, spec: Any) -> tuple[tuple[int, int], t
     return (n_x // spec.downsample, n_y // spec.downsample), topography.sizes
 
 
-def prepare(topography: Topography, spec: Any, comm: Any) -> Topography:
+def prepare(topography: Topography, spec: Any, comm: Any, look: bool = False) -> Topography:
     """Prepare a height map as the scene asks for; reads the heights several times. Collective.
 
     Parameters
@@ -69,6 +69,8 @@ def prepare(topography: Topography, spec: Any, comm: Any) -> Topography:
         Not changed.
     spec : scene.File
     comm : Comm
+    look : bool
+        Whether to look at the quality of the map, too, not only at its edges.
 
     Returns
     -------
@@ -96,7 +98,7 @@ def prepare(topography: Topography, spec: Any, comm: Any) -> Topography:
         topography = _detrended(topography, detrend, comm)
     topography = _filled(topography, spec, comm, lacks)
     try:
-        notes, quality = notes_on(topography, spec, comm)
+        notes = notes_on(topography, spec, comm, look)
         topography = replace(topography, notes=(*topography.notes, *notes))
     except SceneError as error:
         lacks.append(str(error))
@@ -108,9 +110,10 @@ def prepare(topography: Topography, spec: Any, comm: Any) -> Topography:
     if spec.mirror:
         topography = _mirrored(topography)
     if has_window:
+        before = map_quality(topography, comm)
         topography = _windowed(topography, spec.window)
         note = window_note(
-            quality, quality_of(topography, comm), _kept(topography, spec.window), spec.window
+            before, map_quality(topography, comm), _kept(topography, spec.window), spec.window
         )
         topography = replace(topography, notes=(*topography.notes, *note))
     if size != topography.n:
@@ -120,6 +123,45 @@ def prepare(topography: Topography, spec: Any, comm: Any) -> Topography:
         texts = ", ".join(dict.fromkeys(map(format_quantity, spec.radii)))
         topography = topography.on_form(radii).after(f"on a form of radius {texts}")
     return topography
+
+
+def map_edges(topography: Topography, comm: Any) -> Edges:
+    """Return how the edges of a map meet. Collective: rank 0 reads some rows."""
+    return on_rank_0(comm, "reading the surface", lambda: edges_of(topography.rows, topography.n))
+
+
+def map_quality(topography: Topography, comm: Any) -> MapQuality:
+    """Return the statistics of a map without holes. Collective: rank 0 reads all of it."""
+
+    def measure() -> MapQuality:
+        return quality_of(topography.rows(0, topography.n[0]), topography.sizes)
+
+    return on_rank_0(comm, "reading the surface", measure)
+
+
+def notes_on(topography: Topography, spec: Any, comm: Any, look: bool) -> list[str]:
+    """Return notes on the edges of a map, what is filled and, if `look`, its quality. Collective.
+
+    Raises SceneError if neither scene nor file gives the boundary and opposite edges jump.
+    """
+    edges = map_edges(topography, comm)
+    made_periodic = spec.mirror or spec.window != "none"  # whatever its edges are
+    is_told = made_periodic or spec.boundary is not None or topography.periodic
+    for axis, jump in zip("xy", edges.jumps):
+        if jump > DOUBT.jump and not is_told:
+            raise SceneError(
+                f"surface.boundary: not given, with edges along {axis} that differ by {jump:.3g}"
+                ' times what neighbouring points differ by, allowed: "free" (it ends there),'
+                ' "periodic" (pressed with that jump), or detrend = "tilt", mirror = true, a'
+                " window"
+            )
+    notes = edges.notes([not (made_periodic or ends) for ends in spec.free])
+    if look:
+        notes += map_quality(topography, comm).notes()
+    share = topography.filled / np.prod(topography.n)
+    if share > DOUBT.filled:
+        notes.append(f"{100 * share:.0f} % of the heights are filled, not measured")
+    return notes
 
 
 def _filled(topography: Topography, spec: Any, comm: Any, lacks: list[str]) -> Topography:
@@ -151,7 +193,7 @@ def _of_filled_scans(topography: Topography, spec: Any, comm: Any, lacks: list[s
         f"{name_of(scan)} does not resolve its own roughness: it says nothing of waves shorter than"
         f" {spacings_text(scan, 2)}, and between its points those up to twice as long are damped"
         for scan in interpolated((lower, upper), spec)
-        if quality_of(scan, comm).unresolved > DOUBT.unresolved
+        if map_quality(scan, comm).unresolved > DOUBT.unresolved
     ]
     return replace(total, notes=(*total.notes, *notes))
 

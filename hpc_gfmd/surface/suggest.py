@@ -18,8 +18,8 @@ from .arrays import unreliable
 from .contents import contents_of
 from .doubtful_numbers import slope_notes
 from .metadata import Metadata
-from .prepare import prepare
-from .quality import DOUBT, MapQuality, outliers, quality_of
+from .prepare import map_edges, map_quality, prepare
+from .quality import DOUBT, Edges, MapQuality, outliers
 from .topography import Topography, open_topography
 from .two_scans import name_of
 
@@ -212,12 +212,13 @@ def _by_heights(
     if result.missing:
         plain |= {"physical_sizes": (1.0, 1.0), "crop": None}
 
-    def prepared_map() -> tuple[Topography, MapQuality]:
+    def prepared_map() -> tuple[Topography, MapQuality, Edges]:
         spec = make(values | plain)
-        heights = prepare(open_topography(spec), spec, SerialComm())
-        return heights, quality_of(heights, SerialComm())
+        heights = prepare(open_topography(spec), spec, SerialComm(), look=True)
+        comm = SerialComm()
+        return heights, map_quality(heights, comm), map_edges(heights, comm)
 
-    heights, quality = prepared_map()
+    heights, quality, meeting = prepared_map()
     refusal = ', which surface.fill = "none" refuses: the scene does not run'
     is_refused = heights.filled and user_keys.get("fill") == "none"
     result.about.append(f"{heights.filled or 'no'} points without a height{refusal * is_refused}")
@@ -226,12 +227,12 @@ def _by_heights(
         why["fill"] = f"{heights.filled} points have no height"
     tilt = f"{100 * quality.tilt:.0f} % of the variance of the heights is tilt"
     result.about.append(tilt)
-    stray = outliers(heights, quality.typical)
+    stray = outliers(heights.rows(0, heights.n[0]), quality.typical)
     if quality.tilt > DOUBT.tilt and "detrend" not in user_keys:
         values["detrend"] = "tilt"
         why["detrend"] = tilt
-        heights, quality = prepared_map()
-    edges = f"opposite edges differ by {max(quality.jumps):.2g} times what neighbours differ by"
+        heights, quality, meeting = prepared_map()
+    edges = f"opposite edges differ by {max(meeting.jumps):.2g} times what neighbours differ by"
     result.about.append(edges)
     if stray:
         result.about.append(
@@ -239,7 +240,7 @@ def _by_heights(
             " what neighbours differ by: dust or spikes? They are pressed as they are"
         )
     result.about.append(f"done to it: {', '.join(heights.prepared) or 'nothing'}")
-    ends = max(quality.jumps) > DOUBT.jump and not periodic
+    ends = max(meeting.jumps) > DOUBT.jump and not periodic
     ends &= {"boundary", "mirror", "window"}.isdisjoint(user_keys)
     if ends:
         values["boundary"] = "free"

@@ -14,7 +14,7 @@ import numpy as np
 from ..scene.height_maps import ANY
 from ..util.errors import one_line
 from . import header
-from .blocks import Block, joined, read_blocks
+from .blocks import Block, joined, plain_block, read_blocks
 from .contents import Contents, encoding_of
 from .coordinates import is_grid, numbers_from_0, points_on_grid
 from .layout import LOOKED_AT, TextLayout, layout_of
@@ -53,12 +53,15 @@ def read(contents: Contents, spec: Any) -> Map:
     layout = layout_of(sample, spec)
     if layout.columns < 2:
         raise ValueError("it has one number in a line, allowed: a matrix, or columns x, y and z")
-    blocks = read_blocks(_lines(contents, encoding), layout)
+    plain = plain_block(_lines(contents, encoding), layout)
+    blocks = [plain] if plain else read_blocks(_lines(contents, encoding), layout)
     title = [] if spec.skip_lines is not None else blocks[0].header
     names = header.columns_named(title, layout.mark, layout.columns)
     if len(blocks) > 1:
         has_points = names is not None or layout.columns == 3
-        return _one_of(blocks, layout, spec, has_points and not _titled(blocks))
+        if _titled(blocks) or not has_points:
+            return _one_of(blocks, layout, spec)
+        blocks = [joined(blocks)]  # a blank line ends each line of the grid
     if names is not None:
         return _points(blocks[0], names, title, layout, spec)
     return _matrix_or_points(blocks[0], layout, title, sample, spec)
@@ -75,16 +78,13 @@ def _titled(blocks: list[Block]) -> bool:
     return all(any(line.strip("#\t\r\n ") for line in block.header) for block in blocks)
 
 
-def _one_of(blocks: list[Block], layout: TextLayout, spec: Any, are_points: bool) -> Map:
+def _one_of(blocks: list[Block], layout: TextLayout, spec: Any) -> Map:
     """Return one map of a text with several blocks of numbers.
 
-    are_points: the blocks are lines of one grid of points, and are joined. Otherwise every block
-    needs a header of its own, and blocks of heights with the header of an instrument are channels:
-    the map is the channel that spec.dataset names, or the first one. Raises ValueError if there is
-    none.
+    Every block needs the header of an instrument, and those of heights are channels: the map is the
+    channel that spec.dataset names, or the first one. Raises ValueError if there is none, or if a
+    block has another header: it may belong to the one before it.
     """
-    if are_points:  # of which a blank line ends each line of the grid
-        return _matrix_or_points(joined(blocks), layout, blocks[0].header, [], spec)
     places = ", ".join(f"{block.lines} from line {block.first_line} on" for block in blocks[:4])
     maps: dict[str, Map] = {}
     for block in blocks if _titled(blocks) else ():
@@ -92,8 +92,10 @@ def _one_of(blocks: list[Block], layout: TextLayout, spec: Any, are_points: bool
             one_map = _of_instrument(block, layout, spec)
         except ValueError:  # another quantity
             continue
-        if one_map is not None:
-            maps.setdefault(one_map[1].channel, one_map)
+        if one_map is None:
+            maps.clear()
+            break
+        maps.setdefault(one_map[1].channel, one_map)
     if not maps:
         raise ValueError(
             f"it has {len(blocks)} blocks of numbers ({places}), allowed: one map in a text;"

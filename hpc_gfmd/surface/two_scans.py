@@ -66,8 +66,9 @@ class Axis:
     @property
     def hits_points(self) -> bool:
         """Whether every point of the grid is a point of the scan; then nothing is interpolated."""
-        off = [abs(t - round(t)) for t in self.places(0, self.count)[[0, -1]]]
-        return max(off) <= UNEVEN and (self.count == 1 or round(self.step) == 1)
+        places = self.places(0, self.count)
+        is_hit = bool(np.abs(places - np.rint(places)).max() <= UNEVEN)
+        return is_hit and (self.count == 1 or round(self.step) == 1)
 
     def interpolate(self, read: Rows, start: int, stop: int) -> np.ndarray:
         """Return the heights at points start <= k < stop of the grid.

@@ -18,6 +18,7 @@ from scipy.signal.windows import get_window
 import hpc_gfmd
 from hpc_gfmd.commands.init import compose
 from hpc_gfmd.scene import File
+from hpc_gfmd.surface.quality import edges_of, quality_of
 from hpc_gfmd.surface.topography import open_topography
 from hpc_gfmd.util.libraries import surface_topography
 
@@ -252,6 +253,40 @@ def test_points_in_any_order(order):
         table_text([("x[um]", "y[um]", "z[nm]"), *point_rows("xyz", order)], " ")
     )
     assert is_map(heights("z.xyz"))
+
+
+GWYDDION = "# Channel: Height\n# Width: 4 µm\n# Height: 2 µm\n# Value units: nm\n"
+
+
+def test_a_line_within_a_map_of_gwyddion_is_no_end_of_it():
+    """A second header of Gwyddion begins another channel; any other line there is refused."""
+    lines = [" ".join(map(str, row)) + "\n" for row in Z]
+    for begin, within, is_read in (
+        (GWYDDION, "", True),
+        (GWYDDION, "# more\n", False),
+        (GWYDDION, GWYDDION.replace("Channel: Height", "Channel: Other"), True),
+    ):
+        Path("z.txt").write_text(begin + "".join(lines[:6]) + within + "".join(lines[6:]))
+        if is_read:
+            assert opened("z.txt").n[1] == (6 if within else 12)
+        else:
+            with refused("2 blocks of numbers .6 from line 5 on, 6 from line 12 on"):
+                opened("z.txt")
+
+
+def test_points_with_blank_lines_that_are_no_grid_are_refused():
+    """In one line; columns keep their names where blank lines end the lines of a grid."""
+    x, y = np.meshgrid(np.arange(4.0), np.arange(5.0), indexing="ij")
+    for moved in (0.3, 0.0):
+        x[1, 1] += moved
+        points = np.dstack([y, x, 10 * x + y])
+        blocks = ["\n".join(" ".join(map(str, point)) for point in line) for line in points]
+        Path("p.xyz").write_text("y x z\n" + "\n\n".join(blocks))
+        if moved:
+            with refused("no regular grid|without a height|not those of a regular grid"):
+                hpc_gfmd.read_surface("p.xyz", boundary="free", unit="nm")
+            x[1, 1] -= moved
+    assert np.allclose(opened("p.xyz", unit="nm").rows(0, 4), 1e-9 * (10 * x + y))
 
 
 def test_blank_lines_between_lines_of_points():
@@ -778,6 +813,39 @@ def test_note_on_a_lens_taken_as_periodic():
     assert not any(
         "kink" in note for note in hpc_gfmd.prepare_surface(z, physical_sizes=(1, 1)).notes
     )
+
+
+def test_quality_is_noted_where_a_map_is_read_and_not_where_it_is_solved():
+    """A plane with the variance of what lies on it is half of the tilt that is noted; noise has
+    power at the shortest waves, a smooth wave has none; a solve looks at the edges only."""
+    x, y = np.meshgrid(np.arange(300) / 300, np.arange(200) / 200, indexing="ij")
+    smooth = np.cos(2 * np.pi * (2 * x + y))
+    for slope, is_tilted in ((1.0, False), (12.0, True)):
+        notes = hpc_gfmd.prepare_surface(smooth + slope * x, boundary="periodic").notes
+        assert any("is tilt" in note for note in notes) == is_tilted
+        assert any("opposite edges along x" in note for note in notes)
+        assert not any("along y" in note or "resolved" in note for note in notes)
+    rough = random_heights((64, 64))
+    (note,) = hpc_gfmd.prepare_surface(0.1 * rough).notes
+    assert "not resolved" in note
+    assert "resolved" not in (hpc_gfmd.solve(1e-3 * rough, 1e-4).note or "")
+
+
+def test_what_a_person_is_told_of_a_map_is_true():
+    """Statistics of a map whose numbers are known: a wave of 50 points and a plane."""
+    n = (400, 300)
+    x, y = np.meshgrid(*(np.arange(k) for k in n), indexing="ij")
+    z = 0.2 * np.cos(2 * np.pi * x / 50) + 3e-3 * y
+    quality = quality_of(z, n)
+    variances = 0.2**2 / 2, 3e-3**2 * (n[1] ** 2 - 1) / 12
+    assert quality.h_rms == pytest.approx(sum(variances) ** 0.5)
+    assert quality.tilt == pytest.approx(variances[1] / sum(variances), rel=0.01)
+    steps = 2 * (0.2 * np.sin(np.pi / 50)) ** 2, 3e-3**2
+    assert quality.g_rms == pytest.approx(sum(steps) ** 0.5, rel=0.01)
+    assert quality.typical == pytest.approx((2 * steps[0]) ** 0.5 * np.sin(np.pi / 4), rel=0.1)
+    edges = edges_of(lambda i, j: z[i:j], n)
+    assert edges.jumps[0] < 2
+    assert edges.jumps[1] == pytest.approx(n[1] - 1)
 
 
 @pytest.mark.parametrize("window", ["hann", "tukey"])

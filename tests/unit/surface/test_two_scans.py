@@ -2,6 +2,7 @@
 the window that both cover."""
 
 from itertools import product
+from math import ceil, gcd
 from pathlib import Path
 
 import numpy as np
@@ -56,6 +57,49 @@ def test_sum_of_two_waves(n, b):
     assert surface.free == (True, True)
     swapped = combine(coarse, b, fine, a, **NOT_MIRRORED)
     assert np.array_equal(swapped.heights, surface.heights)
+
+
+RATIOS = [(p, q) for p in range(1, 13) for q in range(1, 13) if gcd(p, q) == 1]
+
+
+def test_all_ratios_of_spacings():
+    """Points of spacings p/q and 1 of the line z = x/4 + y/2 and of one period of a wave, which
+    natural and periodic splines give back: whichever points coincide, no point is another's."""
+    for p, q in RATIOS:
+        a = p / q
+        n = (3 * q + 1, 5 * q + 2)
+        m = (3 * p + 1, 5 * p - 1)  # of spacing 1: the first ones end together along x
+        lines = [
+            np.add.outer(spacing * np.arange(n_x) / 4, spacing * np.arange(n_y) / 2)
+            for spacing, (n_x, n_y) in ((a, n), (1.0, m))
+        ]
+        fine = min(a, 1.0)
+        for shift in ((0, 0), (fine / 2, -a), (-1.0, 1.0)):
+            surface = combine(lines[0], (a, a), lines[1], (1, 1), shift=shift, **NOT_MIRRORED)
+            rise = np.diff(surface.heights, axis=0), np.diff(surface.heights, axis=1)
+            assert np.allclose(rise[0], 2 * fine / 4, rtol=0, atol=1e-12), (p, q, shift)
+            assert np.allclose(rise[1], 2 * fine / 2, rtol=0, atol=1e-12), (p, q, shift)
+            for axis, (first, second) in enumerate(zip(n, m)):  # what both cover
+                begin = max(0.0, shift[axis])
+                end = min(a * (first - 1), second - 1 + shift[axis])
+                covered = (end - begin) / fine
+                assert covered - 2 < surface.heights.shape[axis] - 1 <= covered + 1e-9
+
+
+def test_all_ratios_of_points_in_a_period():
+    """One wave on 24 p and 24 q points, shifted: the sum is the sum of two cosines."""
+    for p, q in RATIOS:
+        waves = [
+            np.outer(np.cos(2 * np.pi * np.arange(24 * k) / (24 * k)), np.ones(3)) for k in (p, q)
+        ]
+        scans = [hpc_gfmd.prepare_surface(z, boundary="periodic") for z in waves]
+        for shift in (0.0, 0.25, 1 / 7):
+            surface = hpc_gfmd.combine_surfaces(*scans, shift=(shift, 0), **NOT_MIRRORED)
+            n = 24 * max(p, q)
+            x = np.arange(n) / n
+            begin = 0.0 if p >= q else ceil(-shift * n - 1e-3) / n + shift
+            exact = np.cos(2 * np.pi * (x + begin)) + np.cos(2 * np.pi * (x + begin - shift))
+            assert np.allclose(surface.heights[:, 1], exact, rtol=0, atol=3e-5), (p, q, shift)
 
 
 def test_interpolation_agrees_with_natural_splines_of_scipy():
