@@ -14,6 +14,7 @@ import hpc_gfmd
 
 from .families import make
 from .kept import truths
+from .sticky_gaps import judged_gaps
 from .sticky_walls import judged_rows
 
 ERROR_OF_TARGET = {"a_r": 0, "gap_over_h_rms": 1}  # index of the error of a target
@@ -66,7 +67,7 @@ def rows_of(name, seed, index, ways, seconds=SECONDS):
         return [head | {"status": "no wall", "error": f"{type(error).__name__}: {error}"}]
     head["n"] = list(wall.heights.shape)
     if wall.targets is not None:
-        return rows_of_targets(head, wall, contact, ways, seconds)
+        return rows_of_targets(head, wall, contact, ways, seconds, hardness)
     rows = []
     if hardness is not None:
         hardness *= wall.E_star * contact.g_rms
@@ -107,14 +108,16 @@ def _sticky_rows(wall, head, ways, seconds):
         way = head | way | {"low_memory": low_memory}
         try:
             with _time_limit(seconds):
-                for load, judged in judged_rows(wall, precision, accuracy):
-                    rows.append(way | {"load": load, "p_star": wall.loads[load]} | judged)
+                judge = judged_rows if wall.targets is None else judged_gaps
+                for load, judged in judge(wall, precision, accuracy):
+                    p_star = wall.loads[load] if wall.loads else 0.0
+                    rows.append(way | {"load": load, "p_star": p_star} | judged)
         except Exception as error:  # the campaign continues
-            rows.append(way | {"load": 0, "p_star": wall.loads[0]} | _failed(error))
+            rows.append(way | {"load": 0, "p_star": 0.0} | _failed(error))
     return rows
 
 
-def rows_of_targets(head, wall, contact, ways, seconds):
+def rows_of_targets(head, wall, contact, ways, seconds, hardness=None):
     """Solve a wall with prescribed areas or gaps in several ways.
 
     Parameters
@@ -129,6 +132,8 @@ def rows_of_targets(head, wall, contact, ways, seconds):
         (solver, precision, accuracy, low_memory).
     seconds : float
         Time limit for each target.
+    hardness : float, optional
+        Hardness over E* g_rms.
 
     Returns
     -------
@@ -148,13 +153,15 @@ def rows_of_targets(head, wall, contact, ways, seconds):
             try:
                 with _time_limit(seconds), warnings.catch_warnings():
                     warnings.simplefilter("ignore")
-                    solution = _solution_of_target(wall, way, value)
+                    unit = wall.E_star * contact.g_rms
+                    solution = _solution_of_target(wall, way, value, hardness and hardness * unit)
                     row["p_star"] = solution.p / wall.E_star / contact.g_rms
-                    truth = contact.solve(row["p_star"], start)
+                    truth = contact.solve(row["p_star"], start, hardness)
                     start = truth.pressure
                     row |= _judged(solution, truth, contact, wall)
                     if solution.status == "converged":
-                        row |= missed(solution, truth, contact, wall.targets[0], value, accuracy)
+                        target = wall.targets[0], value, accuracy
+                        row |= missed(solution, truth, contact, *target, hardness)
                         row["true"][ERROR_OF_TARGET[wall.targets[0]]] += row["missed"]
             except Exception as error:
                 row |= _failed(error)
@@ -162,9 +169,10 @@ def rows_of_targets(head, wall, contact, ways, seconds):
     return rows
 
 
-def _solution_of_target(wall, way, value):
+def _solution_of_target(wall, way, value, hardness):
     return hpc_gfmd.solve(
         wall.heights,
+        hardness=hardness,
         E_star=wall.E_star,
         physical_sizes=wall.physical_sizes,
         boundary=["free" if ends else "periodic" for ends in wall.free],
@@ -175,7 +183,7 @@ def _solution_of_target(wall, way, value):
     )
 
 
-def missed(solution, truth, contact, quantity, value, accuracy):
+def missed(solution, truth, contact, quantity, value, accuracy, hardness=None):
     """Return by how much a target is missed.
 
     Parameters
@@ -192,6 +200,8 @@ def missed(solution, truth, contact, quantity, value, accuracy):
         The target.
     accuracy : float
         Requested accuracy.
+    hardness : float, optional
+        Hardness over E* g_rms.
 
     Returns
     -------
@@ -209,7 +219,7 @@ def missed(solution, truth, contact, quantity, value, accuracy):
     row = {"missed": 0.0, "jump": "jumps" in (solution.note or "")}
     if distance <= max(accuracy * target_points, 1) + ROUNDED_TARGET * target_points:
         return row
-    nearest = nearest_count(contact, solution.p_star, target_points)
+    nearest = nearest_count(contact, solution.p_star, target_points, hardness)
     row["nearest"] = nearest
     allowed = abs(nearest - target_points) + 1 + truth.ties_in + truth.ties_out
     if not row["jump"] or distance > allowed:
@@ -217,7 +227,7 @@ def missed(solution, truth, contact, quantity, value, accuracy):
     return row
 
 
-def nearest_count(contact, p_star, points):
+def nearest_count(contact, p_star, points, hardness=None):
     """Return the number of contact points nearest to a target that loads near p* have.
 
     It is found by bisection. Contacts with ties are on both sides of a jump and do not count.
@@ -230,6 +240,8 @@ def nearest_count(contact, p_star, points):
         Load from which the bisection starts.
     points : float
         Target.
+    hardness : float, optional
+        Hardness over E* g_rms.
     """
     counts = {}
     nearest = np.inf
@@ -237,7 +249,7 @@ def nearest_count(contact, p_star, points):
     def count(p):
         nonlocal nearest
         if p not in counts:
-            truth = contact.solve(p)
+            truth = contact.solve(p, hardness=hardness)
             counts[p] = truth.contact
             ties = truth.ties_in + truth.ties_out
             if ties == 0 and abs(truth.contact - points) < abs(nearest - points):
