@@ -4,14 +4,14 @@ stale.
 
 from __future__ import annotations
 
-from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
+from ..parallel.h5 import recover
 from ..util.errors import GfmdError, SceneError, reason
 from ..util.file_names import require_name
-from .folder import HEAD, acquire, clear, partial_folder, release, step_files
-from .read import read_file, read_parts
+from .folder import GROWING, acquire, clear, has_begun, of_earlier_version, partial_folder, release
+from .read import read_file
 from .result import Result
 
 
@@ -79,52 +79,45 @@ def claim(path: Path, identity: str | None, resume: bool, force: bool) -> tuple[
             f"output.path: cannot write to {error.filename}: {reason(error)}"
         ) from None
     try:
-        files = step_files(folder)
-        return lock, _earlier_run(path, folder, files, identity, resume, force)
+        return lock, _earlier_run(path, folder, identity, resume, force)
     except GfmdError:
         release(folder, lock)
         raise
 
 
 def _earlier_run(
-    path: Path,
-    folder: Path,
-    files: dict[int, Path],
-    identity: str | None,
-    resume: bool,
-    force: bool,
+    path: Path, folder: Path, identity: str | None, resume: bool, force: bool
 ) -> EarlierRun:
     """Return what an earlier run has left in the locked folder; empty it unless that is resumed.
 
-    `path` is the result file, and `files` are the files of finished loads in the folder, by number;
-    `identity`, `resume` and `force` are as for `claim`. Raises SceneError if loads or a result
-    would be lost without `force`.
+    `path` is the result file; `identity`, `resume` and `force` are as for `claim`. Raises
+    SceneError if loads or a result would be lost without `force`.
     """
-    has_begun = (folder / HEAD).exists()
-    loads = len(files) if has_begun else 0
     interrupted: Result | None = None
-    if has_begun:
-        with suppress(SceneError):  # nothing can be read
-            interrupted = read_parts(folder / HEAD, files)
-    is_same = interrupted is not None and interrupted.head.get("identity") == identity
-    if interrupted is not None and is_same and resume and not force:
-        count = len(interrupted.steps)
-        finished = "1 load is finished" if count == 1 else f"{count} loads are finished"
-        note = f"resuming an interrupted run: {finished}"
-        return EarlierRun(interrupted, True, [*interrupted.notes, note])
-    whose = (
-        "that cannot be read"
-        if interrupted is None
-        else f"of {'this' if is_same else 'another'} scene"
-    )
-    if loads and not force:
+    whose = ""
+    loads = of_earlier_version(folder)
+    if loads:
+        whose = f"{loads} finished loads of another version"
+    elif has_begun(folder):
+        try:
+            interrupted = read_file(folder / GROWING)
+        except SceneError:
+            whose = "an interrupted run that cannot be read"
+        else:
+            loads = len(interrupted.steps)
+            is_same = interrupted.head.get("identity") == identity
+            if is_same and resume and not force:
+                recover(folder / GROWING)
+                finished = "1 load is finished" if loads == 1 else f"{loads} loads are finished"
+                return EarlierRun(interrupted, True, [f"resuming an interrupted run: {finished}"])
+            whose = f"{loads} finished loads of {'this' if is_same else 'another'} scene"
+    if whose and (loads or interrupted is None) and not force:
         raise SceneError(
-            f"output.path: {folder} holds {loads} finished loads {whose}, allowed: another path, or"
-            " --force to remove them"
+            f"output.path: {folder} holds {whose}, allowed: another path, or --force to remove them"
         )
     notes = [_note_on_replaced(path, identity, force)] if path.exists() else []
-    if interrupted is not None or loads:
-        notes.append(f"removed an interrupted run {whose} ({loads} finished loads)")
+    if whose:
+        notes.append(f"removed an interrupted run: {whose}")
     clear(folder, keep_lock=True)
     return EarlierRun(Result(None, {}, [], [], "running", {}, []), False, notes)
 

@@ -1,4 +1,4 @@
-"""The folder OUT.h5.partial beside a result file, where a run keeps finished loads until it ends.
+"""The folder OUT.h5.partial beside a result file, where a run keeps what is finished until it ends.
 
 One run at a time holds its lock. The operating system releases the lock when that process ends, for
 whatever reason.
@@ -10,12 +10,14 @@ import socket
 from contextlib import suppress
 from pathlib import Path
 
+from ..parallel.h5 import committed_file
 from ..util.errors import SceneError
 
-HEAD = "head.h5"
+GROWING = "result.h5"  # what is finished so far; it becomes the result file at the end
 STATE = "checkpoint.h5"
 LOCK = "lock"
-_OURS = re.compile(r"(head|step-\d+|checkpoint)\.h5(\.tmp)?")
+# steps and head: of earlier versions
+_OURS = re.compile(r"(result|checkpoint|head|step-\d+)\.h5(\.committed)?(\.tmp)?")
 
 
 def followed(path: str | os.PathLike) -> Path:
@@ -31,14 +33,15 @@ def partial_folder(path: str | os.PathLike) -> Path:
     return Path(f"{followed(path)}.partial")
 
 
-def step_files(folder: Path) -> dict[int, Path]:
-    """Return {number of the load: file} of the finished loads in a folder, in ascending order.
+def has_begun(folder: Path) -> bool:
+    """Whether a folder holds an unfinished run, which can be read and resumed."""
+    growing = folder / GROWING
+    return growing.exists() and committed_file(growing).exists()
 
-    They are recognised by their names, step-NNNN.h5; empty if there is no such folder.
-    """
-    return dict(
-        sorted((int(p.stem[5:]), p) for p in folder.glob("step-*.h5") if p.stem[5:].isdigit())
-    )
+
+def of_earlier_version(folder: Path) -> int:
+    """Return the number of finished loads that an earlier version has left in a folder."""
+    return len([*folder.glob("step-*.h5")]) if (folder / "head.h5").exists() else 0
 
 
 def acquire(folder: Path) -> int:
@@ -76,9 +79,9 @@ def release(folder: Path, lock: int, keep: bool = True) -> None:
     lock : int
         Descriptor that `acquire` returned; it is closed.
     keep : bool
-        True: keep the folder if a run has begun in it (there is a head.h5). False: remove it.
+        True: keep the folder if a run has begun in it. False: remove it.
     """
-    if not keep or not (folder / HEAD).exists():
+    if not keep or not (has_begun(folder) or of_earlier_version(folder)):
         clear(folder)
     os.close(lock)
 
@@ -96,7 +99,7 @@ def is_held(folder: Path) -> bool:
 def clear(folder: Path, keep_lock: bool = False) -> None:
     """Remove the files of a run from a folder; files of other names stay.
 
-    head.h5 goes first: if this is cut short, what is left has no head.h5 and counts as stale.
+    The committed state goes first: if this is cut short, what is left counts as stale.
 
     Parameters
     ----------
@@ -106,7 +109,7 @@ def clear(folder: Path, keep_lock: bool = False) -> None:
         True: keep the lock file and the folder. False: remove the lock file, and the folder if it
         is empty then.
     """
-    for file in sorted(folder.glob("*"), key=lambda file: not file.name.startswith(HEAD)):
+    for file in sorted(folder.glob("*"), key=lambda file: file.suffix != ".committed"):
         if _OURS.fullmatch(file.name):
             file.unlink(missing_ok=True)
     if not keep_lock:

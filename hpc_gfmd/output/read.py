@@ -5,16 +5,15 @@ Nothing in a file is executed, and MPI is not needed.
 
 import json
 import os
-from collections.abc import Mapping
 from dataclasses import replace
 from math import prod
 from pathlib import Path
 from typing import Any
 
-from ..parallel.h5 import CHECKSUM, Stored, inside, reading
+from ..parallel.h5 import Stored, committed_file, inside, reading
 from ..util.errors import SceneError, one_line, reason
 from .describe import RECORD
-from .folder import HEAD, is_held, partial_folder, step_files
+from .folder import GROWING, has_begun, is_held, of_earlier_version, partial_folder
 from .result import FORMAT_VERSION, Result
 
 FORMAT = "hpc-gfmd"
@@ -33,11 +32,12 @@ def read_result(path: str | os.PathLike) -> Result:
     if not path.exists() and folder.is_dir():
         return read_partial(path)
     result = read_file(path)
-    newer = folder / HEAD
-    if newer.exists() and newer.stat().st_mtime_ns > path.stat().st_mtime_ns:
+    newer = folder / GROWING
+    if has_begun(folder) and newer.stat().st_mtime_ns > path.stat().st_mtime_ns:
+        finished = len(read_file(newer).steps)
         note = (
-            f"a newer run was interrupted, or is running: {len(step_files(folder))} finished load"
-            f" steps in {folder}"
+            f"a newer run was interrupted, or is running: {finished} finished load steps in"
+            f" {folder}"
         )
         return replace(result, notes=(note,))
     return result
@@ -47,61 +47,17 @@ def read_partial(path: str | os.PathLike) -> Result:
     """Read the finished loads of a run that has not written `path` yet.
 
     The status of the result is "running" if the run holds its lock, otherwise "interrupted". It may
-    have no loads yet. Raises SceneError if no run has begun there, or if none of its files can be
-    read.
+    have no loads yet. Raises SceneError if no run has begun there, or if it cannot be read.
     """
     path = Path(path)
     folder = partial_folder(path)
-    if not (folder / HEAD).exists():
+    if of_earlier_version(folder):
+        raise SceneError(f"{folder}: an interrupted run of another version, allowed: of this one")
+    if not has_begun(folder):
         raise SceneError(f"{path}: no such file, and no interrupted run beside it")
-    parts = read_parts(folder / HEAD, step_files(folder))
     status = "running" if is_held(folder) else "interrupted"
-    return replace(parts, path=path, folder=folder, status=status)
-
-
-def read_parts(head: Path, steps: Mapping[int, Path]) -> Result:
-    """Read the files of an unfinished run, each of which is a result file, and join them.
-
-    Files that are damaged or of another scene are left out, and a note names them.
-
-    Parameters
-    ----------
-    head : Path
-        The file without loads.
-    steps : dict
-        The files with one load each, by the number of the load.
-
-    Returns
-    -------
-    Result
-        With all loads that could be read. The fields are read later.
-
-    Raises
-    ------
-    SceneError
-        If none of the files can be read.
-    """
-    parts: list[Result] = []
-    notes = []
-    for index, file in [(None, head), *steps.items()]:
-        try:
-            part = read_file(file)
-            if index is not None and part.indices != [index]:
-                raise SceneError(f"{file}: holds no load step {index}")
-            if parts and part.head.get("identity") != parts[0].head.get("identity"):
-                raise SceneError(f"{file}: belongs to another scene")
-            parts.append(part)
-        except SceneError as error:
-            notes.append(f"left out: {error}")
-    if not parts:
-        raise SceneError(notes[0].removeprefix("left out: "))
-    return replace(
-        parts[0],
-        steps=[step for part in parts for step in part.steps],
-        indices=[index for part in parts for index in part.indices],
-        fields=[fields for part in parts for fields in part.fields],
-        notes=tuple(notes),
-    )
+    result = read_file(folder / GROWING)
+    return replace(result, path=path, folder=folder, status=status)
 
 
 def read_checkpoint(path: Path, identity: str) -> Result | None:
@@ -210,7 +166,7 @@ def _require_hdf5(path: Path) -> None:
         unfit = "no permission to read it"
     elif path.stat().st_size == 0:
         unfit = "found an empty file, allowed: a result file"
-    elif not h5py.is_hdf5(path):
+    elif not committed_file(path).exists() and not h5py.is_hdf5(path):
         unfit = "not an HDF5 file"
     else:
         return
@@ -221,8 +177,7 @@ def _fields(path: Path, group: Any, n: list[int]) -> dict[str, Stored]:
     """Return {name: Stored} of the fields in a group of the open file; their values are not read.
 
     Fields are the datasets with two axes. `n` are the points of the surface. Raises ValueError if a
-    field has another shape, holds no floating-point numbers or has unwritten points, and KeyError
-    if it has no checksum.
+    field has another shape, holds no floating-point numbers or has unwritten points.
     """
     fields = {}
     for name in group:
@@ -237,9 +192,7 @@ def _fields(path: Path, group: Any, n: list[int]) -> dict[str, Stored]:
                 stored_bytes = data.id.get_num_chunks() * prod(data.chunks) * data.dtype.itemsize
             if stored_bytes < data.nbytes:
                 raise ValueError(f"{name} has no numbers at some points")
-            fields[name] = Stored(
-                path, data.name.lstrip("/"), data.shape, data.dtype, int(data.attrs[CHECKSUM])
-            )
+            fields[name] = Stored(path, data.name.lstrip("/"), data.shape, data.dtype)
     return fields
 
 

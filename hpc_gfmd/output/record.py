@@ -1,38 +1,43 @@
 """The result file while it is written.
 
-Every finished load is written at once into the folder OUT.h5.partial, one file per load step. At
-the end all of them become OUT.h5 in one rename. So nothing finished is lost, and an incomplete file
-never has the final name. The folder also holds the gap of a load that was stopped before it
-converged.
+It grows in the folder OUT.h5.partial: every finished load is added to it at once and committed
+(parallel/h5.py), so that whatever happens later the finished loads are there. At the end it gets
+what other programs need and becomes OUT.h5 by being renamed: an incomplete file never has the final
+name, and each field is written once. The folder also holds the gap of a load that was stopped
+before it converged.
 """
 
 import os
-from contextlib import AbstractContextManager
+import shutil
+from collections.abc import Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
+from numpy.typing import DTypeLike
 
 from ..parallel.comm import Comm
 from ..parallel.grid import Grid
 from ..parallel.guard import on_rank_0
-from ..parallel.h5 import Stored, write_file
-from ..parallel.mpi_io import io_way, mpi_io_obstacle
+from ..parallel.h5 import commit, lay_out, mpi_io_obstacle, recover, sync, write_file, write_rows
 from ..util.errors import GfmdError, SceneError
 from .claim import EarlierRun, claim
 from .describe import SIGNS, describe, set_attributes
-from .folder import HEAD, STATE, followed, partial_folder, release
+from .folder import GROWING, STATE, followed, partial_folder, release
 from .numbers import About
 from .read import CHECKPOINT, FORMAT, read_checkpoint
 from .result import FORMAT_VERSION, Result, group_of
+
+HEIGHTS = "surface/heights"
 
 
 class RunFile(AbstractContextManager):
     """The result file of one run, for use in a `with` statement.
 
-    All methods are collective, `take` and `close` too, although these two send no message.
+    All methods are collective, `close` too, although it sends no message.
 
     Creating it locks the folder OUT.h5.partial and may empty it (see `claim.claim`). Leaving the
     `with` statement releases the lock; what is finished stays in the folder and can be resumed,
@@ -59,8 +64,10 @@ class RunFile(AbstractContextManager):
         Whether to start from the beginning, and to replace any file at `path`.
     about : dict, optional
         {name: (meaning, unit)} of the numbers, see `contact.all_numbers`; by default unknown.
-    **how
-        As for `parallel.h5.write_file`.
+    compressed : bool
+        Whether fields are packed, by rank 0.
+    dtype : str, optional
+        Type of the numbers of fields in the file; default: as they come.
 
     Attributes
     ----------
@@ -92,13 +99,19 @@ class RunFile(AbstractContextManager):
         resume: bool = True,
         force: bool = False,
         about: About | None = None,
-        **how: Any,
+        compressed: bool = False,
+        dtype: str | None = None,
     ):
         self.comm = comm
         self.path = followed(path)
         self.partial = partial_folder(path)
-        self._points = ((int(n[0]), int(n[1])), rows)
-        self._how = how
+        self.growing = self.partial / GROWING
+        self._n = (int(n[0]), int(n[1]))
+        self._rows = rows
+        self._compressed = compressed
+        self._dtype = dtype
+        self._together = False
+        self._begun = False
         self._about = about or {}
         self._resume = resume
         self._surface = dict(surface)
@@ -113,7 +126,7 @@ class RunFile(AbstractContextManager):
         self.resumed = earlier_run.is_resumed
         self.notes = earlier_run.notes
         self.finished = earlier_run.result.numbered
-        self._fields = earlier_run.result.datasets
+        self._has_heights = HEIGHTS in earlier_run.result.datasets
         kept = earlier_run.result.head
         self.earlier = {name: kept[name] for name in ("start_time", "heights") if name in kept}
         self._head = {
@@ -127,35 +140,26 @@ class RunFile(AbstractContextManager):
         }
 
     def __enter__(self) -> Self:
-        """Write head.h5, after which the run can be resumed. Raises GfmdError on every rank."""
+        """Write the head, after which the run can be resumed. Raises GfmdError on every rank."""
+        import h5py
+
         try:
-            self._head = {"io": self._io_way(), **self._head}
-            self.update()
+            if not self.resumed:
+                self._add({})
+            obstacle = mpi_io_obstacle(self.comm, self.growing)
+            self._together = not obstacle and not self._compressed
+            self._head = {"io": "serial" if obstacle else "mpio", **self._head}
+            self._add({})
         except GfmdError:
             self.close()
             raise
+        if obstacle and self.comm.size > 1 and h5py.get_config().mpi:
+            note = f"{self.path}: rank 0 writes for all, because MPI-IO cannot ({obstacle})"
+            self.notes = [*self.notes, note]
         return self
 
-    def _io_way(self) -> str:
-        """Return how fields are written: "mpio" or "serial" (by rank 0). Collective.
-
-        Adds a note if HDF5 has MPI-IO and it cannot be used here.
-        """
-        import h5py
-
-        way = io_way(self.comm, self.partial / HEAD)
-        if way == "serial" and self.comm.size > 1 and h5py.get_config().mpi:
-            obstacle = mpi_io_obstacle(self.comm, self.partial / HEAD)
-            self.notes = [
-                *self.notes,
-                f"{self.path}: rank 0 writes for all, because MPI-IO cannot ({obstacle})",
-            ]
-        return way
-
     def update(self, surface: dict | None = None, height_field: Any = None, **head: Any) -> None:
-        """Add attributes and the heights to the head of the result, and write head.h5 again.
-
-        Collective.
+        """Add attributes and the heights to the head of the result. Collective.
 
         Parameters
         ----------
@@ -174,13 +178,34 @@ class RunFile(AbstractContextManager):
         """
         self._surface |= surface or {}
         self._head |= head
-        heights = {} if height_field is None else {"surface/heights": height_field}
-        self._fields |= self._write(self.partial / HEAD, "running", {}, heights)
+        stored = height_field is None or self._has_heights
+        self._add({}, {} if stored else {HEIGHTS: height_field})
+        self._has_heights |= not stored
+
+    def require_space(self, loads: int, fields: Sequence[str], dtype: DTypeLike) -> None:
+        """Raise SceneError on every rank if the disk is too small for loads yet to come. Collective.
+
+        `fields`: names of the fields of each load; `dtype`: of the solver. Fields that are packed
+        may need less: for them it is not known.
+        """
+        count = loads * len([name for name in fields if name != "heights"])
+        needed = count * self._n[0] * self._n[1] * np.dtype(self._dtype or dtype).itemsize
+
+        def check() -> None:
+            """Compare with the disk of the folder."""
+            free = shutil.disk_usage(self.partial).free
+            if needed > free and not self._compressed:
+                raise SceneError(
+                    f"output.fields: {needed / 1e6:.4g} MB are needed for {loads} loads, and"
+                    f" {free / 1e6:.4g} MB are free at {self.path}: No space left on device"
+                )
+
+        on_rank_0(self.comm, f"writing {self.path}", check)
 
     def write_step(
         self, index: int, attributes: dict, fields: dict[str, Any] | None = None
     ) -> None:
-        """Write a finished load step to its file in the folder and add it to `finished`.
+        """Write a finished load step to the file and add it to `finished`.
 
         Collective.
 
@@ -201,9 +226,7 @@ class RunFile(AbstractContextManager):
         attributes = {name: value for name, value in attributes.items() if value is not None}
         group = group_of(index)
         slabs = {f"{group}/{key}": data for key, data in (fields or {}).items()}
-        self._fields |= self._write(
-            self.partial / f"step-{index:04d}.h5", "running", {group: attributes}, slabs
-        )
+        self._add({group: attributes}, slabs)
         self.finished = dict(sorted((self.finished | {index: attributes}).items()))
 
     def write_checkpoint(self, grid: Grid, index: int, gap: np.ndarray, numbers: dict) -> None:
@@ -244,6 +267,7 @@ class RunFile(AbstractContextManager):
             grid.rows,
             {f"{name}/gap": gap},
             lambda file: set_attributes(file, groups),
+            self._together,
         )
 
     def checkpoint(self) -> Result | None:
@@ -256,36 +280,57 @@ class RunFile(AbstractContextManager):
         return on_rank_0(self.comm, f"reading {path}", lambda: read_checkpoint(path, identity))
 
     def take(self, result: Result) -> None:
-        """Replace the finished loads and their fields by those of a result, numbered from 0.
+        """Write all loads of a result, numbered from 0, with their fields. Collective.
 
-        Nothing is written before `finish`.
+        Raises GfmdError on every rank, if they cannot be written.
         """
         result = replace(result, indices=list(range(len(result.steps))))
-        self.finished = result.numbered
-        self._fields = result.datasets
+        fields = result.datasets
+        self.update(height_field=fields.get(HEIGHTS))
+        for index, step in result.numbered.items():
+            group = f"{group_of(index)}/"
+            of_step = {
+                name.removeprefix(group): field
+                for name, field in fields.items()
+                if name.startswith(group)
+            }
+            self.write_step(index, step, of_step)
 
     def finish(self, status: str) -> None:
-        """Write OUT.h5 with all finished steps, replace an older file and remove the folder.
+        """Complete the file, give it the name OUT.h5 and remove the folder. Collective.
 
-        Collective. `status` is that of the whole run. The lock is released. Raises GfmdError on
-        every rank if writing fails or the stored fields of a step are damaged; then the finished
-        steps stay in the folder, and the lock is held until the `with` statement ends.
+        `status` is that of the whole run. An older file of that name is replaced, and the lock is
+        released. Raises GfmdError on every rank if that fails; then the finished steps stay in the
+        folder, and the lock is held until the `with` statement ends.
         """
-        self._head["end_time"] = _now()
+        self._head |= {"end_time": _now(), "status": status}
         steps = {group_of(index): step for index, step in self.finished.items()}
+
+        def complete() -> None:
+            """Add what other programs need, on rank 0."""
+            with _recovering(self.growing):
+                lay_out(
+                    self.growing,
+                    {},
+                    lambda file: describe(file, self._head, self._surface, steps, self._about),
+                    more=True,
+                )
+                sync(self.growing)
+            self.growing.replace(self.path)
+            sync(self.path.parent)
+            self.close(keep=False)
+
         try:
-            self._write(self.path, status, steps, self._fields)
+            on_rank_0(self.comm, f"writing {self.path}", complete)
         except GfmdError as error:
             if not self._resume:
                 raise
             raise GfmdError(f"{error}; the finished steps are safe in {self.partial}") from error
-        on_rank_0(self.comm, f"removing {self.partial}", lambda: self.close(keep=False))
 
     def close(self, keep: bool = True) -> None:
         """Release the lock, which rank 0 holds; does nothing if it is released, or on other ranks.
 
-        The folder is kept if `keep` is set and the run has begun (head.h5 exists), and removed
-        otherwise.
+        The folder is kept if `keep` is set and the run has begun, and removed otherwise.
         """
         if self._lock is not None:
             release(self.partial, self._lock, keep)
@@ -297,25 +342,48 @@ class RunFile(AbstractContextManager):
         begun = bool(self.finished) or self.resumed
         self.close(keep=self._resume and (begun or not refused))  # a wrong scene leaves nothing
 
-    def _write(
-        self, path: Path, status: str, steps: dict[str, dict], fields: dict[str, Any]
-    ) -> dict[str, Stored]:
-        """Write a file with the head, the surface, some steps and fields.
+    def _add(self, steps: dict[str, dict], slabs: dict[str, Any] | None = None) -> None:
+        """Add attributes of the root, the surface and some steps, and local slabs, and commit.
 
-        `status` is that of the run. `fields` are local slabs, or Stored (where another file has
-        one), by their path in the file. Replaces the file as a whole or not at all. Returns
-        {path in the file: Stored} of the fields in the new file. Raises GfmdError on all ranks.
-        Collective.
+        Collective. `slabs`: by their path in the file. On failure, which raises GfmdError on all
+        ranks, the file is as it was.
         """
-        head = self._head | {"status": status}
-        return write_file(
-            self.comm,
-            path,
-            *self._points,
-            fields,
-            lambda file: describe(file, head, self._surface, steps, self._about),
-            **self._how,
-        )
+        slabs = slabs or {}
+        doing = f"writing {self.path}"
+        types = {name: np.dtype(self._dtype or slab.dtype) for name, slab in slabs.items()}
+        head = self._head | {"status": "running"}
+        groups = {"/": head, "surface": self._surface, **steps}
+        is_new = not (self.resumed or self._begun)
+
+        def prepare() -> None:
+            """Make room for the slabs, on rank 0."""
+            lay_out(
+                self.growing,
+                {name: (self._n, dtype) for name, dtype in types.items()},
+                lambda file: set_attributes(file, groups),
+                self._compressed,
+                more=not is_new,
+            )
+
+        with _recovering(self.growing) if self.comm.rank == 0 else nullcontext():
+            on_rank_0(self.comm, doing, prepare)
+            if slabs:
+                write_rows(
+                    self.comm, self.growing, self._n, self._rows, slabs, self._together, doing
+                )
+            on_rank_0(self.comm, doing, lambda: commit(self.growing))
+        self._begun = True
+
+
+@contextmanager
+def _recovering(path: Path) -> Iterator[None]:
+    """Bring a file back to its committed state if the block fails, Ctrl-C included."""
+    try:
+        yield
+    except BaseException:
+        with suppress(OSError, ValueError):
+            recover(path)
+        raise
 
 
 def _now() -> str:

@@ -4,7 +4,6 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from math import inf
-from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
@@ -31,8 +30,6 @@ class SerialComm:
         Number of this process, and of all.
     mpi : None
         There is no communicator of mpi4py below.
-    io_obstacles : dict
-        Empty: a single process does not use MPI-IO.
     node_ranks : ndarray of int
         Ranks that share memory with this one: [0].
     """
@@ -40,7 +37,6 @@ class SerialComm:
     rank = 0
     size = 1
     mpi: Any = None
-    io_obstacles: dict[Path, str] = {}
 
     def __init__(self, parent: "Comm | None" = None):
         self.parent = parent
@@ -171,8 +167,6 @@ class MpiComm:
         Number of this process, and of all.
     allgather, gather : methods
         Of mpi4py: the pickled objects of all ranks as a list, on every rank or on rank 0 alone.
-    io_obstacles : dict
-        Why MPI-IO cannot write, for each folder that was tried (parallel/mpi_io.py).
     """
 
     def __init__(self, mpi: Any, parent: "MpiComm | None" = None):
@@ -183,7 +177,6 @@ class MpiComm:
         self.allgather = mpi.allgather
         self.gather = mpi.gather
         self._among: dict[tuple[int, ...], Comm | None] = {}
-        self.io_obstacles: dict[Path, str] = {}  # of parallel.mpi_io, for each folder
 
     def _allreduce(self, values: ArrayLike, op: str) -> np.ndarray:
         """Reduce each number over all ranks to a new array of float64. Collective.

@@ -1,14 +1,16 @@
-"""HDF5 files with fields of n_x times n_y points that are spread over the ranks as slabs of rows,
-written by MPI-IO where there are several.
+"""HDF5 files with fields of n_x times n_y points that are spread over the ranks as slabs of rows.
 
-A file is written in three moves: rank 0 puts its layout (attributes, empty datasets), made in
-memory, into NAME.tmp and takes the disk space for all of it; all ranks fill in their rows; once
-that is on the disk rank 0 renames it to NAME. Whatever dies in between, NAME is either the old file
-or the complete new one. The space is taken first because HDF5 does not survive a full disk, and
-Open MPI was seen to report success on one.
+Rank 0 lays a file out: it takes the disk space for all of it, creates the datasets and their
+attributes, and closes it. Then every rank writes its own rows, by MPI-IO or, where that is not
+possible, through rank 0. The space is taken first because HDF5 does not survive a full disk.
+
+A file can grow by one more such step. `commit` keeps all bytes of a file that are no numbers of
+fields, and its size, in a second file: whatever dies later, `recover` brings the file back to that
+state, and `reading` shows it in that state meanwhile. So no field is ever written twice.
 """
 
 import io
+import json
 import os
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
@@ -19,14 +21,10 @@ from typing import Any
 
 import numpy as np
 
-from ..util.errors import GfmdError
 from .comm import Comm, SerialComm
 from .guard import collective_errors, on_rank_0
-from .mpi_io import io_way
 
 VERSIONS = ("v110", "v110")  # HDF5 1.10 and later read it, and its bookkeeping has checksums
-# attribute of a field; HDF5's own, Fletcher-32, needs chunks and is five times as slow as writing
-CHECKSUM = "checksum"
 # per rank and call: little extra memory, and far below the 2 GB where MPI-IO fails
 PIECE_BYTES = 2**26
 PACKED = {"shuffle": True, "compression": "gzip", "compression_opts": 1}
@@ -47,113 +45,48 @@ class Stored:
         (n_x, n_y) of the whole field.
     dtype : numpy.dtype
         Of its numbers.
-    checksum : int
-        Of all its numbers, as the file has it.
-    passed : (int, int)
-        Progress of the check, which `pieces` moves on: number of rows that have been read from the
-        first one on without a gap, and their checksum.
     """
 
     path: Path
     dataset: str
     shape: tuple[int, int]
     dtype: np.dtype
-    checksum: int
-    passed: tuple[int, int] = 0, 0
 
     def pieces(
-        self, comm: Comm | None = None, rows: tuple[int, int] | None = None, ranks_at_once: int = 1
+        self, comm: Comm | None = None, rows: tuple[int, int] | None = None
     ) -> Iterator[tuple[int, np.ndarray]]:
-        """Yield this rank's rows piece by piece, in as many pieces on every rank. Collective.
+        """Yield (number of the first row, rows) of this rank, default all, in pieces. Collective.
 
-        Every rank must take all of its pieces, some of which may have no rows.
-
-        Parameters
-        ----------
-        comm : Comm, optional
-            The ranks that read; default: this process alone.
-        rows : (int, int), optional
-            (start, stop) of this rank; default: all.
-        ranks_at_once : int
-            Number of ranks whose pieces one rank holds at the same time; pieces are smaller by this
-            factor.
-
-        Yields
-        ------
-        int
-            Number of the first row of a piece, in the whole field.
-        ndarray
-            The rows, shape (rows of the piece, n_y).
-
-        Raises
-        ------
-        GfmdError
-            On all ranks: if a rank cannot read; and after the last row, if all rows have been read
-            in order (in one call or several) and the numbers do not match their checksum.
+        There are as many pieces on every rank, and each must take all of its own, some of which may
+        have no rows. Raises GfmdError on all ranks if one cannot read.
         """
         comm = comm or SerialComm()
         rows = rows or (0, self.shape[0])
-        checksum = 0
-        row_bytes = self.shape[1] * self.dtype.itemsize
-        for start, stop in _cuts(comm, rows, row_bytes * ranks_at_once):
-            with collective_errors(comm, f"reading {self.path}"), reading(self.path) as file:
-                piece = file[self.dataset][start:stop]
-                checksum += _checksum(piece, start)
+        for start, stop in _cuts(comm, rows, self.shape[1] * self.dtype.itemsize):
+            with collective_errors(comm, f"reading {self.path}"):
+                piece = self._rows(start, stop)
             yield start, piece
-        minus_begin, end = comm.max([-rows[0], rows[1]])  # of all ranks
-        begin = -minus_begin
-        rows_before, checksum_before = self.passed if begin else (0, 0)
-        if rows_before == begin:  # otherwise it is no pass over all of them
-            total = (checksum_before + _sum_modulo(comm, checksum)) % 2**64
-            self.passed = int(end), total
-            if end == self.shape[0] and total != self.checksum:
-                raise GfmdError(f"{self.path}: the numbers of {self.dataset} are damaged")
 
     def slab(self, comm: Comm, rows: tuple[int, int]) -> np.ndarray:
-        """Return this rank's rows as one array. Collective.
+        """Return the rows (start, stop) of this rank as one array. Collective.
 
-        Parameters
-        ----------
-        comm : Comm
-            The ranks that read.
-        rows : (int, int)
-            (start, stop) of this rank.
-
-        Returns
-        -------
-        ndarray, shape (stop - start, n_y)
-            The rows.
-
-        Raises
-        ------
-        GfmdError
-            On all ranks, as `pieces` does, or if a rank lacks the memory.
+        Raises GfmdError on all ranks if one cannot read, or lacks the memory.
         """
         with collective_errors(comm, f"reading {self.path}"):
-            slab = np.empty((rows[1] - rows[0], self.shape[1]), self.dtype)
-        for start, piece in self.pieces(comm, rows):
-            slab[start - rows[0] : start - rows[0] + len(piece)] = piece
-        return slab
+            return self._rows(*rows)
+        raise AssertionError
 
     def read(self, start: int = 0, stop: int | None = None) -> np.ndarray:
-        """Return some rows as one array. Not collective: every rank may read what it needs.
+        """Return the rows start <= i < stop, default all, as one array, on this rank alone.
 
-        Parameters
-        ----------
-        start, stop : int
-            Rows start <= i < stop; default: all.
-
-        Returns
-        -------
-        ndarray, shape (stop - start, n_y)
-            The rows.
-
-        Raises
-        ------
-        GfmdError
-            As `pieces`.
+        Raises GfmdError if they cannot be read.
         """
         return self.slab(SerialComm(), (start, self.shape[0] if stop is None else stop))
+
+    def _rows(self, start: int, stop: int) -> np.ndarray:
+        """Return some rows; h5py raises OSError or KeyError if they cannot be read."""
+        with reading(self.path) as file:
+            return file[self.dataset][start:stop]
 
 
 def write_file(
@@ -162,18 +95,108 @@ def write_file(
     n: tuple[int, int],
     rows: tuple[int, int],
     fields: Mapping[str, Any],
-    describe: Callable = lambda file: None,
-    compressed: bool = False,
-    dtype: str | None = None,
-) -> dict[str, Stored]:
+    describe: Callable[[Any], object] = lambda file: None,
+    together: bool = False,
+) -> None:
     """Write or replace one HDF5 file, all of it or nothing. Collective.
+
+    Parameters
+    ----------
+    comm, path, n, rows, fields, together
+        As for `write_rows`; a file with .tmp appended to its name is written first.
+    describe : function
+        describe(file) is called by rank 0 when the datasets are there, still empty.
+
+    Raises
+    ------
+    GfmdError
+        On every rank when any of them fails: disk full, folder gone, field of a wrong shape.
+    """
+    tmp = path.with_name(path.name + ".tmp")
+    doing = f"writing {path}"
+    shapes = {name: (n, np.dtype(field.dtype)) for name, field in fields.items()}
+    try:
+        on_rank_0(comm, doing, lambda: lay_out(tmp, shapes, describe))
+        write_rows(comm, tmp, n, rows, fields, together, doing)
+        on_rank_0(comm, doing, lambda: sync(tmp.replace(path).parent))
+    except BaseException:  # Ctrl-C, too
+        if comm.rank == 0:
+            tmp.unlink(missing_ok=True)
+        raise
+
+
+def lay_out(
+    path: Path,
+    fields: Mapping[str, tuple[tuple[int, ...], np.dtype]],
+    describe: Callable[[Any], object],
+    compressed: bool = False,
+    more: bool = False,
+) -> None:
+    """Write a file without the numbers of its fields, and take the disk space for all of it.
+
+    Not collective: one process calls it.
+
+    Parameters
+    ----------
+    path : Path
+        The file; overwritten if it exists, unless `more`.
+    fields : dict
+        (shape, dtype) of each dataset.
+    describe : function
+        describe(file) is called when the datasets are there, still empty.
+    compressed : bool
+        Rows are chunks, shuffled and packed.
+    more : bool
+        Whether to add to the file that exists.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written or the disk is full; the message has the space that is needed.
+    """
+    import h5py
+
+    if not more:
+        with h5py.File(path, "w", libver=VERSIONS, locking=False):
+            pass
+    space = _SLACK
+    for shape, dtype in fields.values():
+        numbers = prod(shape) * dtype.itemsize
+        space += numbers + compressed * (numbers // 500 + _PER_CHUNK * shape[0])
+    with open(path, "r+b") as reserved:
+        try:
+            if hasattr(os, "posix_fallocate"):
+                os.posix_fallocate(reserved.fileno(), os.fstat(reserved.fileno()).st_size, space)
+        except OSError as error:
+            raise OSError(error.errno, f"{error.strerror} ({space / 1e6:.4g} MB needed)") from None
+    in_place = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    in_place.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
+    with h5py.File(path, "r+", libver=VERSIONS, locking=False) as file:
+        for name, (shape, dtype) in fields.items():
+            options: dict = PACKED | {"chunks": (1, *shape[1:])} if compressed else {}
+            if not compressed:
+                options = {"dcpl": in_place.copy()}
+            file.create_dataset(name, shape, dtype, fill_time="never", **options)
+        describe(file)
+
+
+def write_rows(
+    comm: Comm,
+    path: Path,
+    n: tuple[int, int],
+    rows: tuple[int, int],
+    fields: Mapping[str, Any],
+    together: bool,
+    doing: str,
+) -> None:
+    """Write the rows of all ranks to datasets of a file, and have them on the disk. Collective.
 
     Parameters
     ----------
     comm : Comm
         The ranks that have parts of the fields.
     path : Path
-        The file; a file with .tmp appended to its name is written first.
+        The file, as from `lay_out`.
     n : (int, int)
         (n_x, n_y) of all fields.
     rows : (int, int)
@@ -181,77 +204,52 @@ def write_file(
     fields : dict of ndarray or Stored
         Local slab of each dataset (any object with `dtype` and slices), or a field in another file;
         the same names on every rank.
-    describe : function
-        describe(file) is called by rank 0 when the datasets are there, still empty.
-    compressed : bool
-        Rows are chunks (so that none belongs to two ranks), shuffled and packed.
-    dtype : str, optional
-        Type of the numbers in the file; default: as they come.
-
-    Returns
-    -------
-    dict of Stored
-        The fields of the new file.
+    together : bool
+        Whether every rank writes its own rows, by MPI-IO; otherwise rank 0 writes for all.
+    doing : str
+        Beginning of an error's message.
 
     Raises
     ------
     GfmdError
-        On every rank when any of them fails: disk full, folder gone, field of a wrong shape, Stored
-        one damaged.
+        On every rank when any of them fails.
     """
-    tmp = path.with_name(path.name + ".tmp")
-    doing = f"writing {path}"
-    types = {name: np.dtype(dtype or field.dtype) for name, field in fields.items()}
-    stored = {}
+    together = together and comm.size > 1
+    ranks_at_once = 1 if together else comm.size
+    with _opened(comm, path, together, doing) as file:
+        for name, field in fields.items():
+            row_bytes = n[1] * np.dtype(field.dtype).itemsize * ranks_at_once
+            for start, stop in _cuts(comm, rows, row_bytes):
+                with collective_errors(comm, doing):
+                    piece = _piece(field, start, stop, rows[0])
+                    if piece.shape != (stop - start, n[1]) or stop > n[0]:
+                        raise ValueError(
+                            f"{piece.shape} points in rows {start}:{stop} of {tuple(n)}"
+                        )
+                mine = start, piece
+                to_write = [mine] if together else comm.gather(mine) or ()
+                with collective_errors(comm, doing):
+                    for first, numbers in to_write:
+                        if len(numbers):
+                            file[name][first : first + len(numbers)] = numbers
+                    sync(path, wait=False)
+    with collective_errors(comm, doing):
+        if comm.rank == 0 or together:
+            sync(path)
 
-    def describe_all(file: Any) -> None:
-        for name in fields:
-            file[name].attrs.create(CHECKSUM, 0, dtype="uint64")
-        describe(file)
 
-    try:
-        shapes = {name: (n, types[name]) for name in fields}
-        on_rank_0(comm, doing, lambda: lay_out(tmp, shapes, describe_all, compressed))
-        together = io_way(comm, tmp) == "mpio"
-        ranks_at_once = 1 if together else comm.size
-        with _opened(comm, tmp, together, doing) as file:
-            for name, field in fields.items():
-                checksum = 0
-                for start, piece in _pieces(
-                    comm, field, types[name], n, rows, ranks_at_once, doing
-                ):
-                    mine = start, piece
-                    to_write = [mine] if together else comm.gather(mine) or ()
-                    with collective_errors(comm, doing):
-                        for first_row, numbers in to_write:
-                            _write(file[name], first_row, numbers)
-                            sync(tmp, wait=False)
-                        checksum += _checksum(piece, start)
-                total = _sum_modulo(comm, checksum)
-                stored[name] = Stored(path, name, n, types[name], total)
-                if together or comm.rank == 0:
-                    file[name].attrs.modify(CHECKSUM, np.uint64(total))
-        with collective_errors(comm, doing):
-            if comm.rank == 0 or together:
-                sync(tmp)
-        on_rank_0(comm, doing, lambda: sync(tmp.replace(path).parent))
-    except BaseException:  # Ctrl-C, too
-        if comm.rank == 0:
-            tmp.unlink(missing_ok=True)
-        raise
-    return stored
+def _piece(field: Any, start: int, stop: int, first: int) -> np.ndarray:
+    """Return rows of a field in another file, or of a local slab whose first row is `first`."""
+    if isinstance(field, Stored):
+        return field.read(start, stop)
+    return np.ascontiguousarray(field[start - first : stop - first])
 
 
 def sync(path: Path, wait: bool = True) -> None:
     """Have the system write a file or folder to the disk; does nothing on Windows.
 
-    Parameters
-    ----------
-    path : Path
-        The file or folder.
-    wait : bool
-        True: return once it is on the disk. False: only have the system begin, so that the disk is
-        busy while the next piece is made.
+    `wait`: return once it is on the disk. Otherwise only have the system begin, so that the disk is
+    busy while the next piece is made.
     """
     if os.name == "nt":  # no descriptor of a folder
         return
@@ -285,12 +283,173 @@ def _opened(comm: Comm, path: Path, together: bool, doing: str) -> Iterator[Any]
         yield file
 
 
-def reading(path: Path) -> Any:
-    """Open an h5py file for reading, without locking it, and return it.
+def mpi_io_obstacle(comm: Comm, path: Path) -> str:
+    """Return why the ranks cannot write an existing file by MPI-IO, "" if they can. Collective.
 
-    So it can be read while it is written, or while it is open elsewhere in this process. The caller
-    closes it. Raises OSError if it cannot be opened.
+    Open MPI needs room in /dev/shm for that; some file systems lack what MPI-IO needs.
     """
+    import h5py
+
+    if comm.size == 1:
+        return "one rank"
+    if not h5py.get_config().mpi:
+        return "h5py was built without MPI"
+    if ":" in os.fspath(path):
+        return "it takes what is before a colon for the kind of a file system"
+    from mpi4py import MPI
+
+    reason = ""
+    try:
+        file = MPI.File.Open(comm.mpi, os.fspath(path), MPI.MODE_RDWR)
+    except MPI.Exception as error:
+        reason = " ".join(error.Get_error_string().split()) or "unknown error"
+    failing_rank = int(comm.min([comm.rank if reason else comm.size])[0])
+    if failing_rank == comm.size:
+        file.Close()  # together: a rank without it would not take part
+        return ""
+    return str(comm.bcast(reason, failing_rank))
+
+
+def committed_file(path: Path) -> Path:
+    """Return where `commit` keeps what it needs to bring a file back."""
+    return path.with_name(path.name + ".committed")
+
+
+def commit(path: Path) -> None:
+    """Make the present state of a closed file the one that `recover` brings back.
+
+    Called by one process. The numbers of fields must not change later, and stay in place.
+    """
+    size = path.stat().st_size
+    places = []
+    content = []
+    begin = 0
+    with open(path, "rb") as file:
+        for start, length in [*_numbers_in(path), (size, 0)]:
+            if start > begin:
+                file.seek(begin)
+                content.append(file.read(start - begin))
+                places.append((begin, start - begin))
+            begin = max(begin, start + length)
+    committed = committed_file(path)
+    tmp = committed.with_name(committed.name + ".tmp")
+    tmp.write_bytes(json.dumps([size, places]).encode() + b"\n" + b"".join(content))
+    sync(tmp)
+    sync(tmp.replace(committed).parent)
+
+
+def _numbers_in(path: Path) -> list[tuple[int, int]]:
+    """Return (offset, bytes) of all numbers of datasets in a file, in ascending order."""
+    places = []
+
+    def note(_: str, item: Any) -> None:
+        """Add the places of a dataset."""
+        if not hasattr(item, "chunks"):
+            return
+        if item.chunks:
+            for row in range(0, item.shape[0], item.chunks[0]):
+                chunk = item.id.get_chunk_info_by_coord((row, 0))
+                if chunk.byte_offset is not None:
+                    places.append((chunk.byte_offset, chunk.size))
+        elif item.id.get_offset() is not None:
+            places.append((item.id.get_offset(), item.id.get_storage_size()))
+
+    with _plain(path) as file:
+        file.visititems(note)
+    return sorted(places)
+
+
+def _committed(path: Path) -> tuple[int, list[tuple[int, bytes]]]:
+    """Return (size, [(offset, bytes)]) of the committed state of a file.
+
+    Raises OSError if there is none, ValueError if it is damaged.
+    """
+    head, _, content = committed_file(path).read_bytes().partition(b"\n")
+    size, places = json.loads(head)
+    pieces = []
+    for offset, length in places:
+        pieces.append((offset, content[:length]))
+        content = content[length:]
+    return size, pieces
+
+
+def recover(path: Path) -> None:
+    """Bring a file back to its committed state; remove it if there is none. One process calls it.
+
+    Raises OSError or ValueError if that fails.
+    """
+    if not committed_file(path).exists():
+        path.unlink(missing_ok=True)
+        return
+    size, pieces = _committed(path)
+    with open(path, "r+b") as file:
+        for offset, content in pieces:
+            file.seek(offset)
+            file.write(content)
+        file.truncate(size)
+    sync(path)
+
+
+class _Growing(io.RawIOBase):
+    """A file that may be growing, as it was committed; to read only."""
+
+    def __init__(self, path: Path):
+        self.size, self.pieces = _committed(path)
+        self.file = open(path, "rb")  # noqa: SIM115
+        self.place = 0
+
+    def readable(self) -> bool:
+        return True
+
+    def seekable(self) -> bool:
+        return True
+
+    def seek(self, offset: int, whence: int = 0) -> int:
+        self.place = offset + (0, self.place, self.size)[whence]
+        return self.place
+
+    def tell(self) -> int:
+        return self.place
+
+    def readinto(self, buffer: Any) -> int:
+        """Read what the file has, with the committed bytes in place of its own."""
+        view = memoryview(buffer).cast("B")
+        begin = self.place
+        count = min(len(view), self.size - begin)
+        self.file.seek(begin)
+        self.file.readinto(view[:count])
+        for offset, content in self.pieces:
+            first = max(offset, begin)
+            last = min(offset + len(content), begin + count)
+            if first < last:
+                view[first - begin : last - begin] = content[first - offset : last - offset]
+        self.place += count
+        return count
+
+    def close(self) -> None:
+        self.file.close()
+        super().close()
+
+
+@contextmanager
+def reading(path: Path) -> Iterator[Any]:
+    """Open an h5py file for reading, without locking it; a growing one as it was committed.
+
+    So it can be read while it is written, or while it is open elsewhere in this process. Raises
+    OSError if it cannot be opened.
+    """
+    import h5py
+
+    if not committed_file(path).exists():
+        with _plain(path) as file:
+            yield file
+        return
+    with _Growing(path) as growing, h5py.File(growing, "r") as file:
+        yield file
+
+
+def _plain(path: Path) -> Any:
+    """Open an h5py file for reading, without locking it where HDF5 allows that."""
     import h5py
 
     try:
@@ -304,25 +463,8 @@ def reading(path: Path) -> Any:
 def inside(group: Any, name: str) -> Any:
     """Return a member of a group, which must be stored in the same file.
 
-    Parameters
-    ----------
-    group : h5py.Group
-        The group.
-    name : str
-        Name of the member.
-
-    Returns
-    -------
-    h5py.Group or h5py.Dataset
-        The member.
-
-    Raises
-    ------
-    KeyError
-        If there is no such member.
-    ValueError
-        If it, or its numbers, lie in another file: a link, a virtual or an external dataset could
-        name any file of the machine.
+    Raises KeyError if there is no such member, and ValueError if it, or its numbers, lie in another
+    file: a link, a virtual or an external dataset could name any file of the machine.
     """
     import h5py
 
@@ -332,77 +474,6 @@ def inside(group: Any, name: str) -> Any:
     if isinstance(member, h5py.Dataset) and (member.is_virtual or member.external):
         raise ValueError(f"the numbers of {name} lie in another file")
     return member
-
-
-def lay_out(
-    path: Path,
-    fields: Mapping[str, tuple[tuple[int, ...], np.dtype]],
-    describe: Callable[[Any], object],
-    compressed: bool = False,
-) -> None:
-    """Write a file without the numbers of its fields, and take the disk space for all of it.
-
-    Not collective: one process calls it.
-
-    Parameters
-    ----------
-    path : Path
-        The file; overwritten if it exists.
-    fields : dict
-        (shape, dtype) of each dataset.
-    describe, compressed
-        As for `write_file`.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be written or the disk is full; the message has the space that is needed.
-    """
-    import h5py
-
-    image = io.BytesIO()
-    space = _SLACK * bool(fields)
-    with h5py.File(image, "w", libver=VERSIONS) as file:
-        for name, (shape, dtype) in fields.items():
-            options = PACKED | {"chunks": (1, *shape[1:])} if compressed else {}
-            file.create_dataset(name, shape, dtype, fill_time="never", **options)
-            numbers = prod(shape) * dtype.itemsize
-            space += numbers + compressed * (numbers // 500 + _PER_CHUNK * shape[0])
-        describe(file)
-    space += image.getbuffer().nbytes
-    with open(path, "wb") as file:
-        try:
-            if hasattr(os, "posix_fallocate"):
-                os.posix_fallocate(file.fileno(), 0, space)
-            file.write(image.getbuffer())
-            file.flush()
-        except OSError as error:
-            raise OSError(error.errno, f"{error.strerror} ({space / 1e6:.4g} MB needed)") from None
-
-
-def _pieces(
-    comm: Comm,
-    field: Any,
-    dtype: np.dtype,
-    n: tuple[int, int],
-    rows: tuple[int, int],
-    ranks_at_once: int,
-    doing: str,
-) -> Iterator[tuple[int, np.ndarray]]:
-    """Yield (start, rows from there on) of this rank's part of a Stored field or a local slab.
-
-    There are as many pieces on every rank, some of them perhaps empty. Raises GfmdError on all
-    ranks if a slab of one has a wrong shape. Collective.
-    """
-    if isinstance(field, Stored):
-        yield from field.pieces(comm, rows, ranks_at_once)
-        return
-    for start, stop in _cuts(comm, rows, n[1] * dtype.itemsize * ranks_at_once):
-        with collective_errors(comm, doing):
-            piece = np.ascontiguousarray(field[start - rows[0] : stop - rows[0]], dtype)
-            if piece.shape != (stop - start, n[1]) or stop > n[0]:
-                raise ValueError(f"{piece.shape} points in rows {start}:{stop} of {tuple(n)}")
-        yield start, piece
 
 
 def _cuts(comm: Comm, rows: tuple[int, int], row_bytes: int) -> list[tuple[int, int]]:
@@ -417,41 +488,3 @@ def _cuts(comm: Comm, rows: tuple[int, int], row_bytes: int) -> list[tuple[int, 
         (min(start, rows[1]), min(start + step, rows[1]))
         for start in range(rows[0], rows[0] + count * step, step)
     ]
-
-
-def _write(dataset: Any, start: int, rows: np.ndarray) -> None:
-    """Write rows to a dataset from row `start` on. Collective if the file is open by MPI-IO.
-
-    A rank without rows takes part, too; h5py's own way of writing leaves it out.
-    """
-    from h5py import h5fd, h5p, h5s
-
-    memory = h5s.create_simple(rows.shape)
-    space = dataset.id.get_space()
-    transfer = h5p.create(h5p.DATASET_XFER)
-    if dataset.file.driver == "mpio":
-        transfer.set_dxpl_mpio(h5fd.MPIO_COLLECTIVE)
-    space.select_hyperslab((start, 0), rows.shape)
-    dataset.id.write(memory, space, rows, dxpl=transfer)
-
-
-def _checksum(rows: np.ndarray, start: int) -> int:
-    """Return the checksum of rows start, start + 1, ... of a field, which must be contiguous.
-
-    The sum of the words of row i is multiplied by 2 i + 1. A word is an unsigned number of 8 bytes,
-    or of 4 if that does not divide the row. Checksums add up over pieces and ranks, modulo 2**64.
-    """
-    words = rows.view("u8" if rows.shape[1] * rows.itemsize % 8 == 0 else "u4")
-    return int(
-        words.sum(axis=1, dtype=np.uint64)
-        @ np.arange(2 * start + 1, 2 * (start + len(rows)), 2, dtype=np.uint64)
-    )
-
-
-def _sum_modulo(comm: Comm, checksum: int) -> int:
-    """Return the sum of checksums over ranks modulo 2**64. Collective.
-
-    Halves of 32 bits are summed, which float64 does exactly.
-    """
-    high, low = comm.sum(divmod(checksum % 2**64, 2**32))
-    return (int(high) * 2**32 + int(low)) % 2**64

@@ -159,7 +159,7 @@ def text_of(plan: dict[str, Any]) -> str:
             " points touch, or rounding errors matter"
         )
     lines.append(
-        f"files:  result {plan['file_gib']:.3g} GiB, twice that while it is written; an interrupted"
+        f"files:  result {plan['file_gib']:.3g} GiB; an interrupted"
         f" load {plan['checkpoint_gib']:.3g} GiB"
     )
     if plan["ranks"] > 1:

@@ -16,7 +16,7 @@ from ..driver.load import Load, Unfinished
 from ..driver.precision import first_precision
 from ..driver.warmup import compile_once
 from ..output.fields import FIELDS
-from ..output.folder import HEAD, clear, is_held, partial_folder
+from ..output.folder import clear, has_begun, is_held, of_earlier_version, partial_folder
 from ..output.read import read_partial
 from ..output.record import RunFile
 from ..output.summary import surface_line
@@ -172,7 +172,7 @@ class _Run:
         return f"{count} of {len(self.loads)} loads {are} finished{self.unfinished}"
 
     def start(self, begun: float) -> None:
-        """Compile kernels, make surface, sweep and loads, write head.h5. Collective.
+        """Compile kernels, make surface, sweep and loads, write the head. Collective.
 
         `begun` is time.monotonic() at the start of the run. Raises SceneError if the heights are
         not those of the resumed run, or do not fit the output precision.
@@ -226,6 +226,7 @@ class _Run:
             self.say.say(self.table.add(finished))
         missing = [index for index in range(len(self.loads)) if index not in finished]
         if missing:
+            self.file.require_space(len(missing), self.scene.output.fields, self.sweep.dtype)
             self.interrupt.require_time()
             self._solve(missing)
         status = worst_status([*self.file.finished.values()])
@@ -385,7 +386,7 @@ def _interrupted_scene(path: Path) -> Scene:
     Removes a stale folder of a run that has finished.
     """
     folder = partial_folder(path)
-    if not ((folder / HEAD).exists() or is_held(folder)):
+    if not (has_begun(folder) or of_earlier_version(folder) or is_held(folder)):
         clear(folder)  # what a run that died after it had finished the file left
     if not folder.is_dir():
         if path.suffix == ".partial":

@@ -8,9 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from hpc_gfmd.parallel.h5 import write_file
+from hpc_gfmd.parallel.h5 import mpi_io_obstacle, write_file
 from hpc_gfmd.parallel.layout import row_starts
-from hpc_gfmd.parallel.mpi_io import io_way
 from hpc_gfmd.parallel.world import world
 
 from .report import Report
@@ -56,11 +55,14 @@ def _measure(comm, folder, n, repeats):
         os.fsync(descriptor)
         os.close(descriptor)
 
+    write_raw(raw_shared, 4 * n * start)
+    comm.barrier()
+    together = not mpi_io_obstacle(comm, raw_shared)
     ways = {
         RAW_EACH: lambda: write_raw(raw_of_rank, 0),
         RAW_SHARED: lambda: write_raw(raw_shared, 4 * n * start),
-        f"result file, {io_way(comm, result)}": lambda: write_file(
-            comm, result, (n, n), (start, stop), {"field": data}
+        f"result file, {'mpio' if together else 'serial'}": lambda: write_file(
+            comm, result, (n, n), (start, stop), {"field": data}, together=together
         ),
     }
     times = {way: [] for way in ways}

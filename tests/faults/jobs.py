@@ -17,8 +17,8 @@ from contacts import scene_text
 from result_files import assert_same_steps, names
 
 from hpc_gfmd.commands.cli import main
-from hpc_gfmd.output.folder import is_held, partial_folder
-from hpc_gfmd.output.read import read_result
+from hpc_gfmd.output.folder import has_begun, is_held, partial_folder
+from hpc_gfmd.output.read import read_partial, read_result
 
 MARK = "HPC_GFMD_TEST_JOB"  # variable in the environment of all processes of a job
 SABOTAGE = Path(__file__).with_name("sabotage.py")
@@ -190,7 +190,7 @@ def assert_sound(path, expected, rel=0.0):
         assert result.indices == expected.indices
         assert_same_steps(result, expected, rel)
         return len(expected.steps)
-    if (partial_folder(path) / "head.h5").exists():
+    if has_begun(partial_folder(path)):
         begun = time.monotonic()
         while is_held(partial_folder(path)) and time.monotonic() - begun < 5:
             time.sleep(0.01)  # a killed process releases its files last
@@ -201,6 +201,11 @@ def assert_sound(path, expected, rel=0.0):
     return 0
 
 
+def loads_in(path):
+    """Return the number of finished loads of an unfinished run."""
+    return len(read_partial(path).steps) if has_begun(partial_folder(path)) else 0
+
+
 def assert_resumes(path, expected, ranks, kept=0):
     """Assert that the same command resumes a run, with the right result.
 
@@ -208,13 +213,12 @@ def assert_resumes(path, expected, ranks, kept=0):
     temporary files are left in the end.
     """
     assert assert_sound(path, expected) >= kept
-    begun = (partial_folder(path) / "head.h5").exists()
-    loads = [*partial_folder(path).glob("step-[0-9]*.h5")] if begun else []
+    loads = loads_in(path)
     job = call("run scene.toml", ranks, path.parent)
     assert job.code == 0, job.err
-    assert not loads or re.search(
-        rf"resuming .*: {len(loads)} loads? (is|are) finished", job.out
-    ), job.out
+    assert not loads or re.search(rf"resuming .*: {loads} loads? (is|are) finished", job.out), (
+        job.out
+    )
     assert names(path.parent) == ["out.h5", "scene.toml"]
     assert_sound(path, expected, rel=1e-6)
 

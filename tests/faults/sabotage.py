@@ -90,10 +90,10 @@ def slow(seconds):
 
 
 def hold(function, text, flag):
-    """Block a function of parallel/h5.py, _write or sync, for files with this text in their names.
+    """Block a function of parallel/h5.py for files with this text in their names.
 
-    The file `flag` is created when it blocks. It goes on when that is deleted, or after a minute,
-    and does not block again.
+    Its arguments name the file. The file `flag` is created when it blocks. It goes on when that is
+    deleted, or after a minute, and does not block again.
     """
     from hpc_gfmd.parallel import h5
 
@@ -102,8 +102,7 @@ def hold(function, text, flag):
 
     def blocking(target, *args, **named):
         nonlocal was_held
-        file = str(target) if function == "sync" else target.file.filename
-        if not named and not was_held and text in file:
+        if not named and not was_held and text in " ".join(map(str, (target, *args))):
             was_held = True
             Path(flag).touch()
             end = time.monotonic() + 60
@@ -117,6 +116,12 @@ def hold(function, text, flag):
 def unreserved():
     """Reserve no disk space, as on file systems that cannot."""
     os.posix_fallocate = lambda *_: None
+    unforeseen()
+
+
+def unforeseen():
+    """Find much free space on the disk, as if another program filled it up later."""
+    shutil.disk_usage = lambda _: shutil._ntuple_diskusage(2**50, 0, 2**50)
 
 
 def vanish(folder):
@@ -140,13 +145,15 @@ def lag(seconds, flag):
     simulation.surface_size = after(simulation.surface_size, 1, wait)
 
 
-FAULTS = {fault.__name__: fault for fault in (nan, limit, slow, hold, unreserved, vanish, lag)} | {
+FAULTS = {
+    fault.__name__: fault for fault in (nan, limit, slow, hold, unreserved, unforeseen, vanish, lag)
+} | {
     # an error while the surface is made, in the middle of a solve, in an allocation, and while the
     # rows of this rank are written
     "surface": raised("runs.simulation", "build_surface", RuntimeError("sabotage")),
     "solve": raised("solvers.bpx:Bpx", "step", RuntimeError("sabotage")),
     "no_memory": raised("solvers.bpx:Bpx", "step", MemoryError("Unable to allocate 7.00 TiB")),
-    "write": raised("parallel.h5", "_checksum", RuntimeError("sabotage")),
+    "write": raised("parallel.h5", "_piece", RuntimeError("sabotage")),
 }
 
 if __name__ == "__main__":

@@ -96,9 +96,9 @@ def check_result(content):
     write_result("any.h5", content)
     result = outcome("result", "any.h5")
     kinds = set(content["fields"].values())
-    bad = kinds & {"external", "virtual", "external link", "complex", "text", "field"}
+    bad = kinds & {"external", "virtual", "external link", "complex", "text"}
     if bad and not content["left_out"]:
-        assert result == "refused", kinds  # "field" has no checksum
+        assert result == "refused", kinds
 
 
 def _set(group, attributes, changes):

@@ -153,63 +153,28 @@ def test_the_same_file_on_any_number_of_ranks(comm, shared_path):
         assert "VTKHDF/PointData/gap" in together
 
 
-def stored(path, name):
-    """Return the numbers of a field in a file and their checksum."""
-    with h5py.File(path, "r", locking=False) as file:
-        return file[name][:], int(file[name].attrs["checksum"])
-
-
-def test_many_pieces(comm, shared_path, monkeypatch):
+@pytest.mark.parametrize("compressed", [False, True])
+def test_many_pieces(comm, shared_path, monkeypatch, compressed):
     """Slabs larger than a single write, with different numbers of writes on the ranks."""
     n = (60, 50)
-    whole = field((60, 50))
-    path = shared_path / "pieces.h5"
+    whole = field(n)
+    surface = SURFACE | {"n": list(n)}
     monkeypatch.setattr(h5, "PIECE_BYTES", 7 * 50 * 8)
     rows = slab(comm, 11)
     rows = (rows[0], n[0] if rows[1] == 11 and comm.rank == comm.size - 1 else rows[1])
-    checksums = set()
-    for _ in with_and_without_mpi(monkeypatch):
-        for compressed in (False, True):
-            h5.write_file(comm, path, n, rows, {"a/b": whole[slice(*rows)]}, compressed=compressed)
-            numbers, checksum = stored(path, "a/b")
-            assert np.array_equal(numbers, whole)
-            checksums.add(checksum)
-            comm.barrier()
-    # a copy of the field, made by all ranks
-    h5.write_file(comm, path, n, rows, {"c": h5.Stored(path, "a/b", n, whole.dtype, *checksums)})
-    assert np.array_equal(stored(path, "c")[0], whole)
-    monkeypatch.setattr(h5, "PIECE_BYTES", 2**26)
-    h5.write_file(SerialComm(), shared_path / f"alone-{comm.rank}.h5", n, (0, 60), {"a/b": whole})
-    # for any ranks and pieces
-    assert checksums == {stored(shared_path / f"alone-{comm.rank}.h5", "a/b")[1]}
-
-
-def test_damage_on_one_rank_stops_all(comm, shared_path):
-    """Damage in the last rows, with and without compression."""
-    whole = field((40, 30))
-    rows = slab(comm, 40)
-    path = shared_path / "damaged.h5"
-    for compressed in (False, True):
-        h5.write_file(comm, path, (40, 30), rows, {"u": whole[slice(*rows)]}, compressed=compressed)
-        stored_field = h5.Stored(path, "u", (40, 30), whole.dtype, stored(path, "u")[1])
-        assert np.array_equal(stored_field.slab(comm, rows), whole[slice(*rows)])
+    for k, _ in enumerate(with_and_without_mpi(monkeypatch)):
+        path = shared_path / f"pieces-{k}.h5"
+        with RunFile(comm, path, n, rows, HEAD, surface, compressed=compressed) as run:
+            run.write_step(0, {"p": 0.1}, {"gap": whole[slice(*rows)]})
+            run.finish("converged")
         comm.barrier()
-        if comm.rank == 0:
-            with h5py.File(path) as file:
-                data = file["u"].id
-                place = (
-                    data.get_chunk_info_by_coord((39, 0)).byte_offset + 20
-                    if compressed
-                    else data.get_offset() + 39 * 30 * 8
-                )
-            content = bytearray(path.read_bytes())
-            content[place] ^= 1
-            path.write_bytes(content)
+        result = read_result(path)
+        assert np.array_equal(result.fields[0]["gap"].slab(comm, rows), whole[slice(*rows)])
+        with RunFile(comm, shared_path / "copy.h5", n, rows, HEAD, surface, force=True) as run:
+            run.take(result)
+            run.finish("converged")
         comm.barrier()
-        with pytest.raises(
-            GfmdError, match="inflate" if compressed else "the numbers of u are damaged"
-        ):
-            stored_field.slab(comm, rows)
+        assert np.array_equal(read_result(shared_path / "copy.h5").fields[0]["gap"].read(), whole)
         comm.barrier()
 
 
@@ -228,11 +193,12 @@ def test_errors_are_agreed(comm, shared_path, monkeypatch):
                 run.write_step(1, {}, {"gap": good[:, :3] if is_last else good})
             fields = {"gap": SimpleNamespace(dtype=good.dtype) if is_last else good}
             with pytest.raises(GfmdError, match="not subscriptable"):
-                h5.write_file(comm, run.partial / "step-0001.h5", n, rows, fields)
+                h5.write_file(comm, run.partial / "checkpoint.h5", n, rows, fields)
             comm.barrier()
             assert sorted(p.name for p in run.partial.iterdir()) == [
-                "head.h5",
                 "lock",
-                "step-0000.h5",
+                "result.h5",
+                "result.h5.committed",
             ]
+            assert read_partial(run.path).indices == [0]
         comm.barrier()

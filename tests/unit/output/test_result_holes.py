@@ -1,5 +1,4 @@
-"""Damaged and misplaced files in the folder of a run, and results in the way: no finished load is
-lost without a note."""
+"""Misplaced files in the folder of a run, and results in the way."""
 
 import shutil
 from pathlib import Path
@@ -17,69 +16,6 @@ from hpc_gfmd.parallel.comm import SerialComm
 GRID = type("Grid", (), {"n": N, "rows": (0, N[0]), "comm": SerialComm()})
 
 
-def flipped(file, bit):
-    """Write a file repeatedly, each time with this bit of a different byte flipped."""
-    content = file.read_bytes()
-    for position in range(bit, len(content), 41):
-        file.write_bytes(
-            content[:position] + bytes([content[position] ^ 1 << bit]) + content[position + 1 :]
-        )
-        yield
-
-
-@pytest.mark.parametrize("bit", [0, 3])
-def test_flipped_bits_of_the_head_lose_no_load(path, bit):
-    """The files of steps name their scene themselves."""
-    head = interrupted(path) / "head.h5"
-    for _ in flipped(head, bit):
-        partial = read_partial(path)
-        assert partial.indices == [0, 1, 2]
-        assert partial.head["identity"] == "abc"
-    head.write_bytes(b"nothing of this")
-    with begin(path) as run:
-        assert list(run.finished) == [0, 1, 2]
-        assert any("head.h5: not an HDF5 file" in note for note in run.notes)
-        run.finish("converged")
-    assert np.array_equal(read_result(path).fields[2]["gap"].read(0, 6), FIELD + 2)
-
-
-@pytest.mark.parametrize("bit", [0, 3])
-def test_flipped_bits_of_a_step_are_noted_or_harmless(path, bit):
-    step = interrupted(path, 2) / "step-0001.h5"
-    numbers_of_notes = set()
-    wanted = read_partial(path).steps
-    for _ in flipped(step, bit):
-        partial = read_partial(path)
-        numbers_of_notes.add(len(partial.notes))
-        assert partial.steps == wanted[: len(partial.steps)]
-        assert len(partial.steps) + len(partial.notes) == 2
-    assert numbers_of_notes == {0, 1}
-
-
-def test_foreign_files_in_place_of_a_step_are_skipped(path, tmp_path, cli):
-    """They are named in a note, and the load is solved again."""
-    folder = interrupted(path)
-    with begin(path) as run:
-        run.write_checkpoint(GRID, 0, FIELD, UNFINISHED)
-    foreign_step = interrupted(tmp_path / "other.h5", identity="xyz") / "step-0001.h5"
-    for source, words in (
-        (folder / "step-0000.h5", "holds no load step 1"),
-        (folder / "head.h5", "holds no load step 1"),
-        (folder / "checkpoint.h5", "not a result"),
-        (foreign_step, "belongs to another scene"),
-    ):
-        shutil.copy(source, folder / "step-0001.h5")
-        partial = read_partial(path)
-        assert partial.indices == [0, 2]
-        assert len(partial.notes) == 1
-        assert "step-0001.h5" in partial.notes[0]
-        assert words in partial.notes[0]
-        cli.prints("show", path)
-    with begin(path) as run:
-        assert list(run.finished) == [0, 2]
-        assert any("step-0001.h5" in note for note in run.notes)
-
-
 def test_checkpoints_of_other_scenes_are_refused(path, tmp_path):
     other_folder = interrupted(tmp_path / "other.h5", identity="xyz")
     with begin(path) as run:
@@ -94,7 +30,7 @@ def test_checkpoints_of_other_scenes_are_refused(path, tmp_path):
         shutil.copy(run.partial / "checkpoint.h5", other_folder)
         with begin(tmp_path / "other.h5", "xyz") as run_of_other, refused("of another scene"):
             run_of_other.checkpoint()
-        shutil.copy(other_folder / "step-0000.h5", run.partial / "checkpoint.h5")
+        shutil.copy(complete(tmp_path / "third.h5"), run.partial / "checkpoint.h5")
         with refused("not a checkpoint"):
             run.checkpoint()
 

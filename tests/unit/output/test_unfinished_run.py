@@ -1,6 +1,7 @@
 """Runs that die or are disturbed: the file is complete or absent, and no finished load is lost."""
 
 import fcntl
+import shutil
 
 import numpy as np
 import pytest
@@ -9,8 +10,8 @@ from result_files import FIELD, STEP, begin, complete, interrupted, names
 
 from hpc_gfmd.output.folder import partial_folder
 from hpc_gfmd.output.read import read_result
+from hpc_gfmd.parallel.h5 import committed_file
 from hpc_gfmd.runs.simulation import restart
-from hpc_gfmd.util.errors import GfmdError
 
 
 def test_an_interrupted_run_can_be_read_and_resumed(path):
@@ -37,33 +38,32 @@ def contents(folder):
 @pytest.mark.parametrize(
     ("owner", "options"),
     [
-        ("of another scene", {"identity": "other"}),
-        ("of this scene", {"resume": False}),
-        ("that cannot be read", {}),
+        ("1 finished loads of another scene", {"identity": "other"}),
+        ("1 finished loads of this scene", {"resume": False}),
+        ("an interrupted run that cannot be read", {}),
     ],
 )
 def test_finished_loads_are_only_removed_with_force(path, owner, options):
     """Loads of another scene, of a scene whose result is saved from memory, and damaged loads."""
     folder = interrupted(path, 1)
     if not options:
-        for file in folder.glob("*.h5"):
+        for file in folder.glob("*.h5*"):
             file.write_bytes(b"lost")
     before = contents(folder)
-    with refused(f"holds 1 finished loads {owner}, allowed: .* --force"):
+    with refused(f"holds {owner}, allowed: .* --force"):
         begin(path, **options)
     assert before == contents(folder)
     with begin(path, force=True, **options) as run:
         (note,) = run.notes
-        assert all(words in note for words in ("removed", owner, "1 finished"))
+        assert all(words in note for words in ("removed", owner))
         assert list(run.finished) == []
 
 
-@pytest.mark.parametrize("left", ["step-0001.h5.tmp", "head.h5.tmp", "checkpoint.h5.tmp"])
+@pytest.mark.parametrize("left", ["result.h5.committed.tmp", "checkpoint.h5.tmp"])
 def test_half_written_files_are_ignored(path, left):
     with begin(path) as run:
         run.write_step(0, STEP)
     (run.partial / left).write_bytes(b"half")
-    path.with_name("out.h5.tmp").write_bytes(b"half")
     assert read_result(path).steps == [STEP]
     with begin(path) as run:
         assert list(run.finished) == [0]
@@ -87,7 +87,7 @@ def test_death_during_clean_up(path):
     """A restart reports that the file is complete and removes the remaining folder."""
     complete(path, 1)
     partial_folder(path).mkdir()
-    (partial_folder(path) / "step-0000.h5").write_bytes(b"")
+    (partial_folder(path) / "result.h5.committed").write_bytes(b"")
     (partial_folder(path) / "lock").write_bytes(b"")
     with refused("is complete already"):
         restart(path)
@@ -120,24 +120,58 @@ def test_unwritable_output_is_refused_at_once(tmp_path):
         begin(tmp_path / "taken.h5")
 
 
-def test_a_damaged_step_stops_the_final_assembly(path):
-    run = begin(path)
-    for index in range(2):
-        run.write_step(index, STEP, {"gap": FIELD})
-    step = run.partial / "step-0001.h5"
-    whole = step.read_bytes()
-    place = whole.index(FIELD.tobytes())
-    for damaged, match in (
-        (whole[:500], r"step-0001\.h5: Unable to .*truncated"),
-        (
-            whole[:place] + b"\1" + whole[place + 1 :],
-            r"step-0001\.h5: the numbers of steps/0001/gap are damaged",
-        ),
-    ):
-        step.write_bytes(damaged)
-        with refused(match, GfmdError):
-            run.finish("converged")
-        assert not path.exists()
-    step.write_bytes(whole)
-    run.finish("converged")
-    assert len(read_result(path).steps) == 2
+@pytest.mark.parametrize("compressed", [False, True])
+@pytest.mark.parametrize("last", ["write_step", "finish"])
+def test_what_is_cut_short_leaves_the_finished_loads(path, monkeypatch, last, compressed):
+    """Every byte that is not committed may be anything, and the file of any length."""
+    interrupted(path, 2, compressed=compressed)
+    monkeypatch.setattr("hpc_gfmd.output.record.recover", lambda _: None)  # as if killed
+
+    def killed(*_):
+        raise KeyboardInterrupt
+
+    run = begin(path, compressed=compressed).__enter__()
+    committed = committed_file(run.growing).read_bytes()
+    for name in ("commit", "sync"):
+        monkeypatch.setattr(f"hpc_gfmd.output.record.{name}", killed)
+    arguments = ("converged",) if last == "finish" else (2, STEP, {"gap": FIELD + 2})
+    with pytest.raises(KeyboardInterrupt):
+        getattr(run, last)(*arguments)
+    run.close()
+    monkeypatch.undo()
+    assert committed_file(run.growing).read_bytes() == committed
+    assert not path.exists()
+    with open(run.growing, "r+b") as file:
+        file.write(b"\xaa" * 96)  # where HDF5 says how large the file is
+    for _ in range(2):
+        partial = read_result(path)
+        assert (partial.status, partial.indices) == ("interrupted", [0, 1])
+        for index, fields in enumerate(partial.fields):
+            assert np.array_equal(fields["gap"].read(), FIELD + index)
+    with begin(path, compressed=compressed) as run:
+        run.write_step(2, STEP, {"gap": FIELD + 2})
+        run.finish("converged")
+    result = read_result(path)
+    assert result.indices == [0, 1, 2]
+    assert np.array_equal(result.fields[2]["gap"].read(), FIELD + 2)
+    assert names(path.parent) == ["out.h5"]
+
+
+def test_a_disk_that_is_too_small_is_refused(path, monkeypatch):
+    usage = shutil.disk_usage(path.parent)
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: usage._replace(free=6 * 30 * 4))
+    with begin(path) as run:
+        run.require_space(3, ["gap", "pressure", "heights"], np.float32)
+        with refused(r"output\.fields: .* needed for 4 loads"):
+            run.require_space(4, ["gap", "pressure", "heights"], np.float32)
+
+
+def test_a_run_of_an_earlier_version_is_not_removed(path):
+    folder = partial_folder(path)
+    folder.mkdir()
+    for name in ("head.h5", "step-0000.h5"):
+        (folder / name).write_bytes(b"")
+    for call in (begin, restart):
+        with refused("another version"):
+            call(path)
+    assert names(folder) == ["head.h5", "lock", "step-0000.h5"]

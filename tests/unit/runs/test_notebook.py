@@ -278,7 +278,7 @@ def test_saving_over_other_results(sweep, tmp_path):
 
 
 def test_ctrl_c_during_a_save_leaves_no_file(saved, tmp_path, monkeypatch):
-    monkeypatch.setattr(h5, "_checksum", lambda *_: signal.raise_signal(signal.SIGINT))
+    monkeypatch.setattr(h5, "_piece", lambda *_: signal.raise_signal(signal.SIGINT))
     with pytest.raises(KeyboardInterrupt):
         saved.save("other.h5")
     assert [file.name for file in tmp_path.iterdir()] == ["saved.h5"]
