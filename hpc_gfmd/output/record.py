@@ -126,7 +126,6 @@ class RunFile(AbstractContextManager):
         self.resumed = earlier_run.is_resumed
         self.notes = earlier_run.notes
         self.finished = earlier_run.result.numbered
-        self._has_heights = HEIGHTS in earlier_run.result.datasets
         kept = earlier_run.result.head
         self.earlier = {name: kept[name] for name in ("start_time", "heights") if name in kept}
         self._head = {
@@ -178,12 +177,10 @@ class RunFile(AbstractContextManager):
         """
         self._surface |= surface or {}
         self._head |= head
-        stored = height_field is None or self._has_heights
-        self._add({}, {} if stored else {HEIGHTS: height_field})
-        self._has_heights |= not stored
+        self._add({}, {} if height_field is None else {HEIGHTS: height_field})
 
     def require_space(self, loads: int, fields: Sequence[str], dtype: DTypeLike) -> None:
-        """Raise SceneError on every rank if the disk is too small for loads yet to come. Collective.
+        """Raise SceneError on every rank if the disk is too small for the next loads. Collective.
 
         `fields`: names of the fields of each load; `dtype`: of the solver. Fields that are packed
         may need less: for them it is not known.

@@ -173,6 +173,8 @@ def lay_out(
     in_place.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
     with h5py.File(path, "r+", libver=VERSIONS, locking=False) as file:
         for name, (shape, dtype) in fields.items():
+            if name in file:  # of a run that is resumed
+                continue
             options: dict = PACKED | {"chunks": (1, *shape[1:])} if compressed else {}
             if not compressed:
                 options = {"dcpl": in_place.copy()}

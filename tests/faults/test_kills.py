@@ -3,6 +3,7 @@
 import random
 import signal
 import time
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -18,8 +19,7 @@ TARGETS = {
     "all ranks": lambda job: job.ranks(),
     "mpirun": lambda job: [],
 }
-# {where: (rank that is blocked, function of parallel/h5.py, text in its arguments)}; the other ranks
-# continue as far as they can
+# {where: (rank that is blocked, function of parallel/h5.py, text in its arguments)}
 HELD = {
     "in a write of rows": (1, "_piece", "LazyField"),
     "before a commit": (0, "sync", "committed.tmp"),
@@ -61,7 +61,7 @@ def test_at_random_moments(tmp_path, undisturbed):
         folder.mkdir()
         path = write_scene(folder)
         job = Job("run scene.toml -q", RANKS, folder)
-        begun = job.wait_for(lambda: has_begun(partial_folder(path)))
+        begun = job.wait_for(partial(has_begun, partial_folder(path)))
         end = time.monotonic() + dice.uniform(0.0, 1.05 * duration)
         while begun and job.process.poll() is None and time.monotonic() < end:
             time.sleep(0.001)

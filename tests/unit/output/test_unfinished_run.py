@@ -16,6 +16,7 @@ from hpc_gfmd.runs.simulation import restart
 
 def test_an_interrupted_run_can_be_read_and_resumed(path):
     with begin(path) as run:
+        run.update(height_field=-FIELD)
         run.write_step(0, STEP, {"gap": FIELD})
         assert read_result(path).status == "running"
     result = read_result(path)
@@ -24,11 +25,13 @@ def test_an_interrupted_run_can_be_read_and_resumed(path):
         assert list(run.finished) == [0]
         (note,) = run.notes
         assert all(words in note for words in ("resuming", "1 load "))
+        run.update(height_field=-FIELD)
         run.write_step(1, STEP | {"p": 0.2}, {"gap": FIELD + 1})
         run.finish("converged")
     result = read_result(path)
     assert [step["p"] for step in result.steps] == [0.1, 0.2]
     assert np.array_equal(result.fields[1]["gap"].read(0, 6), FIELD + 1)
+    assert np.array_equal(result.fields[1]["heights"].read(), -FIELD)
 
 
 def contents(folder):
