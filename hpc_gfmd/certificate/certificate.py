@@ -61,7 +61,12 @@ class Certificate:
     residual : float
         rms of the pressure out of contact, over the mean pressure.
     errors : tuple of float
-        Estimated relative errors of area, mean gap and pressure field; nan if not estimated.
+        Estimated relative errors of area, mean gap and pressure field; nan if not estimated. They
+        are the distance from the contact at the same p0 or, where a spring presses the body, at
+        the same end of the spring.
+    p0_error : float or None
+        With a spring the estimated relative error of p0, which changes with the mean gap; None
+        under a dead load, whose p0 is exact.
     attainable : tuple of float
         Rounding errors that further iterations cannot reduce: the relative error of mean gap and
         pressure field due to them if that is the larger part, else 0.
@@ -101,6 +106,7 @@ class Certificate:
     duality_gap: float | None = None
     residual: float = 0.0
     errors: tuple[float, float, float] = (np.nan, np.nan, np.nan)
+    p0_error: float | None = None
     attainable: tuple[float, float] = (0.0, 0.0)
     energy: float = 0.0
     approach: float = np.nan
@@ -220,6 +226,7 @@ def certify(
             duality_gap=duality_gap,
             residual=float(np.sqrt(sums.open_pp / N) / wall_load),
             errors=errors,
+            p0_error=_error_of_load(problem, errors[1] * sums.gap / N),
             attainable=attainable,
             energy=float(0.5 * state.uKu / N + energy_of_uniform),
             uKu=float(state.uKu),
@@ -236,6 +243,18 @@ def certify(
             energy_of_attraction=float(state.energy_of_attraction / N),
             stability=stability.value if stability is not None else np.nan,
         )
+
+
+def _error_of_load(problem: Problem, error_of_gap: float) -> float | None:
+    """Return the relative error of p0 by that of the mean gap, which a spring turns into a load.
+
+    None under a dead load.
+    """
+    if problem.spring == 0:
+        return None
+    grid = problem.grid
+    error = problem.spring * (grid.cell_points / grid.N) * error_of_gap
+    return float(error / abs(problem.p0)) if problem.p0 else np.inf
 
 
 def _lift(problem: Problem, g: np.ndarray) -> float:

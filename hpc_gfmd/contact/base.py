@@ -89,6 +89,7 @@ OF_EVERY_LOAD = {
     "status": ("converged, separated, stagnated, max_iterations, nonfinite or interrupted", ""),
     "a_r_error": (ERROR.format("a_r"), ""),
     "a_r_discretisation": ("estimated relative error of a_r by the size of a grid point", ""),
+    "p_error": (ERROR.format("p, where adhesion holds a prescribed gap or approach"), ""),
     "gap_error": (ERROR.format("gap_mean"), ""),
     "pressure_error": (ERROR.format("the pressure field (L2)"), ""),
     "precision": ("of the floating-point numbers: float32 or float64", ""),

@@ -2,8 +2,8 @@
 
 Under a dead load the bodies jump wherever the gap decreases while the load decreases, too. With a
 spring of stiffness k (operators/problem.py) these states are stable if k exceeds the slope dp0/dgap
-of the contact there. Each solution is an equilibrium at its own p0, so its certificate is the usual
-one, but its stability includes the spring.
+of the contact there. What is certified is the equilibrium at the same end of the spring: its mean
+gap and its p0 differ together from those of the state, and stability includes the spring.
 
 - An approach: k is the body's stiffness against a uniform pressure. The mean displacement and p0
   then always add up to the same approach, which does not change from the first step on.

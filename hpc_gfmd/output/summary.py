@@ -32,7 +32,7 @@ def summary(step: dict, surface: dict) -> str:
     if step.get("a_r") is not None:
         parts.append(f"a_r = {with_error(100 * step['a_r'], combined_error('a_r', step))} %")
     for name, key, unit, error in (
-        ("p", "p", "pressure_unit", None),
+        ("p", "p", "pressure_unit", "p_error"),
         ("mean gap", "gap_mean", "unit", "gap_error"),
     ):
         if step.get(key) is not None:
@@ -148,14 +148,15 @@ def combined_error(name: str, step: dict) -> float | None:
 
     Notes
     -----
-    The error of the contact area is the sum of those of the solver and of the grid; that of the
-    mean gap is the solver's on its grid. Other numbers have no estimate here.
+    The error of the contact area is the sum of those of the solver and of the grid; those of the
+    mean gap, and of p where adhesion holds it, are the solver's on its grid. Other numbers have no
+    estimate here.
     """
     if name in ("a_r", "contact_area"):
         parts = [step.get("a_r_error"), step.get("a_r_discretisation")]
         numbers = [part for part in parts if is_number(part)]
         return sum(numbers) if numbers else None
-    error = step.get("gap_error") if name == "gap_mean" else None
+    error = step.get({"gap_mean": "gap_error", "p": "p_error"}.get(name, ""))
     return error if is_number(error) else None
 
 

@@ -324,6 +324,7 @@ def step_attributes(scene: Scene, index: int, contact: Contact, seconds: float) 
         "status": contact.status,
         "a_r_error": area,
         "a_r_discretisation": float(a_r_discretisation(contact)),
+        "p_error": contact.certificate.p0_error,
         "gap_error": gap,
         "pressure_error": pressure,
         "precision": contact.g.dtype.name,

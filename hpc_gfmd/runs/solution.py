@@ -73,6 +73,8 @@ class Solution(Solved):
         Mean pressure over the contact area (None if nothing touches); largest at a grid point.
     gap_mean : float
         Mean gap over the nominal area.
+    p_error : float or None
+        Estimated relative error of p where adhesion holds a prescribed gap or approach; else None.
     gap_error, pressure_error : float
         Estimated relative errors by the solver, of the mean gap and of the pressure field (L2).
     status : str
@@ -99,6 +101,7 @@ class Solution(Solved):
     contact_pressure_mean: float | None
     contact_pressure_max: float
     gap_mean: float
+    p_error: float | None
     gap_error: float
     pressure_error: float
     status: str

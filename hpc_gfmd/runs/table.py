@@ -38,7 +38,8 @@ ERRORS = {
     "a_r_error": "a_r: solver",
     "a_r_discretisation": "a_r: grid",
     "gap_error": "gap: solver",
-    "pressure_error": "p: solver",
+    "p_error": "p: solver",
+    "pressure_error": "p field: solver",
 }
 EFFORT = {
     "fft_pairs": "FFT pairs",

@@ -158,6 +158,43 @@ def test_steps_that_are_too_long_are_no_excuse(surface, monkeypatch, factor):
     assert wrong <= certificate.errors[2] < 1e-3
 
 
+def held_by_a_spring(z, solution, work, reach):
+    """(p, gap) of the equilibrium at the same end of the spring, for the cubic law: dense Newton."""
+    # gap and p differ together along the line of the spring
+    k = solution.p_error * abs(solution.p) / (solution.gap_error * solution.gap_mean)
+    K = oracle.stiffness(z.shape, (1.0, 1.0), 1.0)
+    g = np.asarray(solution.gap, float).ravel()
+    free = np.asarray(solution.pressure).ravel() == 0
+    offset = solution.p - k * g.mean() - K @ (z.max() - z).ravel()
+    K = K + k / z.size  # the spring: a pressure by the mean gap
+    for _ in range(30):
+        closeness = np.maximum(1 - g / reach, 0)
+        residual = offset + K @ g + 3 * work / reach * closeness**2
+        softer = K - np.diag(6 * work / reach**2 * closeness)
+        g[free] -= np.linalg.solve(softer[np.ix_(free, free)], residual[free])
+    assert np.abs(residual[free]).max() < ROUNDING
+    return solution.p + k * (g.mean() - np.mean(np.asarray(solution.gap, float))), g.mean()
+
+
+@pytest.mark.parametrize("accuracy", [1e-2, 1e-3])
+def test_errors_at_a_held_gap_are_those_of_what_the_spring_holds(accuracy):
+    """On a wave whose contact has a gap 4 % larger at the returned p as a dead load."""
+    n, work, reach = 19, 0.0082345, 0.15208
+    z = 0.0288851 * np.cos(2 * np.pi * (np.arange(n) + 0.5) / n)[:, None] * np.ones(n)
+    (solution,) = hpc_gfmd.solve(
+        z,
+        gap_mean=[0.01114874],
+        E_star=1.0,
+        adhesion={"work": work, "range": reach, "law": "cubic"},
+        branch="retraction",
+        accuracy=accuracy,
+    )
+    p, gap = held_by_a_spring(z, solution, work, reach)
+    assert solution.status == "converged"
+    assert abs(gap / solution.gap_mean - 1) <= solution.gap_error < accuracy
+    assert abs(p / solution.p - 1) <= solution.p_error
+
+
 def test_full_contact_under_tension_is_not_certified():
     """Tensile points in full contact make the error of the gap infinite."""
     z = random_heights((16, 16))
