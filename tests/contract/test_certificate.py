@@ -159,7 +159,7 @@ def test_steps_that_are_too_long_are_no_excuse(surface, monkeypatch, factor):
 
 
 def held_by_a_spring(z, solution, work, reach):
-    """(p, gap) of the equilibrium at the same end of the spring, for the cubic law: dense Newton."""
+    """(p, gap) of the equilibrium at the same end of the spring (cubic law), by dense Newton."""
     # gap and p differ together along the line of the spring
     k = solution.p_error * abs(solution.p) / (solution.gap_error * solution.gap_mean)
     K = oracle.stiffness(z.shape, (1.0, 1.0), 1.0)
