@@ -64,7 +64,7 @@ def test_show_and_plot_several_files(results, cli, tmp_path):
     assert str(picture) in cli.prints("plot", *paths, "--what", "a_r", "-o", picture)
     assert picture.stat().st_size > 1000
     assert "--json" in cli.refused("show", *paths, "--errors")
-    assert "one file" in cli.refused("plot", *paths, "--step", "0")
+    assert "single file" in cli.refused("plot", *paths, "--step", "0")
 
 
 def test_results_that_do_not_match_are_refused(results):
