@@ -54,6 +54,8 @@ def read_partial(path: str | os.PathLike) -> Result:
     if of_earlier_version(folder):
         raise SceneError(f"{folder}: an interrupted run of another version, allowed: of this one")
     if not has_begun(folder):
+        if is_held(folder):
+            raise SceneError(f"{path}: another run is writing this file; no load is finished yet")
         raise SceneError(f"{path}: no such file, and no interrupted run beside it")
     status = "running" if is_held(folder) else "interrupted"
     result = read_file(folder / GROWING)
