@@ -9,6 +9,7 @@ import numpy as np
 
 from ..scene import ArrayScene, LoadTable, Scene
 from ..scene.explain import nearest
+from ..scene.model import HEIGHTS_IN_MEMORY
 from ..scene.not_modelled import not_modelled
 from ..scene.table import Table
 from ..util.errors import SceneError
@@ -75,6 +76,8 @@ def scene_of_keywords(
             f" prepare_surface or make_surface(..., {key}=...)"
         )
     if surface.table is not None:
+        if further.get("low_memory"):
+            raise SceneError(f"{CALLER}: {HEIGHTS_IN_MEMORY}")
         return Scene.from_dict(tables | {"surface": surface.table}, CALLER)
     sizes = [f"{size!r} m" if surface.unit else size for size in map(float, surface.sizes)]
     ends = ["free" if end else "periodic" for end in surface.free]

@@ -21,6 +21,10 @@ from .table import Table, Text, about, alike, has_unit, key
 
 RESOLVED = 8  # points in a wave length; with fewer the contact is one of single points
 TOUCHING = 100  # fewer contact points than this say little about a rough contact
+HEIGHTS_IN_MEMORY = (
+    "solver.low_memory: found true for heights that are in memory already; a scene with"
+    ' surface.kind = "self-affine" makes them row by row (hpc_gfmd.run)'
+)
 
 
 class Scene(Table):
@@ -320,10 +324,7 @@ class ArrayScene(Scene):
     def _known_by_points(self) -> Self:
         """Raise ValueError for solver.low_memory, which generates heights from a spectrum."""
         if self.solver.low_memory:
-            raise ValueError(
-                "solver.low_memory: found true for heights that are in memory already; a scene with"
-                ' surface.kind = "self-affine" makes them row by row (hpc_gfmd.run)'
-            )
+            raise ValueError(HEIGHTS_IN_MEMORY)
         return self
 
 

@@ -10,6 +10,8 @@ from ..util.quantities import factor, prefixed
 from .heights import A_MAP, require_map
 from .metadata import Map, Metadata, is_y_first
 
+EXACT = 2**53  # float64 holds all integers up to this one
+
 
 def is_topography(value: Any) -> bool:
     """Whether an object looks like a Topography of SurfaceTopography, which is not imported."""
@@ -105,7 +107,18 @@ def checked_array(heights: Any) -> np.ndarray:
     except (TypeError, ValueError) as error:
         raise SceneError(f"heights: found {one_line(str(error))}, allowed: {A_MAP}") from None
     require_map(heights, "heights")
-    return heights
+    return _from_lowest(heights)
+
+
+def _from_lowest(heights: np.ndarray) -> np.ndarray:
+    """Return heights; integers that float64 does not hold are counted from the lowest of them."""
+    if heights.dtype.kind not in "iu" or heights.dtype.itemsize < 8:
+        return heights
+    lowest = heights.min()
+    if lowest is np.ma.masked or max(abs(int(lowest)), abs(int(heights.max()))) <= EXACT:
+        return heights
+    # unsigned arithmetic is modulo 2^64: the differences are right even if int64 does not hold them
+    return heights.astype(np.uint64) - np.uint64(int(lowest) % 2**64)
 
 
 def complete_array(heights: Any) -> np.ndarray:

@@ -193,3 +193,22 @@ def test_random_arguments_give_a_solution_or_a_refusal(changes, iterations):
                 assert np.isfinite(field).all()
             assert 0 < solution.a_r <= 1
             assert solution.pressure.mean(dtype=float) == pytest.approx(solution.p, rel=0.5)
+
+
+@pytest.mark.parametrize("dtype", [np.int64, np.uint64, ">i8"])
+def test_large_integers_keep_their_differences(dtype):
+    heights = np.random.default_rng(0).integers(0, 100, (16, 16))
+    above = heights.astype(dtype) + np.asarray(2**60, dtype)
+    expected = hpc_gfmd.solve(heights, 0.5, boundary="periodic")
+    for surface in (above, np.ma.masked_equal(above, 0)):
+        np.testing.assert_array_equal(
+            hpc_gfmd.solve(surface, 0.5, boundary="periodic").pressure, expected.pressure
+        )
+
+
+def test_low_memory_is_for_scenes():
+    wall = hpc_gfmd.make_surface(
+        "self-affine", hurst=0.8, L_over_lam_l=2, lam_l_over_lam_s=4, lam_s_over_a=2, seed=1
+    )
+    with pytest.raises(hpc_gfmd.SceneError, match="heights that are in memory already"):
+        hpc_gfmd.solve(wall, p_star=0.1, low_memory=True)
