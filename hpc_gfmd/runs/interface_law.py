@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ..contact import all_numbers
+from ..contact import all_numbers, all_observables
 from ..output.interface_law import LOAD_AT, QUANTITIES, InterfaceLaw, interpolate
 from ..output.numbers import unit_of
 from ..util.errors import SceneError
@@ -95,11 +95,11 @@ def interface_law(
     if not 1e-4 <= error <= 0.5:
         raise SceneError(f"error: found {error!r}, allowed: a number from 1e-4 to 0.5")
     names = [quantities] if isinstance(quantities, str) else list(quantities)
-    unknown = sorted(set(names) - set(all_numbers()))
+    unknown = sorted(set(names) - set(all_observables()))
     if isinstance(quantities, str) or not names or unknown:
         raise SceneError(
             f"quantities: found {unknown or quantities!r}, allowed: a list out of"
-            f" {', '.join(QUANTITIES)}, or of other numbers of a load"
+            f" {', '.join(QUANTITIES)}, or of other observables"
         )
     uneven = sorted(name for name in names if name.startswith(UNEVEN))
     if uneven:

@@ -12,7 +12,14 @@ from ..util.errors import SceneError
 from ..util.quantities import in_units, prefixed
 
 NARROWEST = 9  # width of columns whose later rows are not known yet
-LEGEND = "+-: estimated error; of a_r the solver's and the grid's together (--errors: apart)"
+LEGEND = (
+    "+-: estimated error; of a_r the solver's and the grid's together (--errors: apart), of other"
+    " numbers the solver's alone, on this grid"
+)
+EDGES = (
+    "max p: of a grid point; where the contact reaches a free edge it grows without limit on finer"
+    " grids"
+)
 
 # attribute: heading; a column is left out where no step has a value
 TARGETS = {
@@ -249,6 +256,8 @@ def _cell(key: str, value: Any, scale: float, step: dict) -> str:
     value = value if scale == 1 else value / scale
     if number_format := FORMATS.get(key):
         return f"{value:{number_format}}" if value < 1000 else f"{value:.0f}"
+    if key == "contact_pressure_max" and _has_value(step.get("approach")):
+        return f"{float(f'{value:.2g}'):g}"  # EDGES
     error = combined_error(key, step)
     return with_error(value, error) if isinstance(value, float) or error else str(value)
 
@@ -266,6 +275,11 @@ def remarks(steps: Mapping[int, dict], observables: Sequence[str] = ()) -> list[
     list of str
     """
     lines = [LEGEND] if any("a_r_discretisation" in step for step in steps.values()) else []
+    if any(
+        _has_value(step.get("approach")) and _has_value(step.get("contact_pressure_max"))
+        for step in steps.values()
+    ):
+        lines.append(EDGES)
     numbers_of_note: dict[str, list[str]] = {}
     for index, step in steps.items():
         if not converged(step):

@@ -85,3 +85,14 @@ def test_show_prints_table_and_json(path, cli):
     data = cli.data("show", path)
     assert data["steps"][0]["gap_mean"] is None
     assert data["surface"] == SURFACE
+
+
+def test_the_largest_pressure_at_free_edges_has_two_digits_and_a_note():
+    """It grows without limit on finer grids where the contact reaches an edge."""
+    periodic = STEP | {"contact_pressure_max": 1.23456}
+    free = periodic | {"approach": 0.5}
+    assert "1.235" in table({0: periodic}, {})
+    assert "free edge" not in table({0: periodic}, {})
+    text = table({0: free}, {})
+    assert "1.235" not in text
+    assert "free edge" in text
