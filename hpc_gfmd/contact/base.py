@@ -89,6 +89,11 @@ OF_EVERY_LOAD = {
     "status": ("converged, separated, stagnated, max_iterations, nonfinite or interrupted", ""),
     "a_r_error": (ERROR.format("a_r"), ""),
     "a_r_discretisation": ("estimated relative error of a_r by the size of a grid point", ""),
+    "gap_discretisation": ("estimated relative error of gap_mean by the size of a grid point", ""),
+    "pressure_max_discretisation": (
+        "estimated relative error of contact_pressure_max by the size of a grid point",
+        "",
+    ),
     "p_error": (ERROR.format("p, where adhesion holds a prescribed gap or approach"), ""),
     "gap_error": (ERROR.format("gap_mean"), ""),
     "pressure_error": (ERROR.format("the pressure field (L2)"), ""),

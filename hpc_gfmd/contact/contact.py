@@ -38,6 +38,13 @@ class OtherBranch(NamedTuple):
     agrees: bool
 
 
+class GridErrors(NamedTuple):
+    """Estimated relative errors of the mean gap and of the largest pressure by the grid spacing."""
+
+    gap: float
+    pressure_max: float
+
+
 @dataclass(frozen=True)
 class Contact:
     """The solution of one load. Observables are functions of it.
@@ -83,6 +90,8 @@ class Contact:
         Law of attraction, in the unit of E_star and that of lengths; None without attraction.
     other_branch : OtherBranch or None
         What the same load gives on the other branch; None if that was not requested or not solved.
+    of_grid : GridErrors or None
+        Errors by the grid spacing; None if no coarser grid was solved.
     """
 
     surface: Surface
@@ -101,6 +110,7 @@ class Contact:
     hardness: float | None = None
     attraction: Law | None = None
     other_branch: OtherBranch | None = None
+    of_grid: GridErrors | None = None
 
     @property
     def grid(self) -> Grid:

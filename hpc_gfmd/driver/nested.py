@@ -27,6 +27,7 @@ from ..parallel.grid import Grid
 from ..parallel.halo import neighbours, rows_of
 from ..parallel.threads import on_threads, threads_for
 from .full_contact import closed_contact
+from .grid_errors import CoarseContact, coarser_contacts
 
 if TYPE_CHECKING:
     from ..operators.problem import Problem
@@ -247,7 +248,7 @@ class Nested:
         make_solver: MakeSolver,
         search: LoadSearch | None,
         into: np.ndarray | None = None,
-    ) -> tuple[np.ndarray, float]:
+    ) -> tuple[np.ndarray, float, list[CoarseContact]]:
         """Solve a problem roughly on the coarser grids, and interpolate to a start on this grid.
 
         On the coarsest grid the start is a rigid plane (`cold_gap`).
@@ -269,6 +270,8 @@ class Nested:
             The gap to start from, local slab of the grid: `into`, or a new array.
         pairs : float
             FFT pairs that it took, converted to pairs of this grid.
+        coarser : list of CoarseContact
+            The contacts on all coarser grids, finest first. The same on all ranks.
 
         Raises
         ------
@@ -279,30 +282,32 @@ class Nested:
             g = cold_gap(problem)
             if into is not None:
                 into[...] = g
-            return (g if into is None else into), 0.0
+            return (g if into is None else into), 0.0, []
         coarse = self.step.problem(problem)
         solver = None
         full = False
         pairs = 0.0
+        coarser: list[CoarseContact] = []
         signal = 0
         if coarse is not None and self.coarser is not None:
             try:
-                g, pairs = self.coarser.start(coarse, make_solver, search)
+                g, pairs, coarser = self.coarser.start(coarse, make_solver, search)
                 if search is not None:
                     coarse = replace(coarse, p0=search.begin(coarse))
                 solver = roughly_solved(coarse, make_solver, g, self.reduction, search)
                 pairs = (pairs + solver.pairs) * coarse.grid.cell_points / problem.grid.cell_points
                 contact = solver.progress(with_errors=False).contact
                 full = not coarse.grid.padded and contact == coarse.grid.N
+                coarser = coarser_contacts(solver, coarser, coarse.grid.a / problem.grid.a)
             except interrupt.Stopped as stopped:
                 signal = stopped.number
         # rank 0 has a part in all grids
-        full, pairs, signal = problem.grid.comm.bcast((full, pairs, signal))
+        full, pairs, coarser, signal = problem.grid.comm.bcast((full, pairs, coarser, signal))
         if signal:
             interrupt.stop(signal)
         if search is not None:
             search.agree(problem.grid.comm)
-        return _prolong(problem, self.step, coarse, solver, full, into), pairs
+        return _prolong(problem, self.step, coarse, solver, full, into), pairs, coarser
 
     def may_be_full(self, problem: Problem) -> tuple[bool, float]:
         """Return whether full contact on this grid is likely, and the FFT pairs that this took.

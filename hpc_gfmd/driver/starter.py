@@ -3,6 +3,7 @@ coarser grids, or at that of a flat plane."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from ..operators.problem import Problem
     from ..scene import SolverTable
     from ..solvers.base import Solver
+    from .grid_errors import CoarseContact
     from .load import Load
     from .working_surface import WorkingSurface
 
@@ -44,11 +46,14 @@ class Start(NamedTuple):
         The accuracy that the load has to reach, and the precision of its certificate.
     pairs : float
         FFT pairs that the start took, apart from those that the solver counts.
+    coarser : list of CoarseContact
+        The contacts on coarser grids; empty with an attraction, which these do not have.
     """
 
     solver: Solver
     criterion: StoppingCriterion
     pairs: float
+    coarser: Sequence[CoarseContact] = ()
 
 
 class Starter:
@@ -192,9 +197,10 @@ class Starter:
         if nested is None:
             gap = cold_gap(problem)
             pairs = 0.0
+            coarser: list[CoarseContact] = []
         else:
             bare = replace(problem, attraction=None)
-            gap, pairs = nested.start(bare, self._make, load.search, memory)
+            gap, pairs, coarser = nested.start(bare, self._make, load.search, memory)
             if problem.attraction is not None and nested.is_coarsest:
                 gap, more = self._without_attraction(bare, gap)
                 pairs += more
@@ -204,7 +210,7 @@ class Starter:
         heights_are_there = working.surface.h is not None
         if nests and heights_are_there and _is_worse_than_undeformed(solver):
             pairs += _lay_down(solver, criterion, working.surface.gap)
-        return Start(solver, criterion, pairs)
+        return Start(solver, criterion, pairs, [] if problem.attraction else coarser)
 
     def _start_undeformed(self, working: WorkingSurface, load: Load) -> Start:
         """Start from the undeformed body, which touches the highest point only."""

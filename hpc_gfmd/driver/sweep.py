@@ -18,6 +18,7 @@ from .branches import SaddleGuard
 from .contact_model import ContactModel
 from .drive import drive
 from .full_contact import ClosingSearch, needs_double
+from .grid_errors import grid_errors
 from .held import Held
 from .load import Load, Unfinished
 from .load_quantities import OpeningSearch
@@ -31,11 +32,12 @@ from .working_surface import WorkingSurface
 
 if TYPE_CHECKING:
     from ..bodies.base import Body
-    from ..contact.contact import Contact
+    from ..contact.contact import Contact, GridErrors
     from ..laws.base import Law
     from ..scene import LoadTable, SolverTable
     from ..surface import Surface
     from .drive import Outcome, Watch
+    from .starter import Start
     from .working_surface import MakeSurface
 
 DOUBLE = np.dtype(np.float64)
@@ -125,6 +127,7 @@ class Sweep:
         self._failed = False
         self._separated_at: Load | None = None  # the load before, if the bodies came apart at it
         self._punch: np.ndarray | None = None  # see _flat_solution
+        self._of_grid: GridErrors | None = None  # of the last load with a nested start
         self.working = surface_in(first_precision(self.settings))
 
     @property
@@ -319,7 +322,18 @@ class Sweep:
             needs_double(contact, load, solver.problem_now) or self._is_too_little(load)
         ):
             return Attempt(None, pairs)
-        return Attempt(contact, pairs)
+        return Attempt(self._with_grid_errors(contact, start), pairs)
+
+    def _with_grid_errors(self, contact: Contact, start: Start) -> Contact:
+        """Return a contact with its errors by the grid.
+
+        Relative errors change slowly with the load: one that starts from the load before keeps its.
+        """
+        if start.coarser:
+            self._of_grid = grid_errors(contact, start.coarser)
+        if self.working.model.attraction is not None:
+            return contact
+        return replace(contact, of_grid=self._of_grid)
 
     def _status_of(self, outcome: Outcome, load: Load) -> str:
         """Return the status of the outcome, but "stagnated" instead of "converged" if the target of

@@ -12,7 +12,21 @@ from ..util.quantities import prefixed
 DIGITS = 4  # of a number without an error estimate
 MAX_DIGITS = 6
 FINE = ("converged", "separated")  # statuses
-LENGTHS = ("target_gap_mean", "target_gap_over_h_rms", "target_approach")  # of held loads
+HELD_GAPS = ("target_gap_mean", "target_gap_over_h_rms")
+LENGTHS = (*HELD_GAPS, "target_approach")  # of held loads
+AREA = "a_r_error", "a_r_discretisation"
+GAP = "gap_error", "gap_discretisation"
+ERRORS = {  # relative errors of a number by the solver and by the grid
+    "a_r": AREA,
+    "contact_area": AREA,
+    "kappa": AREA,
+    "contact_pressure_mean": AREA,
+    "contact_pressure_max": ("pressure_error", "pressure_max_discretisation"),
+    "gap_mean": GAP,
+    "gap_over_h_rms": GAP,
+    "gap_over_g_rms_lam_s": GAP,
+    "p": ("p_error", ""),
+}
 
 
 def summary(step: dict, surface: dict) -> str:
@@ -31,15 +45,11 @@ def summary(step: dict, surface: dict) -> str:
     parts = []
     if step.get("a_r") is not None:
         parts.append(f"a_r = {with_error(100 * step['a_r'], combined_error('a_r', step))} %")
-    for name, key, unit, error in (
-        ("p", "p", "pressure_unit", "p_error"),
-        ("mean gap", "gap_mean", "unit", "gap_error"),
-    ):
+    for name, key, unit in (("p", "p", "pressure_unit"), ("mean gap", "gap_mean", "unit")):
         if step.get(key) is not None:
             scale, unit = prefixed([step[key]], surface.get(unit, ""))
-            parts.append(
-                f"{name} = {with_error(step[key] / scale, step.get(error))} {unit}".strip()
-            )
+            value = with_error(step[key] / scale, combined_error(key, step))
+            parts.append(f"{name} = {value} {unit}".strip())
     if isfinite(step.get("p_star", nan)):
         parts.append(f"p* = {step['p_star']:.{DIGITS}g}")
     parts.append(step["status"] if converged(step) else f"NOT CONVERGED ({step['status']})")
@@ -148,16 +158,14 @@ def combined_error(name: str, step: dict) -> float | None:
 
     Notes
     -----
-    The error of the contact area is the sum of those of the solver and of the grid; those of the
-    mean gap, and of p where adhesion holds it, are the solver's on its grid. Other numbers have no
-    estimate here.
+    It is the sum of the errors of the solver and of the grid, as far as they are known. A gap that
+    was asked for has no error by the grid; the pressure that it takes has.
     """
-    if name in ("a_r", "contact_area"):
-        parts = [step.get("a_r_error"), step.get("a_r_discretisation")]
-        numbers = [part for part in parts if is_number(part)]
-        return sum(numbers) if numbers else None
-    error = step.get({"gap_mean": "gap_error", "p": "p_error"}.get(name, ""))
-    return error if is_number(error) else None
+    of_solver, of_grid = ERRORS.get(name, ("", ""))
+    if any(target in step for target in HELD_GAPS):
+        of_grid = {"gap_error": "", "p_error": "gap_discretisation"}.get(of_solver, of_grid)
+    parts = [part for part in (step.get(of_solver), step.get(of_grid)) if is_number(part)]
+    return sum(parts) if parts else None
 
 
 def is_number(value: object) -> TypeGuard[float]:

@@ -283,15 +283,16 @@ def _relative_error(name: str, step: Mapping[str, Any]) -> float:
     their area. A critical gap has the absolute error of the mean gap.
     """
     of_the_grid = float(step.get("a_r_discretisation") or 0.0)
+    of_the_gap = float(step["gap_error"] + (step.get("gap_discretisation") or 0.0))
     if name == "a_r":
         return float(step["a_r_error"]) + of_the_grid
     if name in ("stiffness", "conductance"):
         return float(max(step["gap_error"], step["pressure_error"])) + 0.5 * of_the_grid
     if name.startswith("critical_gap"):
         value = step.get(name)
-        return float(step["gap_error"] * step["gap_mean"] / value) if value else 0.0
+        return of_the_gap * float(step["gap_mean"] / value) if value else 0.0
     if name.startswith("gap"):
-        return float(step["gap_error"])
+        return of_the_gap
     return float(max(step["gap_error"], step["pressure_error"]))
 
 

@@ -324,6 +324,10 @@ def step_attributes(scene: Scene, index: int, contact: Contact, seconds: float) 
         "status": contact.status,
         "a_r_error": area,
         "a_r_discretisation": float(a_r_discretisation(contact)),
+        "gap_discretisation": None if contact.of_grid is None else contact.of_grid.gap,
+        "pressure_max_discretisation": (
+            None if contact.of_grid is None else contact.of_grid.pressure_max
+        ),
         "p_error": contact.certificate.p0_error,
         "gap_error": gap,
         "pressure_error": pressure,

@@ -12,10 +12,8 @@ from ..util.errors import SceneError
 from ..util.quantities import in_units, prefixed
 
 NARROWEST = 9  # width of columns whose later rows are not known yet
-LEGEND = (
-    "+-: estimated error; of a_r the solver's and the grid's together (--errors: apart), of other"
-    " numbers the solver's alone, on this grid"
-)
+LEGEND = "+-: estimated error, of the solver and of the grid together (--errors: apart)"
+NO_COARSER_GRID = "no coarser grid was solved, of gaps and pressures it is the solver's alone"
 EDGES = (
     "max p: of a grid point; where the contact reaches a free edge it grows without limit on finer"
     " grids"
@@ -45,8 +43,10 @@ ERRORS = {
     "a_r_error": "a_r: solver",
     "a_r_discretisation": "a_r: grid",
     "gap_error": "gap: solver",
+    "gap_discretisation": "gap: grid",
     "p_error": "p: solver",
     "pressure_error": "p field: solver",
+    "pressure_max_discretisation": "max p: grid",
 }
 EFFORT = {
     "fft_pairs": "FFT pairs",
@@ -275,6 +275,14 @@ def remarks(steps: Mapping[int, dict], observables: Sequence[str] = ()) -> list[
     list of str
     """
     lines = [LEGEND] if any("a_r_discretisation" in step for step in steps.values()) else []
+    unknown = [
+        f"{index}"
+        for index, step in steps.items()
+        if _has_value(step.get("gap_mean")) and not _has_value(step.get("gap_discretisation"))
+    ]
+    if lines and unknown:
+        some = f"at step{'s' * (len(unknown) > 1)} {', '.join(unknown)} "
+        lines[0] += f"; {some if len(unknown) < len(steps) else ''}{NO_COARSER_GRID}"
     if any(
         _has_value(step.get("approach")) and _has_value(step.get("contact_pressure_max"))
         for step in steps.values()

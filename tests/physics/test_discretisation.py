@@ -14,6 +14,7 @@ from hpc_gfmd.contact.area import (
     a_r_corrected,
     a_r_discretisation,
 )
+from hpc_gfmd.output.summary import combined_error
 
 TIGHT = {"accuracy": 1e-5, "precision": "double"}
 
@@ -135,3 +136,66 @@ def test_reported_with_the_area(tmp_path, cli):
     solution = hpc_gfmd.solve(heights_of(rough((2, 16, 4))), 0.35)
     assert solution.a_r_discretisation == pytest.approx(steps[0]["a_r_discretisation"], rel=0.01)
     assert solution.precision == "float32"
+
+
+def within_bars(surface_of, grids, finest, load, names, **keys):
+    """Whether the numbers on each grid differ from those on the finest one by at most their bars."""
+    exact = hpc_gfmd.solve(surface_of(finest), load, **keys)
+    for grid in grids:
+        found = hpc_gfmd.solve(surface_of(grid), load, **keys)
+        step = found.result.steps[0]
+        for name in names:
+            error = abs(step[name] / exact.value(name) - 1)
+            assert error < combined_error(name, step) < 0.5, (grid, name)
+
+
+@pytest.mark.parametrize(("hurst", "p"), [(0.3, 0.4), (0.8, 0.02), (0.8, 0.1)])
+def test_gaps_and_pressures_of_finer_grids_are_within_the_bars(hurst, p):
+    def surface(lam_s_over_a):
+        return hpc_gfmd.make_surface(
+            "self-affine",
+            hurst=hurst,
+            L_over_lam_l=2,
+            lam_l_over_lam_s=32,
+            lam_s_over_a=lam_s_over_a,
+            seed=4,
+            h_rms=0.01,
+        )
+
+    names = ("gap_mean", "contact_pressure_max", "contact_pressure_mean")
+    within_bars(surface, (2, 4, 8), 16, p, names)
+
+
+def test_gaps_of_a_piece_with_free_edges():
+    wall = hpc_gfmd.make_surface(
+        "self-affine",
+        hurst=0.8,
+        L_over_lam_l=2,
+        lam_l_over_lam_s=32,
+        lam_s_over_a=4,
+        seed=3,
+        g_rms=0.1,
+        physical_sizes=(24.0, 24.0),
+    )
+    tilted = wall.heights[:128, :128] + 0.1 * np.arange(128)[:, None]
+
+    def surface(refine):
+        return hpc_gfmd.prepare_surface(
+            tilted, (12.0, 12.0), detrend="tilt", boundary="free", refine=refine
+        )
+
+    within_bars(surface, (1, 2, 4), 8, 0.01, ("gap_mean",))
+
+
+def test_where_errors_of_the_grid_stay_or_lack():
+    z = heights_of(rough((2, 16, 4), 0.8))
+    keys = {"boundary": "periodic", "physical_sizes": (1.0, 1.0)}
+    first, near, far = hpc_gfmd.solve(z, [0.02, 0.024, 0.1], **keys).result.steps
+    assert first["gap_discretisation"] == near["gap_discretisation"] != far["gap_discretisation"]
+    held = hpc_gfmd.solve(z, gap_over_h_rms=0.8, **keys).result.steps[0]
+    assert combined_error("gap_mean", held) == held["gap_error"]
+    assert combined_error("p", held) == held["gap_discretisation"] > 1e-3
+    attracted = hpc_gfmd.solve(z, 0.02, adhesion={"work": 1e-4, "range": 1e-2}, **keys)
+    assert attracted.result.steps[0]["gap_discretisation"] is None
+    assert "solver's alone" in attracted.table()
+    assert "solver's alone" not in hpc_gfmd.solve(z, 0.02, **keys).table()

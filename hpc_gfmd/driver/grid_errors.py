@@ -1,0 +1,79 @@
+"""Errors by the grid: what a contact has on coarser grids tells how much finer ones change it.
+
+The nested start solves the contact roughly on every second point, on every fourth, and so on. The
+estimate for the grid is its difference from that of every second point, or half of that from every
+fourth, whichever is larger: one difference alone may vanish by chance. It is cautious, since most
+errors fall with the square of the spacing. The largest pressure is that of a single point, and
+differs more at random: two more grids count, and the result twice. docs/accuracy.md has the
+measurements.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ..contact.contact import GridErrors
+from ..contact.pressure import contact_pressure_max
+
+if TYPE_CHECKING:
+    from ..contact.contact import Contact
+    from ..solvers.base import Solver
+
+
+class CoarseContact(NamedTuple):
+    """Mean pressure, mean gap and largest pressure on the next coarser grid.
+
+    In the program's units of the finer grid.
+    """
+
+    p0: float
+    gap_mean: float
+    pressure_max: float
+
+
+def coarser_contacts(
+    solver: Solver, coarser: list[CoarseContact], scale: float
+) -> list[CoarseContact]:
+    """Return the solver's present state and those of still coarser grids. Collective.
+
+    Dents count as a gap of 0. coarser: in the unit of the solver's grid; scale: the spacing of that
+    grid over that of the finer one, in whose unit the result is.
+    """
+    grid = solver.problem.grid
+    rows, points = grid.inside
+
+    def of_rows(i0: int, i1: int) -> tuple[float, float]:
+        """Return the sum of the gap and the largest pressure."""
+        gap = np.maximum(solver.g[i0:i1, :points], 0).sum(dtype=np.float64)
+        return float(gap), float(solver.p[i0:i1, :points].max(initial=0.0))
+
+    parts = grid.by_rows(of_rows, rows)
+    (gap,) = grid.comm.sum([sum(part[0] for part in parts)])
+    (largest,) = grid.comm.max([max((part[1] for part in parts), default=0.0)])
+    now = CoarseContact(float(solver.p0), float(gap) / grid.N, float(largest))
+    return [one._replace(gap_mean=one.gap_mean * scale) for one in (now, *coarser)]
+
+
+def grid_errors(contact: Contact, coarser: Sequence[CoarseContact]) -> GridErrors | None:
+    """Return the errors by the grid of a contact; None where nothing touches. Collective.
+
+    A load that prescribes an area or a gap has another mean pressure on each grid, whose relative
+    difference adds to the others.
+    """
+    largest = contact_pressure_max(contact) / contact.pressure_unit
+    p0 = contact.p_mean / contact.pressure_unit
+    gap = contact.certificate.gap_mean
+    if not (coarser and largest > 0 and p0 > 0 and gap > 0):
+        return None
+
+    def worst(name: str, value: float, levels: int) -> float:
+        """Return the largest difference from coarser grids, over 2 for each further halving."""
+        return max(
+            (abs(getattr(one, name) / value - 1) + abs(one.p0 / p0 - 1)) / 2**k
+            for k, one in enumerate(coarser[:levels])
+        )
+
+    return GridErrors(worst("gap_mean", gap, 2), 2 * worst("pressure_max", largest, 4))
