@@ -138,11 +138,11 @@ def test_reported_with_the_area(tmp_path, cli):
     assert solution.precision == "float32"
 
 
-def within_bars(surface_of, grids, finest, load, names, **keys):
-    """Whether the numbers on each grid differ from those on the finest one by at most their bars."""
-    exact = hpc_gfmd.solve(surface_of(finest), load, **keys)
+def within_bars(surface_of, grids, finest, load, names):
+    """Check that numbers on each grid differ from those on the finest one by at most their bars."""
+    exact = hpc_gfmd.solve(surface_of(finest), load)
     for grid in grids:
-        found = hpc_gfmd.solve(surface_of(grid), load, **keys)
+        found = hpc_gfmd.solve(surface_of(grid), load)
         step = found.result.steps[0]
         for name in names:
             error = abs(step[name] / exact.value(name) - 1)
@@ -181,7 +181,7 @@ def test_gaps_of_a_piece_with_free_edges():
 
     def surface(refine):
         return hpc_gfmd.prepare_surface(
-            tilted, (12.0, 12.0), detrend="tilt", boundary="free", refine=refine
+            tilted, physical_sizes=(12.0, 12.0), detrend="tilt", boundary="free", refine=refine
         )
 
     within_bars(surface, (1, 2, 4), 8, 0.01, ("gap_mean",))
