@@ -193,7 +193,8 @@ class _Curves:
             deviations[name] = deviation
             ends = [_mean(name, self.steps[pressure]) for pressure in interval]
             closes = min(ends) == 0 < max(ends)  # somewhere within the interval
-            accurate = deviation <= max(self.error, _estimated_error(name, self.steps[middle]))
+            of_load = _estimated_error(name, self.steps[middle], of_grid=False)
+            accurate = deviation <= max(self.error, of_load)
             accepted = accepted and accurate and not closes
         low, high = interval
         self.deviations[low, middle] = self.deviations[middle, high] = deviations
@@ -271,19 +272,24 @@ def _scatter(name: str, steps: Steps) -> float:
     return float(np.std(values, ddof=1)) if len(values) > 1 else 0.0  # type: ignore[arg-type]
 
 
-def _estimated_error(name: str, steps: Steps) -> float:
-    """Return the largest estimated relative error of a quantity over the surfaces at one load."""
-    return max(_relative_error(name, step) for step in steps)
+def _estimated_error(name: str, steps: Steps, of_grid: bool = True) -> float:
+    """Return the largest estimated relative error of a quantity over the surfaces at one load.
+
+    of_grid: whether it contains the error by the grid, which is nearly the same at near loads.
+    """
+    return max(_relative_error(name, step, of_grid) for step in steps)
 
 
-def _relative_error(name: str, step: Mapping[str, Any]) -> float:
+def _relative_error(name: str, step: Mapping[str, Any], of_grid: bool) -> float:
     """Return the estimated relative error of a number of one load, by the solver and the grid.
 
     A stiffness scales with the radii of the contact spots, so its relative error is half that of
     their area. A critical gap has the absolute error of the mean gap.
     """
-    of_the_grid = float(step.get("a_r_discretisation") or 0.0)
-    of_the_gap = float(step["gap_error"] + (step.get("gap_discretisation") or 0.0))
+    of_the_grid = float(step.get("a_r_discretisation") or 0.0) if of_grid else 0.0
+    of_the_gap = float(step["gap_error"])
+    if of_grid:
+        of_the_gap += float(step.get("gap_discretisation") or 0.0)
     if name == "a_r":
         return float(step["a_r_error"]) + of_the_grid
     if name in ("stiffness", "conductance"):

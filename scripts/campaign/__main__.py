@@ -7,9 +7,8 @@ from pathlib import Path
 if not __package__:  # run by its path
     sys.path[0] = str(Path(__file__).resolve().parents[1])
 
-from campaign import calibrate, run
+from campaign import run
 
 if __name__ == "__main__":
     os.environ["OMP_NUM_THREADS"] = "1"
-    args = run.make_parser().parse_args()
-    sys.exit(calibrate.calibrate(args) if args.action == "calibrate" else run.main(args))
+    sys.exit(run.main(run.make_parser().parse_args()))

@@ -41,6 +41,9 @@ class Wall:
         Attraction of the surfaces.
     targets : (str, tuple of float) or None
         Quantity (a_r or gap_over_h_rms) and its values, which are prescribed instead of loads.
+    judge : callable or None
+        How such walls are judged, if not by the truth of their loads: judge(wall, precision,
+        accuracy) yields (number, columns).
     """
 
     heights: np.ndarray
@@ -54,6 +57,7 @@ class Wall:
     hardness_star: float | None = None
     attraction: object = None
     targets: tuple[str, tuple[float, ...]] | None = None
+    judge: object = None
 
 
 def family(function):

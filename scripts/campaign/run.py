@@ -3,7 +3,6 @@
 python scripts/campaign --count 5 --jobs 2 --out rows.jsonl --record docs/campaign.jsonl
 python scripts/campaign --family wave --seed 1 --index 3 --precision single --accuracy 1e-2
 python scripts/campaign --report rows.jsonl
-python scripts/campaign calibrate
 """
 
 import argparse
@@ -42,14 +41,13 @@ def ways(solvers, precisions, accuracies, low_memory):
 
 
 def make_parser():
-    """Return the parser of the campaign and of `calibrate`."""
+    """Return the parser of the campaign."""
     parser = argparse.ArgumentParser(
         prog="campaign",
         description="Solve walls for which the code was not tuned, and compare with exact"
         " solutions.",
     )
     add = parser.add_argument
-    add("action", nargs="?", default="run", choices=("run", "calibrate"))
     add(
         "--families",
         "--family",
@@ -76,7 +74,6 @@ def make_parser():
     add("--record", help="append the counts, as one line of JSON, to this file")
     add("--report", nargs="+", help="only print the table of these files of rows")
     add("--records", nargs="+", help="only print the table of these files of counts")
-    add("--numbers", nargs="+", help="calibrate: only these numbers")
     add("--worst", type=int, default=40, help="failures in the report")
     return parser
 

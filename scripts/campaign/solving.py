@@ -13,9 +13,7 @@ import tomli_w
 import hpc_gfmd
 
 from .families import make
-from .kept import truths
-from .sticky_gaps import judged_gaps
-from .sticky_walls import judged_rows
+from .truth import truths
 
 ERROR_OF_TARGET = {"a_r": 0, "gap_over_h_rms": 1}  # index of the error of a target
 EQUAL_LOADS = 1e-12  # relative difference of loads that count as equal
@@ -51,9 +49,9 @@ def rows_of(name, seed, index, ways, seconds=SECONDS):
     head = {"family": name, "seed": seed, "index": index}
     try:
         wall = make(name, seed, index)
-        if wall.attraction is not None:
+        if wall.judge is not None:
             head["n"] = list(wall.heights.shape)
-            return _sticky_rows(wall, head, ways, seconds)
+            return _rows_of_judge(wall, head, ways, seconds)
         with _time_limit(seconds):
             contact, exact, hardness = truths(
                 wall.heights,
@@ -98,8 +96,8 @@ def _failed(error):
     return {"status": STATUS_OF_ERROR.get(kind, "raised"), "error": f"{kind}: {error}"}
 
 
-def _sticky_rows(wall, head, ways, seconds):
-    """Solve a wall with an attraction in several ways (sticky_walls.py)."""
+def _rows_of_judge(wall, head, ways, seconds):
+    """Solve a wall that has its own judge in several ways."""
     rows = []
     for solver, precision, accuracy, low_memory in ways:
         if solver != "bpx" or low_memory:
@@ -108,9 +106,8 @@ def _sticky_rows(wall, head, ways, seconds):
         way = head | way | {"low_memory": low_memory}
         try:
             with _time_limit(seconds):
-                judge = judged_rows if wall.targets is None else judged_gaps
-                for load, judged in judge(wall, precision, accuracy):
-                    p_star = wall.loads[load] if wall.loads else 0.0
+                for load, judged in wall.judge(wall, precision, accuracy):
+                    p_star = dict(enumerate(wall.loads)).get(load, 0.0)
                     rows.append(way | {"load": load, "p_star": p_star} | judged)
         except Exception as error:  # the campaign continues
             rows.append(way | {"load": 0, "p_star": 0.0} | _failed(error))

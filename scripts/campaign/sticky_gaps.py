@@ -38,7 +38,13 @@ def sticky_gap(rng):
     law = choice(rng, ("exponential", "exponential", "cubic", "dugdale"))
     attraction = Attraction(log_uniform(rng, 0.2, 12), log_uniform(rng, 0.05, 2), law)
     return Wall(
-        z, (1.0, 1.0), (), units=False, attraction=attraction, targets=("gap_over_h_rms", (gap,))
+        z,
+        (1.0, 1.0),
+        (),
+        units=False,
+        attraction=attraction,
+        targets=("gap_over_h_rms", (gap,)),
+        judge=judged_gaps,
     )
 
 

@@ -54,7 +54,7 @@ def _sticky(kind):
         kappa = log_uniform(rng, WEAKEST, STRONGEST)
         reach = log_uniform(rng, SHORTEST, LONGEST)
         attraction = Attraction(kappa, reach, str(rng.choice(law_names())))
-        return replace(FAMILIES[kind](rng), attraction=attraction)
+        return replace(FAMILIES[kind](rng), attraction=attraction, judge=judged_rows)
 
     return make_wall
 

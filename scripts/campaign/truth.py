@@ -28,6 +28,7 @@ INNER = 1e-13  # and of the last ones
 BOUND = 1e-12  # relative distance to the hardness at which a point yields
 PATIENCE = 4  # rounds in which the number of wrong points may fail to decrease
 EPS = 2e-14  # relative rounding errors of transforms, with a margin
+ABOVE_LOADS = 1.1  # smallest hardness over the largest load
 DOUBTFUL = 1e-10  # violation of its own conditions above which a truth is rejected
 FEW = 30  # number of wrong points up to which they may change one at a time
 MURTY = 60  # rounds in which they do
@@ -579,3 +580,53 @@ def _conjugate_gradients(apply, precondition, b, max_steps, relative, absolute):
         d = z + (new / rz) * d
         rz = new
     return x
+
+
+def truths(z, sizes, loads, free=(False, False), hardness=None, hardness_star=None):
+    """Return the contact, the truths of its loads and the hardness in units of p*.
+
+    Parameters
+    ----------
+    z : ndarray
+        Heights.
+    sizes : (float, float)
+        Size of the cell.
+    loads : sequence of float
+        p* in the order of solving.
+    free : (bool, bool)
+        Whether x and y have free edges.
+    hardness : float, optional
+        Over the largest pressure of the loads without one; it is at least ABOVE_LOADS times the
+        largest load.
+    hardness_star : float, optional
+        In units of p*.
+
+    Returns
+    -------
+    contact : Contact
+    exact : list of Truth
+    hardness : float or None
+    """
+    contact = Contact(z, sizes, free)
+    if hardness_star is not None:
+        return contact, _in_turn(contact, loads, hardness_star), hardness_star
+    elastic = _in_turn(contact, loads)
+    if hardness is None:
+        return contact, elastic, None
+    largest_pressure = max(truth.pressure.max() for truth in elastic)
+    hardness = float(max(hardness * largest_pressure, ABOVE_LOADS * max(loads)))
+    return contact, _in_turn(contact, loads, hardness), hardness
+
+
+def _in_turn(contact, loads, *hardness):
+    """Return the truths of the loads, each from the one before if both are near."""
+    exact = []
+    start = None
+    for p_star in loads:
+        is_near = start is not None and 0.5 < p_star / start.mean() < 2 and not hardness
+        truth = contact.solve(p_star, start if is_near else None, *hardness)
+        if is_near and not truth.kkt < DOUBTFUL:
+            truth = contact.solve(p_star)
+        start = truth.pressure
+        exact.append(truth)
+    return exact
