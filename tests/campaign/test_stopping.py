@@ -6,7 +6,7 @@ import warnings
 import numpy as np
 import pytest
 from campaign import families
-from campaign.kept import truths
+from campaign.truth import truths
 
 import hpc_gfmd
 from hpc_gfmd.util.errors import NotConverged
