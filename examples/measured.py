@@ -29,7 +29,7 @@ tilt = 0.02 * np.arange(n)[:, None] / (2 * n)
 heights = 24_000 * (rough.heights[:n, :n] + tilt)  # nm
 Topography(heights, (12_000, 12_000), unit="nm").to_x3p("scan.x3p")
 
-scan = hpc_gfmd.read_surface("scan.x3p", detrend="tilt", boundary="free")
+scan = hpc_gfmd.read_surface("scan.x3p", detrend="tilt", boundary="mirror")
 print(scan)
 solution = hpc_gfmd.solve(scan, "0.2 MPa", "20 MPa")
 print(

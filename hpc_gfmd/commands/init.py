@@ -1,11 +1,12 @@
 """`hpc-gfmd init`: a commented scene that runs."""
 
 import os
+import sys
 import tomllib
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..util.atomic import atomic_write
 from ..util.errors import SceneError, one_line
@@ -15,7 +16,9 @@ HELP = "write a commented scene that runs"
 DESCRIPTION = """
 Write a scene with a comment on every key: for a kind of surface (self-affine, wave, sphere), or for
 a height map, which is read to find its sizes and units, missing points, a tilt, and whether its
-edges are free. Two height maps are those of two rough bodies that face each other."""
+edges meet. Where they do not, a terminal is asked what the map is; elsewhere boundary = "mirror" is
+written, a piece of a larger surface. Two height maps are those of two rough bodies that face each
+other."""
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -53,22 +56,60 @@ def main(args: Namespace) -> int:
     if not path.parent.is_dir():
         raise SceneError(f"-o: the folder {path.parent} does not exist")
     what = args.what or ["self-affine"]
-    text, missing, about = compose(what, path, args.set)
+    draft = compose(what, path, args.set)
+    if draft.open and sys.stdin.isatty() and sys.stdout.isatty():
+        boundary = _asked_boundary(what)
+        draft = compose(what, path, [*args.set, f"surface.boundary={boundary}"])
     try:
         with atomic_write(path) as tmp:
-            tmp.write_text(text, encoding="utf-8")
+            tmp.write_text(draft.text, encoding="utf-8")
     except OSError as error:
         raise SceneError(f"-o: cannot write {path}: {one_line(str(error))}") from None
-    needs = " and ".join(f"surface.{key}" for key in missing)
+    needs = " and ".join(f"surface.{key}" for key in draft.missing)
     says = "does not say" if len(what) == 1 else "do not say"
     todo = f"before it runs it needs {needs}, which {' and '.join(what)} {says}" if needs else ""
-    print(*about, f"{path}: {todo or f'hpc-gfmd run {path}'}", sep="\n")
+    print(*draft.about, f"{path}: {todo or f'hpc-gfmd run {path}'}", sep="\n")
     return 0
 
 
-def compose(
-    what: str | Sequence[str], path: Path, overrides: Sequence[str] = ()
-) -> tuple[str, list[str], list[str]]:
+def _asked_boundary(what: list[str]) -> str:
+    """Ask at the terminal what a map is, until the answer is one of the boundaries."""
+    from ..scene.surface import CHOICES
+
+    print(f"{' + '.join(what)}: opposite edges do not meet. What is the map?")
+    for name, meaning in CHOICES.items():
+        print(f"  {name:<9} {meaning}")
+    while True:
+        try:
+            answer = input("boundary [mirror]: ").strip().strip('"') or "mirror"
+        except EOFError:
+            return "mirror"
+        if answer in CHOICES:
+            return answer
+
+
+class Draft(NamedTuple):
+    """A scene that is not written yet.
+
+    Attributes
+    ----------
+    text : str
+        The scene in TOML.
+    missing : list of str
+        Keys of [surface] that the user has to fill in.
+    about : list of str
+        What the height map shows, a line each.
+    open : list of str
+        Keys of [surface] that were chosen although only the user knows them.
+    """
+
+    text: str
+    missing: list[str]
+    about: list[str]
+    open: list[str]
+
+
+def compose(what: str | Sequence[str], path: Path, overrides: Sequence[str] = ()) -> Draft:
     """Compose the text of a scene; height maps are read, nothing is written.
 
     Parameters
@@ -82,12 +123,7 @@ def compose(
 
     Returns
     -------
-    text : str
-        The scene in TOML.
-    missing : list of str
-        Keys of [surface] that the user has to fill in.
-    remarks : list of str
-        What the height map shows, a line each.
+    Draft
 
     Raises
     ------
@@ -128,7 +164,7 @@ def compose(
         for name, keys in settings.items():  # a key that no scene has is in no template
             data[name] = data.get(name, {}) | keys if isinstance(keys, dict) else keys
         Scene.from_dict(data, "init", path.parent)
-    return text, suggested.missing, suggested.about
+    return Draft(text, suggested.missing, suggested.about, suggested.open)
 
 
 def _of_maps(maps: list[str], path: Path, tables: dict[str, Any]) -> Any:

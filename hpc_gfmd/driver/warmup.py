@@ -86,7 +86,8 @@ def _tiny_contact(scene: Scene, observe: Callable[[Contact], object], on_ranks: 
     """
     settings = scene.solver
     material = scene.material
-    surface = TINY | {"boundary": scene.surface.boundary or "periodic"}
+    sides = ["free" if ends else "periodic" for ends in scene.surface.free]
+    surface = TINY | {"boundary": sides}
     tiny = Scene.from_dict({"surface": surface, "load": {"p_star": 0.05}}).surface
     usual = "single" if first_precision(settings) == np.float32 else "double"
     may_need_double = on_ranks and settings.precision == "auto"

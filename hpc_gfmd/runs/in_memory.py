@@ -22,6 +22,7 @@ from ..parallel.thread_count import threads_of
 from ..scene import Scene
 from ..surface.arrays import complete_array, is_topography
 from ..surface.build import Surface, surface_of
+from ..surface.prepare import mirrored
 from ..surface.quality import edges_of
 from ..surface.topography import Topography
 from ..util.errors import SceneError
@@ -77,15 +78,27 @@ def scene_of(
         On all ranks, for invalid arguments, or different ones on some ranks.
     """
     with collective_errors(comm, "reading the arguments"):
-        wall = surface_of_topography(heights) if is_topography(heights) else heights
+        wall = heights
+        if is_topography(heights):
+            wall = surface_of_topography(heights, keywords["boundary"])
+            keywords = keywords | {"boundary": None}
         prepared = wall if isinstance(wall, PreparedSurface) else None
         scene = scene_of_keywords(keywords, more, prepared)
         check(scene)
         if prepared is None:
             wall = complete_array(wall)
+            _require_boundary(wall, scene)
     if comm.size > 1:
         _require_the_same(comm, scene, _array_of(wall).shape)
     return scene, wall
+
+
+def _require_boundary(heights: np.ndarray, scene: Scene) -> None:
+    """Raise SceneError if opposite edges do not meet and the scene does not say what is there."""
+    if scene.surface.boundary is None:
+        question = edges_of(lambda start, stop: heights[start:stop], heights.shape).question()
+        if question:
+            raise SceneError(question)
 
 
 def _array_of(wall: np.ndarray | PreparedSurface) -> np.ndarray:
@@ -156,9 +169,7 @@ class Surfaces:
         return replace(surface, grid=kept)
 
 
-def surfaces_of(
-    comm: Comm, scene: Scene, wall: np.ndarray | PreparedSurface, look_at_edges: bool
-) -> Surfaces:
+def surfaces_of(comm: Comm, scene: Scene, wall: np.ndarray | PreparedSurface) -> Surfaces:
     """Return the object that makes the surface of a scene from its heights, in any precision.
 
     Collective. No surface is made yet.
@@ -171,8 +182,6 @@ def surfaces_of(
         What is solved.
     wall : ndarray or PreparedSurface
         Its heights.
-    look_at_edges : bool
-        Whether an array is taken as periodic, so that it is noted where its edges do not meet.
 
     Returns
     -------
@@ -196,8 +205,7 @@ def surfaces_of(
     else:
         sizes = tuple(float(size) for size in scene.surface.physical_sizes or ())
         topography = Topography(array.shape, sizes, rows_of)
-        notes = edges_of(rows_of, array.shape).notes((True, True)) if look_at_edges else ()
-        topography = replace(topography.on_form(scene.surface.radii), notes=tuple(notes))
+        topography = mirrored(topography, scene.surface.mirrored).on_form(scene.surface.radii)
     is_made = isinstance(wall, PreparedSurface) and wall.table is not None
     threads = threads_of(comm, scene.machine.threads, array.size)
     return Surfaces(comm, scene, topography, threads, ready, is_made, begun)

@@ -119,10 +119,14 @@ class HeightSampler:
         keys: Mapping[str, Any],
         progress: bool,
     ) -> None:
+        surfaces = list(surfaces)
+        boundary = keys.get("boundary")
         self.surfaces = [
-            surface_of_topography(surface) if is_topography(surface) else surface
+            surface_of_topography(surface, boundary) if is_topography(surface) else surface
             for surface in surfaces
         ]
+        if any(map(is_topography, surfaces)):  # which have it now
+            keys = {key: value for key, value in keys.items() if key != "boundary"}
         accuracy = {"accuracy": ACCURACY_SHARE * error} if "residual" not in keys else {}
         self.keys = accuracy | {"observables": requested(quantities), "fields": ()} | dict(keys)
         self.progress = progress

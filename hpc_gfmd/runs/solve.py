@@ -105,8 +105,10 @@ def solve(
     nu, thickness, base
         A layer of Poisson's ratio `nu`: "bonded" (default) or "frictionless" on a rigid base, or on
         an "elastic" one with base_E= and base_nu=. Without `thickness`: a half-space.
-    boundary : "periodic", "free" or one for each axis
-        Boundary of an array; default: periodic.
+    boundary : "periodic", "mirror", "free" or one for each axis
+        What an array is: a map that repeats, a piece of a larger surface (its fields are then those
+        of the map and its mirror images), or a body that ends there. Default: periodic where
+        opposite edges meet; otherwise it must be given.
     radius : number, text or (R_x, R_y)
         Radius of a ball (inf: a cylinder) under the heights of an array with a free boundary.
     fields : list of "pressure", "gap", "displacement", "plastic", "heights"
@@ -176,7 +178,7 @@ def solve(
     start_time = datetime.now(UTC).isoformat(timespec="seconds")
     comm = comm_of(comm)
     scene, wall = scene_of(comm, heights, keywords, more)
-    surfaces = surfaces_of(comm, scene, wall, look_at_edges=boundary is None)
+    surfaces = surfaces_of(comm, scene, wall)
     several = several_loads(keywords)
     loads = solve_loads(comm, scene, surfaces, progress, keep_interrupted=several)
     solutions = collect(comm, scene, surfaces, loads, start_time)

@@ -15,13 +15,13 @@ from ..surface import build_surface
 from ..surface.arrays import checked_array, complete_array, is_topography, of_topography, unreliable
 from ..surface.heights import checked
 from ..surface.metadata import Metadata
-from ..surface.prepare import notes_on, prepare
+from ..surface.prepare import mirrored, notes_on, prepare
 from ..surface.topography import Topography, open_topography, topography_of
 from ..surface.two_scans import combined, placed
 from ..util.errors import SceneError
 from .prepared import PreparedSurface
 
-OF_EDGES = {"boundary", "mirror", "window"}  # keys that say how the surface ends
+OF_EDGES = {"boundary", "window"}  # keys that say how the surface ends
 
 
 def read_surface(path: str | PathLike | Sequence[str | PathLike], **keys: Any) -> PreparedSurface:
@@ -34,10 +34,12 @@ def read_surface(path: str | PathLike | Sequence[str | PathLike], **keys: Any) -
         (.x3p, .gwy, .spm, ...); a list of two: the sum of two maps, for two rough bodies.
     **keys
         Those of the scene's [surface] with kind = "file", such as physical_sizes=("10 um", "8 um"),
-        unit="nm", detrend="tilt", fill="harmonic", crop=(x0, y0, x1, y1), mirror=True,
-        window="hann", refine=2, downsample=2, flip=True, boundary="free", radius="5 mm",
-        height_range=("0 nm", "500 nm"), dataset="name". Sizes in the file are used unless they are
-        given here; a unit that contradicts the file is refused.
+        unit="nm", detrend="tilt", fill="harmonic", crop=(x0, y0, x1, y1), boundary="mirror",
+        window="hann", refine=2, downsample=2, flip=True, radius="5 mm", height_range=("0 nm",
+        "500 nm"), dataset="name". Sizes in the file are used unless they are given here; a unit
+        that contradicts the file is refused. boundary is "mirror" for a piece of a larger surface,
+        "free" for a body that ends where the map ends, "periodic", or one for each axis; it must
+        be given where opposite edges do not meet.
 
     Returns
     -------
@@ -48,8 +50,8 @@ def read_surface(path: str | PathLike | Sequence[str | PathLike], **keys: Any) -
     Raises
     ------
     SceneError
-        If it cannot be read, or has no sizes, no unit, points without heights, or opposite edges
-        that do not fit together.
+        If it cannot be read, or has no sizes, no unit, points without heights, or no boundary where
+        opposite edges do not meet.
     """
     path = [str(file) for file in path] if isinstance(path, list | tuple) else str(path)
     scene, table = _scene({"kind": "file", "path": path} | keys, "hpc_gfmd.read_surface")
@@ -71,8 +73,7 @@ def prepare_surface(heights: Any, **keys: Any) -> PreparedSurface:
     Returns
     -------
     PreparedSurface
-        As `read_surface`; a Topography that is not periodic gets free edges, unless `boundary`,
-        `mirror` or `window` is given.
+        As `read_surface`.
 
     Raises
     ------
@@ -82,29 +83,33 @@ def prepare_surface(heights: Any, **keys: Any) -> PreparedSurface:
     return _prepared(*_in_memory(heights, keys))
 
 
-def surface_of_topography(topography: Any) -> PreparedSurface:
+def surface_of_topography(topography: Any, boundary: Any) -> PreparedSurface:
     """Return the surface that a Topography of SurfaceTopography shows as it is.
 
     Parameters
     ----------
     topography : SurfaceTopography.Topography
+    boundary
+        As for `prepare_surface`; None if it is not given.
 
     Returns
     -------
     PreparedSurface
-        As `prepare_surface` without keys.
+        As `prepare_surface` without other keys.
 
     Raises
     ------
     SceneError
-        For a Topography without sizes, or with points that have no height.
+        For a Topography without sizes, or with points that have no height, or without a boundary
+        where opposite edges do not meet.
     """
-    as_it_is, spec = _in_memory(topography, {})
+    as_it_is, spec = _in_memory(topography, {} if boundary is None else {"boundary": boundary})
     checked(complete_array(topography.heights()), 0, "heights")
     if as_it_is.lacks:
         raise SceneError("; ".join(as_it_is.lacks.values()))
     notes = notes_on(as_it_is, spec, SerialComm(), look=False)
-    return _surface(replace(as_it_is, notes=(*as_it_is.notes, *notes)), spec)
+    with_notes = replace(as_it_is, notes=(*as_it_is.notes, *notes))
+    return _surface(mirrored(with_notes, spec.mirrored), spec)
 
 
 def _in_memory(heights: Any, keys: dict[str, Any]) -> tuple[Topography, Any]:
@@ -122,8 +127,6 @@ def _in_memory(heights: Any, keys: dict[str, Any]) -> tuple[Topography, Any]:
             _, note = doubt
             notes.append(note)
         heights, metadata = of_topography(heights)
-        if not metadata.periodic and not keys.keys() & OF_EDGES:
-            keys = keys | {"boundary": "free"}
     elif not keys.keys() & {"physical_sizes", "unit"}:
         keys = keys | {"physical_sizes": (1.0, 1.0)}
     scene, _ = _scene({"kind": "file", "path": "the array"} | keys, "hpc_gfmd.prepare_surface")
@@ -164,9 +167,8 @@ def combine_surfaces(
     Returns
     -------
     PreparedSurface
-        As `read_surface`. Unless `boundary`, `mirror` or `window` is given, it has free edges along
-        an axis where one of the two, in memory, has free edges; whether a file is periodic is found
-        when it is read.
+        As `read_surface`. Unless `boundary` or `window` is given, it has free edges along an axis
+        where one of the two is a PreparedSurface with free edges.
 
     Raises
     ------
@@ -192,13 +194,8 @@ def combine_surfaces(
 
 
 def _free_edges(surface: Any) -> tuple[bool, bool]:
-    """Whether a surface in memory has free edges along x, along y.
-
-    False for the path of a file, whose boundary is known when it is read.
-    """
-    if isinstance(surface, PreparedSurface):
-        return surface.free
-    return (is_topography(surface) and not surface.is_periodic,) * 2
+    """Whether a surface has free edges along x, along y; False for all but a PreparedSurface."""
+    return surface.free if isinstance(surface, PreparedSurface) else (False, False)
 
 
 def _scan(surface: Any, path: str, spec: Any, keys: dict[str, Any]) -> Topography:

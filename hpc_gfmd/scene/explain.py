@@ -26,11 +26,17 @@ MEANT = {  # usual words for keys that have another name
     "rtol": "accuracy",
     "eps": "accuracy",
     "periodic": "boundary",
+    "mirror": "boundary",
     "modulus": "E_star",
     "E": "E1",
     "nu": "nu1",
     "lengths": "physical_sizes",
     "size": "physical_sizes",
+}
+
+
+WRITTEN_AS = {  # what to write instead of keys that do not exist
+    "mirror": 'boundary = "mirror", or one for each axis, such as ["mirror", "periodic"]'
 }
 
 
@@ -171,6 +177,8 @@ def _line(item: Any, scene: Model, data: dict) -> tuple[tuple, str]:
         table, fields = table[field], inner_fields
         field, *deeper = deeper
         key, path = (*key, field), f"{path}.{printable(field)}"
+    if item["type"] == "extra_forbidden" and field in WRITTEN_AS:
+        return key, f"{path}: found {shown(table[field])}, allowed: {WRITTEN_AS[field]}"
     if item["type"] == "extra_forbidden":
         inner = table[field] if not rest and isinstance(table[field], dict) else ()
         why = not_modelled(field, *inner) or _nearest(field, of_table, fields, scene)

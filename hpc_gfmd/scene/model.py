@@ -16,7 +16,7 @@ from ..util.errors import SceneError, one_line
 from ..util.quantities import NO_COMMA, format_quantity
 from .explain import explain
 from .settings import LOADS, PRESSURES, LoadTable, Machine, Material, Output, SolverTable
-from .surface import AnySurface, File, SelfAffine, SurfaceTable, Wave
+from .surface import AnySurface, ArrayTable, File, SelfAffine, Wave
 from .table import Table, Text, about, alike, has_unit, key
 
 RESOLVED = 8  # points in a wave length; with fewer the contact is one of single points
@@ -316,8 +316,8 @@ class Scene(Table):
 class ArrayScene(Scene):
     """A scene whose heights are an array in memory: its surface has only sizes and boundary."""
 
-    surface: SurfaceTable = key(  # type: ignore[assignment]
-        "the sizes of the heights", SurfaceTable(), allowed="a table [surface]"
+    surface: ArrayTable = key(  # type: ignore[assignment]
+        "the sizes of the heights", ArrayTable(), allowed="a table [surface]"
     )
 
     @model_validator(mode="after")

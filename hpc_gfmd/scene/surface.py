@@ -1,7 +1,7 @@
 """[surface]: the kinds of rough surfaces, heights z(r) with peaks up on the cell L_x x L_y."""
 
 from math import inf
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -13,6 +13,7 @@ from .table import (
     Corners,
     Height,
     Length,
+    MapBoundary,
     Modes,
     Pair,
     Points,
@@ -25,6 +26,24 @@ from .table import (
 )
 
 Factor = Annotated[int, Field(ge=1, le=1024)]
+
+
+CHOICES = {  # of the boundary of a map, and what the map is then
+    "mirror": "a piece of a larger surface",
+    "free": "a body that ends there: ball, lens, pin",
+    "periodic": "the map repeats",
+}
+CHOICES_TEXT = ", ".join(f'"{name}" ({what})' for name, what in CHOICES.items())
+
+
+def map_boundary() -> Any:
+    """Return the field `boundary` of a table whose heights are measured, or any array."""
+    return key(
+        f"what the map is: {CHOICES_TEXT}",
+        None,
+        example="mirror",
+        default_text="periodic where opposite edges meet, else it must be given",
+    )
 
 
 class SurfaceTable(Table):
@@ -69,8 +88,17 @@ class SurfaceTable(Table):
         (False, False) also for a map without a boundary in the scene, which has to be periodic.
         """
         # None: a height map that has to be periodic, see surface/quality.py
+        return self._ends_as("free")
+
+    @property
+    def mirrored(self) -> tuple[bool, bool]:
+        """Whether the surface goes on as its mirror images along x, along y."""
+        return self._ends_as("mirror")
+
+    def _ends_as(self, side: str) -> tuple[bool, bool]:
+        """Whether the boundary along x, along y is `side`."""
         along = self.boundary if isinstance(self.boundary, tuple) else (self.boundary,) * 2
-        return along[0] == "free", along[1] == "free"
+        return along[0] == side, along[1] == side
 
 
 class SelfAffine(SurfaceTable):
@@ -236,15 +264,7 @@ class File(Reading, SurfaceTable):  # type: ignore[misc]
         allowed="a list of two, each the path of a height map or a table [[surface.bodies]]",
         example=["shaft.x3p", {"path": "seal.csv", "unit": "um", "shift": ["5 um", "0 um"]}],
     )
-    boundary: Boundary | None = key(  # type: ignore[assignment]
-        "whether the map repeats, or has free edges",
-        None,
-        example="free",
-        default_text=(
-            "what the file says, else periodic where opposite edges fit together, else it must be"
-            " given"
-        ),
-    )
+    boundary: MapBoundary | None = map_boundary()  # type: ignore[assignment]
     crop: Corners | None = key(
         "keep only this part, [x0, y0, x1, y1], plain in the unit of the sizes",
         None,
@@ -257,9 +277,6 @@ class File(Reading, SurfaceTable):  # type: ignore[misc]
     )
     fill: Literal["none", "harmonic"] = key("how points without a height get one", "none")
     flip: bool = key("turn the heights over: valleys become peaks", False)
-    mirror: bool = key(
-        "make the map periodic by its mirror images: twice as long along both axes", False
-    )
     window: Literal["none", "hann", "tukey"] = key(
         "make the map periodic by fading it out towards its edges", "none"
     )
@@ -274,24 +291,27 @@ class File(Reading, SurfaceTable):  # type: ignore[misc]
     def _one_way_to_be_periodic(self) -> Self:
         """Raise ValueError for keys that exclude each other.
 
-        Exactly one of path and bodies must be given, and at most one of a free boundary, mirror and
-        window.
+        Exactly one of path and bodies must be given, and no window with a boundary that is not
+        periodic.
         """
         one_of(self, "path", "bodies")
-        ways = {
-            "a free boundary": any(self.free),
-            "mirror": self.mirror,
-            "window": self.window != "none",
-        }
-        found = [way for way, taken in ways.items() if taken]
-        if len(found) > 1:
-            raise ValueError(f"found {' and '.join(found)}, allowed: one of them")
+        if self.window != "none" and any((*self.free, *self.mirrored)):
+            side = "free" if any(self.free) else "mirror"
+            raise ValueError(
+                f'found boundary = "{side}" and window = "{self.window}", allowed: one of them'
+            )
         return self
 
     @property
     def n(self) -> None:
         """None: unknown before the file is read."""
         return None
+
+
+class ArrayTable(SurfaceTable):
+    """Heights that are an array in memory."""
+
+    boundary: MapBoundary | None = map_boundary()  # type: ignore[assignment]
 
 
 KINDS: dict[str, type[SurfaceTable]] = {

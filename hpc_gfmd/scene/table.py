@@ -143,6 +143,8 @@ Loads = Annotated[tuple[T, ...], Field(min_length=1), BeforeValidator(each)]  # 
 
 Side = Literal["periodic", "free"]
 Boundary = Annotated[Side | tuple[Side, Side], LIST]
+MapSide = Literal["periodic", "mirror", "free"]
+MapBoundary = Annotated[MapSide | tuple[MapSide, MapSide], LIST]
 
 
 def key(

@@ -29,6 +29,8 @@ class Suggestion:
         Reasons for both, by key; shown instead of the meaning of the key.
     missing : list of str
         Keys that neither the file nor the user has given, and that only the user knows.
+    open : list of str
+        Keys whose values were chosen although only the user knows them.
     about : list of str
         Notes on the map, one line each.
     unit : str
@@ -39,6 +41,7 @@ class Suggestion:
     from_file: dict = field(default_factory=dict)
     why: dict = field(default_factory=dict)
     missing: list = field(default_factory=list)
+    open: list = field(default_factory=list)
     about: list = field(default_factory=list)
     unit: str = ""
 

@@ -18,6 +18,7 @@ from ..parallel.guard import collective_errors, on_rank_0
 from ..util.errors import SceneError
 from ..util.quantities import format_quantity
 from .fill import filled
+from .form import form_notes
 from .quality import DOUBT, Edges, MapQuality, edges_of, quality_of, window_note
 from .resample import resampled
 from .slabs import own_slabs
@@ -50,7 +51,7 @@ def prepared_size(topography: Topography, spec: Any) -> tuple[tuple[int, int], t
         If the cropped part is not within the map, or downsample does not divide its points.
     """
     topography = _cropped(topography, spec) if spec.crop else topography
-    topography = _mirrored(topography) if spec.mirror else topography
+    topography = mirrored(topography, spec.mirrored)
     n_x, n_y = (k * spec.refine for k in topography.n)
     if n_x % spec.downsample or n_y % spec.downsample:
         raise SceneError(
@@ -107,8 +108,7 @@ def prepare(topography: Topography, spec: Any, comm: Any, look: bool = False) ->
     if spec.flip:
         upright = topography.rows
         topography = topography.after("upside down", rows=lambda start, stop: -upright(start, stop))
-    if spec.mirror:
-        topography = _mirrored(topography)
+    topography = mirrored(topography, spec.mirrored)
     if has_window:
         before = map_quality(topography, comm)
         topography = _windowed(topography, spec.window)
@@ -139,25 +139,36 @@ def map_quality(topography: Topography, comm: Any) -> MapQuality:
     return on_rank_0(comm, "reading the surface", measure)
 
 
+def map_form(topography: Topography, comm: Any, edges: Edges, free: tuple[bool, bool]) -> list[str]:
+    """Return a note on a map that is curved along an axis where it neither ends nor repeats.
+
+    Collective: rank 0 reads all of it.
+    """
+    axes = [axis for axis in (0, 1) if not (free[axis] or edges.meet[axis])]
+
+    def measure() -> list[str]:
+        heights = topography.rows(0, topography.n[0])
+        return form_notes(heights, topography.sizes, topography.unit, axes)
+
+    return on_rank_0(comm, "reading the surface", measure) if axes else []
+
+
 def notes_on(topography: Topography, spec: Any, comm: Any, look: bool) -> list[str]:
     """Return notes on the edges of a map, what is filled and, if `look`, its quality. Collective.
 
-    Raises SceneError if neither scene nor file gives the boundary and opposite edges jump.
+    Raises SceneError if neither scene nor file gives the boundary and opposite edges do not meet.
     """
     edges = map_edges(topography, comm)
-    made_periodic = spec.mirror or spec.window != "none"  # whatever its edges are
-    is_told = made_periodic or spec.boundary is not None or topography.periodic
-    for axis, jump in zip("xy", edges.jumps):
-        if jump > DOUBT.jump and not is_told:
-            raise SceneError(
-                f"surface.boundary: not given, with edges along {axis} that differ by {jump:.3g}"
-                ' times what neighbouring points differ by, allowed: "free" (it ends there),'
-                ' "periodic" (pressed with that jump), or detrend = "tilt", mirror = true, a'
-                " window"
-            )
-    notes = edges.notes([not (made_periodic or ends) for ends in spec.free])
+    has_window = spec.window != "none"
+    is_told = has_window or spec.boundary is not None or topography.periodic
+    if not is_told and (question := edges.question()):
+        raise SceneError(f"surface.{question}")
+    repeats = [not (free or mirror) for free, mirror in zip(spec.free, spec.mirrored)]
+    notes = [] if has_window else edges.notes(repeats)
     if look:
         notes += map_quality(topography, comm).notes()
+        if not has_window:
+            notes += map_form(topography, comm, edges, spec.free)
     share = topography.filled / np.prod(topography.n)
     if share > DOUBT.filled:
         notes.append(f"{100 * share:.0f} % of the heights are filled, not measured")
@@ -264,23 +275,27 @@ def _detrended(topography: Topography, trend: str, comm: Any) -> Topography:
     return topography.after(f"{trend} removed", rows=rows, periodic=periodic)
 
 
-def _mirrored(topography: Topography) -> Topography:
-    """Return the map with its mirror images: twice as long along both axes, and periodic."""
-    n = topography.n[0]
+def mirrored(topography: Topography, along: tuple[bool, bool]) -> Topography:
+    """Return the map with its mirror images: twice as long along the chosen axes."""
+    if not any(along):
+        return topography
+    n_x, n_y = topography.n
+    copies = [2 if axis else 1 for axis in along]
 
-    def rows(start: int, stop: int) -> np.ndarray:
-        straight = topography.rows(min(start, n), min(stop, n))
-        turned = topography.rows(2 * n - max(stop, n), 2 * n - max(start, n))[::-1]
-        return np.pad(
-            np.concatenate([straight, turned]), ((0, 0), (0, topography.n[1])), "symmetric"
-        )
+    def rows_of_both(start: int, stop: int) -> np.ndarray:
+        straight = topography.rows(min(start, n_x), min(stop, n_x))
+        turned = topography.rows(2 * n_x - max(stop, n_x), 2 * n_x - max(start, n_x))[::-1]
+        return np.concatenate([straight, turned])
+
+    along_x = rows_of_both if along[0] else topography.rows
+    beside = (0, n_y) if along[1] else (0, 0)
 
     return topography.after(
-        "mirrored",
-        n=tuple(2 * k for k in topography.n),
-        sizes=tuple(2 * size for size in topography.sizes),
-        rows=rows,
-        periodic=True,
+        "mirrored" if all(along) else f"mirrored along {'x' if along[0] else 'y'}",
+        n=tuple(k * copy for k, copy in zip(topography.n, copies)),
+        sizes=tuple(size * copy for size, copy in zip(topography.sizes, copies)),
+        rows=lambda start, stop: np.pad(along_x(start, stop), ((0, 0), beside), "symmetric"),
+        periodic=True if all(along) else topography.periodic,
     )
 
 

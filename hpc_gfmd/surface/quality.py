@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..scene.surface import CHOICES_TEXT
 from .analytic import Rows
 
 
@@ -69,6 +70,30 @@ class Edges:
     jumps: tuple[float, float]
     kinks: tuple[float, float]
 
+    @property
+    def meet(self) -> tuple[bool, bool]:
+        """Whether opposite edges meet without a jump or a kink, along x and y."""
+        x, y = (
+            jump <= DOUBT.jump and kink <= DOUBT.kink for jump, kink in zip(self.jumps, self.kinks)
+        )
+        return x, y
+
+    def question(self) -> str:
+        """Return the message of an error that asks for the boundary, "" where the edges meet."""
+        for axis, jump, kink, meet in zip("xy", self.jumps, self.kinks, self.meet):
+            if meet:
+                continue
+            how = (
+                f"differ by {jump:.3g} times what neighbouring points differ by"
+                if jump > DOUBT.jump
+                else f"meet in a kink, {kink:.3g} times as sharp as inside"
+            )
+            return (
+                f"boundary: not given, and opposite edges along {axis} {how}, allowed:"
+                f" {CHOICES_TEXT}; one for each axis if they differ"
+            )
+        return ""
+
     def notes(self, meet: Sequence[bool]) -> list[str]:
         """Return a note for each axis along which edges that meet have a jump or a kink."""
         lines = []
@@ -81,8 +106,8 @@ class Edges:
             elif edges_meet and kink > DOUBT.kink:
                 lines.append(
                     f"opposite edges along {axis} meet in a kink: the slope changes there"
-                    f' {kink:.3g} times as much as inside (surface.boundary = "free" for a single'
-                    " body, such as a lens)"
+                    f' {kink:.3g} times as much as inside (boundary = "free" for a single body,'
+                    " such as a lens)"
                 )
         return lines
 

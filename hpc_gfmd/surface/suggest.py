@@ -9,6 +9,7 @@ import numpy as np
 
 from ..parallel.comm import SerialComm
 from ..scene import File
+from ..scene.surface import CHOICES_TEXT
 from ..scene.template import Suggestion
 from ..util.errors import SceneError, one_line
 from ..util.lengths import length_factor
@@ -89,6 +90,7 @@ def _of_two_scans(
         return result
     of_sum = Suggestion(result.values, why=result.why)
     _by_heights(of_sum, make, user_keys, topography.periodic)
+    result.open = of_sum.open
     result.about += [f"sum: {line}" for line in of_sum.about]
     return result
 
@@ -200,8 +202,8 @@ def _by_heights(
     True if the file says that the map is periodic.
 
     Keys that the user has not set may be added: fill if heights are missing, detrend if they are
-    mostly tilt, and boundary = "free" if opposite edges jump, the file does not say that the map is
-    periodic, and the user has set neither mirror nor window. Lines: missing points, tilt, jumps,
+    mostly tilt, and boundary = "mirror" if opposite edges do not meet, the file does not say that
+    the map is periodic, and the user has set no window. Lines: missing points, tilt, edges,
     outliers, what was done, rms values and notes. Raises SceneError if the map cannot be prepared.
     """
     values = result.values
@@ -240,11 +242,18 @@ def _by_heights(
             " what neighbours differ by: dust or spikes? They are pressed as they are"
         )
     result.about.append(f"done to it: {', '.join(heights.prepared) or 'nothing'}")
-    ends = max(meeting.jumps) > DOUBT.jump and not periodic
-    ends &= {"boundary", "mirror", "window"}.isdisjoint(user_keys)
-    if ends:
-        values["boundary"] = "free"
-        why["boundary"] = f"{edges}; mirror = true is another way"
+    is_open = not (all(meeting.meet) or periodic or {"boundary", "window"} & user_keys.keys())
+    if is_open:
+        result.open = ["boundary"]
+        values["boundary"] = "mirror"
+        why["boundary"] = f"chosen for you, one of {CHOICES_TEXT}"
+        result.about += [
+            'boundary = "mirror" is written: a piece of a larger surface, which goes on as mirror'
+            " images of the map (four times the points)",
+            'boundary = "free" would be a body that ends where the map ends (ball, lens, pin):'
+            " high pressure at its edges, and nothing beyond them that bears load",
+            'boundary = "periodic" would repeat the map and press the step at its edges, too',
+        ]
     scale, name = prefixed([quality.h_rms], heights.unit)
     result.about.append(
         f"h_rms = {quality.h_rms / scale:.3g} {name}".strip()
@@ -256,7 +265,6 @@ def _by_heights(
         if note not in result.about
         and not _is_repeated(note, heights.metadata)
         and "the jump is pressed" not in note  # the line on edges says it
-        and not (ends and note.startswith("opposite edges"))
     ]
     if not result.missing:
         result.about += slope_notes(quality.g_rms, measured=True)

@@ -90,11 +90,16 @@ def test_cropped_flipped_mirrored(prepared):
     assert topography.sizes == pytest.approx((8 / 7, 0.7))
     assert steps_done == ("cropped to 8 x 7 points",)
     assert np.array_equal(prepared(z, flip=True)[0], -z)
-    heights, topography, _ = prepared(z + PLANE, mirror=True)
+    heights, topography, _ = prepared(z + PLANE, boundary="mirror")
     assert topography.sizes == (4.0, 2.0)
     assert np.array_equal(heights[:14, :10], z + PLANE)
     assert np.array_equal(heights, heights[::-1])
     assert np.array_equal(heights, heights[:, ::-1])
+    for axis, boundary in enumerate((["mirror", "free"], ["periodic", "mirror"])):
+        along_axis, topography, steps_done = prepared(z, boundary=boundary)
+        assert steps_done == (f"mirrored along {'xy'[axis]}",)
+        assert topography.sizes[axis] == 2 * SIZES[axis]
+        assert np.array_equal(along_axis, np.concatenate([z, np.flip(z, axis)], axis))
     for crop in ((0, 0, 3, 1), (1, 0, 1, 1)):
         with pytest.raises(
             SceneError, match=r"surface.crop: found points \d+ to \d+ of 14 along x.*x1 <= 2 and"
@@ -147,14 +152,15 @@ def checksum_in_one_process(comm, spec):
     return from_rank_0(comm, lambda: build_surface(spec, SerialComm(), np.float64).checksum)
 
 
-ALL = {"crop": (0, 0, 1, 1), "detrend": "curvature", "flip": True, "mirror": True, "downsample": 2}
+ALL = {"crop": (0, 0, 1, 1), "detrend": "curvature", "flip": True, "downsample": 2}
 
 
 @pytest.mark.parametrize(
     ("boundary", "keys"),
     [
         *product(("periodic", "free", ("free", "periodic")), ({"refine": 2}, {"downsample": 2})),
-        ("periodic", ALL),
+        ("mirror", ALL),
+        (("periodic", "mirror"), {"downsample": 2}),
         ("free", {"detrend": "tilt", "radius": 9.0, "refine": 2}),
     ],
 )
@@ -172,7 +178,7 @@ def test_the_same_heights_on_any_number_of_ranks(boundary, keys, comm, monkeypat
         together = build_surface(spec, comm, np.float64)
         assert together.checksum == checksum_in_one_process(comm, spec)
         comm.barrier()
-    assert "mirror" not in keys or together.prepared == (
+    assert "crop" not in keys or together.prepared == (
         "cropped to 17 x 20 points",
         "curvature removed",
         "10 points (2.9 %) filled",
@@ -223,7 +229,7 @@ def test_notes(comm):
         (rough, {}, []),  # only a person who reads the map is told
         (holes, {"fill": "harmonic"}, ["21 % of the heights are filled"]),
         (tilted, {"boundary": "periodic"}, ["opposite edges along x differ by"]),
-        (tilted, {"mirror": True}, []),
+        (tilted, {"boundary": "mirror"}, []),
         (30 * smooth, {}, ["the theory is that of small slopes"]),
         (1e7 * smooth, {}, ["probably in different units"]),
         (1e-6 * smooth, {}, ["probably in different units"]),

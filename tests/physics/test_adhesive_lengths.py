@@ -137,7 +137,8 @@ def test_a_ball_whose_contact_jumps_with_a_soft_spring():
     gap = 0.5 * (ball.max() - ball.mean())
     reach = np.ptp(ball)
     work = 9 * np.pi * reach**2
-    found = hpc_gfmd.solve(ball, gap_mean=gap, adhesion={"work": work, "range": reach})
+    attraction = {"work": work, "range": reach}
+    found = hpc_gfmd.solve(ball, gap_mean=gap, adhesion=attraction, boundary="periodic")
     assert found.status == "converged"
     assert found.gap_mean == pytest.approx(gap, rel=1e-3)
     assert found.p == pytest.approx(-0.646, abs=5e-3)
@@ -154,7 +155,11 @@ def test_a_symmetric_wall_is_left_where_the_symmetric_state_is_a_saddle(noise):
     gap = 0.5966 * (heights.max() - heights.mean())
     heights += noise * np.random.default_rng(1).standard_normal(heights.shape)
     found = hpc_gfmd.solve(
-        heights, gap_mean=gap, adhesion={"work": work, "range": reach}, accuracy=1e-5
+        heights,
+        gap_mean=gap,
+        adhesion={"work": work, "range": reach},
+        accuracy=1e-5,
+        boundary="periodic",
     )
     assert found.status == "converged"
     assert found.p == pytest.approx(-0.01794, rel=1e-3)

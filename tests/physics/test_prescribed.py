@@ -430,7 +430,7 @@ def test_small_walls_with_a_hardness(n):
             {"gap_mean": float(10.0 ** rng.uniform(-5, -0.1) * (z.max() - z.mean()))},
             {"pressure": float(hardness * rng.uniform(0.1, 0.99))},
         ][k % 3]
-        found = hpc_gfmd.solve(z, hardness=hardness, **load)
+        found = hpc_gfmd.solve(z, hardness=hardness, boundary="periodic", **load)
         if found.status != "converged":
             continue
         converged += 1

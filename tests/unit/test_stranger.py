@@ -39,7 +39,7 @@ def folder(tmp_path_factory):
 def test_python_example(folder):
     (folder / "six.py").write_text(PYTHON)
     (output_line,) = printed("six.py", cwd=folder).splitlines()
-    scan = hpc_gfmd.read_surface(folder / "scan.x3p", detrend="tilt", boundary="free")
+    scan = hpc_gfmd.read_surface(folder / "scan.x3p", detrend="tilt", boundary="mirror")
     solution = hpc_gfmd.solve(scan, LOAD, MODULUS)
     area = float(re.fullmatch(r"a_r = ([\d.]+) %", output_line)[1]) / 100
     assert area == pytest.approx(solution.a_r, rel=1e-2)
@@ -63,7 +63,7 @@ def test_scene_example(folder):
     assert with_error(100 * solution.a_r, error) in output
     assert "[MPa]" in output
     python = hpc_gfmd.solve(
-        hpc_gfmd.read_surface(folder / "scan.x3p", detrend="tilt", boundary="free"), LOAD, MODULUS
+        hpc_gfmd.read_surface(folder / "scan.x3p", detrend="tilt", boundary="mirror"), LOAD, MODULUS
     )
     assert solution.status == "converged"
     assert solution.a_r == pytest.approx(python.a_r, rel=1e-2)
@@ -81,7 +81,7 @@ for name in ("new", "worn"):
     out = abs(scan.heights() - scan.median()) > 5 * scan.mad_height()
     whole = np.ma.masked_where(out, scan.heights())
     scan = Topography(whole, scan.physical_sizes, unit=scan.unit).interpolate_undefined_data()
-    results[name] = hpc_gfmd.solve(scan, ["5 MPa", "20 MPa"], "2 GPa")
+    results[name] = hpc_gfmd.solve(scan, ["5 MPa", "20 MPa"], "2 GPa", boundary="free")
 results["new"].to_dataframe().to_csv("numbers.csv")
 hpc_gfmd.plot(results, "a_r").savefig("both.png")
 results["new"].export("pressure.gwy", fields=["pressure"])

@@ -50,7 +50,7 @@ def tilted(sizes=(240.0, 160.0)):
 
 def test_scene_of_a_height_map_runs_unchanged(tmp_path, cli):
     tilted()
-    written, missing, notes = compose("map.npz", Path("scene.toml"))
+    written, missing, notes, _ = compose("map.npz", Path("scene.toml"))
     assert not missing
     for words in (
         "24 x 16 points, 240 nm x 160 nm, heights in nm",
@@ -90,18 +90,18 @@ def spiky(z):
     [
         (PERIODIC, {}, False),
         (spiky(PERIODIC), {}, True),
-        (spiky(PART), {"boundary": "free"}, True),
+        (spiky(PART), {"boundary": "mirror"}, True),
         # a step, along an axis and across
-        (np.where(X < 48, 0, 5.0)[:, None] + PART, {"boundary": "free"}, False),
-        (np.where(X[:, None] < X, 0, 5.0) + PART, {"boundary": "free"}, None),
-        (PART + 0.1 * X, {"boundary": "free", "detrend": "tilt"}, False),
+        (np.where(X < 48, 0, 5.0)[:, None] + PART, {"boundary": "mirror"}, False),
+        (np.where(X[:, None] < X, 0, 5.0) + PART, {"boundary": "mirror"}, None),
+        (PART + 0.1 * X, {"boundary": "mirror", "detrend": "tilt"}, False),
         (np.round(40 * PERIODIC), {}, False),
     ],
 )
 def test_boundary_and_detrending_are_detected(z, chosen, outliers):
     """Outliers, steps and rounded heights change neither choice."""
     np.savez("map.npz", z=z, physical_sizes=[1.0, 1.0], unit="um")
-    text, _, notes = compose("map.npz", Path("a.toml"))
+    text, _, notes, _ = compose("map.npz", Path("a.toml"))
     surface = tomllib.loads(text)["surface"]
     assert {key: surface[key] for key in ("boundary", "detrend") if key in surface} == chosen
     assert outliers in (None, any("points stand out" in line for line in notes))
@@ -119,6 +119,25 @@ def test_remarks_are_those_of_the_scene():
         assert not any("does not run" in note for note in notes)
     notes = compose("map.npz", Path("a.toml"), ["surface.fill=none"])[2]
     assert sum("does not run" in note for note in notes) == 1
+
+
+def test_the_boundary_of_a_piece(tmp_path, cli, monkeypatch):
+    """Without a terminal "mirror" is written with all choices; a terminal is asked."""
+    np.savez("map.npz", z=PART, physical_sizes=[1.0, 1.0], unit="um")
+    text = cli.prints("init map.npz")
+    assert all(f'boundary = "{name}"' in text for name in ("mirror", "free", "periodic"))
+    (line,) = [
+        line for line in Path("scene.toml").read_text().splitlines() if line.startswith("boundary")
+    ]
+    assert re.match(r'boundary = "mirror" .*"mirror" \(a .*"free" \(a .*"periodic" \(', line)
+    answers = iter(["a", "free"])
+    monkeypatch.setattr("builtins.input", lambda _: next(answers))
+    for stream in ("stdin", "stdout"):
+        monkeypatch.setattr(f"sys.{stream}.isatty", lambda: True)
+    cli.prints("init map.npz --force")
+    assert load_scene("scene.toml").surface.free == (True, True)
+    complaint = cli.refused("run scene.toml --set surface.mirror=true")
+    assert 'surface.mirror: found true, allowed: boundary = "mirror"' in complaint
 
 
 def test_unknown_sizes_and_units_are_not_invented(cli):

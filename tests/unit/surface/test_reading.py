@@ -316,7 +316,7 @@ def test_resolution_of_the_instrument(capsys):
     info = {"instrument": {"parameters": parameters}}
     scan = surface_topography().Topography(1e9 * Z, (1200, 400), unit="nm", info=info)
     scan.to_netcdf("scan.nc")
-    text, _, notes = compose("scan.nc", Path("scene.toml"))
+    text, _, notes, _ = compose("scan.nc", Path("scene.toml"))
     words = "waves shorter than 350 nm show the instrument"
     assert any(words in line and "surface.downsample = 4 removes" in line for line in notes)
     assert re.search(f"^# downsample = 4 .*{words}", text, re.M)
@@ -350,7 +350,7 @@ def test_uneven_coordinates_are_refused(tmp_path):
     "keys",
     [
         {},
-        {"detrend": "tilt", "mirror": True},
+        {"detrend": "tilt", "boundary": "mirror"},
         {"physical_sizes": ["2.4 um", "0.8 um"], "flip": True},
         {"boundary": "free"},
     ],
@@ -395,7 +395,7 @@ def test_heights_in_memory(heights, keys, plain):
     surface = hpc_gfmd.prepare_surface(heights, **keys)
     units = ("1 GPa", "50 GPa") if surface.unit else (1e9, 5e10)
     if not keys:
-        as_it_is = surface_of_topography(heights)
+        as_it_is = surface_of_topography(heights, None)
         assert (as_it_is.sizes, as_it_is.unit) == (surface.sizes, surface.unit)
         assert (as_it_is.prepared, as_it_is.free) == (surface.prepared, surface.free)
         assert np.array_equal(as_it_is.heights, surface.heights)
@@ -406,7 +406,7 @@ def test_heights_in_memory(heights, keys, plain):
 def test_missing_heights_in_memory_and_files():
     """Masked points and nan are refused without surface.fill, for arrays and all formats."""
     surface = hpc_gfmd.prepare_surface(
-        surface_topography().Topography(MASKED, SIZES, unit="m"), fill="harmonic"
+        surface_topography().Topography(MASKED, SIZES, unit="m"), fill="harmonic", boundary="free"
     )
     assert surface.free == (True, True)
     assert "filled" in surface.prepared[0]

@@ -802,12 +802,18 @@ def lens(n=32, radius=5e-4, size=3.2e-5):
     )
 
 
-def test_note_on_a_lens_taken_as_periodic():
+def test_a_lens_is_told_about_free_edges_and_radius():
     lens()
-    notes = hpc_gfmd.read_surface("lens.npz").notes
-    assert len(notes) == 2
-    for axis, note in zip("xy", notes, strict=True):
+    with refused('^surface.boundary: .* along x meet in a kink.*"mirror".*"free".*"periodic"'):
+        hpc_gfmd.read_surface("lens.npz")
+    *kinks, form = hpc_gfmd.read_surface("lens.npz", boundary="periodic").notes
+    for axis, note in zip("xy", kinks, strict=True):
         assert f"opposite edges along {axis}" in note
+    (note,) = hpc_gfmd.read_surface("lens.npz", boundary="mirror").notes
+    assert note == form
+    assert "curved, along x by" in note
+    assert 'boundary = "free"' in note
+    assert "radius" in note
     assert not hpc_gfmd.read_surface("lens.npz", boundary="free").notes
     z = random_heights((64, 64))
     assert not any(

@@ -260,7 +260,7 @@ def test_a_topography_of_surfacetopography():
     Topography = surface_topography().Topography
     fine, coarse = two_random_maps((20, 20), (10, 10))
     scans = [Topography(z, (20.0, 20.0), unit="um") for z in (fine, coarse)]
-    surface = hpc_gfmd.combine_surfaces(*scans)
+    surface = hpc_gfmd.combine_surfaces(*scans, boundary="free")
     arrays = [
         hpc_gfmd.prepare_surface(z, physical_sizes=(20.0, 20.0), unit="um", boundary="free")
         for z in (1.0 * fine, 1.0 * coarse)
