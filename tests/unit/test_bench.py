@@ -308,3 +308,11 @@ def test_model_counts_what_ranks_send():
     assert crowded["of_bandwidth"] > 0.9
     for price in ({"barrier": 1e-3}, {"halo": 1e-3}, {"call": 1e-2}):
         assert predict(4096, 1, replace(ideal, **price))["seconds"] > 1.2 * one_node["seconds"]
+
+
+@pytest.mark.slow
+def test_user(bench):
+    """Every call takes longer than the solver's share of it."""
+    found = {row["what"]: row for row in bench("user --n 16 --repeats 1")}
+    assert {"solve(z)", "run of text", "first solve, nothing compiled"} <= set(found)
+    assert all(row["over_core"] > 1 for row in found.values() if "over_core" in row)
