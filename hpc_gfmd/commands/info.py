@@ -31,14 +31,14 @@ def facts() -> dict[str, str]:
     """
     import h5py
 
-    from ..parallel.fftw import fft_library
+    from ..parallel.fftw import load_fftw
     from ..solvers import solver_names
     from ..util.caches import cache_folder
     from ..util.machine import available_gib, cores
     from ..util.versions import processor, versions
 
     lines = dict(versions())
-    lines["FFT"] = fft_library()
+    lines["FFT"] = load_fftw()[0]
     lines["MPI"] = _mpi_library()
     lines["HDF5"] = f"{h5py.version.hdf5_version}, {_io()}"
     lines["solvers"] = "auto (bpx), " + ", ".join(solver_names())

@@ -39,13 +39,7 @@ TILE = 8  # complex numbers of single precision in a cache line
 
 @intrinsic
 def transform(_, function, plan, source, target):
-    """Call a C function that transforms one array to another. Only in kernels.
-
-    Parameters
-    ----------
-    function, plan, source, target : int
-        Addresses of the function, and of its arguments: the plan and the memory of both arrays.
-    """
+    """Call a C function of a plan and the memory of two arrays, all of them addresses."""
 
     def generate(context, builder, signature, values):
         pointer = ir.IntType(8).as_pointer()
@@ -58,26 +52,14 @@ def transform(_, function, plan, source, target):
 
 
 def no_rows(real):
-    """Return `rows` of a thread, (real, spectra), for given real rows that are never transformed.
-
-    real: (R, n_y); the spectra are empty.
-    """
+    """Return `rows` of a thread for given real rows (R, n_y) that are never transformed."""
     nothing = np.zeros(1)
     return real, (nothing, nothing, np.zeros(1, np.int64), 0, (0, 0, 0, 0), (0, 0, 0, 0))
 
 
 @kernel
 def store_rows(spectra, i0, i1):
-    """Transform the real rows of a pass and copy their spectra to the blocks of this rank.
-
-    Parameters
-    ----------
-    spectra : tuple
-        Transform and memory of one thread: (half, blocks, edges, n_loc, forward, backward), see the
-        head of the file. Its half and blocks are overwritten.
-    i0, i1 : int
-        The rows i0 <= i < i1 of this rank.
-    """
+    """Transform the real rows i0 <= i < i1 of a pass and copy their spectra to the blocks."""
     half, blocks, edges, n_loc, (function, plan, source, target), _ = spectra
     transform(function, plan, source, target)
     words = edges[-1]
@@ -95,16 +77,7 @@ def store_rows(spectra, i0, i1):
 
 @kernel
 def load_rows(spectra, i0, i1):
-    """Copy spectra of rows from the blocks and transform them to the real rows of a pass.
-
-    Parameters
-    ----------
-    spectra : tuple
-        Transform and memory of one thread: (half, blocks, edges, n_loc, forward, backward), see the
-        head of the file. Its half and the real rows are overwritten.
-    i0, i1 : int
-        The rows i0 <= i < i1 of this rank.
-    """
+    """Copy spectra of rows i0 <= i < i1 from the blocks and transform them to real rows."""
     half, blocks, edges, n_loc, _, (function, plan, source, target) = spectra
     words = edges[-1]
     for block in range(edges.shape[0] - 1):
@@ -122,16 +95,7 @@ def load_rows(spectra, i0, i1):
 
 @kernel
 def load_columns(columns, k):
-    """Fill a thread's scratch with the columns of a block of the spectrum, transformed along x.
-
-    Parameters
-    ----------
-    columns : tuple
-        Transform and memory of one thread: (moved, address, near, far, function, plans), see the
-        head of the file; moved is the scratch.
-    k : int
-        Block of this rank.
-    """
+    """Fill a thread's scratch with the columns of its block k, transformed along x."""
     moved, address, near, far, function, plans = columns
     width = plans[k, 0]
     for w in range(width, plans[k, 1]):
@@ -144,16 +108,7 @@ def load_columns(columns, k):
 
 @inline
 def store_columns(columns, k):
-    """Transform the scratch back and write it to where `load_columns` read the block.
-
-    Parameters
-    ----------
-    columns : tuple
-        Transform and memory of one thread: (moved, address, near, far, function, plans), see the
-        head of the file; moved is the scratch.
-    k : int
-        Block of this rank.
-    """
+    """Transform the scratch back and write it to where `load_columns` read block k."""
     moved, address, near, far, function, plans = columns
     transform(function, plans[k, 3], address, address)
     for memory, begins, rows in (near, far):

@@ -33,8 +33,8 @@ from numpy.typing import ArrayLike, DTypeLike
 from ..kernels.spectral import multiply_blocks
 from ..kernels.transforms import load_columns, load_rows, store_columns, store_rows
 from ..util.aligned import empty_aligned, zeros_aligned
+from .fftw import Plans
 from .layout import Layout
-from .plans import Plans
 from .shared import common_memory
 from .threads import Shares, on_threads, shares
 from .wisdom import planned
@@ -43,38 +43,16 @@ if TYPE_CHECKING:
     from .comm import Comm
 
 T = TypeVar("T")
+RowWork = Callable[[int, int, np.ndarray], T]  # makes or uses local rows i0 <= i < i1 in x (R, n_y)
 
 
 class SlabFFT(Layout):
-    """Transforms of one grid in one precision.
+    """Transforms of one grid in one precision, planned when the object is made: collective.
 
-    They are planned when the object is made, which is collective. `blocks` holds one spectrum at a
-    time: `forward_rows` overwrites it, and so do `columns` and `multiply_columns` unless told not
-    to transform back. A convolution is `forward_rows`, one of the latter two, and `backward_rows`.
-
-    Parameters
-    ----------
-    comm : Comm
-        All ranks.
-    n : (int, int)
-        (n_x, n_y) of the whole field.
-    starts : array_like of int
-        First row of each rank, and n_x.
-    dtype : dtype
-        Of the real field.
-    threads : int
-        Of this rank.
-
-    Attributes
-    ----------
-    blocks : ndarray of complex
-        The spectrum: row spectra of this rank, block by block.
-    rows : tuple
-        Scratch and row transforms of each thread, (real, spectra) of kernels/transforms.py.
-    scale : float
-        1/(n_x n_y), which the transforms leave out.
-    multipliers : dict
-        Bodies keep here, each under itself, what they multiply the columns by.
+    `blocks` holds one spectrum at a time: the row spectra of this rank, block by block.
+    `forward_rows` overwrites it, and so do `columns` and `multiply_columns` unless told not to
+    transform back. `rows` and `_columns` are, of each thread, what kernels take
+    (kernels/transforms.py). In `multipliers` bodies keep what they multiply the columns by.
     """
 
     def __init__(
@@ -87,16 +65,9 @@ class SlabFFT(Layout):
         n_x, n_y = n
         self.scale = 1.0 / (n_x * n_y)
         self.threads = threads
-        self.multipliers: dict[Any, Any] = {}  # of a body: what it multiplies these columns by
-        self._memory, offsets, self.blocks = self._common(complex_dtype)
-        self._near_rows, self._far_rows = (
-            np.stack([self.starts[ranks], self.starts[ranks + 1]], axis=1)
-            for ranks in (self.node_ranks, np.flatnonzero(self.far))
-        )
-        first_columns = self.edges[:-1].reshape(self.K, self.size)[:, self.rank]
+        self.multipliers: dict[Any, Any] = {}
         self._own_widths = self.block_widths[:, self.rank].tolist()
-        # where the node's rows of this rank's blocks begin
-        self._first = offsets + np.diff(self._near_rows)[:, 0] * first_columns[:, None]
+        self._memory, self._offsets, self.blocks = self._common(complex_dtype)
         received = n_x * self.W if self.far.any() else 0
         self._scratch = [  # of a thread: real rows, their spectra, columns, what has been sent
             (
@@ -116,47 +87,8 @@ class SlabFFT(Layout):
         )
         for a in (real, half, columns):
             a[...] = 0  # planning has left noise
-        block_plans = self._block_plans()
-        self.rows, self._columns = zip(
-            *(self._for_kernels(scratch, block_plans) for scratch in self._scratch)
-        )
-
-    def _block_plans(self) -> np.ndarray:
-        """Return the `plans` of this rank's blocks, (K, 4), see kernels/transforms.py."""
-        forward = self.plans.columns_forward
-        backward = self.plans.columns_backward
-        of_widths = np.array([(w, forward[w][1], backward[w][1]) for w in self.widths])
-        # a block of another width uses the plan for the next larger one
-        planned = np.searchsorted(self.widths, self._own_widths)
-        return np.column_stack([self._own_widths, of_widths[planned]])
-
-    def _for_kernels(
-        self, scratch: tuple[np.ndarray, ...], block_plans: np.ndarray
-    ) -> tuple[tuple, tuple]:
-        """Return `rows` and `columns` of a thread, as described in kernels/transforms.py.
-
-        scratch: arrays of this thread, which both refer to. block_plans: see `_block_plans`.
-        """
-        real, half, columns, received = scratch
-        plans = self.plans
-        widths = self._own_widths
-        words = half.itemsize // 8
-        spectra = (
-            half.view(np.float64).reshape(-1),
-            self.blocks.view(np.float64),
-            self.edges * words,
-            self.n_loc,
-            (*plans.rows_forward, real.ctypes.data, half.ctypes.data),
-            (*plans.rows_backward, half.ctypes.data, real.ctypes.data),
-        )
-        return (real, spectra), (
-            _moved(columns),
-            columns.ctypes.data,
-            (_moved(self._memory), self._first, self._near_rows),
-            (_moved(received), np.outer(widths, self._far_rows[:, 0]), self._far_rows),
-            plans.columns_forward[self.W][0],
-            block_plans,
-        )
+        self.rows = [self._rows_of(scratch) for scratch in self._scratch]
+        self._columns = self._columns_of_threads()
 
     def _common(self, dtype: np.dtype) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Allocate the spectrum in memory that the ranks of the node share. Collective.
@@ -176,61 +108,89 @@ class SlabFFT(Layout):
         blocks[...] = 0  # every rank its own: pages belong where they are touched first
         return memory, offsets, blocks
 
+    def _rows_of(self, scratch: tuple[np.ndarray, ...]) -> tuple:
+        """Return `rows` of the thread with some scratch, see kernels/transforms.py."""
+        real, half, _, _ = scratch
+        spectra = (
+            half.view(np.float64).reshape(-1),
+            self.blocks.view(np.float64),
+            self.edges * (half.itemsize // 8),
+            self.n_loc,
+            (*self.plans.rows_forward, real.ctypes.data, half.ctypes.data),
+            (*self.plans.rows_backward, half.ctypes.data, real.ctypes.data),
+        )
+        return real, spectra
+
+    def _columns_of_threads(self) -> list[tuple]:
+        """Return `columns` of each thread, see kernels/transforms.py."""
+        forward = self.plans.columns_forward
+        backward = self.plans.columns_backward
+        of_widths = np.array([(w, forward[w][1], backward[w][1]) for w in self.widths])
+        # a block of another width uses the plan for the next larger one
+        plans = of_widths[np.searchsorted(self.widths, self._own_widths)]
+        near_rows, far_rows = (
+            np.stack([self.starts[ranks], self.starts[ranks + 1]], axis=1)
+            for ranks in (self.node_ranks, np.flatnonzero(self.far))
+        )
+        first_columns = self.edges[:-1].reshape(self.K, self.size)[:, self.rank]
+        near_begins = self._offsets + np.diff(near_rows)[:, 0] * first_columns[:, None]
+        far_begins = np.outer(self._own_widths, far_rows[:, 0])
+        return [
+            (
+                _moved(columns),
+                columns.ctypes.data,
+                (_moved(self._memory), near_begins, near_rows),
+                (_moved(received), far_begins, far_rows),
+                forward[self.W][0],
+                np.column_stack([self._own_widths, plans]),
+            )
+            for _, _, columns, received in self._scratch
+        ]
+
     def passes(self) -> list[tuple[int, int]]:
         """Return the ranges (i0, i1) of local rows that are transformed at a time."""
         return [(i, min(i + self.R, self.n_loc)) for i in range(0, self.n_loc, self.R)]
 
-    def forward_rows(self, fill: Callable[[int, int, np.ndarray], T]) -> list[T]:
+    def forward_rows(self, fill: RowWork[T]) -> list[T]:
         """Transform the rows that `fill` makes, into `blocks`. Not collective.
 
-        fill(i0, i1, x) writes local rows i0 <= i < i1 into the first rows of x, (R, n_y), which is
-        scratch of a thread and must not be kept. It is called for all `passes`, on several threads
-        at once. Returns what fill returned, in the order of the passes.
+        fill(i0, i1, x) writes local rows i0 <= i < i1 into x, scratch of a thread; it is called for
+        all `passes`, on several threads at once. Returns what it returned, pass by pass.
         """
 
-        def one(i0: int, i1: int, rows: tuple) -> T:
+        def forward(i0: int, i1: int, rows: tuple) -> T:
             result = fill(i0, i1, rows[0])
             store_rows(rows[1], i0, i1)
             return result
 
-        return on_threads(self.threads, one, self.passes(), self.rows)
+        return on_threads(self.threads, forward, self.passes(), self.rows)
+
+    def backward_rows(self, use: RowWork[T]) -> list[T]:
+        """Transform the row spectra in `blocks` back and hand the rows to `use`. Not collective.
+
+        use(i0, i1, x) reads local rows i0 <= i < i1 from x; otherwise as in `forward_rows`.
+        """
+
+        def backward(i0: int, i1: int, rows: tuple) -> T:
+            load_rows(rows[1], i0, i1)
+            return use(i0, i1, rows[0])
+
+        return on_threads(self.threads, backward, self.passes(), self.rows)
 
     def forward_passes(
         self, work: Callable[[np.ndarray, np.ndarray, np.ndarray, tuple], Any]
     ) -> None:
         """Transform the rows that a kernel makes, into `blocks`. Not collective.
 
-        Parameters
-        ----------
-        work : function
-            work(passes, parts, turns, rows) makes and transforms rows: all `passes` as an array
-            (passes, 2), parts and turns of `Shares`, and `rows` of a thread. Called on each thread.
+        work(passes, parts, turns, rows) makes and transforms rows, on each thread: all `passes` as
+        an array (passes, 2), parts and turns of `Shares`, and `rows` of the thread.
         """
         passes = np.array(self.passes(), np.int64).reshape(-1, 2)
-        parts_of_threads = Shares(len(passes), self.threads)
-        parts_of_threads.on_threads(
-            partial(work, passes, parts_of_threads.parts, parts_of_threads.turns), self.rows
-        )
-
-    def backward_rows(self, use: Callable[[int, int, np.ndarray], T]) -> list[T]:
-        """Transform the row spectra in `blocks` back and hand the rows to `use`. Not collective.
-
-        use(i0, i1, x) gets local rows i0 <= i < i1 in the first rows of x, (R, n_y), which is
-        scratch of a thread and must not be kept. It is called for all `passes`, on several threads
-        at once. Returns what use returned, in the order of the passes.
-        """
-
-        def one(i0: int, i1: int, rows: tuple) -> T:
-            load_rows(rows[1], i0, i1)
-            return use(i0, i1, rows[0])
-
-        return on_threads(self.threads, one, self.passes(), self.rows)
+        parts = Shares(len(passes), self.threads)
+        parts.on_threads(partial(work, passes, parts.parts, parts.turns), self.rows)
 
     def first_columns(self, count: int) -> np.ndarray:
-        """Return a copy of the first columns of the row spectra in `blocks`.
-
-        Its shape is (n_loc, count), complex. Not collective.
-        """
+        """Return a copy (n_loc, count) of the first columns of the row spectra in `blocks`."""
         blocks = [
             self._slab(m, m + 1).reshape(self.n_loc, self.edges[m + 1] - self.edges[m])
             for m in range(np.searchsorted(self.edges, count))
@@ -240,25 +200,15 @@ class SlabFFT(Layout):
     def columns(
         self, apply: Callable[[np.ndarray, int], T], forward: bool = True, backward: bool = True
     ) -> list[T]:
-        """Call a function on every block of complete columns of this rank. Collective.
+        """Call apply(block, m) on every block of complete columns of this rank. Collective.
 
-        Parameters
-        ----------
-        apply : function
-            apply(block, m), called on several threads at once. block: (width, n_x) complex, memory
-            of a thread that apply may change and must not keep; m: its number.
-        forward, backward : bool
-            False leaves out the transform along x before, or after it. Without `forward` apply gets
-            zeros; without `backward` what apply makes of a block is lost.
-
-        Returns
-        -------
-        list
-            What apply returned, in the order of the blocks.
+        block (width, n_x) is memory of a thread that apply may change, m its number. Without
+        `forward` apply gets zeros; without `backward` what it makes of a block is lost. Returns
+        what apply returned, in the order of the blocks.
         """
         results: list[Any] = [None] * self.K
 
-        def some(k0: int, k1: int, columns: tuple) -> None:
+        def work(k0: int, k1: int, columns: tuple) -> None:
             block = columns[0].view(self.blocks.dtype)
             for k in range(k0, k1):
                 if self._own_widths[k]:
@@ -266,37 +216,22 @@ class SlabFFT(Layout):
                         load_columns(columns, k)
                     else:
                         columns[0][...] = 0
-                    m = k * self.size + self.rank
-                    results[k] = apply(block[: self._own_widths[k]], m)
+                    results[k] = apply(block[: self._own_widths[k]], k * self.size + self.rank)
                     if backward:
                         store_columns(columns, k)
 
-        self._on_blocks(some, forward, backward)
+        self._on_blocks(work, forward, backward)
         return [result for result, width in zip(results, self._own_widths) if width]
 
     def multiply_columns(
         self, factors: tuple, inverse: bool, backward: bool
     ) -> tuple[float, float]:
-        """Apply K or 1/K to the field u whose row spectra are in `blocks`. Collective.
+        """Apply K, or with `inverse` 1/K, to the field u whose row spectra are in `blocks`.
 
-        One compiled pass multiplies all complete columns; K is a function of the wave vector.
-
-        Parameters
-        ----------
-        factors : tuple
-            (scale, weight, q_x, q_y, table), which define K: see kernels/spectral.py, `multiply`.
-        inverse : bool
-            Whether to apply 1/K, which counts as 0 where K is 0.
-        backward : bool
-            Whether to put the row spectra of the result into `blocks`, for `backward_rows`. If not,
-            `blocks` keeps those of u, and only the sums are of use.
-
-        Returns
-        -------
-        float
-            This rank's share of the sum over points of u K u, or with `inverse` of u (u/K).
-        float
-            Mean of u over the grid on rank 0; 0 on the others.
+        One compiled pass multiplies all complete columns; K, which `factors` define, is a function
+        of the wave vector (kernels/spectral.py: multiply_blocks). Without `backward` `blocks` keeps
+        the spectra of u. Returns this rank's share of the sum of u K u, or u (u/K), over points,
+        and on rank 0 the mean of u. Collective.
         """
         sums = np.zeros((self.K, 2))
 
@@ -304,11 +239,11 @@ class SlabFFT(Layout):
             numbers = columns[0].view(self.dtype)
             multiply_blocks(columns, parts, turns, numbers, factors, inverse, backward, sums)
 
-        def some(k0: int, k1: int, columns: tuple) -> None:
+        def work(k0: int, k1: int, columns: tuple) -> None:
             multiply(np.array([[k0, k1]]), np.zeros(1, np.int64), columns)
 
         if self.far.any():  # what other nodes have of a block is in the scratch of one thread
-            self._on_blocks(some, True, backward)
+            self._on_blocks(work, True, backward)
         else:
             self.comm.node.barrier()  # all rows of the node are there
             blocks = Shares(self.K, self.threads)
@@ -321,8 +256,7 @@ class SlabFFT(Layout):
     ) -> None:
         """Call work(k0, k1, columns) for all blocks of this rank, on all threads. Collective.
 
-        It works on blocks k0 <= k < k1 of this rank; columns: memory and column transforms of a
-        thread (kernels/transforms.py). Before it, if `forward`, rows of the blocks are fetched from
+        columns: those of the thread. Before it, if `forward`, rows of the blocks are fetched from
         other nodes; after it, if `backward`, they are sent back. The ranks of a node wait for each
         other before and after.
         """

@@ -16,63 +16,18 @@ MAX_WIDTH = 64
 
 
 def row_starts(n_x: int, size: int) -> np.ndarray:
-    """Return the rows of every rank by the block distribution of mpi4py-fft.
-
-    Parameters
-    ----------
-    n_x : int
-        Number of rows.
-    size : int
-        Number of ranks.
-
-    Returns
-    -------
-    ndarray of int, shape (size + 1,)
-        First row of every rank, and n_x.
-    """
+    """Return the first row of every rank, and n_x: the block distribution of mpi4py-fft."""
     return np.array([r * (n_x // size) + min(r, n_x % size) for r in range(size + 1)])
 
 
 class Layout:
     """The rows of a field and the columns of its half spectrum that each rank has.
 
-    Stores no field and sends nothing, but tells what ranks send each other.
-
-    Parameters
-    ----------
-    n : (int, int)
-        (n_x, n_y) of the whole field.
-    starts : array_like of int
-        First row of each rank, and n_x.
-    rank : int
-        This rank.
-    itemsize : int
-        Bytes of a complex number.
-    node_ranks : array_like of int, optional
-        Ranks that share memory with this one, itself among them; default: itself.
-
-    Attributes
-    ----------
-    size : int
-        Number of ranks.
-    n_c : int
-        Columns of the half spectrum, n_y // 2 + 1.
-    n_loc : int
-        Rows of this rank.
-    edges : ndarray of int
-        First column of every block, and n_c.
-    K : int
-        Blocks of each rank.
-    block_widths : ndarray of int, shape (K, size)
-        Number of columns of block k size + r, which belongs to rank r, at [k, r].
-    W : int
-        Columns of the widest block.
-    R : int
-        Rows that are transformed at a time.
-    node_ranks : ndarray of int
-        Ranks that share memory with this one, itself among them.
-    far : ndarray of bool, shape (size,)
-        Which ranks do not share memory with this one, so that messages are needed.
+    Stores no field and sends nothing, but tells what ranks send each other. `node_ranks` share
+    memory with this one, itself among them; `far` ranks do not, so that messages are needed. A rank
+    has n_loc rows and K blocks of columns, of which block k size + r belongs to rank r; `edges` are
+    the first columns of all blocks, and n_c; W is the widest block. R rows are transformed at a
+    time.
     """
 
     def __init__(
@@ -160,10 +115,10 @@ class Layout:
         return self.n_loc * self.n_c * self.itemsize
 
     def sent(self, k: int) -> tuple[np.ndarray, np.ndarray]:
-        """Return what this rank sends of its rows in the all-to-all number k: (sizes, offsets).
+        """Return the bytes that this rank sends to every rank in the all-to-all number k.
 
-        sizes: bytes for every rank, 0 for those that share memory with this one; offsets: where
-        they begin, in bytes from the first block of number k (of rank 0). Both have shape (size,).
+        And where they begin, in bytes from the first block of number k. 0 bytes for ranks of this
+        node.
         """
         first_columns = self.edges[k * self.size : (k + 1) * self.size]
         column_bytes = self.n_loc * self.itemsize
@@ -171,19 +126,15 @@ class Layout:
         return sizes, (first_columns - first_columns[0]) * column_bytes
 
     def received(self, k: int) -> tuple[np.ndarray, np.ndarray]:
-        """Return what this rank receives of its columns in all-to-all number k: (sizes, offsets).
+        """Return the bytes that this rank receives from every rank in all-to-all number k.
 
-        sizes: bytes from every rank, 0 from those that share memory with this one; offsets: where
-        they begin, in bytes, in the memory that receives them. Both have shape (size,).
+        And where they begin in the memory that receives them.
         """
         row_bytes = self.block_widths[k, self.rank] * self.itemsize
         return self.far * np.diff(self.starts) * row_bytes, self.starts[:-1] * row_bytes
 
     def traffic(self) -> tuple[int, int]:
-        """Return (bytes, messages) that this rank sends to other nodes in one FFT pair.
-
-        That is the exchange of rows for columns, and the one back.
-        """
+        """Return (bytes, messages) that this rank sends to other nodes in one FFT pair."""
         to_others = self.block_widths[:, self.far]
         mine = self.block_widths[:, self.rank]
         rows = np.diff(self.starts) * self.far

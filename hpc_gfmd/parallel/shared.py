@@ -18,27 +18,9 @@ PAGE = mmap.PAGESIZE
 def common_memory(comm: Any, nbytes: int) -> tuple[np.ndarray, np.ndarray]:
     """Make memory that all ranks of a communicator share. Collective.
 
-    It is freed with the last array that refers to it. Ranks that read what others write have to
-    synchronise themselves.
-
-    Parameters
-    ----------
-    comm : Comm
-        Ranks of one machine.
-    nbytes : int
-        Bytes for this rank.
-
-    Returns
-    -------
-    ndarray of uint8
-        The bytes of all ranks, zero at first.
-    ndarray of int
-        Offset of the bytes of each rank, at the beginning of a page.
-
-    Raises
-    ------
-    OSError
-        On all ranks if they cannot share memory, such as on several machines.
+    Returns the bytes of all ranks, zero at first, and where those of each rank begin. It is freed
+    with the last array that refers to it; ranks that read what others write have to synchronise
+    themselves. Raises OSError on all ranks if they cannot share memory, as on several machines.
     """
     offsets = np.concatenate([[0], np.cumsum(-(-np.array(comm.allgather(nbytes)) // PAGE) * PAGE)])
     total = max(int(offsets[-1]), PAGE)

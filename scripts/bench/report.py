@@ -10,7 +10,7 @@ import time
 from pathlib import Path
 
 from hpc_gfmd.parallel.comm import SerialComm
-from hpc_gfmd.parallel.fftw import fft_library
+from hpc_gfmd.parallel.fftw import load_fftw
 from hpc_gfmd.util.versions import processor, versions
 
 
@@ -102,5 +102,5 @@ def provenance(comm):
         "ranks": comm.size,
         "time": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
         "commit": described.stdout.strip(),
-        "versions": versions() | {"FFT": fft_library()},
+        "versions": versions() | {"FFT": load_fftw()[0]},
     }

@@ -6,7 +6,9 @@ from transfers import assert_same_on_slabs
 
 from hpc_gfmd.bodies.halfspace import HALF_SPACE
 from hpc_gfmd.bodies.layer import Layer
+from hpc_gfmd.operators.elastic import reader
 from hpc_gfmd.parallel import halo
+from hpc_gfmd.parallel.grid import Grid
 
 pytestmark = pytest.mark.mpi
 
@@ -34,6 +36,25 @@ GRIDS = [
 def test_stiffness_and_compliance(comm, n, dtype, tolerance, body):
     """physics/test_oracle.py compares the values on one rank with dense linear algebra."""
     assert_same_on_slabs(comm, n, dtype, tolerance, body)
+
+
+@pytest.mark.parametrize("n", [(7, 11), (31, 37), (200, 301)])
+@pytest.mark.parametrize(("dtype", "tolerance"), [(np.float64, 1e-13), (np.float32, 1e-5)])
+def test_spectrum_is_that_of_mpi4py_fft(comm, n, dtype, tolerance):
+    MPI = pytest.importorskip("mpi4py.MPI")
+    PFFT = pytest.importorskip("mpi4py_fft").PFFT
+    u = np.random.default_rng(2).standard_normal(n).astype(dtype)
+    pfft = PFFT(comm.mpi or MPI.COMM_SELF, n, dtype=dtype)
+    parts = comm.allgather((pfft.local_slice(True), pfft.forward(u[pfft.local_slice(False)])))
+    wanted = np.empty((n[0], n[1] // 2 + 1), complex)
+    for place, part in parts:
+        wanted[place] = part
+    grid = Grid(n, comm=comm)
+    fft = grid.fft(dtype)
+    fft.forward_rows(reader(u[slice(*grid.rows)]))
+    blocks = fft.columns(lambda block, m: (fft.columns_of(m), block.T * fft.scale), backward=False)
+    for (j0, j1), block in blocks:
+        assert np.abs(block - wanted[:, j0:j1]).max() < tolerance
 
 
 @pytest.mark.parametrize(("n", "lost"), [(1, 0), (2, 0), (7, 0), (24, 0), (24, 5)])

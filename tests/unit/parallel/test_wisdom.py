@@ -5,11 +5,9 @@ import pytest
 
 from hpc_gfmd.parallel import grid, wisdom
 from hpc_gfmd.parallel.comm import SerialComm
-from hpc_gfmd.parallel.fftw import load_fftw
 from hpc_gfmd.parallel.grid import Grid
 from hpc_gfmd.util.caches import keep, kept
 
-pytestmark = pytest.mark.skipif(load_fftw() is None, reason="FFTW is missing")
 N = (120, 84)
 
 
@@ -32,6 +30,10 @@ def plan(n=N):
     return Grid(n).fft(np.float64)
 
 
+def lines(text):
+    return set(text.split(b"\n"))
+
+
 def files(folder):
     return sorted(p for p in folder.rglob("*") if p.is_file())
 
@@ -45,10 +47,10 @@ def test_plans_are_read_from_one_file_and_written_only_if_new(memory, tmp_path):
     stamp = path.stat().st_mtime_ns
     memory.replace(b"")
     plan()
-    assert wisdom._lines(memory.text()) == wisdom._lines(written)
+    assert lines(memory.text()) == lines(written)
     assert path.stat().st_mtime_ns == stamp
     plan((60, 84))
-    assert wisdom._lines(written) < wisdom._lines(kept(path))
+    assert lines(written) < lines(kept(path))
     assert files(tmp_path) == [path]
 
 
@@ -59,7 +61,7 @@ def test_file_of_many_grids_stays_small(memory, tmp_path, monkeypatch):
         plan((24 + 2 * k, 36 + 2 * k))
         (path,) = files(tmp_path)
         assert path.stat().st_size < 3 * wisdom.LIMIT
-        assert wisdom._lines(memory.text()) <= wisdom._lines(kept(path)) | {b""}
+        assert lines(memory.text()) <= lines(kept(path)) | {b""}
 
 
 @pytest.mark.parametrize(
@@ -111,4 +113,4 @@ def test_ranks_plan_as_rank_0_does(memory):
     memory.replace(b"")
     plan((64, 100))
     assert wisdom.planned(Rank(1, sent), np.float64, make, N) == 2
-    assert wisdom._lines(made[1]) == wisdom._lines(wanted)
+    assert lines(made[1]) == lines(wanted)
