@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
+import re
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..output.unit_systems import SYSTEMS
 from ..util.errors import SceneError
 from .common import add_file, add_json, add_overrides, add_quiet, as_json
 
 if TYPE_CHECKING:
     from ..output.interface_law import InterfaceLaw
 
+PLAIN_NUMBER = re.compile(r"[-+.\deE]+")
 HELP = "area, gap, stiffness, conductance against pressure, for finite elements"
 DESCRIPTION = """
-Compute the interface law of a scene: contact area, mean gap, stiffness, conductance and critical
-gap against the mean pressure, with errors, from as few loads as an interpolation with the requested
-error needs. The loads and the output of the scene are ignored. Several scenes, or several seeds of
-one, give the mean and its scatter. Files: .csv (all, with units), .inp (CalculiX and Abaqus:
+Compute the interface law of a scene: contact area, mean gap, stiffness and conductance (or other
+numbers) against the mean pressure, with errors, from as few loads as an interpolation with the
+requested error needs. The loads and the output of the scene are ignored. Several scenes, or several
+seeds of one, give the mean and its scatter. Files: .csv (all), .inp (CalculiX and Abaqus:
 *SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR and *GAP CONDUCTANCE)."""
 
 
@@ -39,9 +42,9 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--error",
         type=share,
-        default=0.01,
+        default=0.05,
         metavar="SHARE",
-        help="largest deviation of a further load from the law, as 1%% (default) or 0.01",
+        help="largest deviation of a further load from the law, as 1%% or 0.01 (default: 5%%)",
     )
     parser.add_argument(
         "--realisations",
@@ -54,16 +57,21 @@ def add_arguments(parser: ArgumentParser) -> None:
         "--quantities",
         metavar="NAME",
         nargs="+",
-        help="numbers of a load; default: a_r, gap_mean, stiffness, conductance, critical_gap_x,"
-        " critical_gap_y",
+        help="numbers of a load; default: a_r, gap_mean, stiffness, conductance; critical_gap_x or"
+        " critical_gap_y finds the load at which a seal is tight",
     )
     parser.add_argument(
         "--conductivity",
         type=float,
         nargs="+",
         metavar="K",
-        help="thermal conductivity of the bodies, one or two numbers, in W/(m K) with lengths in m:"
-        " puts the conductance into files for finite elements",
+        help="thermal conductivity of the bodies, one or two numbers, in W/(m K) where the scene"
+        " has units: puts the conductance into files for finite elements",
+    )
+    parser.add_argument(
+        "--units",
+        choices=list(SYSTEMS),
+        help="of what is printed and written (default: SI where the scene has units)",
     )
     parser.add_argument(
         "--name", default="ROUGH", help="name of the surface interaction (default: ROUGH)"
@@ -102,6 +110,11 @@ def main(args: Namespace) -> int:
     quantities = args.quantities or QUANTITIES
 
     def scenes() -> list:
+        if args.units and PLAIN_NUMBER.fullmatch(args.start):
+            raise SceneError(
+                f"--units: found {args.units} with --from {args.start}, allowed: pressures with"
+                ' units, as "1 MPa"'
+            )
         for path in args.output:
             require_file(path, quantities, conductivity, args.name)
             if Path(path).exists() and not args.force:
@@ -118,6 +131,8 @@ def main(args: Namespace) -> int:
         progress=not (args.quiet or args.json),
         comm=comm,
     )
+    if args.units:
+        law = law.in_units(args.units)
 
     written: list[str] = []
 

@@ -5,19 +5,20 @@ pressure, with errors, for use in other programs.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from ..util.errors import SceneError
+from .unit_systems import SYSTEMS, converted, system_of
 
 if TYPE_CHECKING:
     from pandas import DataFrame
 
 LOAD_AT = "a load at "  # begins the line of InterfaceLaw.about on a load that is not converged
-QUANTITIES = ("a_r", "gap_mean", "stiffness", "conductance", "critical_gap_x", "critical_gap_y")
+QUANTITIES = ("a_r", "gap_mean", "stiffness", "conductance")  # of a law, by default
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,8 +40,8 @@ class InterfaceLaw:
     gap_at_touch : float
         Mean gap when the highest point just touches, at zero pressure; in the unit of lengths.
     units : dict of str to str
-        Unit of "pressure" and of each quantity: "Pa", "m", "1/m", ...; "1" if dimensionless, "" if
-        the unit is unknown.
+        Unit of "pressure", "gap_at_touch" and of each quantity: "Pa", "m", "1/m", ...; "1" if
+        dimensionless, "" if the unit is unknown.
     surfaces : int
         Number of surfaces that were averaged.
     about : tuple of str
@@ -130,6 +131,44 @@ class InterfaceLaw:
                 " it closes"
             )
         return float(self.pressure[tight[0]])
+
+    def in_units(self, name: str) -> InterfaceLaw:
+        """Return the law in another consistent system of units, for programs that convert nothing.
+
+        Parameters
+        ----------
+        name : {"SI", "mm-N-MPa", "um-uN-MPa"}
+            The system.
+
+        Returns
+        -------
+        InterfaceLaw
+            The same law; `write_law` writes it in these units.
+
+        Raises
+        ------
+        SceneError
+            For another system, and for a law whose lengths or pressures have no units.
+        """
+        if name not in SYSTEMS:
+            raise SceneError(f"units: found {name!r}, allowed: {', '.join(SYSTEMS)}")
+        new = SYSTEMS[name]
+        old = system_of(self.units["gap_at_touch"], self.units["pressure"])
+        if old is None:
+            raise SceneError(
+                f'units: found "{name}" for a law without units, allowed: a scene whose lengths and'
+                " pressures have units"
+            )
+        sizes = {key: converted(unit, old, new) for key, unit in self.units.items()}
+        scale = {key: size for key, (size, _) in sizes.items()}
+        return replace(
+            self,
+            pressure=self.pressure * scale["pressure"],
+            values={key: values * scale[key] for key, values in self.values.items()},
+            scatter={key: scatter * scale[key] for key, scatter in self.scatter.items()},
+            gap_at_touch=self.gap_at_touch * scale["gap_at_touch"],
+            units={key: unit for key, (_, unit) in sizes.items()},
+        )
 
     def to_dataframe(self) -> DataFrame:
         """Return a pandas table with a row for each pressure.

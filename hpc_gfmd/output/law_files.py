@@ -12,12 +12,15 @@ import numpy as np
 
 from ..util.atomic import atomic_write
 from ..util.errors import SceneError
+from ..util.quantities import factor
 from .interface_law import InterfaceLaw, interpolate
+from .unit_systems import system_of
 
 MOST_ROWS = 400  # CalculiX reads no longer table
+UNITS = "units: "  # begins the line that names them
 STRAIGHT = 1e-3  # relative deviation of straight lines from the law, in tables for finite elements
-INTERACTION = re.compile(r"[A-Za-z]\w*", re.ASCII)  # a name that all programs read
-FACT = re.compile(r"^# (\w+) = ([-+.\deE]+)(?: \S+)?$", re.MULTILINE)
+INTERACTION = re.compile(r"[A-Za-z]\w{0,79}", re.ASCII)  # a name that all programs read
+FACT = re.compile(r"^# (\w+) = ([-+.\deE]+)(?: (\S+))?$", re.MULTILINE)
 
 
 def write_law(
@@ -41,7 +44,8 @@ def write_law(
         conductance per area and kelvin in ".inp", which contains none without it. A ".csv" only
         records it in its heading.
     name : str
-        Name of the surface interaction in ".inp": a letter, then letters, digits and underscores.
+        Name of the surface interaction in ".inp": a letter, then letters, digits and underscores,
+        at most 80 in all.
 
     Returns
     -------
@@ -57,6 +61,9 @@ def write_law(
 
     Notes
     -----
+    Units are those of the law; the first lines of the file name them. `law.in_units("mm-N-MPa")`
+    changes them. The conductivity is in W/(m K) in all systems of units.
+
     The overclosure is `gap_at_touch` minus the mean gap: 0 where the pressure is 0. The reference
     planes of the finite elements are the mean planes of the two surfaces, moved apart by
     `gap_at_touch`. Finite element programs interpolate these tables linearly; the tables have so
@@ -89,7 +96,8 @@ def require_file(
         raise SceneError(f"path: no such folder: {path.parent}")
     if not INTERACTION.fullmatch(name):
         raise SceneError(
-            f"name: found {name!r}, allowed: a letter, then letters, digits and underscores"
+            f"name: found {name!r}, allowed: a letter, then letters, digits and underscores, at"
+            " most 80 in all"
         )
     if path.suffix == ".csv":
         return
@@ -176,12 +184,23 @@ def finite_element_table(law: InterfaceLaw) -> tuple[np.ndarray, np.ndarray]:
 
 def _heading(law: InterfaceLaw, mark: str, conductivity: float | None) -> str:
     """Return comment lines, each after `mark`: the description of the law, then its facts."""
-    unit = law.units.get("gap_mean", "")
+    unit = law.units["gap_at_touch"]
     facts = [f"gap_at_touch = {law.gap_at_touch!r} {unit}".rstrip(), f"surfaces = {law.surfaces}"]
     if conductivity is not None:
         facts.append(f"conductivity = {conductivity!r} W/(m.K)")
-    lines = ["law of an interface, by hpc-gfmd", *law.about, *facts]
+    lines = ["law of an interface, by hpc-gfmd", _units_line(law), *law.about, *facts]
     return "".join(f"{mark} {line}\n" for line in lines)
+
+
+def _units_line(law: InterfaceLaw) -> str:
+    """Return a line with the units of a law and of what finite elements make of it."""
+    system = system_of(law.units["gap_at_touch"], law.units["pressure"])
+    if system is None:
+        return f"{UNITS}those of the scene, which has none"
+    return (
+        f"{UNITS}{system.length}, {system.force}, {system.pressure}, s, K; conductance per area in"
+        f" {system.power}/({system.length}^2 K)"
+    )
 
 
 def _csv(law: InterfaceLaw, conductivity: float | None, name: str) -> str:
@@ -202,6 +221,9 @@ def _inp(law: InterfaceLaw, conductivity: float | None, name: str) -> str:
     lines += ["*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TABULAR"]
     lines += [f"{p:.9E}, {o:.9E}" for p, o in zip(pressure, closure, strict=True)]
     if conductivity is not None:
+        system = system_of(law.units["gap_at_touch"], law.units["pressure"])
+        if system:  # from W/(m K) to its units
+            conductivity /= factor(system.pressure, "pressure") * factor(system.length) ** 2
         conductance = interpolate(law.pressure, law.values["conductance"], pressure[1:])
         rows = zip(conductivity * conductance, pressure[1:], strict=True)
         lines += ["*GAP CONDUCTANCE, PRESSURE", f"{0:.9E}, {0:.9E}, 0."]
@@ -221,7 +243,8 @@ def _law_of(text: str) -> InterfaceLaw:
         units[name] = unit
         columns[name] = table[heading].to_numpy(float)
     names = [name for name in columns if f"{name}_error" in columns]
-    facts = dict(FACT.findall(text))
+    facts = {name: number for name, number, _ in FACT.findall(text)}
+    length_unit = {name: unit for name, _, unit in FACT.findall(text)}["gap_at_touch"]
     _, *about = (line for line in text.splitlines() if line.startswith("#"))
     return InterfaceLaw(
         columns["pressure"],
@@ -229,9 +252,13 @@ def _law_of(text: str) -> InterfaceLaw:
         {name: columns[f"{name}_error"] for name in names},
         {name: columns[f"{name}_scatter"] for name in names},
         float(facts["gap_at_touch"]),
-        {name: units[name] for name in ("pressure", *names)},
+        {name: units[name] for name in ("pressure", *names)} | {"gap_at_touch": length_unit},
         int(facts["surfaces"]),
-        tuple(line.removeprefix("# ") for line in about if not FACT.match(line)),
+        tuple(
+            line.removeprefix("# ")
+            for line in about
+            if not (FACT.match(line) or line.startswith(f"# {UNITS}"))
+        ),
     )
 
 

@@ -29,7 +29,7 @@ def interface_law(
     surfaces: Any,
     start: float | str,
     stop: float | str,
-    error: float = 0.01,
+    error: float = 0.05,
     *,
     quantities: Sequence[str] = QUANTITIES,
     realisations: int = 1,
@@ -49,7 +49,8 @@ def interface_law(
     error : float
         Largest relative deviation of a further load from the interpolated law, from 1e-4 to 0.5.
     quantities : sequence of str
-        Numbers of a load, by the names of the result file; not those that jump from load to load,
+        Numbers of a load, by the names of the result file, such as critical_gap_x for the load at
+        which a seal is tight; not those that jump from load to load,
         such as contact_pressure_max. The conductance is stiffness/E_star, also with free edges:
         without the spreading resistance of a lone body, which the finite-element model has itself.
     realisations : int
@@ -67,7 +68,8 @@ def interface_law(
     Returns
     -------
     InterfaceLaw
-        `write_law(law, "law.csv")`, `write_law(law, "law.inp")` write it for other programs.
+        `write_law(law, "law.csv")`, `write_law(law, "law.inp")` write it for other programs, in
+        other units as `write_law(law.in_units("mm-N-MPa"), ...)`.
 
     Raises
     ------
@@ -232,7 +234,7 @@ class _Curves:
             {name: self._errors(name, pressures) for name in names},
             {name: np.array([_scatter(name, self.steps[p]) for p in pressures]) for name in names},
             facts["gap_at_touch"],
-            {"pressure": facts["pressure_unit"]}
+            {"pressure": facts["pressure_unit"], "gap_at_touch": facts["surface"].get("unit", "")}
             | {name: unit_of(name, facts["surface"], all_numbers()) for name in names},
             len(self.steps[pressures[0]]),
             tuple(about),

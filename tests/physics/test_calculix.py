@@ -34,16 +34,20 @@ def law():
     return hpc_gfmd.interface_law(surface, "1 MPa", "500 MPa", quantities=names, E_star="110 GPa")
 
 
-def deck(interaction, load):
-    """Return the input of two stacked cubes, of which the lower one is fixed at the bottom."""
-    corners = [(i * SIDE, j * SIDE, k * SIDE) for k in (0, 1) for j in (0, 1) for i in (0, 1)]
-    nodes = [*corners, *((x, y, z + SIDE) for x, y, z in corners)]
+def deck(interaction, load, length=1.0, pressure=1.0):
+    """Return the input of two stacked cubes, of which the lower one is fixed at the bottom.
+
+    length, pressure: units, in m and Pa.
+    """
+    side = SIDE / length
+    corners = [(i * side, j * side, k * side) for k in (0, 1) for j in (0, 1) for i in (0, 1)]
+    nodes = [*corners, *((x, y, z + side) for x, y, z in corners)]
     lines = ["*NODE", *(f"{n},{x!r},{y!r},{z!r}" for n, (x, y, z) in enumerate(nodes, 1))]
     lines += ["*ELEMENT,TYPE=C3D8,ELSET=BLOCKS", "1,1,2,4,3,5,6,8,7", "2,9,10,12,11,13,14,16,15"]
     lines += ["*NSET,NSET=BOTTOM", "1,2,3,4", "*NSET,NSET=TOP", "13,14,15,16"]
     lines += ["*NSET,NSET=ALL,GENERATE", "1,16", "*NSET,NSET=UPPER,GENERATE", "9,16"]
-    lines += ["*MATERIAL,NAME=STIFF", "*ELASTIC", f"{MODULUS},0.", "*CONDUCTIVITY"]
-    lines += [f"{CONDUCTIVITY}", "*EXPANSION", "0."]
+    lines += ["*MATERIAL,NAME=STIFF", "*ELASTIC", f"{MODULUS / pressure!r},0.", "*CONDUCTIVITY"]
+    lines += [f"{CONDUCTIVITY * length}", "*EXPANSION", "0."]  # larger ones do not converge in mm
     lines += ["*SOLID SECTION,ELSET=BLOCKS,MATERIAL=STIFF"]
     lines += ["*SURFACE,NAME=BELOW,TYPE=ELEMENT", "1,S2", "*SURFACE,NAME=ABOVE,TYPE=ELEMENT"]
     lines += ["2,S1", *interaction]
@@ -77,12 +81,17 @@ def run(folder, text):
     return pressures, closure, -heat
 
 
-def test_pressure_and_closure(law, tmp_path):
-    hpc_gfmd.write_law(law, tmp_path / "law.inp", conductivity=CONDUCTIVITIES)
-    text = deck(["*INCLUDE,INPUT=law.inp"], ["*DLOAD", f"2,P2,{PRESSURE}"])
+@pytest.mark.parametrize(
+    ("units", "length", "pressure"), [("SI", 1.0, 1.0), ("mm-N-MPa", 1e-3, 1e6)]
+)
+def test_pressure_and_closure(law, tmp_path, units, length, pressure):
+    hpc_gfmd.write_law(law.in_units(units), tmp_path / "law.inp", conductivity=CONDUCTIVITIES)
+    load = ["*DLOAD", f"2,P2,{PRESSURE / pressure!r}"]
+    text = deck(["*INCLUDE,INPUT=law.inp"], load, length, pressure)
     pressures, closure, _ = run(tmp_path, text)
-    np.testing.assert_allclose(pressures, PRESSURE, rtol=1e-4)
-    assert closure == pytest.approx(law.gap_at_touch - law("gap_mean", PRESSURE), rel=2e-3)
+    np.testing.assert_allclose(pressures, PRESSURE / pressure, rtol=1e-4)
+    wanted = law.gap_at_touch - law("gap_mean", PRESSURE)
+    assert closure * length == pytest.approx(wanted, rel=2e-3)
 
 
 def test_temperature_jump(law, tmp_path):

@@ -22,7 +22,7 @@ def power_law(pressures=7):
         "critical_gap_x": np.where(p < 0.99e8, 1e-6 * (1e6 / p) ** 0.4, 0.0),
     }
     units = {"a_r": "1", "gap_mean": "m", "stiffness": "Pa/m", "conductance": "1/m"}
-    units |= {"critical_gap_x": "m", "pressure": "Pa"}
+    units |= {"critical_gap_x": "m", "pressure": "Pa", "gap_at_touch": "m"}
     errors = {name: np.full(pressures, 0.01) for name in values}
     scatter = {name: 0.1 * v for name, v in values.items()}
     return InterfaceLaw(p, values, errors, scatter, 2e-6, units, 3, ("a wall", "of steel"))
@@ -155,3 +155,33 @@ def test_foreign_files_are_refused(text, tmp_path):
 def test_harmonic_mean():
     assert harmonic_mean(3.0) == 3.0
     assert harmonic_mean((50.0, 200.0)) == pytest.approx(80.0)
+
+
+def test_units_of_finite_element_programs(tmp_path):
+    """A law in mm, N, MPa has the same meaning, in its file, too; the way back is exact."""
+    law = power_law()
+    in_mm = law.in_units("mm-N-MPa")
+    assert in_mm.units == {
+        "a_r": "1",
+        "gap_mean": "mm",
+        "stiffness": "MPa/mm",
+        "conductance": "1/mm",
+        "critical_gap_x": "mm",
+        "pressure": "MPa",
+        "gap_at_touch": "mm",
+    }
+    assert in_mm("stiffness", 20.0) == pytest.approx(law("stiffness", 20e6) * 1e-9)
+    back = read_law(write_law(in_mm, tmp_path / "law.csv")).in_units("SI")
+    for name, values in law.values.items():
+        np.testing.assert_allclose(back.values[name], values, rtol=1e-14)
+    assert back.gap_at_touch == pytest.approx(law.gap_at_touch)
+    for name, per_si in (("SI", 1.0), ("mm-N-MPa", 1e-3), ("um-uN-MPa", 1.0)):
+        path = write_law(law.in_units(name), tmp_path / "law.inp", conductivity=100.0)
+        head, _, rows = path.read_text().partition("*GAP CONDUCTANCE, PRESSURE\n")
+        assert head.splitlines()[1].startswith("** units: ")
+        last = float(rows.splitlines()[-1].split(",")[0])
+        assert last == pytest.approx(100.0 * law.values["conductance"][-1] * per_si)
+    with pytest.raises(SceneError, match="units: found 'cgs', allowed: SI"):
+        law.in_units("cgs")
+    with pytest.raises(SceneError, match="law without units"):
+        replace(law, units=dict.fromkeys(law.units, "")).in_units("SI")

@@ -68,10 +68,11 @@ def test_jumps_are_located_within_the_error():
 
 def test_law_of_a_wall_agrees_with_single_loads():
     surface = wall()
-    law = interface_law(surface, 0.01, 0.5, 0.02, E_star=1.0)
+    names = ["a_r", "gap_mean", "stiffness", "conductance", "critical_gap_x"]
+    law = interface_law(surface, 0.01, 0.5, 0.02, E_star=1.0, quantities=names)
     for p in (0.02, 0.11, 0.37):
         solution = hpc_gfmd.solve(surface, p, 1.0, observables=["conductance", "critical_gap"])
-        for name in ("a_r", "gap_mean", "stiffness", "conductance", "critical_gap_x"):
+        for name in names:
             nearest = np.argmin(np.abs(np.log(law.pressure / p)))
             allowed = max(0.02, float(law.errors[name][nearest]))
             assert law(name, p) == pytest.approx(solution.value(name), rel=allowed), name
@@ -167,6 +168,28 @@ def test_conductance_of_a_piece_is_that_of_the_whole_wall():
     alone = hpc_gfmd.solve(piece, p, 2.0, observables=["conductance"]).value("conductance")
     assert alone < 0.5 * law_of_piece("conductance", p)
     assert law_of_piece("conductance", p) == pytest.approx(law_of_whole("conductance", p), rel=0.6)
+
+
+def test_quarters_of_a_periodic_wall_have_the_law_of_the_whole():
+    """Mirrored pieces, each two longest waves long: their mean is within the scatter of one."""
+    keys = {"hurst": 0.8, "L_over_lam_l": 4, "lam_l_over_lam_s": 8, "lam_s_over_a": 4, "seed": 3}
+    whole = hpc_gfmd.make_surface("self-affine", g_rms=0.1, **keys)
+    corners = [(i, j) for i in (0, 64) for j in (0, 64)]
+    pieces = [
+        hpc_gfmd.prepare_surface(
+            whole.heights[i : i + 64, j : j + 64],
+            physical_sizes=(0.5, 0.5),
+            detrend="tilt",
+            boundary="mirror",
+        )
+        for i, j in corners
+    ]
+    of_whole = interface_law(whole, 2.5e-3, 2.5e-2, E_star=1.0)
+    of_pieces = interface_law(pieces, 2.5e-3, 2.5e-2, E_star=1.0)
+    at = of_pieces.pressure
+    for name in ("a_r", "gap_mean", "stiffness", "conductance"):
+        difference = np.abs(of_pieces.values[name] - of_whole(name, at))
+        assert (difference <= of_pieces.scatter[name]).all(), name
 
 
 def test_numbers_that_jump_are_refused():
