@@ -7,12 +7,16 @@ from typing import Any
 
 from ..contact import all_numbers, observables_named
 from ..output.result import Result
-from ..output.summary import combined_error, converged, is_number, surface_line, with_error
+from ..output.summary import converged, estimate, is_number, surface_line
 from ..util.errors import SceneError
 from ..util.quantities import in_units, prefixed
 
 NARROWEST = 9  # width of columns whose later rows are not known yet
 LEGEND = "+-: estimated error, of the solver and of the grid together (--errors: apart)"
+CORRECTED = (
+    "a_r: share of grid points in contact, too large by what points at the edge of the contact add;"
+    " corrected: without them"
+)
 NO_COARSER_GRID = "no coarser grid was solved, of gaps and pressures it is the solver's alone"
 EDGES = (
     "max p: of a grid point; where the contact reaches a free edge it grows without limit on finer"
@@ -31,6 +35,7 @@ RESULTS = {
     "p_star": "p*",
     "p": "p",
     "a_r": "a_r",
+    "a_r_corrected": "corrected",
     "contact_area": "contact area",
     "kappa": "kappa",
     "contact_pressure_mean": "mean p contact",
@@ -55,7 +60,7 @@ EFFORT = {
     "status": "status",
 }
 FORMATS = {"fft_pairs": ".1f", "wall_seconds": ".3g", **dict.fromkeys(ERRORS, ".2g")}
-PER_CENT = ("a_r", *ERRORS)
+PER_CENT = ("a_r", "a_r_corrected", *ERRORS)
 
 
 def table(
@@ -258,8 +263,7 @@ def _cell(key: str, value: Any, scale: float, step: dict) -> str:
         return f"{value:{number_format}}" if value < 1000 else f"{value:.0f}"
     if key == "contact_pressure_max" and _has_value(step.get("approach")):
         return f"{float(f'{value:.2g}'):g}"  # EDGES
-    error = combined_error(key, step)
-    return with_error(value, error) if isinstance(value, float) or error else str(value)
+    return estimate(value, key, step) if isinstance(value, float) else str(value)
 
 
 def remarks(steps: Mapping[int, dict], observables: Sequence[str] = ()) -> list[str]:
@@ -283,6 +287,8 @@ def remarks(steps: Mapping[int, dict], observables: Sequence[str] = ()) -> list[
     if lines and unknown:
         some = f"at step{'s' * (len(unknown) > 1)} {', '.join(unknown)} "
         lines[0] += f"; {some if len(unknown) < len(steps) else ''}{NO_COARSER_GRID}"
+    if any(_has_value(step.get("a_r_corrected")) for step in steps.values()):
+        lines.append(CORRECTED)
     if any(
         _has_value(step.get("approach")) and _has_value(step.get("contact_pressure_max"))
         for step in steps.values()

@@ -16,6 +16,7 @@ from ..util.lengths import length_factor
 from ..util.quantities import prefixed
 from . import instruments
 from .arrays import unreliable
+from .bandwidth import bandwidth_line
 from .contents import contents_of
 from .doubtful_numbers import slope_notes
 from .metadata import Metadata
@@ -259,6 +260,9 @@ def _by_heights(
         f"h_rms = {quality.h_rms / scale:.3g} {name}".strip()
         + ("" if result.missing else f", g_rms = {quality.g_rms:.3g}")
     )
+    if not result.missing:
+        z = heights.rows(0, heights.n[0])
+        result.about += filter(None, [bandwidth_line(z, heights.sizes, heights.unit)])
     result.about += [
         note
         for note in heights.notes

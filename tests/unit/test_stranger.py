@@ -10,7 +10,7 @@ from matplotlib.text import Text
 from mpi_harness import printed
 
 import hpc_gfmd
-from hpc_gfmd.output.summary import with_error
+from hpc_gfmd.output.summary import estimate
 from hpc_gfmd.util.libraries import surface_topography
 
 SIZE = 12e-6  # m
@@ -42,7 +42,7 @@ def test_python_example(folder):
     scan = hpc_gfmd.read_surface(folder / "scan.x3p", detrend="tilt", boundary="mirror")
     solution = hpc_gfmd.solve(scan, LOAD, MODULUS)
     area = float(re.fullmatch(r"a_r = ([\d.]+) %", output_line)[1]) / 100
-    assert area == pytest.approx(solution.a_r, rel=1e-2)
+    assert area == pytest.approx(solution.a_r_corrected, rel=1e-2)
     assert 0.01 < area < 0.5
     assert (folder / "pressure.png").read_bytes().startswith(b"\x89PNG")
     texts = [text.get_text() for text in solution.plot("pressure").findobj(Text)]
@@ -59,8 +59,8 @@ def test_scene_example(folder):
     assert len(pictures) == 2
     assert all((folder / name).is_file() for name in pictures)
     (solution,) = hpc_gfmd.load(folder / "contact.h5")
-    error = solution.a_r_error + solution.a_r_discretisation
-    assert with_error(100 * solution.a_r, error) in output
+    (step,) = solution.result.steps
+    assert estimate(100 * solution.a_r_corrected, "a_r_corrected", step) in output
     assert "[MPa]" in output
     python = hpc_gfmd.solve(
         hpc_gfmd.read_surface(folder / "scan.x3p", detrend="tilt", boundary="mirror"), LOAD, MODULUS

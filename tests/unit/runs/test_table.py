@@ -44,6 +44,18 @@ def test_summary_adds_both_errors_of_the_area():
     assert {"a_r: solver", "a_r: grid"} <= set(columns)
 
 
+def test_the_area_of_the_grid_is_too_large():
+    """Its bar is on the side of the edge correction; the corrected one has what is left of it."""
+    step = STEP | {"a_r_error": 0.01, "a_r_discretisation": 0.11, "a_r_corrected": 0.225}
+    text = table({0: step}, {})
+    row = [cell.strip() for cell in text.splitlines()[2].split("  ")]
+    assert "25 +1 -3" in row
+    assert "22 +- 1" in row  # 0.35 of the correction, what is at random, and the solver's
+    assert summary(step, SURFACE).startswith("a_r = 25 +1 -3 % (corrected 22 +- 1 %), ")
+    small = step | {"a_r": 2.5e-7, "a_r_corrected": 2.25e-7, "a_r_error": 0.02}
+    assert "a_r = (2.5 +0.1 -0.3)e-05 %" in summary(small, SURFACE)
+
+
 def test_requested_observables_have_a_column_or_a_reason():
     step = STEP | {"stiffness": 3.0, "gap_spans_x": True}
     text = table({0: step}, {}, ["stiffness", "conductance", "gap_spans_x"])
