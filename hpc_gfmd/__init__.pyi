@@ -9,7 +9,6 @@ from .runs.ensemble import Ensemble as Ensemble
 from .runs.interface_law import interface_law as interface_law
 from .runs.many import solve_many as solve_many
 from .runs.prepared import PreparedSurface as PreparedSurface
-from .runs.simulation import RunResult as RunResult
 from .runs.simulation import run as run
 from .runs.solution import Solution as Solution
 from .runs.solutions import Interrupted as Interrupted

@@ -42,7 +42,8 @@ def main(args: Namespace) -> int:
     from ..runs.simulation import run_scene
 
     result = run_scene(args.scene, args.set, args.output, force=args.force, quiet=args.quiet)
-    if args.plot and result.exit_code in (0, 3) and world().rank == 0:
+    is_finished = result.exit_code in (0, 3)
+    if args.plot and is_finished and result.path is not None and world().rank == 0:
         _plot(result.path)
     return result.exit_code
 

@@ -214,5 +214,7 @@ def _solutions(result: Any, number: int) -> Solutions:
     if isinstance(result, Exception):
         raise SceneError(f"ensemble: result {number} is an error ({result}), allowed: solutions")
     if isinstance(result, Solution):
-        return Solutions(result.result, result.rows, result.comm)
+        return Solutions(
+            result.steps, lambda: result.result, result.rows, result.comm, status=result.status
+        )
     return result if isinstance(result, Solutions) else load(result)

@@ -1,10 +1,14 @@
-"""The steps of `solve`: arguments to a scene and a surface, its loads, and their solutions."""
+"""The steps of `solve`: arguments to a scene and a surface, and its loads in memory."""
 
 import json
 import sys
 import time
-from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from functools import partial
+from os import PathLike
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -17,9 +21,10 @@ from ..output.fields import FIELDS, Slab
 from ..output.result import Result
 from ..parallel.comm import Comm
 from ..parallel.grid import Grid
-from ..parallel.guard import collective_errors, raise_on_all
+from ..parallel.guard import collective_errors, on_rank_0, raise_on_all
 from ..parallel.thread_count import threads_of
-from ..scene import Scene
+from ..scene import Scene, load_scene
+from ..surface import build_surface, surface_size
 from ..surface.arrays import complete_array, is_topography
 from ..surface.build import Surface, surface_of
 from ..surface.prepare import mirrored
@@ -27,21 +32,19 @@ from ..surface.quality import edges_of
 from ..surface.topography import Topography
 from ..util.errors import SceneError
 from ..util.versions import versions
-from .keywords import scene_of_keywords
-from .loads import check, solved, step_attributes, surface_attributes, sweep_of, worst_status
+from .keywords import changed_scene, scene_of_keywords
+from .loads import Run, check, step_attributes, worst_status
 from .prepared import PreparedSurface
 from .progress import Reporter, bar_stream
 from .solutions import Solutions
 from .surfaces import surface_of_topography
-from .table import GrowingTable
 
 Heights = Any  # an array, a PreparedSurface or a Topography of SurfaceTopography
+Kept = dict[np.dtype, Surface]  # surfaces by precision
 
 # The surfaces of prepared heights, which cannot be written to, for as long as these live: a second
-# solve finds them ready.
-_surfaces: WeakKeyDictionary[PreparedSurface, dict[tuple[np.dtype, bool], Surface]] = (
-    WeakKeyDictionary()
-)
+# solve finds them ready. By whether both axes are kept.
+_surfaces: WeakKeyDictionary[PreparedSurface, dict[bool, Kept]] = WeakKeyDictionary()
 
 
 # -- the scene and its surface
@@ -50,32 +53,10 @@ _surfaces: WeakKeyDictionary[PreparedSurface, dict[tuple[np.dtype, bool], Surfac
 def scene_of(
     comm: Comm, heights: Heights, keywords: dict[str, Any], more: dict[str, Any]
 ) -> tuple[Scene, np.ndarray | PreparedSurface]:
-    """Return the scene and the heights that the arguments of `solve` describe, both validated.
+    """Return the validated scene and heights that the arguments of `solve` describe. Collective.
 
-    Collective.
-
-    Parameters
-    ----------
-    comm : Comm
-        All ranks.
-    heights
-        As for `solve`.
-    keywords : dict
-        The named arguments of `solve` that are keys of a scene; None for one that is not given.
-    more : dict
-        Its other arguments.
-
-    Returns
-    -------
-    Scene
-        What is to be solved.
-    ndarray or PreparedSurface
-        The heights; an array has no missing points.
-
-    Raises
-    ------
-    SceneError
-        On all ranks, for invalid arguments, or different ones on some ranks.
+    `keywords` are its named arguments that are keys of a scene, `more` its others. Raises
+    SceneError on all ranks, also for different arguments on some ranks.
     """
     with collective_errors(comm, "reading the arguments"):
         wall = heights
@@ -101,9 +82,33 @@ def _require_boundary(heights: np.ndarray, scene: Scene) -> None:
             raise SceneError(question)
 
 
+def changed(
+    comm: Comm, scene: Scene | str | PathLike, keywords: dict[str, Any], more: dict[str, Any]
+) -> Scene:
+    """Return the scene that is given to `solve`, with its other arguments. Collective."""
+
+    def read() -> Scene:
+        original = scene if isinstance(scene, Scene) else load_scene(scene)
+        made = changed_scene(original, keywords, more)
+        check(made)
+        return made
+
+    return on_rank_0(comm, "reading the scene", read)
+
+
 def _array_of(wall: np.ndarray | PreparedSurface) -> np.ndarray:
     """Return the heights as an array, without a copy."""
     return wall.heights if isinstance(wall, PreparedSurface) else wall
+
+
+def _require_the_same(comm: Comm, scene: Scene, shape: tuple[int, ...]) -> None:
+    """Raise SceneError on all ranks if some of them have another scene or shape of the heights."""
+    arguments = scene.to_toml(), shape
+    error = SceneError(
+        "hpc_gfmd.solve: found other arguments on some ranks, allowed: the same, with the whole map"
+        " on each"
+    )
+    raise_on_all(comm, None if comm.bcast(arguments) == arguments else error)
 
 
 @dataclass
@@ -114,53 +119,38 @@ class Surfaces:
     ----------
     comm : Comm
         All ranks.
-    scene : Scene
-        What is solved.
-    topography : Topography
-        The heights with their sizes.
     threads : int
         Threads of each rank.
-    ready : dict or None
-        Surfaces by precision that are kept from one solve to the next; None if the heights may
-        change.
-    is_made : bool
+    make : callable
+        ``make(dtype)`` makes it.
+    kept : dict or None
+        Surfaces that can be used again, to which new ones are added; None if they cannot.
+    is_described : bool
         Whether the scene describes the heights completely.
-    begun : float
-        When the solve began, by time.monotonic.
+    is_measured : bool
+        Whether the heights are from a file.
     checksum : str or None
-        Checksum of the heights; None before the first surface.
-    setup_seconds : float or None
-        Seconds from `begun` to the first surface; None before it.
+        Checksum of heights that are in memory or in a file; None before the first surface.
     """
 
     comm: Comm
-    scene: Scene
-    topography: Topography
     threads: int
-    ready: dict[tuple[np.dtype, bool], Surface] | None
-    is_made: bool
-    begun: float = field(default_factory=time.monotonic)
+    make: Callable[[np.dtype], Surface]
+    kept: Kept | None = None
+    is_described: bool = True
+    is_measured: bool = True
     checksum: str | None = None
-    setup_seconds: float | None = None
 
     def __call__(self, dtype: np.dtype) -> Surface:
-        """Return the surface in a precision, a kept one if there is one. Collective.
-
-        Sets `checksum` and, at first, `setup_seconds`. Only a surface from a file has its checksum.
-        """
-        whole = self.scene.may_break_symmetry
-        if self.ready is not None and (dtype, whole) in self.ready:
-            surface = self._with_grid_of_this_thread(self.ready[dtype, whole])
+        """Return the surface in a precision, a kept one if there is one. Collective."""
+        if self.kept is None:
+            surface = self.make(dtype)
+        elif dtype in self.kept:
+            surface = self._with_grid_of_this_thread(self.kept[dtype])
         else:
-            free = self.scene.surface.free
-            surface = surface_of(self.topography, self.comm, dtype, self.threads, free, True, whole)
-            if self.ready is not None:
-                self.ready[dtype, whole] = surface
+            surface = self.kept[dtype] = self.make(dtype)
         self.checksum = surface.checksum
-        if self.setup_seconds is None:
-            self.setup_seconds = time.monotonic() - self.begun
-        is_measured = hasattr(self.scene.surface, "path")
-        return surface if is_measured else replace(surface, checksum=None)
+        return surface if self.is_measured else replace(surface, checksum=None)
 
     def _with_grid_of_this_thread(self, surface: Surface) -> Surface:
         """Return a kept surface on a grid whose scratch memory belongs to this thread."""
@@ -169,146 +159,124 @@ class Surfaces:
         return replace(surface, grid=kept)
 
 
-def surfaces_of(comm: Comm, scene: Scene, wall: np.ndarray | PreparedSurface) -> Surfaces:
-    """Return the object that makes the surface of a scene from its heights, in any precision.
+def surfaces_of_scene(
+    comm: Comm, scene: Scene, threads: int | None = None, keep: bool = False
+) -> Surfaces:
+    """Return what makes the surface of a scene, from a formula or a file. Collective.
 
-    Collective. No surface is made yet.
-
-    Parameters
-    ----------
-    comm : Comm
-        All ranks.
-    scene : Scene
-        What is solved.
-    wall : ndarray or PreparedSurface
-        Its heights.
-
-    Returns
-    -------
-    Surfaces
-        For `sweep_of`.
+    `threads` of each rank; default: those of the scene. `keep`: whether the surface is made only
+    once in each precision, and stays in memory.
     """
-    begun = time.monotonic()
+    if threads is None:
+        n, _ = on_rank_0(comm, "reading the surface", lambda: surface_size(scene.surface))
+        threads = threads_of(comm, scene.machine.threads, n[0] * n[1])
+    low_memory = scene.solver.low_memory
+
+    def make(dtype: np.dtype) -> Surface:
+        whole = scene.may_break_symmetry
+        return build_surface(scene.surface, comm, dtype, threads, low_memory, whole)
+
+    return Surfaces(comm, threads, make, {} if keep and not low_memory else None)
+
+
+def surfaces_of(comm: Comm, scene: Scene, wall: np.ndarray | PreparedSurface) -> Surfaces:
+    """Return what makes the surface of a scene from heights in memory."""
     array = _array_of(wall)
 
     def rows_of(start: int, stop: int) -> np.ndarray:
         """Return some rows of the heights in double precision."""
         return np.asarray(array[start:stop], dtype=np.float64)
 
-    ready = None
+    kept = None
+    whole = scene.may_break_symmetry
     if isinstance(wall, PreparedSurface):
         topography = Topography(
             array.shape, wall.sizes, rows_of, wall.unit, prepared=wall.prepared, notes=wall.notes
         )
         if comm.size == 1 and not array.flags.writeable:
-            ready = _surfaces.setdefault(wall, {})
+            kept = _surfaces.setdefault(wall, {}).setdefault(whole, {})
     else:
         sizes = tuple(float(size) for size in scene.surface.physical_sizes or ())
         topography = Topography(array.shape, sizes, rows_of)
         topography = mirrored(topography, scene.surface.mirrored).on_form(scene.surface.radii)
-    is_made = isinstance(wall, PreparedSurface) and wall.table is not None
     threads = threads_of(comm, scene.machine.threads, array.size)
-    return Surfaces(comm, scene, topography, threads, ready, is_made, begun)
+
+    def make(dtype: np.dtype) -> Surface:
+        return surface_of(topography, comm, dtype, threads, scene.surface.free, True, whole)
+
+    is_described = isinstance(wall, PreparedSurface) and wall.table is not None
+    is_measured = hasattr(scene.surface, "path")
+    return Surfaces(comm, threads, make, kept, is_described, is_measured)
 
 
 # -- its loads
 
 
-@dataclass
-class SolvedLoads:
-    """The finished loads of a scene.
+@contextmanager
+def kernels_ready(comm: Comm, scene: Scene) -> Iterator[None]:
+    """Compile the kernels of a scene: on one of several ranks first, else as they are needed.
 
-    Attributes
-    ----------
-    steps : list of dict
-        Their attributes, by the names of the result file.
-    contacts : list of Contact or None
-        Their solutions; None for each load if no field is kept.
-    surface : Surface or None
-        The surface in the precision of the last load; None before the first load.
-    interrupted : bool
-        Whether Ctrl-C came before all loads were finished.
+    On one process a line on standard error tells so: nothing else explains the wait.
     """
-
-    steps: list[dict] = field(default_factory=list)
-    contacts: list[Contact | None] = field(default_factory=list)
-    surface: Surface | None = None
-    interrupted: bool = False
+    if comm.size > 1:
+        compile_once(comm, scene, partial(step_attributes, scene, 0, seconds=0.0))
+        yield
+    else:
+        with on_first_compile(Reporter(comm, scene.solver, False, False, sys.stderr).say):
+            yield
 
 
 def solve_loads(
     comm: Comm, scene: Scene, surfaces: Surfaces, progress: bool, keep_interrupted: bool
-) -> SolvedLoads:
-    """Solve all loads of a scene.
+) -> Solutions:
+    """Solve all loads of a scene, and keep those fields that it asks for. Collective.
 
-    Collective. On one process a line on standard error tells if kernels are compiled. At the end
-    the transforms on the grids of kept contacts are freed.
-
-    Parameters
-    ----------
-    comm : Comm
-        All ranks.
-    scene : Scene
-        What is solved.
-    surfaces : Surfaces
-        Makes its surface.
-    progress : bool
-        Whether to draw a progress bar and print a table row of each load.
-    keep_interrupted : bool
-        Whether Ctrl-C after the first load ends the sweep early, on one process; otherwise
-        KeyboardInterrupt is raised.
-
-    Returns
-    -------
-    SolvedLoads
-        The loads that are finished.
+    With `keep_interrupted` Ctrl-C after the first load ends the sweep early, on one process;
+    otherwise KeyboardInterrupt is raised.
     """
+    start_time = datetime.now(UTC).isoformat(timespec="seconds")
+    begun = time.monotonic()
     say = Reporter(comm, scene.solver, not progress, progress, bar_stream())
-    loads = SolvedLoads()
+    steps: list[dict] = []
+    contacts: list[Contact | None] = []
+    head: dict[str, Any] = {"start_time": start_time}
+    attributes: dict[str, Any] = {}
+    rows = None
+    interrupted = False
 
     def solve_all() -> None:
-        sweep = sweep_of(scene, surfaces)
-        loads_of_scene = sweep.loads(scene.load)
-        table = GrowingTable(
-            surface_attributes(scene, sweep.surface), scene.output.observables or ()
-        )
-        for index, contact, seconds in solved(scene, sweep, loads_of_scene, say):
-            attributes = step_attributes(scene, index, contact, seconds)
-            loads.surface = contact.surface
-            kept = (
-                _contact_to_keep(contact, copy=index + 1 < len(loads_of_scene))
-                if scene.output.fields
-                else None
-            )
-            loads.contacts.append(kept)
-            loads.steps.append(attributes)  # now the load is finished
-            if progress:  # rows take longer than a small contact's iteration
-                say.say(table.add({index: attributes}))
+        nonlocal attributes, rows
+        run = Run(scene, surfaces, say)
+        head["setup_seconds"] = time.monotonic() - begun
+        for load in run.solve():
+            attributes = run.attributes
+            rows = run.surface.rows
+            is_last = load.index + 1 == len(run.loads)
+            contacts.append(_kept(load.contact, is_last) if scene.output.fields else None)
+            steps.append(load.numbers)  # now the load is finished
+            run.show({load.index: load.numbers})
 
     try:
-        if comm.size > 1:
-            compile_once(comm, scene, lambda contact: step_attributes(scene, 0, contact, 0.0))
+        with kernels_ready(comm, scene):
             solve_all()
-        else:
-            # said without `progress`, too: nothing else explains the wait
-            with on_first_compile(Reporter(comm, scene.solver, False, False, sys.stderr).say):
-                solve_all()
     except KeyboardInterrupt:
         # under MPI other ranks may not have been interrupted
-        if comm.size > 1 or not (loads.steps and keep_interrupted):
+        if comm.size > 1 or not (steps and keep_interrupted):
             raise
-        loads.interrupted = True
-        del loads.contacts[len(loads.steps) :]
-    _forget_transforms(loads.contacts)
-    return loads
+        interrupted = True
+        del contacts[len(steps) :]
+    _forget_transforms(contacts)
+    status = "interrupted" if interrupted else worst_status(steps)
+
+    def make_result() -> Result:
+        return _result(scene, surfaces, steps, contacts, status, attributes, head)
+
+    return Solutions(steps, make_result, rows, comm, status=status, contacts=contacts)
 
 
-def _contact_to_keep(contact: Contact, copy: bool) -> Contact:
-    """Return a contact whose fields the next load does not overwrite.
-
-    With `copy` it has copies of them; without it, if there is no next load, it is the same object.
-    """
-    return replace(contact, g=contact.g.copy(), p=contact.p.copy()) if copy else contact
+def _kept(contact: Contact, is_last: bool) -> Contact:
+    """Return a contact whose fields no next load overwrites: a copy unless it is the last one."""
+    return contact if is_last else replace(contact, g=contact.g.copy(), p=contact.p.copy())
 
 
 def _forget_transforms(contacts: Iterable[Contact | None]) -> None:
@@ -320,58 +288,33 @@ def _forget_transforms(contacts: Iterable[Contact | None]) -> None:
                 grid.forget_fft(transform.dtype)
 
 
-# -- its solutions
-
-
-def collect(
-    comm: Comm, scene: Scene, surfaces: Surfaces, loads: SolvedLoads, start_time: str
-) -> Solutions:
-    """Return the solutions of the loads that are finished.
-
-    Parameters
-    ----------
-    comm : Comm
-        All ranks.
-    scene : Scene
-        What was solved.
-    surfaces : Surfaces
-        Has made its surface.
-    loads : SolvedLoads
-        At least one.
-    start_time : str
-        When `solve` was called.
-
-    Returns
-    -------
-    Solutions
-        Their fields are computed when they are read.
-    """
-    assert loads.surface is not None  # of the first load
+def _result(
+    scene: Scene,
+    surfaces: Surfaces,
+    steps: list[dict],
+    contacts: list[Contact | None],
+    status: str,
+    attributes: dict[str, Any],
+    head: dict[str, Any],
+) -> Result:
+    """Return finished loads as a result file would hold them; fields are computed when read."""
     identity = scene.identity()
-    if not surfaces.is_made:  # the scene does not say all about the heights
+    if not surfaces.is_described:
         identity += f" of {surfaces.checksum}"
     head = {
-        "heights": surfaces.checksum,
-        "setup_seconds": surfaces.setup_seconds,
+        "heights": surfaces.checksum or "",
         "scene": scene.to_toml(),
         "identity": identity,
         "versions": json.dumps(versions()),
-        "start_time": start_time,
+        **head,
     }
     names = scene.output.fields
-    result = Result(
-        path=None,
-        surface=surface_attributes(scene, loads.surface),
-        steps=loads.steps,
-        indices=list(range(len(loads.steps))),
-        status=worst_status(loads.steps),
-        head=head,
-        fields=[{} if contact is None else _fields(names, contact) for contact in loads.contacts],
-    )
-    if loads.interrupted:
-        note = f"interrupted: {result.missing_loads}"
-        result = replace(result, status="interrupted", notes=(note,))
-    return Solutions(result, loads.surface.rows, comm, loads.contacts)
+    fields = [{} if contact is None else _fields(names, contact) for contact in contacts]
+    indices = list(range(len(steps)))
+    result = Result(None, attributes, steps, indices, status, head, fields)
+    if status == "interrupted":
+        result = replace(result, notes=(f"interrupted: {result.missing_loads}",))
+    return result
 
 
 def _fields(names: Iterable[str], contact: Contact) -> dict[str, Slab]:
@@ -383,16 +326,3 @@ def _fields(names: Iterable[str], contact: Contact) -> dict[str, Slab]:
         name: Slab(contact.field(name) if name in FIELDS else heights_of(surface), start, n)
         for name in names
     }
-
-
-def _require_the_same(comm: Comm, scene: Scene, shape: tuple[int, ...]) -> None:
-    """Raise SceneError on all ranks if some of them have another scene or shape of the heights.
-
-    Collective. The heights themselves are not compared.
-    """
-    arguments = scene.to_toml(), shape
-    error = SceneError(
-        "hpc_gfmd.solve: found other arguments on some ranks, allowed: the same, with the whole map"
-        " on each"
-    )
-    raise_on_all(comm, None if comm.bcast(arguments) == arguments else error)

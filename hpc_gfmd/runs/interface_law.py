@@ -17,12 +17,12 @@ from ..output.interface_law import LOAD_AT, QUANTITIES, InterfaceLaw, interpolat
 from ..output.numbers import unit_of
 from ..util.errors import SceneError
 from ..util.quantities import Quantity, parse
-from .law_samplers import Steps, sampler_of
+from .law_sampler import Sampler, Steps
 
 # Beginnings of the names of numbers that are no smooth functions of the load: they depend on single
 # points, or count patches.
 UNEVEN = ("contact_pressure_max", "patch", "contact_percolates", "gap_percolates", "gap_spans")
-Sampler = Callable[[list[float]], list[Steps]]  # takes pressures, returns the loads of each surface
+Sample = Callable[[list[float]], list[Steps]]  # takes pressures, returns the loads of each surface
 
 
 def interface_law(
@@ -109,12 +109,18 @@ def interface_law(
             f"quantities: found {', '.join(uneven)}, which jump from load to load, so that no"
             " error of an interpolation is known; solve the pressures that are needed instead"
         )
-    sampler = sampler_of(surfaces, quantities, error, realisations, keys, comm, progress)
     unit = " Pa" if isinstance(low, Quantity) else ""
+
+    def with_unit(pressure: float) -> float | str:
+        return f"{pressure!r}{unit}" if unit else pressure
+
+    sampler = Sampler(
+        surfaces, names, error, realisations, keys, comm, progress, with_unit(float(low))
+    )
 
     def sample(pressures: list[float]) -> list[Steps]:
         """Solve all surfaces at some pressures; return the attributes of their loads."""
-        return sampler([f"{p!r}{unit}" if unit else p for p in pressures])
+        return sampler([with_unit(pressure) for pressure in pressures])
 
     curves = _Curves(quantities, error)
     curves.refine(sample, float(low), float(high))
@@ -144,7 +150,7 @@ class _Curves:
         self.steps: dict[float, Steps] = {}
         self.deviations: dict[tuple[float, float], dict[str, float]] = {}
 
-    def refine(self, sample: Sampler, low: float, high: float) -> None:
+    def refine(self, sample: Sample, low: float, high: float) -> None:
         """Solve loads from low to high until each interval is accepted.
 
         Fills `steps` and `deviations`. `sample(pressures)` solves all surfaces.
@@ -165,7 +171,7 @@ class _Curves:
                     halves += [(interval[0], middle), (middle, interval[1])]
             pending = halves
 
-    def _add(self, pressures: list[float], sample: Sampler) -> None:
+    def _add(self, pressures: list[float], sample: Sample) -> None:
         """Solve all surfaces at some pressures and store the results in `steps`."""
         of_surfaces = sample(sorted(pressures))
         for k, pressure in enumerate(sorted(pressures)):

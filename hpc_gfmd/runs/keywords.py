@@ -3,20 +3,24 @@
 Each keyword goes to the table that has a key of its name, and the scene validates it.
 """
 
+from os import PathLike
 from typing import Any
 
 import numpy as np
 
-from ..scene import ArrayScene, LoadTable, Scene
+from ..scene import ArrayScene, Scene
 from ..scene.explain import nearest
 from ..scene.model import HEIGHTS_IN_MEMORY
 from ..scene.not_modelled import not_modelled
+from ..scene.read import ALTERNATIVES
+from ..scene.settings import LOADS
 from ..scene.table import Table
 from ..util.errors import SceneError
 from .prepared import PreparedSurface
 from .surfaces import plain
 
 CALLER = "hpc_gfmd.solve"
+FIELDS = "pressure", "gap", "heights"  # that are kept unless others are asked for
 # keys that do nothing without a result file
 OF_RUNS = "path", "dtype", "compression", "wall_seconds", "memory_gib"
 TABLE_OF_KEY = {  # the table of each key
@@ -26,6 +30,50 @@ TABLE_OF_KEY = {  # the table of each key
     for key in model.annotation.model_fields
     if key not in OF_RUNS
 }
+
+
+def changed_scene(scene: Scene, named: dict[str, Any], further: dict[str, Any]) -> Scene:
+    """Return a scene with the keywords of `hpc_gfmd.solve` beside it; see `scene_of_keywords`."""
+    require_keywords(named, further)
+    if named.get("fields") is None and not scene.output.fields:
+        named = named | {"fields": FIELDS}
+    return scene_with(scene, named | further)
+
+
+def scene_with(scene: Scene, arguments: dict[str, Any]) -> Scene:
+    """Return a scene with other values of some keys, as keywords of `hpc_gfmd.solve` give them.
+
+    None stands for a key that is not given. Raises SceneError for unknown keys and wrong values.
+    """
+    changes = _tables(arguments)
+    tables = scene.model_dump(exclude_none=True)
+    for name, keys in changes.items():
+        alternatives = ALTERNATIVES.get(name, ())
+        replaced = () if keys.keys().isdisjoint(alternatives) else alternatives
+        kept = {key: value for key, value in tables.get(name, {}).items() if key not in replaced}
+        tables[name] = kept | keys
+    return type(scene).from_dict(tables, CALLER)
+
+
+def _tables(arguments: dict[str, Any]) -> dict[str, dict[str, Any]]:
+    """Return keywords sorted into the tables of a scene; an unknown one into the likeliest."""
+    tables: dict[str, dict[str, Any]] = {}
+    for key, value in arguments.items():
+        if value is not None or key not in TABLE_OF_KEY:
+            table = TABLE_OF_KEY.get(key) or TABLE_OF_KEY[nearest(key, TABLE_OF_KEY)]
+            tables.setdefault(table, {})[key] = plain(value)
+    return tables
+
+
+def require_keywords(named: dict[str, Any], further: dict[str, Any]) -> None:
+    """Raise SceneError for keywords that belong elsewhere, or that are given twice."""
+    for key in further:
+        if key in OF_RUNS:
+            raise SceneError(f"{CALLER}: found {key}, allowed: in a scene, whose run writes a file")
+        if key not in TABLE_OF_KEY and (why := not_modelled(key)):
+            raise SceneError(f"{CALLER}: {key}: {why}, allowed: what hpc-gfmd help scene lists")
+    if named.get("nu1") is not None and "nu1" in further:
+        raise SceneError(f"{CALLER}: found nu and nu1, allowed: one of them")
 
 
 def scene_of_keywords(
@@ -53,18 +101,10 @@ def scene_of_keywords(
         For an unknown keyword, a wrong value, and sizes or boundaries of a surface that has its
         own.
     """
-    for key in further:
-        if key in OF_RUNS:
-            raise SceneError(f"{CALLER}: found {key}, allowed: in a scene, whose run writes a file")
-        if key not in TABLE_OF_KEY and (why := not_modelled(key)):
-            raise SceneError(f"{CALLER}: {key}: {why}, allowed: what hpc-gfmd help scene lists")
-    if named.get("nu1") is not None and "nu1" in further:
-        raise SceneError(f"{CALLER}: found nu and nu1, allowed: one of them")
-    tables: dict[str, dict[str, Any]] = {"load": {}}
-    for key, value in (named | further).items():
-        if value is not None or key not in TABLE_OF_KEY:
-            table = TABLE_OF_KEY.get(key) or TABLE_OF_KEY[nearest(key, TABLE_OF_KEY)]
-            tables.setdefault(table, {})[key] = plain(value)
+    require_keywords(named, further)
+    if named.get("fields") is None:
+        named = named | {"fields": FIELDS}
+    tables: dict[str, dict[str, Any]] = {"load": {}} | _tables(named | further)
     if surface is None:
         return ArrayScene.from_dict(tables, CALLER)
     settings = tables.pop("surface", {})
@@ -86,7 +126,14 @@ def scene_of_keywords(
     )
 
 
-def several_loads(arguments: dict[str, Any]) -> bool:
-    """Whether the load among the arguments of `hpc_gfmd.solve` is a list (of any length)."""
-    values = (arguments.get(key) for key in LoadTable.model_fields)
-    return any(np.ndim(value) > 0 for value in values if value is not None)
+def several_loads(arguments: dict[str, Any]) -> bool | None:
+    """Whether the load among the arguments of `hpc_gfmd.solve` is a list; None without a load."""
+    values = [arguments.get(key) for key in LOADS]
+    dimensions = [np.ndim(value) for value in values if value is not None]
+    return any(dimensions) if dimensions else None
+
+
+def is_scene(surface: Any) -> bool:
+    """Whether an argument is a scene or the path of one, which ends in .toml."""
+    is_path = isinstance(surface, str | PathLike) and str(surface).endswith(".toml")
+    return is_path or isinstance(surface, Scene)

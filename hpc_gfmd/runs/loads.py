@@ -4,6 +4,7 @@ memory.
 
 import time
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ from ..contact.area import a_r_discretisation
 from ..contact.contact import Contact
 from ..contact.response import DUALITY
 from ..driver.branches import RETRACTION
-from ..driver.load import Load, Unfinished
+from ..driver.load import Unfinished
 from ..driver.sweep import Sweep, make_sweep
 from ..laws import attraction_of, law_names
 from ..parallel import interrupt
@@ -32,6 +33,7 @@ from ..surface import Surface
 from ..util.errors import SceneError
 from ..util.quantities import format_quantity
 from .progress import Reporter
+from .table import GrowingTable
 
 # the last one is the worst
 STATUS_ORDER = "converged", "separated", "max_iterations", "stagnated", "nonfinite", "interrupted"
@@ -185,93 +187,126 @@ def surface_attributes(scene: Scene, surface: Surface) -> dict[str, Any]:
     return {name: value for name, value in attributes.items() if value != ""}
 
 
-def solved(
-    scene: Scene,
-    sweep: Sweep,
-    loads: Sequence[Load],
-    say: Reporter,
-    watch: Callable[[int, float], bool] = lambda index, seconds: False,
-    indices: Sequence[int] | None = None,
-    unfinished_of: Callable[[int], tuple[Unfinished, float] | None] = lambda index: None,
-) -> Iterator[tuple[int, Contact, float]]:
-    """Solve loads one after the other and yield each; the next one is solved when it is requested.
+@dataclass(frozen=True)
+class SolvedLoad:
+    """One load of a run, as `Run.solve` yields it.
 
-    Collective. All runs use this loop. On the retraction branch the loads before the first of
-    `indices` are solved, too, if it needs their solution; they are not yielded.
+    Attributes
+    ----------
+    index : int
+        Its number in the scene, from 0.
+    contact : Contact
+        The solution, whose fields the next load overwrites.
+    seconds : float
+        Time spent on it.
+    numbers : dict
+        `step_attributes`; empty if the load was stopped.
+    """
+
+    index: int
+    contact: Contact
+    seconds: float
+    numbers: dict[str, Any]
+
+
+Watch = Callable[[], bool]  # called after every iteration; true: the load has to stop
+UnfinishedOf = Callable[[int], tuple[Unfinished, float] | None]  # state of a load, seconds spent
+
+
+class Run:
+    """The loads of a scene on its surface. Collective.
 
     Parameters
     ----------
     scene : Scene
         What is solved.
-    sweep : Sweep
-        That of the scene.
-    loads : sequence of Load
-        All loads of the scene, as from `Sweep.loads`.
+    make_surface : callable
+        ``make_surface(dtype)`` returns its surface in a precision.
     say : Reporter
-        Shows the progress of each load.
-    watch : callable, optional
-        Called after every iteration with the index of the load and the seconds spent on it; if it
-        returns true, the load is stopped with the status "interrupted".
-    indices : sequence of int, optional
-        The loads to solve; default: all.
-    unfinished_of : callable, optional
-        Called with the index of a load; returns the state of that load from a run that was stopped
-        and the seconds spent on it, or None if it has to start from the beginning.
+        Shows the progress and the table of the loads.
 
-    Yields
-    ------
-    (int, Contact, float)
-        Index, solution and seconds spent. The next load overwrites the fields of the contact.
+    Attributes
+    ----------
+    sweep : Sweep
+        Solves one load after another.
+    loads : list of Load
+        All loads of the scene.
+    attributes : dict
+        Attributes of the surface, by the names of the result file.
     """
-    wanted = range(len(loads)) if indices is None else indices
-    _solve_loads_before(scene, sweep, loads, next(iter(wanted), 0), unfinished_of)
-    for index in wanted:
-        load = loads[index]
-        unfinished, seconds_before = unfinished_of(index) or (None, 0.0)
-        begun = time.monotonic() - seconds_before
 
-        def watched(
-            iterations: int, progress: Progress, index: int = index, begun: float = begun
-        ) -> bool:
-            """Show the progress after an iteration; return whether the load has to stop."""
-            say.watch(iterations, progress)
-            return watch(index, time.monotonic() - begun)
+    def __init__(
+        self, scene: Scene, make_surface: Callable[[np.dtype], Surface], say: Reporter
+    ) -> None:
+        self.scene = scene
+        self.say = say
+        self.sweep = sweep_of(scene, make_surface)
+        self.loads = self.sweep.loads(scene.load)
+        self.attributes = surface_attributes(scene, self.surface)
+        self.table = GrowingTable(self.attributes, scene.output.observables or ())
 
-        say.step(index, len(loads), *_shown_target(scene, sweep, load, index))
-        try:
-            contact = sweep.solve(load, watched, unfinished)
-        finally:
-            say.done()
-        yield index, contact, time.monotonic() - begun
-        del contact, unfinished  # their fields make room for the next load
+    @property
+    def surface(self) -> Surface:
+        """The surface in the precision of the present load."""
+        return self.sweep.surface
 
+    def solve(
+        self,
+        indices: Sequence[int] | None = None,
+        stops: Watch = lambda: False,
+        unfinished_of: UnfinishedOf = lambda index: None,
+    ) -> Iterator[SolvedLoad]:
+        """Solve loads one after another and yield each; all kinds of runs use this loop.
 
-def _solve_loads_before(
-    scene: Scene,
-    sweep: Sweep,
-    loads: Sequence[Load],
-    index: int,
-    unfinished_of: Callable[[int], tuple[Unfinished, float] | None],
-) -> None:
-    """Solve the loads before `index` if load `index` has to start from their solution. Collective.
+        The next load is solved when it is asked for. On the retraction branch the loads before the
+        first of `indices` are solved, too, if it starts from them; they are not yielded.
 
-    It has to on the retraction branch, unless `unfinished_of` returns its own stored state. Nothing
-    is returned: the solutions only remain in the sweep.
-    """
-    if scene.load.branch == RETRACTION and unfinished_of(index) is None:
-        for load in loads[:index]:
-            sweep.solve(load, lambda *_: interrupt.check(sweep.surface.grid.comm))
+        Parameters
+        ----------
+        indices : sequence of int, optional
+            The loads to solve; default: all.
+        stops : callable, optional
+            Whether to stop; the load then has the status "interrupted".
+        unfinished_of : callable, optional
+            The state of a load that an earlier run has begun, and the seconds spent on it.
+        """
+        wanted = range(len(self.loads)) if indices is None else indices
+        if self.scene.load.branch == RETRACTION and wanted and unfinished_of(wanted[0]) is None:
+            for load in self.loads[: wanted[0]]:
+                self.sweep.solve(load, lambda *_: interrupt.check(self.surface.grid.comm))
+        for index in wanted:
+            unfinished, seconds_before = unfinished_of(index) or (None, 0.0)
+            begun = time.monotonic() - seconds_before
+            self.say.step(index, len(self.loads), *self._shown_target(index))
+            try:
+                contact = self.sweep.solve(self.loads[index], self._watch(stops), unfinished)
+            finally:
+                self.say.done()
+            seconds = time.monotonic() - begun
+            is_stopped = contact.status == "interrupted"
+            numbers = {} if is_stopped else step_attributes(self.scene, index, contact, seconds)
+            yield SolvedLoad(index, contact, seconds, numbers)
+            del contact, unfinished  # their fields make room for the next load
 
+    def show(self, steps: dict[int, dict]) -> None:
+        """Print the table rows of finished loads, by their numbers."""
+        if steps and not self.say.silent:  # a row takes longer than an iteration of a small contact
+            self.say.say(self.table.add(steps))
 
-def _shown_target(scene: Scene, sweep: Sweep, load: Load, index: int) -> tuple[str, float]:
-    """Return (name, value) of a load for the line of progress.
+    def _watch(self, stops: Watch) -> Callable[[int, Progress], bool]:
+        """Return what the solver calls after every iteration."""
 
-    Of a force, area, gap or approach: as the scene prescribes it for load `index`, in its units. Of
-    any pressure: ("p_star", p* of `load`).
-    """
-    for name, value in _target(scene.load, index).items():
-        return name.removeprefix("target_"), value
-    return "p*", load.value / sweep.working.pressure_unit
+        def watch(iterations: int, progress: Progress) -> bool:
+            self.say.watch(iterations, progress)
+            return stops()
+
+        return watch
+
+    def _shown_target(self, index: int) -> tuple[str, float]:
+        """Return (name, value) of a load for the line of progress; p* for any pressure."""
+        for name, value in _target(self.scene.load, index).items():
+            return name.removeprefix("target_"), value
+        return "p*", self.loads[index].value / self.sweep.working.pressure_unit
 
 
 def _target(load: LoadTable, index: int) -> dict[str, float]:

@@ -3,7 +3,8 @@
 import json
 import time
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import replace
+from functools import partial
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -11,14 +12,15 @@ from typing import Any
 import numpy as np
 
 from ..contact import all_numbers
-from ..contact.contact import Contact, heights_of
-from ..driver.load import Load, Unfinished
+from ..contact.contact import heights_of
+from ..driver.load import Unfinished
 from ..driver.precision import first_precision
 from ..driver.warmup import compile_once
 from ..output.fields import FIELDS
 from ..output.folder import clear, has_begun, is_held, of_earlier_version, partial_folder
-from ..output.read import read_partial
+from ..output.read import read_partial, read_result
 from ..output.record import RunFile
+from ..output.result import Result
 from ..output.summary import surface_line
 from ..parallel.comm import Comm
 from ..parallel.guard import on_rank_0
@@ -26,37 +28,15 @@ from ..parallel.interrupt import Interrupt, Stopped
 from ..parallel.thread_count import oversubscription, threads_of
 from ..parallel.world import comm_of, world
 from ..scene import Scene, load_scene, with_overrides
-from ..surface import Surface, build_surface, grid_of, surface_size
+from ..surface import Surface, grid_of, surface_size
 from ..surface.number_range import field_dtype
 from ..util.errors import GfmdError, SceneError
 from ..util.versions import versions
 from .capacity import require_memory
-from .loads import check, solved, step_attributes, surface_attributes, sweep_of, worst_status
+from .in_memory import Surfaces, surfaces_of_scene
+from .loads import Run, SolvedLoad, check, step_attributes, worst_status
 from .progress import Reporter
-from .table import GrowingTable
-
-
-@dataclass(frozen=True)
-class RunResult:
-    """Outcome of a run.
-
-    Attributes
-    ----------
-    path : Path
-        The result file, which is written when all loads are finished.
-    steps : list of dict
-        Attributes of all finished loads, by the names of the result file.
-    status : str
-        The worst status of the loads; "interrupted" if some are missing.
-    exit_code : int
-        Exit code for the command line: 0 if every load is converged or separated; that of the
-        interruption if the run was interrupted; otherwise 3.
-    """
-
-    path: Path
-    steps: list[dict]
-    status: str
-    exit_code: int
+from .solutions import Solutions
 
 
 def run_scene(
@@ -66,7 +46,7 @@ def run_scene(
     force: bool = False,
     quiet: bool = False,
     comm: Any = None,
-) -> RunResult:
+) -> Solutions:
     """Solve a scene and write its result file, as `hpc-gfmd run` does. Collective.
 
     If an interrupted run of the same scene lies at its output, it is continued. On a signal to stop
@@ -91,8 +71,8 @@ def run_scene(
 
     Returns
     -------
-    RunResult
-        The finished loads and the status; an interrupted run raises nothing.
+    Solutions
+        The finished loads, with `path` and `exit_code`; an interrupted run raises nothing.
 
     Raises
     ------
@@ -107,6 +87,7 @@ def run_scene(
     check(scene)
     n, sizes = on_rank_0(comm, "reading the surface", lambda: surface_size(scene.surface))
     threads = threads_of(comm, scene.machine.threads, n[0] * n[1])
+    surfaces = surfaces_of_scene(comm, scene, threads)
     say = Reporter(comm, scene.solver, quiet)
     grid = grid_of(n, sizes, comm, free=scene.surface.free, threads=threads)
     require_memory(comm, scene, grid, threads)
@@ -136,75 +117,79 @@ def run_scene(
         for line in [*file.notes, *scene.warnings(), oversubscription(comm, threads)]:
             if line:
                 say.say(f"note: {line}")
-        run = _Run(comm, scene, file, say, interrupt, threads)
+        run = _Run(comm, scene, surfaces, file, say, interrupt)
+        exit_code = None
         try:
-            run.start(begun)
-            status = run.all_loads()
+            status = run.all_loads(run.prepare(begun))
         except Stopped:
             say.say(f"stopped: {run.progress_text()}; {how_to_continue}")
             status = "interrupted"
-        codes = {"converged": 0, "separated": 0, "interrupted": interrupt.exit_code}
-        return RunResult(file.path, [*file.finished.values()], status, codes.get(status, 3))
+            exit_code = interrupt.exit_code
+    steps = [*file.finished.values()]
+    path = file.path
+
+    def make_result() -> Result:
+        """Read the file, whose numbers are known."""
+        return replace(read_result(path), steps=steps)
+
+    return Solutions(steps, make_result, status=status, path=path, exit_code=exit_code)
 
 
-@dataclass(eq=False)
 class _Run:
-    """The loads of one run: each that is missing is solved, and written as soon as it is finished.
+    """One run into a file: each missing load is solved, and written as soon as it is finished.
 
-    `start` has to be called first: it sets `loads` and makes the attributes `sweep` and `table`.
+    `prepare` has to be called first; `run` is None until then.
     """
 
-    comm: Comm
-    scene: Scene
-    file: RunFile
-    say: Reporter
-    interrupt: Interrupt
-    threads: int
-    loads: list[Load] = field(default_factory=list)
-    unfinished: str = ""  # the load that was stopped before it converged, for messages
+    def __init__(
+        self,
+        comm: Comm,
+        scene: Scene,
+        surfaces: Surfaces,
+        file: RunFile,
+        say: Reporter,
+        interrupt: Interrupt,
+    ) -> None:
+        self.comm = comm
+        self.scene = scene
+        self.surfaces = surfaces
+        self.file = file
+        self.say = say
+        self.interrupt = interrupt
+        self.run: Run | None = None
+        self.unfinished = ""  # the load that was stopped before it converged, for messages
 
     def progress_text(self) -> str:
         """Return how far the run has got, for a message: "2 of 5 loads are finished, ..."."""
-        if not self.loads:
+        if self.run is None:
             return "no load had begun"
         count = len(self.file.finished)
         are = "is" if count == 1 else "are"
-        return f"{count} of {len(self.loads)} loads {are} finished{self.unfinished}"
+        return f"{count} of {len(self.run.loads)} loads {are} finished{self.unfinished}"
 
-    def start(self, begun: float) -> None:
-        """Compile kernels, make surface, sweep and loads, write the head. Collective.
+    def prepare(self, begun: float) -> Run:
+        """Compile kernels, make the surface and the loads, write the head. Collective.
 
         `begun` is time.monotonic() at the start of the run. Raises SceneError if the heights are
         not those of the resumed run, or do not fit the output precision.
         """
         scene = self.scene
-        file = self.file
         say = self.say
-        compile_once(
-            self.comm, scene, lambda contact: step_attributes(scene, 0, contact, 0.0), say.say
-        )
-        self.sweep = sweep_of(scene, self._make_surface)
-        surface = self.sweep.surface
-        self.loads = self.sweep.loads(scene.load)
+        compile_once(self.comm, scene, partial(step_attributes, scene, 0, seconds=0.0), say.say)
+        self.run = run = Run(scene, self.surfaces, say)
+        surface = run.surface
         self._require_the_same_heights(surface)
-        self._require_storable(*(load.value for load in self.loads if load.is_pressure))
-        attributes = surface_attributes(scene, surface)
-        self.table = GrowingTable(attributes, scene.output.observables or ())
-        file.update(
-            attributes,
+        self._require_storable(surface, *(load.value for load in run.loads if load.is_pressure))
+        self.file.update(
+            run.attributes,
             heights_of(surface) if "heights" in scene.output.fields else None,
             heights=surface.checksum or "",
             setup_seconds=time.monotonic() - begun,
         )
         for line in surface.notes:
             say.say(f"note: {line}")
-        say.say(self._headline(attributes, time.monotonic() - begun))
-
-    def _make_surface(self, dtype: np.dtype) -> Surface:
-        """Return the surface of the scene in a precision. Collective."""
-        low_memory = self.scene.solver.low_memory
-        whole = self.scene.may_break_symmetry
-        return build_surface(self.scene.surface, self.comm, dtype, self.threads, low_memory, whole)
+        say.say(self._headline(run, time.monotonic() - begun))
+        return run
 
     def _require_the_same_heights(self, surface: Surface) -> None:
         """Raise SceneError if the resumed run had other heights."""
@@ -216,81 +201,74 @@ class _Run:
                 " or size), allowed: the same; run with --force for the new ones"
             )
 
-    def all_loads(self) -> str:
+    def all_loads(self, run: Run) -> str:
         """Solve the missing loads, write the result file, print the table; return the worst status.
 
         Collective. Raises Stopped if the run has to stop before all loads are finished.
         """
         finished = self.file.finished
-        if finished:
-            self.say.say(self.table.add(finished))
-        missing = [index for index in range(len(self.loads)) if index not in finished]
+        run.show(finished)
+        missing = [index for index in range(len(run.loads)) if index not in finished]
         if missing:
-            self.file.require_space(len(missing), self.scene.output.fields, self.sweep.dtype)
+            self.file.require_space(len(missing), self.scene.output.fields, run.sweep.dtype)
             self.interrupt.require_time()
-            self._solve(missing)
+            self._solve(run, missing)
         status = worst_status([*self.file.finished.values()])
         self.file.finish(status)
-        for line in self.table.end():
+        for line in run.table.end():
             self.say.say(line)
         return status
 
-    def _solve(self, missing: list[int]) -> None:
+    def _solve(self, run: Run, missing: list[int]) -> None:
         """Solve and write the loads of these indices. Collective.
 
         Raises Stopped as soon as the run has to stop; within a load its gap is written first.
         """
-        for index, contact, seconds in solved(
-            self.scene,
-            self.sweep,
-            self.loads,
-            self.say,
-            lambda *_: self.interrupt.poll(),
-            missing,
-            self._unfinished,
-        ):
-            if contact.status == "interrupted":
-                self._keep_gap(index, contact, seconds)
-                count = contact.iterations
+        unfinished_of = partial(self._unfinished, run)
+        for load in run.solve(missing, self.interrupt.poll, unfinished_of):
+            index = load.index
+            if load.contact.status == "interrupted":
+                self._keep_gap(load)
+                count = load.contact.iterations
                 plural = "s" * (count != 1)
                 self.unfinished = f", load {index + 1} after {count} iteration{plural}"
                 raise Stopped(self.interrupt.agreed)
-            self._write(index, contact, seconds)
-            del contact  # its fields make room for the next load
+            self._write(load)
+            run.show({index: load.numbers})
+            del load  # its fields make room for the next one
             if index != missing[-1] and self.interrupt.poll():
                 raise Stopped(self.interrupt.agreed)
 
-    def _write(self, index: int, contact: Contact, seconds: float) -> None:
-        """Compute the observables of a finished load, write it, print its row. Collective."""
-        self._require_storable(contact.wall_pressure)
-        attributes = step_attributes(self.scene, index, contact, seconds)
+    def _write(self, load: SolvedLoad) -> None:
+        """Write a finished load. Collective."""
+        contact = load.contact
+        self._require_storable(contact.surface, contact.wall_pressure)
         names = self.scene.output.fields
-        self.file.write_step(
-            index, attributes, {name: contact.field(name) for name in names if name in FIELDS}
-        )
-        self.say.say(self.table.add({index: attributes}))
+        fields: dict[str, Any] = {name: contact.field(name) for name in names if name in FIELDS}
+        self.file.write_step(load.index, load.numbers, fields)
 
-    def _keep_gap(self, index: int, contact: Contact, seconds: float) -> None:
+    def _keep_gap(self, load: SolvedLoad) -> None:
         """Write the gap of a load that is stopped before it converged. Collective.
 
         Not for a surface that varies along one axis only: such a load takes no time.
         """
-        if self.sweep.surface.reduced_axis is None:  # along one axis a load takes no time
+        contact = load.contact
+        if contact.surface.reduced_axis is None:
             numbers = {
                 "p": contact.p_mean,
-                "seconds": seconds,
+                "seconds": load.seconds,
                 "iterations": contact.iterations,
                 "fft_pairs": contact.fft_pairs,
             }
-            self.file.write_checkpoint(contact.grid, index, contact.g, numbers)
+            self.file.write_checkpoint(contact.grid, load.index, contact.g, numbers)
 
-    def _unfinished(self, index: int) -> tuple[Unfinished, float] | None:
+    def _unfinished(self, run: Run, index: int) -> tuple[Unfinished, float] | None:
         """Return (stored state of a load that was stopped, seconds spent on it). Collective.
 
         None if there is none of this load or, with a note, if it cannot be read or is of another
         grid.
         """
-        grid = self.sweep.surface.grid
+        grid = run.surface.grid
         try:
             checkpoint = self.file.checkpoint()
             if checkpoint is None or checkpoint.indices != [index]:
@@ -305,7 +283,7 @@ class _Run:
         unfinished = Unfinished(gap, numbers["p"], numbers["iterations"], numbers["fft_pairs"])
         return unfinished, numbers["seconds"]
 
-    def _require_storable(self, *pressures: float) -> None:
+    def _require_storable(self, surface: Surface, *pressures: float) -> None:
         """Raise SceneError if output.dtype = "single" cannot hold the fields at these pressures.
 
         They are mean pressures on the wall. One that is not above 0 decides nothing: before a load
@@ -313,7 +291,6 @@ class _Run:
         """
         if self.scene.output.dtype != "single":
             return
-        surface = self.sweep.surface
         for name in self.scene.output.fields:
             for p_mean in pressures:
                 if name == "pressure" and p_mean <= 0:
@@ -325,19 +302,19 @@ class _Run:
                         ' allowed: "double"'
                     )
 
-    def _headline(self, attributes: dict[str, Any], seconds: float) -> str:
+    def _headline(self, run: Run, seconds: float) -> str:
         """Return the line on surface, ranks and precision; `seconds`: time of the preparation."""
         scene = self.scene
-        surface = self.sweep.surface
+        threads = self.surfaces.threads
         ranks = self.comm.size
         settings = scene.solver
         precision = first_precision(settings).name
         if settings.precision == "auto" and precision == "float32":
             precision += " until a load needs float64"
         return (
-            f"{scene.title or scene.surface.kind}: {surface_line(attributes)}"
-            f"{'' if surface.reduced_axis is None else ', varies along one axis only'};"
-            f" {ranks} rank{'s' * (ranks > 1)} of {self.threads} thread{'s' * (self.threads > 1)},"
+            f"{scene.title or scene.surface.kind}: {surface_line(run.attributes)}"
+            f"{'' if run.surface.reduced_axis is None else ', varies along one axis only'};"
+            f" {ranks} rank{'s' * (ranks > 1)} of {threads} thread{'s' * (threads > 1)},"
             f" {precision},"
             f" {'accuracy' if settings.accuracy else 'residual'} {settings.tolerance:g}; ready"
             f" after {seconds:.1f} s"
@@ -349,7 +326,7 @@ def restart(
     overrides: Iterable[str] = (),
     quiet: bool = False,
     comm: Comm | None = None,
-) -> RunResult:
+) -> Solutions:
     """Continue an interrupted run, on any number of ranks. Collective.
 
     Parameters
@@ -365,7 +342,7 @@ def restart(
 
     Returns
     -------
-    RunResult
+    Solutions
         As for `run_scene`.
 
     Raises

@@ -1,5 +1,6 @@
 """A solved load, in memory or from a result file: numbers, fields, and what follows from them."""
 
+from collections.abc import Callable
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +18,8 @@ from ..contact.response import DUALITY
 from ..output.fields import FIELDS
 from ..output.numbers import unit_of
 from ..output.result import Result
-from ..output.summary import summary
+from ..output.summary import converged, summary
+from ..parallel.comm import Comm
 from ..scene.explain import require_known
 from ..util.errors import SceneError
 from ..util.quantities import in_units
@@ -88,7 +90,7 @@ class Solution(Solved):
         "float32" or "float64": that of the solution.
     result : output.result.Result
         All numbers and fields, by the names of the result file: result.surface, result.steps[0],
-        result.fields[0].
+        result.fields[0]. It is made when it is first read.
     """
 
     p: float
@@ -112,28 +114,22 @@ class Solution(Solved):
 
     def __init__(
         self,
-        result: Result,
+        steps: list[dict],
+        make_result: Callable[[], Result],
         rows: tuple[int, int] | None = None,
-        comm: Any = None,
+        comm: Comm | None = None,
         contact: "Contact | None" = None,
     ):
-        """Made by `solve` and `load`.
-
-        Parameters
-        ----------
-        result : output.result.Result
-            Numbers and fields of one load.
-        rows : (int, int), optional
-            Rows (start, stop) of this rank; default: all.
-        comm : Comm, optional
-            All ranks; default: this process alone.
-        contact : Contact, optional
-            The solved load in memory, for numbers and fields that the result does not have.
-        """
-        super().__init__(result, rows, comm)
+        """As `Solved`; `contact`: the load in memory, for what the result does not have."""
+        super().__init__(steps, make_result, rows, comm)
+        (self._step,) = steps
         self._contact = contact
-        self._step = result.steps[0]
         self._arrays: dict[str, np.ndarray] = {}
+
+    @property
+    def converged(self) -> bool:
+        """Whether the load reached the required accuracy, or the surfaces are apart."""
+        return converged(self._step)
 
     @property
     def kappa(self) -> float:

@@ -1,16 +1,19 @@
 """Solutions of several loads, in memory or from a result file."""
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from os import PathLike
-from typing import TYPE_CHECKING, Any, overload
+from pathlib import Path
+from typing import TYPE_CHECKING, Self, overload
 
 import numpy as np
 
 from ..output.read import read_result
 from ..output.result import Result
-from ..output.summary import last_held, summary, surface_line
+from ..output.summary import FINE, last_held, summary, surface_line
+from ..parallel.comm import Comm
 from .solution import Solution
 from .solved import Solved
 from .table import html_table
@@ -30,8 +33,17 @@ class Solutions(Solved, Sequence[Solution]):
     p, p_star, a_r, a_r_error, a_r_discretisation, contact_area, contact_pressure_mean,
     contact_pressure_max, gap_mean, gap_error, pressure_error, fft_pairs : ndarray, shape (loads,)
         The numbers of that name of each Solution; nan for a load without a value.
+    steps : list of dict
+        The numbers of each load, by the names of the result file.
+    status : str
+        The worst status of all loads; "interrupted" or "running" if the run is not finished.
+    path : Path or None
+        The result file of `run` and `load`; None in memory.
+    exit_code : int
+        That of the command line: 0 if every load is converged, that of the signal if `run` was
+        interrupted, otherwise 3.
     result : output.result.Result
-        All numbers and fields, by the names of the result file.
+        All numbers and fields, by the names of the result file. It is made when it is first read.
     """
 
     _picture = "curves"
@@ -51,30 +63,35 @@ class Solutions(Solved, Sequence[Solution]):
 
     def __init__(
         self,
-        result: Result,
+        steps: list[dict],
+        make_result: Callable[[], Result],
         rows: tuple[int, int] | None = None,
-        comm: Any = None,
+        comm: Comm | None = None,
+        *,
+        status: str,
         contacts: "Sequence[Contact | None]" = (),
+        path: Path | None = None,
+        exit_code: int | None = None,
     ):
-        """Made by `solve` and `load`.
-
-        Parameters
-        ----------
-        result : output.result.Result
-            Numbers and fields.
-        rows : (int, int), optional
-            Rows (start, stop) of this rank; default: all.
-        comm : Comm, optional
-            All ranks; default: this process alone.
-        contacts : sequence of Contact or None, optional
-            The solved loads in memory; None for one without fields.
-        """
-        super().__init__(result, rows, comm)
-        contacts = contacts or [None] * len(result.steps)
+        """As `Solved`; `contacts`: the loads in memory, None for one without fields."""
+        super().__init__(steps, make_result, rows, comm)
+        self.status = status
+        self.path = path
+        self.exit_code = exit_code or (0 if status in FINE else 3)
+        contacts = contacts or [None] * len(steps)
         self._all = [
-            Solution(result.some([k], status=step["status"]), rows, comm, contact)
-            for k, (step, contact) in enumerate(zip(result.steps, contacts, strict=True))
+            Solution([step], partial(self._only, k), rows, comm, contact)
+            for k, (step, contact) in enumerate(zip(steps, contacts, strict=True))
         ]
+
+    @classmethod
+    def of(cls, result: Result) -> Self:
+        """Return the solutions in a result that every process can read."""
+        return cls(result.steps, lambda: result, status=result.status, path=result.path)
+
+    def _only(self, k: int) -> Result:
+        """Return the result of one load."""
+        return self.result.some([k], status=self.steps[k]["status"])
 
     @overload
     def __getitem__(self, index: int) -> Solution: ...
@@ -84,7 +101,15 @@ class Solutions(Solved, Sequence[Solution]):
         """Return the solution of one load, or for a slice a Solutions that shares its loads."""
         if not isinstance(index, slice):
             return self._all[index]
-        chosen = Solutions(self.result.some(index), self.rows, self.comm)
+        chosen = Solutions(
+            self.steps[index],
+            lambda: self.result.some(index),
+            self._rows,
+            self.comm,
+            status=self.status,
+            path=self.path,
+            exit_code=self.exit_code,
+        )
         chosen._all = self._all[index]
         return chosen
 
@@ -93,9 +118,9 @@ class Solutions(Solved, Sequence[Solution]):
         return len(self._all)
 
     @property
-    def status(self) -> str:
-        """The worst status of all loads; "interrupted" or "running" if the run is not finished."""
-        return self.result.status
+    def converged(self) -> bool:
+        """Whether all loads are finished and converged; surfaces that are apart count as that."""
+        return self.status in FINE
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -110,7 +135,7 @@ class Solutions(Solved, Sequence[Solution]):
         approaches, which hold the surfaces beyond it, it is the largest pull before they come
         apart. None if no load separates surfaces that touched at the load before.
         """
-        held = last_held(self.result.steps)
+        held = last_held(self.steps)
         return None if held is None else float(held["p"])
 
     def values(self, name: str) -> np.ndarray:
@@ -187,4 +212,4 @@ def load(path: str | PathLike) -> Solutions:
         note = f"the run is {result.status}: {result.missing_loads}"
         result = replace(result, notes=(*result.notes, note))
         warnings.warn(f"{result.path}: {note}", stacklevel=2)
-    return Solutions(result)
+    return Solutions.of(result)

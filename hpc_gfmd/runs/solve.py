@@ -2,7 +2,6 @@
 
 import warnings
 from collections.abc import Sequence
-from datetime import UTC, datetime
 from typing import Any, overload
 
 import numpy as np
@@ -12,8 +11,8 @@ from ..parallel.comm import Comm
 from ..parallel.world import comm_of
 from ..surface.doubtful_numbers import DIFFERENT_UNITS
 from ..util.errors import NotConverged
-from .in_memory import Heights, collect, scene_of, solve_loads, surfaces_of
-from .keywords import several_loads
+from .in_memory import Heights, changed, scene_of, solve_loads, surfaces_of, surfaces_of_scene
+from .keywords import is_scene, several_loads
 from .solution import Solution
 from .solutions import Interrupted, Solutions
 
@@ -72,10 +71,10 @@ def solve(
     base: str | None = None,
     boundary: str | Sequence[str] | None = None,
     radius: Number | Sequence[Number] | None = None,
-    fields: Sequence[str] = ("pressure", "gap", "heights"),
+    fields: Sequence[str] | None = None,
     observables: Sequence[str] | None = None,
-    distributions: Sequence[str] = (),
-    threads: int | str = "auto",
+    distributions: Sequence[str] | None = None,
+    threads: int | str | None = None,
     progress: bool = False,
     comm: Any = None,
     **more: Any,
@@ -86,10 +85,11 @@ def solve(
 
     Parameters
     ----------
-    heights : array (n_x, n_y), PreparedSurface or Topography
+    heights : array (n_x, n_y), PreparedSurface, Topography or scene
         Heights of the rigid surface, peaks up, in the unit of `physical_sizes` (m if these have
         units). What `read_surface`, `prepare_surface` and `make_surface` return, and a Topography
-        of SurfaceTopography, have their own sizes, unit and boundary.
+        of SurfaceTopography, have their own sizes, unit and boundary. Or a Scene, or the path of
+        one, whose keys hold unless they are given here; no file is written.
     pressure, p_star, gap_mean, gap_over_h_rms, a_r, force, approach : number, text or list
         The load, exactly one of these: the mean pressure in the unit of `E_star`, p/(E* g_rms), or
         another quantity of a scene's [load]. A list is solved in its order; each load starts from
@@ -112,7 +112,8 @@ def solve(
     radius : number, text or (R_x, R_y)
         Radius of a ball (inf: a cylinder) under the heights of an array with a free boundary.
     fields : list of "pressure", "gap", "displacement", "plastic", "heights"
-        Fields that are kept and that `save` writes; () keeps none.
+        Fields that are kept and that `save` writes; () keeps none. Default: those of the scene, or
+        pressure, gap and heights.
     observables, distributions : lists of names
         Numbers and arrays to compute for each load beside the cheap ones; a Solution can compute
         others later.
@@ -122,8 +123,8 @@ def solve(
         Whether to draw a progress bar for each load and print its row of the table.
     comm : communicator of mpi4py
         For scripts under mpirun: every rank calls this with the same whole `heights` (a memory map
-        will do) and gets the same numbers; fields are those of its rows, `solution.rows`. Default:
-        this process alone, even under mpirun.
+        will do) or scene, and gets the same numbers; fields are those of its rows, `solution.rows`.
+        Default: this process alone, even under mpirun.
     **more
         Other keys of the scene's [material], [solver] and [output], such as name="gfmd",
         precision="double", max_iterations, nested, options; `hpc-gfmd help scene` lists them.
@@ -131,7 +132,7 @@ def solve(
     Returns
     -------
     Solution or Solutions
-        A Solution for one load, Solutions for a list.
+        A Solution for one load, Solutions for a list and for the loads of a scene.
 
     Raises
     ------
@@ -175,15 +176,18 @@ def solve(
         "distributions": distributions,
         "threads": threads,
     }
-    start_time = datetime.now(UTC).isoformat(timespec="seconds")
     comm = comm_of(comm)
-    scene, wall = scene_of(comm, heights, keywords, more)
-    surfaces = surfaces_of(comm, scene, wall)
     several = several_loads(keywords)
-    loads = solve_loads(comm, scene, surfaces, progress, keep_interrupted=several)
-    solutions = collect(comm, scene, surfaces, loads, start_time)
-    _warn(comm, loads.steps)
-    if loads.interrupted:
+    if is_scene(heights):
+        scene = changed(comm, heights, keywords, more)
+        surfaces = surfaces_of_scene(comm, scene)
+        several = several is not False
+    else:
+        scene, wall = scene_of(comm, heights, keywords, more)
+        surfaces = surfaces_of(comm, scene, wall)
+    solutions = solve_loads(comm, scene, surfaces, progress, keep_interrupted=bool(several))
+    _warn(comm, solutions.steps)
+    if solutions.status == "interrupted":
         raise Interrupted(solutions) from None
     return solutions if several else solutions[0]
 

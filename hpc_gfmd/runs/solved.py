@@ -3,10 +3,11 @@
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import cached_property
 from inspect import signature
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from ..output.fields import Slab
 from ..output.numbers import axes, dataset_attributes, numbers, scalar_names
 from ..output.record import RunFile
 from ..output.result import Result
-from ..parallel.comm import SerialComm
+from ..parallel.comm import Comm, SerialComm
 from ..scene.explain import require_known
 from ..util.errors import GfmdError, SceneError, how_to_install
 from .references import references_of
@@ -33,25 +34,39 @@ class Solved:
     """Common base of Solution and Solutions.
 
     Numbers of the result are attributes: a name that the class does not define is looked up among
-    them.
-
-    Parameters
-    ----------
-    result : Result
-        Numbers and fields, by the names of the result file.
-    rows : (int, int), optional
-        Start and stop of this rank's rows of the fields; default: all.
-    comm : Comm, optional
-        The ranks that share the fields; default: this process alone.
+    them. `steps` are the numbers of each load, `make_result` makes all that a result file holds
+    when it is first looked at, `rows` are those of this rank (default: all) among `comm`.
     """
 
     _picture: str | None = None  # what `plot` draws by default; None: the first that is possible
     _get: Callable[[str], Any]  # a number by its name
 
-    def __init__(self, result: Result, rows: tuple[int, int] | None = None, comm: Any = None):
-        self.result = result
+    def __init__(
+        self,
+        steps: list[dict],
+        make_result: Callable[[], Result],
+        rows: tuple[int, int] | None = None,
+        comm: Comm | None = None,
+    ):
+        self.steps = steps
         self.comm = comm or SerialComm()
-        self.rows = rows or (0, int(result.surface["n"][0]))
+        self._make_result = make_result
+        self._rows = rows
+
+    @classmethod
+    def of(cls, result: Result) -> Self:
+        """Return the solutions in a result that every process can read."""
+        return cls(result.steps, lambda: result)
+
+    @cached_property
+    def result(self) -> Result:
+        """All numbers and fields, by the names of the result file."""
+        return self._make_result()
+
+    @property
+    def rows(self) -> tuple[int, int]:
+        """Start and stop of this rank's rows of the fields."""
+        return self._rows or (0, int(self.result.surface["n"][0]))
 
     def __reduce__(self) -> tuple:
         """Pickle with all fields in memory. Raises SceneError if they are spread over ranks."""
@@ -61,7 +76,7 @@ class Solved:
             {name: Slab(stored.read(), 0, stored.shape) for name, stored in fields.items()}
             for fields in self.result.fields
         ]
-        return type(self), (replace(self.result, fields=in_memory),)
+        return type(self).of, (replace(self.result, fields=in_memory),)
 
     @property
     def g_rms(self) -> float:
@@ -90,7 +105,7 @@ class Solved:
 
     def _number_names(self) -> Iterator[str]:
         """Yield the names of the numbers that the result has or that are cheap to compute."""
-        yield from scalar_names(self.result.steps)
+        yield from scalar_names(self.steps)
         yield from default_observables()
 
     def __getattr__(self, name: str) -> Any:

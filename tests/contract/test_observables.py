@@ -46,7 +46,7 @@ WITHOUT = {
 
 
 def run(surface, output, out="x.h5", loads=(0.05, 0.1), material=()):
-    """The RunResult of a scene with this [output]."""
+    """The Solutions of a scene with this [output]."""
     tables = {"surface": surface, "material": dict(material), "load": {"p_star": list(loads)}}
     return run_scene(Scene.from_dict(tables | {"output": output}), out=out, quiet=True)
 

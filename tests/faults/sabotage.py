@@ -67,7 +67,7 @@ def nan(count, value="nan"):
 
 def limit(mebibytes):
     """Limit the additional address space once the program makes the surface."""
-    from hpc_gfmd.runs import simulation
+    from hpc_gfmd.runs import in_memory
 
     def shrink(go_on, _):
         with open("/proc/self/statm") as file:
@@ -75,7 +75,7 @@ def limit(mebibytes):
         resource.setrlimit(resource.RLIMIT_AS, (used + int(mebibytes) * 2**20,) * 2)
         return go_on()
 
-    simulation.build_surface = after(simulation.build_surface, 1, shrink)
+    in_memory.build_surface = after(in_memory.build_surface, 1, shrink)
 
 
 def slow(seconds):
@@ -150,7 +150,7 @@ FAULTS = {
 } | {
     # an error while the surface is made, in the middle of a solve, in an allocation, and while the
     # rows of this rank are written
-    "surface": raised("runs.simulation", "build_surface", RuntimeError("sabotage")),
+    "surface": raised("runs.in_memory", "build_surface", RuntimeError("sabotage")),
     "solve": raised("solvers.bpx:Bpx", "step", RuntimeError("sabotage")),
     "no_memory": raised("solvers.bpx:Bpx", "step", MemoryError("Unable to allocate 7.00 TiB")),
     "write": raised("parallel.h5", "_piece", RuntimeError("sabotage")),

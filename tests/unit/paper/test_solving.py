@@ -6,6 +6,7 @@ import json
 import os
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -99,7 +100,7 @@ def test_exit_codes(tmp_path, monkeypatch):
         patch.setattr(Store, "append", full)
         with refused(r"runs\.jsonl: No space", GfmdError):
             solved(CASES, Store(tmp_path / "full"))
-    stopped = hpc_gfmd.RunResult(tmp_path, [], "interrupted", 143)
+    stopped = SimpleNamespace(path=tmp_path, exit_code=143)
     monkeypatch.setattr(hpc_gfmd, "run", lambda *args, **how: stopped)
     assert solved(CASES, Store(tmp_path / "stopped"))[0] == 143
     assert list(Store(tmp_path / "stopped").stored().values()) == []

@@ -9,7 +9,7 @@ import pytest
 
 import hpc_gfmd
 from hpc_gfmd.kernels import cache
-from hpc_gfmd.runs import in_memory
+from hpc_gfmd.runs import loads
 
 
 @pytest.mark.parametrize(
@@ -62,13 +62,13 @@ def test_compilation_time_is_reported(monkeypatch):
 @pytest.mark.parametrize("progress", [False, True])
 def test_solve_announces_compilation(progress, monkeypatch, capsys):
     """On standard error, with and without progress=True."""
-    original = in_memory.sweep_of
+    original = loads.sweep_of
 
     def compile_and_sweep(*arguments):
         numba.njit(lambda x: x + 5)(1)
         return original(*arguments)
 
-    monkeypatch.setattr(in_memory, "sweep_of", compile_and_sweep)
+    monkeypatch.setattr(loads, "sweep_of", compile_and_sweep)
     hpc_gfmd.solve(
         np.add.outer(np.arange(8) % 3, np.arange(8) % 2) * 0.1, p_star=0.1, progress=progress
     )

@@ -5,7 +5,9 @@ import pytest
 from contacts import scene_text
 
 import hpc_gfmd
+from hpc_gfmd.runs import in_memory
 from hpc_gfmd.runs.interface_law import _Curves, interface_law
+from hpc_gfmd.scene import Scene
 from hpc_gfmd.util.errors import SceneError
 
 
@@ -100,6 +102,17 @@ def test_law_of_several_realisations(tmp_path):
     areas = [hpc_gfmd.solve(wall(seed), law.pressure[0]).a_r for seed in (1, 2, 3)]
     assert law.values["a_r"][0] == pytest.approx(np.mean(areas), rel=0.01)
     assert law.scatter["a_r"][0] == pytest.approx(np.std(areas, ddof=1), rel=0.1)
+
+
+def test_the_surface_of_a_scene_is_made_once(monkeypatch):
+    made = []
+    original = in_memory.build_surface
+    monkeypatch.setattr(
+        in_memory, "build_surface", lambda *a, **k: made.append(a[2]) or original(*a, **k)
+    )
+    law = interface_law(Scene.from_toml(scene_text((2, 8, 4))), 0.05, 5.0, 0.05)
+    assert len(law.pressure) > 3
+    assert len(made) == len(set(made))
 
 
 def test_missing_quantities_have_a_reason():

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from contacts import random_heights, rough
+from contacts import random_heights, rough, scene_text
 from mpi_harness import printed
 from refusal import refused
 
@@ -121,7 +121,7 @@ def test_ctrl_c_before_any_load_is_finished(monkeypatch):
 
 
 def test_solve_agrees_with_a_run():
-    """A scene file and solve give the same result and head."""
+    """A run, solve of its surface and solve of the scene give the same result and head."""
     wall = hpc_gfmd.make_surface(**ROUGH)
     fields = ["pressure", "gap", "heights"]
     scene = {
@@ -130,20 +130,41 @@ def test_solve_agrees_with_a_run():
         "material": {"E_star": "5 GPa"},
         "output": {"fields": fields, "observables": ["perimeter"]},
     }
-    run_scene(Scene.from_dict(scene), out="run.h5", quiet=True)
+    ran = run_scene(Scene.from_dict(scene), out="run.h5", quiet=True)
+    hpc_gfmd.solve(Scene.from_dict(scene)).save("scene.h5")
     hpc_gfmd.solve(
         wall, p_star=[0.02, 0.3], E_star="5 GPa", fields=fields, observables=["perimeter"]
     ).save("memory.h5")
-    run, memory = (hpc_gfmd.load(f"{name}.h5") for name in ("run", "memory"))
-    assert run.result.head["identity"] == memory.result.head["identity"]
-    assert set(run.result.head) == set(memory.result.head)
-    assert set(run.result.surface) == set(memory.result.surface)
-    for a, b in zip(run, memory, strict=True):
-        assert (a.a_r, a.status) == (b.a_r, b.status)
-        assert a.observable("perimeter") == b.observable("perimeter")
-        assert np.allclose(a.pressure, b.pressure, atol=1e-3 * a.p)
-        assert np.allclose(a.gap, b.gap, atol=1e-3 * a.gap_mean)
-        assert np.allclose(a.heights, b.heights, atol=1e-6 * a.h_rms)
+    run, *in_memory = (hpc_gfmd.load(f"{name}.h5") for name in ("run", "memory", "scene"))
+    assert (ran.path, ran.exit_code, ran.converged) == (Path("run.h5"), 0, True)
+    assert ran.steps == run.steps
+    assert np.array_equal(ran[1].pressure, run[1].pressure)
+    for memory in in_memory:
+        assert run.result.head["identity"] == memory.result.head["identity"]
+        assert set(run.result.head) == set(memory.result.head)
+        assert set(run.result.surface) == set(memory.result.surface)
+        for a, b in zip(run, memory, strict=True):
+            assert (a.a_r, a.status, a.converged) == (b.a_r, b.status, True)
+            assert a.observable("perimeter") == b.observable("perimeter")
+            assert np.allclose(a.pressure, b.pressure, atol=1e-3 * a.p)
+            assert np.allclose(a.gap, b.gap, atol=1e-3 * a.gap_mean)
+            assert np.allclose(a.heights, b.heights, atol=1e-6 * a.h_rms)
+
+
+def test_solve_takes_a_scene(tmp_path):
+    """Keywords replace its keys; fields are kept even if it names none; no file is written."""
+    Path("scene.toml").write_text(scene_text(solver={"residual": 1e-6}))
+    solutions = hpc_gfmd.solve("scene.toml")
+    assert solutions.p_star == pytest.approx([0.05, 0.1])
+    assert solutions[0].pressure.mean() == pytest.approx(solutions[0].p)
+    one = hpc_gfmd.solve("scene.toml", a_r=0.1, accuracy=1e-2, max_iterations=1, fields=())
+    assert (one.status, one.converged) == ("max_iterations", False)
+    assert one.result.scene.solver.residual is None
+    with refused("solver.shift: unknown key"):
+        hpc_gfmd.solve("scene.toml", shift=1)
+    with refused("none.toml: no such file"):
+        hpc_gfmd.solve("none.toml")
+    assert [path.name for path in tmp_path.iterdir()] == ["scene.toml"]
 
 
 def test_files_and_pickles_of_solutions(sweep, saved):

@@ -1,0 +1,206 @@
+"""The loads of an interface law: of surfaces in memory, or of scenes on all ranks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import partial
+from operator import attrgetter
+from os import PathLike
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..contact.contact import heights_of
+from ..output.summary import surface_line
+from ..parallel.comm import SerialComm
+from ..parallel.guard import on_rank_0
+from ..parallel.world import comm_of, world
+from ..scene import Scene, load_scene
+from ..util.errors import SceneError
+from .in_memory import Surfaces, kernels_ready, scene_of, surfaces_of, surfaces_of_scene
+from .keywords import is_scene
+from .loads import Run, check
+from .progress import Reporter
+
+if TYPE_CHECKING:
+    from ..surface import Surface
+
+ACCURACY_SHARE = 0.1  # of the law's error: accuracy of its loads, so that it does not deviate by it
+Steps = list[dict[str, Any]]  # attributes of loads: several of one surface, or one of each surface
+Pressures = Sequence[float | str]
+
+
+class Sampler:
+    """Solves all surfaces of a law at given pressures. Collective for scenes.
+
+    Parameters
+    ----------
+    surfaces, quantities, error, realisations, keys, comm, progress
+        As for `interface_law`.
+    pressure : float or str
+        Any of the pressures, for the scene of heights in memory.
+
+    Attributes
+    ----------
+    surface : dict
+        Attributes of the first surface; empty before the first loads.
+    gaps : dict of int to float
+        Mean gap of each surface when its highest point just touches, in the unit of the heights.
+
+    Raises
+    ------
+    SceneError
+        For no surface, for scenes beside heights or keywords, and for realisations of heights.
+    """
+
+    def __init__(
+        self,
+        surfaces: Any,
+        quantities: Sequence[str],
+        error: float,
+        realisations: int,
+        keys: Mapping[str, Any],
+        comm: Any,
+        progress: bool,
+        pressure: float | str,
+    ) -> None:
+        listed = list(surfaces) if isinstance(surfaces, list | tuple) else [surfaces]
+        has_scenes = _has_scenes(listed, keys)
+        with_stiffness = "conductance" in quantities and "stiffness" not in quantities
+        self.observables = [*quantities, *["stiffness"] * with_stiffness]
+        self.accuracy = ACCURACY_SHARE * error
+        self.progress = progress
+        self.surface: dict[str, Any] = {}
+        self.gaps: dict[int, float] = {}
+        self.members: list[tuple[Scene, Surfaces]]
+        if has_scenes:
+            self.comm = world() if comm is None else comm_of(comm)
+            self.members = self._scenes(listed, realisations)
+        elif realisations != 1:
+            raise SceneError("realisations: found with heights, allowed: with scenes")
+        else:
+            self.comm = SerialComm()
+            self.members = [self._heights(heights, keys, pressure) for heights in listed]
+
+    def _scenes(
+        self, listed: Sequence[str | PathLike | Scene], realisations: int
+    ) -> list[tuple[Scene, Surfaces]]:
+        """Return all realisations of the scenes, each with what makes its surface."""
+        scenes = [
+            made
+            for scene in listed
+            for made in on_rank_0(
+                self.comm, "reading the scene", partial(_realisations, scene, realisations)
+            )
+        ]
+        keep = len(scenes) == 1  # more are made again: together they may not fit into the memory
+        return [
+            (self._refined(scene), surfaces_of_scene(self.comm, scene, keep=keep))
+            for scene in scenes
+        ]
+
+    def _refined(self, scene: Scene) -> Scene:
+        """Return a scene whose accuracy suffices for the law."""
+        solver = scene.solver
+        if solver.residual is not None:
+            return scene
+        accuracy = min(solver.accuracy or self.accuracy, self.accuracy)
+        return scene.model_copy(update={"solver": solver.model_copy(update={"accuracy": accuracy})})
+
+    def _heights(
+        self, heights: Any, keys: Mapping[str, Any], pressure: float | str
+    ) -> tuple[Scene, Surfaces]:
+        """Return a scene of heights in memory, and what makes their surface."""
+        accuracy = {"accuracy": self.accuracy} if "residual" not in keys else {}
+        further = accuracy | dict(keys)
+        named = {name: further.pop(name, None) for name in ("nu", "boundary")}
+        named = {"pressure": pressure, "nu1": named["nu"], "boundary": named["boundary"]}
+        scene, wall = scene_of(self.comm, heights, named, further)
+        return scene, surfaces_of(self.comm, scene, wall)
+
+    def __call__(self, pressures: Pressures) -> list[Steps]:
+        """Solve all surfaces at some pressures; return the attributes of their loads.
+
+        One list for each surface, in the order of the pressures.
+        """
+        return [self._solve(k, pressures) for k in range(len(self.members))]
+
+    def _solve(self, k: int, pressures: Pressures) -> Steps:
+        """Solve surface k at some pressures and return the attributes of its loads."""
+        scene, surfaces = self.members[k]
+        tables = scene.model_dump(exclude_none=True)
+        tables["load"] = {"pressure": list(pressures)}
+        tables["output"] = {"observables": self.observables}
+        scene = type(scene).from_dict(tables)
+        check(scene)
+        say = Reporter(self.comm, scene.solver, not self.progress)
+        with kernels_ready(self.comm, scene):
+            run = Run(scene, surfaces, say)
+            self.surface = self.surface or run.attributes
+            if k not in self.gaps:
+                self.gaps[k] = self._gap_at_touch(run.surface)
+            steps = map(attrgetter("numbers"), run.solve())
+            return [_of_interface(step, scene.material.E_star) for step in steps]
+
+    def _gap_at_touch(self, surface: Surface) -> float:
+        """Return the mean gap when the highest point of a surface just touches."""
+        total = float(self.comm.sum([float(np.sum(heights_of(surface)[:], dtype=float))])[0])
+        return -total / (surface.n[0] * surface.n[1])
+
+    def facts(self) -> dict[str, Any]:
+        """Return what the law tells of its surfaces, after the first loads were solved.
+
+        A dict with "surface" (attributes of the first one), "pressure_unit", "gap_at_touch" (mean
+        over the surfaces) and "about" (lines of text, first a title if a scene has one).
+        """
+        titles = [scene.title for scene, _ in self.members if scene.title]
+        return {
+            "surface": self.surface,
+            "pressure_unit": self.surface.get("pressure_unit", ""),
+            "gap_at_touch": float(np.mean(list(self.gaps.values()))),
+            "about": (*titles[:1], surface_line(self.surface)),
+        }
+
+
+def _has_scenes(surfaces: Sequence[Any], keys: Mapping[str, Any]) -> bool:
+    """Whether surfaces are scenes; SceneError if only some are, or keywords stand beside them."""
+    if not surfaces:
+        raise SceneError("surfaces: found none, allowed: one surface, or a list of them")
+    scenes = [is_scene(surface) or isinstance(surface, str | PathLike) for surface in surfaces]
+    if any(scenes) and (keys or not all(scenes)):
+        beside = f"{next(iter(keys))}=" if keys else "heights"
+        raise SceneError(
+            f"surfaces: found scenes beside {beside}, allowed: scenes alone, which say all"
+        )
+    return any(scenes)
+
+
+def _of_interface(step: dict[str, Any], E_star: float) -> dict[str, Any]:
+    """Return the attributes of a load with the conductance of an interface: stiffness/E_star.
+
+    That of a body with free edges is smaller: it contains the spreading resistance of the body.
+    """
+    stiffness = step.get("stiffness")
+    if step.get("conductance") is None or stiffness is None:
+        return step
+    return step | {"conductance": stiffness / E_star}
+
+
+def _realisations(scene: str | PathLike | Scene, realisations: int) -> list[Scene]:
+    """Return copies of a scene with the seeds seed, seed + 1, ...; for 1 only the scene itself.
+
+    Raises SceneError for less, and for more of a surface without a seed.
+    """
+    original = scene if isinstance(scene, Scene) else load_scene(scene)
+    if realisations == 1:
+        return [original]
+    if not hasattr(original.surface, "seed"):
+        raise SceneError(
+            f"realisations: found {realisations} of a surface without a seed, allowed: 1, or a"
+            " self-affine surface"
+        )
+    if realisations < 1:
+        raise SceneError(f"realisations: found {realisations}, allowed: a whole number from 1")
+    seeds = range(original.surface.seed, original.surface.seed + realisations)
+    surfaces = [original.surface.model_copy(update={"seed": seed}) for seed in seeds]
+    return [original.model_copy(update={"surface": surface}) for surface in surfaces]
