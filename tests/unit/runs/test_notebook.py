@@ -160,7 +160,7 @@ def test_solve_takes_a_scene(tmp_path):
     one = hpc_gfmd.solve("scene.toml", a_r=0.1, accuracy=1e-2, max_iterations=1, fields=())
     assert (one.status, one.converged) == ("max_iterations", False)
     assert one.result.scene.solver.residual is None
-    with refused("solver.shift: unknown key"):
+    with refused("shift: unknown key"):
         hpc_gfmd.solve("scene.toml", shift=1)
     with refused("none.toml: no such file"):
         hpc_gfmd.solve("none.toml")
