@@ -79,7 +79,8 @@ def _mark_slow_sets(items):
     """Mark as slow all but at most three sets of parameters of a test function.
 
     Those marked `quick` are not slow, else the first, the middle and the last one, which differ in
-    most parameters. Two ranks take all of these, three ranks the last one, one and four ranks none.
+    most parameters. Two ranks take the first and the last of these, three ranks the last one, one
+    and four ranks none.
     """
     functions = defaultdict(list)
     for item in items:
@@ -90,7 +91,8 @@ def _mark_slow_sets(items):
         if not chosen:
             chosen = [sets[0], sets[len(sets) // 2], sets[-1]]
         if not os.environ.get(mpi_harness.RANKS):
-            chosen = {2: chosen, 3: chosen[-1:], None: chosen}.get(ranks, [])
+            ends = [chosen[0], chosen[-1]]
+            chosen = {2: ends, 3: ends[-1:], None: chosen}.get(ranks, [])
         for item in sets:
             if item not in chosen:
                 item.add_marker(pytest.mark.slow)

@@ -1,8 +1,7 @@
 """A solve in one process, as in a notebook.
 
-Measured are the first solve, the following ones on the same surface, the same on threads, the share
-of the time that is spent outside of the solver's passes, and the time in which some threads are
-idle, by part (idle.py), as a share of the time of one thread.
+Measured are the first solve, the following ones on the same surface, the same on threads, and the
+share of the time that is spent outside of the solver's passes.
 
 Cores share memory and caches, so that each is slower while others work. `slower_on_threads` is the
 processor time of a solve on several threads over that on one. `slower_beside_others` is the same of
@@ -18,13 +17,10 @@ from concurrent.futures import ThreadPoolExecutor
 from itertools import product
 
 from .contacts import RoughContact
-from .idle import IdleWatch
 from .kernels import watch_passes
 from .peak import peak_mib
 from .report import Report
 from .timing import Process, ratio, run_workers, serve, summary
-
-PARTS = "python", "hand_overs", "coarse_levels", "set_up"
 
 
 def run(args):
@@ -54,18 +50,13 @@ def _add(report, contact, threads, rounds, fewest):
     beside_others = rounds.get((threads, "processes"), alone)
     one_thread = [fewest * row["seconds"] for row in alone]
     cpu_alone = [row["cpu_seconds"] for row in alone]
-    idle_shares = {
-        f"short_{part}": ratio([row[part] for row in rows], one_thread) for part in PARTS
-    }
     report.add(
         **contact,
         threads=threads,
         efficiency=ratio(one_thread, [threads * row["seconds"] for row in rows]),
         slower_on_threads=ratio([row["cpu_seconds"] for row in rows], cpu_alone),
         slower_beside_others=ratio([row["cpu_seconds"] for row in beside_others], cpu_alone),
-        **idle_shares,
-        short_in_all=sum(idle_shares.values()),
-        **{key: value for key, value in summary(rows).items() if key not in PARTS},
+        **summary(rows),
     )
 
 
@@ -87,7 +78,6 @@ def worker(comm, n, p_star, boundary="periodic", companions=0, **settings):
     contact.surface  # noqa: B018 (made before anything is timed)
     cold_seconds = contact.press(**settings)[0]["seconds"]
     watch = watch_passes()
-    idle = IdleWatch()
     arguments = {"n": n, "p_star": p_star, "boundary": boundary} | settings
     command = [sys.executable, "-m", "bench.process", json.dumps(arguments)]
     processes = [Process("companion", command) for _ in range(companions)]
@@ -104,22 +94,13 @@ def worker(comm, n, p_star, boundary="periodic", companions=0, **settings):
 
     def measure():
         watch.take()
-        idle.take()
-        begin = idle.clock()
         row, _ = contact.press(**settings)
-        idle_seconds = idle.take()
-        # the memory of the solution is freed after the clock of `press` has stopped
-        idle_seconds["set_up"] -= idle.clock() - begin - row["seconds"]
         del row["p_star"]  # it is among the arguments
-        return (
-            row
-            | {part: idle_seconds[part] for part in PARTS}
-            | {
-                "cold_seconds": cold_seconds,
-                "outside_passes": 1 - sum(watch.take().values()) / row["seconds"],
-                "peak_mib": peak_mib(),
-            }
-        )
+        return row | {
+            "cold_seconds": cold_seconds,
+            "outside_passes": 1 - sum(watch.take().values()) / row["seconds"],
+            "peak_mib": peak_mib(),
+        }
 
     return measure_beside_others
 

@@ -8,13 +8,12 @@ from faults.jobs import assert_resumes, call, needs_mpi, run, write_scene
 from result_files import names
 
 SEVERAL = pytest.param(2, id="two ranks", marks=[pytest.mark.slow, needs_mpi])
-FIELDS = {"fields": ["gap", "pressure", "displacement"]}
 FULL = {  # when: (KiB of the disk, arguments of write_scene, fault, words of the message)
     "at start": (4, {}, None, r"output.path: cannot write to|writing .*out\.h5: No space left"),
-    "before the first load": (300, FIELDS, None, "output.fields: .* needed for 5 loads"),
-    "during a field write": (300, FIELDS, "unforeseen -1", r"writing .*out\.h5: No space.*needed"),
+    "before the first load": (300, {}, None, "output.fields: .* needed for 5 loads"),
+    "during a field write": (300, {}, "unforeseen -1", r"writing .*out\.h5: No space.*needed"),
     # if the space cannot be reserved, HDF5 and MPI meet the full disk
-    "in the middle of a write": (300, FIELDS, "unreserved -1", r"writing .*out\.h5: "),
+    "in the middle of a write": (300, {}, "unreserved -1", r"writing .*out\.h5: "),
 }
 
 
@@ -49,7 +48,7 @@ def test_full(small_disk, undisturbed, when, ranks):
 @pytest.mark.slow
 def test_export(small_disk, undisturbed):
     disk = small_disk("4k")
-    job = call(f"export {undisturbed(None, **FIELDS).path} --to gwy -o {disk}/x")
+    job = call(f"export {undisturbed(None).path} --to gwy -o {disk}/x")
     assert job.code == 1
     job.says("No space left on device")
     assert not names(disk)

@@ -8,7 +8,7 @@ from hpc_gfmd.parallel.comm import SerialComm
 
 pytestmark = pytest.mark.mpi
 CASES = [
-    Case(0.8, 2, 16, 2, 1, (0.05, 0.35)),
+    Case(0.8, 2, 8, 2, 1, (0.05, 0.35)),
     Case(0.3, 2, 8, 3, 2, (0.02,)),
     Case(0.3, 2, 8, 1.5, 2, (0.02,)),
 ]

@@ -49,7 +49,7 @@ def test_any_grid(comm, n):
 def test_prescribed(comm, quantity, value, low_memory, hardness):
     """The search for a load takes the same steps on any number of ranks."""
     surface = rough(
-        (2, 16, 4), boundary="free" if quantity == "approach" else "periodic", h_rms=0.05
+        (2, 16, 2), boundary="free" if quantity == "approach" else "periodic", h_rms=0.05
     )
     solver = {"accuracy": 1e-3, "precision": "double", "low_memory": low_memory}
     pair = sweeps(comm, surface, layer={"hardness": hardness}, **solver)

@@ -10,7 +10,7 @@ from hpc_gfmd.driver import nested
 from hpc_gfmd.operators import hierarchy
 
 pytestmark = pytest.mark.mpi
-LARGE = rough((2, 300, 2), seed=5)  # 1200 x 1200
+LARGE = rough((2, 150, 2), seed=5)  # 600 x 600
 
 
 def spread_levels(sweep):

@@ -10,11 +10,10 @@ from pathlib import Path
 import mpi_harness
 import numpy as np
 import pytest
-from bench import peers, releases, timing
+from bench import peers, timing
 from bench.cells import by_cells, love
-from bench.command import make_parser
+from bench.command import ITEMS, make_parser
 from bench.contacts import RoughContact, distance
-from bench.kernels import field_passes
 from bench.model import Machine, predict
 from refusal import refused
 from scene_tables import rows
@@ -124,63 +123,6 @@ def test_displacement_by_a_cell():
     assert displacement[3, 3] == displacement.max()
 
 
-@pytest.mark.slow
-def test_accuracy(bench, tmp_path):
-    measured = bench(
-        "accuracy --n 64 --hurst 0.8 --p-star 0.05 --solvers bpx --precision double"
-        " --accuracy 1e-2 1e-4 --repeats 1"
-    )
-    assert [(row["start"], row["asked"]) for row in measured] == [
-        (start, accuracy) for start in ("nested", "cold") for accuracy in (1e-2, 1e-4)
-    ]
-    assert all(0 < row["error"] < row["asked"] and row["fft_pairs"] > 0 for row in measured)
-    where = measured[0]["provenance"]
-    assert {"host", "cpu", "versions", "commit", "time", "ranks"} <= set(where)
-    assert where["versions"]["FFT"]
-    assert (tmp_path / "accuracy-pairs.png").stat().st_size > 10_000
-
-
-FAKE = """
-import numpy as np
-from types import SimpleNamespace
-
-def solve_nested(tol, **_):
-    known = np.load({path!r})
-    noise = np.random.default_rng(1).standard_normal(known.shape)
-    pressure = known + 3 * tol * noise * np.linalg.norm(known) / np.linalg.norm(noise)
-    return SimpleNamespace(pressure=pressure, iterations=7, status="converged")
-"""
-
-
-@pytest.mark.slow
-def test_peers(bench, tmp_path, monkeypatch):
-    """A stand-in for ASPHER, whose true error is three times its tolerance, gets the loosest
-    sufficient tolerance; a code that is not installed is reported and left out."""
-    np.save(tmp_path / "known.npy", RoughContact(64, 0.05).reference[1])
-    (tmp_path / "aspher.py").write_text(FAKE.format(path=str(tmp_path / "known.npy")))
-    python = tmp_path / "bin" / "python"
-    python.parent.mkdir()
-    python.write_text(f'#!/bin/sh\nPYTHONPATH={tmp_path} exec {sys.executable} "$@"\n')
-    python.chmod(0o755)
-    monkeypatch.setenv("HPC_GFMD_PEERS", str(tmp_path))
-    command = "peers --n 64 --p-star 0.05 --error 1e-5 --repeats 2 --codes aspher tamaas"
-    row_of_code = {row["code"]: row for row in bench(command)}
-    aspher = row_of_code["aspher"]
-    tamaas = row_of_code["tamaas"]
-    assert aspher["error"] == pytest.approx(3 * aspher["tolerance"], rel=1e-6)
-    assert 0.4e-5 < aspher["error"] <= 1e-5
-    assert (aspher["iterations"], aspher["repeats"]) == (7, 3)
-    assert tamaas["status"] == "not reached"
-    assert "No module named 'tamaas'" in (tmp_path / "peers.txt").read_text()
-    ours = [row_of_code[f"hpc-gfmd {precision}"] for precision in ("single", "double")]
-    assert 1.0 in [row["seconds_over_ours"] for row in ours]  # the faster one
-    for row in ours:
-        assert row["error"] <= 1e-5
-        assert row["options"]["precision"] in row["code"]
-        assert row["code_versions"]["hpc-gfmd"]
-        assert row["peak_mib"] > 0
-
-
 def test_rows_that_cannot_be_compared(monkeypatch):
     """The pages refuse rows of a changed tree, and rows that differ in status or tolerance."""
     path = Path(peers.__file__).parents[2] / "docs" / "_tables.py"
@@ -219,69 +161,6 @@ def test_wrong_arguments_are_refused(arguments, words, monkeypatch, tmp_path, cl
     assert words in cli.refused(arguments)
 
 
-@pytest.mark.slow
-def test_kernels(bench):
-    """Passes on one core and on two, moving about 15 fields per iteration."""
-    pytest.importorskip("mpi4py_fft")
-    assert 14 < sum(field_passes([(1024 >> k, 1024 >> k) for k in range(11)]).values()) < 15
-    measured = bench("kernels --n 64 --precision single --repeats 2")
-    cores = [row["cores"] for row in measured]
-    assert cores == [1] * 8 + [2] * 7  # FFTW's own plan runs on one core only
-    for row in measured:
-        if "bytes_per_point" in row:
-            assert row["gb_per_s"] == pytest.approx(row["bytes_per_point"] / row["ns_per_point"])
-
-
-@pytest.mark.slow
-def test_storage(bench, tmp_path):
-    measured = bench("storage --n 64 --repeats 1 --folder", str(tmp_path))
-    assert [row["way"] for row in measured] == ["raw", "raw, one file", "result file, serial"]
-    assert measured[2]["times raw"] == pytest.approx(
-        measured[2]["seconds"] / measured[0]["seconds"]
-    )
-    assert {path.suffix for path in tmp_path.iterdir()} == {".jsonl", ".txt"}
-
-
-@pytest.mark.slow
-def test_mean_pairs_over_surfaces(bench):
-    measured = bench("pairs --n 32 64 --surfaces 2 1 --accuracy 1e-2")
-    assert [(row["loads"], row["converged"]) for row in measured] == [(4, 4), (2, 2)]
-    assert all(0 < row["iterations"] < row["fft_pairs"] <= row["largest"] for row in measured)
-
-
-@pytest.mark.slow
-def test_one_process_and_releases(bench, tmp_path, monkeypatch):
-    measured = bench("process --n 32 --threads 1 2 --repeats 1")
-    assert [row["threads"] for row in measured] == [1, 2]
-    assert all(0 < row["outside_passes"] < 1 and row["cold_seconds"] > 0 for row in measured)
-    assert measured[0]["slower_on_threads"] == measured[0]["slower_beside_others"] == 1
-    assert measured[1]["slower_beside_others"] > 0
-    monkeypatch.setattr(releases, "SCENES", {"layer": releases.SCENES["layer"]})
-    for count in (1, 2):  # rows of other releases are kept
-        measured = bench("releases --n 32 --repeats 1")
-        assert len(measured) == count
-        assert {row["status"] for row in measured} == {"converged"}
-    assert (tmp_path / "releases.png").stat().st_size > 10_000
-
-
-@pytest.mark.slow
-def test_scaling(bench, tmp_path):
-    """The model reproduces the measurement on one core."""
-    measured = bench("scaling --n 64 --ranks 1 --threads 1 --precision double --repeats 1")
-    assert [(row["kind"], row["efficiency"]) for row in measured] == [("strong", 1), ("weak", 1)]
-    small = measured[0] | {"seconds_min": measured[0]["seconds_min"] / 10}
-    machine = Machine.of(measured[0], small)
-    assert machine.call > 0
-    alone = predict(64, 1, replace(machine, cores=1, latency=0))
-    assert alone["seconds"] == pytest.approx(measured[0]["seconds_min"])
-    modelled = read(tmp_path / "scaling-model.jsonl")
-    assert {(row["n"], row["link_gb_per_s"]) for row in modelled} == {
-        (n, link) for n in (2**15, 2**17) for link in (7, 12.5, 25)
-    }
-    assert {row["of_one_node"] for row in modelled if row["nodes"] == 1} == {1}
-    assert (tmp_path / "scaling.png").stat().st_size > 10_000
-
-
 def test_model_counts_what_ranks_send():
     """An ideal network costs nothing; latency, overhead, bandwidth and halos add time."""
     ideal = Machine(
@@ -310,9 +189,40 @@ def test_model_counts_what_ranks_send():
         assert predict(4096, 1, replace(ideal, **price))["seconds"] > 1.2 * one_node["seconds"]
 
 
+SMALL = {  # of every item that needs no other code
+    "process": "--n 32 --threads 1 2",
+    "user": "--n 16",
+    "pairs": "--n 32 64 --surfaces 2 1 --accuracy 1e-2",
+    "kernels": "--n 64 --precision single",
+    "accuracy": "--n 64 --hurst 0.8 --p-star 0.05 --solvers bpx --accuracy 1e-2 1e-4",
+    "scaling": "--n 64 --ranks 1 --threads 1 --precision double",
+    "storage": "--n 64",
+    "releases": "--n 32",
+}
+
+
 @pytest.mark.slow
-def test_user(bench):
-    """Every call takes longer than the solver's share of it."""
-    found = {row["what"]: row for row in bench("user --n 16 --repeats 1")}
-    assert {"solve(z)", "run of text", "first solve, nothing compiled"} <= set(found)
-    assert all(row["over_core"] > 1 for row in found.values() if "over_core" in row)
+@pytest.mark.parametrize("item", SMALL)
+def test_every_item(item, bench):
+    """Rows have positive times, what was asked and where; loads reach their accuracy."""
+    measured = bench(f"{item} {SMALL[item]} --repeats 1")
+    assert set(SMALL) | {"peers"} == set(ITEMS)
+    for row in measured:
+        assert {"host", "cpu", "versions", "commit", "time", "ranks"} <= set(row["provenance"])
+        assert row.get("status", "converged") == "converged"
+        seconds = [value for name, value in row.items() if name.endswith("seconds")]
+        assert all(value > 0 for value in seconds)
+        assert item != "accuracy" or 0 < row["error"] < row["asked"]
+
+
+@pytest.mark.slow
+def test_peers_that_are_missing_are_left_out(bench, tmp_path, monkeypatch):
+    python = tmp_path / "bin" / "python"
+    python.parent.mkdir()
+    python.write_text(f'#!/bin/sh\nexec {sys.executable} "$@"\n')
+    python.chmod(0o755)
+    monkeypatch.setenv("HPC_GFMD_PEERS", str(tmp_path))
+    rows = bench("peers --n 64 --p-star 0.05 --error 1e-5 --repeats 1 --codes tamaas")
+    row_of_code = {row["code"]: row for row in rows}
+    assert row_of_code.pop("tamaas")["status"] == "not reached"
+    assert all(row["error"] <= 1e-5 for row in row_of_code.values())

@@ -97,7 +97,7 @@ def missing_factor(_tables: object) -> str:
             )
             parts.append(
                 f"gamma = {gamma:g}, p* = {p_star:.3f}: {direct:.5f} directly, as printed"
-                f" {printed:+.1%}, with the 6 {right:+.0e}"
+                f" {printed:+.1%}, with the 6 {abs(right):.1%}"
             )
     return "gap/h_rms by quadrature of eq. gap with eq. elasticEnergy: " + "; ".join(parts)
 

@@ -14,6 +14,7 @@ from paper_runs import EDGE, GAP, LAW, runs_of
 from hpc_gfmd import SceneError
 from hpc_gfmd.theory import tfc
 
+pytestmark = pytest.mark.slow
 LOW = PRESSURES["low"]
 SURFACE = Case(0.8, 2, 64, 2, 1, (LOW,))
 
@@ -86,7 +87,6 @@ def test_fit_recovers_planted_coefficients():
     assert abs(gap.alpha["f"] - GAP["alpha_f"]) < 4 * gap.sigma["alpha_f"]
 
 
-@pytest.mark.slow
 def test_scatter_of_fits_matches_their_errors():
     """Over repetitions, parameters scatter by as much as their errors state."""
     runs = [desk(scatter=0.04, noise=4e-3, seed=seed) for seed in range(12)]
@@ -322,7 +322,6 @@ def test_rebinning_keeps_integral_and_mean():
     assert distributions.patch_exponent(rows) == pytest.approx((1.7, 0), abs=1e-6)
 
 
-@pytest.mark.slow
 def test_our_table_extrapolates_like_the_printed_one():
     runs = runs_of([case for hurst in (0.3, 0.8) for case in ratios("desk", hurst)])
     table = tables.our_table(runs, "desk")

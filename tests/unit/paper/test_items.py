@@ -1,25 +1,25 @@
 """Figures, tables and studies of the paper: each tabulates, draws and compares; one command makes
 all; errata are what they claim."""
 
-import json
 import re
 import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
 from paper import __main__ as command
-from paper.cases import Store, cases_of
+from paper.cases import Store
 from paper.errata import ERRATA, dynamics, formulas
 from paper.items import STUDIES, TEXTS
-from paper.rows import PRESSURES, as_csv, read_csv
-from paper_runs import runs_of
+from paper.rows import PRESSURES
+from unit.test_page_code import agree
 
 import hpc_gfmd
 from hpc_gfmd.commands.cli import main
 from hpc_gfmd.plotting import style
 from hpc_gfmd.theory import persson, tfc
 
-PNG = b"\x89PNG\r\n"
+STUDY = Path(__file__).parents[3] / "docs" / "study"
 SPECIAL = ("distributions", "percolation", "stiffness")  # need real runs
 
 
@@ -35,17 +35,10 @@ def _low_resolution():
         yield
 
 
-@pytest.fixture(scope="module")
-def quick(tmp_path_factory):
-    """The folder with all items at the quick level."""
-    folder = tmp_path_factory.mktemp("quick")
-    table = folder / "ours.json"
-    paper(*SPECIAL, "limit", "all", "-o", folder, "--coefficients", table)
-    return folder
-
-
 @pytest.mark.slow
-def test_one_command_makes_all_items(quick):
+def test_one_command_makes_all_items(tmp_path):
+    quick = tmp_path
+    paper(*SPECIAL, "limit", "all", "-o", quick, "--coefficients", quick / "ours.json")
     text = (quick / "README.md").read_text()
     made = [name for name, of in TEXTS.items() if "question" not in of] + [*SPECIAL, "limit"]
     assert set(re.findall(r"\]\((\w+)\.md\)", text)) == {*made, "errata"}
@@ -63,31 +56,6 @@ def test_one_command_makes_all_items(quick):
             assert page.count("\n| ") >= 3
         text += page
     assert "nan" not in re.sub(r"[a-zA-Z]nan|nan[a-zA-Z]", "", text)
-
-
-@pytest.mark.slow
-def test_pages_agree_on_the_limit(quick):
-    """Table 5, the errata and the page of the limit show the same kappa."""
-    limit, table5 = (read_csv((quick / f"{name}.csv").read_text()) for name in ("limit", "table5"))
-    for limit_row, table_row in zip(limit, table5, strict=True):  # fitted twice
-        for name, value in limit_row.items():
-            assert table_row[name] == (
-                pytest.approx(value, rel=1e-5) if isinstance(value, float) else value
-            )
-    ours = [row for row in limit if row["area"] == "ours"]
-    assert len(ours) == 8
-    text = (quick / "errata.md").read_text()
-    shown = re.search(r"ours in the limit: ([\d.]+)", text)[1]
-    assert float(shown) == pytest.approx(ours[0]["kappa_tfc"], abs=0.01)
-    assert shown in (quick / "limit.md").read_text()
-
-
-@pytest.mark.slow
-def test_rendered_again_without_solving(quick, tmp_path):
-    shutil.copy(quick / "runs.jsonl", tmp_path)
-    paper("fig6", "table1", "--no-run", "-o", tmp_path)
-    for name in ("fig6.csv", "table1.csv", "runs.jsonl"):
-        assert (tmp_path / name).read_bytes() == (quick / name).read_bytes()
     table = tfc.read_table(quick / "ours.json")
     system = (0.8, 0.007, 0.5, 1 / 32, 0.5)
     value, sigma, _ = tfc.extrapolate(2.6, "kappa", *system, table=table)
@@ -96,34 +64,14 @@ def test_rendered_again_without_solving(quick, tmp_path):
 
 
 @pytest.mark.slow
-def test_physics_at_the_quick_level(quick):
-    """Trends of the paper hold in small systems: the edge correction shrinks the area, and theory
-    is near."""
-    for row in read_csv((quick / "fig1.csv").read_text()):
-        assert persson.kappa(row["p_star"]) < row["kappa_edge"] < row["kappa"]
-    for row in read_csv((quick / "fig6.csv").read_text()):
-        assert 0.7 < row["over_persson"] < 1.5
-        assert row["over_persson_printed"] > row["over_persson"]
-    for row in read_csv((quick / "limit.csv").read_text())[7:]:
-        assert abs(row["counted"] - row["edge"]) < 4 * row["kappa_tfc_se"]
-
-
-@pytest.mark.parametrize("name", [name for name in STUDIES if name not in SPECIAL])
-def test_items_from_made_up_runs(name, tmp_path):
-    """Made-up runs give rows, a comparison and a picture; so do two runs alone."""
-    study = STUDIES[name]
-    runs = runs_of(cases_of(name, "quick"), noise=0.01)
-    rows = study.tabulate(runs, "quick")
-    assert as_csv(rows).count("\n") == len(rows) + 1 > 1
-    json.dumps(rows, allow_nan=False)
-    for line in study.compare(rows):
-        assert set(line) == {"paper", "ours", "why"}
-        assert "nan" not in line["ours"]
-    one_surface = [run for run in runs if run["seed"] == 1 and run["hurst"] == runs[-1]["hurst"]]
-    for table in (rows, study.tabulate(one_surface[:2], "quick")):
-        study.draw(table, tmp_path / "picture.png")
-        list(study.compare(table))
-        assert (tmp_path / "picture.png").read_bytes().startswith(PNG)
+def test_the_study_follows_from_its_runs(tmp_path):
+    """Pages of figures and tables, the errata and the limit, from the runs that are kept."""
+    shutil.copy(STUDY / "runs.jsonl.gz", tmp_path)
+    paper("all", "limit", "--no-run", "--level", "desk", "-o", tmp_path)
+    for name in [*STUDIES, "errata"]:
+        if name not in (*SPECIAL, "curves"):  # whose runs are those of the level "paper"
+            page, kept = ((folder / f"{name}.md").read_text() for folder in (tmp_path, STUDY))
+            assert agree(kept, page), name
 
 
 def test_pages_without_any_run(tmp_path):

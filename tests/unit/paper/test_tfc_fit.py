@@ -5,6 +5,8 @@ import pytest
 from paper.tfc_fit import fit_tfc
 from refusal import refused
 
+pytestmark = pytest.mark.slow
+
 
 def runs(noise=0.0, repeats=1, seed=0, limit=1.95, C=(0.04, 8.0, 0.13), alpha=(1, 0.7, 0.6)):
     """(eps_t, eps_f, eps_c, value): one ratio varied at a time around the reference system."""
