@@ -12,7 +12,7 @@ from ..scene.model import TOUCHING
 from ..surface.doubtful_numbers import load_notes
 from ..util.quantities import prefixed
 
-METALLIC = 1e9  # Pa: of an effective modulus from which the note on yield speaks
+METALLIC = 1.5e10  # Pa: least effective modulus of metals; polymers are softer
 YIELDS_AT = 50  # metals yield where the contact pressure is E* over about this
 ABOUT_TO_JUMP = 0.1  # a stability
 RESOLVED, FLIPPING = 0.5, 1.0  # softening over stiffness of one point: fine; flips alone
@@ -76,7 +76,7 @@ def _yields(contact: Any) -> str | None:
     share = contact.E_star / pressure
     return (
         f"mean contact pressure {pressure / scale:.3g} {unit} = E*/{share:.2g}: metals yield"
-        f" from about E*/{YIELDS_AT}; material.hardness"
+        f" from about E*/{YIELDS_AT}; give the hardness"
     )
 
 

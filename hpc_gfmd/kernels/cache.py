@@ -181,13 +181,13 @@ def on_first_compile(say: Callable[[str], object] | None) -> Iterator[None]:
             return
         if path is None:
             say(
-                "compiling (10 to 20 s), at every start: there is no folder to keep it in,"
+                "compiling (up to half a minute), at every start: there is no folder to keep it in,"
                 " HPC_GFMD_CACHE=FOLDER names one"
             )
         elif any(path.rglob(f"*{LARGEST}*{SUFFIX}")):
-            say("compiling what this scene needs in addition, once (some seconds)")
+            say("compiling what this scene needs in addition, once (up to half a minute)")
         else:
-            say("compiling, once (10 to 20 s)")
+            say("compiling, once (up to half a minute)")
 
     clock = _Clock(announce)
     try:

@@ -167,7 +167,12 @@ def _mark_yielded(ax: Any, share: np.ndarray, extent: list[float]) -> None:
             extent=extent,
             interpolation="nearest",
         )
-        ax.plot([], [], "s", color=YIELDED, label="yields (pressure = hardness)")
+        _explain(ax, YIELDED, "yields (pressure = hardness)")
+
+
+def _explain(ax: Any, colour: str, text: str) -> None:
+    """Add a legend entry for a colour that no colour bar has."""
+    ax.plot([], [], "s", color=colour, markeredgecolor="0.6", label=text)
 
 
 def _field(
@@ -184,15 +189,18 @@ def _field(
     if name == "contact":
         values = np.ma.masked_equal(values, 0)
         norm = Normalize(0, 1)
+        _explain(ax, "white", "contact: white where the gap is open")
     elif name == "pressure":
         ax.set_facecolor(GROUND)
         values = np.ma.masked_where(pixels.means["contact"] == 0, values)
         top = np.percentile(values.compressed(), 99.5) if values.count() else 1.0
         clipped = largest > SPIKY * top > 0
         norm = Normalize(0, top if clipped else largest)
+        _explain(ax, GROUND, "pressure: grey where the gap is open")
     elif name == "gap":  # square root: most of what matters happens at small gaps
         values = np.ma.masked_where(pixels.means["contact"] >= 0.5, values)
         norm = PowerNorm(0.5, vmin=0, vmax=largest)
+        _explain(ax, "white", "gap: white where it touches")
     if norm.vmin == norm.vmax:
         norm.vmax += 1
     extent = [edge / lengths.unit for edge in window]

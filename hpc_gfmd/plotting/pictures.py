@@ -148,7 +148,12 @@ def plot(
             raise GfmdError(f"drawing {views[0].result.path}: {reason(error)}") from error
         if ax is None:
             narrow = fig.get_figwidth() <= COLUMN_WIDTH
-            legend(fig, "outside lower center", columns=1 if narrow else 4)
+            legend(
+                fig,
+                "outside lower center",
+                columns=1 if narrow else 4,
+                fewest=1 if page.images else 2,
+            )
             if len(views) == 1:
                 fig.suptitle(_title(views[0], what), x=0.01, ha="left", wrap=True)
     return fig

@@ -183,13 +183,13 @@ class Page:
                 ax.tick_params(labelbottom=True)
 
 
-def legend(fig: Any, loc: str, columns: int = 1) -> None:
-    """Add one legend of all panels, each label once; none if there are no labels."""
+def legend(fig: Any, loc: str, columns: int = 1, fewest: int = 2) -> None:
+    """Add one legend of all panels, each label once; none with fewer labels than `fewest`."""
     handles: dict[str, Any] = {}
     for ax in fig.axes:
         for handle, label in zip(*ax.get_legend_handles_labels()):
             handles.setdefault(label, handle)
-    if handles:
+    if len(handles) >= fewest:
         fig.legend(handles.values(), handles.keys(), loc=loc, ncols=columns)
 
 

@@ -178,6 +178,9 @@ def text_of(plan: dict[str, Any]) -> str:
         f" machine; by a model, {duration(plan['seconds_on_nodes'])} on nodes of {Cluster.cores}"
         " cores"
     )
+    lines.append(
+        "        and start-up: some seconds; up to half a minute of compiling at the first run"
+    )
     if plan["idle_ranks"] or plan["idle_ranks_of_columns"]:
         lines.append(
             f"idle:   {plan['idle_ranks']} ranks have no rows, {plan['idle_ranks_of_columns']}"

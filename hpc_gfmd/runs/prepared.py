@@ -85,6 +85,11 @@ class PreparedSurface:
         source = Source(table, self.heights, self.sizes, self.unit, self.free)
         return replace(self, source=source)
 
+    @property
+    def physical_sizes(self) -> tuple[float, ...]:
+        """(L_x, L_y), by the name that the argument has."""
+        return self.sizes
+
     @cached_property
     def h_rms(self) -> float:
         """Rms height, in the unit of the heights."""

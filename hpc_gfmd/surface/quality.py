@@ -177,8 +177,8 @@ class MapQuality:
         lines = []
         if self.tilt > DOUBT.tilt:
             lines.append(
-                f"{100 * self.tilt:.0f} % of the variance of the heights is tilt (surface.detrend ="
-                ' "tilt" removes it)'
+                f'{per_cent(self.tilt)} % of the variance of the heights is tilt (detrend = "tilt"'
+                " removes it)"
             )
         if self.unresolved > DOUBT.unresolved:
             lines.append(
@@ -258,6 +258,11 @@ def _sizes(differences: np.ndarray) -> np.ndarray:
 def _median(values: np.ndarray) -> float:
     """Return the median, 0 of nothing."""
     return float(np.median(values)) if values.size else 0.0
+
+
+def per_cent(share: float) -> str:
+    """Return a share in per cent; 100 is all, and not 99.9."""
+    return f"{100 * share:.0f}" if share < 0.99 or share >= 1 else f"{min(100 * share, 99.9):.1f}"
 
 
 def window_note(before: MapQuality, after: MapQuality, kept: float, name: str) -> list[str]:

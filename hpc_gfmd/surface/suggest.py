@@ -21,7 +21,7 @@ from .contents import contents_of
 from .doubtful_numbers import slope_notes
 from .metadata import Metadata
 from .prepare import map_edges, map_quality, prepare
-from .quality import DOUBT, Edges, MapQuality, outliers
+from .quality import DOUBT, Edges, MapQuality, outliers, per_cent
 from .topography import Topography, open_topography
 from .two_scans import name_of
 
@@ -228,7 +228,7 @@ def _by_heights(
     if heights.filled and "fill" not in user_keys:
         values["fill"] = "harmonic"
         why["fill"] = f"{heights.filled} points have no height"
-    tilt = f"{100 * quality.tilt:.0f} % of the variance of the heights is tilt"
+    tilt = f"{per_cent(quality.tilt)} % of the variance of the heights is tilt"
     result.about.append(tilt)
     stray = outliers(heights.rows(0, heights.n[0]), quality.typical)
     if quality.tilt > DOUBT.tilt and "detrend" not in user_keys:
