@@ -7,7 +7,7 @@ from .common import add_file, add_json, add_overrides, as_json
 
 HELP = "grid, memory per rank and expected time of a scene"
 DESCRIPTION = """
-Estimate memory, messages and time of a scene on a number of ranks. Exit code 2 if it does not fit
+Estimate memory, files and time of a scene on a number of ranks. Exit code 2 if it does not fit
 into this machine."""
 
 

@@ -1,7 +1,7 @@
 """A performance model of a cluster.
 
 It combines the measured speed of one core, the memory bandwidth of a node and a network with the
-points and messages of every rank, which the code itself counts (runs/decomposition.py). The time of
+points and messages of every rank, which the code itself counts (decomposition.py). The time of
 an FFT pair on one grid, with everything that belongs to an iteration, is the sum of four parts on
 the rank that has most to do:
 
@@ -27,8 +27,8 @@ from functools import cache
 import numpy as np
 
 from hpc_gfmd.parallel.comm import stages
-from hpc_gfmd.runs.decomposition import Share, share_of
 
+from .decomposition import Share, share_of
 from .kernels import field_passes
 
 START_AND_END = 2  # pairs on the finest grid beside the iterations: first pressure, certificate

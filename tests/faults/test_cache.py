@@ -4,7 +4,6 @@ import errno
 import importlib.util
 import os
 import pickle
-import platform
 import shutil
 import sys
 import tempfile
@@ -203,20 +202,6 @@ def test_a_solve_with_all_caches_damaged(tmp_path):
             path.write_bytes(damage(path.read_bytes()))
         completed = python(None, ["-c", SOLVE], env)
         assert (completed.returncode, completed.stdout) == (0, expected.stdout), completed.stderr
-
-
-@pytest.mark.parametrize("content", [b"", b"[]", b"\xff\xfe", b"null", b"1e-30"])
-def test_a_bad_record_of_the_speed_of_this_machine(content, tmp_path, monkeypatch):
-    """`plan` measures the speed again."""
-    from hpc_gfmd.runs import timing
-
-    monkeypatch.setenv("HPC_GFMD_CACHE", str(tmp_path))
-    measured = iter([1e-9, 3e-9])
-    monkeypatch.setattr(timing, "_measure", lambda dtype: next(measured))
-    (tmp_path / f"speed-float64-{platform.node()}").write_bytes(content)
-    assert [timing.seconds_per_work("float64") for _ in range(2)] == [1e-9] * 2
-    monkeypatch.setenv("HPC_GFMD_CACHE", "/proc/none")
-    assert timing.expected_seconds(1.0, ["float64"] * 3, (1, 2)) == pytest.approx(18e-9)
 
 
 WITHOUT_A_NAME = """

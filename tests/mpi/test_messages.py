@@ -3,6 +3,7 @@
 import os
 
 import pytest
+from bench.decomposition import Share
 from contacts import rough, sweep_of
 from mpi.nodes import CountingComm, sent_in_a_step
 
@@ -11,7 +12,6 @@ from hpc_gfmd.parallel.comm import stages
 from hpc_gfmd.parallel.grid import Grid
 from hpc_gfmd.runs import capacity
 from hpc_gfmd.runs.capacity import require_memory
-from hpc_gfmd.runs.decomposition import Share
 from hpc_gfmd.scene import Scene
 from hpc_gfmd.util.errors import SceneError
 

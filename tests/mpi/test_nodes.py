@@ -6,6 +6,7 @@ import os
 
 import numpy as np
 import pytest
+from bench.decomposition import Share, busiest, share_of
 from contacts import rough, sweep_of
 from mpi.nodes import NODES, PER_NODE, on_pretended_nodes, sent_in_a_step
 from transfers import assert_same_on_slabs
@@ -13,7 +14,6 @@ from transfers import assert_same_on_slabs
 from hpc_gfmd.parallel import shared
 from hpc_gfmd.parallel.comm import MpiComm
 from hpc_gfmd.parallel.grid import Grid
-from hpc_gfmd.runs.decomposition import Share, busiest, share_of
 
 pytestmark = pytest.mark.mpi
 on_nodes = pytest.mark.parametrize("nodes", NODES)
@@ -56,7 +56,7 @@ def test_messages_are_those_between_nodes(machines, nodes):
         planned = share_of(n, sweep.dtype, machines.size, machines.rank, per_node=per_node)
         assert planned.traffic == share.traffic
         assert planned.layout.scratch_bytes == share.layout.scratch_bytes
-        # the numbers of `hpc-gfmd plan`
+        # the ranks that are looked at find the largest numbers
         shares = busiest(n, sweep.dtype, machines.size, per_node=per_node)
         largest = np.max([busy.traffic for busy in shares], axis=0)
         assert list(machines.max(share.traffic)) == largest.tolist()

@@ -2,6 +2,7 @@
 
 import contextlib
 import errno
+import os
 import re
 
 import h5py
@@ -163,6 +164,29 @@ def test_plan(cli, folder):
     assert plan["seconds"] > 0
     assert "GiB per rank" in cli.prints("plan scene.toml")
     assert [p.name for p in folder.iterdir()] == ["scene.toml"]
+
+
+@pytest.mark.parametrize(
+    ("environment", "threads", "per_node"),
+    [
+        ({}, 3, 4),
+        ({"SLURM_TASKS_PER_NODE": "16(x3),7"}, 3, 16),
+        ({"SLURM_TASKS_PER_NODE": "2", "SLURM_NTASKS_PER_NODE": "8"}, 1, 8),
+    ],
+)
+def test_plan_of_many_ranks(environment, threads, per_node, tmp_path, cli, monkeypatch):
+    """By default, ranks per node follow from this machine's cores or from Slurm."""
+    text = scene_text((2, 4096, 8), [0.1], solver={"precision": "single"})
+    (tmp_path / "scene.toml").write_text(text)
+    monkeypatch.setattr(os, "sched_getaffinity", lambda pid: set(range(12)))
+    for name, value in environment.items():
+        monkeypatch.setenv(name, value)
+    plan = cli.data("plan scene.toml", "--ranks", 4096, "--threads", threads)
+    assert (plan["ranks"], plan["threads"]) == (4096, threads)
+    assert plan["points_per_rank"] == 65536 * 16
+    assert plan["bytes_per_rank"] > plan["points_per_rank"] * 4 * 6
+    assert plan["ranks_per_node"] == per_node
+    assert plan["gib_per_node"] == pytest.approx(per_node * plan["gib_per_rank"])
 
 
 @pytest.mark.parametrize(

@@ -1,15 +1,13 @@
 """Memory, points and messages of ranks, for any number of them: evenly shared, without padding."""
 
-import os
 import tracemalloc
 
 import numpy as np
 import pytest
-from contacts import scene_text
+from bench.decomposition import Share, busiest, share_of
 
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.parallel.grid import Grid
-from hpc_gfmd.runs.decomposition import Share, busiest, share_of
 
 MIB = 2**20
 SIZES = [2**k for k in range(12, 18)]
@@ -81,43 +79,6 @@ def test_rows_columns_and_messages_match(n, ranks):
                     sent = step.windows.sent_rows(adding).get(other_rank, 0)
                     received = other_step.windows.sent_rows(not adding).get(rank, 0)
                     assert sent == received
-
-
-def test_plan_shows_shares_and_messages(tmp_path, cli, monkeypatch):
-    def planned(*args):
-        return cli.data("plan scene.toml", *args)
-
-    text = scene_text((2, 4096, 8), [0.1], solver={"precision": "single"})
-    (tmp_path / "scene.toml").write_text(text)
-    plan = planned("--ranks", 4096, "--threads", 2, "--ranks-per-node", 48)
-    share = share_of((65536, 65536), np.float32, 4096)
-    assert (plan["ranks"], plan["threads"]) == (4096, 2)
-    assert plan["points_per_rank"] == 65536 * 16
-    assert plan["coarse_points_per_rank"] == share.coarse_points <= 65536 * 16 * (1 / 3 + 0.1)
-    assert plan["padding"] <= 1.05
-    assert plan["bytes_per_rank"] > plan["points_per_rank"] * 4 * 6
-
-    def sent(per_node):
-        shares = busiest((65536, 65536), np.float32, 4096, per_node)
-        return tuple(np.max([busy.traffic for busy in shares], axis=0))
-
-    assert (plan["message_bytes_per_pair"], plan["messages_per_pair"]) == sent(48) < sent(1)
-    # By default, ranks per node follow from this machine's cores or from Slurm.
-    monkeypatch.setattr(os, "sched_getaffinity", lambda pid: set(range(12)))
-    for environment, threads, per_node in (
-        ({}, 3, 4),
-        ({"SLURM_TASKS_PER_NODE": "16(x3),7"}, 3, 16),
-        ({}, 24, 1),
-        ({"SLURM_TASKS_PER_NODE": "2", "SLURM_NTASKS_PER_NODE": "8"}, 1, 8),
-    ):
-        with monkeypatch.context() as slurm:
-            for name, value in environment.items():
-                slurm.setenv(name, value)
-            plan = planned("--ranks", 4096, "--threads", threads)
-        assert (plan["ranks_per_node"], plan["message_bytes_per_pair"]) == (
-            per_node,
-            sent(per_node)[0],
-        )
 
 
 @pytest.mark.parametrize("n", [2**24, 2**20])

@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import DTypeLike
 
-from ..bodies.free import Free
-from ..driver.nested import Decimation
-from ..kernels.bpx import UpdateSums
-from ..operators.hierarchy import Step, steps_of, traffic_of
-from ..parallel.coarsening import Level
-from ..parallel.comm import DryRunComm, stages
-from ..parallel.grid import Grid
-from ..parallel.layout import Layout
+from hpc_gfmd.bodies.free import Free
+from hpc_gfmd.driver.nested import Decimation
+from hpc_gfmd.kernels.bpx import UpdateSums
+from hpc_gfmd.operators.hierarchy import Step, steps_of, traffic_of
+from hpc_gfmd.parallel.coarsening import Level
+from hpc_gfmd.parallel.comm import DryRunComm, stages
+from hpc_gfmd.parallel.grid import Grid
+from hpc_gfmd.parallel.layout import Layout
 
 # numbers in each sum over all ranks of a step of bpx; the last includes those of a sweep
 REDUCTIONS = 2, 2, len(UpdateSums._fields) + 8
