@@ -18,8 +18,7 @@ from hpc_gfmd.util.errors import SceneError
 pytestmark = pytest.mark.mpi
 
 
-@pytest.mark.parametrize("boundary", ["periodic", "free"])
-@pytest.mark.parametrize("n_over", [(2, 32, 4), (1, 31, 2.0)])
+@pytest.mark.parametrize(("n_over", "boundary"), [((2, 32, 4), "periodic"), ((1, 31, 2.0), "free")])
 def test_counted(comm, n_over, boundary, monkeypatch):
     monkeypatch.setattr(hierarchy, "COARSEST_POINTS", 64)
     monkeypatch.setattr(hierarchy, "UNGATHERED_POINTS", 64)
