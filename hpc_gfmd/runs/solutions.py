@@ -12,7 +12,7 @@ import numpy as np
 
 from ..output.read import read_result
 from ..output.result import Result
-from ..output.summary import FINE, last_held, summary, surface_line
+from ..output.summary import FINE, LENGTHS, last_held, summary, surface_line
 from ..parallel.comm import Comm
 from .solution import Solution
 from .solved import Solved
@@ -137,6 +137,26 @@ class Solutions(Solved, Sequence[Solution]):
         """
         held = last_held(self.steps)
         return None if held is None else float(held["p"])
+
+    @property
+    def pull_off_force(self) -> float | None:
+        """The force of `pull_off`: times the nominal area, in N where there are units."""
+        pressure = self.pull_off
+        sizes = self.result.surface["physical_sizes"]
+        return None if pressure is None else pressure * float(sizes[0]) * float(sizes[1])
+
+    @property
+    def pull_off_bracket(self) -> tuple[float, float] | None:
+        """Mean pressures of the last load that is held and of the first that separates the bodies.
+
+        None where `pull_off` is None, and at prescribed gaps or approaches, which pass through the
+        largest pull.
+        """
+        held = last_held(self.steps)
+        if held is None or any(name in held for name in LENGTHS):
+            return None
+        apart = next(step for step in self.steps if step["status"] == "separated")
+        return float(held["p"]), float(apart["p"])
 
     def values(self, name: str) -> np.ndarray:
         """Return a number of all loads, shape (loads,), by its name in the result file.

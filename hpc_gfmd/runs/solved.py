@@ -20,6 +20,7 @@ from ..output.result import Result
 from ..parallel.comm import Comm, SerialComm
 from ..scene.explain import require_known
 from ..util.errors import GfmdError, SceneError, how_to_install
+from ..util.quantities import parse
 from .references import references_of
 from .table import named_observables, table
 
@@ -214,23 +215,24 @@ class Solved:
     def leak_rate(
         self,
         viscosity: float,
-        pressure_drop: float,
-        width: float = 1.0,
-        length: float = 1.0,
+        pressure_drop: float | str,
+        width: float | str = 1.0,
+        length: float | str = 1.0,
         axis: str = "x",
     ) -> Any:
-        """Estimate the leak rate of a seal from the critical gap, see `theory.leak.leak_rate`.
+        """Estimate the leak rate of a seal by the theory of the critical junction.
 
-        The critical gap is computed if the result does not have it.
+        See `theory.leak.leak_rate`. The critical gap is computed if the result does not have it.
 
         Parameters
         ----------
         viscosity : float
             Viscosity of the fluid, in Pa s.
-        pressure_drop : float
-            Pressure drop of the fluid over the seal, in Pa.
-        width, length : float
-            Extent of the seal across and along the flow; only their ratio matters.
+        pressure_drop : float or str
+            Pressure drop of the fluid over the seal, in Pa, or as "1 bar".
+        width, length : float or str
+            Extent of the seal across and along the flow; only their ratio matters. Both plain, or
+            as "30 cm".
         axis : {"x", "y"}
             Direction of the flow.
 
@@ -238,6 +240,7 @@ class Solved:
         -------
         float, or ndarray for several loads
             Volume per time, in m^3/s if the unit of the heights is m; 0 if the seal is tight.
+            `leak_rate_error` has its relative error on this surface.
 
         Raises
         ------
@@ -250,8 +253,37 @@ class Solved:
         if axis not in ("x", "y"):
             raise SceneError(f'axis: found {axis!r}, allowed: "x" or "y"')
         critical_gap = self._get(f"critical_gap_{axis}")
-        rate = leak_rate(critical_gap, viscosity, pressure_drop, width, length)
+        drop = _number("pressure_drop", pressure_drop, "pressure")
+        extents = _number("width", width, "length"), _number("length", length, "length")
+        rate = leak_rate(critical_gap, viscosity, drop, *extents)
         return float(rate) if rate.ndim == 0 else rate
+
+    def leak_rate_error(self, axis: str = "x") -> Any:
+        """Return the relative error of `leak_rate`, three times that of the critical gap.
+
+        The critical gap has the absolute error of the mean gap, by the solver and by the grid. It
+        is not that of the theory, nor the scatter of surfaces, which can be larger: solve several
+        pieces.
+
+        Parameters
+        ----------
+        axis : {"x", "y"}
+            Direction of the flow.
+
+        Returns
+        -------
+        float, or ndarray for several loads
+            inf for a seal that is tight on this grid.
+        """
+        if axis not in ("x", "y"):
+            raise SceneError(f'axis: found {axis!r}, allowed: "x" or "y"')
+        gap, critical_gap, solver, grid = (
+            np.asarray(self._get(name), dtype=float)
+            for name in ("gap_mean", f"critical_gap_{axis}", "gap_error", "gap_discretisation")
+        )
+        with np.errstate(divide="ignore"):
+            error = 3 * (solver + np.nan_to_num(grid)) * gap / critical_gap
+        return float(error) if error.ndim == 0 else error
 
     def table(self, errors: bool = False) -> str:
         """Return the table that `hpc-gfmd show` prints, as text.
@@ -346,3 +378,15 @@ class Solved:
                 f"{action}: found fields that are spread over {self.comm.size} ranks, allowed:"
                 " save, and load the file"
             )
+
+
+def _number(name: str, value: float | str, dimension: str) -> float:
+    """Return a plain number, or one with a unit in SI units. Raises SceneError for other texts."""
+    if not isinstance(value, str):
+        return value
+    try:
+        return float(parse(value, dimension))
+    except ValueError as error:
+        raise SceneError(
+            f"{name}: found {value!r}, {error}, allowed: a number, or a text with a unit"
+        ) from None

@@ -39,9 +39,11 @@ def leak_rate(
 
     Notes
     -----
-    Nearly all of the pressure drops at the narrowest place of the widest channel, which is taken as
-    square (Persson, Yang, J. Phys.: Condens. Matter 20 (2008) 315011). The result is right to an
-    order of magnitude; `examples/leak.py` solves Reynolds' equation on the gap instead.
+    Theory of the critical junction (Persson, Yang, J. Phys.: Condens. Matter 20 (2008) 315011):
+    nearly all of the pressure drops at the narrowest place of the widest channel, which is taken as
+    square. It is right to an order of magnitude, and best close to the load at which the seal is
+    tight; at light loads, where many channels are open side by side, it is too small, and effective
+    medium theories or Reynolds' equation on the gap (`examples/leak.py`) are better.
     """
     gap = within("critical_gap", critical_gap, 0, np.inf)
     eta = within("viscosity", viscosity, 0, np.inf, open_low=True)

@@ -52,6 +52,9 @@ def test_pull_off_of_a_ball(tabor, law, holds, comes_off):
     assert [solution.status for solution in solutions] == ["converged"] * 5 + ["separated"] * 2
     assert solutions[-1].a_r == 0
     assert solutions.pull_off == solutions[4].p
+    assert solutions.pull_off_bracket == (solutions[4].p, solutions[5].p)
+    sizes = solutions.result.surface["physical_sizes"]
+    assert solutions.pull_off_force == pytest.approx(solutions.pull_off * np.prod(sizes))
 
 
 def test_contact_of_a_ball_with_a_short_range_is_that_of_jkr():
