@@ -44,7 +44,7 @@ for k in (1, 3, 5):
     label = f"{forces[k]:.3g} N, $\\alpha$ = {alphas[k]:.2g}"
     profile.stairs(sums / points / 1e9, rings * 1e6, baseline=None, color=f"C{k}", label=label)
     profile.plot(rings * 1e6, Hertz(R, forces[k], E_star).pressure(rings) / 1e9, "0.4", lw=0.8)
-spread.plot([0.01, 0.05, 0.05], [1, 1, 2.5], "0.4", linewidth=0.8, label="Hertz")
+spread.plot([alphas.min(), 0.05], [1, 1], "0.4", linewidth=0.8, label="Hertz, valid to 0.05")
 profile.set(xlabel="$r$ (µm)", ylabel="mean pressure on a ring (GPa)", xlim=(0, 80))
 spread.set(xlabel=r"$\alpha = h_\mathrm{rms}/\delta$", ylabel="effective radius / Hertz's")
 for ax in (profile, spread):
