@@ -108,8 +108,8 @@ def steps_of(
     """Return the steps between levels that ranks share, and all levels, finest first.
 
     The levels from number len(steps) on a rank has alone: those of at most coarsest_points points
-    (default: COARSEST_POINTS, or all for a single process), and those coarser than the level of the
-    gap mode. Not collective.
+    (default: COARSEST_POINTS, or all for a single process), and that of the gap mode with all
+    coarser ones. Not collective.
     """
     rank = grid.comm.rank
     if coarsest_points is None:
@@ -125,7 +125,7 @@ def steps_of(
         transfer = Transfer(fine.n, coarse.n, begin, end, rank, dtype)
         starts = owned_rows(counted, fine.n[0], coarse.n[0])
         points = coarse.n[0] * coarse.n[1]
-        alone = points <= coarsest_points or coarse is hierarchy[-1] or k == mode_level
+        alone = points <= coarsest_points or coarse is hierarchy[-1] or k + 1 == mode_level
         begin, end = transfer.lo, transfer.hi
         has_rows = end > begin
         windows = None
@@ -177,7 +177,7 @@ def traffic_of(steps: Sequence[Step], itemsize: int) -> tuple[int, int]:
     last = steps[-1]
     if len(last.ranks) > 1 and last.transfer.rank in last.ranks:
         rounds = stages(len(last.ranks))
-        numbers += rounds * (last.fields * last.window_rows * last.transfer.m[1] + 1)
+        numbers += rounds * last.fields * last.window_rows * last.transfer.m[1]
         messages += rounds
     return numbers * itemsize, messages
 

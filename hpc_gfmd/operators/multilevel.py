@@ -95,9 +95,6 @@ class Multilevel:
             field if step.windows is None else np.zeros(step.owned_shape, self.dtype)
             for step, field in zip(steps[:-1], self.fields)
         ]
-        # the gap mode on the last level that ranks share, its rows here, and its product with r
-        self._mode: np.ndarray | None = None
-        self._amplitude = 0.0
         to_level_1 = self.transfers[0]
         self.ends = grid.once(
             (Transfer.passes, longest),
@@ -190,8 +187,6 @@ class Multilevel:
         for k in reversed(range(self.distributed)):
             fields = self.owned[k]
             rz, xz, *level_sums = self.smooth(k + 1, fields, fields[0])
-            if k == self.distributed - 1 and self._mode is not None:
-                fields[0, 1:-1] += self.dtype.type(self._amplitude) * self._mode
             weight = self.hierarchy.area.weights[k + 1]
             sums = [total + weight * term for total, term in zip(sums, level_sums)]
             self._hand_out(k)
@@ -344,14 +339,8 @@ class Multilevel:
         if is_whole:
             fields[:, 1] += fields[:, -1]  # the row after the last is the first
         else:
-            self._amplitude = add_all(
-                self.last_comm,
-                self.fields[k][:, 1:-1],
-                [(int(transfer.lo[r]), int(transfer.hi[r])) for r in self.steps[k].ranks],
-                fields[:, 1:-1],
-                # of all rows here: those that ranks share have a part of r on each
-                0.0 if self._mode is None else float(np.vdot(self._mode, self.owned[-1][0, 1:-1])),
-            )
+            bounds = [(int(transfer.lo[r]), int(transfer.hi[r])) for r in self.steps[k].ranks]
+            add_all(self.last_comm, self.fields[k][:, 1:-1], bounds, fields[:, 1:-1])
         self._add_group(k)
         if new_share is not None:
             coarsest.restrict()
@@ -366,32 +355,12 @@ class Multilevel:
         return sums if self.last_comm.rank == 0 else nothing
 
     def _find_mode(self, coarsest: CoarsestLevels, share: float) -> None:
-        """Compute the gap mode of the contact on the levels; set none if it is not wanted.
+        """Set the gap mode of the contact on the levels that a rank has alone; none if not wanted.
 
-        share: of the grid's points in elastic contact. Needs t on the levels of `coarsest`, as its
-        `restrict` leaves it. The mode is kept in `coarsest`; if ranks share its level it is kept in
-        this object, with its product with r, which is still on that level. Collective over the
-        ranks that have the coarsest levels.
+        share: of the grid's points in elastic contact. Needs t on these levels.
         """
         coarsest.mode = coarsest.mode[:0]
-        self._mode = None
         level = self.gap_mode.level
-        if level is None or not self.gap_mode.wanted(share):
-            return
-        if level >= len(self.steps):
+        if level is not None and self.gap_mode.wanted(share):
             coarsest.mode_level = level - len(self.steps)
-            t = coarsest.contact(coarsest.mode_level)
-            coarsest.mode = self.gap_mode.find(t).ravel()
-            return
-        assert level == self.distributed
-        assert self.last_comm is not None
-        step = self.steps[-1]
-        r, t = self.owned[-1][:2, 1:-1][:, slice(*step.counted_rows)]
-        rows, points = step.transfer.n
-        whole = np.empty(rows * points, self.dtype)
-        counts = np.diff(step.counted)[step.ranks] * points
-        self.last_comm.allgather_arrays(np.ascontiguousarray(t).ravel(), whole, counts.tolist())
-        mode = self.gap_mode.find(whole.reshape(rows, points))
-        self._mode = np.take(mode, np.arange(*step.transfer.fine), axis=0, mode="wrap")
-        here = self._mode[slice(*step.counted_rows)]
-        self._amplitude = float(self.last_comm.sum([np.vdot(here, r)])[0])
+            coarsest.mode = self.gap_mode.find(coarsest.contact(coarsest.mode_level)).ravel()

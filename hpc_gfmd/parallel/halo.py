@@ -247,52 +247,22 @@ def add_overlaps(comm: Any, overlaps: Sequence[Overlaps], windows: Sequence[np.n
 
 
 def add_all(
-    comm: Any,
-    window: np.ndarray,
-    bounds: Sequence[tuple[int, int]],
-    whole: np.ndarray,
-    number: float = 0.0,
-) -> float:
-    """Fill `whole` on every rank with the sum of the windows of all ranks. Collective.
+    comm: Any, window: np.ndarray, bounds: Sequence[tuple[int, int]], whole: np.ndarray
+) -> None:
+    """Set `whole` (fields, n, m) on every rank to the sum of all ranks' windows. Collective.
 
-    Parameters
-    ----------
-    comm : Comm
-        The ranks that have windows.
-    window : ndarray, shape (fields, rows of the window, m)
-        Of this rank; it stays as it is.
-    bounds : sequence of (int, int)
-        Window lo <= i < hi of each rank; may reach around the ring.
-    whole : ndarray, shape (fields, n, m)
-        Becomes the sum on all n rows of the ring.
-    number : float
-        Of this rank; travels with the window, rounded to the precision of that.
-
-    Returns
-    -------
-    float
-        The sum of the numbers of all ranks.
+    bounds: window lo <= i < hi of each rank; it may reach around the ring.
     """
     fields, n, m = whole.shape
-    if comm.size == 1 and bounds[0][0] == 0:  # nothing is sent or copied twice
-        whole[...] = window[:, :n]
-        for row in range(n, window.shape[1]):
-            whole[:, row % n] += window[:, row]
-        return number
-    counts = [fields * (hi - lo) * m + 1 for lo, hi in bounds]
+    counts = [fields * (hi - lo) * m for lo, hi in bounds]
     received = np.empty(sum(counts), window.dtype)
-    sent = np.append(window.ravel(), window.dtype.type(number))
-    comm.allgather_arrays(sent, received, counts)
+    comm.allgather_arrays(window.ravel(), received, counts)
     whole[...] = 0
-    total = 0.0
-    parts = np.split(received, np.cumsum(counts)[:-1])
-    for (lo, hi), numbers in zip(bounds, parts):
-        part = numbers[:-1].reshape(fields, hi - lo, m)
-        total += float(numbers[-1])
+    for (lo, hi), numbers in zip(bounds, np.split(received, np.cumsum(counts)[:-1])):
+        part = numbers.reshape(fields, hi - lo, m)
         for start in range(lo // n * n, hi, n):  # the rows of a turn around the ring
             begin, end = max(lo, start), min(hi, start + n)
             whole[:, begin - start : end - start] += part[:, begin - lo : end - lo]
-    return total
 
 
 def _joined(pieces: list[slice]) -> list[slice]:
