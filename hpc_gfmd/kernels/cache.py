@@ -40,27 +40,11 @@ SUFFIX = ".kernel"  # of the files
 
 
 def compiled_on_first_use(function: Callable[..., Any], variant: str = "", **options: Any) -> Any:
-    """Return numba.njit(**options)(function), which keeps its machine code in `folder()`.
+    """Return numba.njit(**options)(function), which keeps its machine code in `folder()`, if there
+    is one.
 
-    Parameters
-    ----------
-    function : function
-        The source of a kernel.
-    variant : str
-        Part of the names of the files; differs for kernels that are made of the same source.
-    **options
-        Of numba.njit, but `cache`.
-
-    Returns
-    -------
-    numba dispatcher
-        Compiles or reads the code of a signature when it is first called with it. Nothing is kept
-        if there is no folder.
-
-    Raises
-    ------
-    SceneError
-        If NUMBA_DISABLE_JIT is set.
+    variant: part of the names of the files, for kernels that are made of the same source. Raises
+    SceneError if NUMBA_DISABLE_JIT is set.
     """
     if numba.config.DISABLE_JIT:
         raise SceneError(
@@ -88,14 +72,8 @@ def compiled_on_first_use(function: Callable[..., Any], variant: str = "", **opt
 class KernelFiles:
     """The files with the machine code of one kernel, one for each signature and kind of processor.
 
-    Has the methods of numba's `IndexDataCacheFile`.
-
-    Parameters
-    ----------
-    stem : Path
-        What the files are called, up to a hash and `SUFFIX`.
-    source : str
-        Changes with the source of the kernel. Code that was made from another source is not used.
+    Has the methods of numba's `IndexDataCacheFile`. `stem` is what the files are called, up to a
+    hash and `SUFFIX`; `source` changes with the source of the kernel.
     """
 
     def __init__(self, stem: Path, source: str):
@@ -115,15 +93,7 @@ class KernelFiles:
         return pickle.loads(content)
 
     def save(self, key: Any, data: Any) -> None:
-        """Write code to the file of a key; errors of the file system are ignored.
-
-        Parameters
-        ----------
-        key : tuple
-            Signature, processor, hash of the bytecode.
-        data : object
-            What numba makes of a compiled function.
-        """
+        """Write code to the file of a key; errors of the file system are ignored."""
         path, purpose = self._file(key)
         keep(path, dumps(data), purpose)
         _log(f"data saved to {path}")
@@ -199,15 +169,10 @@ def on_first_compile(say: Callable[[str], object] | None) -> Iterator[None]:
 
 
 class _Clock(event.Listener):  # type: ignore[misc]
-    """Measures the time of compilations, and calls a function when the first one begins.
+    """Measures the `seconds` of compilations, and calls a function when the first one begins.
 
     Python does not look for garbage meanwhile: of all that is there, again and again, which takes 7
     % of the time.
-
-    Attributes
-    ----------
-    seconds : float
-        Spent in compilations that have ended.
     """
 
     def __init__(self, announce: Callable[[], object]) -> None:

@@ -35,22 +35,9 @@ ROUNDED = 1.00001  # more than rounding in single precision makes of a number
 
 
 class KktSums(NamedTuple):
-    """Sums over points.
-
-    Attributes
-    ----------
-    open_p, open_pp, open_p4 : float
-        p, p^2 and p^4 out of contact; where a point yields, of p - H.
-    closed_pp : float
-        p^2 in contact.
-    pg : float
-        |p| g; where a point yields |p - H| times the depth of its dent.
-    contact : float
-        Number of points in contact, yielded ones included.
-    gap : float
-        g, without dents.
-    yielded : float
-        Number of points that yield.
+    """Sums over points: of p, p^2 and p^4 out of contact (where a point yields, of p - H), p^2 in
+    contact, and |p| g (where a point yields |p - H| times the depth of its dent); the number of
+    points in contact, the sum of g without dents, and the number of points that yield.
     """
 
     open_p: float
@@ -67,14 +54,8 @@ class KktSums(NamedTuple):
 def displacement_passes(passes, shares, turns, rows, g, h, level):
     """Transform the rows of u - level, pass after pass, with u as in `displacement_rows`.
 
-    Every thread of the rank calls this, and takes one share of the passes after another.
-
-    Parameters
-    ----------
-    passes, shares, turns, rows
-        See bpx.py, `search_passes`.
-    g, h, level
-        See `displacement_rows`.
+    Every thread of the rank calls this, and takes one share of the passes after another, as in
+    bpx.py: search_passes.
     """
     share = add(turns, 0, 1)
     while share < shares.shape[0]:
@@ -88,19 +69,7 @@ def displacement_passes(passes, shares, turns, rows, g, h, level):
 
 @inline
 def displacement_rows(g, h, x, i0, i1, level):
-    """Set x = u - level on some rows, u = g - h on the surface and u = g beyond it.
-
-    Parameters
-    ----------
-    g, h : arrays, local slabs
-        Gap, and initial gap of the surface alone.
-    x : array (>= i1 - i0, n_y)
-        Gets rows i0 <= i < i1, in its own precision.
-    i0, i1 : int
-        Local rows i0 <= i < i1.
-    level : float
-        Is subtracted from u.
-    """
+    """Set x = u - level on rows i0 <= i < i1, u = g - h on the surface and u = g beyond it."""
     for i in range(i0, i1):
         m = points_inside(i, h.shape)
         for j in range(m):
@@ -111,32 +80,11 @@ def displacement_rows(g, h, x, i0, i1, level):
 
 @kernel
 def kkt_residuals(g, p, x, p0, H, inside, i0, i1, worst):
-    """Set p = p0 + x, and return how that violates p >= 0 and p g = 0.
+    """Set p = p0 + x on rows i0 <= i < i1, x being K u, and return how it violates p >= 0 and p g =
+    0.
 
-    Parameters
-    ----------
-    g : array, local slab
-        Gap, or the displacement beyond the surface.
-    p : array, local slab
-        Its rows i0 to i1 are overwritten.
-    x : array (>= i1 - i0, n_y)
-        K u from row i0 on, u being the displacement.
-    p0 : float
-        Mean pressure over the grid.
-    H : float or None
-        Hardness.
-    inside : (rows, points)
-        This rank's part of the surface: its first rows and points.
-    i0, i1 : int
-        Local rows i0 <= i < i1.
-    worst : (n_y,) float64
-        0; becomes the largest tension of each column: a single maximum over all points would not
-        use vectors.
-
-    Returns
-    -------
-    KktSums, float
-        Of these rows; the largest -p where g <= 0, or 0.
+    Returns KktSums of these rows and the largest -p where g <= 0, or 0. `worst` (n_y,), 0 at first,
+    gets that of each column: a single maximum over all points would not use vectors.
     """
     open_p = open_pp = open_p4 = closed_pp = pg = gap = contact = yielded = 0.0
     at_limit = limit(H, 0.0)
@@ -178,21 +126,8 @@ def kkt_residuals(g, p, x, p0, H, inside, i0, i1, worst):
 
 @kernel
 def open_moments(g, p, H, inside):
-    """Return the sums of p^2 and p^4 out of contact; where a point yields, of p - H.
-
-    Parameters
-    ----------
-    g, p : array, rows of a local slab
-        Gap and pressure.
-    H : float or None
-        Hardness.
-    inside : (rows, points)
-        Rows and points of each row that are summed.
-
-    Returns
-    -------
-    squares, fourth : float64
-        In double precision.
+    """Return the sums of p^2 and p^4 out of contact, of p - H where a point yields, in double
+    precision.
     """
     squares = fourth = 0.0
     at_limit = limit(H, 0.0)
@@ -213,26 +148,10 @@ def count_uncertain(g, p, inside, compliance, tie, sure, largest, fall, counts):
 
     That error is |p| where g <= 0. Elsewhere it is g/compliance, less the pressure that is left
     there, which closes the point by itself. Where the body as a whole may be too high or too low it
-    is less by fall/compliance.
-
-    Parameters
-    ----------
-    g, p, inside
-        See the top of this file; rows of a slab.
-    compliance : float
-        1/K of the shortest wave.
-    tie : float
-        Points with a smaller error, before these deductions, are right on either side: they are not
-        counted.
-    sure : float
-        Points with a smaller error, after them, are counted in the last bin.
-    largest : float
-        Square of the largest error that is counted.
-    fall : float
-        Height by which the body as a whole may be wrong.
-    counts : array (2, BINS)
-        Is increased by the points in contact, [0], and out of contact, [1]. Bin k gets squares from
-        largest 2^(-(k + 1)/PER_OCTAVE) on, the last one all smaller ones.
+    is less by fall/compliance. Points with an error below `tie` before these deductions are right
+    on either side and not counted; those below `sure` after them are in the last bin. counts (2,
+    BINS), in contact and out of it: bin k has squares from largest 2^(-(k + 1)/PER_OCTAVE) on, the
+    last one all smaller ones.
     """
     real = g.dtype.type
     by_fall = fall / compliance
@@ -271,18 +190,9 @@ def count_uncertain(g, p, inside, compliance, tie, sure, largest, fall, counts):
 def count_heights(g, inside, largest, counts):
     """Count open points by their gap, and dents by their depth.
 
-    Parameters
-    ----------
-    g : array, rows of a local slab
-        Gap.
-    inside : tuple of int
-        Rows and points of each row that belong to the surface.
-    largest : float
-        Upper end of the first bin; larger heights are not counted.
-    counts : array (2, BINS + 1)
-        Is increased by the open points, [0], and the dents, [1]. Bin k gets heights from largest
-        2^(-k/PER_OCTAVE) down to the next one, bin BINS - 1 all smaller ones. The last column gets
-        the points with g <= 0, and with g < 0.
+    counts (2, BINS + 1), open points and dents: bin k has heights from largest 2^(-k/PER_OCTAVE)
+    down to the next one, bin BINS - 1 all smaller ones; larger ones are not counted. The last
+    column has the points with g <= 0, and with g < 0.
     """
     for i in range(inside[0]):
         for j in range(inside[1]):
@@ -302,22 +212,10 @@ def count_heights(g, inside, largest, counts):
 
 @kernel
 def dual_rows(g, p, x, scale, shift, H, inside, i0, i1):
-    """Set x = p^ - p on some rows.
+    """Set x = p^ - p on rows i0 <= i < i1.
 
     The admissible pressure p^ is scale p + shift in elastic contact, H where a point yields, and 0
     elsewhere.
-
-    Parameters
-    ----------
-    g, p : array, local slab
-        Gap and pressure.
-    x : array (>= i1 - i0, n_y)
-        Gets the result from row i0 on.
-    scale, shift : float
-        Of the pressure in elastic contact.
-    H, inside, i0, i1
-        Hardness, this rank's part of the surface, and the rows i0 <= i < i1: see the top of this
-        file.
     """
     zero = x.dtype.type(0)
     unit = x.dtype.type(1)

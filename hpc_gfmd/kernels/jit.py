@@ -24,21 +24,10 @@ NEEDLESS = {"InlineClosureLikes", "InlineInlinables", "InlineOverloads", "Nopyth
 def kernel(function: Callable[..., Any], piece: bool = False) -> Any:
     """Make a function a kernel: compiled on first use, kept in the cache, run without the GIL.
 
-    Parameters
-    ----------
-    function : function
-        Of arrays and numbers. It must not make arrays: counting references, also of every row that
-        a loop takes, would be slow. Nor may it contain functions.
-    piece : bool
-        Set for a piece of other kernels: it is copied into theirs. If it were called instead, code
-        from the cache and code that has just been compiled would contain different copies of it,
-        and results could differ in the last bits.
-
-    Returns
-    -------
-    function
-        Called as the one that was given. When Python calls a piece, a kernel is made of the same
-        function.
+    It must not make arrays, because counting references, also of every row that a loop takes, would
+    be slow; nor contain functions. A `piece` is copied into other kernels: if it were called
+    instead, code from the cache and code that has just been compiled would contain different copies
+    of it, and results could differ in the last bits.
     """
     compiled = compiled_on_first_use(
         function,
@@ -89,11 +78,6 @@ class OperatorTypes:
 
     numba itself tries everything that an operator may mean, for numbers, arrays, texts and more,
     wherever the operator occurs. That takes 7 % of the time of compiling.
-
-    Parameters
-    ----------
-    context : numba typing context
-        Answers everything else.
     """
 
     signatures: ClassVar[dict] = {}  # of operations: by operator and types of its operands
@@ -106,20 +90,7 @@ class OperatorTypes:
         return getattr(self.context, name)
 
     def resolve_function_type(self, function: Any, arguments: tuple, keywords: dict) -> Any:
-        """Find the signature with which a function takes arguments of given types.
-
-        Parameters
-        ----------
-        function : function or numba type
-            What is called.
-        arguments, keywords : tuple, dict of numba types
-            What it is called with.
-
-        Returns
-        -------
-        numba signature or None
-            None if it does not take these types.
-        """
+        """Return the signature with which a function takes arguments of given types, or None."""
         operator = getattr(function, "typing_key", function)
         if keywords or not isinstance(operator, BuiltinFunctionType):
             return self.context.resolve_function_type(function, arguments, keywords)

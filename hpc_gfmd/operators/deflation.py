@@ -56,19 +56,9 @@ CALIBRATION = DeflationCalibration()
 
 
 def level_of_mode(levels: Sequence[Level]) -> int | None:
-    """Return the number of the level on which deflation vectors are computed.
+    """Return the number of the finest of all levels whose number of points meets CALIBRATION.
 
-    It is the finest one whose number of points meets CALIBRATION.
-
-    Parameters
-    ----------
-    levels : list of Level
-        All of a grid, finest first.
-
-    Returns
-    -------
-    int or None
-        At least 1; None if the grid is too small for a mode.
+    At least 1; None if the grid is too small for a mode.
     """
     points = [level.n[0] * level.n[1] for level in levels]
     most = min(points[0] / CALIBRATION.coarser, CALIBRATION.most)
@@ -76,32 +66,12 @@ def level_of_mode(levels: Sequence[Level]) -> int | None:
 
 
 class GapMode:
-    """Computes the deflation vectors of contacts on one grid.
+    """Computes the deflation vectors of contacts on one grid; the head of this file has the
+    equations.
 
-    Such a vector is the wave w for which the preconditioner M is far too stiff: how everything that
-    is out of contact rises if the load falls. The head of this file has the equations.
-
-    Parameters
-    ----------
-    grid : Grid
-        The finest level.
-    body : Body
-        Its stiffness.
-    levels : list of Level
-        All of the grid, finest first.
-    weights : array
-        Stiffness of these levels, in the precision of the fields.
-
-    Attributes
-    ----------
-    level : int or None
-        Number of the level that w is computed on; None if the grid is too small for a mode.
-    pairs : float
-        Cost of one `find` in FFT pairs of the grid; 0 without a mode.
-    levels : CoarsestLevels
-        The preconditioner M: this level and all coarser ones. Missing without a mode.
-    fft : SlabFFT
-        Transforms of `level`, which this rank does alone. Missing without a mode.
+    `level` is the number of the level that they are computed on, None if the grid is too small for
+    one. `pairs` is the cost of one `find` in FFT pairs of the grid. `levels`, the preconditioner M
+    from this level on, and `fft` are missing without one.
     """
 
     def __init__(self, grid: Grid, body: Body, levels: Sequence[Level], weights: np.ndarray):

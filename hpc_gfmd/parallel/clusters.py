@@ -27,15 +27,8 @@ NOTHING = -1  # label of a point outside the mask
 
 @dataclass(frozen=True)
 class Clusters:
-    """The clusters of a mask.
-
-    Attributes
-    ----------
-    sizes : ndarray of int
-        Points of each cluster that is counted on this rank, in no particular order; each cluster is
-        counted on one rank.
-    percolates : (bool, bool)
-        Whether a cluster percolates along x, along y; the same on all ranks.
+    """The clusters of a mask: `sizes`, the points of each that is counted on this rank, and whether
+    one `percolates` along x and along y, the same on all ranks.
     """
 
     sizes: np.ndarray
@@ -50,32 +43,12 @@ def find_clusters(
     periodic: tuple[bool, bool],
     corners: bool,
 ) -> Clusters:
-    """Find the clusters of the points where a mask is true. Collective.
+    """Find the clusters of the points where a mask of n = (n_x, n_y) points is true. Collective.
 
-    Along a periodic axis a cluster percolates if it contains a closed way around the cell along
-    that axis, so that it has no end there if the cell is repeated (a way around both axes counts
-    for both). Along a free axis it percolates if it reaches from the first point to the last.
-
-    Parameters
-    ----------
-    comm : Comm
-        All ranks.
-    mask : function
-        mask(i0, i1) returns local rows i0 <= i < i1, shape (i1 - i0, n_y), bool.
-    rows : (int, int)
-        (start, stop) of this rank, may be empty.
-    n : (int, int)
-        (n_x, n_y) of the whole field.
-    periodic : (bool, bool)
-        Whether opposite edges touch, along x and along y.
-    corners : bool
-        Whether points that share only a corner are connected (8-connected), or only those that
-        share a side (4-connected).
-
-    Returns
-    -------
-    Clusters
-        Sizes of those that are counted on this rank.
+    mask(i0, i1) returns local rows i0 <= i < i1 of those that this rank has, rows[0] to rows[1].
+    Points that share only a corner are connected if `corners` is set. Along a periodic axis a
+    cluster percolates if it contains a closed way around the cell along that axis (a way around
+    both axes counts for both); along a free axis if it reaches from the first point to the last.
     """
     joiner = _Joiner(n, periodic, corners)
     block = None
@@ -95,14 +68,10 @@ def find_clusters(
 class _Block:
     """The clusters of consecutive rows that reach the first or the last of them.
 
-    Attributes
-    ----------
-    first_row, last_row : ndarray, shape (3, n_y)
-        [0]: number of the cluster of each point of the row, or NOTHING. [1:]: borders of the cell
-        that are crossed, along x and along y, on the way to the point from the root of its cluster.
-    counts : ndarray, shape (5, clusters)
-        Points of each cluster in these rows; how many of them are in the first and in the last row
-        of the cell, and in its first and last column.
+    first_row, last_row (3, n_y): [0] is the number of the cluster of each point, or NOTHING; [1:]
+    are the borders of the cell that are crossed, along x and along y, on the way to the point from
+    the root of its cluster. counts (5, clusters): points of each cluster in these rows; how many of
+    them are in the first and last row of the cell, and in its first and last column.
     """
 
     first_row: np.ndarray

@@ -27,16 +27,10 @@ Tables = tuple[np.ndarray, np.ndarray, int, np.ndarray, np.ndarray, np.floating]
 
 @dataclass(frozen=True)
 class Level:
-    """One level of the hierarchy.
+    """One level of the hierarchy: its points (n_x, n_y), and its largest wave number over sqrt 2.
 
-    Attributes
-    ----------
-    n : (int, int)
-        Points along x and y.
-    q : float
-        Its largest wave number over sqrt 2 (as Grid.q_nyquist) in units of 1/a, a being the unit of
-        length of the finest grid. A single point has half the q of the level before, or 1 if
-        there is none.
+    q is as Grid.q_nyquist, in 1/a with the spacing a of the finest grid. A single point has half
+    the q of the level before, or 1 if there is none.
     """
 
     n: tuple[int, int]
@@ -63,23 +57,10 @@ def levels(grid: Grid) -> list[Level]:
 def halved(
     n: tuple[int, int], spacing: tuple[float, ...], fewest: int = 2
 ) -> tuple[tuple[int, int], tuple[float, ...]]:
-    """Return the points of the next coarser level and their spacing.
+    """Return the points of the next coarser level and their spacing, in the unit of `spacing`.
 
-    Parameters
-    ----------
-    n : (int, int)
-        Points along x and y.
-    spacing : (float, float)
-        Distance of neighbouring points along x and y, in any unit.
-    fewest : int
-        An axis of fewer points is not coarsened, and its spacing is not compared with the other.
-
-    Returns
-    -------
-    (int, int)
-        Points of the coarse level.
-    (float, float)
-        Their spacing, in the same unit.
+    An axis of fewer than `fewest` points is not coarsened, and its spacing is not compared with the
+    other.
     """
     finest = min((s for s, k in zip(spacing, n) if k >= fewest), default=0.0)
     coarse = [(k + 1) // 2 if k >= fewest and s < SQRT2 * finest else k for k, s in zip(n, spacing)]
@@ -96,105 +77,43 @@ def _nyquist(n: Sequence[int], spacing: Sequence[float]) -> float:
 def axis_tables(
     n: int, m: int, dtype: np.dtype, start: int = 0, stop: int | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the positions of the fine points of one axis on the next coarser level.
+    """Return J0 and f of the fine points start <= i < stop of one axis (kernels/multilevel.py).
 
-    Parameters
-    ----------
-    n, m : int
-        Points of the fine and of the coarse axis.
-    dtype : numpy.dtype
-        Of the weights.
-    start, stop : int
-        Fine points start <= i < stop; default: all.
-
-    Returns
-    -------
-    ndarray of int32
-        J0, the coarse point before each of them (see kernels/multilevel.py).
-    ndarray
-        f, the weight of the coarse point after it. Both arrays are kept for later calls and must
-        not be changed.
+    n, m: points of the fine and of the coarse axis. Both arrays are kept for later calls and must
+    not be changed.
     """
     i = np.arange(start, n if stop is None else stop, dtype=np.int64)
     return (i * m // n).astype(np.int32), ((i * m % n) / n).astype(dtype)
 
 
 def restrict_axis(x: np.ndarray, m: int) -> np.ndarray:
-    """Restrict a field of one periodic axis to the next coarser level by full weighting.
-
-    Parameters
-    ----------
-    x : ndarray, shape (n,)
-        The field.
-    m : int
-        Points of the coarse level.
-
-    Returns
-    -------
-    ndarray, shape (m,)
-        A new array with the same mean.
-    """
+    """Restrict a field (n,) of one periodic axis to m points by full weighting; keeps its mean."""
     J0, f = axis_tables(len(x), m, np.float64)
     return (np.bincount(J0, (1 - f) * x, m) + np.bincount((J0 + 1) % m, f * x, m)) * (m / len(x))
 
 
 def axis_mode(n: int, m: int) -> int:
-    """Return how an axis is coarsened.
-
-    Parameters
-    ----------
-    n, m : int
-        Points of the fine and of the coarse level.
-
-    Returns
-    -------
-    int
-        0 not at all, 1 exactly halved, 2 anything else.
+    """Return how an axis of n points is coarsened to m: 0 not at all, 1 exactly halved, 2
+    otherwise.
     """
     return 0 if n == m else (1 if n == 2 * m and n > 2 else 2)
 
 
 def owned_rows(starts: ArrayLike, n: int, m: int) -> np.ndarray:
-    """Return the coarse rows that every rank owns.
+    """Return the first of the m coarse rows that every rank owns, and m.
 
     Coarse row J lies at fine row J n/m, which need not be whole. It belongs to the rank that owns
     fine row floor(J n/m), so that a rank may own none.
-
-    Parameters
-    ----------
-    starts : array_like of int
-        First fine row of every rank, and n.
-    n, m : int
-        Rows of the fine and of the coarse level.
-
-    Returns
-    -------
-    ndarray of int
-        First coarse row of every rank, and m.
     """
     return -(-np.asarray(starts, dtype=np.int64) * m // n)
 
 
 def agglomerated(starts: ArrayLike, points: int, share: int) -> np.ndarray:
-    """Return the rows of every rank after they are gathered on ranks 0, s, 2 s, ...
+    """Return the first row of every rank, and their number, after they are gathered on ranks 0, s,
+    ...
 
-    s is the smallest power of two that leaves these ranks enough on average; the others then have
-    no rows.
-
-    Parameters
-    ----------
-    starts : array_like of int
-        First row of every rank before, and the number of rows.
-    points : int
-        Size of the level: its points, or its rows.
-    share : int
-        How much of this size each of these ranks has on average, at least. There are never more of
-        these ranks than rows.
-
-    Returns
-    -------
-    ndarray of int
-        First row of every rank afterwards, and the number of rows.
+    s is the smallest power of two that leaves each of these ranks `share` of the `points` on
+    average (or all rows on one rank); the others then have no rows.
     """
     starts = np.asarray(starts)
     size = int(np.flatnonzero(np.diff(starts))[-1]) + 1  # the last rank that has any
@@ -207,29 +126,13 @@ def agglomerated(starts: ArrayLike, points: int, share: int) -> np.ndarray:
 
 
 class Transfer:
-    """One rank's part of the transfer between a level (n points) and the next coarser one.
+    """One rank's part of the transfer between a level (n points) and the next coarser one (m).
 
-    Its tables are made when they are first asked for. It writes to and reads from a window of
-    coarse rows: all those that its fine rows lie on or beside; none if it has no fine rows. An
-    array of the window has a row more before and after.
-
-    Parameters
-    ----------
-    n, m : (int, int)
-        Points of the level and of the next coarser one.
-    begin, end : array_like of int, shape (ranks,)
-        Rows begin <= i < end of every rank on the level; the last may be row n, which is row 0.
-    rank : int
-        This rank.
-    dtype : dtype
-        Precision of the fields.
-
-    Attributes
-    ----------
-    fine : (int, int)
-        This rank's rows (begin, end) of the level.
-    lo, hi : ndarray of int, shape (ranks,)
-        Windows lo <= row < hi of all ranks; row m is row 0.
+    On the level rank r has rows begin[r] <= i < end[r], of which the last may be row n, which is
+    row 0; `fine` are those of this rank. It writes to and reads from a window of coarse rows, lo[r]
+    <= J < hi[r]: all those that its fine rows lie on or beside; none if it has no fine rows. An
+    array of the window has a row more before and after. Tables are made when they are first asked
+    for.
     """
 
     def __init__(
@@ -291,22 +194,10 @@ class Transfer:
 
 
 def passes_of(coarse_rows: np.ndarray, longest: int) -> list[tuple[int, int]]:
-    """Split fine rows into ranges (begin, end) of at most `longest` rows.
+    """Split fine rows into ranges (begin, end) of at most `longest` rows, in order.
 
     Each begins at the first fine row of a coarse row, unless a coarse row has more than `longest`
-    of them.
-
-    Parameters
-    ----------
-    coarse_rows : ndarray of int
-        The coarse row before each of the fine rows.
-    longest : int
-        Rows of a range.
-
-    Returns
-    -------
-    list of (int, int)
-        In order; numbers are indices of `coarse_rows`.
+    of them. coarse_rows: the coarse row before each fine row.
     """
     passes = []
     begin = 0

@@ -20,29 +20,12 @@ Pieces = dict[int, list[slice]]  # rows of an array by the rank that they go to,
 class Windows:
     """Which rank sends which rows to which, to fill windows of rows that others own.
 
-    The rows of a field form a ring: row n is row 0. This stores no field; only `fill` and `add`
-    send.
-
-    Parameters
-    ----------
-    rank : int
-        This rank.
-    starts : array_like of int, shape (ranks + 1,)
-        First row that each rank owns, and the row after the last one that is owned.
-    lo, hi : array_like of int, shape (ranks,)
-        Window lo <= i < hi of each rank; may reach around the ring.
-    n : int, optional
-        Length of the ring, more than starts[-1] if the last rows belong to no rank: those are left
-        as they are. Default: starts[-1].
-
-    Attributes
-    ----------
-    own : list of (slice, slice)
-        Rows of this rank's window that it owns, and the same rows among its own.
-    take, give : dict of list of slice
-        By the other rank: rows of the window that come from it; own rows that go to it.
-    interior : slice
-        Place of this rank's own rows in its window, if the window is those and halo rows.
+    The rows of a field form a ring of n rows: row n is row 0. Rank r owns rows from starts[r] on
+    and has the window lo[r] <= i < hi[r], which may reach around the ring. If n is more than
+    starts[-1] the last rows belong to no rank and are left as they are. `own` lists rows of this
+    rank's window with the same rows among its own; `take` and `give`, by rank, rows of the window
+    that come from it and own rows that go to it; `interior` is the place of the own rows in a
+    window of those and halo rows.
     """
 
     def __init__(
@@ -82,16 +65,9 @@ class Windows:
         self.interior = slice(begin, begin + int(starts[rank + 1] - starts[rank]))
 
     def fill(self, comm: Any, owned: np.ndarray, window: np.ndarray) -> None:
-        """Copy the rows of all windows from the ranks that own them. Collective.
+        """Copy the rows of all windows (..., rows, m) from the ranks that own them. Collective.
 
-        Parameters
-        ----------
-        comm : Comm
-            All ranks.
-        owned : ndarray, shape (..., rows of this rank, m)
-            What is copied.
-        window : ndarray, shape (..., rows of the window, m)
-            What is filled; `owned` may be a part of it. Rows that belong to no rank stay.
+        `owned` may be a part of `window`. Rows that belong to no rank stay.
         """
         received = _exchange(comm, owned, self.give, window, self.take)
         for rows, owned_rows in self._apart(owned, window):
@@ -101,17 +77,7 @@ class Windows:
 
     def add(self, comm: Any, window: np.ndarray, owned: np.ndarray) -> None:
         """Add the rows of all windows to those of their owners, the transpose of `fill`.
-
         Collective.
-
-        Parameters
-        ----------
-        comm : Comm
-            All ranks.
-        window : ndarray, shape (..., rows of the window, m)
-            What is added.
-        owned : ndarray, shape (..., rows of this rank, m)
-            What it is added to; may be a part of `window`.
         """
         received = _exchange(comm, window, self.take, owned, self.give)
         for rows, owned_rows in self._apart(owned, window):
@@ -139,26 +105,10 @@ class Windows:
 class Overlaps:
     """Rows that windows of several ranks have in common, where each rank has its part of a sum.
 
-    Stores no field and sends nothing; `add_overlaps` does.
-
-    Parameters
-    ----------
-    rank : int
-        This rank.
-    lo, hi : array_like of int, shape (ranks,)
-        Window lo <= i < hi of every rank.
-    n : int
-        Rows of the ring.
-
-    Attributes
-    ----------
-    give : dict
-        Rows of this rank's window by the rank that they are sent to.
-    parts : list of (int, slice, slice)
-        Terms of the sums, in an order that is the same on all ranks: rank that the rows come from,
-        rows of its window, and the same rows of this rank's window.
-    common : list of slice
-        Rows of this rank's window that others have, too.
+    The windows lo[r] <= i < hi[r] are on a ring of n rows. `give` has rows of this rank's window by
+    the rank that they are sent to; `parts` the terms of the sums, in an order that is the same on
+    all ranks: (source, rows of its window, the same rows of this rank's); `common` rows of this
+    window that others have, too.
     """
 
     def __init__(self, rank: int, lo: ArrayLike, hi: ArrayLike, n: int):
@@ -204,16 +154,8 @@ class Overlaps:
 def add_overlaps(comm: Any, overlaps: Sequence[Overlaps], windows: Sequence[np.ndarray]) -> None:
     """Replace the rows that windows share by their sum over ranks, for several fields. Collective.
 
-    All fields go in one message from a rank to another.
-
-    Parameters
-    ----------
-    comm : Comm
-        All ranks.
-    overlaps : sequence of Overlaps
-        Of each of the fields.
-    windows : sequence of ndarray, shape (..., rows of the window, m)
-        This rank's windows, all of one dtype; changed in place.
+    The windows (..., rows, m), one for each of `overlaps`, are changed in place. All fields go in
+    one message from a rank to another.
     """
     fields = list(zip(overlaps, windows))
     give: dict[int, list[np.ndarray]] = {}
@@ -316,25 +258,11 @@ def rows_of(
     hi: np.ndarray,
     n: int | None = None,
 ) -> np.ndarray:
-    """Return the rows lo[rank] <= i < hi[rank] of a field, from their owners. Collective.
+    """Return rows lo[rank] <= i < hi[rank] of a field, from their owners, as a new array.
+    Collective.
 
-    Parameters
-    ----------
-    comm : Comm
-        All ranks.
-    a : ndarray, shape (..., rows of this rank, m)
-        This rank's part of the field.
-    starts : array_like of int
-        First row of every rank, and the number of rows.
-    lo, hi : ndarray of int, shape (ranks,)
-        Rows that every rank wants; may reach around the ring.
-    n : int, optional
-        Length of the ring, as of Windows.
-
-    Returns
-    -------
-    ndarray, shape (..., hi - lo, m)
-        A new array. Rows that belong to no rank are 0.
+    a (..., rows of this rank, m) begins at row starts[rank] of a ring of n rows, as of Windows;
+    rows that belong to no rank are 0.
     """
     bounds = np.asarray(starts)
     if comm.size == 1 and a.shape[-2] == (bounds[-1] if n is None else n):
@@ -348,28 +276,11 @@ def rows_of(
 def neighbours(
     comm: Any, a: np.ndarray, starts: np.ndarray, width: int, owned: ArrayLike | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the rows before and after those of this rank, on the periodic ring. Collective.
+    """Return the `width` rows before and those after the rows of this rank, on the ring.
+    Collective.
 
-    Parameters
-    ----------
-    comm : Comm
-        All ranks.
-    a : ndarray, shape (..., rows of this rank, m)
-        This rank's part of the field.
-    starts : ndarray of int
-        First row of every rank, and the number of rows.
-    width : int
-        How many rows on each side.
-    owned : array_like of int, optional
-        Like `starts`, of the rows that the field has, if it lacks the last rows of the ring: those
-        are 0.
-
-    Returns
-    -------
-    ndarray, shape (..., width, m)
-        Rows before.
-    ndarray, shape (..., width, m)
-        Rows after.
+    owned: like `starts`, of the rows that the field has, if it lacks the last rows of the ring:
+    those are 0.
     """
     begin = np.asarray(starts)[:-1]
     end = np.asarray(starts)[1:]
@@ -380,21 +291,6 @@ def neighbours(
 
 
 def next_row(comm: Any, a: np.ndarray, starts: ArrayLike) -> np.ndarray:
-    """Return the row after those of this rank; row 0 after the last one. Collective.
-
-    Parameters
-    ----------
-    comm : Comm
-        All ranks.
-    a : ndarray, shape (..., rows of this rank, m)
-        This rank's part of the field.
-    starts : array_like of int
-        First row of every rank, and the number of rows.
-
-    Returns
-    -------
-    ndarray, shape (..., m)
-        The row.
-    """
+    """Return the row (..., m) after those of this rank; row 0 after the last one. Collective."""
     end = np.asarray(starts)[1:]
     return rows_of(comm, a, starts, end, end + 1)[..., 0, :]

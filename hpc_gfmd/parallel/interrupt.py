@@ -57,31 +57,13 @@ def stop(number: int) -> NoReturn:
 
 
 class Interrupt:
-    """Listens for requests to stop in a `with` block: signals, and the wall-clock budget.
+    """Listens for requests to stop in a `with` block: signals, and a deadline in seconds from now.
 
     In the main thread it installs handlers for HANDLED, and at the end of the block it restores
-    those that were there before (the default for those that Python had not installed). In another
-    thread it leaves signals alone. A first signal is noted for `poll` and `check`; a second one
-    ends the process at once.
-
-    Parameters
-    ----------
-    comm : Comm
-        All ranks of the run.
-    deadline : float, optional
-        Seconds from now after which the run is to stop.
-    announce : function, optional
-        Called without arguments as soon as this rank gets a signal, before all have agreed to stop:
-        mpirun leaves its ranks a second, which an iteration may take.
-
-    Attributes
-    ----------
-    begun : float
-        When this object was made, by time.monotonic().
-    signal : int
-        Number of the first signal that this rank got, 0 without one.
-    agreed : int
-        Number of the signal that all ranks have agreed to stop for, 0 before that.
+    those that were there before. A first signal is noted in `signal` for `poll` and `check`, and
+    announce() is called at once: mpirun leaves its ranks a second, which an iteration may take. A
+    second signal ends the process. `agreed` is the signal that all ranks have agreed to stop for;
+    both are 0 before.
     """
 
     def __init__(

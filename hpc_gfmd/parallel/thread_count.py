@@ -12,27 +12,11 @@ THREADED_POINTS = 2**20  # of a surface; two threads take as long as one for a q
 
 
 def threads_of(comm: Comm, wanted: int | str, points: int) -> int:
-    """Choose the number of threads of each rank. Collective.
+    """Choose the number of threads of each rank for a surface of some points. Collective.
 
-    Parameters
-    ----------
-    comm : Comm
-        All ranks.
-    wanted : int or "auto"
-        A number is returned as it is. "auto": what Slurm was asked for (--cpus-per-task), but not
-        more than the cores of this process, else `auto_threads`.
-    points : int
-        Of the surface.
-
-    Returns
-    -------
-    int
-        Threads, the same on all ranks if their numbers of cores are.
-
-    Raises
-    ------
-    SceneError
-        On all ranks, if `wanted` is more than THREADS_PER_CORE per core of a machine.
+    A number that is `wanted` is returned as it is. "auto": what Slurm was asked for
+    (--cpus-per-task), but not more than the cores of this process, else `auto_threads`. Raises
+    SceneError on all ranks if more than THREADS_PER_CORE are wanted per core of a machine.
     """
     if wanted != "auto":
         wanted = int(wanted)
@@ -49,40 +33,14 @@ def threads_of(comm: Comm, wanted: int | str, points: int) -> int:
 
 
 def auto_threads(points: int, ranks: int, cores: int) -> int:
-    """Choose the number of threads of each rank if neither the scene nor Slurm gives it.
-
-    Parameters
-    ----------
-    points : int
-        Of the surface.
-    ranks : int
-        Number of ranks.
-    cores : int
-        Number of cores that this process may use.
-
-    Returns
-    -------
-    int
-        All cores for a single process with at least THREADED_POINTS points, else 1.
-    """
+    """Return all cores for a single process with at least THREADED_POINTS points, else 1."""
     return cores if ranks == 1 and points >= THREADED_POINTS else 1
 
 
 def ranks_per_node(ranks: int, threads: int) -> int:
-    """Guess how many ranks share a node.
+    """Guess how many ranks share a node: as many as Slurm starts on one.
 
-    Parameters
-    ----------
-    ranks : int
-        Number of all ranks.
-    threads : int
-        Threads of each.
-
-    Returns
-    -------
-    int
-        As many as Slurm starts on a node. Without Slurm as many as there are cores for, of those
-        that this process may use.
+    Without Slurm as many as there are cores for, of those that this process may use.
     """
     return min(ranks, tasks_per_node() or max(1, len(cores()) // threads))
 

@@ -26,21 +26,10 @@ def piece_rows(n_y: int) -> int:
 
 
 def pieces_of(rows: int, n_y: int) -> list[tuple[int, int]]:
-    """Cut rows into pieces of nearly the same size, and the last of these again into shorter ones.
+    """Cut rows of n_y points into pieces (start, stop) of nearly the same size, in order.
 
-    A thread works on one of them at a time. Each has at least PIECE_ROWS rows, or all.
-
-    Parameters
-    ----------
-    rows : int
-        Their number.
-    n_y : int
-        Points of each.
-
-    Returns
-    -------
-    list of (int, int)
-        (start, stop) of each piece, in order. They do not depend on the number of threads.
+    The last one is cut again into shorter ones. A thread works on one at a time; each has at least
+    PIECE_ROWS rows, or all. They do not depend on the number of threads.
     """
     count = max(1, rows // piece_rows(n_y))
     ends = [rows * k // count for k in range(count)]
@@ -53,42 +42,15 @@ def pieces_of(rows: int, n_y: int) -> list[tuple[int, int]]:
 
 
 def threads_for(points: int, threads: int, points_each: int = THREAD_POINTS) -> int:
-    """Return how many threads are useful for a grid.
-
-    Parameters
-    ----------
-    points : int
-        Of the grid.
-    threads : int
-        Number of threads that there are.
-    points_each : int
-        Points that each of them must get.
-
-    Returns
-    -------
-    int
-        From 1 to `threads`.
-    """
+    """Return how many of the threads are useful: each must get `points_each` points."""
     return max(1, min(threads, points // points_each))
 
 
 def shares(count: int, threads: int) -> list[tuple[int, int]]:
-    """Cut range(count) into parts, each for one compiled call on a thread.
+    """Cut range(count) into parts (start, stop), each for one compiled call on a thread.
 
     On several threads large parts come first and small ones last: a thread that begins late, or is
     slower than the others, leaves them little to wait for.
-
-    Parameters
-    ----------
-    count : int
-        Length of the range.
-    threads : int
-        Number of threads that share it.
-
-    Returns
-    -------
-    list of (int, int)
-        (start, stop) of each part, in order.
     """
     ends = [0]
     while ends[-1] < count:
@@ -101,21 +63,8 @@ def shares(count: int, threads: int) -> list[tuple[int, int]]:
 class Shares:
     """A range in parts that threads take by themselves, in compiled calls that run at once.
 
-    An object serves for one pass over the range: `turns` is not set back.
-
-    Parameters
-    ----------
-    count : int
-        Length of the range.
-    threads : int
-        That share it.
-
-    Attributes
-    ----------
-    parts : ndarray (parts, 2)
-        (start, stop) of each part, as `shares` returns them; must not be written to.
-    turns : ndarray (1,) of int64
-        Number of the next part to take; threads raise it by kernels/atomic.py: add.
+    `parts` are those of `shares`, (parts, 2); `turns` is the number of the next one, which threads
+    raise (kernels/atomic.py: add). An object serves for one pass over the range.
     """
 
     def __init__(self, count: int, threads: int):
@@ -124,16 +73,10 @@ class Shares:
         self._threads = min(threads, len(self.parts))
 
     def on_threads(self, work: Callable[[Any], Any], scratch: Sequence[Any]) -> None:
-        """Call a function as often as there are threads that can get a part, at the same time.
+        """Call work(scratch[thread]) on as many threads as can get a part, at the same time.
 
-        A thread that is free early may make the call of another one, which then finds no part left.
-
-        Parameters
-        ----------
-        work : callable
-            work(scratch[thread]) must itself take parts by `turns`, until none is left.
-        scratch : sequence
-            Memory of each thread.
+        `work` takes parts by `turns` until none is left. A thread that is free early may make the
+        call of another one, which then finds none.
         """
         on_threads(self._threads, work, [()] * self._threads, scratch)
 
@@ -152,25 +95,10 @@ def on_threads(
 ) -> list[T]:
     """Call work(*piece) for every piece, on whichever thread is free, and wait for all of them.
 
-    Threads run at the same time only while `work` has left Python: in kernels, transforms and
-    NumPy. An exception of `work` is raised once all threads have ended; it ends its own thread,
-    while the others go on with the pieces that are left.
-
-    Parameters
-    ----------
-    threads : int
-        Number of threads, this one among them.
-    work : function
-        What is called.
-    pieces : iterable of tuple
-        Its arguments.
-    scratch : sequence, optional
-        One more, last argument for each thread: scratch[thread].
-
-    Returns
-    -------
-    list
-        What work returned, in the order of the pieces.
+    With `scratch` the call is work(*piece, scratch[thread]). Threads run at the same time only
+    while `work` has left Python: in kernels, transforms and NumPy. An exception of `work` is raised
+    once all threads have ended; it ends its own thread, while the others go on with the pieces that
+    are left. Returns what work returned, in the order of the pieces.
     """
     pieces = list(pieces)
     results: list[Any] = [None] * len(pieces)
@@ -198,20 +126,7 @@ def on_threads(
 
 
 def added(parts: Sequence[Sequence[float]], count: int) -> np.ndarray:
-    """Add up the numbers that every piece of work returned.
-
-    Parameters
-    ----------
-    parts : sequence of sequence of float
-        What each piece returned; there may be no piece.
-    count : int
-        How many numbers each returned.
-
-    Returns
-    -------
-    ndarray, shape (count,)
-        The sums.
-    """
+    """Add up the `count` numbers that each piece of work returned; there may be no piece."""
     return np.sum(np.reshape(parts, (-1, count)), axis=0)
 
 
