@@ -40,26 +40,9 @@ def attraction_of(material: Material) -> Law | None:
 
 
 def law_named(name: str, work: float, reach: float) -> Law:
-    """Make a law of attraction from its name and its two numbers.
+    """Return the law of this name with a work of adhesion and a range.
 
-    Parameters
-    ----------
-    name : str
-        One of `law_names`.
-    work : float
-        Work of adhesion per area: the energy that separates the surfaces from contact to infinity.
-    reach : float
-        Range of the attraction, a length; each law defines what it means.
-
-    Returns
-    -------
-    Law
-        In the units of `work` and `reach`.
-
-    Raises
-    ------
-    SceneError
-        If the energy of the law is not concave (possible for laws of other packages).
+    Raises SceneError if its energy is not concave, as may be for laws of other packages.
     """
     law = law_class(name)(work, reach)
     if not is_concave(law):

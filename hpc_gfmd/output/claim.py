@@ -18,14 +18,7 @@ from .result import Result
 class EarlierRun(NamedTuple):
     """What an earlier run has left where this run writes.
 
-    Attributes
-    ----------
-    result : Result
-        Its finished loads and their fields; without loads if the new run starts from the beginning.
-    is_resumed : bool
-        Whether the new run continues it.
-    notes : list of str
-        Notes for the user, one line each.
+    Its result has no loads if the new run starts from the beginning.
     """
 
     result: Result
@@ -34,37 +27,11 @@ class EarlierRun(NamedTuple):
 
 
 def claim(path: Path, identity: str | None, resume: bool, force: bool) -> tuple[int, EarlierRun]:
-    """Create and lock the folder for partial results of a run. Called on rank 0 only.
+    """Create and lock the folder for partial results; return the lock and what was there.
 
-    The files of an earlier run in that folder are removed, unless that run is resumed. It is
-    resumed if it has the same identity, `resume` is set and `force` is not.
-
-    Parameters
-    ----------
-    path : Path
-        The result file, OUT.h5. It is not changed.
-    identity : str or None
-        `Scene.identity` of the new run, None if it has none; a run of the same identity can be
-        resumed.
-    resume : bool
-        Whether to continue an interrupted run.
-    force : bool
-        Whether to start from the beginning even if that discards finished loads or replaces a file
-        at `path` that is not a result of this scene.
-
-    Returns
-    -------
-    int
-        The open descriptor that holds the lock, for `folder.release`.
-    EarlierRun
-        What was found.
-
-    Raises
-    ------
-    SceneError
-        If `path` is a folder, cannot be represented in the locale's encoding, or lies in a folder
-        that is missing or not writable; if another run holds the lock; or if, without `force`,
-        finished loads or the result of another scene would be lost. No lock is held then.
+    On rank 0 only. An earlier run in it is resumed if it has the same identity, `resume` is set and
+    `force` is not; otherwise its files are removed. Raises SceneError if the path is unfit, another
+    run holds the lock or, without `force`, loads or the result of another scene would be lost.
     """
     require_name("output.path", path)
     if not path.parent.is_dir():

@@ -23,27 +23,8 @@ SIGNS = (
 def describe(file: Any, head: dict, surface: dict, steps: Mapping[str, dict], about: About) -> None:
     """Add what other programs need to an open result file whose fields are laid out.
 
-    The values of the fields need not be written yet. Called by one rank, once for each file. The
-    function writes
-
-    - the attributes of the root, the surface and the steps; without surface["n"] nothing else;
-    - the arrays load, x, y, and one array over the loads for each number;
-    - the units and meanings of all fields;
-    - in each group with fields (a step, or the surface): links to x and y;
-    - in each group of a step: its mean pressure p, and a link to the heights, if they are stored;
-    - the group VTKHDF with views of the fields that all steps have, unless there are no steps or
-      the grid has one point along an axis.
-
-    Parameters
-    ----------
-    file : h5py.File
-        Open for writing; it is changed.
-    head, surface : dict
-        Attributes of the root and of the surface.
-    steps : mapping of str to dict
-        Attributes of the load steps by name of their group, such as "steps/0003".
-    about : mapping
-        {name: (meaning, unit)} of the numbers.
+    Called by one rank. These are attributes, arrays over the loads, the axes x and y, units and
+    meanings, links within the groups, and VTKHDF; without surface["n"] attributes alone.
     """
     set_attributes(file, {"/": head, "surface": surface, **steps})
     if "n" not in surface:
@@ -69,26 +50,10 @@ def describe(file: Any, head: dict, surface: dict, steps: Mapping[str, dict], ab
 def coordinates(
     group: Any, surface: Attributes, of_loads: Mapping[str, np.ndarray], about: About
 ) -> list:
-    """Write the dimension scales load, x and y into a group, and the numbers of all loads.
+    """Write the dimension scales load, x and y and the numbers of all loads into a group.
 
-    All get their units and meanings. Called by one rank only; the others need not take part.
-
-    Parameters
-    ----------
-    group : h5py.Group
-        The group that they are written to; it must not have them yet.
-    surface : mapping
-        Attributes of the surface.
-    of_loads : mapping of str to ndarray
-        One array over the load steps for each number; "load" gets the values of "p", or nan without
-        it. Texts are stored as texts of any length, and bools as int8 with an attribute.
-    about : mapping
-        {name: (meaning, unit)} of the numbers.
-
-    Returns
-    -------
-    list of h5py.Dataset
-        The scales load, x and y.
+    Returns the scales. Called by one rank. Texts are stored as texts of any length, bools as int8
+    with an attribute.
     """
     unknown = np.full(len(next(iter(of_loads.values()), ())), np.nan)
     scales = {"load": of_loads.get("p", unknown), **axes(surface)}
@@ -109,16 +74,7 @@ def describe_dataset(
 ) -> None:
     """Set `units` and `long_name` of a dataset and attach dimension scales to its axes.
 
-    Parameters
-    ----------
-    dataset : h5py.Dataset
-        Is changed. The last part of its name tells which number or field it holds.
-    surface : mapping
-        Attributes of the surface, among them the units.
-    about : mapping
-        {name: (meaning, unit)} of the numbers.
-    scales : sequence of h5py.Dataset
-        Dimension scales of its first axes, in order; by default none is attached.
+    The last part of its name tells which number or field it holds.
     """
     dataset.attrs.update(dataset_attributes(dataset.name.rpartition("/")[2], surface, about))
     for axis, scale in zip(dataset.dims, scales):
@@ -177,18 +133,10 @@ def _fields(group: Any) -> list[str]:
 
 
 def set_attributes(file: Any, groups: Mapping[str, dict]) -> None:
-    """Write attributes of groups, creating groups that are missing.
+    """Write attributes of groups, which are created if missing.
 
-    A dict is stored as JSON, and None not at all. The attribute RECORD of a group holds the names
-    of all its attributes as JSON, with the values of those that are texts: this program reads them
-    from there.
-
-    Parameters
-    ----------
-    file : h5py.File
-        Open for writing; it is changed.
-    groups : mapping of str to dict
-        Attributes by name of the group.
+    A dict is stored as JSON, None not at all. The attribute RECORD names them all, with those that
+    are texts: they are read from there.
     """
     for name, attributes in groups.items():
         stored = {

@@ -15,20 +15,8 @@ FIELDS = ("pressure", "gap", "displacement", "plastic")
 class LazyField:
     """A field on this rank whose rows are computed when it is sliced; nothing is kept.
 
-    `field[i0:i1]` computes these rows on all threads and returns a new array; the step of a slice
-    is ignored. `np.asarray` computes all rows.
-
-    Attributes
-    ----------
-    rows : callable
-        rows(i0, i1) returns the values of these local rows; called on several threads at once.
-    shape : (int, int)
-        Shape of the local slab.
-    dtype : numpy.dtype
-        Type of the values that slicing returns.
-    by_rows : callable
-        by_rows(work, count) calls work(i0, i1) on all threads, for pieces that together are the
-        rows 0 <= i < count; the method of a Grid.
+    `rows(i0, i1)` returns the values of some rows, on several threads at once; `by_rows` is the
+    method of a Grid. The step of a slice is ignored.
     """
 
     rows: Callable[[int, int], np.ndarray]
@@ -54,17 +42,7 @@ class LazyField:
 
 @dataclass(frozen=True)
 class Slab:
-    """This rank's rows of a field in memory, with the methods of `Stored`, a field in a file.
-
-    Attributes
-    ----------
-    data : array_like
-        The rows of this rank.
-    start : int
-        Global index of the first of them.
-    shape : (int, int)
-        (n_x, n_y) of the whole field.
-    """
+    """This rank's rows of a field in memory, with the methods of `Stored`, a field in a file."""
 
     data: Any
     start: int
@@ -80,18 +58,6 @@ class Slab:
         yield self.start, self.read()
 
     def read(self, start: int | None = None, stop: int | None = None) -> np.ndarray:
-        """Return some rows of the field.
-
-        Parameters
-        ----------
-        start, stop : int, optional
-            Global indices start <= i < stop, which must be among those of this rank; default: all
-            of them.
-
-        Returns
-        -------
-        ndarray, shape (stop - start, n_y)
-            May be a view of `data`.
-        """
+        """Return some rows of this rank, by their global indices; default: all. May be a view."""
         i0, i1 = (None if i is None else i - self.start for i in (start, stop))
         return np.ascontiguousarray(self.data[i0:i1])

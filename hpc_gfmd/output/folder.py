@@ -70,16 +70,9 @@ def acquire(folder: Path) -> int:
 
 
 def release(folder: Path, lock: int, keep: bool = True) -> None:
-    """Release the lock that `acquire` returned; remove the folder unless it is worth keeping.
+    """Release the lock that `acquire` returned.
 
-    Parameters
-    ----------
-    folder : Path
-        Folder of partial results.
-    lock : int
-        Descriptor that `acquire` returned; it is closed.
-    keep : bool
-        True: keep the folder if a run has begun in it. False: remove it.
+    The folder is removed unless `keep` is set and a run has begun in it.
     """
     if not keep or not (has_begun(folder) or of_earlier_version(folder)):
         clear(folder)
@@ -99,15 +92,8 @@ def is_held(folder: Path) -> bool:
 def clear(folder: Path, keep_lock: bool = False) -> None:
     """Remove the files of a run from a folder; files of other names stay.
 
-    The committed state goes first: if this is cut short, what is left counts as stale.
-
-    Parameters
-    ----------
-    folder : Path
-        Folder of partial results.
-    keep_lock : bool
-        True: keep the lock file and the folder. False: remove the lock file, and the folder if it
-        is empty then.
+    The committed state goes first: if this is cut short, what is left counts as stale. `keep_lock`:
+    whether the lock file and the folder stay.
     """
     for file in sorted(folder.glob("*"), key=lambda file: file.suffix != ".committed"):
         if _OURS.fullmatch(file.name):

@@ -31,10 +31,9 @@ MEANINGS = {
 
 
 def scalar_names(steps: Sequence[Attributes]) -> dict[str, None]:
-    """Return the names of attributes that are a number or a text in some load step, in order.
+    """Return the names of attributes that are a number or a text in some load step, as keys.
 
-    They are the keys of a dict whose values are None. Names that are no Python identifiers are left
-    out: from a damaged file they could be paths.
+    Names that are no identifiers are left out: from a damaged file they could be paths.
     """
     return dict.fromkeys(
         name
@@ -58,22 +57,9 @@ def numbers(steps: Sequence[Attributes]) -> dict[str, np.ndarray]:
 
 
 def unit_of(name: str, surface: Attributes, about: About) -> str:
-    """Return the unit of a number.
+    """Return the unit of a number, such as "m"; "1" if it is dimensionless or unknown.
 
-    Parameters
-    ----------
-    name : str
-        Name of the number in a result file.
-    surface : mapping
-        Attributes of the surface, among them the units of length and pressure.
-    about : mapping
-        {name: (meaning, unit)} of the numbers.
-
-    Returns
-    -------
-    str
-        Such as "m"; "1" if the number is dimensionless or unknown, "" if lengths or pressures have
-        no unit.
+    It is "" if lengths or pressures have no unit.
     """
     return in_units(about.get(name, ("", ""))[1], surface)
 
@@ -87,16 +73,8 @@ def axes(surface: Attributes) -> dict[str, np.ndarray]:
 def dataset_attributes(name: str, surface: Attributes, about: About) -> dict[str, str]:
     """Return the attributes `units` and `long_name` of a dataset with a number or a field.
 
-    Parameters
-    ----------
-    name, surface, about
-        As for `unit_of`; `name` may also be a field or "x", "y", "load".
-
-    Returns
-    -------
-    dict of str to str
-        If lengths or pressures have no unit, `units` is the dimension, such as "length". An unknown
-        name is its own meaning, with the unit "1".
+    If lengths or pressures have no unit, `units` is the dimension. An unknown name is its own
+    meaning.
     """
     meaning, unit = MEANINGS.get(name) or about.get(name, (name, ""))
     return {"units": in_units(unit, surface) or unit, "long_name": meaning}

@@ -23,9 +23,8 @@ CHECKPOINT = "hpc-gfmd checkpoint"
 def read_result(path: str | os.PathLike) -> Result:
     """Read a result file or, if there is none, the finished loads of an interrupted run beside it.
 
-    If the file exists and a newer run is unfinished, the result is that of the file, with a note
-    that says so. Raises SceneError if neither exists, or if the file is damaged, no HDF5, of
-    another program or of another format version. Fields are not read yet.
+    If a newer run beside it is unfinished, a note says so. Raises SceneError if there is neither,
+    or it cannot be read. Fields are not read yet.
     """
     path = Path(path)
     folder = partial_folder(path)
@@ -44,10 +43,9 @@ def read_result(path: str | os.PathLike) -> Result:
 
 
 def read_partial(path: str | os.PathLike) -> Result:
-    """Read the finished loads of a run that has not written `path` yet.
+    """Read the finished loads of a run that has not written `path` yet, perhaps none.
 
-    The status of the result is "running" if the run holds its lock, otherwise "interrupted". It may
-    have no loads yet. Raises SceneError if no run has begun there, or if it cannot be read.
+    The status of the result is "running" if the run holds its lock, otherwise "interrupted".
     """
     path = Path(path)
     folder = partial_folder(path)
@@ -63,25 +61,10 @@ def read_partial(path: str | os.PathLike) -> Result:
 
 
 def read_checkpoint(path: Path, identity: str) -> Result | None:
-    """Read the gap of a load that was stopped before it converged.
+    """Read the gap of a load that was stopped before it converged; None if there is no such file.
 
-    Parameters
-    ----------
-    path : Path
-        The file, of the layout of a result file with one load step.
-    identity : str
-        `Scene.identity` that it has to have.
-
-    Returns
-    -------
-    Result or None
-        With one step, which has the field "gap" on the grid of the solver and at least the numbers
-        p, seconds, iterations and fft_pairs; None if there is no such file.
-
-    Raises
-    ------
-    SceneError
-        As `read_result`, and if another scene or another version of the program has written it.
+    The result has one step with the field "gap" on the grid of the solver and the numbers p,
+    seconds, iterations and fft_pairs. Raises SceneError if another scene or version has written it.
     """
     if not path.exists():
         return None
@@ -95,25 +78,9 @@ def read_checkpoint(path: Path, identity: str) -> Result | None:
 
 
 def read_file(path: Path, kind: str = FORMAT) -> Result:
-    """Read one file, except for the values of its fields; load steps are in order of their numbers.
+    """Read one file of the format `kind`, except for the values of its fields, which are `Stored`.
 
-    Parameters
-    ----------
-    path : Path
-        The file.
-    kind : str
-        The format it must have: FORMAT or CHECKPOINT.
-
-    Returns
-    -------
-    Result
-        Its fields are `Stored`: they are read later, slab by slab.
-
-    Raises
-    ------
-    SceneError
-        If the file is missing, cannot be read, is damaged, no HDF5, or of another format or
-        version.
+    Raises SceneError if it is missing, damaged, or of another format or version.
     """
     _require_hdf5(path)
     try:
@@ -176,10 +143,10 @@ def _require_hdf5(path: Path) -> None:
 
 
 def _fields(path: Path, group: Any, n: list[int]) -> dict[str, Stored]:
-    """Return {name: Stored} of the fields in a group of the open file; their values are not read.
+    """Return {name: Stored} of the fields in a group of the open file: its datasets with two axes.
 
-    Fields are the datasets with two axes. `n` are the points of the surface. Raises ValueError if a
-    field has another shape, holds no floating-point numbers or has unwritten points.
+    Raises ValueError if one does not fit the points `n`, holds no floating-point numbers or has
+    unwritten points.
     """
     fields = {}
     for name in group:

@@ -37,54 +37,12 @@ HEIGHTS = "surface/heights"
 class RunFile(AbstractContextManager):
     """The result file of one run, for use in a `with` statement.
 
-    All methods are collective, `close` too, although it sends no message.
-
-    Creating it locks the folder OUT.h5.partial and may empty it (see `claim.claim`). Leaving the
-    `with` statement releases the lock; what is finished stays in the folder and can be resumed,
-    unless `resume` is False, or the scene was refused (SceneError) before any load was finished.
-
-    Parameters
-    ----------
-    comm : Comm
-        All ranks that write.
-    path : path
-        The result file, OUT.h5; a symbolic link stands for its target.
-    n : (int, int)
-        Points of the surface.
-    rows : (int, int)
-        Start and stop of this rank's rows; there may be none.
-    head : dict
-        Root attributes, among them `scene` (TOML text), `identity` (of the scene), `versions`.
-    surface : dict
-        Attributes of the surface.
-    resume : bool
-        Whether to continue an interrupted run of the same identity, and to leave a folder that a
-        later run can continue.
-    force : bool
-        Whether to start from the beginning, and to replace any file at `path`.
-    about : dict, optional
-        {name: (meaning, unit)} of the numbers, see `contact.all_numbers`; by default unknown.
-    compressed : bool
-        Whether fields are packed, by rank 0.
-    dtype : str, optional
-        Type of the numbers of fields in the file; default: as they come.
-
-    Attributes
-    ----------
-    finished : dict
-        Attributes of the finished loads, by number, in ascending order; those of a resumed run are
-        among them.
-    resumed : bool
-        Whether an interrupted run is continued.
-    notes : list of str
-        Notes on earlier runs and on the way of writing, one line each.
-    earlier : dict
-        Root attributes of the resumed run that this run keeps (start time, origin of the heights).
-
-    Raises
-    ------
-    SceneError
-        As `claim.claim`, on every rank.
+    All methods are collective. Creating it locks the folder OUT.h5.partial and may empty it
+    (`claim.claim`); leaving the `with` statement releases the lock. What is finished stays in the
+    folder and can be resumed, unless `resume` is False or the scene was refused before any load was
+    finished. `rows` are those of this rank; `head` has `scene`, `identity` and `versions`;
+    `finished` are the numbers of finished loads, `earlier` what is kept of the head of a resumed
+    run.
     """
 
     def __init__(
@@ -158,32 +116,18 @@ class RunFile(AbstractContextManager):
         return self
 
     def update(self, surface: dict | None = None, height_field: Any = None, **head: Any) -> None:
-        """Add attributes and the heights to the head of the result. Collective.
+        """Add attributes and this rank's rows of the heights to the head of the result.
 
-        Parameters
-        ----------
-        surface : dict, optional
-            Attributes of the surface, which are added to those that were set before, or replace
-            them.
-        height_field : ndarray, shape (rows, n_y), optional
-            Local slab of the heights, which are stored once for all load steps.
-        **head
-            Root attributes, likewise.
-
-        Raises
-        ------
-        GfmdError
-            On every rank, if it cannot be written.
+        Collective.
         """
         self._surface |= surface or {}
         self._head |= head
         self._add({}, {} if height_field is None else {HEIGHTS: height_field})
 
     def require_space(self, loads: int, fields: Sequence[str], dtype: DTypeLike) -> None:
-        """Raise SceneError on every rank if the disk is too small for the next loads. Collective.
+        """Raise SceneError on every rank if the disk is too small for the next loads.
 
-        `fields`: names of the fields of each load; `dtype`: of the solver. Fields that are packed
-        may need less: for them it is not known.
+        Collective. For fields that are packed that is not known.
         """
         count = loads * len([name for name in fields if name != "heights"])
         needed = count * self._n[0] * self._n[1] * np.dtype(self._dtype or dtype).itemsize
@@ -202,23 +146,10 @@ class RunFile(AbstractContextManager):
     def write_step(
         self, index: int, attributes: dict, fields: dict[str, Any] | None = None
     ) -> None:
-        """Write a finished load step to the file and add it to `finished`.
+        """Write a finished load and add it to `finished`.
 
-        Collective.
-
-        Parameters
-        ----------
-        index : int
-            Number of the load, from 0.
-        attributes : dict
-            Its numbers by name; those that are None are left out.
-        fields : dict of ndarray, optional
-            Local slabs, shape (rows, n_y), by name.
-
-        Raises
-        ------
-        GfmdError
-            On every rank, if it cannot be written; steps written before stay as they are.
+        Collective. Its numbers that are None are left out; if it cannot be written, steps written
+        before stay as they are.
         """
         attributes = {name: value for name, value in attributes.items() if value is not None}
         group = group_of(index)
@@ -229,23 +160,8 @@ class RunFile(AbstractContextManager):
     def write_checkpoint(self, grid: Grid, index: int, gap: np.ndarray, numbers: dict) -> None:
         """Write the gap of a load that was stopped before it converged, to restart from.
 
-        Collective. An earlier checkpoint is replaced.
-
-        Parameters
-        ----------
-        grid : Grid
-            The grid of the solver, which is larger than a surface with free edges.
-        index : int
-            Number of the load.
-        gap : ndarray
-            Local slab of the grid, in the program's unit.
-        numbers : dict
-            p, seconds, iterations and fft_pairs of the load so far, see `read_checkpoint`.
-
-        Raises
-        ------
-        GfmdError
-            On every rank, if it cannot be written.
+        Collective. It has the points of the solver's grid and its unit; `numbers`: see
+        `read_checkpoint`. An earlier checkpoint is replaced.
         """
         name = group_of(index)
         groups = {
@@ -294,11 +210,10 @@ class RunFile(AbstractContextManager):
             self.write_step(index, step, of_step)
 
     def finish(self, status: str) -> None:
-        """Complete the file, give it the name OUT.h5 and remove the folder. Collective.
+        """Complete the file, give it the name OUT.h5 and remove the folder.
 
-        `status` is that of the whole run. An older file of that name is replaced, and the lock is
-        released. Raises GfmdError on every rank if that fails; then the finished steps stay in the
-        folder, and the lock is held until the `with` statement ends.
+        Collective. An older file of that name is replaced. If that fails, the finished steps stay
+        in the folder.
         """
         self._head |= {"end_time": _now(), "status": status}
         steps = {group_of(index): step for index, step in self.finished.items()}

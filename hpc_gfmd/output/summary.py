@@ -34,17 +34,9 @@ ERRORS = {  # relative errors of a number by the solver and by the grid
 
 
 def summary(step: dict, surface: dict) -> str:
-    """Return the most important numbers of a load step in one line, with units, status and note.
+    """Return the most important numbers of a load in one line, with units, status and note.
 
-    Parameters
-    ----------
-    step, surface : dict
-        Attributes of the result file.
-
-    Returns
-    -------
-    str
-        Such as "a_r = 6.7 +- 0.6 %, mean gap = 31 nm, converged".
+    Such as "a_r = 6.7 +- 0.6 %, mean gap = 31 nm, converged".
     """
     parts = []
     if step.get("a_r") is not None:
@@ -116,17 +108,7 @@ def last_held(steps: Sequence[dict]) -> dict | None:
 def with_error(value: float, relative: float | None) -> str:
     """Return a value and its error as "0.0160 +- 0.0002", rounded to significant digits.
 
-    Parameters
-    ----------
-    value : float
-        The number, in the unit in which it is shown.
-    relative : float or None
-        Relative error; None: not estimated, and no error is shown.
-
-    Returns
-    -------
-    str
-        With "+- ?" if the error is inf or nan; only the value if it is inf or nan itself.
+    `relative`: relative error; None: no error is shown.
     """
     if not isfinite(value):
         return str(value)

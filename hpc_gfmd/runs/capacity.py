@@ -17,25 +17,8 @@ ADVICE = "use more machines, fewer points or single precision"
 def require_memory(comm: Comm, scene: Scene, grid: Grid, threads: int) -> None:
     """Raise SceneError on all ranks if a scene needs more memory than some machine has.
 
-    Collective. Nothing is allocated. The memory is that of `memory_of`, in the lowest precision in
-    which the scene may run.
-
-    Parameters
-    ----------
-    comm : Comm
-        Communicator of the run.
-    scene : Scene
-        What is to be solved.
-    grid : Grid
-        The grid that it will be solved on.
-    threads : int
-        Threads of each rank.
-
-    Raises
-    ------
-    SceneError
-        If a rank needs more than its process may still take (ulimit -v), or the ranks of a machine
-        together need more than machine.memory_gib of the scene (default: what is free there now).
+    Collective. That is what a process may still take (ulimit -v), and machine.memory_gib of the
+    scene or what is free on the machine; needed is `memory_of` in the lowest possible precision.
     """
     single = memory_of(scene, grid.n, 4, comm.size, threads)
     double = memory_of(scene, grid.n, 8, comm.size, threads)

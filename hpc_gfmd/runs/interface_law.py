@@ -217,10 +217,9 @@ class _Curves:
         return np.array(pressures), np.array([_mean(name, self.steps[p]) for p in pressures])
 
     def law(self, facts: Mapping[str, Any]) -> InterfaceLaw:
-        """Return the law from all solved loads.
+        """Return the law from all solved loads, without quantities that have no value.
 
-        A quantity without any value is left out. Its `about` tells that, and which loads are not
-        "converged". `facts` are those of the sampler.
+        `facts` are those of the sampler.
         """
         pressures = sorted(self.steps)
         about = list(facts["about"])
@@ -249,9 +248,8 @@ class _Curves:
     def _errors(self, name: str, pressures: Sequence[float]) -> np.ndarray:
         """Return the relative error of a quantity at each pressure, shape (pressures,).
 
-        It is the load's own estimated error plus that of the interpolation: the largest of the
-        `deviations` of the two intervals on either side of the pressure, at most 1. One alone may
-        be small by chance, where the law crosses the true curve.
+        It is the load's own plus that of the interpolation: the largest of the `deviations` of two
+        intervals on either side, at most 1, as one alone may be small by chance.
         """
         between = [self.deviations[interval].get(name, 0.0) for interval in pairwise(pressures)]
         return np.array(
@@ -292,7 +290,7 @@ def _relative_error(name: str, step: Mapping[str, Any], of_grid: bool) -> float:
     """Return the estimated relative error of a number of one load, by the solver and the grid.
 
     A stiffness scales with the radii of the contact spots, so its relative error is half that of
-    their area. A critical gap has the absolute error of the mean gap.
+    their area; a critical gap has the absolute error of the mean gap.
     """
     of_the_grid = float(step.get("a_r_discretisation") or 0.0) if of_grid else 0.0
     of_the_gap = float(step["gap_error"])

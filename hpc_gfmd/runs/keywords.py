@@ -81,25 +81,9 @@ def scene_of_keywords(
 ) -> Scene:
     """Return the validated scene that the arguments of `hpc_gfmd.solve` describe.
 
-    Parameters
-    ----------
-    named : dict
-        Arguments in its signature; None stands for those that were not given.
-    further : dict
-        Further keywords that were given, even if they are None.
-    surface : PreparedSurface or None
-        The rough surface; None if the heights are an array.
-
-    Returns
-    -------
-    Scene
-        A Scene if the surface knows the table [surface] it is from, else an ArrayScene.
-
-    Raises
-    ------
-    SceneError
-        For an unknown keyword, a wrong value, and sizes or boundaries of a surface that has its
-        own.
+    `named` are those in its signature, None if not given, `further` all others; `surface` is None
+    for an array. It is a Scene if the surface knows the table [surface] it is from, else an
+    ArrayScene.
     """
     require_keywords(named, further)
     if named.get("fields") is None:

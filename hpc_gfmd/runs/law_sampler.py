@@ -31,26 +31,11 @@ Pressures = Sequence[float | str]
 
 
 class Sampler:
-    """Solves all surfaces of a law at given pressures. Collective for scenes.
+    """Solves all surfaces of a law at given pressures.
 
-    Parameters
-    ----------
-    surfaces, quantities, error, realisations, keys, comm, progress
-        As for `interface_law`.
-    pressure : float or str
-        Any of the pressures, for the scene of heights in memory.
-
-    Attributes
-    ----------
-    surface : dict
-        Attributes of the first surface; empty before the first loads.
-    gaps : dict of int to float
-        Mean gap of each surface when its highest point just touches, in the unit of the heights.
-
-    Raises
-    ------
-    SceneError
-        For no surface, for scenes beside heights or keywords, and for realisations of heights.
+    Collective for scenes. The arguments are those of `interface_law`, and any of the pressures;
+    after the first loads `surface` has the attributes of the first surface, and `gaps` the mean gap
+    of each when it just touches.
     """
 
     def __init__(

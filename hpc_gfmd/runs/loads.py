@@ -40,12 +40,9 @@ STATUS_ORDER = "converged", "separated", "max_iterations", "stagnated", "nonfini
 
 
 def check(scene: Scene) -> None:
-    """Raise SceneError for invalid names and combinations that `Scene` itself does not check.
+    """Raise SceneError for names and combinations that `Scene` itself does not check.
 
-    These are unknown names (solver, observables, distributions, law), distributions that need a
-    periodic surface, an accuracy that free boundaries do not reach, fields that the material or
-    low_memory excludes, and low_memory with adhesion or without nested iteration. Nothing is read
-    or allocated.
+    Nothing is read or allocated.
     """
     require_periodic(scene.output.distributions, scene.surface.free, "output.distributions")
     for key, names, allowed in (
@@ -82,28 +79,10 @@ def check(scene: Scene) -> None:
 
 
 def sweep_of(scene: Scene, make_surface: Callable[[np.dtype], Surface]) -> Sweep:
-    """Return the sweep that solves the loads of a scene; it makes the surface in a first precision.
+    """Return the sweep that solves the loads of a scene, with its surface in a first precision.
 
-    Collective.
-
-    Parameters
-    ----------
-    scene : Scene
-        What is solved.
-    make_surface : callable
-        ``make_surface(dtype)`` returns its surface in a precision; collective. The sweep calls it
-        again later if a load needs another precision.
-
-    Returns
-    -------
-    Sweep
-        No load is solved yet.
-
-    Raises
-    ------
-    SceneError
-        If a load or length of the scene has a unit and the height map has none, or vice versa, and
-        as `make_surface`.
+    Collective. It calls ``make_surface(dtype)`` again if a load needs another precision. Raises
+    SceneError if a load or a length has a unit and the height map has none, or vice versa.
     """
     sweep = make_sweep(
         make_surface,
@@ -156,18 +135,7 @@ def _require_consistent_units(scene: Scene, surface: Surface) -> None:
 def surface_attributes(scene: Scene, surface: Surface) -> dict[str, Any]:
     """Return the attributes of a surface, by the names of the result file.
 
-    Parameters
-    ----------
-    scene : Scene
-        What is solved.
-    surface : Surface
-        Its surface, in any precision.
-
-    Returns
-    -------
-    dict
-        Numbers, lists and texts by name; empty texts are left out. Of a surface without a spectrum
-        eps_t, eps_f and eps_c are nan; of one without a seed "seed" is -1.
+    What it does not have is nan, -1 for the seed, or left out if it is a text.
     """
     spec = scene.surface
     attributes = {
@@ -321,25 +289,8 @@ def _target(load: LoadTable, index: int) -> dict[str, float]:
 def step_attributes(scene: Scene, index: int, contact: Contact, seconds: float) -> dict[str, Any]:
     """Return the attributes of a solved load, by the names of the result file.
 
-    Collective. It computes the default observables, and the observables and distributions that the
-    scene requests.
-
-    Parameters
-    ----------
-    scene : Scene
-        What is solved.
-    index : int
-        Number of the load.
-    contact : Contact
-        Its solution.
-    seconds : float
-        Time spent on it.
-
-    Returns
-    -------
-    dict
-        Numbers, lists and texts by name. An observable without a value is None; a distribution to
-        which no point contributes is left out.
+    Collective. They contain the default observables, and the observables and distributions that the
+    scene requests; an observable without a value is None.
     """
     observables = observables_named([*default_observables(), *(scene.output.observables or ())])
     numbers = {name: observable(contact) for name, observable in observables.items()}

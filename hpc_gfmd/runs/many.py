@@ -110,9 +110,8 @@ def _solutions(
 ) -> Iterator[Solutions | Exception]:
     """Yield the Solutions, or the exceptions, in the order of the surfaces.
 
-    `count` processes solve them; they are killed at the end or when the generator is closed. The
-    context manager that `make_bar()` returns draws a bar, or gives None. Passes on the warnings of
-    the processes.
+    `count` processes solve them, which are killed at the end or when the generator is closed; their
+    warnings are passed on.
     """
     workers = [_Worker() for _ in range(count)]
     idle: SimpleQueue[_Worker] = SimpleQueue()
@@ -162,15 +161,7 @@ def _solutions(
 
 
 class _Worker:
-    """A process that solves one surface after another; if it has died, `solve` starts a new one.
-
-    Attributes
-    ----------
-    process : subprocess.Popen
-        The process, which runs `serve`.
-    connection : Connection
-        This end of the pipe to it.
-    """
+    """A process that solves one surface after another, and the pipe to it."""
 
     def __init__(self) -> None:
         self.start()
@@ -191,10 +182,8 @@ class _Worker:
     def solve(self, surface: Any, arguments: dict[str, Any]) -> Outcome:
         """Let the process solve a surface; return (Solutions or an exception, warnings).
 
-        `arguments` are those of `runs.solve.solve`. Waits for the outcome; one thread at a time may
-        call this. Starts the process again if it has died. Raises no Exception: it is returned, be
-        it the one that `solve` raised in the process, one that tells that the process died, or one
-        of pickling the surface.
+        One thread at a time may call this. It starts the process again if it has died, and raises
+        nothing.
         """
         if self.process.poll() is not None:
             self.start()

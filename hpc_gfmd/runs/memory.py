@@ -39,20 +39,8 @@ def memory_of(
 ) -> float:
     """Return a forecast of the memory of the largest rank, in GiB.
 
-    Parameters
-    ----------
-    scene : Scene
-        What is solved.
-    cell : (int, int)
-        Points along each axis of the grid, with those beyond free edges.
-    itemsize : int
-        Bytes of a number: 8 if a load needs double precision, else 4.
-    ranks, threads : int
-        Number of ranks, and of threads of each.
-
-    Returns
-    -------
-    float
+    `cell`: points of the grid, with those beyond free edges; `itemsize`: bytes of a number, 8 if a
+    load needs double precision.
     """
     points = -(-cell[0] // ranks) * cell[1]  # of the longest slab
     output = scene.output

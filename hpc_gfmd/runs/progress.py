@@ -18,23 +18,10 @@ LINE_SECONDS = 10.0  # between two lines about one load
 
 
 class Reporter:
-    """Prints how far a run has got, on rank 0 only.
+    """Prints how far a run has got, on rank 0 only, until a line cannot be printed.
 
-    After a line that cannot be printed nothing more is printed; the run continues.
-
-    Parameters
-    ----------
-    comm : Comm
-        Communicator of the run.
-    target : SolverTable
-        Table [solver] of the scene, with the required accuracy or residual.
-    quiet : bool
-        Whether to print nothing.
-    bar : bool, optional
-        Whether to draw a bar; by default on a terminal and in a notebook, or as the environment
-        variable HPC_GFMD_PROGRESS ("bar" or "log") tells.
-    out : file, optional
-        Where lines are printed; default: standard output. Bars are drawn on `bar_stream`.
+    Lines go to `out` (default: standard output), bars to `bar_stream`. `bar`: whether to draw them;
+    by default on a terminal and in a notebook, or as HPC_GFMD_PROGRESS ("bar" or "log") says.
     """
 
     def __init__(
@@ -72,19 +59,7 @@ class Reporter:
             self.out = None
 
     def step(self, index: int, count: int, quantity: str, value: float) -> None:
-        """Begin to report on a load; draw an empty bar if there are bars.
-
-        Parameters
-        ----------
-        index : int
-            Number of the load, from 0.
-        count : int
-            Number of loads of the run.
-        quantity : str
-            What is prescribed, such as "p_star".
-        value : float
-            Its value.
-        """
+        """Begin to report on load `index`, which prescribes a value such as "p_star"."""
         self.name = f"load {index + 1}/{count}, {quantity} = {value:.4g}"
         self.begin_time = time.monotonic()
         self.line_time = self.begin_time
@@ -96,17 +71,7 @@ class Reporter:
                 self._drop_bar()
 
     def watch(self, iterations: int, progress: Progress) -> None:
-        """Report on the load after an iteration: move the bar, or print a line every LINE_SECONDS.
-
-        `step` must have been called for this load.
-
-        Parameters
-        ----------
-        iterations : int
-            Iterations of this load so far.
-        progress : Progress
-            Residual and estimated errors of the solver.
-        """
+        """Report on the load after an iteration: move the bar, or print a line now and then."""
         if self.silent:
             return
         error = progress.residual
@@ -124,10 +89,9 @@ class Reporter:
             self.say(f"{self.name}: {text}, {now - self.begin_time:.0f} s")
 
     def _draw(self, error: float, text: str) -> None:
-        """Move the bar after an iteration that left this error, and show a text beside it.
+        """Move the bar, which never falls back, and show a text beside it.
 
-        The bar shows which share of the decades from the first error to the required one is done;
-        it never falls back. There must be a bar. Raises OSError or ValueError if the stream fails.
+        The bar shows which share of the decades from the first error to the required one is done.
         """
         wanted = self.target.tolerance
         if 0 < error < math.inf:
@@ -164,24 +128,8 @@ def bar_stream() -> Any:
 def new_bar(name: str, total: float | None, bar_format: str | None = None) -> Any:
     """Draw a progress bar: a widget in a notebook with ipywidgets, otherwise one line of text.
 
-    Parameters
-    ----------
-    name : str
-        Text before the bar.
-    total : float or None
-        The value at which it is full; None if unknown.
-    bar_format : str, optional
-        As for tqdm.
-
-    Returns
-    -------
-    tqdm.tqdm
-        It disappears when it is closed.
-
-    Raises
-    ------
-    OSError, ValueError
-        If it cannot be printed.
+    It is full at `total` (None: unknown) and disappears when it is closed. Raises OSError or
+    ValueError if it cannot be printed.
     """
     if in_notebook() and find_spec("ipywidgets"):
         from tqdm.notebook import tqdm

@@ -11,11 +11,10 @@ PAPER = "Prodanov, Dapp, Müser, Tribol. Lett. 53 (2014) 433, doi:10.1007/s11249
 
 
 def references_of(result: Result) -> list[str]:
-    """Return what to cite for a result, one line each, each only once.
+    """Return what to cite for a result, one line each.
 
-    These are the program, its paper (also for the corrections to the TFC limit), and the sources of
-    the elastic body, the algorithm, the observables that the result has, and the theory that
-    pictures of it show. Raises SceneError if the stored scene is not valid.
+    That is the program, and the papers behind its elastic body, algorithm and observables and the
+    theory that pictures of it show.
     """
     # with Matplotlib, which a solve has no need of
     from ..plotting.theory import scene_of, theory_of

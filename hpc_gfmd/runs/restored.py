@@ -19,12 +19,8 @@ ROUNDING = 1e-6  # relative, of stored pressures
 def restored_contact(result: Result) -> Contact:
     """Return the Contact of a Result with one load, from its fields, on one process.
 
-    Fields are read whole. Without stored heights `surface.h` is None. Of the certificate only the
-    numbers of points in contact and yielded, the mean gap, the attraction and the stability are
-    restored. All else in it is not of this load: energy, approach and errors are nan, the duality
-    gap is None, the violations are 0; nor are the numbers of iterations and FFT pairs.
-
-    Raises SceneError if the pressure or the gap is missing, or if the stored scene is not valid.
+    Energy, approach and errors are nan: fields do not tell them. Without stored heights `surface.h`
+    is None. Raises SceneError if the pressure or the gap is missing.
     """
     step = result.steps[0]
     stored = result.fields[0]

@@ -168,10 +168,9 @@ class _Run:
         return f"{count} of {len(self.run.loads)} loads {are} finished{self.unfinished}"
 
     def prepare(self, begun: float) -> Run:
-        """Compile kernels, make the surface and the loads, write the head. Collective.
+        """Compile kernels, make the surface and the loads, write the head.
 
-        `begun` is time.monotonic() at the start of the run. Raises SceneError if the heights are
-        not those of the resumed run, or do not fit the output precision.
+        Collective. `begun` is time.monotonic() at the start of the run.
         """
         scene = self.scene
         say = self.say

@@ -66,25 +66,10 @@ PER_CENT = ("a_r", "a_r_corrected", *ERRORS)
 def table(
     steps: Mapping[int, dict], surface: dict, observables: Iterable[str] = (), errors: bool = False
 ) -> str:
-    """Return the table of load steps as text.
+    """Return the table of load steps, given by their numbers, as text.
 
-    Parameters
-    ----------
-    steps : dict of int to dict
-        Attributes of the result file, by number of the step.
-    surface : dict
-        Attributes of the surface, among them the units.
-    observables : iterable of str
-        Observables that the scene requests: each has a column, and a line below the table explains
-        missing values.
-    errors : bool
-        Whether the errors of solver and grid have columns of their own.
-
-    Returns
-    -------
-    str
-        Estimated errors follow +-. A step that did not converge has a ! before its number and a
-        line of its own below the table, as has a step with a `note`.
+    Each requested observable has a column, and `errors` columns of their own if set; otherwise they
+    follow +-. Below are unconverged steps and notes.
     """
     observables = tuple(observables)
     rows = cells(steps, surface, observables, errors)
@@ -92,15 +77,7 @@ def table(
 
 
 class GrowingTable:
-    """The table of `table`, row by row while the steps are solved.
-
-    Parameters
-    ----------
-    surface : dict
-        Attributes of the surface.
-    observables : iterable of str
-        Observables that the scene requests.
-    """
+    """The table of `table`, row by row while the steps are solved."""
 
     def __init__(self, surface: dict, observables: Iterable[str] = ()):
         self._surface = surface
@@ -129,19 +106,7 @@ class GrowingTable:
 
 
 def aligned(rows: list[list[str]], narrowest: int = 0) -> list[str]:
-    """Return rows of cells as lines, each column as wide as its widest cell.
-
-    Parameters
-    ----------
-    rows : list of list of str
-        Cells, equally many in each row.
-    narrowest : int
-        Least width of a column.
-
-    Returns
-    -------
-    list of str
-    """
+    """Return rows of cells as lines, each column as wide as its widest cell."""
     widths = [max(narrowest, *map(len, column)) for column in zip(*rows)]
     lines = ("  ".join(map(str.rjust, row, widths)) for row in rows)
     return [line.rstrip() for line in lines]
@@ -150,15 +115,7 @@ def aligned(rows: list[list[str]], narrowest: int = 0) -> list[str]:
 def html_table(result: Result, across: bool = True) -> str:
     """Return the table of a result as HTML, with the surface and all notes below it.
 
-    Parameters
-    ----------
-    result : Result
-    across : bool
-        True: a step is a row; False: a step is a column.
-
-    Returns
-    -------
-    str
+    A step is a row, or a column if not `across`.
     """
     from pandas import DataFrame
 
@@ -183,17 +140,7 @@ def named_observables(result: Result) -> tuple[str, ...]:
 def cells(
     steps: Mapping[int, dict], surface: dict, observables: Sequence[str] = (), errors: bool = False
 ) -> list[list[str]]:
-    """Return the table as rows of texts: headings, units, and one row per step.
-
-    Parameters
-    ----------
-    steps, surface, observables, errors
-        As for `table`.
-
-    Returns
-    -------
-    list of list of str
-    """
+    """Return the table as rows of texts: headings, units, and one row per step."""
     named = {name: name for name in observables_named(observables)}
     headings = TARGETS | RESULTS | named | (ERRORS if errors else {}) | EFFORT
     headings |= {name: RESULTS[name] for name in named if name in RESULTS}
@@ -217,24 +164,10 @@ def _shown_value(value: Any) -> float | str | None:
 
 
 def column_scale(key: str, values: list[float], surface: dict) -> tuple[float, str]:
-    """Return the scale and the unit of a column.
+    """Return what the values of a column are divided by, and its unit in brackets.
 
-    Parameters
-    ----------
-    key : str
-        Name of the number in the result file.
-    values : list of float
-        In the unit of the result; the largest one determines the prefix.
-    surface : dict
-        Attributes of the surface, among them the units.
-
-    Returns
-    -------
-    scale : float
-        Values are divided by it.
-    unit : str
-        In brackets, such as "[nm]", or the dimension, such as "[pressure]", if the result has no
-        units; "" if dimensionless. a_r and errors are in per cent.
+    The largest value determines the prefix; without units in the result it is the dimension, such
+    as "[pressure]"; a_r and errors are in per cent.
     """
     if key in PER_CENT:
         return 0.01, "[%]"
@@ -267,17 +200,7 @@ def _cell(key: str, value: Any, scale: float, step: dict) -> str:
 
 
 def remarks(steps: Mapping[int, dict], observables: Sequence[str] = ()) -> list[str]:
-    """Return the lines below the table: the legend, unconverged steps, notes, missing values.
-
-    Parameters
-    ----------
-    steps, observables
-        As for `table`.
-
-    Returns
-    -------
-    list of str
-    """
+    """Return the lines below the table: the legend, unconverged steps, notes, missing values."""
     lines = [LEGEND] if any("a_r_discretisation" in step for step in steps.values()) else []
     unknown = [
         f"{index}"
