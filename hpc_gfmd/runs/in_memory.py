@@ -239,26 +239,18 @@ def solve_loads(
     say = Reporter(comm, scene.solver, not progress, progress, bar_stream())
     steps: list[dict] = []
     contacts: list[Contact | None] = []
-    head: dict[str, Any] = {"start_time": start_time}
-    attributes: dict[str, Any] = {}
-    rows = None
     interrupted = False
-
-    def solve_all() -> None:
-        nonlocal attributes, rows
-        run = Run(scene, surfaces, say)
-        head["setup_seconds"] = time.monotonic() - begun
-        for load in run.solve():
-            attributes = run.attributes
-            rows = run.surface.rows
-            is_last = load.index + 1 == len(run.loads)
-            contacts.append(_kept(load.contact, is_last) if scene.output.fields else None)
-            steps.append(load.numbers)  # now the load is finished
-            run.show({load.index: load.numbers})
-
     try:
         with kernels_ready(comm, scene):
-            solve_all()
+            run = Run(scene, surfaces, say)
+            rows = run.surface.rows
+            setup_seconds = time.monotonic() - begun
+            for load in run.solve():
+                is_last = load.index + 1 == len(run.loads)
+                contacts.append(_kept(load.contact, is_last) if scene.output.fields else None)
+                steps.append(load.numbers)  # now the load is finished
+                run.show({load.index: load.numbers})
+                del load  # its fields make room for the next one
     except KeyboardInterrupt:
         # under MPI other ranks may not have been interrupted
         if comm.size > 1 or not (steps and keep_interrupted):
@@ -267,6 +259,8 @@ def solve_loads(
         del contacts[len(steps) :]
     _forget_transforms(contacts)
     status = "interrupted" if interrupted else worst_status(steps)
+    attributes = run.attributes
+    head = {"start_time": start_time, "setup_seconds": setup_seconds}
 
     def make_result() -> Result:
         return _result(scene, surfaces, steps, contacts, status, attributes, head)
