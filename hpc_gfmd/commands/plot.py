@@ -66,6 +66,12 @@ def add_arguments(parser: ArgumentParser) -> None:
         action="store_true",
         help="label axes p/(E* g_rms) and gap/h_rms even if the scene has units",
     )
+    parser.add_argument(
+        "--persson",
+        action="store_true",
+        help="Persson's theory beside a measured map: the area of its g_rms, and the gap of its"
+        " spectrum if output.distributions has heights_spectrum",
+    )
 
 
 def main(args: Namespace) -> int:
@@ -90,6 +96,7 @@ def main(args: Namespace) -> int:
         dpi=args.dpi,
         dimensionless=args.dimensionless,
         columns=args.columns,
+        persson=args.persson,
     )
     print(*paths, *_remarks(result, args), *result.remarks, sep="\n")
     return 0
@@ -110,7 +117,12 @@ def _plot_together(args: Namespace) -> int:
     where = Path(args.output or "curves.png")
     pictures = {
         name: plot(
-            args.file, name, dpi=args.dpi, dimensionless=args.dimensionless, columns=args.columns
+            args.file,
+            name,
+            dpi=args.dpi,
+            dimensionless=args.dimensionless,
+            columns=args.columns,
+            persson=args.persson,
         )
         for name in names
     }

@@ -78,6 +78,9 @@ class Result:
         for name, key in WITHDRAWN:
             if isinstance(table.get(name), dict):
                 table[name].pop(key, None)
+        surface = table.get("surface")
+        if isinstance(surface, dict) and surface.pop("mirror", False):  # as 1.0 wrote it
+            surface["boundary"] = "mirror"
         return (Scene if "kind" in table.get("surface", {}) else ArrayScene).from_dict(
             table, str(self.path)
         )

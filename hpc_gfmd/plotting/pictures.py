@@ -70,6 +70,7 @@ def plot(
     dimensionless: bool = False,
     ax: Any = None,
     columns: int | None = None,
+    persson: bool = False,
 ) -> Picture:
     """Draw one picture of a result, or the curves of several.
 
@@ -98,6 +99,9 @@ def plot(
         Axes to draw on, for pictures of one panel; they get no legend. Default: a new figure.
     columns : int, optional
         Panels beside each other. 1 puts them below each other, for one column of a journal (85 mm).
+    persson : bool
+        Draw Persson's theory beside a measured, periodic (also mirrored) map, too: the area by its
+        g_rms, and the gap by its spectrum if the result has the distribution "heights_spectrum".
 
     Returns
     -------
@@ -122,7 +126,7 @@ def plot(
     kind = kind_of(what)
     with styled():
         views = [
-            View(one, chosen_steps(one, what, step), window, dpi, dimensionless, name)
+            View(one, chosen_steps(one, what, step), window, dpi, dimensionless, name, persson)
             for name, one in results.items()
         ]
         panels = [

@@ -18,7 +18,13 @@ from ..theory import persson, yielding
 from ..theory.elastic import Hertz, HertzLine, Westergaard
 from ..theory.slope_profile import SlopeProfile
 from ..util.errors import SceneError
+from ..util.quantities import prefixed
 from .scales import Scale, good
+
+PERSSON = (
+    "Persson, J. Chem. Phys. 115 (2001) 3840, doi:10.1063/1.1388626",
+    "Persson, Phys. Rev. Lett. 99 (2007) 125502, doi:10.1103/PhysRevLett.99.125502",
+)
 
 
 @dataclass(frozen=True)
@@ -103,11 +109,47 @@ def _persson(surface: Any, unit: float, attributes: Any) -> Theory:
     def density(x: Any, p: Any) -> np.ndarray:
         return persson.pressure_distribution(x / unit, p / unit) / unit
 
-    sources = (
-        "Persson, J. Chem. Phys. 115 (2001) 3840, doi:10.1063/1.1388626",
-        "Persson, Phys. Rev. Lett. 99 (2007) 125502, doi:10.1103/PhysRevLett.99.125502",
-    )
-    return Theory(name, curves, density, sources=sources)
+    return Theory(name, curves, density, sources=PERSSON)
+
+
+def persson_of_map(
+    scene: Scene, attributes: Any, spectrum: tuple[np.ndarray, np.ndarray] | None
+) -> Theory | None:
+    """Return Persson's theory of a measured, periodic map: its own g_rms, and the gap of its own
+    spectrum.
+
+    spectrum: (q, C), ascending; None: without a gap curve. None for layers, adhesion, a hardness
+    and free edges.
+    """
+    slope = attributes.get("g_rms")
+    sizes = attributes.get("physical_sizes")
+    points = attributes.get("n")
+    if any(scene.surface.free) or not (good(slope) and sizes and points):
+        return None
+    material = scene.material
+    others = (material.thickness, material.adhesion, material.hardness)
+    if any(other is not None for other in others):
+        return None
+    unit = float(material.E_star) * slope
+    curves = _areas(lambda p: persson.contact_area(p / unit), unit)
+    if spectrum is not None:
+        q, power = spectrum
+
+        def gap(p: Any) -> np.ndarray:
+            profile = SlopeProfile.from_spectrum(q, power)
+            unscaled = persson.mean_gap_spectrum(q, power, p, unit / profile.g_rms)
+            return attributes["h_rms"] * unscaled / profile.h_rms
+
+        curves["gap_mean"] = gap
+    shortest = 2 * max(size / n for size, n in zip(sizes, points))
+    scale, name = prefixed([max(sizes), shortest], attributes.get("unit") or "")
+    waves = f"{shortest / scale:.3g} to {max(sizes) / scale:.3g} {name}".strip()
+
+    def density(x: Any, p: Any) -> np.ndarray:
+        return persson.pressure_distribution(x / unit, p / unit) / unit
+
+    label = f"Persson ($g_\\mathrm{{rms}}$ = {slope:.3g}, waves of {waves})"
+    return Theory(label, curves, density, sources=PERSSON)
 
 
 def _yielding(E_star: float, hardness: float, slope: float) -> Theory:
