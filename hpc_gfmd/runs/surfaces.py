@@ -107,7 +107,7 @@ def surface_of_topography(topography: Any, boundary: Any) -> PreparedSurface:
     checked(complete_array(topography.heights()), 0, "heights")
     if as_it_is.lacks:
         raise SceneError("; ".join(as_it_is.lacks.values()))
-    notes = notes_on(as_it_is, spec, SerialComm(), look=False)
+    notes = notes_on(as_it_is, spec, look=False)
     with_notes = replace(as_it_is, notes=(*as_it_is.notes, *notes))
     return _surface(mirrored(with_notes, spec.mirrored), spec)
 
@@ -239,7 +239,7 @@ def _prepared(topography: Topography, spec: Any) -> PreparedSurface:
 
     All heights are read. Raises SceneError as `prepare`.
     """
-    return _surface(prepare(topography, spec, SerialComm(), look=True), spec)
+    return _surface(prepare(topography, spec, look=True), spec)
 
 
 def _surface(topography: Topography, spec: Any) -> PreparedSurface:

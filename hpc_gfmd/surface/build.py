@@ -4,7 +4,7 @@ The units are defined in operators/problem.py.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -15,14 +15,14 @@ from ..operators.problem import Columns
 from ..parallel.comm import SerialComm
 from ..parallel.fft import SlabFFT
 from ..parallel.grid import Grid
-from ..parallel.guard import collective_errors, raise_on_all
+from ..parallel.guard import collective_errors, on_rank_0, raise_on_all
 from ..parallel.interrupt import check
 from ..util.errors import SceneError
 from .analytic import flat_rows, wave_rows
 from .cell import grid_of, nominal_part
 from .doubtful_numbers import slope_notes
 from .heights import LARGEST, checked, checksum
-from .prepare import prepare, prepared_size
+from .prepare import complete, needs_preparation, notes_on, on_radius, prepare, prepared_size
 from .selfaffine import self_affine_gap
 from .slabs import slabs
 from .statistics import rms, rms_between_neighbours
@@ -118,7 +118,7 @@ def surface_size(spec: Any) -> tuple[tuple[int, int], tuple[float, ...]]:
         return tuple(spec.n), spec.physical_sizes
     topography = open_topography(spec)
     if topography.lacks:
-        prepare(topography, spec, SerialComm())
+        prepare(topography, spec)
     return prepared_size(topography, spec)
 
 
@@ -159,15 +159,7 @@ def build_surface(
     """
     dtype = np.dtype(dtype)
     if spec.kind == "file":
-        with collective_errors(comm, "reading the surface"):
-            topography = open_topography(spec)
-            size = topography.n, topography.sizes, topography.unit
-        differs = SceneError(
-            f"surface.path: found other points, sizes or units of {topography.path} on some ranks,"
-            " allowed: the same file on all"
-        )
-        raise_on_all(comm, None if comm.bcast(size) == size else differs)
-        topography = prepare(topography, spec, comm)
+        topography = _shared(spec, comm)
         return surface_of(topography, comm, dtype, threads, spec.free, True, whole)
     rows = wave_rows(spec) if spec.kind == "wave" else flat_rows
     if spec.kind == "self-affine":
@@ -196,6 +188,55 @@ def build_surface(
         rows = lambda start, stop: -unit * h[start - begin : stop - begin]  # noqa: E731
     topography = Topography(spec.n, spec.physical_sizes, rows).on_form(spec.radii)
     return surface_of(topography, comm, dtype, threads, spec.free, whole=whole)
+
+
+def _shared(spec: Any, comm: Any) -> Topography:
+    """Return the prepared map of a scene, of which each rank can read its rows. Collective.
+
+    Rank 0 reads and prepares it, and the others get their rows; from an array in a file that needs
+    no preparation every rank reads its own.
+    """
+    topography = None
+    is_read_by_rows = False
+    with collective_errors(comm, "reading the surface"):
+        if comm.rank == 0:
+            topography = open_topography(spec)
+            is_read_by_rows = topography.by_rows and not needs_preparation(topography, spec)
+    if comm.bcast(is_read_by_rows):
+        return _read_by_rows(topography, spec, comm)
+    with collective_errors(comm, "reading the surface"):
+        if topography is not None:
+            topography = prepare(topography, spec)
+            heights = np.ascontiguousarray(topography.heights())
+    shared = comm.bcast(topography and replace(topography, rows=flat_rows, bodies=()))
+    starts = nominal_part(grid_of(shared.n, shared.sizes, comm, spec.free)).starts
+    begin, end = starts[comm.rank : comm.rank + 2]
+    if topography is None:
+        z = np.empty((end - begin, shared.n[1]))
+        comm.exchange({}, {0: z})
+    else:
+        z = heights[begin:end]
+        comm.exchange({k: heights[starts[k] : starts[k + 1]] for k in range(1, comm.size)}, {})
+    return replace(shared, rows=lambda start, stop: z[start - begin : stop - begin])
+
+
+def _read_by_rows(topography: Topography | None, spec: Any, comm: Any) -> Topography:
+    """Return a map that needs no preparation and that each rank reads by rows. Collective.
+
+    topography: opened, on rank 0. Raises SceneError on all ranks if they find different maps.
+    """
+    with collective_errors(comm, "reading the surface"):
+        if topography is None:
+            topography = open_topography(spec)
+        own = complete(topography)
+    size = own.n, own.sizes, own.unit
+    differs = SceneError(
+        f"surface.path: found other points, sizes or units of {own.path} on some ranks, allowed:"
+        " the same file on all"
+    )
+    raise_on_all(comm, None if comm.bcast(size) == size else differs)
+    notes = on_rank_0(comm, "reading the surface", lambda: notes_on(own, spec, look=False))
+    return on_radius(replace(own, notes=(*own.notes, *notes)), spec)
 
 
 def surface_of(

@@ -3,22 +3,17 @@
 Each is the mean of its four neighbours, so that holes are closed as by a soap film.
 """
 
-from itertools import chain
-from typing import Any
-
 import numpy as np
 
-from ..parallel.guard import collective_errors, on_rank_0
 from ..util.errors import SceneError
 from .film import solve_film
-from .slabs import with_neighbours
 from .topography import Topography
 
 NEIGHBOURS = np.array([(-1, 0), (1, 0), (0, -1), (0, 1)])
 
 
-def filled(topography: Topography, how: str, comm: Any) -> Topography:
-    """Fill the missing heights of a map. Collective.
+def filled(topography: Topography, how: str) -> Topography:
+    """Fill the missing heights of a map.
 
     Parameters
     ----------
@@ -26,86 +21,48 @@ def filled(topography: Topography, how: str, comm: Any) -> Topography:
         Not changed.
     how : str
         "harmonic", or "none" to refuse missing heights.
-    comm : Comm
 
     Returns
     -------
     Topography
-        A copy whose `rows` reads the given map and puts in the missing heights, which every rank
-        keeps; its `prepared` has a line on that. topography itself if no height is missing.
+        A copy, with a line in `prepared`; topography itself if no height is missing.
 
     Raises
     ------
     SceneError
-        On all ranks: if heights are missing and how is "none", if all are missing, or if memory
-        does not suffice.
+        If heights are missing and how is "none", if all are missing, or if memory does not suffice.
     """
-    with collective_errors(comm, "reading the surface"):
-        holes = _holes(topography, comm)
-    parts = comm.gather(holes)
-    points, heights = on_rank_0(
-        comm, "filling the surface", lambda: _heights(topography, how, parts)
-    )
-    if not len(points):
+    z = topography.heights()
+    missing = np.isnan(z)
+    i, j = np.nonzero(missing)
+    if not len(i):
         return topography
-
-    def rows(start: int, stop: int) -> np.ndarray:
-        z = np.array(topography.rows(start, stop))
-        begin, end = np.searchsorted(points, [start * topography.n[1], stop * topography.n[1]])
-        z[np.isnan(z)] = heights[begin:end]
-        return z
-
-    share = 100 * len(points) / np.prod(topography.n)
-    line = f"{len(points)} points ({share:.2g} %) filled"
-    return topography.after(line, rows=rows, filled=len(points))
-
-
-def _holes(topography: Topography, comm: Any) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Find the missing heights in this rank's share of a map. Not collective.
-
-    Returns (points, beside) for each piece of rows: points are the indices i n_y + j of missing
-    heights, beside[k] the four heights around point k, in the order of NEIGHBOURS, nan where they
-    are missing too. At an edge of the map the point itself takes the place of its neighbour, and
-    so counts as missing.
-    """
-    parts = []
-    for start, around in with_neighbours(topography, comm, "edge"):
-        i, j = np.nonzero(np.isnan(around[1:-1, 1:-1]))
-        beside = np.array([around[i + 1 + di, j + 1 + dj] for di, dj in NEIGHBOURS])
-        parts.append(((start + i) * topography.n[1] + j, beside.T))
-    return parts
-
-
-def _heights(topography: Topography, how: str, parts: list) -> tuple[np.ndarray, np.ndarray]:
-    """Return indices i n_y + j of all missing points, ascending, and the heights that fill them.
-
-    Both are empty if no height is missing. how: as for `filled`. parts: what `_holes` returned on
-    each rank. Raises SceneError as `filled`. Called on rank 0.
-    """
-    points, beside = map(np.concatenate, zip(*chain(*parts)))
-    n_y = topography.n[1]
-    if not len(points):
-        return points, beside
-    if how == "none" or len(points) == topography.n[0] * n_y:
-        i, j = divmod(int(points[0]), n_y)
+    if how == "none" or missing.all():
         raise SceneError(
-            f"surface.path: found nan at ({i}, {j}) in {topography.path}, {len(points)} points"
+            f"surface.path: found nan at ({i[0]}, {j[0]}) in {topography.path}, {len(i)} points"
             ' without a height, allowed: finite heights, or fill = "harmonic" where some are known'
         )
+    # At an edge a point takes the place of its neighbour beyond, and so counts as missing.
+    around = np.pad(z, 1, "edge")
+    beside = np.array([around[i + 1 + di, j + 1 + dj] for di, dj in NEIGHBOURS]).T
+    z = z.copy()
     try:
-        return points, _film(topography.n, points, beside)
+        z[missing] = _film(z.shape, i * z.shape[1] + j, beside)
     except MemoryError:
         raise SceneError(
-            f"surface.fill: not enough memory to fill {len(points)} points of {topography.path},"
+            f"surface.fill: not enough memory to fill {len(i)} points of {topography.path},"
             " allowed: smaller holes, surface.crop, or more memory"
         ) from None
+    line = f"{len(i)} points ({100 * len(i) / z.size:.2g} %) filled"
+    return topography.of_heights(z, line, filled=len(i))
 
 
 def _film(n: tuple[int, ...], points: np.ndarray, beside: np.ndarray) -> np.ndarray:
     """Compute the heights of missing points, each the mean of its four neighbours.
 
-    n: points along x and y. points, beside: those of `_holes` on all ranks, points ascending. For
-    each point the equation is 4 z - (sum of z of missing neighbours) = sum of the other neighbours,
+    n: points along x and y. points: indices i n_y + j of the missing ones, ascending. beside: the
+    four heights around each, in the order of NEIGHBOURS, nan where they are missing too. For each
+    point the equation is 4 z - (sum of z of missing neighbours) = sum of the other neighbours,
     where beyond an edge the point is its own neighbour.
     """
     from scipy.sparse import coo_array, eye_array  # 50 MB that a run without holes does without

@@ -4,24 +4,21 @@ The steps, in this order: crop, detrend (by the points that were measured), fill
 window, refine, downsample, and the form under the map. Each of two scans is filled before they are
 added, see two_scans.py.
 
-All steps but refine and downsample apply to rows as they are read, so that no rank ever holds the
-whole map.
+One process prepares the whole map, and each step makes a new array. A map in a file that needs no
+step is never read whole, see `needs_preparation`.
 """
 
 from dataclasses import replace
-from itertools import chain
 from typing import Any
 
 import numpy as np
 
-from ..parallel.guard import collective_errors, on_rank_0
 from ..util.errors import SceneError
 from ..util.quantities import format_quantity
 from .fill import filled
 from .form import form_notes
 from .quality import DOUBT, Edges, MapQuality, edges_of, quality_of, window_note
 from .resample import resampled
-from .slabs import own_slabs
 from .topography import Topography
 from .two_scans import combined, interpolated, name_of, spacings_text
 
@@ -61,15 +58,27 @@ def prepared_size(topography: Topography, spec: Any) -> tuple[tuple[int, int], t
     return (n_x // spec.downsample, n_y // spec.downsample), topography.sizes
 
 
-def prepare(topography: Topography, spec: Any, comm: Any, look: bool = False) -> Topography:
-    """Prepare a height map as the scene asks for; reads the heights several times. Collective.
+def needs_preparation(topography: Topography, spec: Any) -> bool:
+    """Whether a map has to be read whole before it can be pressed.
+
+    A form under the map does not count: it is added to rows as they are read.
+    """
+    return (
+        bool(topography.lacks or topography.bodies or spec.crop or spec.flip)
+        or any(spec.mirrored)
+        or (spec.detrend, spec.fill, spec.window) != ("none", "none", "none")
+        or (spec.refine, spec.downsample) != (1, 1)
+    )
+
+
+def prepare(topography: Topography, spec: Any, look: bool = False) -> Topography:
+    """Prepare a height map as the scene asks for, on one process.
 
     Parameters
     ----------
     topography : Topography
         Not changed.
     spec : scene.File
-    comm : Comm
     look : bool
         Whether to look at the quality of the map, too, not only at its edges.
 
@@ -77,88 +86,88 @@ def prepare(topography: Topography, spec: Any, comm: Any, look: bool = False) ->
     -------
     Topography
         With complete heights; its `prepared` lists the steps and its `notes` remarks on the map.
-        After a change of the number of points each rank can read its own rows only.
 
     Raises
     ------
     SceneError
-        On all ranks. The message lists everything that the scene still has to say (units, sizes,
-        fill, boundary).
+        The message lists everything that the scene still has to say (units, sizes, fill, boundary).
     """
     lacks = list(topography.lacks.values())
     if topography.bodies:
-        topography = _of_filled_scans(topography, spec, comm, lacks)
+        topography = _of_filled_scans(topography, spec, lacks)
     if lacks:  # only to see what else is
         spec = spec.model_copy(update={"crop": None})
     size, _ = prepared_size(topography, spec)
+    z = topography.heights()
+    topography = replace(topography, rows=lambda start, stop: z[start:stop])
     if spec.crop:
         topography = _cropped(topography, spec)
     has_window = spec.window != "none"
     detrend = "mean" if has_window and spec.detrend == "none" else spec.detrend
     if detrend != "none":
-        topography = _detrended(topography, detrend, comm)
-    topography = _filled(topography, spec, comm, lacks)
+        topography = _detrended(topography, detrend)
+    topography = _filled(topography, spec, lacks)
     try:
-        notes = notes_on(topography, spec, comm, look)
-        topography = replace(topography, notes=(*topography.notes, *notes))
+        topography = replace(
+            topography, notes=(*topography.notes, *notes_on(topography, spec, look))
+        )
     except SceneError as error:
         lacks.append(str(error))
     if lacks:
         raise SceneError("; ".join(lacks))
     if spec.flip:
-        upright = topography.rows
-        topography = topography.after("upside down", rows=lambda start, stop: -upright(start, stop))
+        topography = topography.of_heights(-topography.heights(), "upside down")
     topography = mirrored(topography, spec.mirrored)
     if has_window:
-        before = map_quality(topography, comm)
         topography = _windowed(topography, spec.window)
-        note = window_note(
-            before, map_quality(topography, comm), _kept(topography, spec.window), spec.window
-        )
-        topography = replace(topography, notes=(*topography.notes, *note))
     if size != topography.n:
-        topography = resampled(topography, size, spec.free, comm)
-    if spec.radius:
-        radii = tuple(topography.length("radius", R) for R in spec.radii)
-        texts = ", ".join(dict.fromkeys(map(format_quantity, spec.radii)))
-        topography = topography.on_form(radii).after(f"on a form of radius {texts}")
-    return topography
+        z = resampled(topography.heights(), size, spec.free)
+        topography = topography.of_heights(z, f"resampled to {size[0]} x {size[1]} points")
+    return on_radius(topography, spec)
 
 
-def map_edges(topography: Topography, comm: Any) -> Edges:
-    """Return how the edges of a map meet. Collective: rank 0 reads some rows."""
-    return on_rank_0(comm, "reading the surface", lambda: edges_of(topography.rows, topography.n))
+def complete(topography: Topography) -> Topography:
+    """Return a map whose `rows` raise SceneError where a height is missing."""
+
+    def rows(start: int, stop: int) -> np.ndarray:
+        z = topography.rows(start, stop)
+        i, j = np.nonzero(np.isnan(z))
+        if len(i):
+            raise SceneError(
+                f"surface.path: found nan at ({start + i[0]}, {j[0]}) in {topography.path},"
+                f" {len(i)} points without a height in rows {start} to {stop - 1}, allowed: finite"
+                ' heights, or fill = "harmonic" where some are known'
+            )
+        return z
+
+    return replace(topography, rows=rows)
 
 
-def map_quality(topography: Topography, comm: Any) -> MapQuality:
-    """Return the statistics of a map without holes. Collective: rank 0 reads all of it."""
-
-    def measure() -> MapQuality:
-        return quality_of(topography.rows(0, topography.n[0]), topography.sizes)
-
-    return on_rank_0(comm, "reading the surface", measure)
-
-
-def map_form(topography: Topography, comm: Any, edges: Edges, free: tuple[bool, bool]) -> list[str]:
-    """Return a note on a map that is curved along an axis where it neither ends nor repeats.
-
-    Collective: rank 0 reads all of it.
-    """
-    axes = [axis for axis in (0, 1) if not (free[axis] or edges.meet[axis])]
-
-    def measure() -> list[str]:
-        heights = topography.rows(0, topography.n[0])
-        return form_notes(heights, topography.sizes, topography.unit, axes)
-
-    return on_rank_0(comm, "reading the surface", measure) if axes else []
+def on_radius(topography: Topography, spec: Any) -> Topography:
+    """Return the map on the form of radius spec.radius; as it is without one."""
+    if not spec.radius:
+        return topography
+    radii = tuple(topography.length("radius", R) for R in spec.radii)
+    texts = ", ".join(dict.fromkeys(map(format_quantity, spec.radii)))
+    return topography.on_form(radii).after(f"on a form of radius {texts}")
 
 
-def notes_on(topography: Topography, spec: Any, comm: Any, look: bool) -> list[str]:
-    """Return notes on the edges of a map, what is filled and, if `look`, its quality. Collective.
+def map_edges(topography: Topography) -> Edges:
+    """Return how the edges of a map meet, by some of its rows."""
+    return edges_of(topography.rows, topography.n)
+
+
+def map_quality(topography: Topography) -> MapQuality:
+    """Return the statistics of a map without holes."""
+    return quality_of(topography.heights(), topography.sizes)
+
+
+def notes_on(topography: Topography, spec: Any, look: bool) -> list[str]:
+    """Return notes on the edges of a map, what is filled and, if `look`, its quality.
 
     Raises SceneError if neither scene nor file gives the boundary and opposite edges do not meet.
     """
-    edges = map_edges(topography, comm)
+    edges = map_edges(topography)
     has_window = spec.window != "none"
     is_told = has_window or spec.boundary is not None or topography.periodic
     if not is_told and (question := edges.question()):
@@ -166,37 +175,38 @@ def notes_on(topography: Topography, spec: Any, comm: Any, look: bool) -> list[s
     repeats = [not (free or mirror) for free, mirror in zip(spec.free, spec.mirrored)]
     notes = [] if has_window else edges.notes(repeats)
     if look:
-        notes += map_quality(topography, comm).notes()
-        if not has_window:
-            notes += map_form(topography, comm, edges, spec.free)
+        notes += map_quality(topography).notes()
+        axes = [axis for axis in (0, 1) if not (spec.free[axis] or edges.meet[axis])]
+        if axes and not has_window:  # curved where it neither ends nor repeats
+            notes += form_notes(topography.heights(), topography.sizes, topography.unit, axes)
     share = topography.filled / np.prod(topography.n)
     if share > DOUBT.filled:
         notes.append(f"{100 * share:.0f} % of the heights are filled, not measured")
     return notes
 
 
-def _filled(topography: Topography, spec: Any, comm: Any, lacks: list[str]) -> Topography:
-    """Fill the holes as spec.fill says. Collective.
+def _filled(topography: Topography, spec: Any, lacks: list[str]) -> Topography:
+    """Fill the holes as spec.fill says.
 
     If that is refused the reason is appended to the list `lacks`, and holes are filled
     harmonically.
     """
     try:
-        return filled(topography, spec.fill, comm)
+        return filled(topography, spec.fill)
     except SceneError as error:
         lacks.append(str(error))
-        return filled(topography, "harmonic", comm)
+        return filled(topography, "harmonic")
 
 
-def _of_filled_scans(topography: Topography, spec: Any, comm: Any, lacks: list[str]) -> Topography:
-    """Fill the holes of the two scans in topography.bodies and return their sum. Collective.
+def _of_filled_scans(topography: Topography, spec: Any, lacks: list[str]) -> Topography:
+    """Fill the holes of the two scans in topography.bodies and return their sum.
 
     The sum has a note on each interpolated scan that does not resolve its own roughness. Appends to
     the list `lacks` as `_filled` does. If a scan lacks sizes or units there is no sum, and the
     first scan is returned (`combined`). Raises SceneError if the scans do not overlap or only one
     has a unit.
     """
-    lower, upper = (_filled(scan, spec, comm, lacks) for scan in topography.bodies)
+    lower, upper = (_filled(scan, spec, lacks) for scan in topography.bodies)
     total = combined((lower, upper), spec)
     if total.lacks:
         return total
@@ -204,7 +214,7 @@ def _of_filled_scans(topography: Topography, spec: Any, comm: Any, lacks: list[s
         f"{name_of(scan)} does not resolve its own roughness: it says nothing of waves shorter than"
         f" {spacings_text(scan, 2)}, and between its points those up to twice as long are damped"
         for scan in interpolated((lower, upper), spec)
-        if map_quality(scan, comm).unresolved > DOUBT.unresolved
+        if map_quality(scan).unresolved > DOUBT.unresolved
     ]
     return replace(total, notes=(*total.notes, *notes))
 
@@ -244,35 +254,29 @@ def _cropped(topography: Topography, spec: Any) -> Topography:
     )
 
 
-def _detrended(topography: Topography, trend: str, comm: Any) -> Topography:
-    """Subtract the polynomial that fits the measured heights best. Collective; reads all heights.
+def _detrended(topography: Topography, trend: str) -> Topography:
+    """Subtract the polynomial that fits the measured heights best.
 
     trend: "mean", "tilt" (plane) or "curvature" (second degree). After the last two it is open
     whether the map is periodic, even if its file says so.
     """
+    z = topography.heights()
+    is_measured = np.isfinite(z)
+    if not is_measured.any():
+        return topography
+    mean = np.mean(z, where=is_measured)
+    x, y = (np.vander(np.linspace(-1, 1, n) if n > 1 else [-1.0], 5) for n in z.shape)
+    x, y = x[:, ::-1], y[:, ::-1]  # column i: x^i
+    moments = x.T @ is_measured.astype(np.float64) @ y
+    moments_of_heights = x.T @ np.where(is_measured, z - mean, 0.0) @ y
     powers = POWERS[trend]
-    x, y = (2 * np.arange(n) / max(n - 1, 1) - 1 for n in topography.n)
-
-    def terms(start: int, stop: int) -> list[np.ndarray]:
-        return [x[start:stop, None] ** i * y[None] ** j for i, j in powers]
-
-    sums = []
-    with collective_errors(comm, "reading the surface"):
-        for start, stop in own_slabs(topography, comm):
-            z = topography.rows(start, stop)
-            is_measured = np.isfinite(z)
-            values = [term[is_measured] for term in (*terms(start, stop), z)]
-            sums.append([[a @ b for b in values] for a in values[:-1]])
-    total = np.sum([*chain(*comm.allgather(sums))], axis=0)  # in one order on any ranks
-    factors = np.linalg.lstsq(total[:, :-1], total[:, -1])[0]
-
-    def rows(start: int, stop: int) -> np.ndarray:
-        return topography.rows(start, stop) - sum(
-            factor * term for factor, term in zip(factors, terms(start, stop))
-        )
-
+    gram = [[moments[i + k, j + m] for k, m in powers] for i, j in powers]
+    factors = np.zeros((5, 5))
+    fit = np.linalg.lstsq(gram, [moments_of_heights[power] for power in powers])[0]
+    factors[tuple(np.transpose(powers))] = fit
+    z = z - (mean + x @ factors @ y.T)
     periodic = topography.periodic if trend == "mean" else None
-    return topography.after(f"{trend} removed", rows=rows, periodic=periodic)
+    return topography.of_heights(z, f"{trend} removed", periodic=periodic)
 
 
 def mirrored(topography: Topography, along: tuple[bool, bool]) -> Topography:
@@ -303,31 +307,14 @@ def _windowed(topography: Topography, name: str) -> Topography:
     """Return the map times a window that falls to 0 at the edges, which makes it periodic.
 
     The mean of the heights must be 0. name: a window of scipy.signal.windows, the same along x and
-    y.
-    """
-    w_x, w_y = _windows(topography, name)
-    return topography.after(
-        f"window {name}",
-        rows=lambda start, stop: topography.rows(start, stop) * w_x[start:stop, None] * w_y,
-        periodic=True,
-    )
-
-
-def _windows(topography: Topography, name: str) -> tuple[np.ndarray, ...]:
-    """Return the window along x, shape (n_x,), and along y, shape (n_y,), both from 0 to 1.
-
-    name: as for `_windowed`.
+    y. A note says what the window does to h_rms and g_rms.
     """
     from scipy.signal.windows import get_window
 
-    return tuple(get_window(name, n) for n in topography.n)
-
-
-def _kept(topography: Topography, name: str) -> float:
-    """Return the share of the area in which the product of both windows is at least 1/2.
-
-    name: as for `_windowed`.
-    """
-    w_x, w_y = _windows(topography, name)
+    w_x, w_y = (get_window(name, n) for n in topography.n)
+    z = topography.heights() * w_x[:, None] * w_y
+    windowed = topography.of_heights(z, f"window {name}", periodic=True)
     counts = np.searchsorted(np.sort(w_y), 0.5 / np.maximum(w_x, 1e-300), side="right")
-    return float(np.mean(w_y.size - counts) / w_y.size)
+    kept = float(np.mean(w_y.size - counts) / w_y.size)  # where the window is at least 1/2
+    note = window_note(map_quality(topography), map_quality(windowed), kept, name)
+    return replace(windowed, notes=(*windowed.notes, *note))

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 
-from ..parallel.comm import SerialComm
 from ..scene import File
 from ..scene.surface import CHOICES_TEXT
 from ..scene.template import Suggestion
@@ -217,9 +216,8 @@ def _by_heights(
 
     def prepared_map() -> tuple[Topography, MapQuality, Edges]:
         spec = make(values | plain)
-        heights = prepare(open_topography(spec), spec, SerialComm(), look=True)
-        comm = SerialComm()
-        return heights, map_quality(heights, comm), map_edges(heights, comm)
+        heights = prepare(open_topography(spec), spec, look=True)
+        return heights, map_quality(heights), map_edges(heights)
 
     heights, quality, meeting = prepared_map()
     refusal = ', which surface.fill = "none" refuses: the scene does not run'
@@ -230,7 +228,7 @@ def _by_heights(
         why["fill"] = f"{heights.filled} points have no height"
     tilt = f"{per_cent(quality.tilt)} % of the variance of the heights is tilt"
     result.about.append(tilt)
-    stray = outliers(heights.rows(0, heights.n[0]), quality.typical)
+    stray = outliers(heights.heights(), quality.typical)
     if quality.tilt > DOUBT.tilt and "detrend" not in user_keys:
         values["detrend"] = "tilt"
         why["detrend"] = tilt
@@ -261,7 +259,7 @@ def _by_heights(
         + ("" if result.missing else f", g_rms = {quality.g_rms:.3g}")
     )
     if not result.missing:
-        z = heights.rows(0, heights.n[0])
+        z = heights.heights()
         result.about += filter(None, [bandwidth_line(z, heights.sizes, heights.unit)])
     result.about += [
         note

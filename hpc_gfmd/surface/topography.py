@@ -58,6 +58,8 @@ class Topography:
         The two scans of which it is the sum, see `combined`; empty for a single map.
     metadata : Metadata
         What the file says.
+    by_rows : bool
+        Whether `rows` reads from the file no more than these rows.
     lacks : dict
         {key of [surface]: why it has to be given}; `prepare` refuses a Topography that lacks
         anything.
@@ -79,9 +81,18 @@ class Topography:
     origin: tuple[float, float] = (0.0, 0.0)
     bodies: "tuple[Topography, ...]" = ()
     metadata: Metadata = field(default_factory=Metadata)
+    by_rows: bool = False
     lacks: dict[str, str] = field(default_factory=dict)
     prepared: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+
+    def heights(self) -> np.ndarray:
+        """Return all heights, shape n; they must not be changed."""
+        return self.rows(0, self.n[0])
+
+    def of_heights(self, z: np.ndarray, step: str, **changes: Any) -> Self:
+        """Return a copy with other heights after a step of preparation, see `after`."""
+        return self.after(step, n=z.shape, rows=lambda start, stop: z[start:stop], **changes)
 
     def after(self, step: str, **changes: Any) -> Self:
         """Return a copy after a step of preparation.
@@ -239,6 +250,7 @@ def topography_of(data: Any, metadata: Metadata, spec: Any) -> Topography:
         plain=units.length,
         plain_unit=units.sizes_unit or "",
         metadata=metadata,
+        by_rows=not isinstance(data, np.ndarray) or isinstance(data, np.memmap),
         lacks=units.lacks,
         notes=tuple(notes),
     )

@@ -1,5 +1,4 @@
-"""Preparation of height maps: detrending, filling, cropping, resampling, notes, on any number of
-ranks."""
+"""Height maps on several ranks: prepared on one and scattered, or read by rows on each."""
 
 from itertools import product
 
@@ -10,141 +9,11 @@ from mpi.same import from_rank_0
 
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.scene import File
-from hpc_gfmd.surface import build_surface, grid_of, slabs
-from hpc_gfmd.surface.cell import nominal_part
-from hpc_gfmd.surface.prepare import prepare
-from hpc_gfmd.surface.topography import open_topography
+from hpc_gfmd.surface import build_surface
 from hpc_gfmd.util.errors import SceneError
 
 pytestmark = pytest.mark.mpi
-N = (14, 10)
 SIZES = (2.0, 1.0)
-X, Y = np.meshgrid(np.arange(14) / 7, np.arange(10) / 10, indexing="ij")
-PLANE = 5 + 3 * X - 2 * Y
-BOWL = 5 + 3 * X - 2 * Y + X * X - X * Y + 4 * Y * Y
-
-
-@pytest.fixture
-def prepared(comm):
-    """prepared(z, **keys) prepares heights by keys of [surface].
-
-    It returns the heights of all ranks, the Topography and the list of steps.
-    """
-
-    def call(z, boundary="periodic", **keys):
-        comm.barrier()
-        if comm.rank == 0:
-            np.save("z.npy", z)
-        comm.barrier()
-        spec = File(kind="file", path="z.npy", physical_sizes=SIZES, boundary=boundary, **keys)
-        surface = prepare(open_topography(spec), spec, comm)
-        mine = surface.rows(*nominal_part(grid_of(surface.n, SIZES, comm, spec.free)).rows)
-        return np.concatenate(comm.allgather(mine)), surface, surface.prepared
-
-    return call
-
-
-def test_detrended(prepared):
-    z = random_heights(N)
-    for kind, trend in (("mean", 5.0), ("tilt", PLANE), ("curvature", BOWL)):
-        bare, with_trend = (prepared(heights, detrend=kind)[0] for heights in (z, z + trend))
-        assert np.allclose(with_trend, bare, atol=1e-11)
-        assert np.allclose(prepared(bare, detrend=kind)[0], bare, atol=1e-12)
-        assert abs(bare.mean()) < 1e-13
-    left = prepared(z, detrend="tilt")[0]
-    assert abs(np.sum(left * (X - X.mean()))) + abs(np.sum(left * (Y - Y.mean()))) < 1e-11
-
-
-def test_harmonic_functions_come_back(prepared):
-    """x y and planes are harmonic on the grid, too: holes inside of them are filled exactly, points
-    at the edge with means of their neighbours."""
-    z = 3 + 2 * X - Y + 4 * X * Y
-    holes = z.copy()
-    holes[3:9, 4:8] = np.nan
-    holes[11, 1] = holes[6, 2] = np.nan
-    heights, topography, steps_done = prepared(holes, fill="harmonic")
-    assert np.allclose(heights, z, atol=1e-12)
-    assert topography.filled == 26
-    assert "26 points (19 %) filled" in steps_done
-    edge = z.copy()
-    edge[0, 0] = edge[13, 3] = np.nan
-    filled = prepared(edge, fill="harmonic")[0]
-    assert filled[0, 0] == pytest.approx((z[0, 1] + z[1, 0]) / 2)
-    assert filled[13, 3] == pytest.approx((z[13, 2] + z[13, 4] + z[12, 3]) / 3)
-    with pytest.raises(SceneError, match=r"found nan at \(0, 0\) in .*, 2 points without"):
-        prepared(edge)
-    with pytest.raises(SceneError, match="where some are known"):
-        prepared(np.full(N, np.nan), fill="harmonic")
-
-
-def test_a_trend_is_that_of_the_measured_points(prepared):
-    holes = PLANE.copy()
-    holes[2:5, 3:9] = np.nan
-    assert np.allclose(prepared(holes, fill="harmonic", detrend="tilt")[0], 0, atol=1e-12)
-
-
-def test_cropped_flipped_mirrored(prepared):
-    z = random_heights(N)
-    heights, topography, steps_done = prepared(z, crop=(2 / 7, 0.2, 10 / 7, 0.9))
-    assert np.array_equal(heights, z[2:10, 2:9])
-    assert topography.sizes == pytest.approx((8 / 7, 0.7))
-    assert steps_done == ("cropped to 8 x 7 points",)
-    assert np.array_equal(prepared(z, flip=True)[0], -z)
-    heights, topography, _ = prepared(z + PLANE, boundary="mirror")
-    assert topography.sizes == (4.0, 2.0)
-    assert np.array_equal(heights[:14, :10], z + PLANE)
-    assert np.array_equal(heights, heights[::-1])
-    assert np.array_equal(heights, heights[:, ::-1])
-    for axis, boundary in enumerate((["mirror", "free"], ["periodic", "mirror"])):
-        along_axis, topography, steps_done = prepared(z, boundary=boundary)
-        assert steps_done == (f"mirrored along {'xy'[axis]}",)
-        assert topography.sizes[axis] == 2 * SIZES[axis]
-        assert np.array_equal(along_axis, np.concatenate([z, np.flip(z, axis)], axis))
-    for crop in ((0, 0, 3, 1), (1, 0, 1, 1)):
-        with pytest.raises(
-            SceneError, match=r"surface.crop: found points \d+ to \d+ of 14 along x.*x1 <= 2 and"
-        ):
-            prepared(z, crop=crop)
-
-
-def test_window(prepared):
-    z = random_heights(N) + PLANE
-    heights, _, steps_done = prepared(z, window="hann")
-    assert steps_done == ("mean removed", "window hann")
-    assert np.allclose(
-        heights,
-        (z - z.mean()) * np.outer(*(0.5 - 0.5 * np.cos(2 * np.pi * np.arange(n) / n) for n in N)),
-    )
-
-
-def test_resampled(prepared, comm):
-    """A Fourier series is the same on any grid that resolves it, and loses its short waves on a
-    coarser one."""
-
-    def series(n, short):
-        x, y = np.meshgrid(*(2 * np.pi * np.arange(k) / k for k in n), indexing="ij")
-        return 1 + np.cos(2 * x - y) + np.sin(x) * np.cos(2 * y) + short * np.cos(5 * x)
-
-    def cosines(n):
-        """Return cosines that continue smoothly in their mirror images (free edges)."""
-        x, y = (np.pi * (np.arange(k) + 0.5) / k for k in n)
-        return np.cos(3 * x)[:, None] * np.cos(y) + np.cos(5 * x)[:, None]
-
-    fine, topography, steps_done = prepared(series(N, 1), refine=3)
-    assert np.allclose(fine, series((42, 30), 1))
-    if comm.size > 1:
-        with pytest.raises(IndexError, match="are not of this rank"):
-            topography.rows(0, 42)
-    assert topography.sizes == SIZES
-    assert steps_done == ("resampled to 42 x 30 points",)
-    assert np.allclose(prepared(series(N, 1), downsample=2)[0], series((7, 5), 0))
-    free = prepared(cosines(N), refine=6, downsample=2, boundary="free")[0]
-    assert np.allclose(free, cosines((42, 30)))
-    assert np.allclose(prepared(series(N, 1), refine=3, downsample=2)[0], series((21, 15), 1))
-    with pytest.raises(
-        SceneError, match=r"surface.downsample: found 4, allowed: a divisor of 14 and of 10"
-    ):
-        prepared(series(N, 0), downsample=4)
 
 
 def checksum_in_one_process(comm, spec):
@@ -164,9 +33,8 @@ ALL = {"crop": (0, 0, 1, 1), "detrend": "curvature", "flip": True, "downsample":
         ("free", {"detrend": "tilt", "radius": 9.0, "refine": 2}),
     ],
 )
-def test_the_same_heights_on_any_number_of_ranks(boundary, keys, comm, monkeypatch):
+def test_the_same_heights_on_any_number_of_ranks(boundary, keys, comm):
     """Heights agree to the bit."""
-    monkeypatch.setattr(slabs, "ROWS", 2)  # every rank reads
     keys = keys | {"boundary": boundary, "fill": "harmonic", "physical_sizes": SIZES}
     spec = File(kind="file", path="z.npy", **keys)
     for n in ((6, 8), (2, 16), (34, 20)):
@@ -188,10 +56,30 @@ def test_the_same_heights_on_any_number_of_ranks(boundary, keys, comm, monkeypat
     )
 
 
+def test_a_map_that_needs_no_preparation_is_read_by_rows(comm):
+    """On each rank from an array in a file, by rank 0 from a text: the same heights, and holes are
+    refused in the same words."""
+    z = random_heights((17, 12))
+    holes = z.copy()
+    holes[15, 3] = np.nan
+    if comm.rank == 0:
+        for name, heights in (("z", z), ("holes", holes)):
+            np.save(f"{name}.npy", heights)
+            np.savetxt(f"{name}.txt", heights)
+    comm.barrier()
+    keys = {"kind": "file", "boundary": "free", "physical_sizes": SIZES, "radius": 9.0}
+    checksums = [
+        build_surface(File(path=f"z.{suffix}", **keys), comm, np.float64).checksum
+        for suffix in ("npy", "txt")
+    ]
+    assert len(set(checksums)) == 1
+    for suffix in ("npy", "txt"):
+        with pytest.raises(SceneError, match=r"found nan at \(15, 3\) in .*1 points without"):
+            build_surface(File(path=f"holes.{suffix}", **keys), comm, np.float64)
+
+
 @pytest.mark.parametrize("boundary", ["free", "periodic", ("free", "periodic")])
-def test_two_scans_are_the_same_on_any_number_of_ranks(boundary, comm, monkeypatch):
-    """To the bit, whichever rows a rank reads together."""
-    monkeypatch.setattr(slabs, "ROWS", 2)  # so that all ranks read
+def test_two_scans_are_the_same_on_any_number_of_ranks(boundary, comm):
     fine = random_heights((37, 22), seed=1)
     coarse = random_heights((13, 9), seed=2)
     coarse[4:6, 3] = np.nan
