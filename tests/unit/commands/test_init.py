@@ -64,7 +64,7 @@ def test_scene_of_a_height_map_runs_unchanged(tmp_path, cli):
         "24 x 16 points",
         'path = "map.npz"',
         'fill = "harmonic"  .*# 1 points',
-        'detrend = "tilt"  .*# .. % of the variance',
+        r'detrend = "tilt"  .*# [\d.]+ % of the variance',
         r'# physical_sizes = \["240 nm", "160 nm"\]  .*as the file says',
         '# unit = "nm"  .*as the file says',
     ):
