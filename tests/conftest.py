@@ -1,17 +1,14 @@
-"""Markers and fixtures of all tests. Tests marked `mpi` take one of the fixtures
-
-comm:    the test runs inside mpirun, on every rank at once (see mpi_harness.py)
-mpirun:  a function that runs a command on several ranks: its exit code, stdout and stderr
-"""
+"""Markers and fixtures of all tests. Tests marked `mpi` take the fixture `comm`, all ranks of an
+mpirun around pytest, and run on every rank at once (see mpi_harness.py)."""
 
 import json
 import os
 import shlex
 import shutil
 import signal
+import sys
 import tempfile
 from collections import defaultdict
-from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -21,20 +18,21 @@ from hypothesis import settings
 
 from hpc_gfmd.commands.cli import main
 from hpc_gfmd.parallel.grid import _kept
+from hpc_gfmd.parallel.world import world
 from hpc_gfmd.util.caches import cache_folder
 
 # the same examples in every run; HYPOTHESIS_PROFILE=default tries random ones
 settings.register_profile("repeatable", derandomize=True)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))
 
-_results = {}  # ranks: {child's node id: (outcome, text)}
-
 
 def pytest_configure(config):
     # Processes in the background of a script and their children ignore SIGINT otherwise.
     signal.signal(signal.SIGINT, signal.default_int_handler)
-    if mpi_harness.is_child():
-        config.pluginmanager.register(mpi_harness.Child())
+    if world().size > 1:
+        config.pluginmanager.register(mpi_harness.OnRanks())
+        if world().rank > 0:
+            sys.stdout = open(os.devnull, "w")  # noqa: SIM115 (rank 0 reports)
         return
     # clean-up of tests runs, and with it ends what they have started
     signal.signal(signal.SIGTERM, signal.default_int_handler)
@@ -52,103 +50,36 @@ def pytest_make_parametrize_id(val):
     return None
 
 
-def pytest_generate_tests(metafunc):
-    if metafunc.definition.get_closest_marker("mpi") and not mpi_harness.is_child():
-        counts = mpi_harness.rank_counts()
-        metafunc.fixturenames.append("ranks")
-        metafunc.parametrize("ranks", counts, indirect=True, ids=[f"n{k}" for k in counts])
-
-
 @pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(config, items):
-    _mark_slow_sets(items)
-    lacking = mpi_harness.missing()
-    marked = [item for item in items if item.get_closest_marker("mpi")]
-    if lacking and marked:
-        if mpi_harness.must_run():
-            raise pytest.UsageError(
-                f"tests on several ranks were asked for, but {lacking} is missing"
-            )
-        for item in marked:
-            item.add_marker(
-                pytest.mark.skip(reason=f"{lacking} is missing: no tests on several ranks")
-            )
-
-
-def _mark_slow_sets(items):
+def pytest_collection_modifyitems(items):
     """Mark as slow all but at most three sets of parameters of a test function.
 
     Those marked `quick` are not slow, else the first, the middle and the last one, which differ in
-    most parameters. Two ranks take the first and the last of these, three ranks the last one, one
-    and four ranks none.
+    most parameters. Two ranks take the first and the last of these, more ranks the last one.
     """
     functions = defaultdict(list)
     for item in items:
         if not item.get_closest_marker("slow"):
-            functions[item.nodeid.partition("[")[0], _ranks(item)].append(item)
-    for (_, ranks), sets in functions.items():
+            functions[item.nodeid.partition("[")[0]].append(item)
+    for sets in functions.values():
         chosen = [item for item in sets if item.get_closest_marker("quick")]
         if not chosen:
             chosen = [sets[0], sets[len(sets) // 2], sets[-1]]
-        if not os.environ.get(mpi_harness.RANKS):
-            ends = [chosen[0], chosen[-1]]
-            chosen = {2: ends, 3: ends[-1:], None: chosen}.get(ranks, [])
+        chosen = {1: chosen, 2: [chosen[0], chosen[-1]]}.get(world().size, chosen[-1:])
         for item in sets:
             if item not in chosen:
                 item.add_marker(pytest.mark.slow)
-
-
-def _ranks(item):
-    """The number of ranks of a test item, or None."""
-    return item.callspec.params.get("ranks") if hasattr(item, "callspec") else None
-
-
-@pytest.hookimpl(tryfirst=True)
-def pytest_pyfunc_call(pyfuncitem):
-    """Report the outcome on the ranks for tests with `comm`, instead of calling them."""
-    if mpi_harness.is_child() or not _on_ranks(pyfuncitem):
-        return None
-    ranks = pyfuncitem.callspec.params["ranks"]
-    if ranks not in _results:
-        names = [
-            _child_id(item)
-            for item in pyfuncitem.session.items
-            if _on_ranks(item) and item.callspec.params["ranks"] == ranks
-        ]
-        _results[ranks] = mpi_harness.run(pyfuncitem.config.rootpath, ranks, names)
-    outcome, text = _results[ranks][_child_id(pyfuncitem)]
-    if outcome == "failed":
-        pytest.fail(text, pytrace=False)
-    if outcome == "skipped":
-        pytest.skip(text)
-    return True
-
-
-def _on_ranks(item):
-    return item.get_closest_marker("mpi") is not None and "comm" in getattr(
-        item, "fixturenames", ()
-    )
-
-
-def _child_id(item):
-    """The node id without the number of ranks, which comes first."""
-    ranks = f"n{item.callspec.params['ranks']}"
-    head, _, bracket = item.nodeid.partition("[")
-    rest = bracket.removesuffix("]").removeprefix(ranks).removeprefix("-")
-    return f"{head}[{rest}]" if rest else head
 
 
 @pytest.fixture(scope="session", autouse=True)
 def own_cache(tmp_path_factory):
     """An empty cache of FFTW plans and measured speeds. Compiled kernels are those of the user,
     since compilation takes a minute."""
-    if mpi_harness.is_child():  # ranks share the cache of their parent
-        yield
-        return
     kernels = os.environ.get("NUMBA_CACHE_DIR", str(cache_folder() / "kernels"))
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("NUMBA_CACHE_DIR", kernels)
-        patch.setenv("HPC_GFMD_CACHE", str(tmp_path_factory.mktemp("cache")))
+        folder = tmp_path_factory.mktemp("cache") if world().rank == 0 else None
+        patch.setenv("HPC_GFMD_CACHE", str(world().bcast(folder)))
         yield
 
 
@@ -156,7 +87,7 @@ def own_cache(tmp_path_factory):
 def own_folder(request, monkeypatch):
     """Every test runs in its own folder, which its ranks share, and without kept grids."""
     _kept.tables.cache_clear()
-    name = "shared_path" if mpi_harness.is_child() else "tmp_path"
+    name = "shared_path" if "comm" in request.fixturenames else "tmp_path"
     monkeypatch.chdir(request.getfixturevalue(name))
 
 
@@ -209,32 +140,11 @@ def cli(capfd):
     return run
 
 
-@pytest.fixture
-def ranks(request):
-    """Number of ranks of this test item."""
-    return request.param
-
-
-@pytest.fixture
-def mpirun(ranks):
-    """mpirun(*args, env=None, cwd=None, timeout=None): `mpirun -n ranks hpc-gfmd args`, see
-    mpi_harness.call."""
-
-    def run(*args, **options):
-        return mpi_harness.call(ranks, args, **options)
-
-    run.start = partial(mpi_harness.start, ranks)
-    return run
-
-
 @pytest.fixture(scope="session")
 def comm():
-    """The communicator of all ranks, with compiled kernels; None in the parent process."""
-    if not mpi_harness.is_child():
-        return None
+    """The communicator of all ranks, with compiled kernels."""
     from hpc_gfmd.contact import all_observables
     from hpc_gfmd.driver.warmup import compile_once
-    from hpc_gfmd.parallel.world import world
     from hpc_gfmd.scene import ArrayScene
 
     observables = all_observables().values()
@@ -247,9 +157,6 @@ def comm():
 @pytest.fixture
 def shared_path(comm):
     """A temporary folder that all ranks share, removed after the test."""
-    if comm is None:
-        yield None
-        return
     path = Path(comm.bcast(tempfile.mkdtemp(prefix="hpc-gfmd-") if comm.rank == 0 else None))
     yield path
     comm.barrier()

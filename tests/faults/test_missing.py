@@ -30,6 +30,16 @@ def test_mpirun_without_mpi4py(folder):
     assert sorted(p.name for p in folder.iterdir()) == ["gone", "scene.toml"]
 
 
+@pytest.mark.skipif(missing() != "", reason="needs an MPI launcher")
+def test_a_bad_scene_by_mpirun(folder):
+    """As a user and a job script see it."""
+    run = call(2, ["run", "scene.toml", "--set", "surface.perids=[3, 3]"], cwd=folder)
+    assert (run.returncode, run.stdout) == (2, "")
+    assert run.stderr.strip().count("\n") == 0
+    assert "surface.periods" in run.stderr
+    assert [path.name for path in folder.iterdir()] == ["scene.toml"]
+
+
 @pytest.mark.parametrize(
     ("module", "command", "words", "code"),
     rows("""

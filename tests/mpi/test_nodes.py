@@ -22,11 +22,7 @@ on_nodes = pytest.mark.parametrize("nodes", NODES)
 @pytest.fixture
 def machines(comm, nodes, monkeypatch):
     """Return the communicator of all ranks, as if they were on these nodes."""
-    return (
-        comm
-        if comm is None or comm.size == 1
-        else on_pretended_nodes(comm, NODES[nodes], monkeypatch)
-    )
+    return comm if comm.size == 1 else on_pretended_nodes(comm, NODES[nodes], monkeypatch)
 
 
 @on_nodes

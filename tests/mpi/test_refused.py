@@ -35,7 +35,7 @@ surface={kind = "file", physical_sizes = [1, 1], path = "flat.npy"} ; load={p_st
 @pytest.fixture
 def scene(comm, shared_path):
     """Write a scene and several bad height maps to the current folder."""
-    if comm is not None and comm.rank == 0:
+    if comm.rank == 0:
         Path("scene.toml").write_text(GOOD)
         Path("text.npy").write_text("no heights")
         z = np.zeros((9, 8))
@@ -50,8 +50,7 @@ def scene(comm, shared_path):
         np.save("nan.npy", z)
         with h5py.File("z.h5", "w") as file:
             file["height"] = z
-    if comm is not None:
-        comm.barrier()
+    comm.barrier()
     return "scene.toml"
 
 
@@ -68,14 +67,3 @@ def test_refused(comm, scene, overrides, named, cli):
     assert comm.rank > 0 or named in outcome.err
     comm.barrier()
     assert sorted(Path.cwd().iterdir()) == before
-
-
-def test_by_mpirun(mpirun, tmp_path):
-    """Through mpirun, as a user and a job script see it."""
-    (tmp_path / "scene.toml").write_text(GOOD)
-    run = mpirun("run", "scene.toml", "--set", "surface.perids=[3, 3]", cwd=tmp_path)
-    assert run.returncode == 2
-    assert run.stdout == ""
-    assert run.stderr.strip().count("\n") == 0
-    assert "surface.periods" in run.stderr
-    assert [p.name for p in tmp_path.iterdir()] == ["scene.toml"]
