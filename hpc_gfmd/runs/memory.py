@@ -4,6 +4,7 @@ By tests/unit/runs/test_measured_memory.py a forecast is never too low, and at m
 """
 
 from ..scene import Scene
+from ..surface.prepare import asks_for_preparation
 from ..util.machine import GIB
 
 # Bytes per point of the grid and rank, by (bytes of a number, low memory, axes with free edges): on
@@ -62,7 +63,8 @@ def memory_of(
     if scene.material.adhesion is not None:
         passing.append(STABILITY * itemsize * points)
     nbytes += max(passing) + HALO * itemsize * cell[1]
-    if scene.surface.kind == "file":  # resampled along y, then along x
-        before = scene.surface.downsample / scene.surface.refine  # points, over those after
-        nbytes = max(nbytes, 8 * points * max(2 * before, before + 2))
+    if scene.surface.kind == "file" and asks_for_preparation(scene.surface):  # on rank 0
+        resampling = scene.surface.downsample / scene.surface.refine
+        before = resampling**2 / 2 ** sum(scene.surface.mirrored)  # points, over those after
+        nbytes = max(nbytes, 8 * cell[0] * cell[1] * (3 * before + 2))
     return nbytes / GIB + PROCESS_GIB + threads * THREAD_GIB

@@ -22,7 +22,7 @@ from .analytic import flat_rows, wave_rows
 from .cell import grid_of, nominal_part
 from .doubtful_numbers import slope_notes
 from .heights import LARGEST, checked, checksum
-from .prepare import complete, needs_preparation, notes_on, on_radius, prepare, prepared_size
+from .prepare import asks_for_preparation, complete, notes_on, on_radius, prepare, prepared_size
 from .selfaffine import self_affine_gap
 from .slabs import slabs
 from .statistics import rms, rms_between_neighbours
@@ -201,7 +201,9 @@ def _shared(spec: Any, comm: Any) -> Topography:
     with collective_errors(comm, "reading the surface"):
         if comm.rank == 0:
             topography = open_topography(spec)
-            is_read_by_rows = topography.by_rows and not needs_preparation(topography, spec)
+            is_read_by_rows = (
+                topography.by_rows and not topography.lacks and not asks_for_preparation(spec)
+            )
     if comm.bcast(is_read_by_rows):
         return _read_by_rows(topography, spec, comm)
     with collective_errors(comm, "reading the surface"):

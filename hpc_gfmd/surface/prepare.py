@@ -58,13 +58,13 @@ def prepared_size(topography: Topography, spec: Any) -> tuple[tuple[int, int], t
     return (n_x // spec.downsample, n_y // spec.downsample), topography.sizes
 
 
-def needs_preparation(topography: Topography, spec: Any) -> bool:
-    """Whether a map has to be read whole before it can be pressed.
+def asks_for_preparation(spec: Any) -> bool:
+    """Whether a scene's [surface] asks for a step for which a map is read whole.
 
-    A form under the map does not count: it is added to rows as they are read.
+    A form under the map is none: it is added to rows as they are read.
     """
     return (
-        bool(topography.lacks or topography.bodies or spec.crop or spec.flip)
+        bool(spec.bodies or spec.crop or spec.flip)
         or any(spec.mirrored)
         or (spec.detrend, spec.fill, spec.window) != ("none", "none", "none")
         or (spec.refine, spec.downsample) != (1, 1)
