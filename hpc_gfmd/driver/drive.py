@@ -12,12 +12,11 @@ import numpy as np
 
 from ..certificate.certificate import Certificate, certify
 from ..certificate.criterion import StoppingCriterion
-from .search import area_may_be_met
+from .target import Target
 
 if TYPE_CHECKING:
     from ..solvers.base import Progress, Solver
     from .branches import SaddleGuard
-    from .search import LoadSearch
 
     Watch = Callable[[int, Progress], Any]
 
@@ -89,7 +88,7 @@ def drive(
     solver: Solver,
     criterion: StoppingCriterion,
     watch: Watch | None = None,
-    search: LoadSearch | None = None,
+    target: Target | None = None,
     guard: SaddleGuard | None = None,
 ) -> Outcome:
     """Iterate a started solver until a certificate meets the criterion, or until it has to end.
@@ -105,8 +104,8 @@ def drive(
     watch : callable, optional
         Called before every step, ``watch(iterations, progress)``, unless a certificate is due.
         A true value ends the iterations with the status "interrupted".
-    search : LoadSearch, optional
-        Changes the mean pressure during the iterations until its target is met.
+    target : Target, optional
+        May change the mean pressure during the iterations; by default it stays.
     guard : SaddleGuard, optional
         Computes the stability and leaves saddles; required with an attraction.
 
@@ -115,33 +114,34 @@ def drive(
     Outcome
         Status and certificate of the final state, the same on all ranks.
     """
+    target = target or Target(solver.p0)
     limits = Limits(solver, criterion)
     solver.stability = None  # that of the load before is not that of this one
     pairs = 0.0
     while True:
         if solver.is_separated:
-            if search is None or not search.touches:
+            if not target.touches:
                 return Outcome("separated", Certificate(errors=(0.0, 0.0, 0.0)), pairs)
-            if not search.bring_back(solver):
+            if not target.bring_back(solver):
                 return Outcome("stagnated", _of_lost_contact(solver), pairs)
             limits.begin_again()
             solver.step()
             continue
         progress = solver.progress()
-        if search is not None and search.adjust(solver, progress):
+        if target.follow(solver, progress):
             limits.begin_again()
             progress = solver.progress()
         limits.note(progress)
         may_be_solved = limits.ask_for_certificate(progress) and _may_be_met(
-            solver, progress, criterion, search
+            solver, progress, criterion, target
         )
         if not may_be_solved:
             reason = limits.exceeded(progress)
             if reason is None and watch is not None and watch(solver.iterations, progress):
                 reason = "interrupted"
             if reason is not None:
-                outcome = _conclude(solver, criterion, search, guard, reason, pairs)
-                if reason != "stagnated" or not _goes_elsewhere(solver, criterion, search, outcome):
+                outcome = _conclude(solver, criterion, target, guard, reason, pairs)
+                if reason != "stagnated" or not _goes_elsewhere(solver, criterion, target, outcome):
                     return outcome
                 pairs = outcome.pairs
                 limits.begin_again()
@@ -158,7 +158,7 @@ def drive(
         certificate = certificate_of(solver, criterion)
         pairs += certificate.pairs
         error = error_left(certificate, criterion)
-        miss = search.learn(solver, certificate) if search is not None else 0.0
+        miss = target.judge(solver, certificate)
         if max(error, miss) < 1:
             if guard is None or solver.problem.spring == 0:
                 return Outcome(_status_of(certificate, criterion), certificate, pairs)
@@ -174,7 +174,7 @@ def drive(
             continue
         solver.stability = None
         solver.after_certificate(certificate)
-        if search is not None and search.correct(solver, certificate, error < 1):
+        if target.correct(solver, certificate, error < 1):
             limits.begin_again()
         solver.step()
 
@@ -190,17 +190,17 @@ def _of_lost_contact(solver: Solver) -> Certificate:
 
 
 def _goes_elsewhere(
-    solver: Solver, criterion: StoppingCriterion, search: LoadSearch | None, outcome: Outcome
+    solver: Solver, criterion: StoppingCriterion, target: Target, outcome: Outcome
 ) -> bool:
-    """Let a search change the load if the iterations stagnated at a sufficiently accurate solution;
+    """Let a target change the load if the iterations stagnated at a sufficiently accurate solution;
     return whether it changed p0 of the solver. Collective."""
     certificate = outcome.certificate
     is_solved = (
         error_left(certificate, criterion) < 1 and _status_of(certificate, criterion) == "converged"
     )
-    if search is None or outcome.status != "stagnated" or not is_solved:
+    if outcome.status != "stagnated" or not is_solved:
         return False
-    return search.correct(solver, certificate, is_solved)
+    return target.correct(solver, certificate, is_solved)
 
 
 def _leaves_saddle(limits: Limits, guard: SaddleGuard) -> bool:
@@ -285,7 +285,7 @@ class Limits:
         certificate : Certificate
             Certificate of the solver's gap.
         left : float
-            Its error, or the miss of a search, over the requested one; at least 1.
+            Its error, or the miss of a target, over the requested one; at least 1.
         """
         by_residual = self.criterion.residual is not None
         error = certificate.residual if by_residual else certificate.errors[2]
@@ -354,24 +354,22 @@ class Limits:
 
 
 def _may_be_met(
-    solver: Solver, progress: Progress, criterion: StoppingCriterion, search: LoadSearch | None
+    solver: Solver, progress: Progress, criterion: StoppingCriterion, target: Target
 ) -> bool:
-    """Return whether a certificate may find the area accurate and the target of a search met.
+    """Return whether a certificate may find the area accurate and the target met.
 
     This takes a pass over all points, unlike the measure. True if a residual is requested.
     Collective.
     """
     if criterion.accuracy is None:
         return True
-    if search is None:
-        return area_may_be_met(solver, progress, criterion.accuracy)
-    return search.may_be_met(solver, progress, criterion.accuracy)
+    return target.may_be_met(solver, progress, criterion.accuracy)
 
 
 def _conclude(
     solver: Solver,
     criterion: StoppingCriterion,
-    search: LoadSearch | None,
+    target: Target,
     guard: SaddleGuard | None,
     reason: str,
     pairs: float,
@@ -385,7 +383,7 @@ def _conclude(
         pairs += guard.look()
     certificate = certificate_of(solver, criterion)
     pairs += certificate.pairs
-    miss = search.learn(solver, certificate) if search is not None else 0.0
+    miss = target.judge(solver, certificate)
     met = max(error_left(certificate, criterion), miss) < 1
     if met and reason not in ("nonfinite", "interrupted"):
         reason = _status_of(certificate, criterion)

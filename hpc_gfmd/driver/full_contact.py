@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from ..certificate.certificate import Certificate, certify
-from .search import LoadSearch
+from .target import ROUNDING, Target
 
 if TYPE_CHECKING:
     from ..contact.contact import Contact
@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from ..parallel.grid import Grid
     from ..solvers.base import Progress, Solver
     from .load import Load
-
-CLOSED = 8.0  # factor on the rounding errors of a closed contact's pressures that may occur
 
 
 def closed_contact(
@@ -86,135 +84,59 @@ def tension_of(grid: Grid, p: np.ndarray, unit: np.ndarray | None = None) -> tup
 
     extremes_of_pieces = [(-np.inf, 0.0), *grid.by_rows(extremes, rows)]
     tension, largest = grid.comm.max(np.max(extremes_of_pieces, axis=0)).tolist()
-    return tension, CLOSED * float(np.finfo(p.dtype).eps) * largest
+    return tension, ROUNDING * float(np.finfo(p.dtype).eps) * largest
 
 
-class ClosingSearch(LoadSearch):
-    """A search for the smallest load that closes the gap. It starts from a closed gap.
+class Closing(Target):
+    """The smallest load that closes the gap: the lowest pressure at a closed gap is just above 0.
 
-    Attributes
-    ----------
-    tolerance : float
-        Largest relative error of the load.
-    unit : ndarray or None
-        With free edges: the solution for a flat surface at a mean pressure of 1, local slab, the
-        pressure on the surface and the displacement beyond it. Set it before the iterations. None
-        for a periodic surface.
+    tolerance: largest relative error of the load. unit: with free edges the solution of a flat
+    surface at a mean pressure of 1, its pressure on the surface and its displacement beyond (local
+    slab), to be set before the iterations; None for a periodic surface.
     """
 
+    is_sought = True
     from_full_contact = True
 
     def __init__(self, tolerance: float):
+        super().__init__(1.0)
         self.tolerance = tolerance
         self.unit: np.ndarray | None = None
-        self._p0 = 1.0
 
-    @property
-    def p0(self) -> float:
-        """The mean pressure to begin with. It stays; the result is `solver.p0`."""
-        return self._p0
-
-    def begin_at(self, p0: float) -> None:
-        """Set the mean pressure to begin with."""
-        self._p0 = p0
-
-    def adjust(self, solver: Solver, progress: Progress) -> bool:
-        """Raise the load if a point is in tension, so that none is. Collective.
-
-        Parameters
-        ----------
-        solver : Solver
-            The iterating solver; its p0, p and, with free edges, g change.
-        progress : Progress
-            Not used.
-
-        Returns
-        -------
-        bool
-            Whether the load has changed.
-        """
+    def follow(self, solver: Solver, progress: Progress, coarse: bool = False) -> bool:
+        """Raise the load if a point is in tension; not on coarse grids, which lack points."""
         lowest, rounding = self._lowest(solver)
-        if lowest > 0:
+        if coarse or lowest > 0:
             return False
         more = 0.0 if self.unit is None else self.tolerance / 2 * (solver.p0 - lowest)
         return self._press(solver, rounding - lowest + more)
 
     def may_be_met(self, solver: Solver, progress: Progress, accuracy: float) -> bool:
-        """Return True: a point that is about to open does not count as an error of the area.
-
-        Parameters
-        ----------
-        solver : Solver
-            Not used.
-        progress : Progress
-            Not used.
-        accuracy : float
-            Not used.
-
-        Returns
-        -------
-        bool
-            True.
-        """
+        """True: a point that is about to open is no error of the area."""
         return True
 
-    def learn(self, solver: Solver, certificate: Certificate) -> float:
-        """Return 0 if every point is closed at the smallest such load, else infinity. Collective.
-
-        Parameters
-        ----------
-        solver : Solver
-            The solver, whose gap was certified.
-        certificate : Certificate
-            Its certificate.
-
-        Returns
-        -------
-        float
-            Miss of the target over the tolerance.
-        """
+    def judge(self, solver: Solver, certificate: Certificate) -> float:
+        """Return 0 if all points are closed at the smallest such load, else infinity."""
         lowest, rounding = self._lowest(solver)
         is_smallest = lowest <= max(2 * rounding, self.tolerance * solver.p0)
         return 0.0 if certificate.contact == solver.N and is_smallest else np.inf
 
     def correct(self, solver: Solver, certificate: Certificate, solved: bool) -> bool:
-        """Change the load of an accurate solution to the smallest one that closes the gap.
-
-        Collective.
-
-        Parameters
-        ----------
-        solver : Solver
-            The solver, whose gap was certified; its p0, p and, with free edges, g change.
-        certificate : Certificate
-            Not used.
-        solved : bool
-            Whether the solution at the present load meets the requested accuracy. If not, nothing
-            changes.
-
-        Returns
-        -------
-        bool
-            Whether the load has changed.
-        """
+        """Go to the smallest load that closes the gap of an accurate solution."""
         lowest, rounding = self._lowest(solver)
         if not solved or 0 < lowest < 2 * rounding:
             return False
         return self._press(solver, rounding - lowest)
 
     def _lowest(self, solver: Solver) -> tuple[float, float]:
-        """Return two mean pressures: by how much the load of the solver is above that at which the
-        first point opens (below 0 if points are in tension), and the rounding error of that number.
-        Collective."""
+        """Return by how much the load is above that at which the first point opens, and the
+        rounding error of that number."""
         tension, rounding = tension_of(solver.grid, solver.p, self.unit)
         stored = solver.problem_now.rounding if self.unit is not None else 0.0
         return -tension, max(rounding, stored)
 
     def _press(self, solver: Solver, by: float) -> bool:
-        """Raise solver.p0 by an amount, and its fields to the closed solution there; returns True.
-
-        Takes no FFT. Collective.
-        """
+        """Raise the load, and go to the closed solution there, without an FFT; return True."""
         rows, points = solver.grid.inside
         by = float(by)
 
@@ -260,4 +182,4 @@ def needs_double(contact: Contact, load: Load, problem: Problem) -> bool:
     if load.closes or contact.contact_points < contact.N:
         return False
     tension, _ = tension_of(contact.grid, contact.p)
-    return tension > -CLOSED * problem.rounding
+    return tension > -ROUNDING * problem.rounding

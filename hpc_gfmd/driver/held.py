@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..operators.elastic import Elastic
-from .search import LoadSearch
+from .target import Target
 
 if TYPE_CHECKING:
     from ..certificate.certificate import Certificate
@@ -34,7 +34,7 @@ MOST_TRIALS = 25  # positions of the end of the spring
 JUMPS = "the contact jumps past the prescribed value: no equilibrium was found that is held there"
 
 
-class Held(LoadSearch):
+class Held(Target):
     """A search that moves the end of a spring until a mean gap or an approach is met.
 
     Parameters
@@ -68,6 +68,8 @@ class Held(LoadSearch):
         the attraction.
     """
 
+    is_sought = True
+
     def __init__(
         self,
         quantity: str,
@@ -91,14 +93,9 @@ class Held(LoadSearch):
         self.begin_at(p0)
 
     @property
-    def p0(self) -> float:
-        """Mean pressure at the start, then that of the last certified solution."""
-        return self._p0
-
-    @property
     def half_area(self) -> float:
         """A rough estimate of half the relative contact area: |p0|."""
-        return abs(self._p0)
+        return abs(self.p0)
 
     def begin_at(self, p0: float) -> None:
         """Set `p0`, the mean pressure at the start, which must belong to the gap at the start.
@@ -113,26 +110,26 @@ class Held(LoadSearch):
 
         What an attempt in another precision has found is forgotten.
         """
-        self._p0 = self._p0_at_start
+        self.p0 = self._p0_at_start
         self._stiffness = self.spring
         self._end = 0.0  # by how much the end of the spring has moved, as a p0
         # of the solution before: this end, and by how much the bodies were too far apart
         self._before: tuple[float, float] | None = None
         self._trials = 0
         self.note = None
-        return self._p0
+        return self.p0
 
     def _value(self, certificate: Certificate) -> float:
         """Return the mean gap or approach that a certificate found."""
         return float(getattr(certificate, self.quantity))
 
-    def learn(self, solver: Solver, certificate: Certificate) -> float:
+    def judge(self, solver: Solver, certificate: Certificate) -> float:
         """Store the solver's p0; return the miss of the target over the tolerance (met below 1).
 
         The certified error of the mean gap is subtracted from the tolerance first, of which a tenth
         is left at least.
         """
-        self._p0 = solver.p0
+        self.p0 = solver.p0
         error = certificate.errors[1] * certificate.gap_mean / self.unit
         room = max(self.tolerance - error, 0.1 * self.tolerance)
         return abs(self._value(certificate) - self.target) / self.unit / room

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import nan
 from typing import TYPE_CHECKING, NamedTuple
 
+from .target import Target
+
 if TYPE_CHECKING:
     import numpy as np
-
-    from .search import LoadSearch
 
 
 @dataclass
@@ -23,27 +23,19 @@ class Load:
     value : float
         Its prescribed value: a pressure in the unit of E_star, a length in the unit of the heights,
         or a relative area.
-    given_p0 : float
-        The mean pressure in the program's unit, if it is known without a search; nan in a load that
-        is not yet prepared (`Searches.begin` returns a prepared copy) and in one with a search.
-    search : LoadSearch or None
-        Finds the mean pressure during the iterations; None if it is known without one.
+    target : Target
+        Has the mean pressure in the program's unit, or finds it during the iterations; nan in a
+        load that the sweep has not prepared yet.
     """
 
     quantity: str
     value: float
-    given_p0: float = nan
-    search: LoadSearch | None = None
+    target: Target = field(default_factory=lambda: Target(nan))
 
     @property
     def p0(self) -> float:
-        """The mean pressure in the program's unit, the given one or that of the search."""
-        return self.given_p0 if self.search is None else self.search.p0
-
-    @property
-    def half_area(self) -> float:
-        """An estimate of half the relative contact area, from the load alone."""
-        return self.given_p0 if self.search is None else self.search.half_area
+        """The mean pressure in the program's unit."""
+        return self.target.p0
 
     @property
     def is_pressure(self) -> bool:
@@ -69,25 +61,6 @@ class Load:
     def closes(self) -> bool:
         """Whether the smallest load that closes the gap everywhere is sought (an area of 1)."""
         return self.quantity == "a_r" and self.value == 1
-
-    @property
-    def from_full_contact(self) -> bool:
-        """Whether the iterations start from a gap of 0 everywhere."""
-        return self.search is not None and self.search.from_full_contact
-
-    @property
-    def spring(self) -> float:
-        """Stiffness of the spring that presses the body, in the program's units (see Problem).
-
-        0 for a pressure, given or searched for. Only a mean gap or an approach that is held under
-        an attraction has a spring.
-        """
-        return 0.0 if self.search is None else self.search.spring
-
-    @property
-    def note(self) -> str | None:
-        """A remark of the search for the user; None without one."""
-        return None if self.search is None else self.search.note
 
 
 class Unfinished(NamedTuple):

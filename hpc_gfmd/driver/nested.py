@@ -32,7 +32,7 @@ from .grid_errors import CoarseContact, coarser_contacts
 if TYPE_CHECKING:
     from ..operators.problem import Problem
     from ..solvers.base import Solver
-    from .search import LoadSearch
+    from .target import Target
 
     MakeSolver = Callable[[Problem], Solver]
 
@@ -246,7 +246,7 @@ class Nested:
         self,
         problem: Problem,
         make_solver: MakeSolver,
-        search: LoadSearch | None,
+        target: Target,
         into: np.ndarray | None = None,
     ) -> tuple[np.ndarray, float, list[CoarseContact]]:
         """Solve a problem roughly on the coarser grids, and interpolate to a start on this grid.
@@ -259,8 +259,8 @@ class Nested:
             The problem on this grid, with stored heights.
         make_solver : callable
             Makes the solver of a problem: ``make_solver(problem)``.
-        search : LoadSearch or None
-            Finds the mean pressure on every grid, and is changed; None if that of `problem` holds.
+        target : Target
+            Has or finds the mean pressure on every grid; it changes.
         into : ndarray, optional
             Array that gets the gap; it may be that of problem.h, which is then overwritten.
 
@@ -291,10 +291,9 @@ class Nested:
         signal = 0
         if coarse is not None and self.coarser is not None:
             try:
-                g, pairs, coarser = self.coarser.start(coarse, make_solver, search)
-                if search is not None:
-                    coarse = replace(coarse, p0=search.begin(coarse))
-                solver = roughly_solved(coarse, make_solver, g, self.reduction, search)
+                g, pairs, coarser = self.coarser.start(coarse, make_solver, target)
+                coarse = replace(coarse, p0=target.begin(coarse))
+                solver = roughly_solved(coarse, make_solver, g, self.reduction, target)
                 pairs = (pairs + solver.pairs) * coarse.grid.cell_points / problem.grid.cell_points
                 contact = solver.progress(with_errors=False).contact
                 full = not coarse.grid.padded and contact == coarse.grid.N
@@ -305,8 +304,7 @@ class Nested:
         full, pairs, coarser, signal = problem.grid.comm.bcast((full, pairs, coarser, signal))
         if signal:
             interrupt.stop(signal)
-        if search is not None:
-            search.agree(problem.grid.comm)
+        target.agree(problem.grid.comm)
         return _prolong(problem, self.step, coarse, solver, full, into), pairs, coarser
 
     def may_be_full(self, problem: Problem) -> tuple[bool, float]:
@@ -329,11 +327,7 @@ class Nested:
 
 
 def roughly_solved(
-    problem: Problem,
-    make_solver: MakeSolver,
-    g: np.ndarray,
-    reduction: float,
-    search: LoadSearch | None,
+    problem: Problem, make_solver: MakeSolver, g: np.ndarray, reduction: float, target: Target
 ) -> Solver:
     """Make a solver, and iterate until its residual is small enough for a coarse grid. Collective.
 
@@ -350,8 +344,8 @@ def roughly_solved(
         Gap to start from, local slab.
     reduction : float
         Residual to reach, over that of the start.
-    search : LoadSearch or None
-        Changes the mean pressure during the iterations.
+    target : Target
+        May change the mean pressure during the iterations.
 
     Returns
     -------
@@ -365,16 +359,15 @@ def roughly_solved(
     """
     solver = make_solver(problem)
     solver.start(g)
-    searches = search is not None
-    progress = solver.progress(searches)
+    progress = solver.progress(target.is_sought)
     enough = reduction * progress.residual
     for _ in range(CALIBRATION.iterations):
         interrupt.check(problem.grid.comm)
-        near = search is None or search.near(solver, progress)
-        if not progress.finite or (near and progress.residual <= enough):
+        moved = target.follow(solver, progress, coarse=True)
+        if not progress.finite or (not moved and progress.residual <= enough):
             break
         solver.step()
-        progress = solver.progress(searches)
+        progress = solver.progress(target.is_sought)
     return solver
 
 

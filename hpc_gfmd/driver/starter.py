@@ -14,6 +14,7 @@ from ..solvers import solver_class
 from .branches import goes_on
 from .drive import certificate_of
 from .nested import cold_gap, roughly_solved, undeformed_gap
+from .target import Target
 
 if TYPE_CHECKING:
     from ..operators.problem import Problem
@@ -112,7 +113,7 @@ class Starter:
         working : WorkingSurface
             The surface in the precision of the solver.
         load : Load
-            The load. Its search, if it has one, changes: coarser grids already use it.
+            The load. Its target changes: coarser grids already use it.
         gap : ndarray, optional
             A gap to start from, local slab of the grid. It is copied.
 
@@ -132,7 +133,7 @@ class Starter:
             return self._continue(working, load)
         if working.model.attraction is not None and load.p0 <= 0:
             return self._start_undeformed(working, load)
-        if load.from_full_contact:
+        if load.target.from_full_contact:
             return self._start_at(working, load, 0.0)
         return self._start_cold(working, load)
 
@@ -200,7 +201,7 @@ class Starter:
             coarser: list[CoarseContact] = []
         else:
             bare = replace(problem, attraction=None)
-            gap, pairs, coarser = nested.start(bare, self._make, load.search, memory)
+            gap, pairs, coarser = nested.start(bare, self._make, load.target, memory)
             if problem.attraction is not None and nested.is_coarsest:
                 gap, more = self._without_attraction(bare, gap)
                 pairs += more
@@ -228,14 +229,14 @@ class Starter:
         `self.solver` is changed. Returns the new gap, in new memory, and the FFT pairs that it
         took. Raises Stopped on all ranks if a signal asks the run to stop. Collective.
         """
-        solver = roughly_solved(problem, self._make, gap, WITHOUT_ATTRACTION, None)
+        solver = roughly_solved(problem, self._make, gap, WITHOUT_ATTRACTION, Target(problem.p0))
         return solver.g, solver.pairs
 
     def _problem_to_start(self, working: WorkingSurface, load: Load) -> Problem:
         """Return the problem at the load with stored heights; in low memory drop the solver."""
         if working.solver_makes_room:
             self.solver = None
-        return replace(working.problem_to_start(load.p0), spring=load.spring)
+        return replace(working.problem_to_start(load.p0), spring=load.target.spring)
 
     def _make(self, problem: Problem, gap: np.ndarray | None = None) -> Solver:
         """Make a solver; `gap` becomes its array of the gap (new memory without it)."""
@@ -247,10 +248,10 @@ class Starter:
         """Return the solver with its counts at 0 and its p0 at the load, and its criterion.
 
         Makes the solver if there is none, with `gap` as its array; an existing one keeps its own.
-        Either way the caller has to start it at the gap (`_lay_down`). The search begins on the
+        Either way the caller has to start it at the gap (`_lay_down`). The target begins on the
         finest grid. In low memory the heights are freed.
         """
-        p0 = load.p0 if load.search is None else load.search.begin()
+        p0 = load.target.begin()
         problem = working.problem_to_iterate(replace(problem, p0=p0))
         if self.solver is None:
             self.solver = self._make(problem, gap)

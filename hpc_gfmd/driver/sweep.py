@@ -17,16 +17,15 @@ from ..util.errors import SceneError
 from .branches import SaddleGuard
 from .contact_model import ContactModel
 from .drive import drive
-from .full_contact import ClosingSearch, needs_double
+from .full_contact import Closing, needs_double
 from .grid_errors import grid_errors
 from .held import Held
 from .load import Load, Unfinished
-from .load_quantities import OpeningSearch
 from .low_memory import LowMemorySurface
 from .precision import first_precision, too_little, too_soft
 from .scene_loads import loads_of
-from .searches import Searches
 from .starter import Starter
+from .target import NEARLY_CLOSED, ROOTS, Opening, Target, opening_load
 from .without_iterations import Attempt, contact_of, flat_contact, full_contact, separated_contact
 from .working_surface import WorkingSurface
 
@@ -95,7 +94,7 @@ def _sweep_with(
             raise SceneError('solver.low_memory: found true, allowed: with solver.name = "bpx"')
         kind = LowMemorySurface
     surface_in = partial(kind, make_surface, model, nests=starter.nests)
-    return Sweep(surface_in, starter, Searches(settings))
+    return Sweep(surface_in, starter)
 
 
 class Sweep:
@@ -108,8 +107,6 @@ class Sweep:
         again if a load needs double precision. Collective.
     starter : Starter
         Starts the solver at each load.
-    searches : Searches
-        Begins the search for each load that is not a pressure.
 
     Attributes
     ----------
@@ -117,13 +114,11 @@ class Sweep:
         The surface in the present precision.
     """
 
-    def __init__(
-        self, surface_in: Callable[[np.dtype], WorkingSurface], starter: Starter, searches: Searches
-    ):
+    def __init__(self, surface_in: Callable[[np.dtype], WorkingSurface], starter: Starter):
         self.surface_in = surface_in
         self.starter = starter
-        self.searches = searches
         self.settings = starter.settings
+        self._history: list[dict[str, float]] = []  # results of the last two loads
         self._failed = False
         self._separated_at: Load | None = None  # the load before, if the bodies came apart at it
         self._punch: np.ndarray | None = None  # see _flat_solution
@@ -193,12 +188,11 @@ class Sweep:
                 return separated
             load, held, pairs = self._held(load, unfinished)
         else:
-            load = self.searches.begin(load, self.working)
+            load = replace(load, target=self._target_of(load))
             pairs = self._solve_before(load)
         if unfinished is not None:
             pairs += unfinished.pairs
-            if load.search is not None:
-                load.search.begin_at(unfinished.p_mean / self.working.pressure_unit)
+            load.target.begin_at(unfinished.p_mean / self.working.pressure_unit)
         contact = None
         *tried_before, final = self._precisions(load, unfinished)
         gap = held if unfinished is None else unfinished.gap
@@ -215,10 +209,42 @@ class Sweep:
         self._separated_at = load if contact.is_separated else None
         searched = self.working.model.attraction is None  # with an attraction no load is
         if contact.status == "converged" and searched:
-            self.searches.remember(contact, self.working)
+            self._remember(contact)
         if self.working.model.unique:
             return self._with_other_branch(contact)
         return contact
+
+    # -- targets
+
+    def _target_of(self, load: Load) -> Target:
+        """Return the target of a load without attraction, or under a dead load. Collective."""
+        working = self.working
+        if load.is_pressure:
+            return Target(load.value / working.pressure_unit)
+        if load.closes:
+            is_periodic = not working.surface.grid.padded
+            if working.full_contact_is_known and is_periodic:
+                return Target(1.0)  # until the closed contact is known
+            return Closing(self.settings.tolerance)
+        is_area = load.quantity == "a_r"
+        value = load.value if is_area else load.value / working.surface.slope
+        arguments = value, self.settings.tolerance, self.settings.accuracy is not None, working
+        if load.quantity == "gap_mean" and working.model.hardness is None:
+            opens = opening_load(load.value, working)
+            if opens < NEARLY_CLOSED:
+                return Opening(*arguments, opens)
+        return ROOTS[load.quantity](*arguments, self._history)
+
+    def _remember(self, contact: Contact) -> None:
+        """Store load, area, gap and approach of a solution, from which later targets begin."""
+        a = self.surface.grid.a
+        solved = {
+            "p0": contact.p_mean / self.working.pressure_unit,
+            "a_r": contact.contact_points / contact.N,
+            "gap_mean": contact.certificate.gap_mean * a,
+            "approach": contact.certificate.approach * a,
+        }
+        self._history = [*self._history[-1:], solved]
 
     # -- precisions
 
@@ -242,14 +268,14 @@ class Sweep:
 
     def _is_too_little(self, load: Load) -> bool:
         """Return whether single precision is known not to suffice for a load."""
-        if load.search is not None and load.search.needs_double:
+        if load.target.needs_double:
             return True
         settings = self.settings
         surface = self.surface
         h_rms = surface.h_rms / surface.height_unit
         if too_soft(settings.accuracy, h_rms, self.working.hardness):
             return True
-        return too_little(settings, surface.grid.N, load.half_area)
+        return too_little(settings, surface.grid.N, load.target.half_area)
 
     def _work_in(self, dtype: np.dtype) -> None:
         """Make the surface again in a precision; drop the solver and the present surface.
@@ -284,8 +310,7 @@ class Sweep:
         before, to which those of the attempt are added; may_need_double: whether to return no
         contact if single precision turns out not to suffice. watch, unfinished: see `solve`.
         """
-        if load.search is not None:
-            load.search.measure(lambda: self.working.heights)
+        load.target.measure(self.working)
         model = self.working.model
         attracts = model.attraction is not None
         begins = gap is None and not self.starter.follows(self.working, load)
@@ -302,7 +327,7 @@ class Sweep:
         if may_need_double and self._is_too_little(load):  # as the coarser grids have found
             return Attempt(None, pairs + solver.pairs)
         guard = SaddleGuard(solver, model.branch) if attracts else None
-        outcome = drive(solver, start.criterion, watch, load.search, guard)
+        outcome = drive(solver, start.criterion, watch, load.target, guard)
         pairs += solver.pairs + outcome.pairs
         if outcome.status == "separated":
             return self._separated(load, solver.iterations, pairs)
@@ -338,8 +363,7 @@ class Sweep:
     def _status_of(self, outcome: Outcome, load: Load) -> str:
         """Return the status of the outcome, but "stagnated" instead of "converged" if the target of
         a search needs double precision and this is single precision."""
-        doubtful = load.search is not None and load.search.needs_double
-        if outcome.status == "converged" and doubtful and self.dtype != DOUBLE:
+        if outcome.status == "converged" and load.target.needs_double and self.dtype != DOUBLE:
             return "stagnated"
         return outcome.status
 
@@ -376,7 +400,7 @@ class Sweep:
     def _held(self, load: Load, unfinished: Unfinished | None) -> tuple[Load, np.ndarray, float]:
         """Prepare a mean gap or an approach with attraction, which a spring holds.
 
-        Returns a copy of the load with its search, a `Held`; the gap to start from (the unfinished
+        Returns a copy of the load with its target, a `Held`; the gap to start from (the unfinished
         one, or on retraction that of the load before, else that of the contact without attraction,
         which is solved here); and the FFT pairs that this took. Collective.
         """
@@ -390,33 +414,32 @@ class Sweep:
             bare = self._on_same_surface(working.model.without_attraction)
             start = bare.solve(load, self._raise_if_stopped)
             gap, p0, pairs = start.g, start.p_mean / working.pressure_unit, start.pairs
-        target = load.value / working.surface.height_unit
-        search = Held(
+        value = load.value / working.surface.height_unit
+        target = Held(
             load.quantity,
-            target,
+            value,
             self.settings.tolerance,
             p0,
             working.problem(p0),
             gap_at_touch=working.heights.top / working.surface.grid.a,
             gap_at_start=gap,
         )
-        return replace(load, search=search), gap, pairs
+        return replace(load, target=target), gap, pairs
 
     # -- what some loads need before their own
 
     def _solve_before(self, load: Load) -> float:
-        """Solve the contacts that the search for a load requires, and give it their results.
+        """Solve full contact or a flat punch if the target of a load needs it. Collective.
 
-        That is a flat punch, or full contact; most searches require none. Returns the FFT pairs
-        that they took. Collective.
+        Returns the FFT pairs that this took.
         """
-        search = load.search
-        if isinstance(search, ClosingSearch) and self.surface.grid.padded:
-            search.unit, pairs = self._flat_solution()
+        target = load.target
+        if isinstance(target, Closing) and self.surface.grid.padded:
+            target.unit, pairs = self._flat_solution()
             return pairs
-        if isinstance(search, OpeningSearch):
+        if isinstance(target, Opening):
             closed = self.solve(Load("a_r", 1.0), self._raise_if_stopped)
-            search.begin_below(closed.p_mean / closed.pressure_unit)
+            target.begin_below(closed.p_mean / closed.pressure_unit)
             return closed.pairs
         return 0.0
 

@@ -10,8 +10,9 @@ import numpy as np
 from ..certificate.certificate import Certificate
 from ..certificate.error_estimates import full_contact_error
 from ..contact.contact import Contact
-from .full_contact import CLOSED, closed_contact, tension_of
+from .full_contact import closed_contact, tension_of
 from .nested import undeformed_gap
+from .target import ROUNDING
 
 if TYPE_CHECKING:
     from ..certificate.criterion import StoppingCriterion
@@ -55,7 +56,7 @@ def contact_of(
     working : WorkingSurface
         The surface, with the model.
     load : Load
-        The load; its note becomes the remark of the contact.
+        The load; the note of its target becomes the remark of the contact.
     criterion : StoppingCriterion
         The accuracy that the solution had to reach.
     p0 : float
@@ -88,7 +89,7 @@ def contact_of(
         accuracy=criterion.tolerance,
         lam_s=model.lam_s,
         body=model.body,
-        remark=load.note,
+        remark=load.target.note,
         iterations=iterations,
         pairs=float(pairs),
         hardness=model.hardness,
@@ -171,7 +172,7 @@ def full_contact(
     working : WorkingSurface
         The surface.
     load : Load
-        The load. If it `closes` the gap, its `given_p0` is set to the load that does.
+        The load. If it `closes` the gap, its target gets the load that does.
     criterion : StoppingCriterion
         Whether the certificate has the duality gap.
     pairs : float
@@ -185,7 +186,7 @@ def full_contact(
     """
     none = Attempt(None, pairs)
     attracts = working.model.attraction is not None
-    if load.search is not None or attracts or not working.full_contact_is_known:
+    if load.target.is_sought or attracts or not working.full_contact_is_known:
         return none
     if not load.closes and load.p0 < working.model.body.full_p_star:
         return none
@@ -199,7 +200,7 @@ def full_contact(
     g, p, certificate = closed_contact(problem, dual=criterion.duality)
     pairs += certificate.pairs
     tension, rounding = tension_of(problem.grid, p)
-    is_doubtful = abs(tension) <= CLOSED * problem.rounding
+    is_doubtful = abs(tension) <= ROUNDING * problem.rounding
     if is_doubtful and problem.dtype != np.float64 and not load.closes:
         return Attempt(None, pairs)
     if load.closes or (is_doubtful and tension >= 0):
@@ -207,7 +208,7 @@ def full_contact(
         g, p, certificate = closed_contact(problem, dual=criterion.duality)
         pairs += certificate.pairs
     if load.closes:
-        load.given_p0 = problem.p0
+        load.target.p0 = problem.p0
     if certificate.contact - certificate.yielded < problem.grid.N:
         return Attempt(None, pairs)
     exact = replace(certificate, errors=(0.0, 0.0, full_contact_error(problem)))

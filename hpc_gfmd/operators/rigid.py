@@ -34,7 +34,7 @@ def balancing_shift(problem: Problem, p0: float, g: np.ndarray) -> tuple[np.floa
     energy is summed over points. Collective.
     """
     grid = problem.grid
-    shift = nth_smallest(grid, g, points_to_carry(problem, p0))
+    shift = nth_smallest(grid, lambda i0, i1: g[i0:i1], points_to_carry(problem, p0))
     rows, points = grid.inside
 
     def depths(i0: int, i1: int) -> tuple[float, float]:
@@ -59,7 +59,7 @@ def dent_rigidly(
         return False
     grid = problem.grid
     rows, points = grid.inside
-    level = nth_smallest(grid, h, points_to_carry(problem, p0))
+    level = nth_smallest(grid, lambda i0, i1: h[i0:i1], points_to_carry(problem, p0))
 
     def sums(i0: int, i1: int) -> tuple[float, float, float]:
         inner = max(min(i1, rows) - i0, 0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,15 +13,15 @@ if TYPE_CHECKING:
     from ..parallel.grid import Grid
 
 
-def nth_smallest(grid: Grid, field: np.ndarray, n: int) -> np.floating:
+def nth_smallest(grid: Grid, rows_of: Callable[[int, int], np.ndarray], n: int) -> np.floating:
     """Return the n-th smallest number (from 1) of a field over the surface. Collective.
 
-    Exact: each pass of a radix selection over the field decides 16 more bits, so single precision
-    takes two passes and double precision four. The field is neither copied nor changed.
+    rows_of(i0, i1) returns local rows of the field, which need not be stored. Exact: each pass of a
+    radix selection over the field decides 16 more bits, so single precision takes two passes and
+    double precision four.
     """
-    real = field.dtype.type
-    size = 8 * field.dtype.itemsize
-    bits = field.view(f"uint{size}")
+    dtype = rows_of(0, 0).dtype
+    size = 8 * dtype.itemsize
     sign = 1 << (size - 1)
     rows, points = grid.inside
     prefix = 0
@@ -28,10 +29,12 @@ def nth_smallest(grid: Grid, field: np.ndarray, n: int) -> np.floating:
     for shift in range(size - DIGIT, -1, -DIGIT):
         counts = np.zeros(2**DIGIT)
         digit = np.uint64(sign), np.uint64(shift), np.uint64(prefix)
-        count_digits(bits, (rows, points), *digit, counts)
+        for i0, i1 in grid.pieces(rows):
+            bits = rows_of(i0, i1).view(f"uint{size}")
+            count_digits(bits, (i1 - i0, points), *digit, counts)
         up_to = np.cumsum(grid.comm.sum(counts))
         value = int(np.searchsorted(up_to, rank))
         rank -= float(up_to[value - 1]) if value > 0 else 0.0
         prefix = (prefix << DIGIT) | value
     key = prefix ^ sign if prefix & sign else prefix ^ (2 * sign - 1)
-    return np.array([key], f"uint{size}").view(real)[0]
+    return np.array([key], f"uint{size}").view(dtype)[0]

@@ -14,7 +14,7 @@ from scene_tables import rows
 import hpc_gfmd
 from hpc_gfmd.bodies import body_of
 from hpc_gfmd.driver.load import Load
-from hpc_gfmd.driver.load_quantities import search_for
+from hpc_gfmd.driver.target import Area
 from hpc_gfmd.scene import LoadTable, Material
 from hpc_gfmd.solvers import solver_names
 
@@ -398,9 +398,8 @@ def test_an_area_far_from_earlier_ones():
         {"p0": np.exp(x), "a_r": area, "gap_mean": 1.0, "approach": 1.0}
         for x, area in ((0.40, 0.9990), (0.44, 0.9991))
     ]
-    load = Load("a_r", 4e-5)
-    search = search_for(load, sweep.surface, sweep.working.heights, 1e-3, True, near)
-    assert abs(search.x - np.log(2e-5)) < 3
+    target = Area(4e-5, 1e-3, True, sweep.working, near)
+    assert abs(np.log(target.p0 / 2e-5)) < 3
 
 
 @pytest.mark.parametrize("hardness", [0.05, 5.0])

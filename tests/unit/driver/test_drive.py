@@ -12,7 +12,7 @@ from hpc_gfmd.certificate.criterion import StoppingCriterion
 from hpc_gfmd.certificate.error_estimates import Estimate
 from hpc_gfmd.driver import drive as module
 from hpc_gfmd.driver.drive import CALIBRATION, drive, error_left
-from hpc_gfmd.driver.search import LoadSearch
+from hpc_gfmd.driver.target import Target
 from hpc_gfmd.solvers.base import Progress
 
 ACCURACY = 1e-3
@@ -154,17 +154,14 @@ def test_interrupts(certified):
     assert (outcome.status, solver.iterations) == ("interrupted", 7)
 
 
-class Doubling(LoadSearch):
-    """A search that doubles the load after a number of certificates."""
+class Doubling(Target):
+    """A target that doubles the load after a number of certificates."""
 
     def __init__(self, times):
+        super().__init__(0.1)
         self.times = times
 
-    @property
-    def p0(self):
-        return 0.1
-
-    def learn(self, solver, certificate):
+    def judge(self, solver, certificate):
         return 2.0 if self.times else 0.0
 
     def correct(self, solver, certificate, solved):
@@ -175,23 +172,23 @@ class Doubling(LoadSearch):
         return True
 
 
-def test_searches_follow_certificates(certified):
+def test_targets_follow_certificates(certified):
     """Refusals are counted per load."""
     times = CALIBRATION.refusals + 3
     certified(lambda solver: 0.1 * ACCURACY)
     solver = Scripted(halving)
-    outcome = drive(solver, CRITERION, search=Doubling(times))
+    outcome = drive(solver, CRITERION, target=Doubling(times))
     assert outcome.status == "converged"
     assert solver.p0 == pytest.approx(0.1 * 2**times)
     assert outcome.pairs == PAIRS * (times + 1)
 
 
 @pytest.mark.parametrize(("error", "status"), [(0.1, "converged"), (10, "stagnated")])
-def test_a_search_goes_on_where_iterations_help_no_more(certified, error, status):
+def test_a_target_goes_on_where_iterations_help_no_more(certified, error, status):
     """If the solution is accurate and the target alone is missed."""
     certified(lambda solver: error * ACCURACY)
     solver = Scripted(lambda k: 10 * ACCURACY, patience=5)
-    outcome = drive(solver, CRITERION, search=Doubling(3))
+    outcome = drive(solver, CRITERION, target=Doubling(3))
     assert outcome.status == status
     assert solver.p0 == pytest.approx(0.8 if status == "converged" else 0.1)
 

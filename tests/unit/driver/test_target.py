@@ -1,0 +1,183 @@
+"""The root-finder for a load, on curves in closed form instead of contacts."""
+
+from math import copysign, exp, inf, log
+from types import SimpleNamespace
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from hpc_gfmd.driver.height_statistics import HeightStatistics
+from hpc_gfmd.driver.target import Bound, Root, share_of_way
+
+TOLERANCE = 1e-3
+HEIGHTS = HeightStatistics(10_000, 1, 1, top=3.0, lowest=0.0, steepness=1.0, alone=0.0)
+
+
+class Curve(Root):
+    """Finds the mean pressure p0 at which curve(p0) = y."""
+
+    quantity = "y"
+
+    def __init__(self, curve, value, start=1.0, hardness=None, history=()):
+        self.curve = curve
+        self.start = start
+        working = SimpleNamespace(heights=HEIGHTS, hardness=hardness, surface=None)
+        super().__init__(value, TOLERANCE, True, working, history)
+
+    def guess(self, surface):
+        return self.x_of(self.start)
+
+    def straight(self, y):
+        return log(y) if y > 0 else -inf
+
+    def certified(self, solver, certificate):
+        return self.curve(solver.p0), 0.0
+
+
+class Steps(Curve):
+    """A curve in steps: its bracket is never left."""
+
+    in_steps = True
+
+    def distance(self, solver, y):
+        return self.curve.distance(solver.p0)
+
+
+class Solver:
+    """A solver that records its loads and needs no iterations."""
+
+    def __init__(self, p0):
+        self.loads = [p0]
+
+    @property
+    def p0(self):
+        return self.loads[-1]
+
+    def continue_at(self, p0):
+        self.loads.append(p0)
+
+
+def loads_tried(target):
+    """All loads until the target is met."""
+    solver = Solver(target.p0)
+    while target.judge(solver, None) >= 1:
+        assert target.correct(solver, None, True), solver.loads
+    assert target.miss(target.curve(solver.p0)) <= TOLERANCE
+    return solver.loads
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    exponent=st.floats(0.2, 3.0),
+    scale=st.floats(1e-3, 1e3),
+    p0=st.floats(1e-5, 1.0),
+    off=st.floats(-4.0, 4.0),
+)
+def test_powers_of_the_load(exponent, scale, p0, off):
+    """A secant in logarithms is exact for powers."""
+
+    def curve(p):
+        return scale * p**exponent
+
+    loads = loads_tried(Curve(curve, curve(p0), p0 * exp(off)))
+    assert loads[-1] == pytest.approx(p0, rel=2 * TOLERANCE / exponent)
+    assert len(loads) < 3 + abs(off) / log(2) + 8
+
+
+@settings(max_examples=60, deadline=None)
+@given(p0=st.floats(1e-4, 0.9), off=st.floats(-3.0, 3.0))
+def test_saturating_curve(p0, off):
+    def curve(p):
+        return p / (p + 0.1)
+
+    loads_tried(Curve(curve, curve(p0), p0 * exp(off)))
+
+
+def test_nearly_flat_curve_is_crossed():
+    def curve(p):
+        return 0.2 + 1e-4 * log(p) if p < 0.5 else p
+
+    loads = loads_tried(Curve(curve, 0.8, 0.01))
+    assert loads[-1] == pytest.approx(0.8, rel=2 * TOLERANCE)
+
+
+@settings(max_examples=60, deadline=None)
+@given(root=st.floats(0.02, 40.0), kind=st.sampled_from(["line", "cubic", "kink", "side"]))
+def test_steps_are_enclosed(root, kind):
+    """Between bounds the load converges to the root, whatever the distance tells of it."""
+    distances = {
+        "line": lambda p: p - root,
+        "cubic": lambda p: (p - root) ** 3,
+        "kink": lambda p: (p - root) * (100 if p < root else 1),
+        "side": lambda p: copysign(inf, p - root),
+    }
+
+    def curve(p):  # the middle step is as narrow as the tolerance
+        return 1.0 if abs(p / root - 1) < TOLERANCE else 0.5 if p < root else 2.0
+
+    curve.distance = distances[kind]
+    target = Steps(curve, 1.0)
+    loads = loads_tried(target)
+    assert loads[-1] == pytest.approx(root, rel=2 * TOLERANCE)
+    assert len(loads) < 45
+
+
+def test_plateaus_are_left_at_their_end():
+    """The distance is linear on a plateau, so its end is known after two loads."""
+
+    def curve(p):
+        return 0.5 if p < 3.0 else 1.0
+
+    curve.distance = lambda p: p - 3.1
+    loads = loads_tried(Steps(curve, 1.0, start=0.1))
+    assert len(loads) <= 4
+
+
+def test_predictions_are_followed_between_the_bounds():
+    target = Curve(lambda p: p, 1.0, start=0.8)
+    x = target.propose(0.8, 0.0, certified=False)
+    assert exp(x) == pytest.approx(1.0)
+    assert target.propose(0.8, 1.0, certified=False) is None  # too inaccurate to be followed
+    assert target.propose(0.8, 0.0, certified=False, allowed=0.3) is None
+    target.bound(0.8, -0.2)
+    assert target.propose(1.2, 0.0, certified=False) is None  # beyond the bound
+
+
+def test_contradicting_bounds_are_dropped():
+    target = Curve(lambda p: p, 1.0)
+    for x, y in ((1.0, 0.5), (0.5, 1.5)):
+        target.begin_at(exp(x))
+        target.bound(y, y - 1)
+    assert target.low is None
+    assert target.high.value == 1.5
+
+
+@pytest.mark.parametrize(
+    ("distances", "share"),
+    [
+        ((-0.5, 0.8), 0.5 / 1.3),  # a secant
+        ((-0.5, 0.8, -0.9), None),  # inverse quadratic interpolation, exact here
+        ((-3.0, 0.8, -4.0), 0.5),  # Chandrupatla's conditions do not hold
+    ],
+)
+def test_share_of_the_way_between_bounds(distances, share):
+    """Of loads whose inverse is a parabola: x = 1 + y + y^2/5 of a distance y, so 1 is the root."""
+    newest, opposite, *replaced = [Bound(1 + y + y**2 / 5, 0.0, y, 0.0) for y in distances]
+    if share is None:
+        share = (1 - newest.x) / (opposite.x - newest.x)
+    assert share_of_way(newest, opposite, *replaced or [None]) == pytest.approx(share, rel=1e-12)
+
+
+@given(p0=st.floats(1e-6, 0.999), hardness=st.sampled_from([1.0, None]))
+def test_variable_maps_to_the_load(p0, hardness):
+    target = Curve(lambda p: p, 0.3, start=0.5, hardness=hardness)
+    target.begin_at(p0)
+    assert target.p0 == pytest.approx(p0, rel=1e-9)
+
+
+@pytest.mark.parametrize(("factor", "slope"), [(exp(1.0), 2.0), (1.0, 1.0), (exp(10.0), 1.0)])
+def test_slope_of_the_loads_before(factor, slope):
+    """It is used unless it is too flat or too steep."""
+    history = [{"p0": 1.0, "y": 2.0}, {"p0": exp(0.5), "y": 2.0 * factor}]
+    assert Curve(lambda p: p, 2.0, history=history).slope == pytest.approx(slope)
