@@ -362,7 +362,8 @@ class Root(Target):
         if new is None or old is None or new.value != old.value:
             return None
         p0 = self.p0_of(new.x)
-        slope = (new.distance - old.distance) / (p0 - self.p0_of(old.x))
+        way = p0 - self.p0_of(old.x)
+        slope = (new.distance - old.distance) / way if way else 0.0  # 0: one number, rounded
         end = self.x_of(p0 - new.distance / slope) if slope > 0 else inf
         return end if isfinite(end) else None
 
