@@ -38,7 +38,12 @@ def test_ranks_share_work_evenly(n, dtype):
 
 @pytest.mark.parametrize(
     ("n", "ranks", "messages", "points"),
-    [(4096, 16, 6, 9_200), (4096, 64, 8, 9_400), (2**15, 64, 8, 38_100), (2**15, 1024, 20, 41_900)],
+    [
+        (4096, 16, 6, 24_400),
+        (4096, 64, 8, 25_600),
+        (2**15, 64, 8, 54_100),
+        (2**15, 1024, 20, 57_900),
+    ],
 )
 def test_coarse_levels_are_little_work_for_every_rank(n, ranks, messages, points):
     """Messages of a sweep, and points that a rank works on besides its own rows."""
