@@ -23,9 +23,10 @@ from .held import Held
 from .load import Load, Unfinished
 from .low_memory import LowMemorySurface
 from .precision import first_precision, too_little, too_soft
+from .quantities import NEARLY_CLOSED, ROOTS, Opening, opening_load
 from .scene_loads import loads_of
 from .starter import Starter
-from .target import NEARLY_CLOSED, ROOTS, Opening, Target, opening_load
+from .target import Target
 from .without_iterations import Attempt, contact_of, flat_contact, full_contact, separated_contact
 from .working_surface import WorkingSurface
 

@@ -14,7 +14,7 @@ from scene_tables import rows
 import hpc_gfmd
 from hpc_gfmd.bodies import body_of
 from hpc_gfmd.driver.load import Load
-from hpc_gfmd.driver.target import Area
+from hpc_gfmd.driver.quantities import Area
 from hpc_gfmd.scene import LoadTable, Material
 from hpc_gfmd.solvers import solver_names
 

@@ -8,7 +8,7 @@ from contacts import random_heights, sweep_over
 from hpc_gfmd.bodies.halfspace import HALF_SPACE
 from hpc_gfmd.bodies.layer import Layer
 from hpc_gfmd.driver.load import Load
-from hpc_gfmd.driver.target import Area
+from hpc_gfmd.driver.quantities import Area
 from hpc_gfmd.parallel.grid import Grid
 
 

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hpc_gfmd.driver.height_statistics import HeightStatistics
-from hpc_gfmd.driver.target import Bound, Root, share_of_way
+from hpc_gfmd.driver.root import Bound, Root, share_of_way
 
 TOLERANCE = 1e-3
 HEIGHTS = HeightStatistics(10_000, 1, 1, top=3.0, lowest=0.0, steepness=1.0, alone=0.0)
