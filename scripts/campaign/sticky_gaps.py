@@ -63,6 +63,7 @@ def judged_gaps(wall, precision, accuracy):
             warnings.simplefilter("ignore")
             solution = hpc_gfmd.solve(
                 wall.heights,
+                boundary="periodic",
                 adhesion=adhesion,
                 precision=precision,
                 accuracy=accuracy,
