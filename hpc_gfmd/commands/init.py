@@ -55,28 +55,28 @@ def main(args: Namespace) -> int:
         )
     if not path.parent.is_dir():
         raise SceneError(f"-o: the folder {path.parent} does not exist")
-    what = args.what or ["self-affine"]
-    draft = compose(what, path, args.set)
+    sources = args.what or ["self-affine"]
+    draft = compose(sources, path, args.set)
     if draft.open and sys.stdin.isatty() and sys.stdout.isatty():
-        boundary = _asked_boundary(what)
-        draft = compose(what, path, [*args.set, f"surface.boundary={boundary}"])
+        boundary = _asked_boundary(sources)
+        draft = compose(sources, path, [*args.set, f"surface.boundary={boundary}"])
     try:
         with atomic_write(path) as tmp:
             tmp.write_text(draft.text, encoding="utf-8")
     except OSError as error:
         raise SceneError(f"-o: cannot write {path}: {one_line(str(error))}") from None
     needs = " and ".join(f"surface.{key}" for key in draft.missing)
-    says = "does not say" if len(what) == 1 else "do not say"
-    todo = f"before it runs it needs {needs}, which {' and '.join(what)} {says}" if needs else ""
+    says = "does not say" if len(sources) == 1 else "do not say"
+    todo = f"before it runs it needs {needs}, which {' and '.join(sources)} {says}" if needs else ""
     print(*draft.about, f"{path}: {todo or f'hpc-gfmd run {path}'}", sep="\n")
     return 0
 
 
-def _asked_boundary(what: list[str]) -> str:
+def _asked_boundary(sources: list[str]) -> str:
     """Ask at the terminal what a map is, until the answer is one of the boundaries."""
     from ..scene.surface import CHOICES
 
-    print(f"{' + '.join(what)}: opposite edges do not meet. What is the map?")
+    print(f"{' + '.join(sources)}: opposite edges do not meet. What is the map?")
     for name, meaning in CHOICES.items():
         print(f"  {name:<9} {meaning}")
     while True:
@@ -109,12 +109,12 @@ class Draft(NamedTuple):
     open: list[str]
 
 
-def compose(what: str | Sequence[str], path: Path, overrides: Sequence[str] = ()) -> Draft:
+def compose(sources: str | Sequence[str], path: Path, overrides: Sequence[str] = ()) -> Draft:
     """Compose the text of a scene; height maps are read, nothing is written.
 
     Parameters
     ----------
-    what : str or sequence of str
+    sources : str or sequence of str
         Kind of surface, or the path of a height map, or two paths of height maps.
     path : Path
         Path of the scene to be written. Paths of maps in the scene are relative to its folder.
@@ -135,7 +135,7 @@ def compose(what: str | Sequence[str], path: Path, overrides: Sequence[str] = ()
     from ..scene.surface import KINDS
     from ..scene.template import CHOSEN, Suggestion, template
 
-    names = [what] if isinstance(what, str) else list(what)
+    names = [sources] if isinstance(sources, str) else list(sources)
     settings: dict[str, Any] = {"title": " + ".join(Path(name).name for name in names)}
     for override in overrides:
         apply_override(settings, override)

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 class CoarseContact(NamedTuple):
-    """Mean pressure, mean gap and largest pressure on the next coarser grid.
+    """Mean pressure, mean gap and largest pressure on a coarser grid.
 
     In the program's units of the finer grid.
     """
@@ -53,8 +53,8 @@ def coarser_contacts(
     parts = grid.by_rows(of_rows, rows)
     (gap,) = grid.comm.sum([sum(part[0] for part in parts)])
     (largest,) = grid.comm.max([max((part[1] for part in parts), default=0.0)])
-    now = CoarseContact(float(solver.p0), float(gap) / grid.N, float(largest))
-    return [one._replace(gap_mean=one.gap_mean * scale) for one in (now, *coarser)]
+    present = CoarseContact(float(solver.p0), float(gap) / grid.N, float(largest))
+    return [contact._replace(gap_mean=contact.gap_mean * scale) for contact in (present, *coarser)]
 
 
 def grid_errors(contact: Contact, coarser: Sequence[CoarseContact]) -> GridErrors | None:
@@ -72,8 +72,8 @@ def grid_errors(contact: Contact, coarser: Sequence[CoarseContact]) -> GridError
     def worst(name: str, value: float, levels: int) -> float:
         """Return the largest difference from coarser grids, over 2 for each further halving."""
         return max(
-            (abs(getattr(one, name) / value - 1) + abs(one.p0 / p0 - 1)) / 2**k
-            for k, one in enumerate(coarser[:levels])
+            (abs(getattr(coarse, name) / value - 1) + abs(coarse.p0 / p0 - 1)) / 2**k
+            for k, coarse in enumerate(coarser[:levels])
         )
 
     return GridErrors(worst("gap_mean", gap, 2), 2 * worst("pressure_max", largest, 4))

@@ -9,7 +9,12 @@ from typing import TYPE_CHECKING, NamedTuple
 from .target import Target
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     import numpy as np
+
+    from ..contact.contact import GridErrors
+    from .grid_errors import CoarseContact
 
 
 @dataclass
@@ -77,9 +82,16 @@ class Unfinished(NamedTuple):
         Iterations that the load has taken so far.
     pairs : float
         FFT pairs that the load has taken so far.
+    coarser : sequence of CoarseContact
+        Its contacts on coarser grids, which tell the errors by the grid; empty if it started from
+        the load before.
+    of_grid : GridErrors or None
+        The errors by the grid of the load before then, or of this gap.
     """
 
     gap: np.ndarray
     p_mean: float
     iterations: int
     pairs: float
+    coarser: Sequence[CoarseContact] = ()
+    of_grid: GridErrors | None = None

@@ -296,8 +296,8 @@ class Area(Root):
         apart = self.p0_of(self.high.x) - self.p0_of(self.low.x)
         if apart > self.rounding:
             ends = round(self.low.value * solver.N) + 1, round(self.high.value * solver.N)
-            first, last = self.changes(solver, *ends)
-            apart = last - first
+            least, largest = self.changes(solver, *ends)
+            apart = largest - least
         if apart > self.rounding:
             estimate = solver.progress().estimate
             if estimate is None or certificate.attainable[1]:

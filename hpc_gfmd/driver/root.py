@@ -247,14 +247,14 @@ class Root(Target):
     def bound(self, y: float, distance: float) -> None:
         """Make the present x a bound; one on the other side that contradicts it is dropped."""
         is_low = self.straight(y) < self.straight(self.aim)
-        side, other = (self.low, self.high) if is_low else (self.high, self.low)
+        side, opposite = (self.low, self.high) if is_low else (self.high, self.low)
         if side is None or side.x != self.x:
             self.replaced = side
-        if other is not None and (other.x <= self.x if is_low else other.x >= self.x):
-            other = None
+        if opposite is not None and (opposite.x <= self.x if is_low else opposite.x >= self.x):
+            opposite = None
         is_same = side is not None and side.value == y
         new = Bound(self.x, y, distance, side.plateau if side and is_same else self.x)
-        self.low, self.high = (new, other) if is_low else (other, new)
+        self.low, self.high = (new, opposite) if is_low else (opposite, new)
         self.newest_is_low = is_low
 
     def between(self) -> float:

@@ -3,7 +3,7 @@ contact."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from ..scene import LoadTable, SolverTable
     from ..surface import Surface
     from .drive import Outcome, Watch
-    from .starter import Start
+    from .grid_errors import CoarseContact
     from .working_surface import MakeSurface
 
 DOUBLE = np.dtype(np.float64)
@@ -113,6 +113,8 @@ class Sweep:
     ----------
     working : WorkingSurface
         The surface in the present precision.
+    coarser : sequence of CoarseContact
+        The contacts of the last load on coarser grids; empty if it started elsewhere.
     """
 
     def __init__(self, surface_in: Callable[[np.dtype], WorkingSurface], starter: Starter):
@@ -123,6 +125,7 @@ class Sweep:
         self._failed = False
         self._separated_at: Load | None = None  # the load before, if the bodies came apart at it
         self._punch: np.ndarray | None = None  # see _flat_solution
+        self.coarser: Sequence[CoarseContact] = ()
         self._of_grid: GridErrors | None = None  # of the last load with a nested start
         self.working = surface_in(first_precision(self.settings))
 
@@ -348,15 +351,18 @@ class Sweep:
             needs_double(contact, load, solver.problem_now) or self._is_too_little(load)
         ):
             return Attempt(None, pairs)
-        return Attempt(self._with_grid_errors(contact, start), pairs)
+        self.coarser = start.coarser
+        if unfinished is not None:
+            self.coarser, self._of_grid = unfinished.coarser, unfinished.of_grid
+        return Attempt(self._with_grid_errors(contact), pairs)
 
-    def _with_grid_errors(self, contact: Contact, start: Start) -> Contact:
+    def _with_grid_errors(self, contact: Contact) -> Contact:
         """Return a contact with its errors by the grid.
 
         Relative errors change slowly with the load: one that starts from the load before keeps its.
         """
-        if start.coarser:
-            self._of_grid = grid_errors(contact, start.coarser)
+        if self.coarser:
+            self._of_grid = grid_errors(contact, self.coarser)
         if self.working.model.attraction is not None:
             return contact
         return replace(contact, of_grid=self._of_grid)

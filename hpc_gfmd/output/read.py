@@ -18,6 +18,7 @@ from .result import FORMAT_VERSION, Result
 
 FORMAT = "hpc-gfmd"
 CHECKPOINT = "hpc-gfmd checkpoint"
+NUMBERS = {"p", "seconds", "iterations", "fft_pairs", "coarser", "of_grid"}  # of a checkpoint
 
 
 def read_result(path: str | os.PathLike) -> Result:
@@ -64,15 +65,17 @@ def read_checkpoint(path: Path, identity: str) -> Result | None:
     """Read the gap of a load that was stopped before it converged; None if there is no such file.
 
     The result has one step with the field "gap" on the grid of the solver and the numbers p,
-    seconds, iterations and fft_pairs. Raises SceneError if another scene or version has written it.
+    seconds, iterations, fft_pairs, and two lists: coarser, all numbers of the CoarseContacts, and
+    of_grid, those of the GridErrors. Raises SceneError if another scene or version has written it.
     """
     if not path.exists():
         return None
     checkpoint = read_file(path, CHECKPOINT)
     if checkpoint.head.get("identity") != identity:
         raise SceneError(f"{path}: a checkpoint of another scene, allowed: of this one")
-    complete = [{"p", "seconds", "iterations", "fft_pairs"} <= {*step} for step in checkpoint.steps]
-    if complete != [True] or "gap" not in checkpoint.fields[0]:
+    if [NUMBERS <= {*step} for step in checkpoint.steps] != [
+        True
+    ] or "gap" not in checkpoint.fields[0]:
         raise SceneError(f"{path}: a checkpoint of another version of hpc_gfmd, allowed: of this")
     return checkpoint
 

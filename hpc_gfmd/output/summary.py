@@ -2,7 +2,6 @@
 digits.
 """
 
-import re
 from collections.abc import Sequence
 from itertools import pairwise
 from math import floor, isfinite, isnan, log10, nan
@@ -105,10 +104,11 @@ def last_held(steps: Sequence[dict]) -> dict | None:
     return None
 
 
-def with_error(value: float, relative: float | None) -> str:
+def with_error(value: float, relative: float | None, above: float | None = None) -> str:
     """Return a value and its error as "0.0160 +- 0.0002", rounded to significant digits.
 
-    `relative`: relative error; None: no error is shown.
+    `relative`: relative error; None: no error is shown. `above`: relative error by which the value
+    may be too small, if it is another one: "20.8 +0.1 -1.9".
     """
     if not isfinite(value):
         return str(value)
@@ -128,7 +128,11 @@ def with_error(value: float, relative: float | None) -> str:
         if error >= 10.0**last_digit
         else f"{error / 10.0**scale:.0e}"
     )
-    return f"{shown} +- {uncertain}" if scale == 0 else f"({shown} +- {uncertain})e{scale:+03d}"
+    bars = f"+- {uncertain}"
+    if above is not None:
+        rest = f"{abs(value) * above / 10.0**scale:.{decimals}f}"
+        bars = f"+{rest if float(rest) else 0} -{uncertain}"
+    return f"{shown} {bars}" if scale == 0 else f"({shown} {bars})e{scale:+03d}"
 
 
 def estimate(value: float, name: str, step: dict) -> str:
@@ -149,16 +153,9 @@ def estimate(value: float, name: str, step: dict) -> str:
         "0.0160 +- 0.0002"; "20.8 +0.1 -1.9" for an area of the grid, which is too large by what
         points at the edge of the contact add.
     """
-    text = with_error(value, combined_error(name, step))
-    parts = _area_errors(step)
-    number, _, rest = text.partition(" +- ")
-    below, end, power = rest.partition(")")
-    if name not in TOO_LARGE or parts is None or not re.fullmatch(r"[\d.]+", below):
-        return text
-    _, at_random, of_solver = parts
-    size = abs(value) / 10.0 ** int(power[1:] or 0)
-    above = f"{size * (at_random + of_solver):.{len(below.partition('.')[2])}f}"
-    return f"{number} +{above if float(above) else 0} -{below}{end}{power}"
+    area_errors = _area_errors(step) if name in TOO_LARGE else None
+    above = None if area_errors is None else sum(area_errors[1:])
+    return with_error(value, combined_error(name, step), above)
 
 
 def _area_errors(step: dict) -> tuple[float, float, float] | None:

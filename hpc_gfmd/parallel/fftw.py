@@ -31,12 +31,12 @@ def load_fftw() -> tuple[str, dict[str, ctypes.PyDLL]]:
     Packages are searched, but not imported: mpi4py-fft would start MPI. Raises SceneError if there
     is no library, or not the one that HPC_GFMD_FFTW names.
     """
-    asked = os.environ.get(VARIABLE)
-    if asked:
-        files = _files_of_mkl() if asked == "mkl" else asked.split(os.pathsep)
+    setting = os.environ.get(VARIABLE)
+    if setting:
+        files = _files_of_mkl() if setting == "mkl" else setting.split(os.pathsep)
         if libraries := _with_functions(files):
-            return f"FFTW ({asked})", libraries
-        raise SceneError(f"{VARIABLE}: {asked!r} has no FFTW in single and double precision")
+            return f"FFTW ({setting})", libraries
+        raise SceneError(f"{VARIABLE}: {setting!r} has no FFTW in single and double precision")
     for package, pattern in PACKAGES.items():
         if libraries := _with_functions(_files_of(package, pattern)):
             return f"FFTW ({package.replace('_', '-')})", libraries

@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 
 from ..contact import all_numbers
-from ..contact.contact import heights_of
+from ..contact.contact import GridErrors, heights_of
+from ..driver.grid_errors import CoarseContact
 from ..driver.load import Unfinished
 from ..driver.precision import first_precision
 from ..driver.warmup import compile_once
@@ -253,11 +254,14 @@ class _Run:
         """
         contact = load.contact
         if contact.surface.reduced_axis is None:
+            assert self.run is not None  # it has solved the load
             numbers = {
                 "p": contact.p_mean,
                 "seconds": load.seconds,
                 "iterations": contact.iterations,
                 "fft_pairs": contact.fft_pairs,
+                "coarser": np.ravel(self.run.sweep.coarser).tolist(),
+                "of_grid": list(contact.of_grid or ()),
             }
             self.file.write_checkpoint(contact.grid, load.index, contact.g, numbers)
 
@@ -275,11 +279,15 @@ class _Run:
             if checkpoint.surface["n"] != list(grid.n):
                 raise SceneError(f"{checkpoint.path}: of another grid, allowed: the same")
             gap = checkpoint.fields[0]["gap"].slab(grid.comm, grid.rows)
-        except GfmdError as error:
+            numbers = checkpoint.steps[0]
+            coarser = [CoarseContact(*three) for three in np.reshape(numbers["coarser"], (-1, 3))]
+            of_grid = GridErrors(*numbers["of_grid"]) if numbers["of_grid"] else None
+        except (GfmdError, ValueError, TypeError) as error:
             self.say.say(f"note: {error}; load {index + 1} begins anew")
             return None
-        numbers = checkpoint.steps[0]
-        unfinished = Unfinished(gap, numbers["p"], numbers["iterations"], numbers["fft_pairs"])
+        unfinished = Unfinished(
+            gap, numbers["p"], numbers["iterations"], numbers["fft_pairs"], coarser, of_grid
+        )
         return unfinished, numbers["seconds"]
 
     def _require_storable(self, surface: Surface, *pressures: float) -> None:

@@ -178,16 +178,17 @@ def combine_surfaces(
     surfaces = (surface, facing)
     names = ("the first surface", "the second surface")
     paths = [
-        str(one) if isinstance(one, str | PathLike) else name for one, name in zip(surfaces, names)
+        str(source) if isinstance(source, str | PathLike) else name
+        for source, name in zip(surfaces, names)
     ]
-    ends = [_free_edges(one) for one in surfaces]
+    ends = [_free_edges(source) for source in surfaces]
     if np.any(ends) and not keys.keys() & OF_EDGES:
         keys["boundary"] = ["free" if end else "periodic" for end in np.any(ends, axis=0)]
     bodies = [{"path": paths[0]}, {"path": paths[1], "shift": shift, "mirrored": mirrored}]
     table = {"kind": "file", "bodies": bodies}
     scene, table = _scene(table | keys, "hpc_gfmd.combine_surfaces")
     spec = scene.surface
-    scans = [_scan(one, path, spec, keys) for one, path in zip(surfaces, paths)]
+    scans = [_scan(source, path, spec, keys) for source, path in zip(surfaces, paths)]
     topography = combined(placed((scans[0], scans[1]), spec), spec)
     prepared = _prepared(topography, spec)
     return prepared if set(paths) & set(names) else prepared.from_table(table)

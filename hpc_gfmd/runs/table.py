@@ -208,8 +208,8 @@ def remarks(steps: Mapping[int, dict], observables: Sequence[str] = ()) -> list[
         if _has_value(step.get("gap_mean")) and not _has_value(step.get("gap_discretisation"))
     ]
     if lines and unknown:
-        some = f"at step{'s' * (len(unknown) > 1)} {', '.join(unknown)} "
-        lines[0] += f"; {some if len(unknown) < len(steps) else ''}{NO_COARSER_GRID}"
+        steps_text = f"at step{'s' * (len(unknown) > 1)} {', '.join(unknown)} "
+        lines[0] += f"; {steps_text if len(unknown) < len(steps) else ''}{NO_COARSER_GRID}"
     if any(_has_value(step.get("a_r_corrected")) for step in steps.values()):
         lines.append(CORRECTED)
     if any(

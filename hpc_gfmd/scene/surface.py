@@ -33,7 +33,7 @@ CHOICES = {  # of the boundary of a map, and what the map is then
     "free": "a body that ends there: ball, lens, pin",
     "periodic": "the map repeats",
 }
-CHOICES_TEXT = ", ".join(f'"{name}" ({what})' for name, what in CHOICES.items())
+CHOICES_TEXT = ", ".join(f'"{name}" ({meaning})' for name, meaning in CHOICES.items())
 
 
 def map_boundary() -> Any:
