@@ -13,6 +13,7 @@ the fields are.
 import numpy as np
 
 from .attraction import curvature_at, energy_at, traction_at
+from .bfloat16 import decode, encode
 from .jit import kernel, points_inside
 
 
@@ -37,17 +38,18 @@ def work_of_step(law, g, d_rows, i0, i1, inside):
 def add_change(law, g, d, Kd, s, i0, i1, inside):
     """Turn K d into y = K d + (t(g + s d) - t(g))/s, in place, on rows i0 <= i < i1.
 
-    d (bpx.py) and Kd, which becomes y, begin at row i0. New gaps below 0 count as 0. Returns the
-    sum of t at the new gaps, and <d, y> - <d, K d>.
+    d is encoded; it and Kd, which becomes y, begin at row i0. New gaps below 0 count as 0. Returns
+    the sum of t at the new gaps, and <d, y> - <d, K d>.
     """
     zero = g.dtype.type(0)
-    PROJECTED = g.dtype.type(-np.inf)
+    PROJECTED = encode(g.dtype.type(-np.inf))
     t = 0.0
     dt = 0.0
     for i in range(i0, i1):
         g_i = g[i]
         for j in range(points_inside(i, inside)):
-            d_ij = -g_i[j] if d[i - i0, j] == PROJECTED else d[i - i0, j]
+            stored = d[i - i0, j]
+            d_ij = -g_i[j] if stored == PROJECTED else decode(stored)
             t_new = traction_at(law, max(g_i[j] + s * d_ij, zero))
             change = (t_new - traction_at(law, g_i[j])) / s
             Kd[i - i0, j] += change

@@ -21,9 +21,9 @@ plastic        1 where a point yields, else 0 (yielding.py)
 r              p on F, less H where a point yields; 0 on A
 z              M r, the preconditioned residual: compliance (r + coupling P z_1)
 z_1            the same on level 1, (rows + 2, m) with halo rows
-d, d_ij        last step of g; minus infinity, PROJECTED, marks a point that the projection put on
-               g = 0: its step is -g, and the next search takes 0 for it
-d_row          the same with -g in place of PROJECTED
+d              last step of g, stored in half the bits (bfloat16.py); PROJECTED marks a point that
+               the projection put on g = 0: its step is -g, and the next search takes 0 for it
+d_row, d_ij    what d stands for, in full precision: the spectrum is that of the stored step
 alpha, beta    step lengths along z and along the last step
 s              step length along d
 Kd             K d on the rows of a pass
@@ -49,6 +49,7 @@ import numpy as np
 
 from .adhesive_rows import add_change, work_of_step
 from .atomic import add
+from .bfloat16 import decode, encode
 from .jit import inline, kernel, points_inside
 from .multilevel import combine_rows, interpolate_row, restrict_row, rows_beside
 from .transforms import load_rows, store_rows
@@ -193,7 +194,8 @@ def projected_step(g, p, d, d_rows, i0, i1, z_1, transfer, step, H, inside, scra
     m = z_1.shape[1]
     zero = g.dtype.type(0)
     one = g.dtype.type(1)
-    PROJECTED = g.dtype.type(-np.inf)
+    STILL = encode(zero)
+    PROJECTED = encode(g.dtype.type(-np.inf))
     coarse_row = scratch[0][:m]
     Pz = scratch[1][:n]  # P z_1 on one row
     for j in range(n):
@@ -214,26 +216,29 @@ def projected_step(g, p, d, d_rows, i0, i1, z_1, transfer, step, H, inside, scra
             interpolate_row(coarse_row, Pz, mode, J_y, f_y)
         inner = points_inside(i, inside)
         for j in range(inner):
-            d_last = zero if d_i[j] == PROJECTED else d_i[j]
+            d_last = zero if d_i[j] == PROJECTED else decode(d_i[j])
             plastic = yields(g_i[j], p_i[j], H, zero, one)
             r = p_i[j] - plastic * H_or_0
             in_A = g_i[j] <= zero and p_i[j] > zero and plastic == zero
             # line 2: d = max(g - alpha z - beta d, 0) - g, with z = compliance (r + coupling P z_1)
             free_gap = g_i[j] - length * (r + coupling * Pz[j]) - beta * d_last
             g_new = landing(free_gap, plastic, length, H, zero)
-            d_ij = zero if in_A else g_new - g_i[j]
-            on_wall = at_contact(g_new, g_i[j], d_ij, H, zero) and not in_A
-            d_ij = -g_i[j] if on_wall else d_ij
+            stored = encode(g_new - g_i[j])
+            on_wall = at_contact(g_new, g_i[j], decode(stored), H, zero)
+            stored = PROJECTED if on_wall else stored
+            stored = STILL if in_A else stored
+            d_ij = -g_i[j] if stored == PROJECTED else decode(stored)
             rd_i += r * d_ij
             if H is not None:
                 rd_i += H_or_0 * max((plastic + plastic - one) * (g_i[j] + d_ij), zero)
                 deeper_i += max(-(g_i[j] + d_ij), zero) - max(-g_i[j], zero)
-            d_i[j] = PROJECTED if on_wall else d_ij
+            d_i[j] = stored
             d_row[j] = d_ij
         for j in range(inner, np.uint64(n)):  # beyond the surface: no wall, so no projection
-            d_ij = -length * (p_i[j] + coupling * Pz[j]) - beta * d_i[j]
+            stored = encode(-length * (p_i[j] + coupling * Pz[j]) - beta * decode(d_i[j]))
+            d_ij = decode(stored)
             rd_i += p_i[j] * d_ij
-            d_i[j] = d_ij
+            d_i[j] = stored
             d_row[j] = d_ij
         rd += rd_i
         deeper += deeper_i
@@ -294,14 +299,14 @@ def _step_rows(g, p, d, Kd, s, i0, start, end, H, inside):
     """
     zero = g.dtype.type(0)
     one = g.dtype.type(1)
-    PROJECTED = g.dtype.type(-np.inf)
+    PROJECTED = encode(g.dtype.type(-np.inf))
     H_or_0 = limit(H, zero)
     rr = pp = rd = dKd = rKd = contact = gap = opening = closing = yielded = zero
     for i in range(start, end):
         inner = points_inside(i, inside)
         for j in range(inner):
             Kd_ij = Kd[i - i0, j]
-            d_ij = -g[i, j] if d[i - i0, j] == PROJECTED else d[i - i0, j]
+            d_ij = -g[i, j] if d[i - i0, j] == PROJECTED else decode(d[i - i0, j])
             # line 6: g, p = g + s d, p + s K d
             g_new = g[i, j] + s * d_ij
             p_new = p[i, j] + s * Kd_ij
@@ -330,7 +335,7 @@ def _step_rows(g, p, d, Kd, s, i0, start, end, H, inside):
             yielded += plastic
         for j in range(inner, np.uint64(g.shape[1])):
             Kd_ij = Kd[i - i0, j]
-            d_ij = d[i - i0, j]
+            d_ij = decode(d[i - i0, j])
             p_new = p[i, j] + s * Kd_ij
             g[i, j] += s * d_ij
             p[i, j] = p_new

@@ -39,10 +39,10 @@ def landing(v, plastic, length, H, zero):
 
 @inline
 def at_contact(w, g, e, H, zero):
-    """Return whether a step takes a point to g = 0, up to the rounding of the step e.
+    """Return whether a step takes a point to g = 0, up to the rounding of the stored step e.
 
-    w is the gap that `landing` returns. True also if the step reaches or crosses g = 0 although w
-    does not.
+    w is the gap that `landing` returns. True also if the stored step reaches or crosses g = 0
+    although w does not.
     """
     if H is None:
         return w <= zero or e <= -g

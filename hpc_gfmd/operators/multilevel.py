@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import DTypeLike
 
+from ..kernels.bfloat16 import stored_dtype
 from ..kernels.bpx import UpdateSums, update_passes
 from ..kernels.multilevel import SUMS, join_shares, restrict_level, smooth_level
 from ..kernels.transforms import no_rows
@@ -122,7 +123,7 @@ class Multilevel:
     ) -> UpdateSums:
         """Set g += s d and p += s K d, and restrict the new state to this rank's window of level 1.
 
-        d is as in kernels/bpx.py, of the slab or of one pass; `rows` are the row
+        d is stored as in kernels/bfloat16.py, of the slab or of one pass; `rows` are the row
         transforms of each thread, whose memory holds K d, as spectra or not. `attracted` gets what
         add_change of kernels/adhesive_rows.py returns, with a law. Returns the UpdateSums of this
         rank. Not collective.
@@ -315,7 +316,7 @@ class Multilevel:
         """
         longest = int(np.diff(self.ends).max(initial=0))
         still = np.zeros((longest, self.grid.n[1]), self.dtype)
-        d = np.zeros_like(still)
+        d = np.zeros(still.shape, stored_dtype(self.dtype))
         rows = [no_rows(still)] * self.grid.threads
         return self.update(g, p, d, 0.0, rows, hardness, spectra=False)
 

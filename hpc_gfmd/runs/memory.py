@@ -10,18 +10,18 @@ from ..util.machine import GIB
 # Bytes per point of the grid and rank, by (bytes of a number, low memory, axes with free edges): on
 # one rank, for one load and for several (which keep the one before); on several ranks, likewise.
 BYTES = {
-    (4, False, 0): (36, 41, 39, 44),
-    (4, False, 1): (27, 32, 35, 40),
-    (4, False, 2): (34, 39, 43, 47),
-    (4, True, 0): (23, 23, 19, 19),
-    (4, True, 1): (30, 30, 30, 30),
-    (4, True, 2): (31, 31, 32, 32),
-    (8, False, 0): (55, 61, 54, 60),
-    (8, False, 1): (57, 65, 62, 71),
-    (8, False, 2): (57, 65, 62, 71),
-    (8, True, 0): (42, 42, 36, 36),
-    (8, True, 1): (55, 55, 55, 55),
-    (8, True, 2): (55, 55, 55, 55),
+    (4, False, 0): (34, 39, 37, 42),
+    (4, False, 1): (25, 30, 33, 38),
+    (4, False, 2): (32, 37, 41, 45),
+    (4, True, 0): (21, 21, 17, 17),
+    (4, True, 1): (28, 28, 28, 28),
+    (4, True, 2): (29, 29, 30, 30),
+    (8, False, 0): (51, 57, 50, 56),
+    (8, False, 1): (53, 61, 58, 67),
+    (8, False, 2): (53, 61, 58, 67),
+    (8, True, 0): (38, 38, 32, 32),
+    (8, True, 1): (51, 51, 51, 51),
+    (8, True, 2): (51, 51, 51, 51),
 }
 FINE = 1e-3  # below this accuracy a low-memory run on several ranks may be certified in double:
 CERTIFIED = 6  # bytes per point more

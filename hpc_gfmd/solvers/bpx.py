@@ -21,6 +21,7 @@ from ..certificate.certificate import Certificate
 from ..certificate.error_estimates import Estimate, State, estimate, relative_error
 from ..certificate.misclassified import misclassified_points, moments_of_open, spread_of
 from ..kernels.adhesive_rows import add_attraction, shift_gap
+from ..kernels.bfloat16 import stored_dtype
 from ..kernels.bpx import UpdateSums, search_passes
 from ..operators.multilevel import Multilevel
 from ..operators.problem import Problem
@@ -55,7 +56,7 @@ class Bpx(Solver):
     Attributes
     ----------
     d : array, local slab
-        Last step of the gap, minus infinity where it has put a point on the wall.
+        Last step of the gap, as kernels/bfloat16.py stores it, in half the bits.
     s : float
         Share of d that was made: the gap has changed by s d.
     compliance : float
@@ -95,7 +96,7 @@ class Bpx(Solver):
     ):
         super().__init__(problem, options, g)
         self.levels = Multilevel(self.grid, problem.body, problem.dtype, self.elastic.fft.R)
-        self.d = self.grid.empty(problem.dtype)
+        self.d = self.grid.empty(stored_dtype(problem.dtype))
         self.compliance = float(1.0 / problem.body.scale(self.grid))  # of the shortest wave
         self.law = problem.law()
         self.attracted = 0.0  # sum of the attraction over all points
@@ -113,7 +114,7 @@ class Bpx(Solver):
     def take_room(self) -> None:
         """Allocate memory for the transforms and the last step again; the last step is 0."""
         self.elastic.plan()
-        self.d = self.grid.empty(self.problem.dtype)
+        self.d = self.grid.empty(stored_dtype(self.problem.dtype))
         self.d[...] = 0
         self.rd = self.zKd = self.dKd = 0.0
 

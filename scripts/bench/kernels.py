@@ -76,13 +76,14 @@ def field_passes(shapes):
     share = [n_x * n_y / (shapes[0][0] * shapes[0][1]) for n_x, n_y in shapes]
     level_1 = share[1] if len(share) > 1 else 1.0
     coarser = sum(share[2:])
+    d = 0.5  # the last step, in bfloat16
     spectrum = 1 + 2 / shapes[0][1]  # n_y/2 + 1 complex columns
     return {
         # read g, p, d and z of level 1; write d and the row spectra
-        "search + rows": 4 + level_1 + spectrum,
+        "search + rows": 2 + 2 * d + level_1 + spectrum,
         "columns": 2 * spectrum,
         # read row spectra, g, p, d; write g, p; write p, theta and x on level 1
-        "update + rows": spectrum + 5 + 3 * level_1,
+        "update + rows": spectrum + 4 + d + 3 * level_1,
         # level 1: restrict p and theta, then read p, theta, x, write z; coarser ones: write and
         # read p and theta both ways, z
         "sweep": 6 * level_1 + 8 * coarser,

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from hpc_gfmd.kernels import adhesive_rows
+from hpc_gfmd.kernels.bfloat16 import encoded
 from hpc_gfmd.laws import law_named
 from hpc_gfmd.laws.base import in_precision
 
@@ -39,7 +40,7 @@ def test_work_of_step(random, gaps, inside):
 @pytest.mark.parametrize("s", [1.0, 0.4])
 def test_change_of_the_attraction(random, gaps, inside, s):
     """Projected points, whose stored step is -infinity, are included."""
-    d = np.maximum(random.standard_normal(N), -gaps / 2)
+    d = encoded(np.maximum(random.standard_normal(N), -gaps / 2), float)
     d[gaps > 1] = -np.inf
     step = np.where(np.isinf(d), -gaps, d).astype(float)
     Kd = random.standard_normal(N)
