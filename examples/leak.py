@@ -29,10 +29,14 @@ def flow(gap):
     return float((net @ p)[first]) * (part[first] == part[last])
 
 
-n = int(sys.argv[1]) if sys.argv[1:] else 256
 loads = hpc_gfmd.solve(
     hpc_gfmd.make_surface(
-        "self-affine", hurst=0.8, L_over_lam_l=2, lam_l_over_lam_s=n // 8, lam_s_over_a=4, seed=1
+        "self-affine",
+        hurst=0.8,
+        L_over_lam_l=2,
+        lam_l_over_lam_s=int(sys.argv[1]) // 8 if sys.argv[1:] else 32,
+        lam_s_over_a=4,
+        seed=1,
     ),
     p_star=np.linspace(0.02, 0.22, 9),
     observables=["critical_gap"],
@@ -43,9 +47,9 @@ fig, ax = plt.subplots(figsize=(4.5, 3.4), layout="constrained")
 ax.semilogy(loads.p_star, found / loads[0].h_rms ** 3, "o-")
 tight = loads.p_star[found[:, 1].argmin()]  # the first load at which nothing leaks
 ax.axvline(tight, color="0.5", linestyle="--")
-ax.set_xlim(right=1.02 * tight)
 ax.legend(["Reynolds' equation", "critical gap cubed", "tight"])
 ax.set(
+    xlim=(None, 1.02 * tight),
     xlabel=r"pressure $p/(E^* g_\mathrm{rms})$",
     ylabel=r"flow $12 \eta Q/(\Delta p\, h_\mathrm{rms}^3)$",
 )

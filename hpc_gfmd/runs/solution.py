@@ -120,7 +120,21 @@ class Solution(Solved):
         comm: Comm | None = None,
         contact: "Contact | None" = None,
     ):
-        """As `Solved`; `contact`: the load in memory, for what the result does not have."""
+        """Made by `solve` and `load`.
+
+        Parameters
+        ----------
+        steps : list of dict
+            The numbers of the load, by the names of the result file; one load.
+        make_result : callable
+            Makes all that a result file holds, when it is first looked at.
+        rows : (int, int), optional
+            Rows (start, stop) of this rank; default: all.
+        comm : Comm, optional
+            All ranks; default: this process alone.
+        contact : Contact, optional
+            The solved load in memory, for numbers and fields that the result does not have.
+        """
         super().__init__(steps, make_result, rows, comm)
         (self._step,) = steps
         self._contact = contact

@@ -73,7 +73,27 @@ class Solutions(Solved, Sequence[Solution]):
         path: Path | None = None,
         exit_code: int | None = None,
     ):
-        """As `Solved`; `contacts`: the loads in memory, None for one without fields."""
+        """Made by `solve`, `run` and `load`.
+
+        Parameters
+        ----------
+        steps : list of dict
+            The numbers of each load, by the names of the result file.
+        make_result : callable
+            Makes all that a result file holds, when it is first looked at.
+        rows : (int, int), optional
+            Rows (start, stop) of this rank; default: all.
+        comm : Comm, optional
+            All ranks; default: this process alone.
+        status : str
+            The worst status of all loads, or that of the run.
+        contacts : sequence of Contact or None, optional
+            The solved loads in memory; None for one without fields.
+        path : Path, optional
+            The result file.
+        exit_code : int, optional
+            That of the command line; default: by the status.
+        """
         super().__init__(steps, make_result, rows, comm)
         self.status = status
         self.path = path
