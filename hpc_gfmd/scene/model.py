@@ -22,8 +22,8 @@ from .table import Table, Text, about, alike, has_unit, key
 RESOLVED = 8  # points in a wave length; with fewer the contact is one of single points
 TOUCHING = 100  # fewer contact points than this say little about a rough contact
 HEIGHTS_IN_MEMORY = (
-    "solver.low_memory: found true for heights that are in memory already; a scene with"
-    ' surface.kind = "self-affine" makes them row by row (hpc_gfmd.run)'
+    "solver.low_memory: found true for heights that are in memory already, allowed: a scene"
+    ' whose surface.kind = "self-affine" makes them row by row (hpc_gfmd.run)'
 )
 
 

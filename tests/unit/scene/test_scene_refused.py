@@ -122,7 +122,7 @@ surface = {kind = "wave", amplitude = 0.1, n = 8} | surface.n: found 8, allowed:
 surface = {kind = "wave", amplitude = 0, n = [8, 6]} | load.p_star: found a flat surface
 surface.kind = "wave" | surface.amplitude: not given, allowed: a number, plain or as "100 um"; surface.n: not given
 surface = {kind = "file", path = ""} | surface.path: found ''
-surface = {kind = "file", path = "z.npy", boundary = "free", mirror = true} | found a free boundary and mirror
+surface = {kind = "file", path = "z.npy", boundary = "free", mirror = true} | surface.mirror: found true, allowed: boundary = "mirror"
 surface = {kind = "file", path = ["a.npy"]} | surface.path: found ['a.npy'], allowed: the path of a height map
 surface = {kind = "file", path = ["a.npy", "b.npy", "c.npy"]} | or a list of two
 surface = {kind = "file", path = ["a.npy", 1]} | or a list of two
