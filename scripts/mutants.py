@@ -3,8 +3,8 @@
 python scripts/mutants.py --count 150 --jobs 2 --out mutants.jsonl
 
 A mutant has one other sign, comparison or factor. The tests run on a copy of the repository, until
-the first one fails. Survivors are printed as a diff: either no test can tell (the mutant is
-equivalent), or a test is missing.
+the first one fails. Of a survivor either no test can tell (the mutant is equivalent), or a test is
+missing. Where the tests do not end in time it is unknown: look whether a loop does not end.
 """
 
 import argparse
@@ -19,13 +19,16 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 CORE = ("driver", "solvers", "certificate", "operators", "bodies", "laws", "kernels")
 TESTS = ("tests/contract", "tests/physics", "tests/campaign")  # after those of the folder
-SECONDS = 900  # for the tests of a mutant; more means that a loop does not end
+TIMEOUT = "timeout"
+OUTCOMES = {"": "SURVIVED", TIMEOUT: "UNKNOWN"}  # of all others: killed
+SECONDS = 900  # for the tests of a mutant
 OTHERS = {
     ast.Add: ast.Sub,
     ast.Sub: ast.Add,
@@ -107,7 +110,7 @@ def copied():
 
 
 def tests_fail(folder, part, kernels):
-    """Return the first test of a copy that fails, "timeout", or "" where all pass."""
+    """Return the first test of a copy that fails, TIMEOUT, or "" where all pass."""
     unit = f"tests/unit/{part}"
     paths = [*([unit] if (folder / unit).is_dir() else []), *TESTS]
     process = subprocess.Popen(
@@ -125,7 +128,7 @@ def tests_fail(folder, part, kernels):
     except subprocess.TimeoutExpired:
         os.killpg(process.pid, signal.SIGKILL)
         process.wait()
-        return "timeout"
+        return TIMEOUT
     if process.returncode == 0:
         return ""
     failed = [x for x in output.splitlines() if x.startswith(("FAILED", "ERROR"))]
@@ -170,14 +173,15 @@ def main():
         mutants = draw(args.count, args.seed, args.folders)
         for row in pool.map(lambda mutant: tried(mutant, folders, kernels), mutants):
             rows.append(row)
-            what = "killed  " if row["killer"] else "SURVIVED"
-            print(what, "{path}:{line}: {before} -> {after} ({seconds} s) {killer}".format(**row))
+            outcome = OUTCOMES.get(row["killer"], "killed")
+            change = "{path}:{line}: {before} -> {after}".format(**row)
+            print(f"{outcome:8} {change} ({row['seconds']} s) {row['killer']}")
             sys.stdout.flush()
             if args.out:
                 with open(args.out, "a", encoding="utf-8") as file:
                     file.write(json.dumps(row) + "\n")
-    killed = sum(bool(row["killer"]) for row in rows)
-    print(f"{killed} of {len(rows)} mutants are killed")
+    counts = Counter(OUTCOMES.get(row["killer"], "killed") for row in rows)
+    print(f"{len(rows)} mutants: " + ", ".join(f"{n} {name}" for name, n in counts.items()))
     for folder in folders:
         shutil.rmtree(folder, ignore_errors=True)
 
