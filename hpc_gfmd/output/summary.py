@@ -104,6 +104,40 @@ def last_held(steps: Sequence[dict]) -> dict | None:
     return None
 
 
+def pull_off_bracket(steps: Sequence[dict]) -> tuple[float, float] | None:
+    """Return the mean pressures of `last_held` and of the first load that separates the bodies.
+
+    None if no load does, and at prescribed gaps or approaches, which pass through the largest pull.
+    """
+    held = last_held(steps)
+    if held is None or any(name in held for name in LENGTHS):
+        return None
+    apart = steps[steps.index(held) + 1]
+    return float(held["p"]), float(apart["p"])
+
+
+def pull_off_line(steps: Sequence[dict], surface: dict) -> str:
+    """Return a line on the pull-off of a sweep, as pressure and as force; "" if there is none."""
+    held = last_held(steps)
+    if held is None:
+        return ""
+    pressures = pull_off_bracket(steps) or (float(held["p"]),)
+    sizes = _numbers(surface.get("physical_sizes"))
+    unit = surface.get("pressure_unit", "")
+    texts = [_between(pressures, unit)]
+    if len(sizes) == 2:
+        forces = [pressure * sizes[0] * sizes[1] for pressure in pressures]
+        texts.append(_between(forces, "N" if unit and surface.get("unit") else ""))
+    means = "held and lost" if len(pressures) == 2 else "largest pull"
+    return f"pull-off ({means}): pressure {', force '.join(texts)}"
+
+
+def _between(values: Sequence[float], unit: str) -> str:
+    """Return one or two numbers with their unit, as "-943 to -961 kPa"."""
+    scale, name = prefixed(values, unit)
+    return f"{' to '.join(f'{value / scale:.{DIGITS}g}' for value in values)} {name}".strip()
+
+
 def with_error(value: float, relative: float | None, above: float | None = None) -> str:
     """Return a value and its error as "0.0160 +- 0.0002", rounded to significant digits.
 

@@ -33,9 +33,10 @@ from ..surface.topography import Topography
 from ..util.errors import SceneError
 from ..util.versions import versions
 from .keywords import changed_scene, scene_of_keywords
-from .loads import Run, check, step_attributes, worst_status
+from .loads import Run, check, step_attributes, with_loads, worst_status
 from .prepared import PreparedSurface
 from .progress import Reporter, bar_stream
+from .pull_off import PullOff
 from .solutions import Solutions
 from .surfaces import surface_of_topography
 
@@ -227,12 +228,18 @@ def kernels_ready(comm: Comm, scene: Scene) -> Iterator[None]:
 
 
 def solve_loads(
-    comm: Comm, scene: Scene, surfaces: Surfaces, progress: bool, keep_interrupted: bool
+    comm: Comm,
+    scene: Scene,
+    surfaces: Surfaces,
+    progress: bool,
+    keep_interrupted: bool,
+    pull_off_error: float | None = None,
 ) -> Solutions:
     """Solve all loads of a scene, and keep those fields that it asks for. Collective.
 
     With `keep_interrupted` Ctrl-C after the first load ends the sweep early, on one process;
-    otherwise KeyboardInterrupt is raised.
+    otherwise KeyboardInterrupt is raised. With `pull_off_error` further loads follow, see
+    `PullOff`.
     """
     start_time = datetime.now(UTC).isoformat(timespec="seconds")
     begun = time.monotonic()
@@ -245,8 +252,9 @@ def solve_loads(
             run = Run(scene, surfaces, say)
             rows = run.surface.rows
             setup_seconds = time.monotonic() - begun
-            for load in run.solve():
-                is_last = load.index + 1 == len(run.loads)
+            pull_off = None if pull_off_error is None else PullOff(run, pull_off_error)
+            for load in (pull_off or run).solve():
+                is_last = pull_off is None and load.index + 1 == len(run.loads)
                 contacts.append(_kept(load.contact, is_last) if scene.output.fields else None)
                 steps.append(load.numbers)  # now the load is finished
                 run.show({load.index: load.numbers})
@@ -257,6 +265,12 @@ def solve_loads(
             raise
         interrupted = True
         del contacts[len(steps) :]
+        pull_off = None
+    if pull_off is not None:
+        steps = [steps[k] for k in pull_off.order]
+        contacts = [contacts[k] for k in pull_off.order]
+        _, values = run.scene.load.prescribed
+        scene = with_loads(run.scene, [values[k] for k in pull_off.order], run.attributes)
     _forget_transforms(contacts)
     status = "interrupted" if interrupted else worst_status(steps)
     attributes = run.attributes

@@ -21,7 +21,7 @@ from ..contact.area import a_r_discretisation
 from ..contact.contact import Contact
 from ..contact.response import DUALITY
 from ..driver.branches import RETRACTION
-from ..driver.load import Unfinished
+from ..driver.load import Load, Unfinished
 from ..driver.sweep import Sweep, make_sweep
 from ..laws import attraction_of, law_names
 from ..parallel import interrupt
@@ -244,17 +244,46 @@ class Run:
                 self.sweep.solve(load, lambda *_: interrupt.check(self.surface.grid.comm))
         for index in wanted:
             unfinished, seconds_before = unfinished_of(index) or (None, 0.0)
-            begun = time.monotonic() - seconds_before
-            self.say.step(index, len(self.loads), *self._shown_target(index))
-            try:
-                contact = self.sweep.solve(self.loads[index], self._watch(stops), unfinished)
-            finally:
-                self.say.done()
-            seconds = time.monotonic() - begun
-            is_stopped = contact.status == "interrupted"
-            numbers = {} if is_stopped else step_attributes(self.scene, index, contact, seconds)
-            yield SolvedLoad(index, contact, seconds, numbers)
-            del contact, unfinished  # their fields make room for the next load
+            yield self._solve(index, stops, unfinished, seconds_before)
+            del unfinished  # its fields make room for the next load
+
+    def solve_further(self, pressure: float, gap: np.ndarray) -> SolvedLoad:
+        """Solve one more load, from a gap, and add it to `loads` and to the scene.
+
+        Parameters
+        ----------
+        pressure : float
+            Its mean pressure; the scene prescribes pressures, forces or p*.
+        gap : ndarray
+            Local slab, in the program's unit.
+        """
+        _, values = self.scene.load.prescribed
+        E_star = float(self.scene.material.E_star)
+        area = float(np.prod(self.surface.sizes))
+        value = pressure / self.scene.load.unit(E_star, self.surface.g_rms, area)
+        self.scene = with_loads(self.scene, [*values, value], self.attributes)
+        self.loads.append(Load("pressure", pressure))
+        start = Unfinished(gap, pressure, 0, 0.0)
+        return self._solve(len(self.loads) - 1, unfinished=start)
+
+    def _solve(
+        self,
+        index: int,
+        stops: Watch = lambda: False,
+        unfinished: Unfinished | None = None,
+        seconds_before: float = 0.0,
+    ) -> SolvedLoad:
+        """Solve one load; for the arguments see `solve`."""
+        begun = time.monotonic() - seconds_before
+        self.say.step(index, len(self.loads), *self._shown_target(index))
+        try:
+            contact = self.sweep.solve(self.loads[index], self._watch(stops), unfinished)
+        finally:
+            self.say.done()
+        seconds = time.monotonic() - begun
+        is_stopped = contact.status == "interrupted"
+        numbers = {} if is_stopped else step_attributes(self.scene, index, contact, seconds)
+        return SolvedLoad(index, contact, seconds, numbers)
 
     def show(self, steps: dict[int, dict]) -> None:
         """Print the table rows of finished loads, by their numbers."""
@@ -275,6 +304,22 @@ class Run:
         for name, value in _target(self.scene.load, index).items():
             return name.removeprefix("target_"), value
         return "p*", self.loads[index].value / self.sweep.working.pressure_unit
+
+
+def with_loads(scene: Scene, values: Sequence[float], attributes: dict[str, Any]) -> Scene:
+    """Return a scene with other loads of the same kind: pressures, forces or p*, in SI units.
+
+    `attributes`: those of the surface, which tell the units.
+    """
+    name, _ = scene.load.prescribed
+    pressure = attributes.get("pressure_unit", "")
+    length = attributes.get("unit", "")
+    units = {"pressure": pressure, "force": "N" if pressure and length else ""}
+    unit = units.get(name, "")
+    texts = [f"{float(value)!r} {unit}" if unit else float(value) for value in values]
+    tables = scene.model_dump(exclude_none=True)
+    tables["load"][name] = texts
+    return type(scene).from_dict(tables)
 
 
 def _target(load: LoadTable, index: int) -> dict[str, float]:

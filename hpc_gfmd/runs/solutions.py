@@ -12,7 +12,7 @@ import numpy as np
 
 from ..output.read import read_result
 from ..output.result import Result
-from ..output.summary import FINE, LENGTHS, last_held, summary, surface_line
+from ..output.summary import FINE, last_held, pull_off_bracket, pull_off_line, summary, surface_line
 from ..parallel.comm import Comm
 from .solution import Solution
 from .solved import Solved
@@ -170,13 +170,9 @@ class Solutions(Solved, Sequence[Solution]):
         """Mean pressures of the last load that is held and of the first that separates the bodies.
 
         None where `pull_off` is None, and at prescribed gaps or approaches, which pass through the
-        largest pull.
+        largest pull. `solve(..., pull_off_error=0.01)` narrows it.
         """
-        held = last_held(self.steps)
-        if held is None or any(name in held for name in LENGTHS):
-            return None
-        apart = next(step for step in self.steps if step["status"] == "separated")
-        return float(held["p"]), float(apart["p"])
+        return pull_off_bracket(self.steps)
 
     def values(self, name: str) -> np.ndarray:
         """Return a number of all loads, shape (loads,), by its name in the result file.
@@ -199,6 +195,8 @@ class Solutions(Solved, Sequence[Solution]):
             f"  {k}: {summary(step, self.result.surface)}"
             for k, step in self.result.numbered.items()
         ]
+        pull_off = pull_off_line(self.steps, self.result.surface)
+        lines += [f"  {pull_off}"] * bool(pull_off)
         return "\n".join([*lines, *(f"  note: {note}" for note in self.notes)]) + ">"
 
     def _repr_html_(self) -> str:

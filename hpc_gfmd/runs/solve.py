@@ -13,6 +13,7 @@ from ..surface.doubtful_numbers import DIFFERENT_UNITS
 from ..util.errors import NotConverged
 from .in_memory import Heights, changed, scene_of, solve_loads, surfaces_of, surfaces_of_scene
 from .keywords import is_scene, several_loads
+from .pull_off import require_pull
 from .solution import Solution
 from .solutions import Interrupted, Solutions
 
@@ -74,6 +75,7 @@ def solve(
     fields: Sequence[str] | None = None,
     observables: Sequence[str] | None = None,
     distributions: Sequence[str] | None = None,
+    pull_off_error: float | None = None,
     threads: int | str | None = None,
     progress: bool = False,
     comm: Any = None,
@@ -117,6 +119,10 @@ def solve(
     observables, distributions : lists of names
         Numbers and arrays to compute for each load beside the cheap ones; a Solution can compute
         others later.
+    pull_off_error : float
+        With adhesion, branch="retraction" and a list of pressures, p_star or forces: solve further
+        loads until the one that is held and the one that separates the bodies, see
+        `Solutions.pull_off_bracket`, differ by less than this, relative to the latter.
     threads : int, default "auto"
         Threads of this process, or of each rank. Results do not depend on their number.
     progress : bool
@@ -185,7 +191,16 @@ def solve(
     else:
         scene, wall = scene_of(comm, heights, keywords, more)
         surfaces = surfaces_of(comm, scene, wall)
-    solutions = solve_loads(comm, scene, surfaces, progress, keep_interrupted=bool(several))
+    if pull_off_error is not None:
+        require_pull(scene, pull_off_error, bool(several))
+    solutions = solve_loads(
+        comm,
+        scene,
+        surfaces,
+        progress,
+        keep_interrupted=bool(several),
+        pull_off_error=pull_off_error,
+    )
     _warn(comm, solutions.steps)
     if solutions.status == "interrupted":
         raise Interrupted(solutions) from None

@@ -222,7 +222,9 @@ class Solved:
     ) -> Any:
         """Estimate the leak rate of a seal by the theory of the critical junction.
 
-        See `theory.leak.leak_rate`. The critical gap is computed if the result does not have it.
+        The pressure drops at the narrowest place of the widest channel: right to an order of
+        magnitude, best close to the load at which the seal is tight, too small at light loads; see
+        `theory.leak.leak_rate`. The critical gap is computed if the result does not have it.
 
         Parameters
         ----------
@@ -262,8 +264,8 @@ class Solved:
         """Return the relative error of `leak_rate`, three times that of the critical gap.
 
         The critical gap has the absolute error of the mean gap, by the solver and by the grid. It
-        is not that of the theory, nor the scatter of surfaces, which can be larger: solve several
-        pieces.
+        is neither that of the theory nor the scatter of surfaces, which can be larger: solve
+        several pieces, see `Ensemble.leak_rate_error`.
 
         Parameters
         ----------

@@ -7,7 +7,7 @@ from typing import Any
 
 from ..contact import all_numbers, observables_named
 from ..output.result import Result
-from ..output.summary import converged, estimate, is_number, surface_line
+from ..output.summary import converged, estimate, is_number, pull_off_line, surface_line
 from ..util.errors import SceneError
 from ..util.quantities import in_units, prefixed
 
@@ -73,7 +73,7 @@ def table(
     """
     observables = tuple(observables)
     rows = cells(steps, surface, observables, errors)
-    return "\n".join([*aligned(rows), *remarks(steps, observables)])
+    return "\n".join([*aligned(rows), *remarks(steps, surface, observables)])
 
 
 class GrowingTable:
@@ -102,7 +102,7 @@ class GrowingTable:
 
     def end(self) -> list[str]:
         """Return the lines below the table, for all steps so far."""
-        return remarks(self._steps, self._observables)
+        return remarks(self._steps, self._surface, self._observables)
 
 
 def aligned(rows: list[list[str]], narrowest: int = 0) -> list[str]:
@@ -125,7 +125,7 @@ def html_table(result: Result, across: bool = True) -> str:
     rows = DataFrame(cells(steps, surface, observables))
     shown = (rows if across else rows.T[1:]).to_html(header=False, index=False, border=0)
     notes = (f"note: {note}" for note in result.notes)
-    below = [surface_line(surface), *remarks(steps, observables), *notes]
+    below = [surface_line(surface), *remarks(steps, surface, observables), *notes]
     return f"{shown}\n<small>{'<br>'.join(map(escape, below))}</small>"
 
 
@@ -199,8 +199,8 @@ def _cell(key: str, value: Any, scale: float, step: dict) -> str:
     return estimate(value, key, step) if isinstance(value, float) else str(value)
 
 
-def remarks(steps: Mapping[int, dict], observables: Sequence[str] = ()) -> list[str]:
-    """Return the lines below the table: the legend, unconverged steps, notes, missing values."""
+def remarks(steps: Mapping[int, dict], surface: dict, observables: Sequence[str] = ()) -> list[str]:
+    """Return the lines below the table: legend, pull-off, notes, what failed or has no value."""
     lines = [LEGEND] if any("a_r_discretisation" in step for step in steps.values()) else []
     unknown = [
         f"{index}"
@@ -217,6 +217,8 @@ def remarks(steps: Mapping[int, dict], observables: Sequence[str] = ()) -> list[
         for step in steps.values()
     ):
         lines.append(EDGES)
+    if pull_off := pull_off_line([*steps.values()], surface):
+        lines.append(pull_off)
     numbers_of_note: dict[str, list[str]] = {}
     for index, step in steps.items():
         if not converged(step):

@@ -246,6 +246,10 @@ class LoadTable(Table):
         """Whether the mean pressures follow from another quantity by a search."""
         return self.prescribed[0] not in PRESSURES
 
+    def unit(self, E_star: float, g_rms: float, area: float = 1.0) -> float:
+        """Return the mean pressure of a pressure, force or p* of 1; for the arguments see `p0`."""
+        return {"p_star": E_star * g_rms, "force": 1 / area}.get(self.prescribed[0], 1.0)
+
     def p0(self, E_star: float, g_rms: float, area: float = 1.0) -> tuple[float, ...]:
         """Return the mean pressures of all loads; () if they follow from a search (is_searched).
 
@@ -263,9 +267,9 @@ class LoadTable(Table):
         tuple of float
             In the unit of E_star, one for each load.
         """
-        name, values = self.prescribed
-        scale = {"p_star": E_star * g_rms, "force": 1 / area}.get(name, 1.0)
-        return () if self.is_searched else tuple(float(value) * scale for value in values)
+        _, values = self.prescribed
+        unit = self.unit(E_star, g_rms, area)
+        return () if self.is_searched else tuple(float(value) * unit for value in values)
 
 
 PRESSURES = ("p_star", "pressure", "force")

@@ -14,7 +14,7 @@ LAWS = ["exponential", "cubic", "dugdale"]
 # -- closed forms
 
 
-def ball_retracted(tabor, forces, law="exponential", n=128):
+def ball_retracted(tabor, forces, law="exponential", n=128, **more):
     """Retract a ball of radius 1 in a cell of size 1; return the solutions and the JKR theory.
 
     Forces are over pi w R. The JKR contact without load has a radius of 0.12.
@@ -30,6 +30,7 @@ def ball_retracted(tabor, forces, law="exponential", n=128):
         adhesion={"work": w, "range": float(reach), "law": law},
         branch="retraction",
         fields=(),
+        **more,
     )
     return solutions, JohnsonKendallRoberts(1.0, w)
 
@@ -55,6 +56,46 @@ def test_pull_off_of_a_ball(tabor, law, holds, comes_off):
     assert solutions.pull_off_bracket == (solutions[4].p, solutions[5].p)
     sizes = solutions.result.surface["physical_sizes"]
     assert solutions.pull_off_force == pytest.approx(solutions.pull_off * np.prod(sizes))
+
+
+def test_pull_off_is_bisected_on_request(tmp_path):
+    """Without a load that pulls; the further loads stand where a finer sweep would have them."""
+    lam = 0.3
+    solutions, jkr = ball_retracted(
+        lam / 1.157, [0.5, 0.0], "dugdale", pull_off_error=0.01, observables=["attraction"]
+    )
+    assert (np.diff(solutions.p) < 0).all()
+    held, lost = solutions.pull_off_bracket
+    assert held == solutions.pull_off
+    assert lost < held < 0.99 * lost
+    sizes = solutions.result.surface["physical_sizes"]
+    assert solutions.pull_off_force == pytest.approx(held * np.prod(sizes))
+    force_unit = np.pi * jkr.w
+    assert solutions.pull_off_force / force_unit == pytest.approx(maugis_pull_off(lam), rel=0.03)
+    assert "pull-off (held and lost): pressure" in solutions.table()
+    read = hpc_gfmd.load(solutions.save(tmp_path / "pulled.h5"))
+    assert read.pull_off_bracket == (held, lost)
+    assert read.result.missing_loads == "all loads are finished"
+
+
+@pytest.mark.parametrize(
+    ("changes", "found"),
+    [
+        ({"pull_off_error": 2.0}, "found 2.0, allowed: a number from 1e-4"),
+        ({"branch": "approach"}, 'found branch = "approach"'),
+        ({"p_star": 0.05}, "found a single load"),
+        ({"p_star": None, "gap_over_h_rms": [0.5, 1.0]}, "found gap_over_h_rms"),
+    ],
+)
+def test_pull_off_that_cannot_be_bisected(changes, found):
+    how = {
+        "p_star": [0.05, 0.0],
+        "adhesion": adhesive.attraction(1.0, 0.1),
+        "branch": "retraction",
+        "pull_off_error": 0.01,
+    }
+    with pytest.raises(hpc_gfmd.SceneError, match=f"pull_off_error: {found}"):
+        hpc_gfmd.solve(adhesive.wall(), **how | changes)
 
 
 def test_contact_of_a_ball_with_a_short_range_is_that_of_jkr():

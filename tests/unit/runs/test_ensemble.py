@@ -33,6 +33,25 @@ def test_mean_and_scatter_are_those_of_the_results(results):
     assert ensemble.load in ("p", "p_star")
 
 
+def test_leak_rate_has_the_scatter_and_the_error_of_the_grid():
+    """Rates go with the cube of the critical gap; a seal that is tight has an infinite error."""
+    loads = [0.02, 0.1, 1.0]
+    seals = [solved(seed, loads, observables=["critical_gap"]) for seed in range(3)]
+    ensemble = hpc_gfmd.Ensemble(seals)
+    rates = np.array([seal.leak_rate(1e-3, "1 bar", "30 cm", "1 mm") for seal in seals])
+    np.testing.assert_allclose(
+        ensemble.leak_rate(1e-3, "1 bar", "30 cm", "1 mm"), rates.mean(axis=0)
+    )
+    of_grid = np.array([seal.leak_rate_error() for seal in seals])
+    scatter = rates.std(axis=0, ddof=1) / rates.mean(axis=0).clip(1e-300)
+    error = ensemble.leak_rate_error()
+    mean_of_grid = (rates * of_grid)[:, 0].mean() / rates[:, 0].mean()
+    assert error[0] == pytest.approx(np.hypot(scatter[0], mean_of_grid))
+    assert error[0] > scatter[0] > 0
+    assert rates[:, -1].max() == 0
+    assert error[-1] == np.inf
+
+
 def test_table_and_plot(results):
     ensemble = hpc_gfmd.Ensemble(results)
     text = ensemble.table()
