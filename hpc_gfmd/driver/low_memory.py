@@ -37,7 +37,7 @@ class LowMemorySurface(WorkingSurface):
     Raises
     ------
     SceneError
-        If the periodic surface is not self-affine: only that kind is known by its spectrum.
+        If the periodic surface is not known by its modes, see surface/modes.py.
     """
 
     full_contact_is_known = False  # nested iteration finds out
@@ -52,7 +52,8 @@ class LowMemorySurface(WorkingSurface):
         """
         if self.surface.add_spectrum is None and not self.surface.grid.padded:
             raise SceneError(
-                'solver.low_memory: found true, allowed: with surface.kind = "self-affine"'
+                'solver.low_memory: found true, allowed: with surface.kind = "self-affine",'
+                ' "spectrum" or "fourier"'
             )
 
     def problem_to_start(self, p0: float) -> Problem:

@@ -256,11 +256,14 @@ def known_heights(scene: Scene, n: tuple[int, int]) -> tuple[float | None, float
     Returns
     -------
     g_rms, h_rms : float or None
-        rms slope, and rms height over g_rms times the grid spacing. Both None for a height map from
-        a file and for roughness on a round body; h_rms None for a flat surface.
+        rms slope, and rms height over g_rms times the grid spacing. Both None for a height map, a
+        spectrum or Fourier coefficients, and for roughness on a round body; h_rms None for a flat
+        surface.
     """
     surface = scene.surface
-    if surface.kind == "file" or (surface.kind == "self-affine" and surface.radius):
+    if surface.kind == "file" or surface.kind == "spectrum":
+        return None, None
+    if surface.kind == "self-affine" and surface.radius:
         return None, None
     if surface.kind != "self-affine":
         coarse = surface.model_copy(update={"n": tuple(min(k, COARSE) for k in surface.n or ())})

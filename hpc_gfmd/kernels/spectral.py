@@ -127,9 +127,10 @@ def _multiply_by_table(column, table, scale, inverse):
 
 @kernel
 def spectrum_sums(columns, q_x, q_y, weight):
-    """Return the sums of weight |columns|^2 and of weight q^2 |columns|^2, both without q = 0."""
+    """Return the sums of weight |columns|^2 times 1, q^2 and q^4, without q = 0."""
     power = 0.0
     slopes = 0.0
+    curvatures = 0.0
     for w in range(columns.shape[0]):
         qy2 = q_y[w] * q_y[w]
         for i in range(columns.shape[1]):
@@ -139,4 +140,5 @@ def spectrum_sums(columns, q_x, q_y, weight):
                 square = weight[w] * (np.float64(c.real) * c.real + np.float64(c.imag) * c.imag)
                 power += square
                 slopes += q2 * square
-    return power, slopes
+                curvatures += q2 * q2 * square
+    return power, slopes, curvatures

@@ -264,7 +264,7 @@ def make_surface(kind: str, **keys: Any) -> PreparedSurface:
     Parameters
     ----------
     kind
-        "self-affine", "wave" or "sphere".
+        "self-affine", "spectrum", "wave" or "sphere".
     **keys
         Those of the scene's [surface] of that kind: make_surface("self-affine", hurst=0.8,
         L_over_lam_l=2, lam_l_over_lam_s=32, lam_s_over_a=4, seed=1, g_rms=0.1),
@@ -285,7 +285,9 @@ def make_surface(kind: str, **keys: Any) -> PreparedSurface:
     surface = build_surface(scene.surface, SerialComm(), np.float64)
     heights = np.asarray(heights_of(surface))
     heights.flags.writeable = False
-    prepared = PreparedSurface(heights, surface.sizes, scene.length_unit, free=scene.surface.free)
+    prepared = PreparedSurface(
+        heights, surface.sizes, scene.length_unit, surface.prepared, free=scene.surface.free
+    )
     return prepared.from_table(table)
 
 

@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, model_validator
 
 from .height_maps import Bodies, Reading
+from .spectrum import Anisotropy, SpectrumKeys
 from .table import (
     MAX_INT,
     MAX_N,
@@ -73,6 +74,11 @@ class SurfaceTable(Table):
         return self
 
     @property
+    def aspect(self) -> float:
+        """Ratio L_y/L_x of the sides of the cell."""
+        return self.physical_sizes[1] / self.physical_sizes[0]
+
+    @property
     def radii(self) -> tuple[float, float]:
         """(R_x, R_y) of the ball under the roughness, or of the sphere itself.
 
@@ -101,7 +107,7 @@ class SurfaceTable(Table):
         return along[0] == side, along[1] == side
 
 
-class SelfAffine(SurfaceTable):
+class SelfAffine(Anisotropy, SurfaceTable):
     """Random self-affine roughness with wavelengths from lam_l down to lam_s, both included.
 
     L is L_x. The cells of the grid are square, so n_y = n_x L_y/L_x must be a whole number, too.
@@ -151,7 +157,8 @@ class SelfAffine(SurfaceTable):
         product = self.L_over_lam_l * self.lam_l_over_lam_s * self.lam_s_over_a
         _whole(product, "n = L_over_lam_l * lam_l_over_lam_s * lam_s_over_a")
         _whole(product * self.aspect, "n_y = n_x * L_y/L_x (square cells)")
-        if not self._has_modes():
+        self.require_resolved(self.L_over_lam_l * self.lam_l_over_lam_s, self.n, self.aspect)
+        if self.peklenik == 1 and not self._has_modes():
             raise ValueError(
                 f"found no wave vector with {self.L_over_lam_l:g} <= |q| L/2pi <= "
                 f"{self.L_over_lam_l * self.lam_l_over_lam_s:g}, allowed: at least one (widen "
@@ -171,11 +178,6 @@ class SelfAffine(SurfaceTable):
             if k_x**2 + k_y**2 >= low**2:
                 return True
         return False
-
-    @property
-    def aspect(self) -> float:
-        """Ratio L_y/L_x of the sides of the cell."""
-        return self.physical_sizes[1] / self.physical_sizes[0]
 
     @property
     def n(self) -> tuple[int, int]:
@@ -207,6 +209,19 @@ class SelfAffine(SurfaceTable):
     def eps_c(self) -> float:
         """a/lam_s: 0 in the continuum limit."""
         return 1 / self.lam_s_over_a
+
+
+class Spectrum(SpectrumKeys, SurfaceTable):
+    """Random roughness with a given power spectrum C(q): a table, or power laws.
+
+    h_rms^2 = (1/2 pi) times the integral of C(q) q dq. Between two rows of a table, or two wave
+    lengths, C is a power law; there are no waves beyond the first and the last. A table of profiles
+    (dimension = 1, h_rms^2 = (1/pi) times the integral of C(q) dq) is converted to that of the
+    isotropic surface which has them; it must not rise, and beyond its end goes on as it ends.
+    With h_rms or g_rms, the value on the grid, the spectrum is scaled.
+    """
+
+    kind: Literal["spectrum"]
 
 
 class Wave(SurfaceTable):
@@ -316,11 +331,12 @@ class ArrayTable(SurfaceTable):
 
 KINDS: dict[str, type[SurfaceTable]] = {
     "self-affine": SelfAffine,
+    "spectrum": Spectrum,
     "wave": Wave,
     "sphere": Sphere,
     "file": File,
 }
-AnySurface = Annotated[SelfAffine | Wave | Sphere | File, Field(discriminator="kind")]
+AnySurface = Annotated[SelfAffine | Spectrum | Wave | Sphere | File, Field(discriminator="kind")]
 
 
 def _whole(value: float, what: str) -> None:

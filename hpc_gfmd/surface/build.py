@@ -18,15 +18,19 @@ from ..parallel.grid import Grid
 from ..parallel.guard import collective_errors, on_rank_0, raise_on_all
 from ..parallel.interrupt import check
 from ..util.errors import SceneError
-from .analytic import flat_rows, wave_rows
+from .analytic import Rows, flat_rows, wave_rows
 from .cell import grid_of, nominal_part
 from .doubtful_numbers import slope_notes
 from .heights import LARGEST, checked, checksum
+from .modes import gap_of_modes
 from .prepare import asks_for_preparation, complete, notes_on, on_radius, prepare, prepared_size
-from .selfaffine import self_affine_gap
+from .selfaffine import self_affine_modes
 from .slabs import slabs
+from .spectrum import spectrum_modes
 from .statistics import rms, rms_between_neighbours
 from .topography import Topography, open_topography
+
+MODES = {"self-affine": self_affine_modes, "spectrum": spectrum_modes}
 
 
 @dataclass(frozen=True)
@@ -49,7 +53,7 @@ class Surface:
     rows : (int, int)
         This rank's rows start <= i < stop of the surface with n points.
     add_spectrum : function, optional
-        Recomputes the heights in Fourier space, see selfaffine.py; None if they have no formula
+        Recomputes the heights in Fourier space, see modes.py; None if they have no formula
         there.
     checksum : str, optional
         Checksum of the heights as they were read; None if the scene determines them.
@@ -161,33 +165,62 @@ def build_surface(
     if spec.kind == "file":
         topography = _shared(spec, comm)
         return surface_of(topography, comm, dtype, threads, spec.free, True, whole)
-    rows = wave_rows(spec) if spec.kind == "wave" else flat_rows
-    if spec.kind == "self-affine":
-        kept = np.dtype(np.float64) if spec.radius else dtype
-        grid = grid_of(spec.n, spec.physical_sizes, comm, spec.free, threads)
-        nominal = nominal_part(grid)
-        h, h_over_g, add_spectrum = self_affine_gap(
-            spec, nominal, kept, kept if low_memory else np.float64
-        )
-        if grid.padded:  # what is solved on has transforms of its own
-            nominal.forget_fft(kept if low_memory else np.float64)
-        g_rms = spec.g_rms if spec.g_rms is not None else spec.h_rms / (h_over_g * grid.a)
-        made = Surface(
-            grid,
-            h,
-            spec.n,
-            h_rms=h_over_g * g_rms * grid.a,
-            g_rms=g_rms,
-            rows=grid.nominal_rows,
-            add_spectrum=None if grid.padded else add_spectrum,
-        )
+    if spec.kind in MODES:
+        made = _made_of_modes(spec, comm, dtype, threads, low_memory)
         if not spec.radius:
             return made
-        begin = made.rows[0]
-        unit = made.height_unit
-        rows = lambda start, stop: -unit * h[start - begin : stop - begin]  # noqa: E731
-    topography = Topography(spec.n, spec.physical_sizes, rows).on_form(spec.radii)
-    return surface_of(topography, comm, dtype, threads, spec.free, whole=whole)
+        on_form = surface_of(_on_form(spec, _rows_of_gap(made)), comm, dtype, threads, spec.free)
+        return replace(on_form, checksum=made.checksum, prepared=made.prepared)
+    rows = wave_rows(spec) if spec.kind == "wave" else flat_rows
+    return surface_of(_on_form(spec, rows), comm, dtype, threads, spec.free, whole=whole)
+
+
+def _on_form(spec: Any, rows: Rows) -> Topography:
+    """Return heights, given by rows, on the form of a scene's [surface]."""
+    return Topography(spec.n, spec.physical_sizes, rows).on_form(spec.radii)
+
+
+def _made_of_modes(
+    spec: Any, comm: Any, dtype: np.dtype, threads: int, low_memory: bool
+) -> Surface:
+    """Return the surface of a kind in MODES, without its form, see `build_surface`. Collective."""
+    kept = np.dtype(np.float64) if spec.radius else dtype
+    made_in = kept if low_memory else np.dtype(np.float64)
+    modes = MODES[spec.kind](spec, comm)
+    grid = grid_of(spec.n, spec.physical_sizes, comm, spec.free, threads)
+    nominal = nominal_part(grid)
+    h, roughness, add_spectrum = gap_of_modes(modes, nominal, kept, made_in)
+    if grid.padded:  # what is solved on has transforms of its own
+        nominal.forget_fft(made_in)
+    if roughness.g_rms == 0:
+        raise SceneError(
+            "surface: found no wave of the cell in the spectrum, allowed: at least one"
+        )
+    if spec.g_rms is not None:
+        unit = spec.g_rms * grid.a / roughness.g_rms
+    elif spec.h_rms is not None:
+        unit = spec.h_rms / roughness.h_rms
+    else:
+        assert modes.unit is not None
+        unit = modes.unit
+    in_lengths = roughness.in_units(unit, grid.a)
+    return Surface(
+        grid,
+        h,
+        spec.n,
+        h_rms=in_lengths.h_rms,
+        g_rms=in_lengths.g_rms if spec.g_rms is None else spec.g_rms,
+        rows=grid.nominal_rows,
+        add_spectrum=None if grid.padded else add_spectrum,
+        checksum=modes.checksum,
+        prepared=modes.prepared(in_lengths) if modes.prepared else (),
+    )
+
+
+def _rows_of_gap(surface: Surface) -> Rows:
+    """Return a function (start, stop) -> rows of the heights, of those that this rank has."""
+    begin = surface.rows[0]
+    return lambda start, stop: -surface.height_unit * surface.gap[start - begin : stop - begin]
 
 
 def _shared(spec: Any, comm: Any) -> Topography:

@@ -1,6 +1,7 @@
 """Rms height and rms slope of a field, from its spectrum or from differences of neighbours."""
 
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, Self
 
 import numpy as np
 
@@ -8,6 +9,21 @@ from ..kernels.spectral import spectrum_sums
 from ..parallel import halo
 from ..parallel.grid import Grid
 from ..parallel.threads import added
+
+
+@dataclass(frozen=True)
+class Roughness:
+    """Rms height, slope and curvature (half of the Laplacian) of a periodic surface."""
+
+    h_rms: float
+    g_rms: float
+    curvature: float
+
+    def in_units(self, height: float, length: float) -> Self:
+        """Return a copy in lengths; height, length: what heights and distances are in units of."""
+        return type(self)(
+            self.h_rms * height, self.g_rms * height / length, self.curvature * height / length**2
+        )
 
 
 def rms(grid: Grid, fill: Any) -> tuple[float, float]:
@@ -32,7 +48,8 @@ def rms(grid: Grid, fill: Any) -> tuple[float, float]:
     """
     fft = grid.fft(np.float64)
     fft.forward_rows(fill)
-    return rms_of_columns(grid, fft, None)
+    roughness = roughness_of_columns(grid, fft, None)
+    return roughness.h_rms, roughness.g_rms
 
 
 def rms_between_neighbours(grid: Grid, fill: Any, free: tuple[bool, bool]) -> tuple[float, float]:
@@ -67,8 +84,8 @@ def rms_between_neighbours(grid: Grid, fill: Any, free: tuple[bool, bool]) -> tu
     )
 
 
-def rms_of_columns(grid: Grid, fft: Any, make: Any) -> tuple[float, float]:
-    """Compute rms height and slope from the columns of a spectrum. Collective.
+def roughness_of_columns(grid: Grid, fft: Any, make: Any) -> Roughness:
+    """Compute the roughness from the columns of a spectrum. Collective.
 
     Parameters
     ----------
@@ -82,8 +99,8 @@ def rms_of_columns(grid: Grid, fft: Any, make: Any) -> tuple[float, float]:
 
     Returns
     -------
-    h_rms, g_rms : float
-        In the unit of the field, and per grid spacing a.
+    Roughness
+        In the unit of the field and of the grid spacing a.
     """
     q_x = grid.q_x.astype(fft.dtype)
     q_y, weight = grid.column_tables(fft)
@@ -94,6 +111,7 @@ def rms_of_columns(grid: Grid, fft: Any, make: Any) -> tuple[float, float]:
         return spectrum_sums(block, q_x, q_y[m], weight[m])
 
     sums = fft.columns(apply, forward=make is None, backward=make is not None)
-    s0, s2 = grid.comm.sum(added(sums, 2))
+    moments = grid.comm.sum(added(sums, 3))
     norm = fft.scale if make is None else 1.0
-    return float(np.sqrt(s0) * norm), float(np.sqrt(s2) * norm)
+    h_rms, g_rms, laplacian = (float(np.sqrt(moment) * norm) for moment in moments)
+    return Roughness(h_rms, g_rms, laplacian / 2)

@@ -57,8 +57,9 @@ def test_spectrum_sums(random, dtype):
     q_x = 2 * np.pi * np.fft.fftfreq(n[0])
     q_y = 2 * np.pi * np.arange(n[1] // 2 + 1) / n[1]
     weight = np.where(np.arange(len(q_y)) > 0, 2.0, 1.0)
-    power, slopes = spectral.spectrum_sums(columns, q_x, q_y, weight)
+    power, slopes, curvatures = spectral.spectrum_sums(columns, q_x, q_y, weight)
     assert power == pytest.approx(h.var(), rel=1e-5)
     full = np.fft.fft2(h) / h.size
     q = np.hypot(q_x[:, None], 2 * np.pi * np.fft.fftfreq(n[1]))
     assert slopes == pytest.approx(np.sum(q**2 * np.abs(full) ** 2), rel=1e-5)
+    assert curvatures == pytest.approx(np.sum(q**4 * np.abs(full) ** 2), rel=1e-5)

@@ -14,7 +14,7 @@ from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.parallel.interrupt import Interrupt, Stopped, check
 from hpc_gfmd.runs.simulation import restart, run_scene
 from hpc_gfmd.scene import Scene
-from hpc_gfmd.surface import selfaffine
+from hpc_gfmd.surface import modes
 
 SCENE = {"surface": rough(), "load": {"p_star": [0.1, 0.3]}, "output": {"path": "out.h5"}}
 
@@ -31,7 +31,7 @@ def killing(function, n):
 
 
 @pytest.mark.parametrize(
-    ("module", "name", "n"), [(selfaffine, "rms_of_columns", 64), (nested, "roughly_solved", 32)]
+    ("module", "name", "n"), [(modes, "roughness_of_columns", 64), (nested, "roughly_solved", 32)]
 )
 def test_run_stops_before_the_first_iteration(module, name, n, monkeypatch):
     """No iteration on the finest grid; the restart gives the uninterrupted result."""

@@ -1,9 +1,25 @@
-"""Random self-affine spectra: symmetry, band limits, uniform and independent random numbers."""
+"""Random waves: symmetry, band limits, uniform and independent random numbers."""
 
 import numpy as np
 import pytest
 
-from hpc_gfmd.kernels.selfaffine import self_affine
+from hpc_gfmd.kernels.random_waves import random_waves
+
+
+def law(seed, low, high, exponent):
+    """An isotropic power law on a square cell."""
+    one = np.ones(1)
+    return (
+        np.uint64(seed),
+        False,
+        1.0,
+        (1.0, 0.0, 1.0),
+        (low, high),
+        one,
+        one,
+        one,
+        exponent * one,
+    )
 
 
 def test_spectrum_of_a_real_field_within_its_band():
@@ -12,7 +28,7 @@ def test_spectrum_of_a_real_field_within_its_band():
     for k_y in range(n):
         block = np.zeros((1, n), complex)
         signed = (k_y + 3) % n - 3
-        self_affine(block, 0.0, 1.0, signed, 1, n, (np.uint64(3), 1.0, 1.0, 4.0, 1.0, 1.8))
+        random_waves(block, 0.0, 1.0, signed, 1, n, law(3, 1.0, 4.0, 1.8))
         whole[:, k_y] = block[0]
     heights = np.fft.ifft2(whole)
     assert np.abs(heights.imag).max() < 1e-14 * np.abs(heights.real).max()
@@ -29,7 +45,7 @@ def test_random_numbers_are_uniform():
     parts = []
     for seed in (0, 1):
         block = np.zeros((100, 256), complex)
-        self_affine(block, 0.0, 1.0, 1, 100, 512, (np.uint64(seed), 1.0, 1.0, 300.0, 1.0, 0.0))
+        random_waves(block, 0.0, 1.0, 1, 100, 512, law(seed, 1.0, 300.0, 0.0))
         block = block.T[:100]
         assert np.abs(block.real).max() < 1
         for part in (block.real.ravel(), block.imag.ravel()):

@@ -1,0 +1,97 @@
+"""Surfaces known by their Fourier modes, made on all ranks in the memory of one spectrum."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import DTypeLike
+
+from ..parallel.grid import Grid
+from ..parallel.interrupt import check
+from .statistics import Roughness, roughness_of_columns
+
+# add(block, keep, factor, j0, columns): block = keep block + factor times the modes k_y = j0 + w of
+# the columns w < columns
+AddModes = Callable[[np.ndarray, Any, Any, int, int], None]
+
+
+@dataclass(frozen=True)
+class Modes:
+    """The Fourier modes of the heights of a surface.
+
+    Attributes
+    ----------
+    add : function
+        See `AddModes`; it is called on several threads at once.
+    unit : float, optional
+        Length of the unit of the modes; None if only their shape is given, with h_rms or g_rms.
+    checksum : str, optional
+        Of the file that they are from; None if the scene determines them.
+    prepared : function, optional
+        prepared(roughness) returns lines on the surface, see `Surface.prepared`. roughness: of the
+        surface, a Roughness in lengths.
+    """
+
+    add: AddModes
+    unit: float | None = None
+    checksum: str | None = None
+    prepared: Callable[[Roughness], tuple[str, ...]] | None = None
+
+
+def gap_of_modes(
+    modes: Modes, grid: Grid, dtype: DTypeLike, made_in: DTypeLike
+) -> tuple[np.ndarray, Roughness, Callable]:
+    """Make the gap under zero load of a surface from its modes. Collective.
+
+    The transforms of the grid in precision made_in are used as scratch memory.
+
+    Parameters
+    ----------
+    modes : Modes
+    grid : Grid
+    dtype : dtype
+        Precision of the gap.
+    made_in : dtype
+        Precision of the transforms. Single precision has several times the errors of storing the
+        gap.
+
+    Returns
+    -------
+    gap : ndarray
+        z_max - z, this rank's slab, scaled so that g_rms = 1 per grid spacing; 0 for no modes.
+    roughness : Roughness
+        In the unit of the modes and of the grid spacing.
+    add_spectrum : function
+        add_spectrum(fft) returns add(block, m), for `fft.columns`: it adds the transform of minus
+        the gap, without a factor 1/N, to the columns of block m. It is computed again, so that
+        heights need not be kept.
+    """
+    fft = grid.fft(made_in)
+
+    def adder(fft: Any, keep: float, factor: float, mean: float = 0.0) -> Callable:
+        def add(block: np.ndarray, m: int) -> None:
+            j0, j1 = fft.columns_of(m)
+            modes.add(block, fft.dtype.type(keep), fft.dtype.type(factor), j0, j1 - j0)
+            if j0 == 0 < j1:
+                block[0, 0] += fft.dtype.type(factor * mean)
+
+        return add
+
+    check(grid.comm)
+    roughness = roughness_of_columns(grid, fft, adder(fft, 0.0, 1.0))
+    g_rms = roughness.g_rms or 1.0
+    check(grid.comm)
+    tops = fft.backward_rows(lambda i0, i1, x: x[: i1 - i0].max())
+    top = fft.dtype.type(grid.comm.max([max(tops, default=-np.inf)])[0])
+    h = grid.empty(dtype)
+
+    def use(i0: int, i1: int, x: np.ndarray) -> None:
+        rows = x[: i1 - i0]
+        np.subtract(top, rows, out=rows)
+        np.multiply(rows, fft.dtype.type(1.0 / g_rms), out=h[i0:i1], casting="same_kind")
+
+    check(grid.comm)
+    fft.backward_rows(use)
+    check(grid.comm)
+    return h, roughness, lambda fft: adder(fft, 1.0, grid.N / g_rms, -float(top))

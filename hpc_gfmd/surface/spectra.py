@@ -1,0 +1,163 @@
+"""Power spectra of isotropic surfaces, as tables between whose rows they are power laws."""
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..util.errors import SceneError
+from .statistics import Roughness
+
+
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """The power spectrum of an isotropic surface, averaged over directions.
+
+    Between two rows C is a power law; beyond the first and the last it is 0.
+
+    Attributes
+    ----------
+    q : ndarray
+        Wave numbers 2 pi/lambda, rising, in 1/unit.
+    C : ndarray
+        Power spectrum, positive, in unit^4: h_rms^2 = (1/2 pi) times the integral of C q dq, and
+        C(q) = L_x L_y <|h_q|^2> on a cell L_x x L_y.
+    unit : str
+        "m", or "" without a unit.
+    """
+
+    q: np.ndarray
+    C: np.ndarray
+    unit: str = ""
+
+    def __post_init__(self) -> None:
+        """Raise SceneError for rows that are no spectrum."""
+        require_rows(self.q, self.C)
+
+    @property
+    def exponents(self) -> np.ndarray:
+        """Exponent e of C ~ q^-e between each two rows."""
+        return -np.diff(np.log(self.C)) / np.diff(np.log(self.q))
+
+    @property
+    def hurst(self) -> np.ndarray:
+        """Hurst exponent H of C ~ q^(-2 - 2 H) between each two rows."""
+        return self.exponents / 2 - 1
+
+    def at(self, q: ArrayLike) -> np.ndarray:
+        """Return C at some q; 0 beyond the rows."""
+        q = np.asarray(q, float)
+        inside = (q >= self.q[0]) & (q <= self.q[-1])
+        with np.errstate(divide="ignore"):
+            C = np.exp(np.interp(np.log(q), np.log(self.q), np.log(self.C)))
+        return np.where(inside, C, 0.0)
+
+    def between(self, lowest: float, highest: float) -> Self:
+        """Return a copy without the waves below and above some q.
+
+        Raises
+        ------
+        SceneError
+            If there are none between them.
+        """
+        low, high = max(lowest, self.q[0]), min(highest, self.q[-1])
+        if not low < high:
+            raise SceneError(
+                f"surface: found a spectrum from q = {self.q[0]:.6g} to {self.q[-1]:.6g} and waves"
+                f" from {lowest:.6g} to {highest:.6g}, allowed: some of the spectrum"
+            )
+        inside = (self.q > low) & (self.q < high)
+        q = np.array([low, *self.q[inside], high])
+        ends = self.at([low, high])
+        return type(self)(q, np.array([ends[0], *self.C[inside], ends[1]]), self.unit)
+
+    def roughness(self) -> Roughness:
+        """Return h_rms, g_rms and rms curvature (half of the Laplacian)."""
+        moments = [self._moment(power) for power in (0, 2, 4)]
+        h_rms, g_rms, laplacian = np.sqrt(moments).tolist()
+        return Roughness(h_rms, g_rms, laplacian / 2)
+
+    def _moment(self, power: int) -> float:
+        """Return (1/2 pi) times the integral of q^power C q dq."""
+        m = 2 + power - self.exponents
+        ratio = np.diff(np.log(self.q))
+        x = m * ratio
+        with np.errstate(over="ignore"):
+            mean = np.where(x == 0, 1.0, np.expm1(x) / np.where(x == 0, 1.0, x))
+        return float(np.sum(self.C[:-1] * self.q[:-1] ** (2 + power) * ratio * mean) / (2 * np.pi))
+
+
+def require_rows(q: np.ndarray, C: np.ndarray, where: str = "surface", of: str = "") -> None:
+    """Raise SceneError unless q rise, all numbers are positive, and there are at least two rows."""
+    if len(q) < 2:
+        raise SceneError(f"{where}: found {len(q)} rows{of}, allowed: at least two, of q and C")
+    for name, values in (("q", q), ("C", C)):
+        wrong = ~(np.isfinite(values) & (values > 0))
+        if wrong.any():
+            row = int(np.argmax(wrong))
+            raise SceneError(
+                f"{where}: found {name} = {values[row]:.6g} in row {row + 1}{of}, allowed: positive"
+                " numbers"
+            )
+    falls = np.diff(q) <= 0
+    if falls.any():
+        row = int(np.argmax(falls))
+        raise SceneError(
+            f"{where}: found q = {q[row]:.6g} and then {q[row + 1]:.6g} in row {row + 2}{of},"
+            " allowed: rising q"
+        )
+
+
+def of_isotropic_surface(profiles: Spectrum) -> Spectrum:
+    """Return the spectrum of the isotropic surface whose profiles have a given one.
+
+    C(q) = -2 integral from q to infinity of dC1/dq' / sqrt(q'^2 - q^2) dq', where C1 is that of the
+    profiles, h_rms^2 = (1/pi) times the integral of C1 dq (Jacobs, Junge & Pastewka 2017). Beyond
+    its last row C1 is taken to go on with the last power law.
+
+    Parameters
+    ----------
+    profiles : Spectrum
+        Its C are those of profiles, in unit^3.
+
+    Returns
+    -------
+    Spectrum
+        At the same q.
+
+    Raises
+    ------
+    SceneError
+        If C1 rises, or does not fall at its end, which no isotropic surface shows.
+    """
+    from scipy.special import beta, betainc
+
+    exponents = np.append(profiles.exponents, profiles.exponents[-1])
+    rises = exponents < 0
+    if rises.any():
+        row = int(np.argmax(rises))
+        raise SceneError(
+            "surface: found a spectrum of profiles that rises between q ="
+            f" {profiles.q[row]:.6g} and {profiles.q[row + 1]:.6g}, allowed: one that falls, as of"
+            " all isotropic surfaces; surface.longest, surface.shortest leave waves out"
+        )
+    if exponents[-1] == 0:
+        raise SceneError(
+            "surface: found a spectrum of profiles that is constant at its end, allowed: one that"
+            " falls there; surface.shortest leaves waves out"
+        )
+    begins = profiles.q
+    ends = np.append(profiles.q[1:], np.inf)
+    a = (exponents + 1) / 2
+    C = np.empty(len(begins))
+    for row, q in enumerate(begins):
+        x_begin = np.minimum((q / begins[row:]) ** 2, 1.0)
+        x_end = (q / ends[row:]) ** 2
+        part = beta(a[row:], 0.5) * (betainc(a[row:], 0.5, x_begin) - betainc(a[row:], 0.5, x_end))
+        with np.errstate(over="ignore", invalid="ignore"):
+            terms = (
+                exponents[row:] * profiles.C[row:] * (begins[row:] / q) ** exponents[row:] * part
+            )
+        C[row] = np.sum(terms[part > 0]) / q
+    return Spectrum(profiles.q, C, profiles.unit)

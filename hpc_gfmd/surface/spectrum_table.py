@@ -1,0 +1,143 @@
+"""Tables of power spectra in text files: columns q and C, with units in the head."""
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..util.errors import SceneError, one_line
+from ..util.lengths import length_factor
+from .spectra import Spectrum, require_rows
+
+LARGEST = 64 * 2**20  # bytes of a table that is read
+NAME = "([A-Za-zµμÅ]+)"
+PER_LENGTH = re.compile(rf"1\s*/\s*{NAME}|{NAME}\s*(?:\^|\*\*)?\s*(?:-1|⁻¹)")
+POWER = re.compile(rf"{NAME}\s*(?:\^|\*\*)?\s*([34³⁴])")
+DIMENSIONS = {"3": 1, "³": 1, "4": 2, "⁴": 2}
+KINDS = {1: "profiles (length^3)", 2: "areas (length^4)"}
+NO_UNIT = "length"  # in place of a unit in the head
+NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eEdD][-+]?\d+)?|[-+]?(nan|inf)", re.IGNORECASE)
+
+
+def read_spectrum_table(
+    path: Any, unit: str | None, dimension: int | None
+) -> tuple[np.ndarray, np.ndarray, int, str]:
+    """Read a table of a power spectrum.
+
+    Its first two columns are q and C; the others are ignored, as is a row q = 0, the mean height.
+
+    Parameters
+    ----------
+    path : path
+        Text with columns separated by commas, semicolons, tabulators or blanks.
+    unit : str, optional
+        Unit of length of q and C, if the head does not have it.
+    dimension : int, optional
+        2 for C of areas, 1 for C of profiles, if the head does not have its unit.
+
+    Returns
+    -------
+    q, C : ndarray
+        In 1/unit and unit^4 or unit^3.
+    dimension : int
+    unit : str
+        "" without a unit.
+
+    Raises
+    ------
+    SceneError
+        If it cannot be read, is no spectrum, or contradicts unit or dimension.
+    """
+    head, rows = _head_and_rows(path)
+    q, C = rows[rows[:, 0] != 0].T
+    require_rows(q, C, "surface.path", f" of {path}")
+    q_unit, C_unit, head_dimension = _units(head)
+    if head_dimension and dimension and dimension != head_dimension:
+        raise SceneError(
+            f"surface.dimension: found {dimension}, but C in {C_unit}^{2 + head_dimension} in"
+            f" {path}, allowed: {head_dimension}, or none"
+        )
+    dimension = head_dimension or dimension
+    if dimension is None:
+        raise SceneError(
+            f"surface.dimension: not given, and the head of {path} has no unit of C, allowed: 2 for"
+            f" C of {KINDS[2]}, 1 for C of {KINDS[1]}"
+        )
+    in_head = q_unit or C_unit
+    if in_head and unit and length_factor(in_head) != length_factor(unit):
+        raise SceneError(
+            f'surface.unit: found "{unit}", but {in_head} in {path}, allowed: "{in_head}", or none'
+        )
+    unit = in_head or unit or ""
+    if q_unit and C_unit:  # they may differ
+        ratio = (length_factor(C_unit) or 1.0) / (length_factor(q_unit) or 1.0)
+        C = C * ratio ** (2 + dimension)
+    return q, C, dimension, unit
+
+
+def write_spectrum_table(path: Any, spectrum: Spectrum) -> None:
+    """Write a spectrum as a table that `read_spectrum_table` reads, atomically."""
+    from ..util.atomic import atomic_write
+
+    unit = spectrum.unit or NO_UNIT
+    lines = [
+        f"q (1/{unit}),C ({unit}^4)",
+        *(f"{q!r},{C!r}" for q, C in zip(spectrum.q.tolist(), spectrum.C.tolist())),
+    ]
+    with atomic_write(path) as tmp:
+        tmp.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def _head_and_rows(path: Any) -> tuple[str, np.ndarray]:
+    """Return the last line before the numbers, and the numbers of the first two columns."""
+    try:
+        size = Path(path).stat().st_size
+        if size > LARGEST:
+            raise SceneError(
+                f"surface.path: found {size / 2**20:.0f} MiB in {path}, allowed: a table of a"
+                f" spectrum, up to {LARGEST / 2**20:.0f} MiB"
+            )
+        lines = Path(path).read_text(encoding="utf-8-sig").splitlines()
+    except OSError as error:
+        raise SceneError(
+            f"surface.path: cannot read {path}: {one_line(str(error.strerror))}"
+        ) from None
+    except UnicodeDecodeError:
+        raise SceneError(
+            f"surface.path: found {path}, which is no text, allowed: a table"
+        ) from None
+    head = ""
+    rows: list[list[str]] = []
+    for number, line in enumerate(lines, 1):
+        if not line.strip():
+            continue
+        cells = [cell.strip() for cell in re.split(r"[,;\t]|\s+", line.strip()) if cell.strip()]
+        if len(cells) >= 2 and all(NUMBER.fullmatch(cell) for cell in cells[:2]):
+            rows.append(cells[:2])
+        elif rows:
+            raise SceneError(
+                f"surface.path: found {one_line(line, 60)!r} in line {number} of {path}, allowed:"
+                " two numbers, q and C"
+            )
+        else:
+            head = line
+    if not rows:
+        raise SceneError(f"surface.path: found no numbers in {path}, allowed: columns q and C")
+    return head, np.array(rows, dtype=float)
+
+
+def _units(head: str) -> tuple[str, str, int | None]:
+    """Return the units of length of q and of C, "" where there is none, and the dimension of C."""
+    q_unit = C_unit = ""
+    dimension = None
+    for match in PER_LENGTH.finditer(head):
+        name = match[1] or match[2]
+        if not q_unit and length_factor(name):
+            q_unit = name
+    for match in POWER.finditer(head):
+        is_unit = bool(length_factor(match[1]))
+        if dimension is None and (is_unit or match[1] == NO_UNIT):
+            C_unit = match[1] if is_unit else ""
+            dimension = DIMENSIONS[match[2]]
+    return q_unit, C_unit, dimension

@@ -1,0 +1,38 @@
+"""Walls made of Fourier modes are the same on any number of ranks."""
+
+import numpy as np
+import pytest
+
+from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.scene import Scene
+from hpc_gfmd.surface import build_surface
+from hpc_gfmd.util.errors import SceneError
+
+pytestmark = pytest.mark.mpi
+SPECTRUM = {"kind": "spectrum", "n": [36, 20], "physical_sizes": [2.0, 1.0], "seed": 5}
+WALLS = {
+    "anisotropic": {"q": [3.2, 50.0], "C": [1e-3, 1e-8], "dimension": 2, "peklenik": 3.0},
+    "power laws": {"wavelengths": [2.0, 1.0, 0.2], "hurst": [-1.0, 0.5], "g_rms": 0.3},
+}
+
+
+def surface(keys, comm):
+    scene = Scene.from_dict({"surface": SPECTRUM | keys, "load": {"pressure": 1.0}})
+    return build_surface(scene.surface, comm, np.float64)
+
+
+@pytest.mark.parametrize("name", WALLS)
+def test_same_wall_on_any_number_of_ranks(comm, name):
+    whole = surface(WALLS[name], SerialComm())
+    made = surface(WALLS[name], comm)
+    assert made.h == pytest.approx(whole.h[slice(*made.rows)], abs=1e-12)
+    assert (made.h_rms, made.g_rms) == pytest.approx((whole.h_rms, whole.g_rms), rel=1e-12)
+
+
+def test_a_bad_table_is_refused_on_all_ranks(comm, shared_path):
+    path = shared_path / "spectrum.csv"
+    if comm.rank == 0:
+        path.write_text("q (1/length), C (length^4)\n4,1\n3,1\n")
+    comm.barrier()
+    with pytest.raises(SceneError, match="found q = 4 and then 3 in row 2"):
+        surface({"path": str(path)}, comm)

@@ -1,0 +1,158 @@
+"""Walls with a given spectrum: their power, units, conversions, and tables that are refused."""
+
+import numpy as np
+import pytest
+from contacts import rough
+
+import hpc_gfmd
+from hpc_gfmd.surface.spectra import Spectrum, of_isotropic_surface
+from hpc_gfmd.util.errors import SceneError
+
+Q = 2 * np.pi * np.array([1.0, 3.0, 20.0])  # of a cell of length 1
+C = np.array([2e-4, 2e-4, 1e-8])
+ARRAYS = {"q": Q, "C": C, "dimension": 2}
+
+
+def wall(n=(64, 64), **keys):
+    return hpc_gfmd.make_surface("spectrum", **{"n": n, "seed": 1} | keys)
+
+
+def power_of(surface):
+    """(|q|, L_x L_y |h_q|^2) of all modes of a surface, as arrays of its shape."""
+    z = surface.heights
+    q = (
+        2
+        * np.pi
+        * np.hypot(
+            *np.meshgrid(
+                *(np.fft.fftfreq(n, size / n) for n, size in zip(z.shape, surface.sizes)),
+                indexing="ij",
+            )
+        )
+    )
+    return q, np.prod(surface.sizes) * np.abs(np.fft.fft2(z) / z.size) ** 2
+
+
+@pytest.mark.parametrize(("random", "variance"), [("amplitudes", 0.4), ("phases", 0.0)])
+def test_power_agrees_with_the_table(random, variance):
+    """Chi-square of rings over 50 seeds: |h_q|^2 of uniform parts has the variance 2/5."""
+    ratios = 0.0
+    for seed in range(50):
+        q, power = power_of(wall(**ARRAYS, seed=seed, random=random))
+        inside = (q >= Q[0] * (1 - 1e-9)) & (q <= Q[-1] * (1 + 1e-9))
+        assert power[~inside & (q > 0)].max() < 1e-25
+        ratios = ratios + power[inside] / Spectrum(Q, C).at(np.clip(q[inside], Q[0], Q[-1]))
+    ring = (q[inside] / (2 * np.pi) + 0.5).astype(int)
+    number = np.bincount(ring)[1:] / 2  # independent modes, of which each comes twice
+    means = np.bincount(ring, ratios / 50)[1:] / (2 * number)
+    if not variance:
+        assert means == pytest.approx(1, rel=1e-12)
+        return
+    chi_square = np.sum((means - 1) ** 2 * 50 * number / variance)
+    assert abs(chi_square - len(means)) < 3 * np.sqrt(2 * len(means))
+
+
+@pytest.mark.parametrize("lam_l_over_lam_r", [1.0, 2.0])
+def test_self_affine_wall_from_power_laws(lam_l_over_lam_r):
+    """Also with waves of two points; a table with absolute C differs by a factor alone."""
+    keys = rough((2, 8, 2), seed=3, lam_l_over_lam_r=lam_l_over_lam_r, physical_sizes=(2.0, 1.0))
+    made = hpc_gfmd.make_surface(**keys)
+    hurst = [-1.0, keys["hurst"]]
+    lengths = [1.0, 1 / lam_l_over_lam_r, 1 / 8]
+    if lam_l_over_lam_r == 1:
+        hurst, lengths = hurst[1:], lengths[1:]
+    same = {"n": made.heights.shape, "seed": 3, "physical_sizes": (2.0, 1.0)}
+    laws = wall(wavelengths=lengths, hurst=hurst, g_rms=keys.get("g_rms", 1.0), **same)
+    rounding = 1e-14 * np.abs(made.heights).max()
+    assert laws.heights == pytest.approx(made.heights, abs=rounding)
+    q = 2 * np.pi / np.array(lengths)
+    falls = np.cumsum((2 + 2 * np.array(hurst)) * np.diff(np.log(q)))
+    table = wall(q=q, C=1e-3 * np.exp(-np.append(0, falls)), dimension=2, **same)
+    scaled = table.heights * (made.h_rms / table.h_rms)
+    assert scaled == pytest.approx(made.heights, abs=10 * rounding)
+
+
+def test_same_waves_on_a_finer_grid():
+    coarse = wall((40, 40), **ARRAYS).heights
+    fine = wall((120, 80), **ARRAYS).heights[::3, ::2]
+    assert fine - fine.mean() == pytest.approx(coarse - coarse.mean(), abs=1e-14)
+
+
+def test_a_table_of_profiles_gives_that_of_the_surface():
+    """C1(q) = (1/pi) integral of C q'/sqrt(q'^2 - q^2) dq', which is c/(4 q^3) for C = c/q^4."""
+    q = np.geomspace(1, 100, 30)
+    C1 = 3.0 / (4 * q**3)
+    assert of_isotropic_surface(Spectrum(q, C1)).C == pytest.approx(3.0 / q**4, rel=1e-12)
+
+
+def test_profiles_of_the_wall_have_the_spectrum_of_the_table():
+    """With a knee, and rows so dense that power laws between them are exact."""
+    q = 2 * np.pi * np.geomspace(1, 60, 200)
+    C1 = 1e-5 / (1 + (q / 60) ** 2) ** 1.5
+    keys = {"q": q, "C": C1, "dimension": 1, "n": (128, 128)}
+    power = 0.0
+    for seed in range(20):
+        z = wall(**keys, seed=seed, random="phases").heights
+        power = power + np.mean(np.abs(np.fft.fft(z, axis=0) / 128) ** 2, axis=1) / 20
+    k = np.arange(2, 12)  # further on the waves beyond the table lack
+    assert power[k] == pytest.approx(np.interp(2 * np.pi * k, q, C1), rel=0.08)
+
+
+def test_moments_of_a_table():
+    q = np.geomspace(1, 50, 4000)
+    C = np.where(q < 5, 1.0, (q / 5) ** -3.6)
+    made = Spectrum(q[[0, *np.flatnonzero(q >= 5)[:1], -1]], C[[0, 0, -1]])
+    for power, value in ((0, made.roughness().h_rms), (2, made.roughness().g_rms)):
+        moment = np.trapezoid(made.at(q) * q ** (1 + power), q) / (2 * np.pi)
+        assert value == pytest.approx(np.sqrt(moment), rel=1e-5)
+
+
+def test_units_of_a_table(tmp_path):
+    """q in 1/um and C in nm^4, as the head says; a row q = 0 and further columns do not count."""
+    rows = "\n".join(f"{q},{C * 1e12},7" for q, C in zip(Q, C))
+    path = tmp_path / "spectrum.csv"
+    path.write_text(f"# measured on Monday\nq [µm⁻¹], C (nm^4), bar\n0,5,5\n{rows}\n")
+    named = wall(path=str(path), physical_sizes=("1 um", "1 um"))
+    assert named.heights == pytest.approx(1e-6 * wall(**ARRAYS).heights, rel=1e-9, abs=1e-20)
+    assert named.unit == "m"
+    assert "of the surface" in named.prepared[0]
+
+
+def test_anisotropic_wall_has_the_moments_of_its_stretch():
+    """Mean squares of slopes along and across the lay are those of C over 2 g and g/2."""
+    peklenik, angle = 3.0, 30.0
+    rows = {"q": 2 * np.pi * np.array([5.0, 60.0]), "C": [1e-4, 1e-8], "dimension": 2}
+    made = wall((256, 256), **rows, random="phases", peklenik=peklenik, angle=angle)
+    power = np.abs(np.fft.fft2(made.heights) / made.heights.size) ** 2
+    k = 2 * np.pi * np.fft.fftfreq(256, 1 / 256)
+    q = np.stack(np.meshgrid(k, k, indexing="ij"))
+    moments = np.einsum("aij,bij,ij->ab", q, q, power)
+    c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+    turned = np.array([[c, s], [-s, c]]) @ moments @ np.array([[c, s], [-s, c]]).T
+    isotropic = Spectrum(rows["q"], np.array(rows["C"])).roughness().g_rms ** 2 / 2
+    assert np.diag(turned) / isotropic == pytest.approx([1 / peklenik, peklenik], rel=0.01)
+    assert abs(turned[0, 1]) < 0.01 * isotropic
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("q (1/um), C (um^4)\n1,2\n2,-1\n", "surface.path: found C = -1 in row 2 of"),
+        ("q (1/um), C (um^4)\n2,2\n1,1\n", "found q = 2 and then 1 in row 2"),
+        ("q, C\n1,2\n2,1\n", "surface.dimension: not given"),
+        ("q (1/length), C (length^4)\n1,2\n2,1\n", "surface.path: found no unit of q and C"),
+        ("q (1/um), C (um^4)\n1,2\n9999,1\n", "up to 9.999e+09 1/m, waves with 15913.9 periods"),
+        ("q (1/um), C (um^4)\n1,2\n", "found 1 rows"),
+        ("q (1/um), C (um^4)\n1,2\n2\n", "found '2' in line 3"),
+        ("q (1/um), C1D (um^3)\n1,1\n2,2\n3,1\n", "profiles that rises between"),
+        ("q (1/um), C (um^4)\n0.1,2\n0.2,1\n", "found no wave of the cell"),
+        ("", "found no numbers"),
+    ],
+)
+def test_bad_tables_are_refused_in_one_line(tmp_path, text, words):
+    path = tmp_path / "spectrum.csv"
+    path.write_text(text)
+    with pytest.raises(SceneError) as caught:
+        wall(path=str(path), physical_sizes=("10 um", "10 um"))
+    assert words in str(caught.value)
+    assert str(caught.value).isprintable()
