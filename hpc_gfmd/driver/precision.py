@@ -261,7 +261,7 @@ def known_heights(scene: Scene, n: tuple[int, int]) -> tuple[float | None, float
         surface.
     """
     surface = scene.surface
-    if surface.kind == "file" or surface.kind == "spectrum":
+    if surface.kind == "file" or surface.kind == "spectrum" or surface.kind == "fourier":
         return None, None
     if surface.kind == "self-affine" and surface.radius:
         return None, None

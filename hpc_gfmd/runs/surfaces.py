@@ -264,7 +264,7 @@ def make_surface(kind: str, **keys: Any) -> PreparedSurface:
     Parameters
     ----------
     kind
-        "self-affine", "spectrum", "wave" or "sphere".
+        "self-affine", "spectrum", "fourier", "wave" or "sphere".
     **keys
         Those of the scene's [surface] of that kind: make_surface("self-affine", hurst=0.8,
         L_over_lam_l=2, lam_l_over_lam_s=32, lam_s_over_a=4, seed=1, g_rms=0.1),

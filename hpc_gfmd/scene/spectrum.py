@@ -174,3 +174,30 @@ class SpectrumKeys(Anisotropy):
         if self.dimension is None:
             raise ValueError("dimension: not given, allowed: 2 (areas) or 1 (profiles)")
         return self
+
+
+class FourierKeys(Table):
+    """Keys of kind = "fourier"."""
+
+    path: MapPath = key(
+        "of the coefficients; a relative one counts from the folder of the scene",
+        allowed="the path of a text, .npy, .npz or HDF5 file",
+        example="coefficients.h5",
+    )
+    unit: LengthUnit | None = key(
+        "of the coefficients", None, example="um", allowed='a unit of length, such as "um"'
+    )
+    n: Pair[Points] = key("grid points [n_x, n_y]", example=[512, 512])
+    h_rms: Length | None = key(
+        "rms height to which they are scaled", None, unit="length", default_text="as they are"
+    )
+    g_rms: Positive | None = key(
+        "rms slope to which they are scaled, instead of h_rms", None, default_text="as they are"
+    )
+
+    @model_validator(mode="after")
+    def _one_scale(self) -> Self:
+        """Raise ValueError for h_rms beside g_rms."""
+        if self.h_rms is not None and self.g_rms is not None:
+            raise ValueError("found h_rms and g_rms, allowed: one of them")
+        return self

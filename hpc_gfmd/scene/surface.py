@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, model_validator
 
 from .height_maps import Bodies, Reading
-from .spectrum import Anisotropy, SpectrumKeys
+from .spectrum import Anisotropy, FourierKeys, SpectrumKeys
 from .table import (
     MAX_INT,
     MAX_N,
@@ -224,6 +224,18 @@ class Spectrum(SpectrumKeys, SurfaceTable):
     kind: Literal["spectrum"]
 
 
+class Fourier(FourierKeys, SurfaceTable):
+    """A surface given by the coefficients of its Fourier series, on any grid that resolves them.
+
+    z = sum of c exp(2 pi i (k_x x/L_x + k_y y/L_y)) over whole k_x, k_y of any sign. Of each pair
+    k and -k, whose c are conjugate, one suffices. A text has the columns k_x, k_y, real and
+    imaginary part of c; .npz and HDF5 files have arrays indices (m x 2) and coefficients (m). One
+    complex array, numpy.fft.fft2(z)/z.size, is taken, too.
+    """
+
+    kind: Literal["fourier"]
+
+
 class Wave(SurfaceTable):
     """z = A cos(2 pi k_x x/L_x) cos(2 pi k_y y/L_y).
 
@@ -332,11 +344,14 @@ class ArrayTable(SurfaceTable):
 KINDS: dict[str, type[SurfaceTable]] = {
     "self-affine": SelfAffine,
     "spectrum": Spectrum,
+    "fourier": Fourier,
     "wave": Wave,
     "sphere": Sphere,
     "file": File,
 }
-AnySurface = Annotated[SelfAffine | Spectrum | Wave | Sphere | File, Field(discriminator="kind")]
+AnySurface = Annotated[
+    SelfAffine | Spectrum | Fourier | Wave | Sphere | File, Field(discriminator="kind")
+]
 
 
 def _whole(value: float, what: str) -> None:

@@ -21,6 +21,7 @@ from ..util.errors import SceneError
 from .analytic import Rows, flat_rows, wave_rows
 from .cell import grid_of, nominal_part
 from .doubtful_numbers import slope_notes
+from .fourier import fourier_modes
 from .heights import LARGEST, checked, checksum
 from .modes import gap_of_modes
 from .prepare import asks_for_preparation, complete, notes_on, on_radius, prepare, prepared_size
@@ -30,7 +31,7 @@ from .spectrum import spectrum_modes
 from .statistics import rms, rms_between_neighbours
 from .topography import Topography, open_topography
 
-MODES = {"self-affine": self_affine_modes, "spectrum": spectrum_modes}
+MODES = {"self-affine": self_affine_modes, "spectrum": spectrum_modes, "fourier": fourier_modes}
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from contacts import random_heights
 
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.scene import Scene
@@ -11,7 +12,7 @@ from hpc_gfmd.util.errors import SceneError
 pytestmark = pytest.mark.mpi
 SPECTRUM = {"kind": "spectrum", "n": [36, 20], "physical_sizes": [2.0, 1.0], "seed": 5}
 WALLS = {
-    "anisotropic": {"q": [3.2, 50.0], "C": [1e-3, 1e-8], "dimension": 2, "peklenik": 3.0},
+    "anisotropic": {"q": [3.2, 25.0], "C": [1e-3, 1e-8], "dimension": 2, "peklenik": 3.0},
     "power laws": {"wavelengths": [2.0, 1.0, 0.2], "hurst": [-1.0, 0.5], "g_rms": 0.3},
 }
 
@@ -27,6 +28,20 @@ def test_same_wall_on_any_number_of_ranks(comm, name):
     made = surface(WALLS[name], comm)
     assert made.h == pytest.approx(whole.h[slice(*made.rows)], abs=1e-12)
     assert (made.h_rms, made.g_rms) == pytest.approx((whole.h_rms, whole.g_rms), rel=1e-12)
+
+
+def test_wall_of_coefficients_is_the_map_on_any_number_of_ranks(comm, shared_path):
+    z = random_heights((15, 8))
+    path = shared_path / "c.npy"
+    if comm.rank == 0:
+        np.save(path, np.fft.fft2(z) / z.size)
+    comm.barrier()
+    spec = {"kind": "fourier", "path": str(path), "n": [15, 8]}
+    made = build_surface(
+        Scene.from_dict({"surface": spec, "load": {"pressure": 1.0}}).surface, comm, np.float64
+    )
+    gap = (z.max() - z)[slice(*made.rows)]
+    assert made.h * made.height_unit == pytest.approx(gap, abs=1e-13)
 
 
 def test_a_bad_table_is_refused_on_all_ranks(comm, shared_path):
