@@ -15,10 +15,12 @@ from .runs.solutions import Interrupted as Interrupted
 from .runs.solutions import Solutions as Solutions
 from .runs.solutions import load as load
 from .runs.solve import solve as solve
+from .runs.spectra import spectrum_of as spectrum_of
 from .runs.surfaces import combine_surfaces as combine_surfaces
 from .runs.surfaces import make_surface as make_surface
 from .runs.surfaces import prepare_surface as prepare_surface
 from .runs.surfaces import read_surface as read_surface
+from .surface.spectra import Spectrum as Spectrum
 from .theory import reference as reference
 from .util.errors import GfmdError as GfmdError
 from .util.errors import NotConverged as NotConverged

@@ -14,11 +14,11 @@ from .common import add_file, add_overrides
 
 HELP = "write a commented scene that runs"
 DESCRIPTION = """
-Write a scene with a comment on every key: for a kind of surface (self-affine, wave, sphere), or for
-a height map, which is read to find its sizes and units, missing points, a tilt, and whether its
-edges meet. Where they do not, a terminal is asked what the map is; elsewhere boundary = "mirror" is
-written, a piece of a larger surface. Two height maps are those of two rough bodies that face each
-other."""
+Write a scene with a comment on every key: for a kind of surface (self-affine, spectrum, wave,
+sphere), for a table of a power spectrum, or for a height map, which is read to find its sizes and
+units, missing points, a tilt, and whether its edges meet. Where they do not, a terminal is asked
+what the map is; elsewhere boundary = "mirror" is written, a piece of a larger surface. Two height
+maps are those of two rough bodies that face each other."""
 
 
 def add_arguments(parser: ArgumentParser) -> None:
@@ -133,7 +133,9 @@ def compose(sources: str | Sequence[str], path: Path, overrides: Sequence[str] =
     from ..scene import Scene
     from ..scene.read import ALTERNATIVES, apply_override
     from ..scene.surface import KINDS
-    from ..scene.template import CHOSEN, Suggestion, template
+    from ..scene.template import CHOSEN, CHOSEN_OF_KIND, Suggestion, template
+    from ..surface.spectrum_table import is_spectrum_table
+    from ..surface.suggest_spectrum import spectrum_suggestion
 
     names = [sources] if isinstance(sources, str) else list(sources)
     settings: dict[str, Any] = {"title": " + ".join(Path(name).name for name in names)}
@@ -145,17 +147,22 @@ def compose(sources: str | Sequence[str], path: Path, overrides: Sequence[str] =
     for name, usual in CHOSEN.items():
         keys = tables.get(name, {})
         tables[name] = keys if keys.keys() & ALTERNATIVES.get(name, ()) else usual | keys
-    made = [kind for kind in KINDS if kind != "file"]
+    made = [kind for kind in KINDS if kind not in ("file", "fourier")]
     if names[0] in made and len(names) == 1:
         kind = names[0]
-        suggested = Suggestion()
+        user_keys = tables.get("surface", {})
+        usual = {} if user_keys.keys() & {"path", "q"} else CHOSEN_OF_KIND.get(kind, {})
+        suggested = Suggestion(usual | user_keys)
+    elif len(names) == 1 and is_spectrum_table(names[0]):
+        kind = "spectrum"
+        suggested = spectrum_suggestion(names[0], path.parent, tables.get("surface", {}))
     elif len(names) <= 2 and all(Path(name).is_file() for name in names):
         kind = "file"
         suggested = _of_maps(names, path, tables)
     else:
         raise SceneError(
             f"init: found {' '.join(names)}, allowed: a kind of surface ({', '.join(made)}) or the"
-            " path of a height map, or of two"
+            " path of a spectrum, of a height map, or of two"
         )
     head = f"hpc-gfmd run {path.name}. Lines that begin with # show defaults and examples."
     text = template(kind, tables, suggested, head)

@@ -31,6 +31,7 @@ ON_REQUEST = 2.0  # numbers per point for other observables and for distribution
 FIELD_GIB = 1 / 8  # at most, for a piece of a field that is written
 LAYER = 1.5  # numbers per point for the stiffness of a layer, a table
 HALO = 12  # numbers per point along y: rows beside those of the rank on all levels
+RANKED = 72  # bytes per point on rank 0 for heights with a given distribution
 PROCESS_GIB = 0.217  # interpreter, libraries, compiled kernels, buffers of MPI
 THREAD_GIB = 0.0035  # scratch of a thread
 
@@ -67,4 +68,6 @@ def memory_of(
         resampling = scene.surface.downsample / scene.surface.refine
         before = resampling**2 / 2 ** sum(scene.surface.mirrored)  # points, over those after
         nbytes = max(nbytes, 8 * cell[0] * cell[1] * (3 * before + 2))
+    if getattr(scene.surface, "has_distribution", False):
+        nbytes = max(nbytes, RANKED * cell[0] * cell[1])
     return nbytes / GIB + PROCESS_GIB + threads * THREAD_GIB

@@ -135,6 +135,39 @@ class SpectrumKeys(Anisotropy):
         "rms slope to which C is scaled, instead of h_rms", None, default_text="that of the table"
     )
 
+    skewness: Annotated[float, Field(ge=-20, le=20)] | None = key(
+        "of the heights, with the spectrum kept", None, default_text="0", example=-1.0
+    )
+    kurtosis: Annotated[float, Field(gt=1, le=1000)] | None = key(
+        "of the heights, 3: Gaussian", None, default_text="3", example=5.0
+    )
+    heights: MapPath | None = key(
+        "instead of both: numbers that are distributed as the heights shall be, of any unit",
+        None,
+        allowed="the path of a .npy or a text",
+        default_text="none",
+        example="heights.npy",
+    )
+
+    @property
+    def has_distribution(self) -> bool:
+        """Whether the distribution of heights is given; otherwise it is about Gaussian."""
+        return (self.skewness, self.kurtosis, self.heights) != (None, None, None)
+
+    @model_validator(mode="after")
+    def _one_distribution(self) -> Self:
+        """Raise ValueError for moments that no distribution has, and beside a distribution."""
+        if self.heights is not None and (self.skewness, self.kurtosis) != (None, None):
+            raise ValueError("found heights beside skewness or kurtosis, allowed: one of them")
+        skewness = self.skewness or 0.0
+        kurtosis = 3.0 if self.kurtosis is None else self.kurtosis
+        if kurtosis <= 1 + skewness**2:
+            raise ValueError(
+                f"found skewness = {skewness:g} and kurtosis = {kurtosis:g}, allowed: kurtosis"
+                " above 1 + skewness^2"
+            )
+        return self
+
     @model_validator(mode="after")
     def _one_spectrum(self) -> Self:
         """Raise ValueError unless there is one spectrum, with the keys that it needs."""

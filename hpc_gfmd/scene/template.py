@@ -13,6 +13,10 @@ CHOSEN = {  # keys that are set in every template, besides those that must be gi
     "solver": {"accuracy": 1e-3},
     "output": {"path": "contact.h5", "fields": ["pressure", "gap"]},
 }
+# keys that are set in the template of a kind, besides those that must be given
+CHOSEN_OF_KIND = {
+    "spectrum": {"wavelengths": [0.5, 0.25, 0.01], "hurst": [-1.0, 0.8], "g_rms": 1.0}
+}
 
 
 @dataclass

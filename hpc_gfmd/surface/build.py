@@ -17,11 +17,13 @@ from ..parallel.fft import SlabFFT
 from ..parallel.grid import Grid
 from ..parallel.guard import collective_errors, on_rank_0, raise_on_all
 from ..parallel.interrupt import check
+from ..scene import has_unit
 from ..util.errors import SceneError
 from .analytic import Rows, flat_rows, wave_rows
 from .cell import grid_of, nominal_part
 from .doubtful_numbers import slope_notes
 from .fourier import fourier_modes
+from .height_distribution import with_distribution
 from .heights import LARGEST, checked, checksum
 from .modes import gap_of_modes
 from .prepare import asks_for_preparation, complete, notes_on, on_radius, prepare, prepared_size
@@ -166,6 +168,9 @@ def build_surface(
     if spec.kind == "file":
         topography = _shared(spec, comm)
         return surface_of(topography, comm, dtype, threads, spec.free, True, whole)
+    if getattr(spec, "has_distribution", False):
+        topography = _on_rank_0(partial(_with_distribution, spec), spec, comm)
+        return surface_of(topography, comm, dtype, threads, spec.free, whole=whole)
     if spec.kind in MODES:
         made = _made_of_modes(spec, comm, dtype, threads, low_memory)
         if not spec.radius:
@@ -218,6 +223,16 @@ def _made_of_modes(
     )
 
 
+def _with_distribution(spec: Any) -> Topography:
+    """Return the surface of a scene of modes with the distribution of heights that it asks for."""
+    alone = spec.model_copy(update={"boundary": "periodic", "radius": None})
+    made = _made_of_modes(alone, SerialComm(), np.dtype(np.float64), 1, low_memory=False)
+    heights, line = with_distribution(-made.height_unit * made.gap, spec)
+    unit = "m" if has_unit(spec.physical_sizes) else ""
+    topography = Topography(spec.n, spec.physical_sizes, lambda i, j: heights[i:j], unit)
+    return replace(topography, prepared=(*made.prepared, line)).on_form(spec.radii)
+
+
 def _rows_of_gap(surface: Surface) -> Rows:
     """Return a function (start, stop) -> rows of the heights, of those that this rank has."""
     begin = surface.rows[0]
@@ -240,9 +255,18 @@ def _shared(spec: Any, comm: Any) -> Topography:
             )
     if comm.bcast(is_read_by_rows):
         return _read_by_rows(topography, spec, comm)
+    return _on_rank_0(lambda: prepare(topography or open_topography(spec), spec), spec, comm)
+
+
+def _on_rank_0(make: Callable[[], Topography], spec: Any, comm: Any) -> Topography:
+    """Return the heights that make() returns on rank 0, of which each rank gets its rows.
+
+    Collective. spec: a scene's [surface].
+    """
+    topography = None
     with collective_errors(comm, "reading the surface"):
-        if topography is not None:
-            topography = prepare(topography, spec)
+        if comm.rank == 0:
+            topography = make()
             heights = np.ascontiguousarray(topography.heights())
     shared = comm.bcast(topography and replace(topography, rows=flat_rows, bodies=()))
     starts = nominal_part(grid_of(shared.n, shared.sizes, comm, spec.free)).starts

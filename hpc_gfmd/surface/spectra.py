@@ -1,13 +1,19 @@
 """Power spectra of isotropic surfaces, as tables between whose rows they are power laws."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from os import PathLike
+from pathlib import Path
 from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..util.atomic import atomic_write
 from ..util.errors import SceneError
+from ..util.quantities import prefixed
 from .statistics import Roughness
+
+NO_UNIT = "length"  # in place of a unit in the head of a table
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,11 +31,14 @@ class Spectrum:
         C(q) = L_x L_y <|h_q|^2> on a cell L_x x L_y.
     unit : str
         "m", or "" without a unit.
+    notes : tuple of str
+        What was done to it, a line each.
     """
 
     q: np.ndarray
     C: np.ndarray
     unit: str = ""
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Raise SceneError for rows that are no spectrum."""
@@ -53,6 +62,24 @@ class Spectrum:
             C = np.exp(np.interp(np.log(q), np.log(self.q), np.log(self.C)))
         return np.where(inside, C, 0.0)
 
+    def write(self, path: str | PathLike) -> None:
+        """Write it as a table that kind = "spectrum" reads: columns q and C, units in the head.
+
+        Parameters
+        ----------
+        path
+            A file, such as "spectrum.csv"; an older one is replaced.
+        """
+        unit = self.unit or NO_UNIT
+        rows = zip(self.q.tolist(), self.C.tolist())
+        lines = [
+            *(f"# {note}" for note in self.notes),
+            f"q (1/{unit}),C ({unit}^4)",
+            *(f"{q!r},{C!r}" for q, C in rows),
+        ]
+        with atomic_write(Path(path)) as tmp:
+            tmp.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
     def between(self, lowest: float, highest: float) -> Self:
         """Return a copy without the waves below and above some q.
 
@@ -71,6 +98,65 @@ class Spectrum:
         q = np.array([low, *self.q[inside], high])
         ends = self.at([low, high])
         return type(self)(q, np.array([ends[0], *self.C[inside], ends[1]]), self.unit)
+
+    def extended(self, shortest: float, over: float = 3.0) -> Self:
+        """Return a copy that goes on to shorter waves with the exponent of its own end.
+
+        Parameters
+        ----------
+        shortest : float
+            Wavelength at which it ends, in `unit`.
+        over : float
+            The exponent is that of the power law that fits C best between the last q and this part
+            of it, each octave with equal weight.
+
+        Returns
+        -------
+        Spectrum
+            Its last note has the Hurst exponent and the share of g_rms^2 that is extended.
+
+        Raises
+        ------
+        SceneError
+            If it reaches these waves already.
+        """
+        end = float(self.q[-1])
+        q_new = 2 * np.pi / shortest
+        if not q_new > end:
+            raise SceneError(
+                f"shortest: found {shortest:.6g}, allowed: below {2 * np.pi / end:.6g}, where the"
+                " spectrum ends"
+            )
+        q = np.geomspace(max(end / over, self.q[0]), end, 33)
+        slope, level = np.polyfit(np.log(q / end), np.log(self.at(q)), 1)
+        C_end, C_new = np.exp(level), np.exp(level + slope * np.log(q_new / end))
+        extended = type(self)(
+            np.append(self.q, q_new), np.append(self.C[:-1], [C_end, C_new]), self.unit
+        )
+        share = 1 - (self.roughness().g_rms / extended.roughness().g_rms) ** 2
+        note = (
+            f"extended from {self._length(2 * np.pi / end)} to {self._length(shortest)} with H ="
+            f" {-slope / 2 - 1:.3g}: {100 * share:.0f} % of g_rms^2"
+        )
+        return replace(extended, notes=(*self.notes, note))
+
+    def _length(self, length: float) -> str:
+        """Return a length with its unit as text."""
+        size, name = prefixed([length], self.unit)
+        return f"{length / size:.4g} {name}".strip()
+
+    def __repr__(self) -> str:
+        """Return one line: waves, roughness and notes."""
+        longest, shortest = (self._length(2 * np.pi / q) for q in (self.q[0], self.q[-1]))
+        roughness = self.roughness()
+        parts = [
+            f"{len(self.q)} rows",
+            f"waves from {longest} to {shortest}",
+            f"h_rms = {self._length(roughness.h_rms)}",
+            f"g_rms = {roughness.g_rms:.4g}",
+            *self.notes,
+        ]
+        return f"<spectrum: {', '.join(parts)}>"
 
     def roughness(self) -> Roughness:
         """Return h_rms, g_rms and rms curvature (half of the Laplacian)."""

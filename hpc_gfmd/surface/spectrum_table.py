@@ -8,7 +8,7 @@ import numpy as np
 
 from ..util.errors import SceneError, one_line
 from ..util.lengths import length_factor
-from .spectra import Spectrum, require_rows
+from .spectra import NO_UNIT, require_rows
 
 LARGEST = 64 * 2**20  # bytes of a table that is read
 NAME = "([A-Za-zµμÅ]+)"
@@ -16,7 +16,6 @@ PER_LENGTH = re.compile(rf"1\s*/\s*{NAME}|{NAME}\s*(?:\^|\*\*)?\s*(?:-1|⁻¹)")
 POWER = re.compile(rf"{NAME}\s*(?:\^|\*\*)?\s*([34³⁴])")
 DIMENSIONS = {"3": 1, "³": 1, "4": 2, "⁴": 2}
 KINDS = {1: "profiles (length^3)", 2: "areas (length^4)"}
-NO_UNIT = "length"  # in place of a unit in the head
 NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eEdD][-+]?\d+)?|[-+]?(nan|inf)", re.IGNORECASE)
 
 
@@ -76,17 +75,15 @@ def read_spectrum_table(
     return q, C, dimension, unit
 
 
-def write_spectrum_table(path: Any, spectrum: Spectrum) -> None:
-    """Write a spectrum as a table that `read_spectrum_table` reads, atomically."""
-    from ..util.atomic import atomic_write
-
-    unit = spectrum.unit or NO_UNIT
-    lines = [
-        f"q (1/{unit}),C ({unit}^4)",
-        *(f"{q!r},{C!r}" for q, C in zip(spectrum.q.tolist(), spectrum.C.tolist())),
-    ]
-    with atomic_write(path) as tmp:
-        tmp.write_text("\n".join(lines) + "\n", encoding="utf-8")
+def is_spectrum_table(path: Any) -> bool:
+    """Whether a file is a table of a spectrum: its head names q, or has the units of q and C."""
+    try:
+        head, _ = _head_and_rows(path)
+    except SceneError:
+        return False
+    q_unit, _, dimension = _units(head)
+    first = re.match(r"[#\s]*(\w*)", head)
+    return bool(q_unit and dimension) or (first is not None and first[1].lower() == "q")
 
 
 def _head_and_rows(path: Any) -> tuple[str, np.ndarray]:

@@ -12,6 +12,7 @@ from hpc_gfmd.util.errors import SceneError
 pytestmark = pytest.mark.mpi
 SPECTRUM = {"kind": "spectrum", "n": [36, 20], "physical_sizes": [2.0, 1.0], "seed": 5}
 WALLS = {
+    "heights": {"q": [6.3, 25.0], "C": [1e-3, 1e-6], "dimension": 2, "skewness": -0.5},
     "anisotropic": {"q": [3.2, 25.0], "C": [1e-3, 1e-8], "dimension": 2, "peklenik": 3.0},
     "power laws": {"wavelengths": [2.0, 1.0, 0.2], "hurst": [-1.0, 0.5], "g_rms": 0.3},
 }

@@ -14,12 +14,13 @@ from hpc_gfmd.scene import Scene, load_scene
 from hpc_gfmd.scene.reference import markdown, sections, text
 from hpc_gfmd.scene.surface import KINDS
 
-ANALYTIC = [kind for kind in KINDS if kind != "file"]
+ANALYTIC = [kind for kind in KINDS if kind not in ("file", "fourier")]
+SIZES = {"self-affine": "surface.lam_l_over_lam_s=8", "spectrum": "surface.n=[200, 200]"}
 
 
 @pytest.mark.parametrize("kind", ANALYTIC)
 def test_scenes_of_all_kinds_run(tmp_path, kind, cli):
-    size = "surface.lam_l_over_lam_s=8" if kind == "self-affine" else "surface.n=[16, 16]"
+    size = SIZES.get(kind, "surface.n=[16, 16]")
     assert cli.prints("init", kind, "--set", size) == "scene.toml: hpc-gfmd run scene.toml\n"
     assert cli.prints("run scene.toml -q") == ""
     assert (tmp_path / "contact.h5").is_file()
@@ -38,6 +39,17 @@ def test_scene_file_holds_every_key(kind):
             tomllib.loads(line.removeprefix("# "))  # keys that are commented out are valid, too
     assert not missing_keys
     assert max(map(len, lines)) < 150
+
+
+def test_scene_of_a_spectrum_runs_unchanged(tmp_path, cli):
+    (tmp_path / "rough.csv").write_text("q (1/um), C (um^4)\n0.1,1\n1,1e-3\n100,1e-11\n")
+    written, missing, notes, _ = compose("rough.csv", Path("scene.toml"))
+    assert not missing
+    assert "waves from 62.8319 um to 62.8319 nm" in notes[0]
+    for line in ('path = "rough.csv"', 'physical_sizes = ["62.9 um", "62.9 um"]', "shortest = "):
+        assert f"\n{line}" in written
+    (tmp_path / "scene.toml").write_text(written)
+    cli.prints("run scene.toml -q --set surface.shortest='2 um' --set surface.n=[64,64]")
 
 
 def tilted(sizes=(240.0, 160.0)):

@@ -134,6 +134,33 @@ def test_anisotropic_wall_has_the_moments_of_its_stretch():
     assert abs(turned[0, 1]) < 0.01 * isotropic
 
 
+def moments(z):
+    x = (z - z.mean()) / z.std()
+    return np.mean(x**3), np.mean(x**4)
+
+
+@pytest.mark.parametrize("asked", [(-1.0, 5.0), (0.5, 2.4)])
+def test_heights_that_are_not_gaussian(asked):
+    """The power of each wave is that without them; skewness and kurtosis are those asked for."""
+    gaussian = wall((128, 128), **ARRAYS)
+    made = wall((128, 128), **ARRAYS, skewness=asked[0], kurtosis=asked[1])
+    assert moments(made.heights) == pytest.approx(asked, abs=0.15)
+    powers = [power_of(surface)[1][power_of(surface)[0] > 0] for surface in (gaussian, made)]
+    assert powers[1] == pytest.approx(powers[0], rel=1e-9, abs=1e-18)
+    assert "the spectrum holds" in made.prepared[-1]
+
+
+def test_heights_distributed_as_a_sample(tmp_path):
+    sample = np.random.default_rng(0).gamma(3.0, size=5000)
+    np.save(tmp_path / "sample.npy", sample)
+    made = wall((64, 64), **ARRAYS, heights=str(tmp_path / "sample.npy"))
+    shares = np.linspace(0.02, 0.98, 50)
+    quantiles = np.quantile((made.heights - made.heights.mean()) / made.h_rms, shares)
+    assert quantiles == pytest.approx(
+        np.quantile((sample - sample.mean()) / sample.std(), shares), abs=0.1
+    )
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
