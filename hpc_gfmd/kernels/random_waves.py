@@ -42,31 +42,62 @@ def _segment(k, begins):
 
 
 @inline
+def _of_laws(k_x, y, stretch, laws):
+    """Return A of power laws at a mode, and whether it is that of the shortest wave."""
+    low, high, begins, scales, factors, exponents = laws
+    k = np.sqrt(stretch[0] * (k_x * k_x) + stretch[1] * (k_x * y) + stretch[2] * (y * y))
+    if k == 0.0 or k < low * (1 - 1e-12) or k > high * (1 + 1e-12):
+        return 0.0, False
+    segment = _segment(k, begins)
+    return factors[segment] * (k / scales[segment]) ** (-exponents[segment]), k > high * (1 - 1e-12)
+
+
+@inline
+def _of_table(k_x, y, table):
+    """Return A of a table at a mode, and whether it is at an end of the table."""
+    x_rows, y_rows, powers = table
+    end_x = x_rows[-1]
+    end_y = y_rows[-1]
+    if k_x < x_rows[0] * (1 + 1e-12) or k_x > end_x * (1 + 1e-12) or y > end_y * (1 + 1e-12):
+        return 0.0, False
+    if y < y_rows[0] or (k_x == 0 and y == 0):
+        return 0.0, False
+    i = min(_segment(k_x, x_rows), len(x_rows) - 2)
+    j = min(_segment(y, y_rows), len(y_rows) - 2)
+    s = min(max((k_x - x_rows[i]) / (x_rows[i + 1] - x_rows[i]), 0.0), 1.0)
+    t = min((y - y_rows[j]) / (y_rows[j + 1] - y_rows[j]), 1.0)
+    begin = (1 - t) * powers[i, j] + t * powers[i, j + 1]
+    end = (1 - t) * powers[i + 1, j] + t * powers[i + 1, j + 1]
+    is_end = k_x > end_x * (1 - 1e-12) or y > end_y * (1 - 1e-12)
+    return np.sqrt((1 - s) * begin + s * end), is_end
+
+
+@inline
 def _mode(k_x, k_y, law):
     """Return the amplitude (re, im) of the mode (k_x, k_y) of any signs; (0, 0) outside the band.
 
     It is the conjugate of that of (-k_x, -k_y). law: see `random_waves`.
     """
-    seed, phases_only, aspect, stretch, band, begins, scales, factors, exponents = law
-    low, high = band
-    y = k_y / aspect
-    k = np.sqrt(stretch[0] * (k_x * k_x) + stretch[1] * (k_x * y) + stretch[2] * (y * y))
-    if k == 0.0 or k < low * (1 - 1e-12) or k > high * (1 + 1e-12):
-        return 0.0, 0.0
+    seed, phases_only, aspect, stretch, laws, table = law
     mirrored = k_y < 0 or (k_y == 0 and k_x < 0)
     if mirrored:
         k_x, k_y = -k_x, -k_y
+    y = k_y / aspect
+    if len(table[0]) > 0:
+        amplitude, is_shortest = _of_table(k_x, y, table)
+    else:
+        amplitude, is_shortest = _of_laws(k_x, y, stretch, laws)
+    if amplitude == 0.0:
+        return 0.0, 0.0
     word = _mix(
         _mix(_mix(seed) ^ (np.uint64(np.int64(k_x)) * _D)) ^ (np.uint64(np.int64(k_y)) * _A)
     )
-    segment = _segment(k, begins)
-    amplitude = factors[segment] * (k / scales[segment]) ** (-exponents[segment])
     re = _uniform(word)
     im = _uniform(_mix(word))
     # On the coarsest grid this is a Nyquist mode, of which a grid sees only twice the real part.
     # With both parts equal the power seen there is that of the surface, so all grids agree on
     # heights and on h_rms, g_rms.
-    is_nyquist = (k_x == 0 or k_y == 0) and k > high * (1 - 1e-12)
+    is_nyquist = (k_x == 0 or k_y == 0) and is_shortest
     if phases_only:
         phase = np.pi * re
         re = np.sqrt(2 / 3) * np.cos(phase)
@@ -86,11 +117,16 @@ def random_waves(block, keep, factor, j0, columns, n_y, law):
     j0 + w, the others have no modes. A mode number of exactly half the points is the sum of the two
     modes that the grid cannot distinguish.
 
-    law: (seed, phases_only, aspect, stretch, band, begins, scales, factors, exponents). aspect =
-    L_y/L_x. In units of 2 pi/L_x, with y = k_y/aspect, k^2 = stretch . (k_x^2, k_x y, y^2), which
-    is |q|^2 of an isotropic surface. Modes have low <= k <= high, the band. In segment s, from
-    begins[s] on, A = factors[s] (k/scales[s])^-exponents[s]. Both parts are random numbers between
-    -A and A or, with phases_only, those of a random phase and the mean power of these, 2/3 A^2.
+    law: (seed, phases_only, aspect, stretch, laws, table). Both parts of a mode are random numbers
+    between -A and A or, with phases_only, those of a random phase and the mean power of these,
+    2/3 A^2. With aspect = L_y/L_x, a mode is (k_x, y) in units of 2 pi/L_x, y = k_y/aspect.
+
+    laws: (low, high, begins, scales, factors, exponents). With k^2 = stretch . (k_x^2, k_x y, y^2),
+    which is |q|^2 of an isotropic surface, modes have low <= k <= high. In segment s, from
+    begins[s] on, A = factors[s] (k/scales[s])^-exponents[s].
+
+    table: (x_rows, y_rows, powers). If it is not empty, A^2 is interpolated linearly between
+    powers at x_rows (of both signs) and y_rows (0 or more), and 0 beyond; laws do not count.
     """
     W, n_x = block.shape
     for w in range(W):

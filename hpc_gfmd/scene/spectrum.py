@@ -69,10 +69,10 @@ class SpectrumKeys(Anisotropy):
     """Keys of kind = "spectrum"."""
 
     path: MapPath | None = key(
-        "of a table with the columns q and C, whose head has the units; a relative one counts from"
-        " the folder of the scene",
+        "of a table with the columns q and C, whose head has the units, or of arrays q_x, q_y, C; a"
+        " relative one counts from the folder of the scene",
         None,
-        allowed="the path of a text, such as a .csv",
+        allowed="the path of a text, such as a .csv, or of a .npz or HDF5 file",
         default_text="none, where q and C or wavelengths are given",
         example="spectrum.csv",
     )

@@ -218,7 +218,9 @@ class Spectrum(SpectrumKeys, SurfaceTable):
     lengths, C is a power law; there are no waves beyond the first and the last. A table of profiles
     (dimension = 1, h_rms^2 = (1/pi) times the integral of C(q) dq) is converted to that of the
     isotropic surface which has them; it must not rise, and beyond its end goes on as it ends.
-    With h_rms or g_rms, the value on the grid, the spectrum is scaled.
+    Arrays q_x (both signs), q_y (0 or more) and C (len(q_x) x len(q_y)), in `unit`, are the
+    spectrum of an anisotropic surface; between them C is linear. With h_rms or g_rms, the value on
+    the grid, the spectrum is scaled.
     """
 
     kind: Literal["spectrum"]

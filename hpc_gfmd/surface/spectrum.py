@@ -11,10 +11,14 @@ from ..parallel.guard import on_rank_0
 from ..scene import has_unit
 from ..util.errors import SceneError
 from ..util.quantities import factor, prefixed
+from .directional_spectrum import DirectionalSpectrum, is_directional, read_directional
 from .modes import Modes
+from .selfaffine import NO_TABLE
 from .spectra import Spectrum, of_isotropic_surface
 from .spectrum_table import read_spectrum_table
 from .statistics import Roughness
+
+NO_LAWS = (0.0, 0.0, *[np.empty(0)] * 4)
 
 
 def spectrum_modes(spec: Any, comm: Any) -> Modes:
@@ -22,35 +26,66 @@ def spectrum_modes(spec: Any, comm: Any) -> Modes:
 
     Raises SceneError on all ranks if the spectrum cannot be read, or does not fit to the grid.
     """
-    table = on_rank_0(comm, "reading the spectrum", lambda: isotropic_spectrum(spec))
-    L_x, L_y = spec.physical_sizes
-    k = table.q * L_x / (2 * np.pi)  # periods along x
-    try:
-        per_length = f" 1/{table.unit}" if table.unit else ""
-        q_end = f"q up to {table.q[-1]:.6g}{per_length}, "
-        spec.require_resolved(float(k[-1]), spec.n, spec.aspect, q_end)
-    except ValueError as error:
-        raise SceneError(f"surface: {error}; surface.shortest leaves waves out") from None
-    amplitudes = np.sqrt(1.5 * table.C / (L_x * L_y))  # of uniform numbers, whose variance is 1/3
-    unit = amplitudes.max()
-    law = (
-        np.uint64(spec.seed),
-        spec.random == "phases",
-        spec.aspect,
-        spec.stretch,
-        (k[0], k[-1]),
-        k[:-1],
-        k[:-1],
-        amplitudes[:-1] / unit,
-        table.exponents / 2,
-    )
+    spectrum = on_rank_0(comm, "reading the spectrum", lambda: _read(spec))
+    of_uniform = 1.5 / np.prod(spec.physical_sizes)  # uniform numbers have the variance 1/3
+    scale = spec.physical_sizes[0] / (2 * np.pi)  # from q to periods along x
+    unit = float(np.sqrt(of_uniform * spectrum.C.max()))
+    laws = NO_LAWS
+    table = NO_TABLE
+    if isinstance(spectrum, DirectionalSpectrum):
+        x_rows, y_rows = spectrum.q_x * scale, spectrum.q_y * scale
+        _require_rows_resolved(spec, x_rows, y_rows)
+        table = (x_rows, y_rows, of_uniform * spectrum.C / unit**2)
+    else:
+        k = spectrum.q * scale
+        _require_resolved(spec, float(k[-1]), spectrum)
+        amplitudes = np.sqrt(of_uniform * spectrum.C[:-1]) / unit
+        laws = (k[0], k[-1], k[:-1], k[:-1], amplitudes, spectrum.exponents / 2)
+    law = (np.uint64(spec.seed), spec.random == "phases", spec.aspect, spec.stretch, laws, table)
     is_scaled = spec.h_rms is not None or spec.g_rms is not None
     return Modes(
         partial(random_waves, n_y=spec.n[1], law=law),
-        unit=None if is_scaled else float(unit),
-        checksum=None if spec.path is None else _checksum(table),
-        prepared=partial(_compared, spec, table),
+        unit=None if is_scaled else unit,
+        checksum=None if spec.path is None else _checksum(spectrum),
+        prepared=partial(_compared, spec, _stretched(spectrum.roughness(), spec.peklenik)),
     )
+
+
+def _require_resolved(spec: Any, k: float, spectrum: Spectrum) -> None:
+    """Raise SceneError if the grid does not resolve all waves, up to k periods along x."""
+    per_length = f" 1/{spectrum.unit}" if spectrum.unit else ""
+    q_end = f"q up to {spectrum.q[-1]:.6g}{per_length}, "
+    try:
+        spec.require_resolved(k, spec.n, spec.aspect, q_end)
+    except ValueError as error:
+        raise SceneError(f"surface: {error}; surface.shortest leaves waves out") from None
+
+
+def _require_rows_resolved(spec: Any, x_rows: np.ndarray, y_rows: np.ndarray) -> None:
+    """Raise SceneError if the grid does not resolve all waves of a table, in periods along x."""
+    ends = (np.abs(x_rows[[0, -1]]).max(), y_rows[-1] * spec.aspect)
+    for axis, periods, n in zip("xy", ends, spec.n):
+        if n > 1 and int(periods * (1 + 1e-12)) > n // 2:
+            raise SceneError(
+                f"surface.path: found waves with {periods:.6g} periods along {axis} on {n} points"
+                f" in {spec.path}, allowed: at most {n // 2}, two points a period"
+            )
+
+
+def _read(spec: Any) -> Spectrum | DirectionalSpectrum:
+    """Return the spectrum of a scene's [surface]. Raises SceneError if it cannot be read."""
+    if spec.path is None or not is_directional(spec.path):
+        return isotropic_spectrum(spec)
+    for name, usual in (("dimension", None), ("longest", None), ("shortest", None)):
+        if getattr(spec, name) != usual:
+            raise SceneError(
+                f"surface.{name}: found with C(q_x, q_y), allowed: with C of isotropic surfaces"
+            )
+    if spec.peklenik != 1:
+        raise SceneError("surface.peklenik: found with C(q_x, q_y), allowed: 1")
+    spectrum = read_directional(spec.path)
+    _require_units(spec, spec.unit or "", "surface.path")
+    return spectrum.in_metres(factor(spec.unit)) if spec.unit else spectrum
 
 
 def isotropic_spectrum(spec: Any) -> Spectrum:
@@ -68,18 +103,23 @@ def isotropic_spectrum(spec: Any) -> Spectrum:
     else:
         q, C, dimension, unit = read_spectrum_table(spec.path, spec.unit, spec.dimension)
         where = "surface.path"
-    named = has_unit(spec.physical_sizes)
-    if named != bool(unit):
-        has, allowed = (
-            (f"q in 1/{unit} and plain physical_sizes", "both with units, or none")
-            if unit
-            else ("no unit of q and C", 'one in the head of the table, or surface.unit = "um"')
-        )
-        raise SceneError(f"{where}: found {has}, allowed: {allowed}")
+    _require_units(spec, unit, where)
     size = factor(unit) if unit else 1.0
     table = Spectrum(q / size, C * size ** (2 + dimension), "m" if unit else "")
     table = _cut(table, spec)
     return table if dimension == 2 else of_isotropic_surface(table)
+
+
+def _require_units(spec: Any, unit: str, where: str) -> None:
+    """Raise SceneError if a table has a unit and the sizes have none, or the reverse."""
+    if has_unit(spec.physical_sizes) == bool(unit):
+        return
+    has, allowed = (
+        (f"q in 1/{unit} and plain physical_sizes", "both with units, or none")
+        if unit
+        else ("no unit of q and C", 'one in the head of the table, or surface.unit = "um"')
+    )
+    raise SceneError(f"{where}: found {has}, allowed: {allowed}")
 
 
 def _cut(table: Spectrum, spec: Any) -> Spectrum:
@@ -91,17 +131,20 @@ def _cut(table: Spectrum, spec: Any) -> Spectrum:
     return table.between(lowest, highest)
 
 
-def _checksum(table: Spectrum) -> str:
-    """Return a checksum of the numbers of a table."""
-    return hashlib.blake2b(np.stack([table.q, table.C]).tobytes(), digest_size=16).hexdigest()
+def _checksum(spectrum: Spectrum | DirectionalSpectrum) -> str:
+    """Return a checksum of the numbers of a spectrum."""
+    whole = hashlib.blake2b(digest_size=16)
+    for values in vars(spectrum).values():
+        if isinstance(values, np.ndarray):
+            whole.update(values.tobytes())
+    return whole.hexdigest()
 
 
-def _compared(spec: Any, table: Spectrum, made: Roughness) -> tuple[str, ...]:
+def _compared(spec: Any, of_table: Roughness, made: Roughness) -> tuple[str, ...]:
     """Return a line with the roughness of the spectrum beside that of the surface.
 
     Where the surface is scaled to an h_rms or g_rms, so is the spectrum.
     """
-    of_table = _stretched(table.roughness(), spec.peklenik)
     scale = 1.0
     if spec.h_rms is not None:
         scale = made.h_rms / of_table.h_rms

@@ -4,22 +4,14 @@ import numpy as np
 import pytest
 
 from hpc_gfmd.kernels.random_waves import random_waves
+from hpc_gfmd.surface.selfaffine import NO_TABLE
 
 
 def law(seed, low, high, exponent):
     """An isotropic power law on a square cell."""
     one = np.ones(1)
-    return (
-        np.uint64(seed),
-        False,
-        1.0,
-        (1.0, 0.0, 1.0),
-        (low, high),
-        one,
-        one,
-        one,
-        exponent * one,
-    )
+    laws = (low, high, one, one, one, exponent * one)
+    return (np.uint64(seed), False, 1.0, (1.0, 0.0, 1.0), laws, NO_TABLE)
 
 
 def test_spectrum_of_a_real_field_within_its_band():

@@ -134,6 +134,40 @@ def test_anisotropic_wall_has_the_moments_of_its_stretch():
     assert abs(turned[0, 1]) < 0.01 * isotropic
 
 
+def test_spectrum_of_both_wave_numbers(tmp_path):
+    """Waves of random phases have the power of the table, also oblique ones."""
+    k = np.arange(-12, 13)
+    q_x, q_y = 2 * np.pi * k / 1e-6, 2 * np.pi * k[12:] / 1e-6
+    C = np.exp(-((k[:, None] - k[12:]) ** 2) / 20.0) * (np.hypot(k[:, None], k[12:]) > 2)
+    np.savez(tmp_path / "C.npz", q_x=q_x * 1e-9, q_y=q_y * 1e-9, C=C)
+    keys = {"path": str(tmp_path / "C.npz"), "unit": "nm", "physical_sizes": ("1 um", "1 um")}
+    made = wall((32, 40), **keys, random="phases")
+    _, power = power_of(made)
+    assert power[k[:, None], k[12:]][C > 0] == pytest.approx(1e-36 * C[C > 0], rel=1e-9)
+    assert power.sum() == pytest.approx(1e-36 * (2 * C[:, 1:].sum() + C[:, 0].sum()), rel=1e-9)
+    coarse = {"rel": 0, "abs": 1e-12 * made.h_rms}
+    fine = wall((64, 40), **keys, random="phases").heights[::2]
+    assert fine - fine.mean() == pytest.approx(made.heights - made.heights.mean(), **coarse)
+    with pytest.raises(SceneError, match="12 periods along x on 16 points"):
+        wall((16, 40), **keys)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"q_y": [-1.0, 1.0]}, "found q_y = -1"),
+        ({"C": np.ones((3, 2))}, r"found C of shape \(3, 2\)"),
+        ({"C": -np.ones((2, 2))}, "found C = -1"),
+        ({"q_x": [1.0, 1.0]}, "q_x that do not rise"),
+    ],
+)
+def test_bad_arrays_are_refused(tmp_path, change, words):
+    arrays = {"q_x": [-7.0, 7.0], "q_y": [0.0, 7.0], "C": np.ones((2, 2))}
+    np.savez(tmp_path / "C.npz", **arrays | change)
+    with pytest.raises(SceneError, match=words):
+        wall(path=str(tmp_path / "C.npz"))
+
+
 def moments(z):
     x = (z - z.mean()) / z.std()
     return np.mean(x**3), np.mean(x**4)
