@@ -1,15 +1,13 @@
 """Walls of one spectrum: isotropic, with a lay, with deep valleys, and finer than a scan shows.
 
 The spectrum is constant down to 20 µm and falls with H = 0.8. A piece of the first wall is scanned
-with points 0.4 µm apart; its spectrum, which goes on with the exponent of its own end, gives
-another wall.
+with a quarter of the points; its spectrum goes on with the exponent of its own end.
 """
 
 import sys
 
 import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.ticker import NullLocator
 
 import hpc_gfmd
 
@@ -25,49 +23,36 @@ laws = {
     "physical_sizes": ("100 um", "100 um"),
     "seed": 1,
 }
+lay = {"peklenik": 5.0, "angle": 30.0, "shortest": f"{10 * spacing} um"}
 walls = {
     "isotropic": hpc_gfmd.make_surface("spectrum", **laws),
-    "Peklenik number 5, 30°": hpc_gfmd.make_surface(
-        "spectrum", **laws | {"peklenik": 5.0, "angle": 30.0, "shortest": f"{10 * spacing} um"}
-    ),
+    "Peklenik number 5, 30°": hpc_gfmd.make_surface("spectrum", **laws, **lay),
     "skewness −2, kurtosis 9": hpc_gfmd.make_surface(
         "spectrum", **laws, skewness=-2.0, kurtosis=9.0
     ),
 }
-
 part = walls["isotropic"].heights[: n // 2 : 4, : n // 2 : 4]
 scan = hpc_gfmd.prepare_surface(part, physical_sizes=("50 um", "50 um"), unit="m", boundary="free")
-shortest = 16e-6 * spacing  # four points of the scan, in m: finer waves of it are aliased
-measured = hpc_gfmd.spectrum_of(scan).between(0, 2 * np.pi / shortest)
+# without waves of less than four points of the scan, which are aliased
+measured = hpc_gfmd.spectrum_of(scan).between(0, 2 * np.pi / (16e-6 * spacing))
 extended = measured.extended(4e-6 * spacing)
-extended.write("spectrum.csv")
-again = hpc_gfmd.make_surface(
-    "spectrum", path="spectrum.csv", n=(n, n), physical_sizes=("100 um", "100 um"), seed=2
-)
-for name, wall in walls.items():
-    print(name, wall, sep=": ")
-print(extended, again, sep="\n")
+extended.write("spectrum.csv")  # for make_surface("spectrum", path="spectrum.csv", ...)
+print(*walls.values(), extended, sep="\n")
 
 fig, axes = plt.subplots(2, 2, figsize=(7.2, 6.4), layout="constrained")
 for ax, (name, wall) in zip(axes.flat, walls.items()):
-    z = wall.heights - wall.heights.mean()
-    how = {"origin": "lower", "extent": (0, 100, 0, 100), "cmap": "Greys_r"}
-    image = ax.imshow(z.T * 1e6, vmin=-4e6 * wall.h_rms, vmax=4e6 * wall.h_rms, **how)
+    z = 1e6 * (wall.heights - wall.heights.mean()).T
+    image = ax.imshow(z, origin="lower", extent=(0, 100, 0, 100), cmap="Greys_r")
     ax.set(title=name, xlabel="$x$ (µm)", ylabel="$y$ (µm)")
     fig.colorbar(image, ax=ax, label="$z$ (µm)")
-ax = axes[1, 1]
+whole = hpc_gfmd.spectrum_of(walls["isotropic"]).between(0, 1.5e6 / spacing)
 lines = {
-    "isotropic wall": (hpc_gfmd.spectrum_of(walls["isotropic"]), {}),
-    "scan of it, extended": (extended, {"linestyle": "--"}),
-    "scan of it": (measured, {"linestyle": "", "marker": "o"}),
-    "wall of the extended scan": (hpc_gfmd.spectrum_of(again), {"linestyle": ":"}),
+    "isotropic wall": (whole, "-"),
+    "extended": (extended, "--"),
+    "scan of it": (measured, "o"),
 }
-for name, (spectrum, how) in lines.items():
-    ax.loglog(spectrum.q / 1e6, spectrum.C * 1e24, label=name, **how)
-highest = lines["isotropic wall"][0]
-shown = (highest.q >= highest.q[0]) & (highest.C > 1e-9 * highest.C.max())
-ax.set_ylim(highest.C[shown].min() * 1e24 / 10, highest.C.max() * 1e24 * 10)
-ax.set(xlabel="$q$ (µm$^{-1}$)", ylabel="$C(q)$ (µm$^4$)", title="power spectra")
-ax.xaxis.set_minor_locator(NullLocator())
-ax.legend()
-fig.savefig("spectrum.png", dpi=200)
+for name, (spectrum, style) in lines.items():
+    axes[1, 1].loglog(spectrum.q / 1e6, spectrum.C * 1e24, style, label=name)
+axes[1, 1].set(xlabel="$q$ (µm$^{-1}$)", ylabel="$C(q)$ (µm$^4$)", title="power spectra")
+axes[1, 1].legend()
+fig.savefig("spectrum.png", dpi=160)

@@ -53,7 +53,7 @@ class LowMemorySurface(WorkingSurface):
         if self.surface.add_spectrum is None and not self.surface.grid.padded:
             raise SceneError(
                 'solver.low_memory: found true, allowed: with surface.kind = "self-affine",'
-                ' "spectrum" or "fourier"'
+                ' "spectrum" (without a distribution of heights) or "fourier"'
             )
 
     def problem_to_start(self, p0: float) -> Problem:
