@@ -30,15 +30,15 @@ def _uniform(x):
 @inline
 def _segment(k, begins):
     """Return the number of the last segment that begins at k or below, 0 if there is none."""
-    first = 0
-    last = len(begins)
-    while last - first > 1:
-        middle = (first + last) // 2
+    segment = 0
+    stop = len(begins)
+    while stop - segment > 1:
+        middle = (segment + stop) // 2
         if begins[middle] <= k:
-            first = middle
+            segment = middle
         else:
-            last = middle
-    return first
+            stop = middle
+    return segment
 
 
 @inline

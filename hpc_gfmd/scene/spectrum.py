@@ -43,8 +43,10 @@ class Anisotropy(Table):
         """Factors of q_x^2, q_x q_y, q_y^2 in the square of the wave number of C."""
         if self.peklenik == 1:
             return 1.0, 0.0, 1.0
-        c, s = cos(radians(self.angle)), sin(radians(self.angle))
-        along, across = self.peklenik, 1 / self.peklenik
+        c = cos(radians(self.angle))
+        s = sin(radians(self.angle))
+        along = self.peklenik
+        across = 1 / self.peklenik
         return (
             along * c**2 + across * s**2,
             2 * (along - across) * c * s,
@@ -69,11 +71,10 @@ class SpectrumKeys(Anisotropy):
     """Keys of kind = "spectrum"."""
 
     path: MapPath | None = key(
-        "of a table with the columns q and C, whose head has the units, or of arrays q_x, q_y, C; a"
-        " relative one counts from the folder of the scene",
+        "of a table: columns q and C, units in the head; or arrays q_x, q_y, C",
         None,
         allowed="the path of a text, such as a .csv, or of a .npz or HDF5 file",
-        default_text="none, where q and C or wavelengths are given",
+        default_text="none",
         example="spectrum.csv",
     )
     q: Numbers | None = key(
@@ -94,7 +95,7 @@ class SpectrumKeys(Anisotropy):
         allowed='a unit of length, such as "um"',
     )
     dimension: Literal[1, 2] | None = key(
-        "of C: 2 for areas (isotropic, length^4), 1 for profiles (length^3)",
+        "of C: 2 for areas (isotropic), 1 for profiles",
         None,
         allowed="1 or 2",
         example=2,
@@ -124,15 +125,21 @@ class SpectrumKeys(Anisotropy):
         "of the random numbers; gives the same surface on any grid", example=1
     )
     random: Literal["amplitudes", "phases"] = key(
-        'what is random: "amplitudes" of the waves and phases, so that the power scatters about C,'
-        ' or "phases" alone',
+        'what is random: "amplitudes" and phases, so that the power scatters, or "phases"',
         "amplitudes",
     )
     h_rms: Length | None = key(
-        "rms height to which C is scaled", None, unit="length", default_text="that of the table"
+        "rms height to which C is scaled",
+        None,
+        unit="length",
+        default_text="that of the table",
+        example=0.01,
     )
     g_rms: Positive | None = key(
-        "rms slope to which C is scaled, instead of h_rms", None, default_text="that of the table"
+        "rms slope to which C is scaled, instead of h_rms",
+        None,
+        default_text="that of the table",
+        example=1.0,
     )
 
     skewness: Annotated[float, Field(ge=-20, le=20)] | None = key(
@@ -142,7 +149,7 @@ class SpectrumKeys(Anisotropy):
         "of the heights, 3: Gaussian", None, default_text="3", example=5.0
     )
     heights: MapPath | None = key(
-        "instead of both: numbers that are distributed as the heights shall be, of any unit",
+        "instead of both: numbers that are distributed as the heights shall be",
         None,
         allowed="the path of a .npy or a text",
         default_text="none",
@@ -222,10 +229,17 @@ class FourierKeys(Table):
     )
     n: Pair[Points] = key("grid points [n_x, n_y]", example=[512, 512])
     h_rms: Length | None = key(
-        "rms height to which they are scaled", None, unit="length", default_text="as they are"
+        "rms height to which they are scaled",
+        None,
+        unit="length",
+        default_text="as they are",
+        example=0.01,
     )
     g_rms: Positive | None = key(
-        "rms slope to which they are scaled, instead of h_rms", None, default_text="as they are"
+        "rms slope to which they are scaled, instead of h_rms",
+        None,
+        default_text="as they are",
+        example=1.0,
     )
 
     @model_validator(mode="after")

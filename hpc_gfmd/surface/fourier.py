@@ -49,11 +49,12 @@ class Coefficients:
         """Add these modes to columns of a spectrum, see `modes.AddModes`."""
         block *= keep
         begin, end = np.searchsorted(self.k_y, (j0, j0 + columns))
-        k_x, k_y, c = self.k_x[begin:end], self.k_y[begin:end], self.c[begin:end]
-        c = (factor * c).astype(block.dtype)
+        k_x = self.k_x[begin:end]
+        k_y = self.k_y[begin:end]
+        c = (factor * self.c[begin:end]).astype(block.dtype)
         np.add.at(block, (k_y - j0, k_x), c)
-        both = (k_y == 0) | (2 * k_y == n_y)  # c_-k is in the same column
-        np.add.at(block, (k_y[both] - j0, -k_x[both]), c[both].conj())
+        in_pairs = (k_y == 0) | (2 * k_y == n_y)  # c_-k is in the same column
+        np.add.at(block, (k_y[in_pairs] - j0, -k_x[in_pairs]), c[in_pairs].conj())
 
     def checksum(self) -> str:
         """Return a checksum of all coefficients."""
@@ -162,9 +163,9 @@ def _of_transform(transform: np.ndarray, path: str) -> tuple[np.ndarray, np.ndar
     for axis, n in enumerate(transform.shape):
         if n % 2 == 0:
             half = np.take(transform, [n // 2], axis) / 2
-            first, last = np.split(transform, [n // 2], axis)
-            rest = np.delete(last, 0, axis)
-            transform = np.concatenate([first, half, half, rest], axis)
+            positive, negative = np.split(transform, [n // 2], axis)
+            negative = np.delete(negative, 0, axis)
+            transform = np.concatenate([positive, half, half, negative], axis)
     numbers = [np.fft.fftfreq(m, 1 / m) for m in transform.shape]  # now odd
     indices = np.stack(np.meshgrid(*numbers, indexing="ij"), axis=-1).reshape(-1, 2)
     c = transform.ravel()
@@ -180,18 +181,20 @@ def _one_of_each_pair(indices: np.ndarray, c: np.ndarray, path: str) -> Coeffici
     k_x, k_y = indices.T
     mirrored = (k_y < 0) | ((k_y == 0) & (k_x < 0))
     sign = np.where(mirrored, -1, 1)
-    k_x, k_y, c = sign * k_x, sign * k_y, np.where(mirrored, c.conj(), c)
+    k_x = sign * k_x
+    k_y = sign * k_y
+    c = np.where(mirrored, c.conj(), c)
     order = np.lexsort((mirrored, k_x, k_y))
     k_x, k_y, c, mirrored = (values[order] for values in (k_x, k_y, c, mirrored))
     again = (np.diff(k_x) == 0) & (np.diff(k_y) == 0)
     twice = again & (np.diff(mirrored.astype(int)) == 0)
     differ = again & (np.abs(np.diff(c)) > PARTNERS * np.abs(c).max(initial=0.0))
-    for wrong, what in ((twice, "twice"), (differ, "and its mirror, which are not conjugate")):
+    for wrong, reason in ((twice, "twice"), (differ, "and a mirror that is not conjugate")):
         if wrong.any():
             place = int(np.argmax(wrong))
             raise SceneError(
-                f"surface.path: found mode ({k_x[place]}, {k_y[place]}) {what}, in {path}, allowed:"
-                " each once, c_-k the conjugate of c_k or left out"
+                f"surface.path: found mode ({k_x[place]}, {k_y[place]}) {reason} in {path},"
+                " allowed: each once, c_-k the conjugate of c_k or left out"
             )
     kept = np.append(True, ~again) & ((k_x != 0) | (k_y != 0)) & (c != 0)
     if not kept.any():

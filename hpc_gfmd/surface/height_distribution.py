@@ -132,11 +132,12 @@ def _johnson(skewness: float, kurtosis: float) -> Quantiles:
         for log_b in (0.5, 0.0, -0.7, 1.2, 2.5, 3.5):
             start = (-np.sign(skewness) if form is np.sinh else np.sign(skewness), log_b)
             with np.errstate(all="ignore"):
-                found = least_squares(
+                fit = least_squares(
                     errors, start, args=(form,), bounds=([-30, -2.5], [30, 6]), xtol=1e-14
                 )
-            if np.abs(found.fun).max() < 1e-8:
-                a, b = found.x[0], np.exp(found.x[1])
+            if np.abs(fit.fun).max() < 1e-8:
+                a = fit.x[0]
+                b = np.exp(fit.x[1])
                 return lambda shares: form((ndtri(shares) - a) / b)
     raise SceneError(
         f"surface.kurtosis: found {kurtosis:g} with skewness = {skewness:g}, of which no"

@@ -83,12 +83,22 @@ class Spectrum:
     def between(self, lowest: float, highest: float) -> Self:
         """Return a copy without the waves below and above some q.
 
+        Parameters
+        ----------
+        lowest, highest : float
+            Wave numbers, 0 and inf for all.
+
+        Returns
+        -------
+        Spectrum
+
         Raises
         ------
         SceneError
             If there are none between them.
         """
-        low, high = max(lowest, self.q[0]), min(highest, self.q[-1])
+        low = max(lowest, self.q[0])
+        high = min(highest, self.q[-1])
         if not low < high:
             raise SceneError(
                 f"surface: found a spectrum from q = {self.q[0]:.6g} to {self.q[-1]:.6g} and waves"
@@ -129,10 +139,8 @@ class Spectrum:
             )
         q = np.geomspace(max(end / over, self.q[0]), end, 33)
         slope, level = np.polyfit(np.log(q / end), np.log(self.at(q)), 1)
-        C_end, C_new = np.exp(level), np.exp(level + slope * np.log(q_new / end))
-        extended = type(self)(
-            np.append(self.q, q_new), np.append(self.C[:-1], [C_end, C_new]), self.unit
-        )
+        ends = np.exp(level + slope * np.log([1.0, q_new / end]))
+        extended = type(self)(np.append(self.q, q_new), np.append(self.C[:-1], ends), self.unit)
         share = 1 - (self.roughness().g_rms / extended.roughness().g_rms) ** 2
         note = (
             f"extended from {self._length(2 * np.pi / end)} to {self._length(shortest)} with H ="

@@ -30,10 +30,11 @@ def spectrum_modes(spec: Any, comm: Any) -> Modes:
     of_uniform = 1.5 / np.prod(spec.physical_sizes)  # uniform numbers have the variance 1/3
     scale = spec.physical_sizes[0] / (2 * np.pi)  # from q to periods along x
     unit = float(np.sqrt(of_uniform * spectrum.C.max()))
-    laws = NO_LAWS
+    laws: tuple = NO_LAWS
     table = NO_TABLE
     if isinstance(spectrum, DirectionalSpectrum):
-        x_rows, y_rows = spectrum.q_x * scale, spectrum.q_y * scale
+        x_rows = spectrum.q_x * scale
+        y_rows = spectrum.q_y * scale
         _require_rows_resolved(spec, x_rows, y_rows)
         table = (x_rows, y_rows, of_uniform * spectrum.C / unit**2)
     else:
@@ -99,7 +100,9 @@ def isotropic_spectrum(spec: Any) -> Spectrum:
         return _cut(Spectrum(q, np.exp(-np.append(0.0, falls))), spec)
     if spec.path is None:
         q, C = (np.array(column, float) for column in (spec.q, spec.C))
-        dimension, unit, where = spec.dimension, spec.unit, "surface.q"
+        dimension = spec.dimension
+        unit = spec.unit
+        where = "surface.q"
     else:
         q, C, dimension, unit = read_spectrum_table(spec.path, spec.unit, spec.dimension)
         where = "surface.path"
@@ -164,7 +167,8 @@ def _compared(spec: Any, of_table: Roughness, made: Roughness) -> tuple[str, ...
 
 def _stretched(isotropic: Roughness, peklenik: float) -> Roughness:
     """Return the roughness of a surface whose isotropic one is stretched by a Peklenik number."""
-    along, across = 1 / peklenik, peklenik  # factors of q^2
+    along = 1 / peklenik  # factors of q^2
+    across = peklenik
     return Roughness(
         isotropic.h_rms,
         isotropic.g_rms * ((along + across) / 2) ** 0.5,

@@ -82,8 +82,8 @@ def is_spectrum_table(path: Any) -> bool:
     except SceneError:
         return False
     q_unit, _, dimension = _units(head)
-    first = re.match(r"[#\s]*(\w*)", head)
-    return bool(q_unit and dimension) or (first is not None and first[1].lower() == "q")
+    names_q = re.match(r"[#\s]*q\b", head, re.IGNORECASE)
+    return bool(q_unit and dimension) or names_q is not None
 
 
 def _head_and_rows(path: Any) -> tuple[str, np.ndarray]:
@@ -98,7 +98,8 @@ def _head_and_rows(path: Any) -> tuple[str, np.ndarray]:
         lines = Path(path).read_text(encoding="utf-8-sig").splitlines()
     except OSError as error:
         raise SceneError(
-            f"surface.path: cannot read {path}: {one_line(str(error.strerror))}"
+            f"surface.path: cannot read {path}: {one_line(str(error.strerror))}, allowed: a text"
+            " with the columns q and C"
         ) from None
     except UnicodeDecodeError:
         raise SceneError(

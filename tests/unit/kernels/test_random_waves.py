@@ -9,8 +9,8 @@ from hpc_gfmd.surface.selfaffine import NO_TABLE
 
 def law(seed, low, high, exponent):
     """An isotropic power law on a square cell."""
-    one = np.ones(1)
-    laws = (low, high, one, one, one, exponent * one)
+    unit = np.ones(1)
+    laws = (low, high, unit, unit, unit, exponent * unit)
     return (np.uint64(seed), False, 1.0, (1.0, 0.0, 1.0), laws, NO_TABLE)
 
 

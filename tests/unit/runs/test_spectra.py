@@ -53,7 +53,7 @@ def test_spectrum_of_a_scan(wall, of):
     of_wall = hpc_gfmd.spectrum_of(wall)
     z = 1e9 * wall.heights[:n, :n] + 20 * np.arange(n)[:, None]
     spectrum = of(Topography(z, (n / 256 * 1e5,) * 2, unit="nm").detrend("height"))
-    slopes = [each.between(Q[0], Q[-1]).roughness().g_rms for each in (spectrum, of_wall)]
+    slopes = [rows.between(Q[0], Q[-1]).roughness().g_rms for rows in (spectrum, of_wall)]
     assert slopes[0] == pytest.approx(slopes[1], rel=0.1)
     assert spectrum.unit == "m"
 

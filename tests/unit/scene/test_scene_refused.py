@@ -133,7 +133,7 @@ surface = {hurst = 2, seed = -1} | surface.hurst: found 2, allowed: a number fro
 surface.hurts = 0.8 | nearest: surface.hurst,
 solvr.name = "gfmd" | nearest: solver,
 hurst = 0.8 | nearest: surface.hurst,
-surface.title = "late" | nearest: surface.physical_sizes (title is a key, too),
+surface.title = "late" | nearest: surface.angle (title is a key, too),
 surface.accuracy = 1e-3 | nearest: surface.boundary (solver.accuracy is a key, too),
 surface.radius = 1 | surface: found radius with a periodic boundary, allowed: boundary = "free", or along x or y
 surface = {radius = [1, inf], boundary = ["periodic", "free"]} | surface: found radius with a periodic boundary

@@ -62,7 +62,7 @@ def test_units_of_coefficients(tmp_path):
     [
         ("9 0 1 0\n", "found 9 periods along x"),
         ("1 0 1 0\n1 0 1 0\n", "found mode (1, 0) twice"),
-        ("1 0 1 0\n-1 0 2 0\n", "found mode (1, 0) and its mirror, which are not conjugate"),
+        ("1 0 1 0\n-1 0 2 0\n", "found mode (1, 0) and a mirror that is not conjugate"),
         ("1.5 0 1 0\n", "found broken mode numbers"),
         ("1 0 nan 0\n", "all finite"),
         ("1 0 1\n", "found 3 columns"),

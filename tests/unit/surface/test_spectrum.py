@@ -60,14 +60,15 @@ def test_self_affine_wall_from_power_laws(lam_l_over_lam_r):
     hurst = [-1.0, keys["hurst"]]
     lengths = [1.0, 1 / lam_l_over_lam_r, 1 / 8]
     if lam_l_over_lam_r == 1:
-        hurst, lengths = hurst[1:], lengths[1:]
-    same = {"n": made.heights.shape, "seed": 3, "physical_sizes": (2.0, 1.0)}
-    laws = wall(wavelengths=lengths, hurst=hurst, g_rms=keys.get("g_rms", 1.0), **same)
+        hurst = hurst[1:]
+        lengths = lengths[1:]
+    cell = {"n": made.heights.shape, "seed": 3, "physical_sizes": (2.0, 1.0)}
+    laws = wall(wavelengths=lengths, hurst=hurst, g_rms=keys.get("g_rms", 1.0), **cell)
     rounding = 1e-14 * np.abs(made.heights).max()
     assert laws.heights == pytest.approx(made.heights, abs=rounding)
     q = 2 * np.pi / np.array(lengths)
     falls = np.cumsum((2 + 2 * np.array(hurst)) * np.diff(np.log(q)))
-    table = wall(q=q, C=1e-3 * np.exp(-np.append(0, falls)), dimension=2, **same)
+    table = wall(q=q, C=1e-3 * np.exp(-np.append(0, falls)), dimension=2, **cell)
     scaled = table.heights * (made.h_rms / table.h_rms)
     assert scaled == pytest.approx(made.heights, abs=10 * rounding)
 
@@ -120,26 +121,48 @@ def test_units_of_a_table(tmp_path):
 
 def test_anisotropic_wall_has_the_moments_of_its_stretch():
     """Mean squares of slopes along and across the lay are those of C over 2 g and g/2."""
-    peklenik, angle = 3.0, 30.0
+    peklenik = 3.0
+    angle = 30.0
     rows = {"q": 2 * np.pi * np.array([5.0, 60.0]), "C": [1e-4, 1e-8], "dimension": 2}
     made = wall((256, 256), **rows, random="phases", peklenik=peklenik, angle=angle)
     power = np.abs(np.fft.fft2(made.heights) / made.heights.size) ** 2
     k = 2 * np.pi * np.fft.fftfreq(256, 1 / 256)
     q = np.stack(np.meshgrid(k, k, indexing="ij"))
     moments = np.einsum("aij,bij,ij->ab", q, q, power)
-    c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+    c = np.cos(np.radians(angle))
+    s = np.sin(np.radians(angle))
     turned = np.array([[c, s], [-s, c]]) @ moments @ np.array([[c, s], [-s, c]]).T
     isotropic = Spectrum(rows["q"], np.array(rows["C"])).roughness().g_rms ** 2 / 2
     assert np.diag(turned) / isotropic == pytest.approx([1 / peklenik, peklenik], rel=0.01)
     assert abs(turned[0, 1]) < 0.01 * isotropic
 
 
+LAWS = {"wavelengths": [0.5, 0.1], "hurst": [0.8], "g_rms": 1.0}
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        (LAWS | {"hurst": [0.8, 0.3]}, "found 2 numbers hurst for 2 wavelengths"),
+        (LAWS | {"wavelengths": [0.1, 0.5]}, "found wavelengths that do not fall"),
+        (LAWS | {"wavelengths": [0.5, 0.01]}, "waves with 100 periods along x on 64 points"),
+        (LAWS | ARRAYS, "found q and wavelengths, allowed: one of path, q, wavelengths"),
+        (LAWS | {"skewness": -1.0, "kurtosis": 1.5}, "allowed: kurtosis above"),
+        (ARRAYS | {"h_rms": 1.0, "g_rms": 1.0}, "found h_rms and g_rms"),
+        (ARRAYS | {"physical_sizes": ("1 um", "1 um")}, "surface.q: found no unit of q and C"),
+    ],
+)
+def test_keys_that_are_no_spectrum_are_refused(keys, words):
+    with pytest.raises(SceneError, match=words):
+        wall(**keys)
+
+
 def test_spectrum_of_both_wave_numbers(tmp_path):
     """Waves of random phases have the power of the table, also oblique ones."""
     k = np.arange(-12, 13)
-    q_x, q_y = 2 * np.pi * k / 1e-6, 2 * np.pi * k[12:] / 1e-6
+    q = 2 * np.pi * k / 1e-6
     C = np.exp(-((k[:, None] - k[12:]) ** 2) / 20.0) * (np.hypot(k[:, None], k[12:]) > 2)
-    np.savez(tmp_path / "C.npz", q_x=q_x * 1e-9, q_y=q_y * 1e-9, C=C)
+    np.savez(tmp_path / "C.npz", q_x=q * 1e-9, q_y=q[12:] * 1e-9, C=C)
     keys = {"path": str(tmp_path / "C.npz"), "unit": "nm", "physical_sizes": ("1 um", "1 um")}
     made = wall((32, 40), **keys, random="phases")
     _, power = power_of(made)
@@ -173,12 +196,12 @@ def moments(z):
     return np.mean(x**3), np.mean(x**4)
 
 
-@pytest.mark.parametrize("asked", [(-1.0, 5.0), (0.5, 2.4)])
-def test_heights_that_are_not_gaussian(asked):
+@pytest.mark.parametrize("wanted", [(-1.0, 5.0), (0.5, 2.4)])
+def test_heights_that_are_not_gaussian(wanted):
     """The power of each wave is that without them; skewness and kurtosis are those asked for."""
     gaussian = wall((128, 128), **ARRAYS)
-    made = wall((128, 128), **ARRAYS, skewness=asked[0], kurtosis=asked[1])
-    assert moments(made.heights) == pytest.approx(asked, abs=0.15)
+    made = wall((128, 128), **ARRAYS, skewness=wanted[0], kurtosis=wanted[1])
+    assert moments(made.heights) == pytest.approx(wanted, abs=0.15)
     powers = [power_of(surface)[1][power_of(surface)[0] > 0] for surface in (gaussian, made)]
     assert powers[1] == pytest.approx(powers[0], rel=1e-9, abs=1e-18)
     assert "the spectrum holds" in made.prepared[-1]
