@@ -166,7 +166,7 @@ def _of_transform(transform: np.ndarray, path: str) -> tuple[np.ndarray, np.ndar
             positive, negative = np.split(transform, [n // 2], axis)
             negative = np.delete(negative, 0, axis)
             transform = np.concatenate([positive, half, half, negative], axis)
-    numbers = [np.fft.fftfreq(m, 1 / m) for m in transform.shape]  # now odd
+    numbers = [np.fft.ifftshift(np.arange(m) - m // 2) for m in transform.shape]  # now odd
     indices = np.stack(np.meshgrid(*numbers, indexing="ij"), axis=-1).reshape(-1, 2)
     c = transform.ravel()
     return indices[c != 0], c[c != 0]
