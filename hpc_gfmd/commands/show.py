@@ -43,6 +43,13 @@ def add_arguments(parser: ArgumentParser) -> None:
         " with the coefficients of TABLE: paper, ours (default) or a JSON file",
     )
     parser.add_argument(
+        "--persson",
+        action="store_true",
+        help="Persson's theory beside the results: of a measured map that of its g_rms, and of its"
+        " spectrum if output.distributions has heights_spectrum; Hertz's and Westergaard's beside"
+        " spheres and waves",
+    )
+    parser.add_argument(
         "--references", action="store_true", help="list the papers to cite for these numbers"
     )
 
@@ -66,6 +73,12 @@ def main(args: Namespace) -> int:
         limits = to_limits(result, args.tfc or "ours")
         data["tfc"] = limits
         text += f"\n\n{limits_text(limits)}"
+    if args.persson:
+        from .beside import theory_text, to_theory
+
+        theory = to_theory(result)
+        data["theory"] = theory
+        text += f"\n\n{theory_text(result, theory)}"
     if args.references:
         from ..runs.references import references_of
 
@@ -81,12 +94,12 @@ def main(args: Namespace) -> int:
 def _show_ensemble(args: Namespace) -> int:
     """Print means and standard deviations of several results, as text or JSON; returns 0.
 
-    Raises SceneError for --tfc, --references and --errors, for results of different loads or units,
-    and for files that cannot be read.
+    Raises SceneError for options of a single result, for results of different loads or units, and
+    for files that cannot be read.
     """
     from ..runs.ensemble import Ensemble
 
-    if args.tfc is not None or args.references or args.errors:
+    if args.tfc is not None or args.references or args.errors or args.persson:
         raise SceneError("show: found several files, allowed with --json alone")
     ensemble = Ensemble(args.file)
     if args.json:

@@ -34,6 +34,7 @@ class Theory:
     `curves` are functions of the mean pressure by the names of the numbers that they predict;
     density(x, p) is that of the local pressure x > 0 at the mean pressure p, and its integral over
     x is the relative contact area. `height` is the scale of heights without a unit; None: h_rms.
+    `text` says the same as `name` without TeX.
     """
 
     name: str
@@ -41,6 +42,34 @@ class Theory:
     density: Callable | None = None
     height: Scale | None = None
     sources: tuple[str, ...] = ()
+    text: str = ""
+
+
+ROUNDING = 1e-12  # share of the largest power below which a spectrum is rounding errors
+
+
+def theory_beside(result: Result, of_maps: bool) -> Theory | None:
+    """Return the theory of the surface of a result; None if there is none.
+
+    of_maps: for a measured, periodic map Persson's theory of its own slope and spectrum.
+    """
+    scene = scene_of(result)
+    theory = theory_of(scene, result.surface)
+    if theory is None and of_maps:
+        theory = persson_of_map(result.scene, result.surface, _height_spectrum(result))
+    return theory
+
+
+def _height_spectrum(result: Result) -> tuple[np.ndarray, np.ndarray] | None:
+    """Return (q, C) of the heights where a load step has that distribution, else None."""
+    for step in result.steps:
+        if "heights_spectrum_q" in step:
+            q, power = (
+                np.array(step[f"heights_spectrum_{name}"], float) for name in ("q", "power")
+            )
+            exists = power > ROUNDING * power.max()
+            return q[exists], power[exists]
+    return None
 
 
 def scene_of(result: Result) -> Scene | None:
@@ -109,7 +138,8 @@ def _persson(surface: Any, unit: float, attributes: Any) -> Theory:
     def density(x: Any, p: Any) -> np.ndarray:
         return persson.pressure_distribution(x / unit, p / unit) / unit
 
-    return Theory(name, curves, density, sources=PERSSON)
+    text = f"Persson, gamma = {persson.GAMMA:g}"
+    return Theory(name, curves, density, sources=PERSSON, text=text)
 
 
 def persson_of_map(
@@ -149,7 +179,8 @@ def persson_of_map(
         return persson.pressure_distribution(x / unit, p / unit) / unit
 
     label = f"Persson ($g_\\mathrm{{rms}}$ = {slope:.3g}, waves of {waves})"
-    return Theory(label, curves, density, sources=PERSSON)
+    text = f"Persson, g_rms = {slope:.3g}, waves of {waves}, gamma = {persson.GAMMA:g}"
+    return Theory(label, curves, density, sources=PERSSON, text=text)
 
 
 def _yielding(E_star: float, hardness: float, slope: float) -> Theory:

@@ -9,9 +9,7 @@ from ..output.summary import converged, last_held
 from ..util.errors import SceneError, one_line
 from ..util.quantities import parse
 from .scales import Units, good
-from .theory import persson_of_map, scene_of, theory_of
-
-ROUNDING = 1e-12  # share of the largest power below which a spectrum is rounding errors
+from .theory import scene_of, theory_beside
 
 
 class View:
@@ -54,9 +52,7 @@ class View:
         self.left_out = len(result.steps) - len(chosen)
         self.window, self.points = window_of(result.surface, window)
         scene = scene_of(result)
-        self.theory = theory_of(scene, result.surface)
-        if self.theory is None and persson:
-            self.theory = persson_of_map(result.scene, result.surface, _height_spectrum(result))
+        self.theory = theory_beside(result, persson)
         self.hardness = scene.material.hardness if scene else None
         self.attracts = scene is not None and scene.material.adhesion is not None
         height = self.theory.height if self.theory else None
@@ -111,15 +107,3 @@ def _length(edge: Any) -> float:
         return float(edge)
     except ValueError:
         return float(parse(edge, "length"))
-
-
-def _height_spectrum(result: Result) -> tuple[np.ndarray, np.ndarray] | None:
-    """Return (q, C) of the heights where a load step has that distribution, else None."""
-    for step in result.steps:
-        if "heights_spectrum_q" in step:
-            q, power = (
-                np.array(step[f"heights_spectrum_{name}"], float) for name in ("q", "power")
-            )
-            exists = power > ROUNDING * power.max()
-            return q[exists], power[exists]
-    return None
