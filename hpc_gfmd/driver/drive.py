@@ -90,6 +90,7 @@ def drive(
     watch: Watch | None = None,
     target: Target | None = None,
     guard: SaddleGuard | None = None,
+    certificate: Certificate | None = None,
 ) -> Outcome:
     """Iterate a started solver until a certificate meets the criterion, or until it has to end.
 
@@ -108,6 +109,8 @@ def drive(
         May change the mean pressure during the iterations; by default it stays.
     guard : SaddleGuard, optional
         Computes the stability and leaves saddles; required with an attraction.
+    certificate : Certificate, optional
+        Certificate of the state that the solver begins with, which may be accurate enough.
 
     Returns
     -------
@@ -115,6 +118,12 @@ def drive(
         Status and certificate of the final state, the same on all ranks.
     """
     target = target or Target(solver.p0)
+    if certificate is not None:
+        error = error_left(certificate, criterion)
+        if max(error, target.judge(solver, certificate)) < 1:
+            return Outcome(_status_of(certificate, criterion), certificate, 0.0)
+        solver.begin_at(certificate)
+        target.correct(solver, certificate, error < 1)
     limits = Limits(solver, criterion)
     solver.stability = None  # that of the load before is not that of this one
     pairs = 0.0
@@ -432,18 +441,8 @@ def certificate_of(solver: Solver, criterion: StoppingCriterion) -> Certificate:
 def measure_of(progress: Progress, criterion: StoppingCriterion) -> float:
     """Return the residual, or the error that a solver estimates, over the requested one.
 
-    Parameters
-    ----------
-    progress : Progress
-        Progress of the solver.
-    criterion : StoppingCriterion
-        The requested accuracy or residual.
-
-    Returns
-    -------
-    float
-        Below 1 the solver expects to meet the criterion, apart from the area, which takes a look at
-        all points. Infinite if an accuracy is requested but this step has estimated no errors.
+    Below 1 the solver expects to meet the criterion, apart from the area, which takes a look at all
+    points. Infinite if an accuracy is requested but this step has estimated no errors.
     """
     if criterion.residual is not None:
         return progress.residual / criterion.residual

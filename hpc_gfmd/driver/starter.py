@@ -17,6 +17,7 @@ from .nested import cold_gap, roughly_solved, undeformed_gap
 from .target import Target
 
 if TYPE_CHECKING:
+    from ..certificate.certificate import Certificate
     from ..operators.problem import Problem
     from ..scene import SolverTable
     from ..solvers.base import Solver
@@ -49,12 +50,16 @@ class Start(NamedTuple):
         FFT pairs that the start took, apart from those that the solver counts.
     coarser : list of CoarseContact
         The contacts on coarser grids; empty with an attraction, which these do not have.
+    certificate : Certificate or None
+        Certificate of the starting gap if that may be the solution; the solver then has to begin at
+        it.
     """
 
     solver: Solver
     criterion: StoppingCriterion
     pairs: float
     coarser: Sequence[CoarseContact] = ()
+    certificate: Certificate | None = None
 
 
 class Starter:
@@ -183,7 +188,10 @@ class Starter:
             memory = working.surface.grid.empty(working.dtype)
         memory[...] = gap
         solver, criterion = self._solver_for(working, load, problem, memory)
-        return Start(solver, criterion, _lay_down(solver, criterion, memory))
+        if problem.attraction is not None:
+            return Start(solver, criterion, _lay_down(solver, criterion, memory))
+        certificate = _certified(solver, criterion, memory)
+        return Start(solver, criterion, certificate.pairs, certificate=certificate)
 
     def _start_cold(self, working: WorkingSurface, load: Load) -> Start:
         """Start from the solution on the next coarser grid, or from a flat plane without nesting.
@@ -283,11 +291,16 @@ def _lay_down(solver: Solver, criterion: StoppingCriterion, gap: np.ndarray) -> 
     if criterion.certificate_dtype == solver.problem.dtype:
         solver.start(gap)
         return 0.0
-    if gap is not solver.g:
-        solver.g[...] = gap
-    certificate = certificate_of(solver, replace(criterion, duality=False))
+    certificate = _certified(solver, replace(criterion, duality=False), gap)
     solver.begin_at(certificate)
     return certificate.pairs
+
+
+def _certified(solver: Solver, criterion: StoppingCriterion, gap: np.ndarray) -> Certificate:
+    """Certify a starting gap, at which the solver then has to begin. Collective."""
+    if gap is not solver.g:
+        solver.g[...] = gap
+    return certificate_of(solver, criterion)
 
 
 def _is_worse_than_undeformed(solver: Solver) -> bool:

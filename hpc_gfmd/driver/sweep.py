@@ -331,7 +331,7 @@ class Sweep:
         if may_need_double and self._is_too_little(load):  # as the coarser grids have found
             return Attempt(None, pairs + solver.pairs)
         guard = SaddleGuard(solver, model.branch) if attracts else None
-        outcome = drive(solver, start.criterion, watch, load.target, guard)
+        outcome = drive(solver, start.criterion, watch, load.target, guard, start.certificate)
         pairs += solver.pairs + outcome.pairs
         if outcome.status == "separated":
             return self._separated(load, solver.iterations, pairs)

@@ -101,6 +101,20 @@ def test_start_from_a_stored_gap(nested_starts):
     assert single.g.dtype == np.float64  # as in the stopped run
 
 
+@pytest.mark.parametrize("hardness", [None, 0.3])
+def test_a_solved_gap_is_certified_and_needs_no_iterations(hardness):
+    def make():
+        layer = {"hardness": hardness} if hardness else None
+        return sweep_of(SURFACE, layer=layer, accuracy=1e-4, precision="double")
+
+    solved = make().solve(P)
+    gap = solved.g.copy()
+    again = make().solve(P, unfinished=Unfinished(gap, solved.p_mean, 0, 0.0))
+    assert (again.status, again.iterations, again.pairs) == ("converged", 0, 1.0)
+    assert np.array_equal(again.g, gap)
+    assert again.certificate.errors == solved.certificate.errors
+
+
 @pytest.mark.parametrize("quantity", ["a_r", "gap_mean", "approach"])
 def test_stopped_searches_resume_at_their_load(quantity):
     """The pressure reached so far is the start."""
