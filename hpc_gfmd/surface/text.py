@@ -52,7 +52,9 @@ def read(contents: Contents, spec: Any) -> Map:
     sample = list(islice(_lines(contents, encoding), (spec.skip_lines or 0) + LOOKED_AT))
     layout = layout_of(sample, spec)
     if layout.columns < 2:
-        raise ValueError("it has one number in a line, allowed: a matrix, or columns x, y and z")
+        raise ValueError(
+            "it has one number in a line, a profile, allowed: a matrix, or columns x, y and z"
+        )
     plain = plain_block(_lines(contents, encoding), layout)
     blocks = [plain] if plain else read_blocks(_lines(contents, encoding), layout)
     title = [] if spec.skip_lines is not None else blocks[0].header
@@ -172,8 +174,9 @@ def _matrix_or_points(
     first lines of the text. Raises ValueError if it is none of them.
     """
     missing = header.missing_numbers(title)
-    if title and (grid := header.of_esri(title, block.lines, layout.columns)):
-        return _without_missing(block.table(), missing, layout, spec), grid
+    if title and (grid := header.of_esri(title, block.table())):
+        heights, metadata = grid
+        return _without_missing(heights, missing, layout, spec), metadata
     if title and (titled_map := _of_instrument(block, layout, spec)):
         return titled_map
     table = block.table()
