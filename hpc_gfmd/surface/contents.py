@@ -179,29 +179,16 @@ def is_utf16(head: bytes) -> bool:
     return pairs > 8 and zeros > 0.9 * pairs and b"\0\0" not in head[:64]
 
 
-def encoding_of(contents: Contents) -> str:
-    """Find the encoding of a text, for Python's codecs; reads the whole text.
+def encoding_of(head: bytes) -> str:
+    """Return the encoding of a text that begins with these bytes, as Python's codecs call it.
 
-    UTF-16 is recognised by the first bytes; otherwise it is UTF-8 (with or without mark) if all
-    lines are valid in it, else cp1252 (Western Windows, a superset of Latin-1's letters).
+    It is UTF-16, or UTF-8 with or without mark, in which the rest of the text need not be valid.
     """
-    head = contents.head()
     if head.startswith(_UTF16):
         return "utf-16"
     if is_utf16(head):
         return "utf-16-le" if head[1::2].count(0) > head[0::2].count(0) else "utf-16-be"
-    with contents.open() as stream:
-        valid = all(_is_utf8(line) for line in stream)
-    return "utf-8-sig" if valid else "cp1252"
-
-
-def _is_utf8(line: bytes) -> bool:
-    """Whether the bytes of a line are valid UTF-8."""
-    try:
-        line.decode("utf-8")
-    except UnicodeDecodeError:
-        return False
-    return True
+    return "utf-8-sig"
 
 
 def _format_of_archive(contents: Contents) -> str:

@@ -48,7 +48,14 @@ def read(contents: Contents, spec: Any) -> Map:
     ValueError
         Names what is wrong, and in which line.
     """
-    encoding = encoding_of(contents)
+    try:
+        return _read(contents, spec, encoding_of(contents.head()))
+    except UnicodeDecodeError:
+        return _read(contents, spec, "cp1252")  # Western Windows, a superset of Latin-1's letters
+
+
+def _read(contents: Contents, spec: Any, encoding: str) -> Map:
+    """Read a text as `read` does. Raises UnicodeDecodeError if it has another encoding."""
     sample = list(islice(_lines(contents, encoding), (spec.skip_lines or 0) + LOOKED_AT))
     layout = layout_of(sample, spec)
     if layout.columns < 2:
@@ -70,8 +77,12 @@ def read(contents: Contents, spec: Any) -> Map:
 
 
 def _lines(contents: Contents, encoding: str) -> Iterator[str]:
-    """Yield the lines of a text, each with its line end; undecodable bytes are replaced."""
-    with contents.open() as stream, TextIOWrapper(stream, encoding, errors="replace") as text:
+    """Yield the lines of a text, each with its line end.
+
+    Raises UnicodeDecodeError if it is not UTF-8; in other encodings such bytes are replaced.
+    """
+    errors = "strict" if encoding == "utf-8-sig" else "replace"
+    with contents.open() as stream, TextIOWrapper(stream, encoding, errors=errors) as text:
         yield from text
 
 
