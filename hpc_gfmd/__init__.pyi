@@ -25,5 +25,6 @@ from .theory import reference as reference
 from .util.errors import GfmdError as GfmdError
 from .util.errors import NotConverged as NotConverged
 from .util.errors import SceneError as SceneError
+from .util.errors import SurfaceWarning as SurfaceWarning
 
 __version__: str

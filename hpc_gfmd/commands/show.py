@@ -133,15 +133,12 @@ def as_text(result: Result, errors: bool = False) -> str:
         Several lines.
     """
     from ..output.summary import surface_line
-    from ..runs.table import named_observables, table
+    from ..runs.table import result_table
 
     lines = [f"{result.path}: {result.status}"]
     if result.folder is not None:
         lines.append(f"finished load steps of an unfinished run, from {result.folder}")
     if line := surface_line(result.surface):
         lines.append(line)
-    if result.steps:
-        lines.append(table(result.numbered, result.surface, named_observables(result), errors))
-    else:
-        lines.append("no finished load step yet")
-    return "\n".join([*lines, *(f"note: {note}" for note in result.notes)])
+    lines.append(result_table(result, errors) if result.steps else "no finished load step yet")
+    return "\n".join(lines)

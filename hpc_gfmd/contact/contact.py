@@ -177,7 +177,7 @@ class Contact:
 
     @property
     def note(self) -> str | None:
-        """All notes on this contact joined into one line; None if there are none."""
+        """All notes on this contact in one line; None if there are none."""
         return "; ".join(notes_on(self)) or None
 
     @property

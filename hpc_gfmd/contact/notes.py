@@ -19,16 +19,16 @@ RESOLVED, FLIPPING = 0.5, 1.0  # softening over stiffness of one point: fine; fl
 
 
 def notes_on(contact: Any) -> list[str]:
-    """Return all notes on a Contact, one line each, the most important first; may be empty."""
+    """Return all notes on a Contact, the most important first; those on its surface are not among
+    them."""
     notes = [
         _doubt(contact),
         *_on_attraction(contact),
         contact.remark,
-        *load_notes(contact.p_mean, contact.E_star, contact.g_rms, contact.surface.unit),
-        *contact.surface.notes,
+        *load_notes(contact.p_mean, contact.E_star, contact.g_rms),
         _yields(contact),
     ]
-    return [note for note in notes if note]
+    return [str(note) for note in notes if note]
 
 
 def _doubt(contact: Any) -> str | None:

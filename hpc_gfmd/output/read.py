@@ -39,7 +39,7 @@ def read_result(path: str | os.PathLike) -> Result:
             f"a newer run was interrupted, or is running: {finished} finished load steps in"
             f" {folder}"
         )
-        return replace(result, notes=(note,))
+        return replace(result, notes=(*result.notes, note))
     return result
 
 
@@ -115,6 +115,7 @@ def read_file(path: Path, kind: str = FORMAT) -> Result:
                 str(head.get("status", "unknown")),
                 head,
                 fields,
+                notes=tuple(surface.get("notes", [])),
             )
     except SceneError:
         raise

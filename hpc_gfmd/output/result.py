@@ -40,7 +40,7 @@ class Result:
     folder : Path or None
         Folder of partial results of an unfinished run; None if the run is finished.
     notes : tuple of str
-        Notes for the reader, one line each.
+        Notes for the reader: what may be wrong with the surface, and what the result lacks.
     version : int
         Format version; a pickle of another version is refused.
     """

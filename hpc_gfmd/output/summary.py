@@ -7,6 +7,7 @@ from itertools import pairwise
 from math import floor, isfinite, isnan, log10, nan
 from typing import TypeGuard
 
+from ..scene import each
 from ..util.quantities import prefixed
 
 DIGITS = 4  # of a number without an error estimate
@@ -77,7 +78,7 @@ def surface_line(surface: dict) -> str:
         if _numbers([surface.get(name)]):
             parts.append(f"{name} = {surface[name]:.{DIGITS}g}")
     if surface.get("prepared"):
-        parts.append(str(surface["prepared"]))
+        parts += map(str, each(surface["prepared"]))
     if isinstance(surface.get("seed"), int) and surface["seed"] >= 0:  # other surfaces have none
         parts.append(f"seed = {surface['seed']}")
     return ", ".join(parts)

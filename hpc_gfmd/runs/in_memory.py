@@ -30,7 +30,7 @@ from ..surface.build import Surface, surface_of
 from ..surface.prepare import mirrored
 from ..surface.quality import edges_of
 from ..surface.topography import Topography
-from ..util.errors import SceneError
+from ..util.errors import SceneError, SurfaceWarning
 from ..util.versions import versions
 from .keywords import changed_scene, scene_of_keywords
 from .loads import Run, check, step_attributes, with_loads, worst_status
@@ -192,7 +192,12 @@ def surfaces_of(comm: Comm, scene: Scene, wall: np.ndarray | PreparedSurface) ->
     whole = scene.may_break_symmetry
     if isinstance(wall, PreparedSurface):
         topography = Topography(
-            array.shape, wall.sizes, rows_of, wall.unit, prepared=wall.prepared, notes=wall.notes
+            array.shape,
+            wall.sizes,
+            rows_of,
+            wall.unit,
+            prepared=wall.prepared,
+            notes=tuple(map(SurfaceWarning, wall.notes)),
         )
         if comm.size == 1 and not array.flags.writeable:
             kept = _surfaces.setdefault(wall, {}).setdefault(whole, {})
@@ -234,9 +239,10 @@ def solve_loads(
     progress: bool,
     keep_interrupted: bool,
     pull_off_error: float | None = None,
-) -> Solutions:
+) -> tuple[Solutions, dict[str, Any]]:
     """Solve all loads of a scene, and keep those fields that it asks for. Collective.
 
+    Returns them with the attributes of the surface, by the names of the result file.
     With `keep_interrupted` Ctrl-C after the first load ends the sweep early, on one process;
     otherwise KeyboardInterrupt is raised. With `pull_off_error` further loads follow, see
     `PullOff`.
@@ -279,7 +285,8 @@ def solve_loads(
     def make_result() -> Result:
         return _result(scene, surfaces, steps, contacts, status, attributes, head)
 
-    return Solutions(steps, make_result, rows, comm, status=status, contacts=contacts)
+    solutions = Solutions(steps, make_result, rows, comm, status=status, contacts=contacts)
+    return solutions, attributes
 
 
 def _kept(contact: Contact, is_last: bool) -> Contact:
@@ -319,9 +326,10 @@ def _result(
     names = scene.output.fields
     fields = [{} if contact is None else _fields(names, contact) for contact in contacts]
     indices = list(range(len(steps)))
-    result = Result(None, attributes, steps, indices, status, head, fields)
+    notes = tuple(attributes.get("notes", []))
+    result = Result(None, attributes, steps, indices, status, head, fields, notes=notes)
     if status == "interrupted":
-        result = replace(result, notes=(f"interrupted: {result.missing_loads}",))
+        result = replace(result, notes=(*notes, f"interrupted: {result.missing_loads}"))
     return result
 
 

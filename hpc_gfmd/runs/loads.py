@@ -30,7 +30,8 @@ from ..scene.explain import require_known
 from ..solvers import solver_names
 from ..solvers.base import Progress
 from ..surface import Surface
-from ..util.errors import SceneError
+from ..surface.doubtful_numbers import modulus_notes
+from ..util.errors import SceneError, SurfaceWarning
 from ..util.quantities import format_quantity
 from .progress import Reporter
 from .table import GrowingTable
@@ -147,12 +148,18 @@ def surface_attributes(scene: Scene, surface: Surface) -> dict[str, Any]:
         "boundary": ", ".join("free" if ends else "periodic" for ends in spec.free),
         "unit": surface.unit or scene.length_unit,
         "pressure_unit": scene.pressure_unit,
-        "prepared": "; ".join(surface.prepared),
+        "prepared": list(surface.prepared),
+        "notes": [str(note) for note in notes_on(scene, surface)],
         **{name: getattr(spec, name, float("nan")) for name in ("eps_t", "eps_f", "eps_c")},
         "seed": getattr(spec, "seed", -1),
         "hurst": getattr(spec, "hurst", ""),
     }
-    return {name: value for name, value in attributes.items() if value != ""}
+    return {name: value for name, value in attributes.items() if value not in ("", [])}
+
+
+def notes_on(scene: Scene, surface: Surface) -> tuple[SurfaceWarning, ...]:
+    """Return what may be wrong with a surface and its units."""
+    return (*modulus_notes(scene.material.E_star, surface.unit), *surface.notes)
 
 
 @dataclass(frozen=True)

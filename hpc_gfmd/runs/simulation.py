@@ -186,8 +186,8 @@ class _Run:
             heights=surface.checksum or "",
             setup_seconds=time.monotonic() - begun,
         )
-        for line in surface.notes:
-            say.say(f"note: {line}")
+        for note in run.attributes.get("notes", []):
+            say.say(f"note: {note}")
         say.say(self._headline(run, time.monotonic() - begun))
         return run
 

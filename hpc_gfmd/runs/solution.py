@@ -283,7 +283,8 @@ class Solution(Solved):
 
     def __repr__(self) -> str:
         """Return one line with the most important numbers."""
-        return f"<Solution: {summary(self._step, self.result.surface)}>"
+        numbers = summary(self._step, self.result.surface)
+        return f"<Solution: {'; note: '.join([numbers, *self.notes])}>"
 
     def _repr_html_(self) -> str:
         """Return the table of the load as HTML, for a notebook."""

@@ -143,11 +143,6 @@ class Solutions(Solved, Sequence[Solution]):
         return self.status in FINE
 
     @property
-    def notes(self) -> tuple[str, ...]:
-        """Notes on the whole result, such as missing loads, one line each."""
-        return self.result.notes
-
-    @property
     def pull_off(self) -> float | None:
         """Mean pressure of the last load before the surfaces come apart, in the unit of `p`.
 

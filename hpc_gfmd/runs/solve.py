@@ -7,12 +7,13 @@ from typing import Any, overload
 import numpy as np
 
 from ..output.summary import converged
-from ..parallel.comm import Comm
 from ..parallel.world import comm_of
-from ..surface.doubtful_numbers import DIFFERENT_UNITS
-from ..util.errors import NotConverged
+from ..scene import Scene
+from ..surface.doubtful_numbers import load_notes
+from ..util.errors import NotConverged, SurfaceWarning, each_once
 from .in_memory import Heights, changed, scene_of, solve_loads, surfaces_of, surfaces_of_scene
 from .keywords import is_scene, several_loads
+from .prepared import PreparedSurface
 from .pull_off import require_pull
 from .solution import Solution
 from .solutions import Interrupted, Solutions
@@ -152,6 +153,8 @@ def solve(
     -----
     NotConverged
         If a solution is less accurate than required; its `status` tells why.
+    SurfaceWarning
+        Of what may be wrong with the heights or with units; it stands in `notes`, too.
 
     Examples
     --------
@@ -193,7 +196,7 @@ def solve(
         surfaces = surfaces_of(comm, scene, wall)
     if pull_off_error is not None:
         require_pull(scene, pull_off_error, bool(several))
-    solutions = solve_loads(
+    solutions, facts = solve_loads(
         comm,
         scene,
         surfaces,
@@ -201,20 +204,29 @@ def solve(
         keep_interrupted=bool(several),
         pull_off_error=pull_off_error,
     )
-    _warn(comm, solutions.steps)
+    told_before = heights.notes if isinstance(heights, PreparedSurface) else ()
+    if comm.rank == 0:
+        _warn(scene, facts, solutions.steps, told_before)
     if solutions.status == "interrupted":
         raise Interrupted(solutions) from None
     return solutions if several else solutions[0]
 
 
-def _warn(comm: Comm, steps: Sequence[dict]) -> None:
-    """Warn of suspicious units and of loads that have not converged, on rank 0 only."""
-    notes = [note for step in steps for note in (step["note"] or "").split("; ")]
-    for note in dict.fromkeys(notes) if comm.rank == 0 else ():
-        if note.endswith(DIFFERENT_UNITS):
-            warnings.warn(note, stacklevel=3)
+def _warn(
+    scene: Scene, facts: dict[str, Any], steps: Sequence[dict], told_before: Sequence[str]
+) -> None:
+    """Warn of what may be wrong with the surface and its units, unless that was told before, and of
+    loads that have not converged.
+
+    `facts`: attributes of the surface.
+    """
+    doubts = [SurfaceWarning(note) for note in facts.get("notes", ()) if note not in told_before]
+    for step in steps:
+        doubts += load_notes(step["p"], scene.material.E_star, facts["g_rms"])
+    for doubt in each_once(doubts):
+        warnings.warn(doubt, stacklevel=3)
     for index, step in enumerate(steps):
-        if not converged(step) and comm.rank == 0:
+        if not converged(step):
             which = f"load {index + 1}: " if len(steps) > 1 else ""
             errors = ", ".join(
                 f"{step[name]:.1e}" for name in ("a_r_error", "gap_error", "pressure_error")

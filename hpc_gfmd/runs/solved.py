@@ -22,7 +22,7 @@ from ..scene.explain import require_known
 from ..util.errors import GfmdError, SceneError, how_to_install
 from ..util.quantities import parse
 from .references import references_of
-from .table import named_observables, table
+from .table import result_table
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -78,6 +78,11 @@ class Solved:
             for fields in self.result.fields
         ]
         return type(self).of, (replace(self.result, fields=in_memory),)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What may be wrong with the surface, and what the result lacks, one line each."""
+        return self.result.notes
 
     @property
     def g_rms(self) -> float:
@@ -300,8 +305,7 @@ class Solved:
         str
             A line for each load, a column for each requested observable, and notes below.
         """
-        result = self.result
-        return table(result.numbered, result.surface, named_observables(result), errors)
+        return result_table(self.result, errors)
 
     def to_dataframe(self) -> "DataFrame":
         """Return a pandas table with a row for each load and a column for each number.

@@ -1,5 +1,6 @@
 """Surfaces for a notebook or a script: read, prepared or made as a scene would, on one process."""
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from os import PathLike
@@ -18,7 +19,7 @@ from ..surface.metadata import Metadata
 from ..surface.prepare import mirrored, notes_on, prepare
 from ..surface.topography import Topography, open_topography, topography_of
 from ..surface.two_scans import combined, placed
-from ..util.errors import SceneError
+from ..util.errors import SceneError, SurfaceWarning
 from .prepared import PreparedSurface
 
 OF_EDGES = {"boundary", "window"}  # keys that say how the surface ends
@@ -52,6 +53,11 @@ def read_surface(path: str | PathLike | Sequence[str | PathLike], **keys: Any) -
     SceneError
         If it cannot be read, or has no sizes, no unit, points without heights, or no boundary where
         opposite edges do not meet.
+
+    Warns
+    -----
+    SurfaceWarning
+        Of each of its `notes`.
     """
     path = [str(file) for file in path] if isinstance(path, list | tuple) else str(path)
     scene, table = _scene({"kind": "file", "path": path} | keys, "hpc_gfmd.read_surface")
@@ -120,18 +126,18 @@ def _in_memory(heights: Any, keys: dict[str, Any]) -> tuple[Topography, Any]:
     are those of the heights. Raises SceneError.
     """
     metadata = Metadata()
-    notes = []
+    doubts = []
     if is_topography(heights):
         doubt = unreliable(heights)
         if doubt:
             _, note = doubt
-            notes.append(note)
+            doubts.append(SurfaceWarning(note))
         heights, metadata = of_topography(heights)
     elif not keys.keys() & {"physical_sizes", "unit"}:
         keys = keys | {"physical_sizes": (1.0, 1.0)}
     scene, _ = _scene({"kind": "file", "path": "the array"} | keys, "hpc_gfmd.prepare_surface")
     topography = topography_of(checked_array(heights), metadata, scene.surface)
-    return replace(topography, notes=(*topography.notes, *notes)), scene.surface
+    return replace(topography, notes=(*topography.notes, *doubts)), scene.surface
 
 
 def combine_surfaces(
@@ -240,7 +246,10 @@ def _prepared(topography: Topography, spec: Any) -> PreparedSurface:
 
     All heights are read. Raises SceneError as `prepare`.
     """
-    return _surface(prepare(topography, spec, look=True), spec)
+    prepared = prepare(topography, spec, look=True)
+    for note in prepared.notes:
+        warnings.warn(note, stacklevel=3)  # where the caller of read_surface is
+    return _surface(prepared, spec)
 
 
 def _surface(topography: Topography, spec: Any) -> PreparedSurface:
@@ -254,7 +263,12 @@ def _surface(topography: Topography, spec: Any) -> PreparedSurface:
         heights = heights.copy()
     heights.flags.writeable = False
     return PreparedSurface(
-        heights, topography.sizes, topography.unit, topography.prepared, topography.notes, spec.free
+        heights,
+        topography.sizes,
+        topography.unit,
+        topography.prepared,
+        tuple(map(str, topography.notes)),
+        spec.free,
     )
 
 

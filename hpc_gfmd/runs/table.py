@@ -76,6 +76,12 @@ def table(
     return "\n".join([*aligned(rows), *remarks(steps, surface, observables)])
 
 
+def result_table(result: Result, errors: bool = False) -> str:
+    """Return the table of a result as text, with its notes below."""
+    rows = table(result.numbered, result.surface, named_observables(result), errors)
+    return "\n".join([rows, *(f"note: {note}" for note in result.notes)])
+
+
 class GrowingTable:
     """The table of `table`, row by row while the steps are solved."""
 

@@ -18,7 +18,7 @@ from ..parallel.grid import Grid
 from ..parallel.guard import collective_errors, on_rank_0, raise_on_all
 from ..parallel.interrupt import check
 from ..scene import has_unit
-from ..util.errors import SceneError
+from ..util.errors import SceneError, SurfaceWarning
 from .analytic import Rows, flat_rows, wave_rows
 from .cell import grid_of, nominal_part
 from .doubtful_numbers import slope_notes
@@ -64,8 +64,8 @@ class Surface:
         "m" if sizes and heights are in m, "" if they have no unit.
     prepared : tuple of str
         What was done to a height map, a line each.
-    quality_notes : tuple of str
-        Remarks on a height map, a line each, see quality.py.
+    map_notes : tuple of SurfaceWarning
+        Remarks on a height map for the user.
     """
 
     grid: Grid
@@ -78,7 +78,7 @@ class Surface:
     checksum: str | None = None
     unit: str = ""
     prepared: tuple[str, ...] = ()
-    quality_notes: tuple[str, ...] = ()
+    map_notes: tuple[SurfaceWarning, ...] = ()
 
     @property
     def sizes(self) -> tuple[float, ...]:
@@ -86,9 +86,9 @@ class Surface:
         return self.grid.nominal_sizes
 
     @property
-    def notes(self) -> tuple[str, ...]:
-        """Remarks on slope and quality of the surface for the user, a line each."""
-        return (*slope_notes(self.g_rms, measured=self.checksum is not None), *self.quality_notes)
+    def notes(self) -> tuple[SurfaceWarning, ...]:
+        """Remarks on the surface for the user."""
+        return (*slope_notes(self.g_rms, measured=self.checksum is not None), *self.map_notes)
 
     @property
     def gap(self) -> np.ndarray:
@@ -356,7 +356,7 @@ def surface_of(
         checksum=checksum(grid, z, n, sizes, topography.unit) if with_checksum else None,
         unit=topography.unit,
         prepared=topography.prepared,
-        quality_notes=topography.notes,
+        map_notes=topography.notes,
     )
     del topography  # the heights, where it holds them
     top = _largest(grid, z)

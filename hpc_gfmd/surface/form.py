@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ..util.errors import SurfaceWarning
 from ..util.quantities import prefixed
 
 CURVED = 3.0  # sag over rms of the rest above which a map counts as curved (chosen by hand)
@@ -12,7 +13,7 @@ POINTS = 512  # along an axis at which the form is fitted, at most about twice a
 
 def form_notes(
     z: np.ndarray, sizes: tuple[float, ...], unit: str, axes: Sequence[int]
-) -> list[str]:
+) -> list[SurfaceWarning]:
     """Return a note on a map (n_x, n_y) that is curved along one of these axes (0 or 1).
 
     The form is the best paraboloid without a mixed term; its sag is the height between the middle
@@ -36,9 +37,11 @@ def form_notes(
         for axis in curved
     )
     return [
-        f"the map is curved, {bent}, more than {CURVED:g} times the rms of the rest: a ball, lens"
-        ' or cylinder ends where the map ends, boundary = "free"; detrend = "curvature" with'
-        " radius puts the roughness on an ideal form"
+        SurfaceWarning(
+            f"the map is curved, {bent}, more than {CURVED:g} times the rms of the rest: a ball,"
+            ' lens or cylinder ends where the map ends, boundary = "free"; detrend = "curvature"'
+            " with radius puts the roughness on an ideal form"
+        )
     ]
 
 

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from ..scene import has_unit
-from ..util.errors import SceneError
+from ..util.errors import SceneError, SurfaceWarning
 from ..util.lengths import length_factor
 from ..util.quantities import Quantity, prefixed
 from .metadata import Metadata
@@ -41,20 +41,18 @@ class MapUnits:
         Whether the unit of the heights is known, and with it that of the sizes.
     lacks : dict
         {key of [surface]: why it has to be given}
-    notes : list of str
-        Remarks on the sizes for the user, a line each.
+    notes : list of SurfaceWarning
+        Remarks on the sizes for the user.
     """
 
     def __init__(self, metadata: Metadata, spec: Any, path: object) -> None:
         self.lacks: dict[str, str] = {}
-        self.notes: list[str] = []
+        self.notes: list[SurfaceWarning] = []
         unit = self._height_unit(metadata, spec, path)
         scene_sizes = spec.physical_sizes
-        self._require_xy_unit(metadata, spec, path)
-        file_unit = metadata.sizes_unit or spec.xy_unit or unit
+        file_unit = metadata.sizes_unit or unit
         in_file = metadata.sizes if file_unit is None or length_factor(file_unit) else None
-        of_file = scene_sizes is None and in_file is not None
-        self.sizes_unit = file_unit if of_file else spec.xy_unit or unit
+        self.sizes_unit = file_unit if scene_sizes is None and in_file is not None else unit
         where = f"neither in the scene nor in {path}"
         if scene_sizes is None and in_file is None:
             if metadata.sizes_unit and length_factor(metadata.sizes_unit) is None:
@@ -63,13 +61,11 @@ class MapUnits:
                 f"surface.physical_sizes: not given, {where}, allowed: two positive numbers"
                 ' [L_x, L_y], plain in surface.unit or as "12.8 um"'
             )
-        is_needed = scene_sizes is None or has_unit(scene_sizes) or bool(spec.xy_unit)
-        is_alike = of_file and not (metadata.sizes_unit or spec.xy_unit)
+        is_needed = scene_sizes is None or has_unit(scene_sizes)
         if unit is None and "unit" not in self.lacks and is_needed:
-            other = "; surface.xy_unit, where x and y are in another unit" * is_alike
             self.lacks["unit"] = (
                 "surface.unit: not given for the heights, neither in the scene nor in"
-                f" {path}, allowed: {UNITS}{other}"
+                f" {path}, allowed: {UNITS}"
             )
         self.are_named = unit is not None
         self.height = _factor(unit, path)
@@ -78,21 +74,10 @@ class MapUnits:
             float(size if isinstance(size, Quantity) else size * self.length)
             for size in scene_sizes or in_file or (1.0, 1.0)
         )
-        self._compare(metadata, spec, in_file)
-        if is_alike and unit:
-            self.notes.append(
-                f"x and y in {path} are taken in {unit}, as the heights are (surface.xy_unit for"
-                " another unit)"
-            )
-
-    def _require_xy_unit(self, metadata: Metadata, spec: Any, path: object) -> None:
-        """Raise SceneError if the scene gives another unit of x and y than the file."""
-        in_file = length_factor(metadata.sizes_unit or "")
-        if spec.xy_unit and in_file and length_factor(spec.xy_unit) != in_file:
-            raise SceneError(
-                f"surface.xy_unit: found {spec.xy_unit!r}, but {path} has x and y in"
-                f" {metadata.sizes_unit!r}, allowed: no surface.xy_unit, or the file's own"
-            )
+        self._compare(metadata, in_file, scene_sizes)
+        if scene_sizes is None and in_file is not None and not metadata.sizes_unit and spec.unit:
+            text = f"x and y in {path} are taken in {spec.unit}, as the heights are"
+            self.notes.append(SurfaceWarning(text))
 
     def _height_unit(self, metadata: Metadata, spec: Any, path: object) -> str | None:
         """Return the unit of the heights, None if it is not known; may add to `lacks` and `notes`.
@@ -109,10 +94,11 @@ class MapUnits:
             )
             return None
         if in_file is None:
-            self.notes.append(
+            text = (
                 f"heights are taken in {spec.unit}, as surface.unit says; {path} says"
                 f" {metadata.unit!r}"
             )
+            self.notes.append(SurfaceWarning(text))
             return spec.unit
         if spec.unit is not None and length_factor(spec.unit) != in_file:
             raise SceneError(
@@ -121,23 +107,24 @@ class MapUnits:
             )
         return spec.unit or metadata.unit
 
-    def _compare(self, metadata: Metadata, spec: Any, in_file: Any) -> None:
+    def _compare(self, metadata: Metadata, in_file: Any, scene_sizes: Any) -> None:
         """Add a note if the sizes in the scene differ from those in the file by more than 0.1 %.
 
-        in_file: (L_x, L_y), None if not given. They are not compared if only one of
+        in_file, scene_sizes: (L_x, L_y), None if not given. They are not compared if only one of
         them has a unit of length.
         """
-        file_unit = metadata.sizes_unit or spec.xy_unit or metadata.unit
+        file_unit = metadata.sizes_unit or metadata.unit
         if file_unit and length_factor(file_unit) is None:  # heights in volts, say
             file_unit = None
-        if spec.physical_sizes is None or in_file is None or (file_unit is None) == self.are_named:
+        if scene_sizes is None or in_file is None or (file_unit is None) == self.are_named:
             return
         sizes = [size * _factor(file_unit, "") for size in in_file]
         if not np.allclose(sizes, self.sizes, 1e-3, 0):
-            self.notes.append(
+            text = (
                 f"surface.physical_sizes are {lengths_text(self.sizes, self.are_named)}, the file"
                 f" says {lengths_text(sizes, self.are_named)}"
             )
+            self.notes.append(SurfaceWarning(text))
 
 
 def lengths_text(sizes: Any, are_named: bool) -> str:

@@ -13,11 +13,11 @@ from typing import Any
 
 import numpy as np
 
-from ..util.errors import SceneError
+from ..util.errors import SceneError, SurfaceWarning
 from ..util.quantities import format_quantity
 from .fill import filled
 from .form import form_notes
-from .quality import DOUBT, Edges, MapQuality, edges_of, quality_of, window_note
+from .quality import DOUBT, Edges, MapQuality, edges_of, quality_of, window_notes
 from .resample import resampled
 from .topography import Topography
 from .two_scans import combined, interpolated, name_of, spacings_text
@@ -162,7 +162,7 @@ def map_quality(topography: Topography) -> MapQuality:
     return quality_of(topography.heights(), topography.sizes)
 
 
-def notes_on(topography: Topography, spec: Any, look: bool) -> list[str]:
+def notes_on(topography: Topography, spec: Any, look: bool) -> list[SurfaceWarning]:
     """Return notes on the edges of a map, what is filled and, if `look`, its quality.
 
     Raises SceneError if neither scene nor file gives the boundary and opposite edges do not meet.
@@ -181,7 +181,8 @@ def notes_on(topography: Topography, spec: Any, look: bool) -> list[str]:
             notes += form_notes(topography.heights(), topography.sizes, topography.unit, axes)
     share = topography.filled / np.prod(topography.n)
     if share > DOUBT.filled:
-        notes.append(f"{100 * share:.0f} % of the heights are filled, not measured")
+        text = f"{100 * share:.0f} % of the heights are filled, not measured"
+        notes.append(SurfaceWarning(text))
     return notes
 
 
@@ -211,8 +212,11 @@ def _of_filled_scans(topography: Topography, spec: Any, lacks: list[str]) -> Top
     if total.lacks:
         return total
     notes = [
-        f"{name_of(scan)} does not resolve its own roughness: it says nothing of waves shorter than"
-        f" {spacings_text(scan, 2)}, and between its points those up to twice as long are damped"
+        SurfaceWarning(
+            f"{name_of(scan)} does not resolve its own roughness: it says nothing of waves shorter"
+            f" than {spacings_text(scan, 2)}, and between its points those up to twice as long are"
+            " damped"
+        )
         for scan in interpolated((lower, upper), spec)
         if map_quality(scan).unresolved > DOUBT.unresolved
     ]
@@ -316,5 +320,5 @@ def _windowed(topography: Topography, name: str) -> Topography:
     windowed = topography.of_heights(z, f"window {name}", periodic=True)
     counts = np.searchsorted(np.sort(w_y), 0.5 / np.maximum(w_x, 1e-300), side="right")
     kept = float(np.mean(w_y.size - counts) / w_y.size)  # where the window is at least 1/2
-    note = window_note(map_quality(topography), map_quality(windowed), kept, name)
-    return replace(windowed, notes=(*windowed.notes, *note))
+    notes = window_notes(map_quality(topography), map_quality(windowed), kept, name)
+    return replace(windowed, notes=(*windowed.notes, *notes))

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..scene.surface import CHOICES_TEXT
+from ..util.errors import SurfaceWarning
 from .analytic import Rows
 
 
@@ -94,22 +95,32 @@ class Edges:
             )
         return ""
 
-    def notes(self, meet: Sequence[bool]) -> list[str]:
+    def notes(self, meet: Sequence[bool]) -> list[SurfaceWarning]:
         """Return a note for each axis along which edges that meet have a jump or a kink."""
-        lines = []
-        for axis, jump, kink, edges_meet in zip("xy", self.jumps, self.kinks, meet):
-            if edges_meet and jump > DOUBT.jump:
-                lines.append(
-                    f"opposite edges along {axis} differ by {jump:.3g} times what neighbouring"
-                    " points differ by: the jump is pressed, too"
-                )
-            elif edges_meet and kink > DOUBT.kink:
-                lines.append(
-                    f"opposite edges along {axis} meet in a kink: the slope changes there"
-                    f' {kink:.3g} times as much as inside (boundary = "free" for a single body,'
-                    " such as a lens)"
-                )
-        return lines
+        return [*self.jump_notes(meet), *self.kink_notes(meet)]
+
+    def jump_notes(self, meet: Sequence[bool]) -> list[SurfaceWarning]:
+        """Return a note for each axis along which edges that meet have a jump."""
+        return [
+            SurfaceWarning(
+                f"opposite edges along {axis} differ by {jump:.3g} times what neighbouring points"
+                " differ by: the jump is pressed, too"
+            )
+            for axis, jump, edges_meet in zip("xy", self.jumps, meet)
+            if edges_meet and jump > DOUBT.jump
+        ]
+
+    def kink_notes(self, meet: Sequence[bool]) -> list[SurfaceWarning]:
+        """Return a note for each axis along which edges that meet have a kink but no jump."""
+        return [
+            SurfaceWarning(
+                f"opposite edges along {axis} meet in a kink: the slope changes there"
+                f' {kink:.3g} times as much as inside (boundary = "free" for a single body, such as'
+                " a lens)"
+            )
+            for axis, jump, kink, edges_meet in zip("xy", self.jumps, self.kinks, meet)
+            if edges_meet and kink > DOUBT.kink and jump <= DOUBT.jump
+        ]
 
 
 def edges_of(read: Rows, n: tuple[int, ...]) -> Edges:
@@ -172,19 +183,21 @@ class MapQuality:
     h_rms: float
     g_rms: float
 
-    def notes(self) -> list[str]:
+    def notes(self) -> list[SurfaceWarning]:
         """Return notes on tilt and an unresolved spectrum."""
         lines = []
         if self.tilt > DOUBT.tilt:
-            lines.append(
+            text = (
                 f'{per_cent(self.tilt)} % of the variance of the heights is tilt (detrend = "tilt"'
                 " removes it)"
             )
+            lines.append(SurfaceWarning(text))
         if self.unresolved > DOUBT.unresolved:
-            lines.append(
+            text = (
                 "the spectrum is not resolved: it has power at the shortest waves of the grid, so"
                 " that more points would change g_rms and the area"
             )
+            lines.append(SurfaceWarning(text))
         return lines
 
 
@@ -265,7 +278,9 @@ def per_cent(share: float) -> str:
     return f"{100 * share:.0f}" if share < 0.99 or share >= 1 else f"{min(100 * share, 99.9):.1f}"
 
 
-def window_note(before: MapQuality, after: MapQuality, kept: float, name: str) -> list[str]:
+def window_notes(
+    before: MapQuality, after: MapQuality, kept: float, name: str
+) -> list[SurfaceWarning]:
     """Return a note on what a window did to a map, none if h_rms and g_rms hardly change.
 
     kept: share of the area in which the window is more than 1/2.
@@ -276,11 +291,12 @@ def window_note(before: MapQuality, after: MapQuality, kept: float, name: str) -
 
     if max(change(before.h_rms, after.h_rms), change(before.g_rms, after.g_rms)) < DOUBT.faded:
         return []
-    return [
+    text = (
         f"the window {name} takes h_rms from {before.h_rms:.3g} to {after.h_rms:.3g} and g_rms from"
         f" {before.g_rms:.3g} to {after.g_rms:.3g}; {100 * kept:.0f} % of the area keep more than"
         " half of their heights and bear the load: area and gap are not those of the map"
-    ]
+    )
+    return [SurfaceWarning(text)]
 
 
 def outliers(z: np.ndarray, typical: float) -> int:

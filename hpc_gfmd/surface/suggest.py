@@ -10,7 +10,7 @@ import numpy as np
 from ..scene import File
 from ..scene.surface import CHOICES_TEXT
 from ..scene.template import Suggestion
-from ..util.errors import SceneError, one_line
+from ..util.errors import ReadingWarning, SceneError, one_line
 from ..util.lengths import length_factor
 from ..util.quantities import prefixed
 from . import instruments
@@ -18,7 +18,6 @@ from .arrays import unreliable
 from .bandwidth import bandwidth_line
 from .contents import contents_of
 from .doubtful_numbers import slope_notes
-from .metadata import Metadata
 from .prepare import map_edges, map_quality, prepare
 from .quality import DOUBT, Edges, MapQuality, outliers, per_cent
 from .topography import Topography, open_topography
@@ -56,20 +55,21 @@ def suggestion(make: Callable[[dict], File], user_keys: dict) -> Suggestion:
         return _of_two_scans(topography, make, user_keys)
     metadata = topography.metadata
     result = Suggestion(dict(user_keys), unit=topography.unit, missing=list(topography.lacks))
-    unit = metadata.sizes_unit or user_keys.get("xy_unit") or metadata.unit or user_keys.get("unit")
+    unit = metadata.sizes_unit or metadata.unit or user_keys.get("unit")
     if metadata.sizes is not None and (unit is None or length_factor(unit)):
         sizes = _readable(metadata.sizes, unit) if unit else list(metadata.sizes)
         result.from_file["physical_sizes"] = sizes
         if unit:
             result.from_file["crop"] = ["0 m", "0 m", *sizes]
-        in_file = metadata.sizes_unit or user_keys.get("xy_unit") or metadata.unit
-        _require_agreement(metadata.sizes, in_file, topography, user_keys)
+        _require_agreement(
+            metadata.sizes, metadata.sizes_unit or metadata.unit, topography, user_keys
+        )
     if metadata.unit is not None:
         result.from_file["unit"] = metadata.unit
     result.about += _about(topography, user_keys)
     by_file = result.from_file.keys() - user_keys.keys() - {"crop"}
     result.why = dict.fromkeys(by_file, SAYS_FILE) | dict.fromkeys(result.missing, NEEDED)
-    _by_heights(result, make, user_keys, metadata)
+    _by_heights(result, make, user_keys, metadata.periodic)
     _by_instrument(result, topography, make(user_keys))
     return result
 
@@ -88,7 +88,7 @@ def _of_two_scans(
     if result.missing:
         return result
     of_sum = Suggestion(result.values, why=result.why)
-    _by_heights(of_sum, make, user_keys, Metadata(periodic=topography.periodic))
+    _by_heights(of_sum, make, user_keys, topography.periodic)
     result.open = of_sum.open
     result.about += [f"sum: {line}" for line in of_sum.about]
     return result
@@ -117,13 +117,12 @@ def _about(topography: Topography, user_keys: dict) -> list[str]:
             f"channel {metadata.channel}" + (f"; others: {other_names}" if other_names else "")
         )
     lines += metadata.remarks
-    return lines + [note for note in topography.notes if not _is_repeated(note, metadata)]
+    return lines + _not_on_reading(topography)
 
 
-def _is_repeated(note: str, metadata: Metadata) -> bool:
-    """Whether a note on a map repeats a line of `_about`: on a remark, direction or channel."""
-    is_remark = any(note.endswith(remark) for remark in metadata.remarks)
-    return is_remark or metadata.direction in note or "is pressed; others" in note
+def _not_on_reading(topography: Topography) -> list[str]:
+    """Return the notes on a map except for those on how it was read, which `_about` says itself."""
+    return [str(note) for note in topography.notes if not isinstance(note, ReadingWarning)]
 
 
 def _direction(topography: Topography) -> str:
@@ -193,12 +192,12 @@ def _readable(sizes: tuple[float, ...], unit: str) -> list[str]:
 
 
 def _by_heights(
-    result: Suggestion, make: Callable[[dict], File], user_keys: dict, metadata: Metadata
+    result: Suggestion, make: Callable[[dict], File], user_keys: dict, periodic: bool | None
 ) -> None:
     """Read and prepare the map, and add to result the keys and lines that its heights suggest.
 
-    result: changed are its values, why and about. make, user_keys: as for `suggestion`.
-    metadata: what the file says of sizes and boundary.
+    result: changed are its values, why and about. make, user_keys: as for `suggestion`. periodic:
+    True if the file says that the map is periodic.
 
     Keys that the user has not set may be added: fill if heights are missing, detrend if they are
     mostly tilt, and boundary = "mirror" if opposite edges do not meet, the file does not say that
@@ -211,7 +210,7 @@ def _by_heights(
     if "boundary" not in user_keys:
         plain["boundary"] = "periodic"
     if result.missing:
-        plain |= {"physical_sizes": metadata.sizes or (1.0, 1.0), "crop": None}
+        plain |= {"physical_sizes": (1.0, 1.0), "crop": None}
 
     def prepared_map() -> tuple[Topography, MapQuality, Edges]:
         spec = make(values | plain)
@@ -240,9 +239,7 @@ def _by_heights(
             " what neighbours differ by: dust or spikes? They are pressed as they are"
         )
     result.about.append(f"done to it: {', '.join(heights.prepared) or 'nothing'}")
-    is_open = not (
-        all(meeting.meet) or metadata.periodic or {"boundary", "window"} & user_keys.keys()
-    )
+    is_open = not (all(meeting.meet) or periodic or {"boundary", "window"} & user_keys.keys())
     if is_open:
         result.open = ["boundary"]
         values["boundary"] = "mirror"
@@ -262,12 +259,8 @@ def _by_heights(
     if not result.missing:
         z = heights.heights()
         result.about += filter(None, [bandwidth_line(z, heights.sizes, heights.unit)])
-    result.about += [
-        note
-        for note in heights.notes
-        if note not in result.about
-        and not _is_repeated(note, heights.metadata)
-        and "the jump is pressed" not in note  # the line on edges says it
-    ]
+    of_jumps = map(str, meeting.jump_notes((True, True)))  # the line on edges says it
+    told_before = {*result.about, *of_jumps}
+    result.about += [note for note in _not_on_reading(heights) if note not in told_before]
     if not result.missing:
-        result.about += slope_notes(quality.g_rms, measured=True)
+        result.about += map(str, slope_notes(quality.g_rms, measured=True))

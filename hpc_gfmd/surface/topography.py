@@ -3,6 +3,7 @@
 What the scene says has priority over what the file says.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import reduce
 from math import inf
@@ -13,7 +14,7 @@ import numpy as np
 
 from ..scene import each
 from ..scene.height_maps import Reading
-from ..util.errors import SceneError, one_line
+from ..util.errors import ReadingWarning, SceneError, SurfaceWarning, each_once, one_line
 from ..util.quantities import Quantity
 from .analytic import Rows
 from .files import open_map
@@ -65,8 +66,8 @@ class Topography:
         anything.
     prepared : tuple of str
         What was done to the heights, a line each.
-    notes : tuple of str
-        Remarks on the heights for the user, a line each.
+    notes : tuple of SurfaceWarning
+        Remarks on the heights for the user; a ReadingWarning says how they were read.
     """
 
     n: tuple[int, ...]
@@ -84,7 +85,7 @@ class Topography:
     by_rows: bool = False
     lacks: dict[str, str] = field(default_factory=dict)
     prepared: tuple[str, ...] = ()
-    notes: tuple[str, ...] = ()
+    notes: tuple[SurfaceWarning, ...] = ()
 
     def heights(self) -> np.ndarray:
         """Return all heights, shape n; they must not be changed."""
@@ -237,7 +238,7 @@ def topography_of(data: Any, metadata: Metadata, spec: Any) -> Topography:
             ) from None
         return units.height * checked(z, start, "surface.path", f" in {path}", missing=True)
 
-    notes = [*_notes_on_reading(metadata, spec, n), *units.notes]
+    notes: list[SurfaceWarning] = [*_notes_on_reading(metadata, spec, n), *units.notes]
     if "physical_sizes" not in units.lacks:
         notes += _notes_on_sizes(n, units)
     return Topography(
@@ -282,7 +283,7 @@ def _sum(lower: Topography, upper: Topography) -> Topography:
         periodic=lower.periodic and upper.periodic,
         path=f"{lower.path} + {upper.path}",
         lacks=lower.lacks | upper.lacks,
-        notes=tuple(dict.fromkeys([*lower.notes, *upper.notes])),
+        notes=each_once([*lower.notes, *upper.notes]),
     )
 
 
@@ -327,44 +328,44 @@ def _rows_of(data: Any, metadata: Metadata, start: int, stop: int, n_x: int) -> 
     return z
 
 
-def _notes_on_reading(metadata: Metadata, spec: Any, n: tuple[int, ...]) -> list[str]:
-    """Return notes for the user on how a file was read, a line each.
+def _notes_on_reading(
+    metadata: Metadata, spec: Any, n: tuple[int, ...]
+) -> Iterator[ReadingWarning]:
+    """Yield notes for the user on how a file was read.
 
     They are remarks of the reader, the choice among several channels, and the direction of x if the
     file does not give it and the map is not square. n: points along x and y.
     """
-    notes = [f"{spec.path}: {remark}" for remark in metadata.remarks]
+    for remark in metadata.remarks:
+        yield ReadingWarning(f"{spec.path}: {remark}")
     if metadata.other_channels and spec.dataset != metadata.channel:
         other_names = one_line(", ".join(metadata.other_channels))
-        notes.append(
+        yield ReadingWarning(
             f"channel {metadata.channel!r} of {spec.path} is pressed; others: {other_names}"
         )
     if not metadata.direction_known and n[0] != n[1]:
-        notes.append(
+        yield ReadingWarning(
             f'x runs {metadata.direction} {spec.path} (surface.first_axis = "y" says that y does)'
         )
-    return notes
 
 
-def _notes_on_sizes(n: tuple[int, ...], units: MapUnits) -> list[str]:
-    """Return notes on sizes that seem to be exchanged or in a wrong unit, a line each.
+def _notes_on_sizes(n: tuple[int, ...], units: MapUnits) -> Iterator[SurfaceWarning]:
+    """Yield notes on sizes that seem to be exchanged or in a wrong unit.
 
     n: points along x and y.
     """
-    notes = []
     spacings = [size / k for size, k in zip(units.sizes, n)]
     exchanged = [size / k for size, k in zip(units.sizes[::-1], n)]
     is_oblong = abs(np.log(spacings[0] / spacings[1])) > OBLONG
     if min(n) > 1 and is_oblong and abs(np.log(exchanged[0] / exchanged[1])) < SQUARE:
-        notes.append(
+        yield SurfaceWarning(
             f"points are {lengths_text(spacings, units.are_named)}; they would be square with"
             ' exchanged sizes: are x and y meant the other way round? (surface.first_axis = "y"'
             " takes the first index of the map, or the line of a text, for y)"
         )
     shortest, longest = SIZES
     if units.are_named and not shortest <= min(units.sizes) <= max(units.sizes) <= longest:
-        notes.append(
+        yield SurfaceWarning(
             f"the map is {lengths_text(units.sizes, True)}, which no instrument measures: is the"
             " unit right?"
         )
-    return notes

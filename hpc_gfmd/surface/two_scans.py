@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ..util.errors import SceneError
+from ..util.errors import SceneError, each_once
 from ..util.quantities import prefixed
 from .analytic import Rows
 from .map_units import lengths_text
@@ -208,7 +208,7 @@ def combined(scans: tuple[Any, Any], spec: Any) -> Any:
         bodies=scans,
         filled=0,
         prepared=(*lower.prepared, *upper.prepared),
-        notes=tuple(dict.fromkeys([*lower.notes, *upper.notes])),
+        notes=each_once([*lower.notes, *upper.notes]),
     )
     if lacks:
         return whole

@@ -2,6 +2,7 @@
 standard error and an exit code."""
 
 import re
+from collections.abc import Iterable
 
 
 class GfmdError(Exception):
@@ -21,6 +22,19 @@ class SceneError(GfmdError):
 
 class NotConverged(UserWarning):
     """A solution is less accurate than requested; its `status` gives the reason."""
+
+
+class SurfaceWarning(UserWarning):
+    """What may be wrong with a surface or its units; it stands in the notes of the result, too."""
+
+
+class ReadingWarning(SurfaceWarning):
+    """How a file was read that can be read in another way."""
+
+
+def each_once(notes: Iterable[SurfaceWarning]) -> tuple[SurfaceWarning, ...]:
+    """Return notes without those whose text has come before."""
+    return tuple({str(note): note for note in notes}.values())
 
 
 EXTRAS = {  # of setup.cfg, by the packages in them

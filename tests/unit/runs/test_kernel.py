@@ -14,7 +14,7 @@ import sys, warnings
 import numpy as np
 import hpc_gfmd
 warnings.simplefilter("error")
-wall = np.add.outer(np.arange(8) % 3, np.arange(8) % 2) * 0.1
+wall = np.add.outer(np.arange(8) % 3, np.arange(8) % 2) * 0.01
 sweep = hpc_gfmd.solve(wall, p_star=[0.1, 0.2])
 """
 # {source of a cell: number of pictures shown}
