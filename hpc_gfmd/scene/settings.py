@@ -300,8 +300,8 @@ class SolverTable(Table):
     max_iterations: Whole = key("of one load, after which it ends as not converged", 100_000)
     nested: Literal["auto"] | bool = key("begin on coarser grids", "auto")
     low_memory: bool = key(
-        "make the heights anew where they are needed (self-affine surfaces only): half the memory,"
-        " longer",
+        "make the heights anew where they are needed (surfaces known by their waves): half the"
+        " memory, longer",
         False,
     )
     options: dict[str, Parameter] = key(

@@ -2,8 +2,7 @@
 
 Heights of the coarser scan are interpolated. Along each axis it is a cubic spline through its
 points, natural where the scan ends. Halfway between the points it misses a wave of 8 points by 0.2
-% of its amplitude, one of 4 points by 3 % and one of 3 points by 12.5 %. Heights are computed from
-rows as they are read, and are the same whichever rows are read together.
+% of its amplitude, one of 4 points by 3 % and one of 3 points by 12.5 %.
 """
 
 from dataclasses import dataclass, replace
@@ -19,8 +18,6 @@ from .analytic import Rows
 from .map_units import lengths_text
 from .metadata import UNEVEN
 
-POLE = 3**0.5 - 2  # a height changes the coefficients of a spline by POLE^(distance in points)
-REACH = 28  # points: |POLE|^REACH is below rounding
 ALIKE = 1e-6  # relative difference of lengths that are the same
 
 
@@ -48,82 +45,29 @@ class Axis:
     n: int
     wraps: bool
 
-    def places(self, start: int, stop: int) -> np.ndarray:
-        """Return the positions of points of the grid.
-
-        Parameters
-        ----------
-        start, stop : int
-            The points start <= k < stop.
-
-        Returns
-        -------
-        ndarray, shape (stop - start,)
-            In points of the scan.
-        """
-        return self.begin + self.step * np.arange(start, stop)
+    @property
+    def places(self) -> np.ndarray:
+        """Positions of the points of the grid, in points of the scan."""
+        return self.begin + self.step * np.arange(self.count)
 
     @property
     def hits_points(self) -> bool:
         """Whether every point of the grid is a point of the scan; then nothing is interpolated."""
-        places = self.places(0, self.count)
+        places = self.places
         is_hit = bool(np.abs(places - np.rint(places)).max() <= UNEVEN)
         return is_hit and (self.count == 1 or round(self.step) == 1)
 
-    def interpolate(self, read: Rows, start: int, stop: int) -> np.ndarray:
-        """Return the heights at points start <= k < stop of the grid.
+    def interpolated(self, z: np.ndarray, axis: int) -> np.ndarray:
+        """Return the heights of a scan at the points of the grid along one of its axes."""
+        from scipy.interpolate import CubicSpline
 
-        Parameters
-        ----------
-        read : function
-            read(start, stop) returns rows of the scan, shape (stop - start, points across), without
-            holes; a row holds the points with the same position along this axis.
-        start, stop : int
-
-        Returns
-        -------
-        ndarray, shape (stop - start, points across)
-        """
-        t = self.places(start, stop)
-        if not len(t):
-            return read(0, 0)
+        places = self.places
         if self.hits_points:
-            begin = round(t[0])
-            return self._read(read, begin, begin + len(t))
-        below = np.floor(t).astype(int)
+            return z.take(np.rint(places).astype(int), axis, mode="wrap")
         if not self.wraps:
-            below = below.clip(0, self.n - 2)
-        begin = below[0] - 1
-        z = self._read(read, begin - REACH, below[-1] + 3 + REACH)
-        used = len(z) - 2 * REACH
-        coefficients = 3**0.5 * z[REACH : REACH + used]
-        for k in range(1, REACH + 1):
-            beside = z[REACH - k :][:used] + z[REACH + k :][:used]
-            coefficients += 3**0.5 * POLE**k * beside
-        u = (t - below)[:, None]
-        weights = [(1 - u) ** 3, 4 - 6 * u**2 + 3 * u**3, 1 + 3 * (u + u**2 - u**3), u**3]
-        return sum(
-            weight / 6 * coefficients[below - 1 + k - begin] for k, weight in enumerate(weights)
-        )
-
-    def _read(self, read: Rows, begin: int, end: int) -> np.ndarray:
-        """Read rows begin <= i < end by `read`, also rows that lie beyond the ends of the scan.
-
-        Beyond the ends a periodic scan goes on; any other is continued by its rows mirrored about
-        the end point, which leaves the spline straight there.
-        """
-        if not self.wraps:
-            low = max(begin, 0)
-            high = min(end, self.n)
-            outside = ((low - begin, end - high), (0, 0))
-            return np.pad(read(low, high), outside, "reflect", reflect_type="odd")
-        parts = []
-        while begin < end:
-            row = begin % self.n
-            rows = min(self.n - row, end - begin)
-            parts.append(read(row, row + rows))
-            begin += rows
-        return np.concatenate(parts)
+            return CubicSpline(np.arange(self.n), z, axis, "natural")(places)
+        period = z.take(np.arange(self.n + 1), axis, mode="wrap")
+        return CubicSpline(np.arange(self.n + 1), period, axis, "periodic")(places % self.n)
 
 
 def placed(scans: tuple[Any, Any], spec: Any) -> tuple[Any, Any]:
@@ -222,7 +166,6 @@ def combined(scans: tuple[Any, Any], spec: Any) -> Any:
     n = (x[0].count, y[0].count)
     spacings = _spacings(lower)
     sizes = (n[0] * x[0].step * spacings[0], n[1] * y[0].step * spacings[1])
-    rows = [_rows_on_grid(scan, x[k], y[k]) for k, scan in enumerate(scans)]
     repeated = x[0].wraps and y[0].wraps and lower.periodic and upper.periodic
     steps = [
         f"{name_of(scan)} interpolated from points of {spacings_text(scan)} by cubic splines"
@@ -232,7 +175,9 @@ def combined(scans: tuple[Any, Any], spec: Any) -> Any:
         whole,
         n=n,
         sizes=sizes,
-        rows=lambda start, stop: rows[0](start, stop) + rows[1](start, stop),
+        rows=lambda start, stop: (_on_grid(lower, x[0], y[0]) + _on_grid(upper, x[1], y[1]))[
+            start:stop
+        ],
         periodic=repeated or None,
         path=f"{lower.path} + {upper.path}",
         filled=sum(round(scan.filled / np.prod(scan.n) * np.prod(n)) for scan in scans),
@@ -352,14 +297,6 @@ def _common_axis(scans: tuple[Any, Any], axis: int, repeats: bool) -> tuple[Axis
     return of_first, of_second
 
 
-def _rows_on_grid(scan: Any, x: Axis, y: Axis) -> Rows:
-    """Return a function (start, stop) that gives rows of a scan on the common grid.
-
-    x, y: the Axis of the grid on this scan along either axis, see `_common_axes`.
-    """
-
-    def rows(start: int, stop: int) -> np.ndarray:
-        across = x.interpolate(scan.rows, start, stop).T
-        return y.interpolate(lambda begin, end: across[begin:end], 0, y.count).T
-
-    return rows
+def _on_grid(scan: Any, x: Axis, y: Axis) -> np.ndarray:
+    """Return the heights of a scan on the common grid, see `_common_axes`."""
+    return y.interpolated(x.interpolated(scan.heights(), 0), 1)
