@@ -62,7 +62,7 @@ class Reading(Table):
     )
     # None, other than in a surface that is made: as the file says
     physical_sizes: Pair[Length] | None = key(
-        "lengths [L_x, L_y] of the map; plain ones are in surface.unit",
+        "lengths [L_x, L_y] of the map; plain ones are in surface.xy_unit, else surface.unit",
         None,
         unit="length",
         example=["10 um", "8 um"],
@@ -74,6 +74,13 @@ class Reading(Table):
         example="nm",
         default_text="what the file says",
         allowed='a unit of length, such as "nm"',
+    )
+    xy_unit: LengthUnit | None = key(
+        "of x and y, and of plain sizes, where it is not that of the heights",
+        None,
+        example="mm",
+        default_text="what the file says, else unit",
+        allowed='a unit of length, such as "mm"',
     )
 
     @model_validator(mode="after")

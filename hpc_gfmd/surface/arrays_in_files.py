@@ -274,7 +274,9 @@ def one_of(shapes: Mapping[str, tuple[int, ...]], spec: Any) -> tuple[str, tuple
     if len(maps) == 1 and spec.dataset == ANY:
         return maps[0], ()
     if spec.dataset not in flat:
-        allowed = one_line(", ".join(maps[:10]), 400) or "nothing, it has no map"
+        allowed = one_line(", ".join(maps[:10]), 400) or "nothing, it has no map" + (
+            " but lines of numbers, such as a profile" if 1 in map(len, shapes.values()) else ""
+        )
         raise SceneError(
             f"surface.dataset: found {one_line(repr(spec.dataset))}, allowed in {spec.path}:"
             f" {allowed}"

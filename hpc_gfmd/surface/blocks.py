@@ -58,26 +58,28 @@ def plain_block(lines: Iterator[str], layout: TextLayout) -> Block | None:
     if layout.decimal == layout.mark:
         return None
     header = list(islice(lines, layout.header_lines))
-    count = 0
+    count = 0  # lines up to the last that is not blank
 
-    def bare() -> Iterator[str]:
+    def with_points() -> Iterator[str]:
+        """Yield the lines with decimal points and without a mark at their end."""
         nonlocal count
-        is_over = False
-        for line in lines:
+        for number, line in enumerate(lines, 1):
             text = line.rstrip("\r\n ")
-            if text and (is_over or (layout.decimal == "," and "." in text)):
-                raise ValueError
-            is_over = not text
             if text:
-                count += 1
-                text = text.removesuffix(layout.mark) if layout.ended and layout.mark else text
-                yield text.replace(layout.decimal, ".")
+                count = number
+            if layout.decimal == ",":
+                if "." in text:
+                    raise ValueError
+                text = text.replace(",", ".")
+            yield text.removesuffix(layout.mark) if layout.ended and layout.mark else text
 
     try:
-        table = np.loadtxt(bare(), delimiter=layout.mark, comments=None, ndmin=2)
+        table = np.loadtxt(with_points(), delimiter=layout.mark, comments=None, ndmin=2)
+    except UnicodeDecodeError:
+        raise
     except ValueError:
         return None
-    if table.shape != (count, layout.columns):  # NumPy skips lines of blanks without a word
+    if table.shape != (count, layout.columns):  # NumPy skips blank lines without a word
         return None
     return Block(layout.header_lines + 1, header, table.ravel(), count)
 

@@ -24,6 +24,7 @@ SIGNATURES = {  # first bytes: format
     b"II+\0": "tiff",
     b"MM\0+": "tiff",
     b"\x89PNG": "png",
+    b"Zygo XYZ Data File": "zygo xyz",
     b"\xff\xd8\xff": "picture",
     b"GIF8": "picture",
     b"BM": "picture",
@@ -43,6 +44,7 @@ SUFFIXES = {  # formats that a file claims to have, where its first bytes show n
     ".dat": "text",
     ".xyz": "text",
 }
+CONTAINER = {"index.json", "meta.yml"}  # of contact.engineering: either tells what else is in it
 _HDF5 = b"\x89HDF\r\n\x1a\n"
 _USER_BLOCKS = (0, 512, 1024, 2048)  # bytes before an HDF5 file, as in MATLAB's
 _UTF16 = (b"\xff\xfe", b"\xfe\xff")
@@ -59,10 +61,10 @@ class Contents:
     path : Path
         Path of the file as the scene gives it.
     unpacked : bytes, optional
-        The unpacked bytes if the file is packed (gzip, bzip2, xz, or a zip of one file), else None.
+        The unpacked bytes if the file is packed (gzip, bzip2, xz, or one file of a zip), else None.
     name : str
-        Name of the file inside a packed one, otherwise the name in `path`; its suffix is the format
-        that the file claims to have.
+        Name of the file inside a packed one, with its folder in a zip, otherwise the name in
+        `path`; its suffix is the format that the file claims to have.
     """
 
     path: Path
@@ -94,13 +96,15 @@ class Contents:
         return SUFFIXES.get(Path(self.name or self.path.name).suffix.lower(), "")
 
 
-def contents_of(path: Path) -> Contents:
+def contents_of(path: Path, member: str = "") -> Contents:
     """Return the contents of a file; a packed file is read whole and unpacked in memory.
 
     Parameters
     ----------
     path : Path
         Path of an existing file.
+    member : str
+        Which file of a zip is read, if the zip has one of this name; else its only one.
 
     Returns
     -------
@@ -118,10 +122,21 @@ def contents_of(path: Path) -> Contents:
             return Contents(path, unpack(path.read_bytes()), path.stem)
     if head.startswith(b"PK\x03\x04") and is_zipfile(path):
         with ZipFile(path) as archive:
-            members = [member for member in archive.namelist() if not member.endswith("/")]
-            if len(members) == 1 and not members[0].endswith(".npy"):
-                return Contents(path, archive.read(members[0]), Path(members[0]).name)
+            names = files_in(archive)
+            if member in names and not CONTAINER & {*names}:
+                names = [member]
+            if len(names) == 1 and not names[0].endswith(".npy"):
+                return Contents(path, archive.read(names[0]), names[0])
     return contents
+
+
+def files_in(archive: ZipFile) -> list[str]:
+    """Return the names of the files in a zip, without folders and what macOS adds."""
+    return [
+        name
+        for name in archive.namelist()
+        if not name.endswith("/") and not name.startswith("__MACOSX/") and Path(name).name[0] != "."
+    ]
 
 
 def format_of(contents: Contents) -> str:
@@ -130,9 +145,9 @@ def format_of(contents: Contents) -> str:
     Returns
     -------
     str
-        "npy", "npz", "x3p", "zip", "hdf5", "netcdf", "tiff", "png", "picture" (any other),
-        "numbers" (a text that begins with a line of numbers or with #), "text" (any other text), or
-        "" for anything else, which SurfaceTopography may know.
+        "npy", "npz", "x3p", "container", "zip", "zygo xyz", "hdf5", "netcdf", "tiff", "png",
+        "picture" (any other), "numbers" (a text that begins with a line of numbers or with #),
+        "text" (any other text), or "" for anything else, which SurfaceTopography may know.
     """
     head = contents.head()
     if any(head[start:].startswith(_HDF5) for start in _USER_BLOCKS):
@@ -140,7 +155,7 @@ def format_of(contents: Contents) -> str:
     for signature, kind in SIGNATURES.items():
         if head.startswith(signature) and (kind != "picture" or _CONTROL.search(head)):
             return kind
-    if head.startswith(b"PK\x03\x04"):
+    if head.startswith((b"PK\x03\x04", b"PK\x05\x06")):  # the latter: without files
         return _format_of_archive(contents)
     if is_utf16(head):
         return "text"
@@ -164,41 +179,30 @@ def is_utf16(head: bytes) -> bool:
     return pairs > 8 and zeros > 0.9 * pairs and b"\0\0" not in head[:64]
 
 
-def encoding_of(contents: Contents) -> str:
-    """Find the encoding of a text, for Python's codecs; reads the whole text.
+def encoding_of(head: bytes) -> str:
+    """Return the encoding of a text that begins with these bytes, as Python's codecs call it.
 
-    UTF-16 is recognised by the first bytes; otherwise it is UTF-8 (with or without mark) if all
-    lines are valid in it, else cp1252 (Western Windows, a superset of Latin-1's letters).
+    It is UTF-16, or UTF-8 with or without mark, in which the rest of the text need not be valid.
     """
-    head = contents.head()
     if head.startswith(_UTF16):
         return "utf-16"
     if is_utf16(head):
         return "utf-16-le" if head[1::2].count(0) > head[0::2].count(0) else "utf-16-be"
-    with contents.open() as stream:
-        valid = all(_is_utf8(line) for line in stream)
-    return "utf-8-sig" if valid else "cp1252"
-
-
-def _is_utf8(line: bytes) -> bool:
-    """Whether the bytes of a line are valid UTF-8."""
-    try:
-        line.decode("utf-8")
-    except UnicodeDecodeError:
-        return False
-    return True
+    return "utf-8-sig"
 
 
 def _format_of_archive(contents: Contents) -> str:
-    """Return the format of a ZIP archive by the names in it: "x3p", "npz" or "zip".
+    """Return the format of a ZIP archive by its names: "x3p", "container", "npz" or "zip".
 
     For a damaged archive it is the format that its suffix claims, or "zip".
     """
     try:
         with contents.open() as stream, ZipFile(stream) as archive:
-            names = [Path(name).name for name in archive.namelist()]
+            paths = archive.namelist()
     except Exception:  # damaged: the reader of what it claims to be says how
         return contents.claimed or "zip"
-    if "main.xml" in names:
+    if "main.xml" in [Path(path).name for path in paths]:
         return "x3p"
-    return "npz" if any(name.endswith(".npy") for name in names) else "zip"
+    if CONTAINER & {*paths}:
+        return "container"
+    return "npz" if any(path.endswith(".npy") for path in paths) else "zip"

@@ -8,6 +8,7 @@ from .metadata import UNEVEN
 
 FEWEST = 8  # numbers that do not rise evenly by chance
 NO_GRID = "its points are not those of a regular grid"
+ON_A_LINE = "its points lie on one line, a profile, allowed: points of a regular grid"
 SPARSE = 8  # times as many points of a grid as are given, at most
 
 
@@ -92,6 +93,10 @@ def points_on_grid(
     ValueError
         If the points do not lie on a grid, fill less than 1/SPARSE of it, or one is there twice.
     """
+    across = np.abs(np.ptp(y) * (x - x.min()) - np.ptp(x) * (y - y.min()))
+    across_falling = np.abs(np.ptp(y) * (x - x.min()) - np.ptp(x) * (y.max() - y))
+    if min(across.max(), across_falling.max()) <= UNEVEN * np.ptp(x) * np.ptp(y) / x.size:
+        raise ValueError(ON_A_LINE)
     along_x = grid_axis(x)
     along_y = grid_axis(y)
     if along_x.n * along_y.n > SPARSE * z.size:

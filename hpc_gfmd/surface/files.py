@@ -7,15 +7,23 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
+from zipfile import ZipFile
 
+from ..scene.height_maps import ANY
 from ..util.errors import SceneError, one_line
 from ..util.file_names import require_name
-from . import arrays_in_files, instruments, pictures, text
-from .contents import Contents, contents_of, format_of
+from . import arrays_in_files, containers, instruments, pictures, text, zygo
+from .contents import Contents, contents_of, files_in, format_of
 from .heights import require_map
 from .metadata import Map, missing_numbers
 
 Opener = Callable[[Contents, Any], Map]
+NOT_READ = {  # first bytes of a text: what it is
+    b"Scan Parameters": "a profile (line scan) of Dektak, allowed: a map",
+    b"X;Y;valid": "a profile (line scan, HFM), allowed: a map",
+    b"Zygo ASCII Data File": "Zygo's text of phases, allowed: its XYZ text, .datx or .dat",
+    b"DSAA": "a text grid of Surfer, allowed: columns x, y and z, or an ESRI grid",
+}
 OF_TEXT = ("skip_lines", "decimal", "coordinates")  # keys of [surface] that only text has
 
 
@@ -50,7 +58,9 @@ def open_map(spec: Any) -> Map:
         raise SceneError(f"surface.path: found an empty file, {path}, allowed: a height map")
     kind = "a height map"
     try:
-        contents = contents_of(path)
+        contents = contents_of(path, spec.dataset)
+        if contents.unpacked is not None and contents.name == spec.dataset:
+            spec = spec.model_copy(update={"dataset": ANY})
         kind, opener = opener_of(contents)
         heights, metadata = opener(contents, spec)
         require_map(heights, "surface.path", f" in {path}")
@@ -84,8 +94,14 @@ def opener_of(contents: Contents) -> tuple[str, Opener]:
         Takes the Contents and a scene.File, and returns a Map.
     """
     kind = format_of(contents)
+    head = contents.head().removeprefix(b"\xef\xbb\xbf")
+    for begin, name in NOT_READ.items():
+        if head.startswith(begin):
+            raise ValueError(f"it is {name}")
     if kind in ("", "text") and instruments.knows(contents):
         return "other", instruments.read
+    if kind == "zip" and contents.path.suffix.lower() in ("", ".zip"):
+        return "zip", _archive
     if kind in ("", "zip", "picture"):
         is_text = contents.claimed != "text" or contents.is_mostly_text()
         kind = contents.claimed if contents.claimed and is_text else "other"
@@ -100,6 +116,20 @@ def _hdf5(contents: Contents, spec: Any) -> Map:
     Raises what `of_zygo` and `read_hdf5` raise.
     """
     return instruments.of_zygo(contents, spec) or arrays_in_files.read_hdf5(contents, spec)
+
+
+def _archive(contents: Contents, spec: Any) -> Map:
+    """Read a zip that an instrument wrote, or raise SceneError with the names of its files."""
+    with ZipFile(contents.source) as archive:
+        names = files_in(archive)
+    if instruments.detects(contents) or any(name.lower().endswith(".dsc") for name in names):
+        return instruments.read(contents, spec)
+    asked = "not given" if spec.dataset == ANY else f"found {spec.dataset!r}"
+    allowed = one_line(", ".join(map(repr, names)), 400) or "nothing"
+    raise SceneError(
+        f"surface.dataset: {asked}, {spec.path} holds {len(names)} files, allowed: the name of one"
+        f" with a map: {allowed}"
+    )
 
 
 def _require_keys_apply(spec: Any, kind: str) -> None:
@@ -130,5 +160,7 @@ OPENERS: dict[str, tuple[str, Opener]] = {
     "tiff": ("tiff", pictures.read_tiff),
     "png": ("png", pictures.read_png),
     "x3p": ("x3p", instruments.read_x3p),
+    "container": ("container", containers.read),
+    "zygo xyz": ("zygo xyz", zygo.read),
     "other": ("other", instruments.read),  # by SurfaceTopography
 }

@@ -4,6 +4,8 @@ import re
 from dataclasses import dataclass
 from io import BytesIO
 
+import numpy as np
+
 from ..util.lengths import length_factor
 from ..util.libraries import surface_topography
 from .metadata import Metadata
@@ -15,7 +17,7 @@ _GWYDDION_UNIT = re.compile(r"(?P<key>Lateral|Value) units:\s*(?P<unit>\S+)", re
 _NO_DATA = re.compile(
     r"\b(?:no_?data(?:_value)?|_?fill_?value|missing_value)\b\s*[:=]?\s*(\S+)", re.I
 )
-_ESRI = re.compile(r"\s*(ncols|nrows)\s+(\d+)\s*", re.I)
+_ESRI = re.compile(r"\s*(ncols|nrows|cellsize|dx|dy)\s+(\S+)\s*", re.I)
 _PIXELS = re.compile(r"(?<=\d)\s*(?:px|pixels?)\s*$", re.I | re.M)
 _ROW = "<row>"  # stands for a line of numbers
 
@@ -114,37 +116,29 @@ def missing_numbers(header: list[str]) -> tuple[float, ...]:
     return tuple(numbers)
 
 
-def of_esri(header: list[str], lines: int, columns: int) -> Metadata | None:
-    """Read the header of an ESRI grid; a line of numbers runs along x.
+def of_esri(header: list[str], table: np.ndarray) -> tuple[np.ndarray, Metadata] | None:
+    """Return heights (n_y, n_x) and metadata of an ESRI grid, None if the header is none of it.
 
-    The cell size is ignored because it has no unit.
-
-    Parameters
-    ----------
-    header : list of str
-        Lines before the numbers.
-    lines, columns : int
-        Lines of numbers that follow, and numbers in each.
-
-    Returns
-    -------
-    Metadata or None
-        None if the header is of another kind.
-
-    Raises
-    ------
-    ValueError
-        If the header announces another number of lines or columns.
+    Its sizes have no unit. Raises ValueError if the header announces another number of heights than
+    there are in `table`, the lines of numbers.
     """
-    counts = {match[1].lower(): int(match[2]) for match in map(_ESRI.fullmatch, header) if match}
-    if len(counts) < 2:
+    of_header = {
+        match[1].lower(): float(match[2].replace(",", "."))
+        for match in map(_ESRI.fullmatch, header)
+        if match
+    }
+    if not {"nrows", "ncols"} <= of_header.keys():
         return None
-    if (counts["nrows"], counts["ncols"]) != (lines, columns):
+    n_x, n_y = int(of_header["ncols"]), int(of_header["nrows"])
+    if table.shape != (n_y, n_x) and table.shape != (1, n_x * n_y):  # a grid may be one long line
         raise ValueError(
-            f"found {lines} lines of {columns} numbers, allowed: {counts['nrows']} of"
-            f" {counts['ncols']}, as its header says"
+            f"found {table.shape[0]} lines of {table.shape[1]} numbers, allowed: {n_y} of {n_x}, as"
+            " its header says"
         )
-    return Metadata(transposed=True, direction="along a line of the text, as its header says")
+    step_x, step_y = (of_header.get(name, of_header.get("cellsize")) for name in ("dx", "dy"))
+    sizes = None if step_x is None or step_y is None else (n_x * step_x, n_y * step_y)
+    direction = "along a line of the text, as its header says"
+    return table.reshape(n_y, n_x), Metadata(sizes, transposed=True, direction=direction)
 
 
 def of_instrument(header: list[str], lines: int, columns: int) -> tuple[Metadata, float] | None:

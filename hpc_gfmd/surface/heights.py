@@ -31,8 +31,10 @@ def require_map(array: Any, where: str, of: str = "") -> None:
     shape = tuple(array.shape)
     dtype = array.dtype
     if len(shape) != 2 or 0 in shape or dtype.kind not in "fiu":
+        profile = ", a profile" if len(shape) == 1 else ""
         raise SceneError(
-            f"{where}: found shape {shape} of {one_line(str(dtype), 80)}{of}, allowed: {A_MAP}"
+            f"{where}: found shape {shape} of {one_line(str(dtype), 80)}{of}{profile}, allowed:"
+            f" {A_MAP}"
         )
 
 

@@ -40,6 +40,13 @@ def knows(contents: Contents) -> bool:
     )
 
 
+def detects(contents: Contents) -> bool:
+    """Whether a reader of SurfaceTopography that is used here takes a file."""
+    with suppress(Exception):
+        return _detected(contents).format() not in OWN_FORMATS
+    return False
+
+
 def read(contents: Contents, spec: Any) -> Map:
     """Read one channel of a file of an instrument, with all its heights.
 

@@ -17,7 +17,6 @@ WORDS = (  # in any case
 MISSING = frozenset(["", *WORDS, *(sign * k for sign in "*-" for k in range(1, 12))])
 TWO_WORDS = re.compile(r"\bno data\b", re.I)  # Zygo's, in which white space marks nothing
 _COMMENT = re.compile(r"(?:^|\s)#.*")  # not within a token
-_WHOLE = re.compile(r"[+-]?\d+")
 
 
 class NoNumber(ValueError):
@@ -127,7 +126,7 @@ def tokens_of(line: str, mark: str | None, missing: frozenset[str] = MISSING) ->
     if '"' in line and mark:
         return [token.strip() for token in next(csv.reader([line], delimiter=mark), [])]
     if mark is None:
-        if TWO_WORDS.search(line):
+        if "no data" in line.lower():
             line = TWO_WORDS.sub("nodata", line)
         for text in missing:
             if " " in text:
@@ -167,34 +166,13 @@ def number_of(token: str, decimal: str, missing: frozenset[str]) -> float:
         raise NoNumber(token) from None
 
 
-def count_numbers(tokens: list[str], decimal: str, missing: frozenset[str]) -> tuple[int, int]:
-    """Count the tokens of a line that can be read.
+def count_numbers(tokens: list[str], decimal: str, missing: frozenset[str]) -> int:
+    """Return how many tokens are numbers, "nan" among them; the others stand for missing points.
 
-    Parameters
-    ----------
-    tokens : list of str
-        What `tokens_of` makes of the line.
-    decimal : str
-    missing : frozenset of str
-        As for `number_of`.
-
-    Returns
-    -------
-    numbers : int
-        Tokens that are numbers, "nan" among them.
-    readable : int
-        Tokens that are numbers or stand for missing points.
+    Raises NoNumber for the first token that is neither.
     """
-    numbers = 0
-    readable = 0
-    for token in tokens:
-        try:
-            value = number_of(token, decimal, missing)
-        except NoNumber:
-            continue
-        readable += 1
-        numbers += value == value or token.lower() == "nan"
-    return numbers, readable
+    values = [number_of(token, decimal, missing) for token in tokens]
+    return sum(value == value or token.lower() == "nan" for value, token in zip(values, tokens))
 
 
 def is_comment(line: str) -> bool:
@@ -204,7 +182,7 @@ def is_comment(line: str) -> bool:
 
 def is_whole(token: str) -> bool:
     """Whether a token is a whole number without a decimal mark."""
-    return bool(_WHOLE.fullmatch(token))
+    return token.lstrip("+-").isdigit()
 
 
 def _candidate(
@@ -222,9 +200,12 @@ def _candidate(
     open_ends: set[int] = set()  # columns of lines that do not end with a mark
     for k, line in enumerate(lines[skip or 0 :], skip or 0):
         tokens = [] if is_comment(line) else tokens_of(line, mark, missing)
-        numbers, readable = count_numbers(tokens, decimal, missing)
         columns = len(tokens)
-        if readable < columns or (not numbers and columns < 3):
+        try:
+            numbers = count_numbers(tokens, decimal, missing)
+        except NoNumber:
+            continue
+        if not numbers and columns < 3:
             continue
         numbers_of[columns] = numbers_of.get(columns, 0) + numbers
         first_of.setdefault(columns, k)
@@ -251,7 +232,8 @@ def _require_header(lines: list[str], layout: TextLayout) -> None:
             return
         tokens = layout.tokens(lines[k])
         unknown = [token for token in tokens if not _is_number(token, layout)]
-        numbers, _ = count_numbers(tokens, layout.decimal, layout.missing)
+        known = [token for token in tokens if token not in unknown]
+        numbers = count_numbers(known, layout.decimal, layout.missing)
         if len(tokens) == layout.columns and numbers and unknown != tokens[:1]:
             raise ValueError(
                 f"line {k + 1}: found {unknown[0]!r}, allowed: numbers, as in the lines after it;"

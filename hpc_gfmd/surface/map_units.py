@@ -50,9 +50,11 @@ class MapUnits:
         self.notes: list[SurfaceWarning] = []
         unit = self._height_unit(metadata, spec, path)
         scene_sizes = spec.physical_sizes
-        file_unit = metadata.sizes_unit or unit
+        self._require_xy_unit(metadata, spec, path)
+        file_unit = metadata.sizes_unit or spec.xy_unit or unit
         in_file = metadata.sizes if file_unit is None or length_factor(file_unit) else None
-        self.sizes_unit = file_unit if scene_sizes is None and in_file is not None else unit
+        of_file = scene_sizes is None and in_file is not None
+        self.sizes_unit = file_unit if of_file else spec.xy_unit or unit
         where = f"neither in the scene nor in {path}"
         if scene_sizes is None and in_file is None:
             if metadata.sizes_unit and length_factor(metadata.sizes_unit) is None:
@@ -61,11 +63,13 @@ class MapUnits:
                 f"surface.physical_sizes: not given, {where}, allowed: two positive numbers"
                 ' [L_x, L_y], plain in surface.unit or as "12.8 um"'
             )
-        is_needed = scene_sizes is None or has_unit(scene_sizes)
+        is_needed = scene_sizes is None or has_unit(scene_sizes) or bool(spec.xy_unit)
+        is_alike = of_file and not (metadata.sizes_unit or spec.xy_unit)
         if unit is None and "unit" not in self.lacks and is_needed:
+            other = "; surface.xy_unit, where x and y are in another unit" * is_alike
             self.lacks["unit"] = (
                 "surface.unit: not given for the heights, neither in the scene nor in"
-                f" {path}, allowed: {UNITS}"
+                f" {path}, allowed: {UNITS}{other}"
             )
         self.are_named = unit is not None
         self.height = _factor(unit, path)
@@ -74,10 +78,22 @@ class MapUnits:
             float(size if isinstance(size, Quantity) else size * self.length)
             for size in scene_sizes or in_file or (1.0, 1.0)
         )
-        self._compare(metadata, in_file, scene_sizes)
-        if scene_sizes is None and in_file is not None and not metadata.sizes_unit and spec.unit:
-            text = f"x and y in {path} are taken in {spec.unit}, as the heights are"
+        self._compare(metadata, spec, in_file)
+        if is_alike and unit:
+            text = (
+                f"x and y in {path} are taken in {unit}, as the heights are (surface.xy_unit for"
+                " another unit)"
+            )
             self.notes.append(SurfaceWarning(text))
+
+    def _require_xy_unit(self, metadata: Metadata, spec: Any, path: object) -> None:
+        """Raise SceneError if the scene gives another unit of x and y than the file."""
+        in_file = length_factor(metadata.sizes_unit or "")
+        if spec.xy_unit and in_file and length_factor(spec.xy_unit) != in_file:
+            raise SceneError(
+                f"surface.xy_unit: found {spec.xy_unit!r}, but {path} has x and y in"
+                f" {metadata.sizes_unit!r}, allowed: no surface.xy_unit, or the file's own"
+            )
 
     def _height_unit(self, metadata: Metadata, spec: Any, path: object) -> str | None:
         """Return the unit of the heights, None if it is not known; may add to `lacks` and `notes`.
@@ -107,16 +123,16 @@ class MapUnits:
             )
         return spec.unit or metadata.unit
 
-    def _compare(self, metadata: Metadata, in_file: Any, scene_sizes: Any) -> None:
+    def _compare(self, metadata: Metadata, spec: Any, in_file: Any) -> None:
         """Add a note if the sizes in the scene differ from those in the file by more than 0.1 %.
 
-        in_file, scene_sizes: (L_x, L_y), None if not given. They are not compared if only one of
+        in_file: (L_x, L_y), None if not given. They are not compared if only one of
         them has a unit of length.
         """
-        file_unit = metadata.sizes_unit or metadata.unit
+        file_unit = metadata.sizes_unit or spec.xy_unit or metadata.unit
         if file_unit and length_factor(file_unit) is None:  # heights in volts, say
             file_unit = None
-        if scene_sizes is None or in_file is None or (file_unit is None) == self.are_named:
+        if spec.physical_sizes is None or in_file is None or (file_unit is None) == self.are_named:
             return
         sizes = [size * _factor(file_unit, "") for size in in_file]
         if not np.allclose(sizes, self.sizes, 1e-3, 0):

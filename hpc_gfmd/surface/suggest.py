@@ -18,6 +18,7 @@ from .arrays import unreliable
 from .bandwidth import bandwidth_line
 from .contents import contents_of
 from .doubtful_numbers import slope_notes
+from .metadata import Metadata
 from .prepare import map_edges, map_quality, prepare
 from .quality import DOUBT, Edges, MapQuality, outliers, per_cent
 from .topography import Topography, open_topography
@@ -55,21 +56,20 @@ def suggestion(make: Callable[[dict], File], user_keys: dict) -> Suggestion:
         return _of_two_scans(topography, make, user_keys)
     metadata = topography.metadata
     result = Suggestion(dict(user_keys), unit=topography.unit, missing=list(topography.lacks))
-    unit = metadata.sizes_unit or metadata.unit or user_keys.get("unit")
+    unit = metadata.sizes_unit or user_keys.get("xy_unit") or metadata.unit or user_keys.get("unit")
     if metadata.sizes is not None and (unit is None or length_factor(unit)):
         sizes = _readable(metadata.sizes, unit) if unit else list(metadata.sizes)
         result.from_file["physical_sizes"] = sizes
         if unit:
             result.from_file["crop"] = ["0 m", "0 m", *sizes]
-        _require_agreement(
-            metadata.sizes, metadata.sizes_unit or metadata.unit, topography, user_keys
-        )
+        in_file = metadata.sizes_unit or user_keys.get("xy_unit") or metadata.unit
+        _require_agreement(metadata.sizes, in_file, topography, user_keys)
     if metadata.unit is not None:
         result.from_file["unit"] = metadata.unit
     result.about += _about(topography, user_keys)
     by_file = result.from_file.keys() - user_keys.keys() - {"crop"}
     result.why = dict.fromkeys(by_file, SAYS_FILE) | dict.fromkeys(result.missing, NEEDED)
-    _by_heights(result, make, user_keys, metadata.periodic)
+    _by_heights(result, make, user_keys, metadata)
     _by_instrument(result, topography, make(user_keys))
     return result
 
@@ -88,7 +88,7 @@ def _of_two_scans(
     if result.missing:
         return result
     of_sum = Suggestion(result.values, why=result.why)
-    _by_heights(of_sum, make, user_keys, topography.periodic)
+    _by_heights(of_sum, make, user_keys, Metadata(periodic=topography.periodic))
     result.open = of_sum.open
     result.about += [f"sum: {line}" for line in of_sum.about]
     return result
@@ -192,12 +192,12 @@ def _readable(sizes: tuple[float, ...], unit: str) -> list[str]:
 
 
 def _by_heights(
-    result: Suggestion, make: Callable[[dict], File], user_keys: dict, periodic: bool | None
+    result: Suggestion, make: Callable[[dict], File], user_keys: dict, metadata: Metadata
 ) -> None:
     """Read and prepare the map, and add to result the keys and lines that its heights suggest.
 
-    result: changed are its values, why and about. make, user_keys: as for `suggestion`. periodic:
-    True if the file says that the map is periodic.
+    result: changed are its values, why and about. make, user_keys: as for `suggestion`.
+    metadata: what the file says of sizes and boundary.
 
     Keys that the user has not set may be added: fill if heights are missing, detrend if they are
     mostly tilt, and boundary = "mirror" if opposite edges do not meet, the file does not say that
@@ -210,7 +210,7 @@ def _by_heights(
     if "boundary" not in user_keys:
         plain["boundary"] = "periodic"
     if result.missing:
-        plain |= {"physical_sizes": (1.0, 1.0), "crop": None}
+        plain |= {"physical_sizes": metadata.sizes or (1.0, 1.0), "crop": None}
 
     def prepared_map() -> tuple[Topography, MapQuality, Edges]:
         spec = make(values | plain)
@@ -239,7 +239,9 @@ def _by_heights(
             " what neighbours differ by: dust or spikes? They are pressed as they are"
         )
     result.about.append(f"done to it: {', '.join(heights.prepared) or 'nothing'}")
-    is_open = not (all(meeting.meet) or periodic or {"boundary", "window"} & user_keys.keys())
+    is_open = not (
+        all(meeting.meet) or metadata.periodic or {"boundary", "window"} & user_keys.keys()
+    )
     if is_open:
         result.open = ["boundary"]
         values["boundary"] = "mirror"

@@ -48,11 +48,20 @@ def read(contents: Contents, spec: Any) -> Map:
     ValueError
         Names what is wrong, and in which line.
     """
-    encoding = encoding_of(contents)
+    try:
+        return _read(contents, spec, encoding_of(contents.head()))
+    except UnicodeDecodeError:
+        return _read(contents, spec, "cp1252")  # Western Windows, a superset of Latin-1's letters
+
+
+def _read(contents: Contents, spec: Any, encoding: str) -> Map:
+    """Read a text as `read` does. Raises UnicodeDecodeError if it has another encoding."""
     sample = list(islice(_lines(contents, encoding), (spec.skip_lines or 0) + LOOKED_AT))
     layout = layout_of(sample, spec)
     if layout.columns < 2:
-        raise ValueError("it has one number in a line, allowed: a matrix, or columns x, y and z")
+        raise ValueError(
+            "it has one number in a line, a profile, allowed: a matrix, or columns x, y and z"
+        )
     plain = plain_block(_lines(contents, encoding), layout)
     blocks = [plain] if plain else read_blocks(_lines(contents, encoding), layout)
     title = [] if spec.skip_lines is not None else blocks[0].header
@@ -68,8 +77,12 @@ def read(contents: Contents, spec: Any) -> Map:
 
 
 def _lines(contents: Contents, encoding: str) -> Iterator[str]:
-    """Yield the lines of a text, each with its line end; undecodable bytes are replaced."""
-    with contents.open() as stream, TextIOWrapper(stream, encoding, errors="replace") as text:
+    """Yield the lines of a text, each with its line end.
+
+    Raises UnicodeDecodeError if it is not UTF-8; in other encodings such bytes are replaced.
+    """
+    errors = "strict" if encoding == "utf-8-sig" else "replace"
+    with contents.open() as stream, TextIOWrapper(stream, encoding, errors=errors) as text:
         yield from text
 
 
@@ -172,8 +185,9 @@ def _matrix_or_points(
     first lines of the text. Raises ValueError if it is none of them.
     """
     missing = header.missing_numbers(title)
-    if title and (grid := header.of_esri(title, block.lines, layout.columns)):
-        return _without_missing(block.table(), missing, layout, spec), grid
+    if title and (grid := header.of_esri(title, block.table())):
+        heights, metadata = grid
+        return _without_missing(heights, missing, layout, spec), metadata
     if title and (titled_map := _of_instrument(block, layout, spec)):
         return titled_map
     table = block.table()
