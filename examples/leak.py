@@ -42,10 +42,11 @@ loads = hpc_gfmd.solve(
     observables=["critical_gap"],
 )
 found = np.array([[flow(one.gap), one.value("critical_gap_x") ** 3] for one in loads])
+tight = loads.p_star[found[:, 1].argmin()]  # the first load at which nothing leaks
+found[found == 0] = np.nan  # is not on a logarithmic axis
 
 fig, ax = plt.subplots(figsize=(4.5, 3.4), layout="constrained")
 ax.semilogy(loads.p_star, found / loads[0].h_rms ** 3, "o-")
-tight = loads.p_star[found[:, 1].argmin()]  # the first load at which nothing leaks
 ax.axvline(tight, color="0.5", linestyle="--")
 ax.legend(["Reynolds' equation", "critical gap cubed", "tight"])
 ax.set(

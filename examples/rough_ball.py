@@ -38,12 +38,14 @@ rings = np.linspace(0, L / 2, 41)
 hertz = Hertz(R, forces, E_star)
 alphas = h_rms / hertz.approach
 means = np.array([np.average(r, weights=solution.pressure) for solution in solutions])
-spread.semilogx(alphas, 16 / (3 * np.pi) * means / hertz.a, "o")
+spread.semilogx(alphas, 16 / (3 * np.pi) * means / hertz.a, "o", label="rough ball")
 for k in (1, 3, 5):
     sums, points = (np.histogram(r, rings, weights=w)[0] for w in (solutions[k].pressure, None))
     label = f"{forces[k]:.3g} N, $\\alpha$ = {alphas[k]:.2g}"
     profile.stairs(sums / points / 1e9, rings * 1e6, baseline=None, color=f"C{k}", label=label)
-    profile.plot(rings * 1e6, Hertz(R, forces[k], E_star).pressure(rings) / 1e9, "0.4", lw=0.8)
+    smooth = np.linspace(0, Hertz(R, forces[k], E_star).a, 200)
+    profile.plot(smooth * 1e6, Hertz(R, forces[k], E_star).pressure(smooth) / 1e9, "0.4", lw=0.8)
+profile.plot([], [], "0.4", linewidth=0.8, label="smooth ball: Hertz")
 spread.plot([alphas.min(), 0.05], [1, 1], "0.4", linewidth=0.8, label="Hertz, valid to 0.05")
 profile.set(xlabel="$r$ (µm)", ylabel="mean pressure on a ring (GPa)", xlim=(0, 80))
 spread.set(xlabel=r"$\alpha = h_\mathrm{rms}/\delta$", ylabel="effective radius / Hertz's")

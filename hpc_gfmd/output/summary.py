@@ -188,9 +188,20 @@ def estimate(value: float, name: str, step: dict) -> str:
         "0.0160 +- 0.0002"; "20.8 +0.1 -1.9" for an area of the grid, which is too large by what
         points at the edge of the contact add.
     """
+    below, above = error_bars(name, step) or (None, None)
+    return with_error(value, below, None if above == below else above)
+
+
+def error_bars(name: str, step: dict) -> tuple[float, float] | None:
+    """Return estimated relative errors of a number: by how much it may be too large, too small.
+
+    None if there is no estimate. They differ where the error is known to be on one side.
+    """
+    error = combined_error(name, step)
+    if error is None:
+        return None
     area_errors = _area_errors(step) if name in TOO_LARGE else None
-    above = None if area_errors is None else sum(area_errors[1:])
-    return with_error(value, combined_error(name, step), above)
+    return error, error if area_errors is None else sum(area_errors[1:])
 
 
 def _area_errors(step: dict) -> tuple[float, float, float] | None:
@@ -227,13 +238,13 @@ def combined_error(name: str, step: dict) -> float | None:
     was asked for has no error by the grid; the pressure that it takes has. Of a_r_corrected it is
     what the edge correction leaves.
     """
-    if name == "a_r_corrected":
+    if name in ("a_r_corrected", "kappa_corrected"):
         area_errors = _area_errors(step)
-        if area_errors is None or not step[name] > 0:
+        if area_errors is None or not step["a_r_corrected"] > 0:
             return None
         edge, *others = area_errors
         relative_to_a_r = CORRECTION_ERROR * edge + sum(others)
-        return relative_to_a_r * step["a_r"] / step[name]
+        return relative_to_a_r * step["a_r"] / step["a_r_corrected"]
     of_solver, of_grid = ERRORS.get(name, ("", ""))
     if any(target in step for target in HELD_GAPS):
         of_grid = {"gap_error": "", "p_error": "gap_discretisation"}.get(of_solver, of_grid)

@@ -5,12 +5,11 @@ Several results are drawn one by one; if they are many, their mean and scatter.
 
 from collections.abc import Mapping, Sequence
 from functools import partial
-from math import hypot
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..output.summary import converged
+from ..output.summary import converged, error_bars
 from ..util.errors import SceneError
 from .scales import Scale, finite, good, label
 from .style import THEORY, WARNING, Page, colour, log_axis, marker
@@ -23,41 +22,34 @@ SAME_LOAD = 1e-6  # relative
 
 
 class PlottedQuantity(NamedTuple):
-    """A number of a load as a panel shows it: in words, in TeX, its unit and its relative errors.
+    """A number of a load as a panel shows it: in words, in TeX, and its unit.
 
-    The unit is a product of powers of "pressure", "gap" (measured like heights) and "length"; the
-    errors are keys of a load step and count as independent.
+    The unit is a product of powers of "pressure", "gap" (measured like heights) and "length".
     """
 
     name: str
     symbol: str = ""
     unit: tuple[tuple[str, int], ...] = ()
-    errors: tuple[str, ...] = ()
-
-    def error(self, step: Mapping[str, Any]) -> float:
-        """Return the relative error of the number; an error that the load step lacks is 0."""
-        return hypot(*(step.get(error) or 0.0 for error in self.errors))
 
 
-AREA_ERRORS = ("a_r_error", "a_r_discretisation")
 QUANTITIES = {  # by the names of the result file; the first ones are drawn by default
-    "a_r": PlottedQuantity("contact area", "a_r", errors=AREA_ERRORS),
-    "kappa": PlottedQuantity("", r"\kappa = a_r/p^*", errors=AREA_ERRORS),
-    "gap_mean": PlottedQuantity("mean gap", r"\langle g \rangle", (("gap", 1),), ("gap_error",)),
+    "a_r": PlottedQuantity("contact area", "a_r"),
+    "kappa": PlottedQuantity("", r"\kappa = a_r/p^*"),
+    "gap_mean": PlottedQuantity("mean gap", r"\langle g \rangle", (("gap", 1),)),
     "approach": PlottedQuantity("approach", r"\delta", (("gap", 1),)),
     "stiffness": PlottedQuantity("stiffness", "k", (("pressure", 1), ("gap", -1))),
     "conductance": PlottedQuantity("conductance", "c", (("gap", -1),)),
     "critical_gap_x": PlottedQuantity("critical gap along x", "g_c", (("gap", 1),)),
     "critical_gap_y": PlottedQuantity("critical gap along y", "g_c", (("gap", 1),)),
-    "contact_area": PlottedQuantity("contact area", "A", (("length", 2),), AREA_ERRORS),
+    "contact_area": PlottedQuantity("contact area", "A", (("length", 2),)),
     "contact_pressure_mean": PlottedQuantity(
-        "mean pressure in contact", r"\langle p \rangle_c", (("pressure", 1),), AREA_ERRORS
+        "mean pressure in contact", r"\langle p \rangle_c", (("pressure", 1),)
     ),
     "contact_pressure_max": PlottedQuantity(
         "largest pressure", r"p_\mathrm{max}", (("pressure", 1),)
     ),
     "a_plastic": PlottedQuantity("area that yields", r"a_\mathrm{pl}"),
-    "a_r_corrected": PlottedQuantity("contact area, edge-corrected", "a_r", errors=("a_r_error",)),
+    "a_r_corrected": PlottedQuantity("contact area, edge-corrected", "a_r"),
     "patches": PlottedQuantity("number of patches"),
     "patch_largest": PlottedQuantity("largest patch", "A_1", (("length", 2),)),
     "patch_mean": PlottedQuantity("mean patch", r"\langle A \rangle", (("length", 2),)),
@@ -65,6 +57,7 @@ QUANTITIES = {  # by the names of the result file; the first ones are drawn by d
     "energy": PlottedQuantity("elastic energy per area", "U/A", (("pressure", 1), ("gap", 1))),
     "gap_over_h_rms": PlottedQuantity("mean gap", r"\langle g \rangle/h_\mathrm{rms}"),
 }
+CORRECTED = {"a_r": "a_r_corrected", "kappa": "kappa_corrected"}
 OVERVIEW = ("a_r", "kappa", "gap_mean", "approach")
 
 
@@ -80,7 +73,10 @@ def curves(views: Sequence[View], names: list[str]) -> Page:
         raise SceneError("results: have different units; dimensionless = True draws them together")
     if not all(view.units.rough for view in views):
         names = [name for name in names if name != "kappa"] or names
-    return Page([partial(_curve, views=views, key=name) for name in names])
+    steps = [step for view in views for step in view.result.steps]
+    has_bars = any(error_bars(name, step) for name in names for step in steps)
+    label = f"simulation{' (bars: solver and grid)' * has_bars}"
+    return Page([partial(_curve, views=views, key=name, label=label) for name in names])
 
 
 def quantity_of(key: str) -> PlottedQuantity:
@@ -149,11 +145,12 @@ def _load_axis(views: Sequence[View]) -> LoadAxis:
     return LoadAxis("p", scale.unit, scale.unit, name)
 
 
-def _curve(ax: Any, views: Sequence[View], key: str) -> None:
+def _curve(ax: Any, views: Sequence[View], key: str, label: str) -> None:
     """Draw one number over the load on axes, and set labels, scales and limits.
 
-    Up to MOST_NAMED results are drawn one by one, more by their mean and scatter; theory, pull-off
-    and loads without an open channel are added where they apply.
+    label: of a single result in the legend; several have their names. Up to MOST_NAMED results are
+    drawn one by one, more by their mean and scatter; theory, pull-off and loads without an open
+    channel are added where they apply.
     """
     quantity = quantity_of(key)
     loads = _load_axis(views)
@@ -163,14 +160,12 @@ def _curve(ax: Any, views: Sequence[View], key: str) -> None:
         _mean_and_scatter(ax, views, key, loads, unit)
     else:
         for k, view in enumerate(views):
-            bars = " (bars: solver and grid)" if quantity.errors else ""
-            name = f"simulation{bars}" if len(views) == 1 else view.name
+            name = label if len(views) == 1 else view.name
             how = {"color": colour(k), "marker": marker(k), "label": name}
-            _points(ax, view, key, quantity, loads, unit, how)
-    if key == "kappa" and len(views) == 1:
+            _points(ax, view, key, loads, unit, how)
+    if key in CORRECTED and len(views) == 1:
         how = {"color": colour(1), "marker": marker(1), "label": "edge-corrected"}
-        corrected = PlottedQuantity("", "")
-        _points(ax, views[0], "kappa_corrected", corrected, loads, unit, how)
+        _points(ax, views[0], CORRECTED[key], loads, unit, how)
     ax.set_xlabel(loads.label)
     ax.set_ylabel(_axis_label(quantity, scales))
     all_loads = [loads.of(step) for view in views for step in view.result.steps]
@@ -192,7 +187,6 @@ def _points(
     ax: Any,
     view: View,
     key: str,
-    quantity: PlottedQuantity,
     loads: LoadAxis,
     unit: float,
     how: dict[str, Any],
@@ -200,7 +194,7 @@ def _points(
     """Draw the number `key` of every load of one result over the load, on axes.
 
     Loads that did not converge get other marks; those without a value that can be shown are left
-    out, see `_is_shown`. quantity: its errors, if it has any, give the error bars. unit: values are
+    out, see `_is_shown`. Error bars are those of tables, of solver and grid. unit: values are
     divided by it. how: color, marker and label of errorbar. Points are joined by lines if the
     surfaces attract.
     """
@@ -214,8 +208,11 @@ def _points(
             continue
         x = np.array([loads.of(step) for step in steps])
         y = np.array([step[key] / unit for step in steps], dtype=float)
-        relative = np.array([quantity.error(step) for step in steps])
-        bars = np.abs(y) * np.nan_to_num(relative, posinf=0) if quantity.errors else None
+        relative = [error_bars(key, step) for step in steps]
+        bars = None
+        if any(relative):
+            both = np.array([error or (0.0, 0.0) for error in relative]).T
+            bars = np.abs(y) * np.nan_to_num(both, posinf=0)
         # on a branch loads follow from each other
         line = {"linestyle": "-" if is_converged and view.attracts else "", "linewidth": 0.8}
         look = line | {"capsize": 1.5, "elinewidth": 0.8} | how | changes

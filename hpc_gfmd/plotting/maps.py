@@ -128,7 +128,8 @@ def title_of(name: str, surface: Mapping[str, Any]) -> str:
     line = surface_line({k: surface.get(k) for k in ("n", "physical_sizes", "h_rms", "unit")})
     for plain, printed in ((" x ", " × "), (" um", " µm"), ("h_rms", r"$h_\mathrm{rms}$")):
         line = line.replace(plain, printed)
-    return f"{name}: {line}"
+    unbroken = line.replace(" ", "\N{NO-BREAK SPACE}").replace(",\N{NO-BREAK SPACE}", ", ")
+    return f"{name}: {unbroken}"
 
 
 def _aspect(window: tuple) -> float:

@@ -178,7 +178,7 @@ def persson_of_map(
     def density(x: Any, p: Any) -> np.ndarray:
         return persson.pressure_distribution(x / unit, p / unit) / unit
 
-    label = f"Persson ($g_\\mathrm{{rms}}$ = {slope:.3g}, waves of {waves})"
+    label = f"Persson ($g_\\mathrm{{rms}}$ = {slope:.3g}, waves of {waves.replace('um', 'µm')})"
     text = f"Persson, g_rms = {slope:.3g}, waves of {waves}, gamma = {persson.GAMMA:g}"
     return Theory(label, curves, density, sources=PERSSON, text=text)
 

@@ -26,7 +26,7 @@ def test_a_map_has_the_theory_of_the_wall_that_it_shows():
     assert by_spectrum.curves["a_r"](p) == pytest.approx(known.curves["a_r"](p), rel=1e-3)
     assert by_spectrum.curves["gap_mean"](p) == pytest.approx(known.curves["gap_mean"](p), rel=0.05)
     assert "gap_mean" not in by_slope.curves
-    assert "= 0.1, waves of 0.25 to 8 um" in by_slope.name
+    assert "= 0.1, waves of 0.25 to 8 µm" in by_slope.name
 
 
 def test_show_has_the_theory_beside_the_numbers(cli, tmp_path):
