@@ -184,12 +184,7 @@ def _curve(ax: Any, views: Sequence[View], key: str, label: str) -> None:
 
 
 def _points(
-    ax: Any,
-    view: View,
-    key: str,
-    loads: LoadAxis,
-    unit: float,
-    how: dict[str, Any],
+    ax: Any, view: View, key: str, loads: LoadAxis, unit: float, how: dict[str, Any]
 ) -> None:
     """Draw the number `key` of every load of one result over the load, on axes.
 

@@ -4,16 +4,17 @@ Each keyword goes to the table that has a key of its name, and the scene validat
 """
 
 from os import PathLike
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 
-from ..scene import ArrayScene, Scene
+from ..scene import ArrayScene, File, Scene
 from ..scene.explain import nearest
 from ..scene.model import HEIGHTS_IN_MEMORY
 from ..scene.not_modelled import not_modelled
 from ..scene.read import ALTERNATIVES
 from ..scene.settings import LOADS
+from ..scene.surface import KINDS
 from ..scene.table import Table
 from ..util.errors import SceneError
 from .prepared import PreparedSurface
@@ -70,10 +71,29 @@ def require_keywords(named: dict[str, Any], further: dict[str, Any]) -> None:
     for key in further:
         if key in OF_RUNS:
             raise SceneError(f"{CALLER}: found {key}, allowed: in a scene, whose run writes a file")
-        if key not in TABLE_OF_KEY and (why := not_modelled(key)):
-            raise SceneError(f"{CALLER}: {key}: {why}, allowed: what hpc-gfmd help scene lists")
+        if key not in TABLE_OF_KEY:
+            _refuse(key)
     if named.get("nu1") is not None and "nu1" in further:
         raise SceneError(f"{CALLER}: found nu and nu1, allowed: one of them")
+
+
+def _refuse(key: str) -> NoReturn:
+    """Raise SceneError for a keyword that is no key, with the nearest one that `solve` takes."""
+    if why := not_modelled(key):
+        raise SceneError(f"{CALLER}: {key}: {why}, allowed: what hpc-gfmd help scene lists")
+    if key in File.model_fields:
+        raise SceneError(
+            f"{CALLER}: found {key}, allowed: in hpc_gfmd.prepare_surface(heights, {key}=...),"
+            " whose result solve takes"
+        )
+    if any(key in kind.model_fields for kind in KINDS.values()):
+        raise SceneError(f"{CALLER}: found {key}, allowed: in hpc_gfmd.make_surface")
+    similar = nearest(key, TABLE_OF_KEY)
+    table = TABLE_OF_KEY[similar]
+    allowed = ", ".join(name for name in TABLE_OF_KEY if TABLE_OF_KEY[name] == table)
+    raise SceneError(
+        f"{CALLER}: {table}.{key}: unknown key, nearest: {table}.{similar}, allowed: {allowed}"
+    )
 
 
 def scene_of_keywords(

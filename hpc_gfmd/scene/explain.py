@@ -32,6 +32,7 @@ MEANT = {  # usual words for keys that have another name
     "nu": "nu1",
     "lengths": "physical_sizes",
     "size": "physical_sizes",
+    "sizes": "physical_sizes",
 }
 
 

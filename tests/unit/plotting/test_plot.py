@@ -14,6 +14,7 @@ import hpc_gfmd
 from hpc_gfmd import make_surface
 from hpc_gfmd.output.read import read_result
 from hpc_gfmd.output.record import RunFile
+from hpc_gfmd.output.summary import error_bars
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.plotting import figures, height_map, maps, plot, plot_result, style
 from hpc_gfmd.theory import persson
@@ -330,7 +331,8 @@ class ReadField:
 
 
 def text_of(fig):
-    return " | ".join(artist.get_text() for artist in fig.findobj(matplotlib.text.Text))
+    texts = " | ".join(artist.get_text() for artist in fig.findobj(matplotlib.text.Text))
+    return texts.replace("\N{NO-BREAK SPACE}", " ")
 
 
 def test_suffix_selects_the_format():
@@ -550,8 +552,20 @@ def rough_sweep(seed=1, **arguments):
 def test_curves_of_any_observable(name, unit):
     sweep = rough_sweep(observables=["conductance", "critical_gap", "patches", "percolation"])
     (ax,) = sweep.plot(name).axes
-    (line,) = (line for line in ax.lines if len(line.get_xdata()) == 3)
+    line, _, _ = ax.containers[0].lines
     np.testing.assert_allclose(line.get_ydata(), sweep.values(name) / unit)
+
+
+def test_bars_are_those_of_the_table():
+    """On the side where the error of the area is known to be; the corrected area has its own."""
+    sweep = rough_sweep()
+    (ax,) = sweep.plot("a_r").axes
+    for bars, name in zip(ax.containers, ("a_r", "a_r_corrected"), strict=True):
+        (lines,) = bars.lines[2]
+        for value, step, ends in zip(sweep.values(name), sweep.steps, lines.get_segments()):
+            below, above = error_bars(name, step)
+            np.testing.assert_allclose(ends[:, 1], [value * (1 - below), value * (1 + above)])
+            assert (above < 0.5 * below) == (name == "a_r")
 
 
 def test_many_results_are_drawn_as_mean_and_scatter():
