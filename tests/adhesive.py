@@ -1,6 +1,7 @@
 """Adhesive walls for tests, in units of the shortest wavelength, with rms slope 1 and E* = 1."""
 
 import numpy as np
+from contacts import rough_wall
 
 import hpc_gfmd
 
@@ -9,15 +10,8 @@ LOAD = 0.05  # p*
 
 def wall(points=8, waves=8, seed=1):
     """A self-affine wall; points: lam_s/a; waves: lam_l/lam_s."""
-    return hpc_gfmd.make_surface(
-        "self-affine",
-        hurst=0.8,
-        L_over_lam_l=2,
-        lam_l_over_lam_s=waves,
-        lam_s_over_a=points,
-        seed=seed,
-        g_rms=1.0,
-        physical_sizes=(2.0 * waves, 2.0 * waves),
+    return rough_wall(
+        (2, waves, points), seed=seed, g_rms=1.0, physical_sizes=(2.0 * waves, 2.0 * waves)
     )
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 import tomli_w
 
+import hpc_gfmd
 from hpc_gfmd.bodies import body_of
 from hpc_gfmd.driver.load import Load
 from hpc_gfmd.driver.sweep import make_sweep
@@ -24,6 +25,11 @@ def rough(n_over=(2, 16, 2), hurst=0.8, seed=1, **keys):
         | dict(zip(names, n_over, strict=True))
         | keys
     )
+
+
+def rough_wall(n_over=(2, 16, 2), **keys):
+    """The surface of `rough`, made."""
+    return hpc_gfmd.make_surface(**rough(n_over, **keys))
 
 
 def scene_text(n_over=(2, 8, 2), p_star=(0.05, 0.1), **tables):

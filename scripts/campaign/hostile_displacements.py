@@ -4,23 +4,20 @@ The displacement of a load is changed in ways that hide from sums or from residu
 the certificate accepts at an accuracy; what it claims is compared with the exact contact.
 """
 
-import warnings
+from functools import partial
 
 import numpy as np
 
+from hpc_gfmd.bodies import body_of
 from hpc_gfmd.certificate.certificate import certify
 from hpc_gfmd.driver.load import Load
 from hpc_gfmd.driver.sweep import make_sweep
 from hpc_gfmd.operators.multilevel import Multilevel
 from hpc_gfmd.operators.problem import Problem
-from hpc_gfmd.parallel.comm import SerialComm
-from hpc_gfmd.scene import SolverTable
-from hpc_gfmd.surface.build import surface_of
-from hpc_gfmd.surface.topography import Topography
+from hpc_gfmd.scene import Material, SolverTable
 
-from .registry import FAMILIES, Wall, family
+from .registry import FAMILIES, Wall, family, surface_of_wall
 from .shapes import choice, rough
-from .sticky_walls import body_of_free
 from .truth import DOUBTFUL, truths
 
 WALLS = (
@@ -80,12 +77,12 @@ def changes(rng, closed):
     }
 
 
-def judged_displacements(wall, precision, accuracy):
+def judged_displacements(wall, way):
     """Yield (number of the change, columns) of each change of the displacement of the first load.
 
     For the arguments see `sticky_walls.judged_rows`.
     """
-    dtype = np.dtype(np.float32 if precision == "single" else np.float64)
+    dtype = np.dtype(np.float32 if way["precision"] == "single" else np.float64)
     contact, (truth,), hardness = truths(
         wall.heights, wall.physical_sizes, wall.loads, wall.free, wall.hardness, wall.hardness_star
     )
@@ -102,7 +99,7 @@ def judged_displacements(wall, precision, accuracy):
         on_grid = np.zeros(gap.shape)
         on_grid[inside] = change
         on_grid *= max(abs(gap[inside]).mean(), np.finfo(dtype).tiny)
-        certificate, pressure = _largest_accepted(problem, levels, gap, on_grid, accuracy)
+        certificate, pressure = _largest_accepted(problem, levels, gap, on_grid, way["accuracy"])
         if certificate is None:
             continue
         true = truth.errors(
@@ -128,27 +125,17 @@ def _solved(wall, contact, hardness, dtype):
     The gap is None if it cannot be solved.
     """
 
-    def make(dtype):
-        topography = Topography(
-            wall.heights.shape,
-            wall.physical_sizes,
-            lambda i, j: np.asarray(wall.heights[i:j], float),
-        )
-        return surface_of(topography, SerialComm(), np.dtype(dtype), 1, wall.free)
-
     unit = wall.E_star * contact.g_rms
     settings = SolverTable(precision="double", residual=1e-10)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        sweep = make_sweep(
-            make,
-            settings,
-            wall.E_star,
-            body=body_of_free(wall.free),
-            hardness=hardness and hardness * unit,
-        )
-        solution = sweep.solve(Load("pressure", wall.loads[0] * unit))
-    surface = make(dtype)
+    sweep = make_sweep(
+        partial(surface_of_wall, wall),
+        settings,
+        wall.E_star,
+        body=body_of(Material(), wall.free),
+        hardness=hardness and hardness * unit,
+    )
+    solution = sweep.solve(Load("pressure", wall.loads[0] * unit))
+    surface = surface_of_wall(wall, dtype)
     p0 = wall.loads[0] * contact.g_rms / surface.slope
     limit = hardness and hardness * contact.g_rms / surface.slope
     problem = Problem(surface.grid, surface.h, p0, body=solution.body, hardness=limit)

@@ -1,12 +1,10 @@
 """The family of interface laws: values between the loads of a law against solves at these loads."""
 
-import warnings
-
 import numpy as np
 
 import hpc_gfmd
 
-from .registry import FAMILIES, Wall, family
+from .registry import FAMILIES, Wall, family, outcome
 from .shapes import choice, log_uniform
 
 QUANTITIES = ("a_r", "gap_mean", "stiffness")
@@ -24,7 +22,7 @@ def law_between_loads(rng):
     return Wall(wall.heights, wall.physical_sizes, loads, free=wall.free, judge=judged_laws)
 
 
-def judged_laws(wall, precision, accuracy):
+def judged_laws(wall, way):
     """Yield (number of the load, columns) of each load between those of the law.
 
     What counts is the error that the law claims at the loads on either side: where it cannot reach
@@ -35,37 +33,24 @@ def judged_laws(wall, precision, accuracy):
         "boundary": ["free" if ends else "periodic" for ends in wall.free],
         "E_star": wall.E_star,
     }
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        surface = hpc_gfmd.solve(wall.heights, wall.E_star, fields=(), **keys)
-        unit = wall.E_star * surface.g_rms
-        law = hpc_gfmd.interface_law(
-            wall.heights,
-            *(p_star * unit for p_star in wall.loads),
-            error=max(10 * accuracy, 1e-3),
-            quantities=list(QUANTITIES),
-            precision=precision,
-            **keys,
+    unit = wall.E_star * hpc_gfmd.solve(wall.heights, wall.E_star, fields=(), **keys).g_rms
+    law = hpc_gfmd.interface_law(
+        wall.heights,
+        *(p_star * unit for p_star in wall.loads),
+        error=max(10 * way["accuracy"], 1e-3),
+        quantities=list(QUANTITIES),
+        precision=way["precision"],
+        **keys,
+    )
+    last = len(law.pressure) - 1
+    for number in range(BETWEEN):
+        k = min(int((number + 0.5) / BETWEEN * last), last - 1)
+        load = float(np.sqrt(law.pressure[k] * law.pressure[k + 1]))
+        exact = hpc_gfmd.solve(
+            wall.heights, load, observables=["stiffness"], fields=(), **keys, **EXACT
         )
-        last = len(law.pressure) - 1
-        for number in range(BETWEEN):
-            k = min(int((number + 0.5) / BETWEEN * last), last - 1)
-            load = float(np.sqrt(law.pressure[k] * law.pressure[k + 1]))
-            exact = hpc_gfmd.solve(
-                wall.heights, load, observables=["stiffness"], fields=(), **keys, **EXACT
-            )
-            true = [abs(float(law(name, load)) / exact.value(name) - 1) for name in QUANTITIES]
-            claimed = [float(max(law.errors[name][k : k + 2])) for name in QUANTITIES]
-            yield (
-                number,
-                {
-                    "contact": round(exact.a_r * wall.heights.size),
-                    "kkt": 0.0,  # the status of the exact load counts instead
-                    "status": "converged" if exact.status == "converged" else "no truth",
-                    "true": true,
-                    "claimed": claimed,
-                    "accuracy": ANY,
-                    "iterations": exact.iterations,
-                    "fft_pairs": exact.fft_pairs,
-                },
-            )
+        true = [abs(float(law(name, load)) / exact.value(name) - 1) for name in QUANTITIES]
+        claimed = [max(law.errors[name][k : k + 2]) for name in QUANTITIES]
+        status = "converged" if exact.status == "converged" else "no truth"
+        points = round(exact.a_r * wall.heights.size)
+        yield number, outcome(exact, points, true, claimed, status=status, accuracy=ANY)

@@ -6,6 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 import hpc_gfmd
+from hpc_gfmd.parallel.comm import SerialComm
+from hpc_gfmd.surface.build import surface_of
+from hpc_gfmd.surface.topography import Topography
 
 from .shapes import log_uniform, square_pixels
 from .truth import Contact
@@ -42,8 +45,8 @@ class Wall:
     targets : (str, tuple of float) or None
         Quantity (a_r or gap_over_h_rms) and its values, which are prescribed instead of loads.
     judge : callable or None
-        How such walls are judged, if not by the truth of their loads: judge(wall, precision,
-        accuracy) yields (number, columns).
+        How such walls are judged, if not by the truth of their loads: judge(wall, way) yields
+        (number, columns); way holds the solver, the precision and the accuracy.
     """
 
     heights: np.ndarray
@@ -126,3 +129,39 @@ def scene_wall(surface, loads):
     """Return a wall with the heights that the package makes from a table [surface]."""
     wall = hpc_gfmd.make_surface(**surface)
     return Wall(wall.heights, wall.sizes, tuple(loads), 1.0, surface, units=False, free=wall.free)
+
+
+def outcome(solution, contact, true, claimed=None, **columns):
+    """Return the columns of a solution.
+
+    Parameters
+    ----------
+    solution : hpc_gfmd.Solution
+        The solution.
+    contact : int
+        Exact number of points in contact.
+    true : sequence of float
+        True errors of area, mean gap and pressure.
+    claimed : sequence of float, optional
+        Claimed errors; those of the solution by default.
+    **columns
+        Further columns. `kkt` is the violation of its conditions by the truth; 0 where there is no
+        other truth than the status says.
+    """
+    return {
+        "contact": contact,
+        "kkt": 0.0,
+        "status": solution.status,
+        "true": [float(x) for x in true],
+        "claimed": [float(x) for x in claimed or solution.errors],
+        "iterations": solution.iterations,
+        "fft_pairs": round(solution.fft_pairs, 2),
+    } | columns
+
+
+def surface_of_wall(wall, dtype):
+    """Return the surface of a wall as solvers take it, on this process."""
+    topography = Topography(
+        wall.heights.shape, wall.physical_sizes, lambda i, j: np.asarray(wall.heights[i:j], float)
+    )
+    return surface_of(topography, SerialComm(), np.dtype(dtype), 1, wall.free)

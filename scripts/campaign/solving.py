@@ -12,7 +12,7 @@ import tomli_w
 
 import hpc_gfmd
 
-from .families import make
+from .families import make, outcome
 from .truth import truths
 
 ERROR_OF_TARGET = {"a_r": 0, "gap_over_h_rms": 1}  # index of the error of a target
@@ -20,6 +20,7 @@ EQUAL_LOADS = 1e-12  # relative difference of loads that count as equal
 ROUNDED_TARGET = 1e-9  # relative rounding errors of a target
 # Time limit for all truths of a wall, and for all its loads in one way.
 SECONDS = 120
+MOST_ITERATIONS = 3000  # of other solvers than bpx
 
 
 class TooSlow(Exception):
@@ -49,135 +50,101 @@ def rows_of(name, seed, index, ways, seconds=SECONDS):
     head = {"family": name, "seed": seed, "index": index}
     try:
         wall = make(name, seed, index)
-        if wall.judge is not None:
-            head["n"] = list(wall.heights.shape)
-            return _rows_of_judge(wall, head, ways, seconds)
         with _time_limit(seconds):
-            contact, exact, hardness = truths(
-                wall.heights,
-                wall.physical_sizes,
-                wall.loads,
-                wall.free,
-                wall.hardness,
-                wall.hardness_star,
-            )
+            judge = wall.judge or _judge_of(wall)
     except Exception as error:  # the campaign continues
         return [head | {"status": "no wall", "error": f"{type(error).__name__}: {error}"}]
     head["n"] = list(wall.heights.shape)
-    if wall.targets is not None:
-        return rows_of_targets(head, wall, contact, ways, seconds, hardness)
     rows = []
-    if hardness is not None:
-        hardness *= wall.E_star * contact.g_rms
-    for solver, precision, accuracy, low_memory in ways:
-        if (low_memory and wall.surface is None) or (solver != "bpx" and (low_memory or hardness)):
-            continue
-        way = {"solver": solver, "precision": precision, "accuracy": accuracy}
-        way = head | way | {"low_memory": low_memory}
-        begin = time.perf_counter()
-        loads = iter(enumerate(wall.loads))
-        try:
-            with _time_limit(seconds), warnings.catch_warnings():
-                warnings.simplefilter("ignore")
-                for solution, truth in zip(_solutions(wall, contact, way, hardness), exact):
-                    load, p_star = next(loads)
-                    judged = _judged(solution, truth, contact, wall)
-                    rows.append(way | {"load": load, "p_star": p_star} | judged)
-        except Exception as error:
-            load, p_star = next(loads, (0, wall.loads[0]))
-            rows.append(way | {"load": load, "p_star": p_star} | _failed(error))
+    for way in ways:
+        if _is_possible(wall, *way):
+            columns = zip(("solver", "precision", "accuracy", "low_memory"), way, strict=True)
+            rows += _rows_of_way(wall, judge, head | dict(columns), seconds)
+    return rows
+
+
+def _is_possible(wall, solver, precision, accuracy, low_memory):
+    """Return whether a wall can be solved in a way."""
+    is_special = wall.judge is not None or wall.targets is not None
+    if low_memory and (is_special or wall.surface is None):
+        return False
+    is_hard = wall.hardness is not None or wall.hardness_star is not None
+    return solver == "bpx" or not (low_memory or is_special or is_hard)
+
+
+def _rows_of_way(wall, judge, way, seconds):
+    """Return the rows of the loads of a wall in one way, the last one with the error, if any."""
+    rows = []
+    begin = time.perf_counter()
+    try:
+        with _time_limit(seconds), warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            for load, columns in judge(wall, way):
+                rows.append(way | {"load": load, "p_star": _load(wall, load)} | columns)
+    except Exception as error:
+        kind = type(error).__name__
+        failed = {"status": STATUS_OF_ERROR.get(kind, "raised"), "error": f"{kind}: {error}"}
+        rows.append(way | {"load": len(rows), "p_star": _load(wall, len(rows))} | failed)
+    if rows:
         rows[-1]["seconds"] = round(time.perf_counter() - begin, 4)
     return rows
 
 
-def _failed(error):
-    """Return the columns of a load that raised an error."""
-    kind = type(error).__name__
-    return {"status": STATUS_OF_ERROR.get(kind, "raised"), "error": f"{kind}: {error}"}
+def _load(wall, number):
+    """Return a load of a wall; 0 where it follows from a target."""
+    return wall.loads[number] if number < len(wall.loads) else 0.0
 
 
-def _rows_of_judge(wall, head, ways, seconds):
-    """Solve a wall that has its own judge in several ways."""
-    rows = []
-    for solver, precision, accuracy, low_memory in ways:
-        if solver != "bpx" or low_memory:
-            continue
-        way = {"solver": solver, "precision": precision, "accuracy": accuracy}
-        way = head | way | {"low_memory": low_memory}
-        try:
-            with _time_limit(seconds):
-                for load, judged in wall.judge(wall, precision, accuracy):
-                    p_star = dict(enumerate(wall.loads)).get(load, 0.0)
-                    rows.append(way | {"load": load, "p_star": p_star} | judged)
-        except Exception as error:  # the campaign continues
-            rows.append(way | {"load": 0, "p_star": 0.0} | _failed(error))
-    return rows
-
-
-def rows_of_targets(head, wall, contact, ways, seconds, hardness=None):
-    """Solve a wall with prescribed areas or gaps in several ways.
-
-    Parameters
-    ----------
-    head : dict
-        Columns of all rows.
-    wall : Wall
-        With targets.
-    contact : Contact
-        Its exact contact.
-    ways : list of tuple
-        (solver, precision, accuracy, low_memory).
-    seconds : float
-        Time limit for each target.
-    hardness : float, optional
-        Hardness over E* g_rms.
-
-    Returns
-    -------
-    list of dict
-        A row for each way and target.
-    """
-    rows = []
-    for solver, precision, accuracy, low_memory in ways:
-        if low_memory or solver != "bpx":
-            continue
-        way = {"solver": solver, "precision": precision, "accuracy": accuracy}
-        way = head | way | {"low_memory": low_memory}
-        start = None
-        for load, value in enumerate(wall.targets[1]):
-            begin = time.perf_counter()
-            row = way | {"load": load, "target": value, "p_star": 0.0}
-            try:
-                with _time_limit(seconds), warnings.catch_warnings():
-                    warnings.simplefilter("ignore")
-                    unit = wall.E_star * contact.g_rms
-                    solution = _solution_of_target(wall, way, value, hardness and hardness * unit)
-                    row["p_star"] = solution.p / wall.E_star / contact.g_rms
-                    truth = contact.solve(row["p_star"], start, hardness)
-                    start = truth.pressure
-                    row |= _judged(solution, truth, contact, wall)
-                    if solution.status == "converged":
-                        target = wall.targets[0], value, accuracy
-                        row |= missed(solution, truth, contact, *target, hardness)
-                        row["true"][ERROR_OF_TARGET[wall.targets[0]]] += row["missed"]
-            except Exception as error:
-                row |= _failed(error)
-            rows.append(row | {"seconds": round(time.perf_counter() - begin, 4)})
-    return rows
-
-
-def _solution_of_target(wall, way, value, hardness):
-    return hpc_gfmd.solve(
-        wall.heights,
-        hardness=hardness,
-        E_star=wall.E_star,
-        physical_sizes=wall.physical_sizes,
-        boundary=["free" if ends else "periodic" for ends in wall.free],
-        fields=["pressure"],
-        precision=way["precision"],
-        accuracy=way["accuracy"],
-        **{wall.targets[0]: value},
+def _judge_of(wall):
+    """Return the judge of a wall by the exact solutions of its loads or of its targets."""
+    contact, exact, hardness = truths(
+        wall.heights, wall.physical_sizes, wall.loads, wall.free, wall.hardness, wall.hardness_star
     )
+    judged = _judged_loads if wall.targets is None else _judged_targets
+    return lambda wall, way: judged(wall, way, contact, exact, hardness)
+
+
+def _judged_loads(wall, way, contact, exact, hardness):
+    """Yield (number of the load, columns) of each load."""
+    if hardness is not None:
+        hardness *= wall.E_star * contact.g_rms
+    solutions = _solutions(wall, contact, way, hardness)
+    for number, (solution, truth) in enumerate(zip(solutions, exact)):
+        yield number, _judged(solution, truth, contact, wall)
+
+
+def _judged_targets(wall, way, contact, exact, hardness):
+    """Yield (number of the target, columns) of each prescribed area or gap."""
+    unit = wall.E_star * contact.g_rms
+    quantity, values = wall.targets
+    start = None
+    for number, value in enumerate(values):
+        solution = hpc_gfmd.solve(
+            wall.heights,
+            hardness=hardness and hardness * unit,
+            precision=way["precision"],
+            accuracy=way["accuracy"],
+            **keywords(wall),
+            **{quantity: value},
+        )
+        p_star = solution.p / wall.E_star / contact.g_rms
+        truth = contact.solve(p_star, start, hardness)
+        start = truth.pressure
+        columns = {"target": value, "p_star": p_star} | _judged(solution, truth, contact, wall)
+        if solution.status == "converged":
+            columns |= missed(solution, truth, contact, quantity, value, way["accuracy"], hardness)
+            columns["true"][ERROR_OF_TARGET[quantity]] += columns["missed"]
+        yield number, columns
+
+
+def keywords(wall):
+    """Return the keywords of hpc_gfmd.solve that describe a wall."""
+    return {
+        "E_star": wall.E_star,
+        "physical_sizes": wall.physical_sizes,
+        "boundary": ["free" if ends else "periodic" for ends in wall.free],
+        "fields": ["pressure"],
+    }
 
 
 def missed(solution, truth, contact, quantity, value, accuracy, hardness=None):
@@ -216,7 +183,8 @@ def missed(solution, truth, contact, quantity, value, accuracy, hardness=None):
     row = {"missed": 0.0, "jump": "jumps" in (solution.note or "")}
     if distance <= max(accuracy * target_points, 1) + ROUNDED_TARGET * target_points:
         return row
-    nearest = nearest_count(contact, solution.p_star, target_points, hardness)
+    p_star = solution.p_star
+    nearest = nearest_count(contact, p_star, target_points, hardness)
     row["nearest"] = nearest
     allowed = abs(nearest - target_points) + 1 + truth.ties_in + truth.ties_out
     if not row["jump"] or distance > allowed:
@@ -278,33 +246,18 @@ def _judged(solution, truth, contact, wall):
     with np.errstate(all="ignore"):
         p = np.asarray(solution.pressure, np.float64) / wall.E_star / contact.g_rms
         true = truth.errors(points, solution.gap_mean / contact.height_unit, p)
-    return {
-        "contact": truth.contact,
-        "kkt": truth.kkt,
-        "status": solution.status,
-        "true": [float(x) for x in true],
-        "claimed": [float(x) for x in solution.errors],
-        "iterations": solution.iterations,
-        "fft_pairs": round(solution.fft_pairs, 2),
-    }
+    return {"kkt": truth.kkt} | outcome(solution, truth.contact, true)
 
 
 def _solutions(wall, contact, way, hardness):
     """Yield the solutions of the loads; low memory needs a scene."""
     settings = {"name": way["solver"], "precision": way["precision"], "accuracy": way["accuracy"]}
     if way["solver"] != "bpx":
-        settings["max_iterations"] = 3000
+        settings["max_iterations"] = MOST_ITERATIONS
     loads = [p_star * wall.E_star * contact.g_rms for p_star in wall.loads]
     if not way["low_memory"]:
         yield from hpc_gfmd.solve(
-            wall.heights,
-            loads,
-            E_star=wall.E_star,
-            hardness=hardness,
-            physical_sizes=wall.physical_sizes,
-            boundary=["free" if ends else "periodic" for ends in wall.free],
-            fields=["pressure"],
-            **settings,
+            wall.heights, loads, hardness=hardness, **keywords(wall), **settings
         )
         return
     with tempfile.TemporaryDirectory() as folder:

@@ -3,15 +3,13 @@
 Their truth is the smallest eigenvalue of dense matrices, which tells a stable state from a saddle.
 """
 
-import warnings
-
 import numpy as np
 from scipy.linalg import eigh, null_space
 
 import hpc_gfmd
 from hpc_gfmd.laws import law_named
 
-from .registry import Wall, family
+from .registry import Wall, family, outcome
 from .shapes import choice, log_uniform
 from .sticky_walls import Attraction
 
@@ -48,7 +46,7 @@ def sticky_gap(rng):
     )
 
 
-def judged_gaps(wall, precision, accuracy):
+def judged_gaps(wall, way):
     """Yield (number of the gap, columns) of each prescribed gap.
 
     At a saddle the true error of the area is infinite; that of the gap is by how much it is missed.
@@ -58,33 +56,24 @@ def judged_gaps(wall, precision, accuracy):
     reach = wall.attraction.reach * np.ptp(wall.heights)
     law = law_named(wall.attraction.law, wall.attraction.kappa * np.pi * reach**2, reach)
     adhesion = {"work": law.work, "range": law.range, "law": wall.attraction.law}
+    accuracy = way["accuracy"]
     for number, value in enumerate(values):
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            solution = hpc_gfmd.solve(
-                wall.heights,
-                boundary="periodic",
-                adhesion=adhesion,
-                precision=precision,
-                accuracy=accuracy,
-                **{quantity: value},
-            )
+        solution = hpc_gfmd.solve(
+            wall.heights,
+            boundary="periodic",
+            adhesion=adhesion,
+            precision=way["precision"],
+            accuracy=accuracy,
+            **{quantity: value},
+        )
         is_saddle = least_stability(solution, law) < UNSTABLE
         missed = abs(solution.gap_mean / wall.heights.std() / value - 1)
-        yield (
-            number,
-            {
-                "contact": round(solution.a_r * wall.heights.size),
-                "kkt": 0.0,  # there is no other truth
-                "status": solution.status,
-                "true": [np.inf if is_saddle else 0.0, float(missed), 0.0],
-                # the gap is prescribed: it may be missed by the accuracy
-                "claimed": [0.0, accuracy, 0.0],
-                "stability": solution.value("stability"),
-                "iterations": solution.iterations,
-                "fft_pairs": round(solution.fft_pairs, 2),
-            },
-        )
+        true = (np.inf if is_saddle else 0.0, missed, 0.0)
+        points = round(solution.a_r * wall.heights.size)
+        stability = solution.value("stability")
+        # the gap is prescribed: it may be missed by the accuracy
+        claimed = (0.0, accuracy, 0.0)
+        yield number, outcome(solution, points, true, claimed, stability=stability)
 
 
 def least_stability(solution, law):

@@ -5,20 +5,18 @@ There is no independent solution, because equilibria with attraction are not uni
 tests that the claimed errors are those of this equilibrium.
 """
 
-import warnings
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
+from hpc_gfmd.bodies import body_of
 from hpc_gfmd.driver.load import Load, Unfinished
 from hpc_gfmd.driver.sweep import make_sweep
 from hpc_gfmd.laws import law_named, law_names
-from hpc_gfmd.parallel.comm import SerialComm
-from hpc_gfmd.scene import SolverTable
-from hpc_gfmd.surface.build import surface_of
-from hpc_gfmd.surface.topography import Topography
+from hpc_gfmd.scene import Material, SolverTable
 
-from .registry import FAMILIES
+from .registry import FAMILIES, outcome, surface_of_wall
 from .shapes import log_uniform
 
 EXACT_RESIDUAL = 1e-8  # of the truth
@@ -81,56 +79,35 @@ def law_of(wall, surface):
 
 def sweep_of(wall, **settings):
     """Return a sweep of a wall on this process."""
-
-    def make_surface(dtype):
-        topography = Topography(
-            wall.heights.shape,
-            wall.physical_sizes,
-            lambda i, j: np.asarray(wall.heights[i:j], float),
-        )
-        return surface_of(topography, SerialComm(), dtype, 1, wall.free)
-
     return make_sweep(
-        make_surface,
+        partial(surface_of_wall, wall),
         SolverTable(**settings),
         wall.E_star,
-        body=body_of_free(wall.free),
-        attraction=law_of(wall, make_surface(np.dtype(float))),
+        body=body_of(Material(), wall.free),
+        attraction=law_of(wall, surface_of_wall(wall, float)),
     )
 
 
-def body_of_free(free):
-    """Return the half-space with these edges."""
-    from hpc_gfmd.bodies import body_of
-    from hpc_gfmd.scene import Material
-
-    return body_of(Material(), free)
-
-
-def judged_rows(wall, precision, accuracy):
+def judged_rows(wall, way):
     """Yield (number of the load, columns) with the true and the claimed errors of each load.
 
     Parameters
     ----------
     wall : Wall
         With an attraction.
-    precision : str
-        Of the solver.
-    accuracy : float
-        Requested accuracy.
+    way : dict
+        Its `precision` and `accuracy` are those of the solver.
     """
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        sweep = sweep_of(wall, precision=precision, accuracy=accuracy)
-        exact = sweep_of(wall, precision="double", residual=EXACT_RESIDUAL)
-        unit = wall.E_star * sweep.surface.g_rms
-        for k, p_star in enumerate(wall.loads):
-            load = Load("pressure", float(p_star * unit))
-            contact = sweep.solve(load)
-            pressure = contact.field("pressure")[:].astype(float)
-            start = Unfinished(contact.g.astype(float), load.value, 0, 0.0)
-            truth = exact.solve(load, unfinished=start)
-            yield k, _judged(contact, pressure, truth)
+    sweep = sweep_of(wall, precision=way["precision"], accuracy=way["accuracy"])
+    exact = sweep_of(wall, precision="double", residual=EXACT_RESIDUAL)
+    unit = wall.E_star * sweep.surface.g_rms
+    for k, p_star in enumerate(wall.loads):
+        load = Load("pressure", float(p_star * unit))
+        contact = sweep.solve(load)
+        pressure = contact.field("pressure")[:].astype(float)
+        start = Unfinished(contact.g.astype(float), load.value, 0, 0.0)
+        truth = exact.solve(load, unfinished=start)
+        yield k, _judged(contact, pressure, truth)
 
 
 def _judged(contact, pressure, truth):
@@ -140,13 +117,12 @@ def _judged(contact, pressure, truth):
         abs(contact.gap_mean - truth.gap_mean) / truth.gap_mean if truth.gap_mean else 0.0,
         np.linalg.norm(pressure - exact_pressure) / np.linalg.norm(exact_pressure),
     )
-    return {
-        "contact": truth.contact_points,
-        "kkt": 0.0,  # the status of the truth counts instead
-        "status": contact.status if truth.status == "converged" else "no truth",
-        "true": [float(x) for x in true],
-        "claimed": [float(x) for x in contact.certificate.errors],
-        "stability": contact.certificate.stability,
-        "iterations": contact.iterations,
-        "fft_pairs": round(contact.fft_pairs, 2),
-    }
+    certificate = contact.certificate
+    return outcome(
+        contact,
+        truth.contact_points,
+        true,
+        certificate.errors,
+        status=contact.status if truth.status == "converged" else "no truth",
+        stability=certificate.stability,
+    )

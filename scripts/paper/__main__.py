@@ -56,7 +56,6 @@ def make_parser() -> ArgumentParser:
     only.add_argument(
         "--no-run", action="store_true", help="only tabulate and draw stored contacts"
     )
-    only.add_argument("--redraw", action="store_true", help="only draw the existing tables (CSV)")
     add("--part", metavar="I/K", help="solve only the I-th of K shares; jobs can share DIR")
     add(
         "--reference",
@@ -94,7 +93,7 @@ def main(args: Namespace) -> int:
     folder = args.output or f"study-{args.level}"
     cases = [case for name in items for case in cases_of(name, args.level)]
     code = 0
-    if not (args.no_run or args.redraw):
+    if not args.no_run:
         chosen = share(cases, *part) if part else cases
         threads = args.threads if args.threads == "auto" else int(args.threads)
         code = run_missing(chosen, Store(folder, part and part[0]), comm, threads, dry=args.plan)
@@ -106,13 +105,13 @@ def main(args: Namespace) -> int:
 def _publish(args, items, store):
     tables: dict[str, Rows] = {}
     for name in items:
-        tables[name] = publish(STUDIES[name], store, args.level, args.redraw)
+        tables[name] = publish(STUDIES[name], store, args.level)
         text = as_csv(tables[name]).strip() or "nothing stored yet"
         print(f"\n{name}: {TEXTS[name]['title']}\n{text}", flush=True)
     if args.report or "all" in args.item:
         for name in OF_PAPER:
             if name not in tables:
-                tables[name] = publish(STUDIES[name], store, args.level, args.redraw)
+                tables[name] = publish(STUDIES[name], store, args.level)
         path = report(store, args.level, {name: tables[name] for name in OF_PAPER})
         print(f"report: {path}", flush=True)
     if args.coefficients:

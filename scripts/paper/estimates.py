@@ -19,9 +19,8 @@ from scipy.special import digamma
 from hpc_gfmd import SceneError
 
 from .cases import CATALOGUE
-from .least_squares import least_squares
 from .rows import Rows, families, fine_half, groups, longest, near
-from .tfc_fit import PAPER_ALPHA, TfcFit, fit_tfc
+from .tfc_fit import PAPER_ALPHA, TfcFit, fit_tfc, least_squares
 
 COLUMNS = (
     *("hurst", "p_star", "L_over_lam_l", "lam_l_over_lam_s", "lam_s_over_a"),
@@ -312,11 +311,9 @@ def fit_runs(
     limit : float, optional
         Limit of the observable; free by default.
     """
-    eps_t, eps_f, eps_c, value = (
-        [run[name] for run in runs] for name in ("eps_t", "eps_f", "eps_c", observable)
-    )
-    sigma = scatter.covariance(runs, observable)
-    fit = fit_tfc(eps_t, eps_f, eps_c, value, sigma, alpha, terms=alpha, limit=limit)
+    eps = {i: np.array([run[f"eps_{i}"] for run in runs]) for i in alpha}
+    value = np.array([run[observable] for run in runs])
+    fit = fit_tfc(eps, value, scatter.covariance(runs, observable), alpha, limit)
     scale = max(1.0, fit.chi2 / fit.dof) if fit.dof else 1.0
     return replace(fit, covariance=fit.covariance * scale)
 

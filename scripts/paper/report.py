@@ -12,7 +12,7 @@ from .cases import Store, cases_of
 from .errata import errata_rows
 from .items import TEXTS
 from .items.tables import our_table
-from .rows import Rows, as_csv, read_csv, table
+from .rows import Rows, as_csv, table
 from .study import Study
 
 TITLES = {"paper": "claim", "ours": "we find", "why": "remark"}  # of columns of a comparison
@@ -54,34 +54,16 @@ All numbers follow from the runs kept in this folder: `python scripts/paper all 
 """
 
 
-def publish(study: Study, store: Store, level: str, redraw: bool = False) -> Rows:
-    """Write table, picture and page of an item from its stored runs.
+def publish(study: Study, store: Store, level: str) -> Rows:
+    """Write table, picture and page of an item from its stored runs; return the rows of the table.
 
-    Parameters
-    ----------
-    study : Study
-        The item.
-    store : Store
-        The runs, and the folder of the files.
-    level : str
-        Level of effort.
-    redraw : bool
-        Whether to read the rows from the existing table instead.
-
-    Returns
-    -------
-    list of dict
-        Its rows; empty if nothing is stored.
+    There are none if nothing is stored.
     """
     path = store.folder / study.name
-    if redraw:
-        rows = read_csv(path.with_suffix(".csv").read_text(encoding="utf-8"))
-    else:
-        runs = store.runs_of(cases_of(study.name, level))
-        rows = study.tabulate(runs, level) if runs else []
+    runs = store.runs_of(cases_of(study.name, level))
+    rows = study.tabulate(runs, level) if runs else []
     if rows:
-        if not redraw:
-            write_whole(path.with_suffix(".csv"), as_csv(rows))
+        write_whole(path.with_suffix(".csv"), as_csv(rows))
         study.draw(rows, path.with_suffix(".png"))
         write_whole(path.with_suffix(".md"), _page(study, rows, level))
     return rows

@@ -5,7 +5,6 @@ import io
 import re
 import textwrap
 from collections.abc import Iterator
-from contextlib import suppress
 from itertools import groupby, zip_longest
 from operator import itemgetter
 from string import Formatter
@@ -183,18 +182,3 @@ def as_csv(rows: Rows) -> str:
     writer.writeheader()
     writer.writerows(rows)
     return text.getvalue()
-
-
-def read_csv(text: str) -> Rows:
-    """Return the rows of a CSV text of `as_csv`; an empty cell is None."""
-    return [
-        {name: _value(cell) for name, cell in row.items()}
-        for row in csv.DictReader(io.StringIO(text))
-    ]
-
-
-def _value(cell):
-    for number_type in (int, float):
-        with suppress(ValueError):
-            return number_type(cell)
-    return {"True": True, "False": False, "": None}.get(cell, cell)

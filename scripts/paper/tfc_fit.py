@@ -1,22 +1,92 @@
-"""Fits of the correction terms of eq. tfc to a set of runs, with uncertainties."""
+"""Least squares with a covariance, and fits of the correction terms of eq. tfc to a set of runs."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from scipy.optimize import curve_fit
 
 from hpc_gfmd import SceneError
-from hpc_gfmd.theory.checks import within
 from hpc_gfmd.theory.tfc import TERMS, ratios, sigma_of_terms, slopes, term
 
-from .least_squares import least_squares
-
 PAPER_ALPHA = {"t": 1.0, "f": 0.67, "c": 0.67}  # the exponents of the paper for kappa
-_ALPHA_RANGE = (0.02, 5.0)
-_STARTS = (0.3, 0.67, 1.5)
+ALPHA_RANGE = (0.02, 5.0)
+STARTS = (0.3, 0.67, 1.5)
+# condition number of the normalised design up to which every parameter counts as determined
+WORST = 1e7
+TOLERANCE = 1e-12
+Function = Callable[[np.ndarray], np.ndarray]
+
+
+class Fit(NamedTuple):
+    """The best fit: parameters (k,), their covariance (k, k), and the weighted sum of squares."""
+
+    x: np.ndarray
+    covariance: np.ndarray
+    chi2: float
+
+
+def least_squares(
+    model: Function,
+    jacobian: Function,
+    starts: list[np.ndarray],
+    value: np.ndarray,
+    covariance: np.ndarray,
+    bounds: Any,
+) -> Fit:
+    """Fit model(x) to value, starting from each of several x, and return the best fit.
+
+    Parameters
+    ----------
+    model, jacobian : functions of x
+        Return arrays of shapes (runs,) and (runs, k).
+    starts : list of arrays, shape (k,)
+        Parameters x to begin with; those from which the fit does not converge are skipped.
+    value : array, shape (runs,)
+        What the model is fitted to.
+    covariance : array, shape (runs, runs)
+        Covariance of value.
+    bounds : pair of numbers or of arrays, shape (k,)
+        Lower and upper bounds of x.
+
+    Raises
+    ------
+    SceneError
+        If no start converges, or the data do not determine every parameter.
+    """
+    fits = []
+    for start in starts:
+        try:
+            x, of_parameters, info, *_ = curve_fit(
+                lambda _, *x: model(np.array(x)),
+                None,
+                value,
+                start,
+                covariance,
+                absolute_sigma=True,
+                bounds=bounds,
+                jac=lambda _, *x: jacobian(np.array(x)),
+                x_scale="jac",
+                full_output=True,
+                ftol=TOLERANCE,
+                xtol=TOLERANCE,
+                gtol=TOLERANCE,
+            )
+        except RuntimeError:  # not converged from here
+            continue
+        fits.append(Fit(x, of_parameters, float(np.sum(info["fvec"] ** 2))))
+    best = min(fits, key=lambda fit: fit.chi2, default=None)
+    slopes_of_fit = jacobian(best.x) if best else np.zeros((1, 1))
+    scale = np.linalg.norm(slopes_of_fit, axis=0)
+    if best is None or not scale.all() or np.linalg.cond(slopes_of_fit / scale) > WORST:
+        raise SceneError(
+            "runs: found ratios that vary together, or no trend, allowed: runs that determine every"
+            " term"
+        )
+    return best
 
 
 @dataclass(frozen=True)
@@ -32,8 +102,7 @@ class TfcFit:
     names : tuple of str
         The fitted parameters ("limit", "C_t", ..., "alpha_c", ...) in the order of covariance.
     covariance : array, shape (parameters, parameters)
-        Covariance of the fitted parameters. If the data have no error bars it is scaled by
-        chi2/dof, and nan if dof = 0.
+        Covariance of the fitted parameters.
     chi2, dof : float, int
         Weighted sum of squares and its degrees of freedom.
     """
@@ -54,19 +123,7 @@ class TfcFit:
     def correction(
         self, eps_t: float = 0.0, eps_f: float = 0.0, eps_c: float = 0.0
     ) -> tuple[float, float]:
-        """Compute the sum of the fitted terms at these ratios, and its uncertainty.
-
-        Parameters
-        ----------
-        eps_t, eps_f, eps_c : float
-            Thermodynamic, fractal and continuum ratio, from 0 to 1. A term that was not fitted
-            contributes 0.
-
-        Returns
-        -------
-        total, sigma : float
-            The sum, to be subtracted from a simulated value, and its standard deviation.
-        """
+        """Return the sum of the fitted terms at these ratios, and its standard deviation."""
         eps = ratios(eps_t, eps_f, eps_c)
         row = self.row(0.0)
         return sum(term(row, i, eps[i]) for i in TERMS), sigma_of_terms(row, eps)
@@ -90,67 +147,46 @@ class TfcFit:
 
 
 def fit_tfc(
-    eps_t: ArrayLike,
-    eps_f: ArrayLike,
-    eps_c: ArrayLike,
-    value: ArrayLike,
-    sigma: ArrayLike | None = None,
-    alpha: Mapping | None = None,
-    terms: Iterable[str] = TERMS,
+    eps: Mapping[str, np.ndarray],
+    value: np.ndarray,
+    covariance: np.ndarray,
+    alpha: Mapping[str, float | None],
     limit: float | None = None,
 ) -> TfcFit:
     """Fit eq. tfc to the results of several runs by least squares.
 
     Parameters
     ----------
-    eps_t, eps_f, eps_c : arrays, shape (runs,), or numbers
-        Thermodynamic, fractal and continuum ratio of each run, above 0 and at most 1; those of
-        terms that are not fitted are ignored.
+    eps : dict of arrays, shape (runs,)
+        Ratios of the runs by term ("t", "f", "c").
     value : array, shape (runs,)
         The simulated observable.
-    sigma : number or array, optional
-        Error bars of value, shape (runs,), or their covariance matrix, shape (runs, runs), if runs
-        share a surface. If None, errors follow from the scatter of the fit.
-    alpha : dict, optional
-        Exponents by term, above 0 and at most 10, e.g. {"t": 1, "f": 0.67, "c": None}. None means
-        that the exponent is fitted (0.02 to 5); a term that is absent has the paper's exponent.
-    terms : iterable of str
-        The terms to fit, of "t", "f", "c".
+    covariance : array, shape (runs, runs)
+        Its covariance: runs may share a surface.
+    alpha : dict
+        Exponents of the terms to fit; None means that the exponent is fitted (0.02 to 5).
     limit : float, optional
         A known value in the TFC limit; fitted if None.
-
-    Returns
-    -------
-    TfcFit
 
     Raises
     ------
     SceneError
-        If the runs do not determine every parameter (too few runs, or a ratio that does not vary
-        enough), a number is out of range, or a term is unknown.
+        If the runs do not determine every parameter: too few runs, or ratios that do not vary
+        enough.
     """
-    terms = tuple(terms)
-    for name, letters in (("terms", terms), ("alpha", tuple(alpha or ()))):
-        if set(letters) - set(TERMS):
-            text = "".join(map(str, letters))
-            raise SceneError(f"{name}: found {text!r}, allowed: letters of tfc")
-    value = np.atleast_1d(within("value", value, -np.inf, np.inf))
-    eps = {
-        i: np.broadcast_to(within(f"eps_{i}", e, 0, 1, open_low=True), value.shape)
-        for i, e in zip(TERMS, (eps_t, eps_f, eps_c), strict=True)
-        if i in terms
-    }
-    fixed = {} if limit is None else {"limit": float(within("limit", limit, -np.inf, np.inf))}
-    wanted = PAPER_ALPHA | dict(alpha or {})
-    for i in eps:
-        if wanted[i] is not None:
-            fixed[f"alpha_{i}"] = float(within(f"alpha_{i}", wanted[i], 0, 10, open_low=True))
+    eps = {i: np.asarray(eps[i]) for i in alpha}
+    fixed = {} if limit is None else {"limit": limit}
+    fixed |= {f"alpha_{i}": exponent for i, exponent in alpha.items() if exponent is not None}
     every = ("limit", *(f"{kind}_{i}" for kind in ("C", "alpha") for i in eps))
     names = tuple(name for name in every if name not in fixed)
     free = [name for name in names if name.startswith("alpha")]
-    _enough(value, eps, free, names)
-    if sigma is not None and np.ndim(sigma) < 2:
-        sigma = np.broadcast_to(within("sigma", sigma, 0, np.inf, open_low=True), value.shape)
+    for i, values in eps.items():
+        needed = 3 if f"alpha_{i}" in free else 2
+        number = np.unique(values).size
+        if number < needed:
+            raise SceneError(f"eps_{i}: found {number} different values, allowed: {needed} or more")
+    if len(value) < len(names):
+        raise SceneError(f"runs: found {len(value)}, allowed: {len(names)} or more")
 
     def law(x: np.ndarray) -> dict[str, float]:
         return fixed | dict(zip(names, x, strict=True))
@@ -161,44 +197,20 @@ def fit_tfc(
 
     def jacobian(x: np.ndarray) -> np.ndarray:
         derivatives = slopes(law(x), eps)
-        columns = [np.broadcast_to(derivatives[name], value.shape) for name in names]
+        columns = [np.broadcast_to(derivatives[name], len(value)) for name in names]
         return np.stack(columns, axis=1)
 
     starts = []
-    for guess in product(_STARTS, repeat=len(free)):
-        x = np.append(np.zeros(len(names) - len(free)), guess)
-        # the law is linear in the parameters that stand first
-        linear = jacobian(x)[:, : len(names) - len(free)]
-        x[: linear.shape[1]] = np.linalg.lstsq(linear, value - model(x), rcond=None)[0]
+    n_linear = len(names) - len(free)  # parameters in which the law is linear, which stand first
+    for guess in product(STARTS, repeat=len(free)):
+        x = np.append(np.zeros(n_linear), guess)
+        linear = jacobian(x)[:, :n_linear]
+        x[:n_linear] = np.linalg.lstsq(linear, value - model(x), rcond=None)[0]
         starts.append(x)
-    bounds = np.array([_ALPHA_RANGE if name in free else (-np.inf, np.inf) for name in names]).T
-    best = least_squares(model, jacobian, starts, value, sigma, bounds)
-    dof = value.size - len(names)
-    covariance = best.covariance
-    if sigma is None:
-        covariance = covariance * (best.chi2 / dof if dof else np.nan)
+    bounds = np.array([ALPHA_RANGE if name in free else (-np.inf, np.inf) for name in names]).T
+    best = least_squares(model, jacobian, starts, np.asarray(value), covariance, bounds)
     row = law(best.x.tolist())
     C = {i: row[f"C_{i}"] for i in eps}
     exponents = {i: row[f"alpha_{i}"] for i in eps}
-    return TfcFit(row["limit"], C, exponents, names, covariance, best.chi2, dof)
-
-
-def _enough(value: np.ndarray, eps: dict, free: list, names: tuple) -> None:
-    """Raise SceneError if there are too few runs or too few different values of a ratio.
-
-    eps: ratios of the runs by term. names, free: all fitted parameters, and the fitted exponents. A
-    term with a fitted exponent needs three different ratios, others two.
-    """
-    for i, values in eps.items():
-        needed = 3 if f"alpha_{i}" in free else 2
-        number = np.unique(values).size
-        if number < needed:
-            raise SceneError(
-                f"eps_{i}: found {number} different values, allowed: at least {needed} to fit "
-                f"{'C and alpha' if needed == 3 else 'C'}, or leave the term {i} out"
-            )
-    if value.size < len(names):
-        raise SceneError(
-            f"runs: found {value.size}, allowed: at least {len(names)}, the number of fitted"
-            " parameters"
-        )
+    dof = len(value) - len(names)
+    return TfcFit(row["limit"], C, exponents, names, best.covariance, best.chi2, dof)

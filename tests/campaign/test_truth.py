@@ -77,16 +77,6 @@ def test_the_start_does_not_matter():
     assert cold.contact < warm.contact
 
 
-@pytest.mark.parametrize(
-    ("name", "index", "p_star", "hardness"),
-    [("plastic_cantor", 4, 2e-5, 4e-5), ("target_area_bricks", 2, 1e-10, None)],
-)
-def test_heights_far_above_the_indentation_do_not_spoil_the_truth(name, index, p_star, hardness):
-    wall = families.make(name, 2311, index)
-    contact = Contact(wall.heights, wall.physical_sizes)
-    assert contact.solve(p_star, hardness=hardness).kkt < TOLERANCE
-
-
 def test_a_pressure_that_is_no_solution_violates_the_conditions():
     contact = Contact(families.make("self_affine", 5, 0).heights, (1.0, 1.0))
     truth = contact.solve(0.05)

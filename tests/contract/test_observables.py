@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from contacts import EXACT, rough, sweep_of
 
-import hpc_gfmd
 from hpc_gfmd.commands.show import as_dict, as_text
 from hpc_gfmd.contact import (
     all_distributions,
@@ -162,26 +161,6 @@ def test_degenerate_distributions(name, case):
     assert arrays is None or all(
         len(array) and np.isfinite(array).all() for array in arrays.values()
     )
-
-
-def test_distributions_of_one_point():
-    distributions = hpc_gfmd.solve(
-        [[1.0]], 0.1, distributions=list(all_distributions())
-    ).distributions
-    assert {"pressure", "patches", "gap_autocorrelation"} <= distributions.keys()
-    assert "gap" not in distributions
-
-
-@pytest.mark.parametrize("boundary", ["free", ["periodic", "free"]])
-def test_counts_with_free_edges(boundary):
-    """Counted observables and distributions exist with free edges, too."""
-    counts = {
-        "observables": ["patches", "perimeter", "percolation"],
-        "distributions": ["pressure", "gap", "patches"],
-    }
-    (step,) = run(rough((1, 8, 2), boundary=boundary), counts, loads=[0.1]).steps
-    arrays = {"pressure_density", "gap_edges", "patches_density"}
-    assert {"patches", "perimeter"} | arrays <= step.keys()
 
 
 @pytest.mark.parametrize("accuracy", [1e-1, 1e-3])

@@ -4,13 +4,11 @@ Other defects are found by random changes of bytes (test_readers.py).
 """
 
 import pickle
-import zipfile
 from functools import partial
 
 import h5py
 import numpy as np
 from faults.seeds import FIELD, seeds
-from faults.structured import put
 
 Z = np.arange(48.0).reshape(8, 6)
 HUGE = 10**6
@@ -39,16 +37,6 @@ def cut(path, data, keep):
     path.write_bytes(data[: int(keep * len(data))])
 
 
-def archive(path, **shapes):
-    """Make a .npz archive of arrays with these shapes in their headers but without numbers."""
-    with zipfile.ZipFile(path, "w") as file:
-        for name, shape in shapes.items():
-            with file.open(f"{name}.npy", "w") as array:
-                np.lib.format.write_array_header_1_0(
-                    array, {"descr": "<f8", "fortran_order": False, "shape": shape}
-                )
-
-
 def claims(path, shape):
     """Make a .npy file with `shape` in its header and 48 numbers."""
     with open(path, "wb") as file:
@@ -65,7 +53,8 @@ def trap(path):
 
 def linked(path):
     """Make a file whose map is a link to another file."""
-    h5(path, lambda file: put(file, "surface", "external link"))
+    link = h5py.ExternalLink("elsewhere.h5", "/surface")
+    h5(path, lambda file: file.update(surface=link))
 
 
 def half_a_netcdf(path):

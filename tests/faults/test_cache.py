@@ -7,7 +7,6 @@ import pickle
 import shutil
 import sys
 import tempfile
-from itertools import permutations
 
 import pytest
 from faults.test_readers import EDITS, changed
@@ -80,29 +79,6 @@ def test_a_damaged_kernel_is_compiled_again(damage, compiled):
     assert compiled.files() == [path]
 
 
-def test_code_of_another_kernel_or_signature_is_not_run(compiled):
-    """Even if the files of the cache are exchanged."""
-    arguments = 2.0, 3, 1j
-    for x in arguments:
-        assert (compiled.module().triple(x), compiled.module().square(x)) == (3 * x, x * x)
-    originals = [path.read_bytes() for path in compiled.files()]
-    assert len(originals) == 6
-    for order in list(permutations(range(6)))[1::90]:
-        for path, source in zip(compiled.files(), order, strict=True):
-            path.write_bytes(originals[source])
-        for x in arguments:
-            assert (compiled.module().triple(x), compiled.module().square(x)) == (3 * x, x * x)
-
-
-@pytest.mark.slow
-def test_changed_sources_are_compiled_again(compiled, tmp_path):
-    assert compiled() == (6.0, 0)
-    # of another length: Python knows a changed source by its size and by whole seconds
-    (tmp_path / "small.py").write_text(KERNELS.replace("3 * x", "(7 * x)"))
-    assert compiled() == (14.0, 0)
-    assert compiled() == (14.0, 1)
-
-
 @pytest.mark.parametrize("reason", ["no folder", "no room", "disk full", "no permission"])
 def test_a_cache_that_cannot_be_written(reason, compiled, monkeypatch, tmp_path):
     def fails(*_, **__):
@@ -122,22 +98,6 @@ def test_a_cache_that_cannot_be_written(reason, compiled, monkeypatch, tmp_path)
     assert compiled() == (6.0, 0)
     assert compiled() == (6.0, 0)
     assert compiled.files() == []
-
-
-@pytest.mark.skipif(not hasattr(os, "getuid"), reason="needs owners of files")
-def test_temporary_files_are_the_cache_where_the_users_cannot_be_written(
-    compiled, monkeypatch, tmp_path
-):
-    """Unless others can write there, too."""
-    (tmp_path / "cache").write_text("a file where the folder should be")
-    temporary = tmp_path / "temporary"
-    temporary.mkdir()
-    monkeypatch.setattr(tempfile, "gettempdir", lambda: str(temporary))
-    assert compiled() == (6.0, 0)
-    assert compiled() == (6.0, 1)
-    (folder,) = temporary.iterdir()
-    folder.chmod(0o777)
-    assert compiled() == (6.0, 0)
 
 
 def test_other_sources_have_another_folder_and_few_are_kept(compiled, monkeypatch, tmp_path):
@@ -253,13 +213,6 @@ print([main(command.split()) for command in {commands}])
     assert completed.returncode == 0, completed.stderr
     assert completed.stdout.endswith("[0, 0, 0]\n"), completed.stdout
     assert sorted(path.name for path in tmp_path.iterdir()) == files
-
-
-def test_pieces_of_kernels_are_inlined():
-    """Otherwise cached code might call another copy of a piece, with other rounding errors."""
-    from hpc_gfmd.kernels.multilevel import restrict_row
-
-    assert restrict_row.targetoptions["forceinline"]
 
 
 @pytest.mark.slow

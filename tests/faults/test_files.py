@@ -1,13 +1,11 @@
 """Bad files of every kind: a single line, exit code 2, no files written, no code executed."""
 
-import zipfile
-
 import h5py
 import numpy as np
 import pytest
 import tomli_w
 from contacts import rough
-from faults.bad_files import HEIGHT_MAPS, RESULTS, Z, archive, cut, h5
+from faults.bad_files import HEIGHT_MAPS, RESULTS, Z, cut, h5
 
 from hpc_gfmd.scene import File
 from hpc_gfmd.surface.topography import open_topography
@@ -53,25 +51,6 @@ def test_result_file(fault, tmp_path, refused):
         refused(*command)
 
 
-def test_a_large_map_in_one_chunk_is_unpacked_once(tmp_path):
-    """Rows are read a few at a time from the unpacked chunk, even if the file changes."""
-    z = np.arange(2048.0 * 640).reshape(2048, 640)
-    path = tmp_path / "z.h5"
-    h5(
-        path,
-        lambda file: file.create_dataset(
-            "surface", data=z, chunks=z.shape, compression="gzip", compression_opts=1
-        ),
-    )
-    topography = open_topography(File(kind="file", path=str(path)))
-    assert np.array_equal(topography.rows(0, 64), z[:64])
-    with open(path, "r+b") as file:  # the chunk cannot be unpacked again
-        file.seek(4000)
-        file.write(bytes(path.stat().st_size - 5000))
-    for i in range(64, 2048, 64):
-        assert np.array_equal(topography.rows(i, i + 64), z[i : i + 64])
-
-
 @pytest.mark.parametrize(
     "array",
     [Z.astype(">f4"), np.asfortranarray(Z), Z.astype("i2"), Z.astype("u1"), Z.astype("f2"), Z[::2]],
@@ -83,51 +62,6 @@ def test_sound_height_maps_of_every_kind(array, tmp_path):
         topography = open_topography(File(kind="file", path=str(path)))
         assert topography.n == array.shape
         assert np.array_equal(topography.rows(1, 4), np.asarray(array, dtype=float)[1:4])
-
-
-def test_one_array_of_an_archive_is_unpacked(tmp_path):
-    """Other arrays may claim any size."""
-    archive(tmp_path / "z.npz", unit=(10**9,), other=(10**6, 10**6))
-    with zipfile.ZipFile(tmp_path / "z.npz", "a") as file, file.open("z.npy", "w") as array:
-        np.save(array, Z)
-    topography = open_topography(File(kind="file", path=str(tmp_path / "z.npz"), dataset="z"))
-    assert np.array_equal(topography.rows(1, 4), Z[1:4])
-
-
-def test_soft_links_within_the_file_are_followed(tmp_path):
-    def fill(file):
-        file["a/b/heights"] = Z
-        file["a/link"] = h5py.SoftLink("b")
-        file["surface"] = h5py.SoftLink("a/link/heights")
-
-    h5(tmp_path / "z.h5", fill)
-    assert np.array_equal(open_topography(File(kind="file", path="z.h5")).rows(0, 8), Z)
-
-
-def test_packed_netcdf_and_missing_points():
-    """By the conventions of NetCDF height = scale_factor * number + add_offset; _FillValue marks
-    missing points."""
-    from scipy.io import netcdf_file
-
-    from hpc_gfmd.util.errors import SceneError
-
-    def write(path, **attributes):
-        with netcdf_file(path, "w") as file:
-            for name, size in zip("xy", Z.shape, strict=True):
-                file.createDimension(name, size)
-            z = file.createVariable("z", "i2", ("x", "y"))
-            z[:] = Z
-            for name, value in attributes.items():
-                setattr(z, name, value)
-        return open_topography(File(kind="file", path=str(path)))
-
-    topography = write("z.nc", scale_factor=0.25, add_offset=-3.0, _FillValue=np.int16(99))
-    assert np.array_equal(topography.rows(2, 5), 0.25 * Z[2:5] - 3)
-    assert np.argwhere(
-        np.isnan(write("holes.nc", missing_value=np.int16(5)).rows(0, 3))
-    ).tolist() == [[0, 5]]
-    with pytest.raises(SceneError, match="scale_factor is no number"):
-        write("odd.nc", scale_factor="much")
 
 
 @pytest.fixture

@@ -54,18 +54,3 @@ def test_sweep_is_that_of_one_process(comm, n, coarsest, fewest_rows, monkeypatc
         assert np.allclose(mine, expected, rtol=1e-10, atol=1e-12 * np.abs(expected).max())
     if coarsest == 64:
         assert levels.distributed == levels.gap_mode.level - 1 > 0
-
-
-def test_gap_mode_counts(comm, monkeypatch):
-    """Without it z is another one: so the test above sees it."""
-    n = 256, 256
-    g, p = contact(n)
-    (z, *_), levels = swept(comm, n, g, p)
-    monkeypatch.setattr(levels.gap_mode, "level", None)
-    grid = levels.grid
-    mine = slice(*grid.rows)
-    levels.restrict(g[mine], np.where(g > 0, p, 1.0)[mine])
-    levels.sweep(np.mean(g <= 0))
-    transfer = levels.transfers[0]
-    rows = np.arange(transfer.lo[transfer.rank], transfer.hi[transfer.rank]) % transfer.m[0]
-    assert not np.allclose(levels.z[1 : 1 + len(rows)], z[rows], rtol=1e-3)

@@ -1,10 +1,6 @@
 """hpc_gfmd.solve with a communicator: numbers of one process, fields by rows, one file, errors on
 all ranks."""
 
-import runpy
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 from contacts import random_heights, rough
@@ -72,13 +68,3 @@ def test_a_communicator_of_mpi4py(comm):
     assert hpc_gfmd.run(scene, out="run.h5", quiet=True, comm=comm.mpi).status == "converged"
     with pytest.raises(SceneError, match=r"^comm: found int, allowed"):
         hpc_gfmd.run(scene, comm=3)
-
-
-def test_the_example(comm, shared_path, monkeypatch):
-    if comm.size == 1:
-        pytest.skip("needs several ranks")
-    example = Path(__file__).parents[2] / "examples" / "mpi_script.py"
-    monkeypatch.setattr(sys, "argv", [str(example), "96"])
-    runpy.run_path(str(example), run_name="__main__")
-    comm.barrier()
-    assert (shared_path / "mpi_script.h5").is_file()

@@ -102,33 +102,3 @@ def test_different_files_on_ranks(comm):
     if comm.size > 1:
         with pytest.raises(SceneError, match="on some ranks"):
             build_surface(File(kind="file", path=path, physical_sizes=SIZES), comm, np.float64)
-
-
-def test_notes(comm):
-    """Suspicious heights get a note, others none, on any number of ranks."""
-    x, y = np.meshgrid(np.arange(48) / 48, np.arange(40) / 40, indexing="ij")
-    smooth = 1e-2 * sum(np.cos(2 * np.pi * (k * x + (3 - k) * y) + k * k) for k in range(1, 4))
-    rough = 1e-2 * np.cos(np.arange(48 * 40) ** 2 * 0.7).reshape(48, 40)
-    holes = smooth.copy()
-    holes[5:25, 5:25] = np.nan
-    tilted = smooth + 0.1 * x
-    cases = [
-        (smooth, {}, []),
-        (rough, {}, []),  # only a person who reads the map is told
-        (holes, {"fill": "harmonic"}, ["21 % of the heights are filled"]),
-        (tilted, {"boundary": "periodic"}, ["opposite edges along x differ by"]),
-        (tilted, {"boundary": "mirror"}, []),
-        (30 * smooth, {}, ["the theory is that of small slopes"]),
-        (1e7 * smooth, {}, ["probably in different units"]),
-        (1e-6 * smooth, {}, ["probably in different units"]),
-    ]
-    for z, keys, words in cases:
-        if comm.rank == 0:
-            np.save("z.npy", z)
-        comm.barrier()
-        notes = build_surface(
-            File(kind="file", path="z.npy", physical_sizes=SIZES, **keys), comm, np.float64
-        ).notes
-        assert len(notes) == len(words), notes
-        assert all(word in str(note) for word, note in zip(words, notes))
-        comm.barrier()

@@ -246,14 +246,6 @@ def test_a_tensile_load_separates_on_approach():
     assert "separated" in solution.note
 
 
-def test_no_load_at_all():
-    """Attraction alone brings the bodies into contact."""
-    solution = hpc_gfmd.solve(adhesive.wall(4, 4), 0.0, adhesion=adhesive.attraction(1.0, 0.1))
-    assert solution.status == "converged"
-    assert solution.a_r > 0
-    assert solution.pressure.mean() == pytest.approx(solution.value("attraction"), rel=1e-3)
-
-
 # -- balances
 
 
@@ -326,27 +318,3 @@ def test_weak_attraction_changes_nothing():
             assert solution.value("stability") > 0.99
         else:
             assert solution.a_r > 1.03 * plain.a_r
-
-
-def test_stickiness_of_a_stored_contact(tmp_path):
-    """Computed from the file, where the wall bears the attraction besides the load."""
-    adhesion = adhesive.attraction(3.0, 0.02)
-    solution = hpc_gfmd.solve(adhesive.wall(), adhesive.LOAD, adhesion=adhesion)
-    stored = hpc_gfmd.load(solution.save(tmp_path / "stored.h5"))[0]
-    assert stored.observable("stickiness") == pytest.approx(solution.observable("stickiness"))
-
-
-def test_pulling_loads_are_stored_in_single_precision(tmp_path):
-    """A file of float32 holds the pressures of loads that pull, and the zeros after pull-off."""
-    tables = {
-        "surface": {"kind": "sphere", "radius": 1.0, "n": [64, 64], "physical_sizes": [1.0, 1.0]},
-        "material": {"adhesion": {"work": 0.02, "range": 0.05}},
-        "load": {"pressure": [0.05, -0.5]},
-        "output": {"path": str(tmp_path / "o.h5"), "fields": ["pressure"], "dtype": "single"},
-    }
-    hpc_gfmd.run(hpc_gfmd.scene.Scene.from_dict(tables), quiet=True)
-    held, separated = hpc_gfmd.load(tmp_path / "o.h5")
-    assert (held.status, separated.status) == ("converged", "separated")
-    assert held.pressure.dtype == separated.pressure.dtype == np.float32
-    assert held.pressure.mean(dtype=float) > 0.05
-    assert not separated.pressure.any()

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from campaign.truth import Contact
-from contacts import field, random_heights, sweep_over
+from contacts import field, random_heights, rough_wall, sweep_over
 
 import hpc_gfmd
 from hpc_gfmd.driver.load import Load
@@ -30,9 +30,7 @@ def test_an_area_of_heights_that_single_precision_cannot_tell_apart(share):
 @pytest.mark.parametrize("accuracy", [1e-4, 1e-6])
 def test_no_jump_of_a_wall_without_symmetry(seed, share, accuracy):
     """Points of a rough surface come into contact one by one, however steep the curve is."""
-    wall = hpc_gfmd.make_surface(
-        "self-affine", hurst=0.3, L_over_lam_l=1, lam_l_over_lam_s=32, lam_s_over_a=2, seed=seed
-    )
+    wall = rough_wall((1, 32, 2), hurst=0.3, seed=seed)
     solution = hpc_gfmd.solve(wall.heights, a_r=share, physical_sizes=wall.sizes, accuracy=accuracy)
     points = wall.heights.size
     assert solution.status == "converged"
@@ -101,20 +99,6 @@ def test_an_area_of_less_than_two_points():
     assert contact.status == "converged"
     assert contact.contact_points in (1, 2)
     assert "1.4 points" in contact.note
-
-
-@pytest.mark.parametrize("share", [0.6 / 64, 1 / 64, 1.3 / 64])
-def test_the_first_line_of_a_wall_that_varies_along_one_axis(share):
-    z = np.repeat(random_heights((1, 64), seed=4), 48, axis=0)
-    contact = sweep_over(z, accuracy=1e-3).solve(Load("a_r", share))
-    assert contact.status == "converged"
-    assert contact.contact_points == 1
-
-
-def test_less_than_half_a_line_of_a_wall_that_varies_along_one_axis():
-    z = np.repeat(random_heights((1, 64), seed=4), 48, axis=0)
-    with pytest.raises(hpc_gfmd.SceneError, match=r"load\.a_r: found 0\.005, .* 64 lines"):
-        hpc_gfmd.solve(z, a_r=0.005)
 
 
 @pytest.mark.filterwarnings("ignore")

@@ -8,6 +8,7 @@ import subprocess
 
 import numpy as np
 import pytest
+from contacts import rough_wall
 
 import hpc_gfmd
 
@@ -26,10 +27,7 @@ pytestmark = pytest.mark.skipif(
 
 @pytest.fixture(scope="module")
 def law():
-    surface = hpc_gfmd.make_surface(
-        "self-affine", hurst=0.8, L_over_lam_l=2, lam_l_over_lam_s=8, lam_s_over_a=4, seed=2,
-        physical_sizes=("100 um", "100 um"), h_rms="0.5 um",
-    )  # fmt: skip
+    surface = rough_wall((2, 8, 4), seed=2, physical_sizes=("100 um", "100 um"), h_rms="0.5 um")
     names = ["gap_mean", "conductance"]
     return hpc_gfmd.interface_law(surface, "1 MPa", "500 MPa", quantities=names, E_star="110 GPa")
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from contacts import heights_of, rough, scene_text, solve_scene, sweep_of, sweep_over
+from contacts import heights_of, rough, rough_wall, solve_scene, sweep_of, sweep_over
 
 import hpc_gfmd
 from hpc_gfmd.contact.area import (
@@ -114,30 +114,6 @@ def test_full_contact_has_no_discretisation_error():
     assert a_r_discretisation(lifted) == np.inf
 
 
-SCENE = scene_text((2, 16, 4), [0.35, 1e-4])
-
-
-def test_reported_with_the_area(tmp_path, cli):
-    """Tables also show the precision of each load, which differs between loads under "auto"."""
-    (tmp_path / "s.toml").write_text(SCENE)
-    table = cli.prints("run s.toml")
-    headline = next(line for line in table.splitlines() if "points," in line)
-    assert "float32 until a load needs float64" in headline
-    shown = cli.prints("show contact.h5")
-    steps = cli.data("show contact.h5")["steps"]
-    assert [step["precision"] for step in steps] == ["float32", "float64"]
-    for text in (table, shown):
-        rows = [line for line in text.splitlines() if line.endswith("  converged")]
-        assert ["float32" in row for row in rows] == [True, False]
-        assert ["float64" in row for row in rows] == [False, True]
-    errors = cli.prints("show contact.h5 --errors")
-    for step in steps:
-        assert f" {100 * step['a_r_discretisation']:.2g} " in errors
-    solution = hpc_gfmd.solve(heights_of(rough((2, 16, 4))), 0.35)
-    assert solution.a_r_discretisation == pytest.approx(steps[0]["a_r_discretisation"], rel=0.01)
-    assert solution.precision == "float32"
-
-
 def within_bars(surface_of, grids, finest, load, names):
     """Check that numbers on each grid differ from those on the finest one by at most their bars."""
     exact = hpc_gfmd.solve(surface_of(finest), load)
@@ -152,31 +128,14 @@ def within_bars(surface_of, grids, finest, load, names):
 @pytest.mark.parametrize(("hurst", "p"), [(0.3, 0.4), (0.8, 0.02), (0.8, 0.1)])
 def test_gaps_and_pressures_of_finer_grids_are_within_the_bars(hurst, p):
     def surface(lam_s_over_a):
-        return hpc_gfmd.make_surface(
-            "self-affine",
-            hurst=hurst,
-            L_over_lam_l=2,
-            lam_l_over_lam_s=32,
-            lam_s_over_a=lam_s_over_a,
-            seed=4,
-            h_rms=0.01,
-        )
+        return rough_wall((2, 32, lam_s_over_a), hurst=hurst, seed=4, h_rms=0.01)
 
     names = ("gap_mean", "contact_pressure_max", "contact_pressure_mean")
     within_bars(surface, (2, 4, 8), 16, p, names)
 
 
 def test_gaps_of_a_piece_with_free_edges():
-    wall = hpc_gfmd.make_surface(
-        "self-affine",
-        hurst=0.8,
-        L_over_lam_l=2,
-        lam_l_over_lam_s=32,
-        lam_s_over_a=4,
-        seed=3,
-        g_rms=0.1,
-        physical_sizes=(24.0, 24.0),
-    )
+    wall = rough_wall((2, 32, 4), seed=3, g_rms=0.1, physical_sizes=(24.0, 24.0))
     tilted = wall.heights[:128, :128] + 0.1 * np.arange(128)[:, None]
 
     def surface(refine):

@@ -262,15 +262,6 @@ def test_a_flat_square_is_a_punch():
     assert observe(step, "approach") == pytest.approx(0.01 / 1.151, rel=1e-2)
 
 
-def test_edges_of_the_surface_are_no_boundary_of_the_contact():
-    """Points at opposite edges are no neighbours, either."""
-    z = np.zeros((16, 16))
-    z[:, 5:] = -100.0
-    step = sweep_over(z, accuracy=1e-3, precision="double").solve(0.01)
-    assert step.contact_points == 80
-    assert step.boundary_segments == 16
-
-
 def test_gradient_between_neighbours():
     """g_rms of a surface with free edges ignores the jump between opposite edges."""
     x = np.arange(12.0)[:, None]

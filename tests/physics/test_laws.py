@@ -184,3 +184,12 @@ def test_spectrum_follows_the_exponent():
         )
         flat = [power[(k > 0.9) & (k < 2.5)].mean(), power[(k > 2.5) & (k <= 4)].mean()]
         assert flat[0] / flat[1] == pytest.approx(1, abs=0.5)
+
+
+def test_the_peak_is_the_contact():
+    """Peaks point up: a bump touches at its top, a dent does not touch at its bottom."""
+    x = (np.arange(32) - 16) / 32
+    bump = np.exp(-20 * (x[:, None] ** 2 + x**2))
+    up, down = (hpc_gfmd.solve(z, 1e-2) for z in (bump, -bump))
+    assert up.pressure[16, 16] == up.pressure.max() > 0
+    assert down.pressure[16, 16] == 0

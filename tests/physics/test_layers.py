@@ -8,7 +8,6 @@ from contacts import EXACT, field, heights_of, relative, rough, solve_scene, swe
 
 import hpc_gfmd
 from hpc_gfmd.bodies import body_of
-from hpc_gfmd.bodies.layer import Layer
 from hpc_gfmd.scene import Material
 
 LAYERS = [
@@ -83,15 +82,6 @@ def test_compliance_is_that_of_elasticity(nu, base, qt):
     body = body_of(Material(**material(nu, base, 0.7)))
     K = body.stiffness(np.array([qt / 0.7 * 0.2]), 0.2)[0]
     assert qt / 0.7 * 0.2 / 2 / K == pytest.approx(softness(qt / 0.7, 0.7, nu, base), rel=1e-6)
-
-
-@every_layer
-def test_uniform_pressure(nu, base):
-    """K is the oedometric modulus (bonded) or E* = 1 (frictionless) over the thickness."""
-    modulus = (1 - nu) ** 2 / (1 - 2 * nu) if base == "bonded" else 1.0
-    assert Layer(0.4, nu, base).stiffness(np.zeros(1), 0.1)[0] == pytest.approx(
-        modulus * 0.1 / 0.4, rel=1e-6
-    )
 
 
 @every_body

@@ -5,7 +5,7 @@ import numpy as np
 import oracle
 import polonsky_keer
 import pytest
-from contacts import EXACT, random_heights, relative, rough, wave_numbers
+from contacts import EXACT, random_heights, relative, rough_wall, wave_numbers
 from transfers import matrix
 
 import hpc_gfmd
@@ -122,7 +122,7 @@ def test_manufactured_solution(n, sizes, seed):
 )
 def test_with_a_hardness(load, hardness, yields):
     """p = 0 where the gap is open, and p = hardness in dents; a huge hardness changes nothing."""
-    surface = hpc_gfmd.make_surface(**rough((2, 16, 2), hurst=0.9))
+    surface = rough_wall((2, 16, 2), hurst=0.9)
     exact = oracle.solve_yielding(surface.heights, load, hardness)
     solution = hpc_gfmd.solve(
         surface,

@@ -190,14 +190,6 @@ def test_a_gap_that_nearly_closes(make, gap, accuracy, allowed_ratio):
     assert step.pairs <= allowed_ratio * make(accuracy=accuracy).solve(step.p_mean).pairs
 
 
-@pytest.mark.parametrize("boundary", ["periodic", "free"])
-def test_trial_loads_that_close_a_grid(boundary):
-    """A trial load may close a coarse grid or the finest one, and is then too large."""
-    z = np.random.default_rng(400).random((32, 32)) < 0.3
-    solutions = hpc_gfmd.solve(1.0 * z, gap_over_h_rms=[0.5, 0.1], boundary=boundary, accuracy=1e-2)
-    assert {step.status for step in solutions} == {"converged"}
-
-
 def test_a_gap_that_cannot_be_more_accurate():
     """Near full contact the error of free edges exceeds the accuracy: the solver stops early with a
     note."""
@@ -223,19 +215,6 @@ def test_a_sweep_through_full_contact(boundary, solver):
     closed = [contact.contact_points == contact.N for contact in contacts]
     assert closed == [False, True, False, True]
     assert contacts[3].p_mean == pytest.approx(contacts[1].p_mean, rel=1e-3)
-
-
-def test_an_area_that_jumps():
-    """Four equal peaks touch together, and later four others: the nearer area is taken, with a
-    note."""
-    z = np.full((16, 16), -1.0)
-    z[::8, ::8] = 0.0
-    z[4::8, ::8] = -0.01
-    for target, points in ((5.5 / 256, 4), (6.5 / 256, 8)):
-        step = sweep_over(z, accuracy=1e-3, precision="double").solve(Load("a_r", target))
-        assert step.status == "converged"
-        assert step.contact_points == points
-        assert "a_r jumps from 0.01562 to 0.03125: the nearer" in step.note
 
 
 def flat_tops(points, period):

@@ -3,12 +3,9 @@
 import numpy as np
 import pytest
 from contacts import rough, solve_scene, sweep_of
-from scene_tables import scene_of
 
 from hpc_gfmd import reference
 from hpc_gfmd.contact import all_observables
-from hpc_gfmd.parallel.comm import SerialComm
-from hpc_gfmd.surface import build_surface
 
 P_STAR = 0.01 / np.sqrt(2)
 CASES = [  # hurst, lam_l/lam_s, seeds, kappa, its uncertainty, edge-corrected kappa
@@ -72,17 +69,3 @@ def test_pairs_do_not_grow_with_the_grid(p_star, allowed_pairs):
         means.append(np.mean(pairs))
     assert means[1] <= allowed_pairs
     assert means[1] <= means[0] + 1
-
-
-def test_heights_in_single_precision_are_rounded_once():
-    """Heights are transformed in double precision except in low memory, where rounding errors are a
-    few times larger."""
-    spec = scene_of("surface.lam_l_over_lam_s = 32").surface
-    exact = build_surface(spec, SerialComm(), np.float64).h
-    unit = np.finfo(np.float32).eps * exact
-    once, in_low_memory = (
-        build_surface(spec, SerialComm(), np.float32, low_memory=low_memory).h
-        for low_memory in (False, True)
-    )
-    assert (np.abs(once - exact) <= 0.51 * unit).all()
-    assert np.abs(once - exact).max() < np.abs(in_low_memory - exact).max() < 20 * unit.max()

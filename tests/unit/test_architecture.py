@@ -103,14 +103,6 @@ def test_only_bodies_depend_on_the_stiffness():
     assert any(file_name.startswith("bodies/") for file_name in using)
 
 
-def test_floors_on_the_developer_page():
-    page = (ROOT.parent / "docs" / "developer.md").read_text()
-    lines = page.partition("```text\n")[2].partition("```")[0].splitlines()
-    folders = {folder for floor in FLOORS for folder in floor}
-    drawn = [set(line[:22].split()) & folders for line in lines]
-    assert drawn == [set(floor) for floor in FLOORS]
-
-
 def test_names_on_the_developer_page_exist():
     """Files, and functions and classes in them."""
     page = (ROOT.parent / "docs" / "developer.md").read_text()

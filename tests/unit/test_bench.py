@@ -98,16 +98,6 @@ def test_true_errors():
     assert 1e-3 < distance(by_cells(free), pressure) < 0.06
 
 
-def test_waves_of_the_surface():
-    """The surface has the longest and shortest waves that were asked for."""
-    surface = RoughContact(64, 0.05, L_over_lam_l=4, lam_s_over_a=4).surface
-    amplitudes = np.abs(np.fft.rfft2(surface.heights - surface.heights.mean()))
-    q = np.hypot(np.fft.fftfreq(64, 1 / 64)[:, None], np.fft.rfftfreq(64, 1 / 64))
-    present = q[amplitudes > 1e-9]
-    assert present.min() == 4
-    assert present.max() == 16
-
-
 def test_displacement_by_a_cell():
     """The displacement by a pressure on one cell agrees with quadrature, there and around it."""
     half = 0.4, 0.8

@@ -2,7 +2,6 @@
 
 import contextlib
 import errno
-import os
 import re
 
 import h5py
@@ -120,24 +119,17 @@ def test_interrupted_runs_are_resumed(cli, folder, monkeypatch):
     ("args", "named"),
     rows("""
 run scene.toml --set load.p_sta=1 | load.p_star
-run scene.toml --set surfac.n=1 | surface
 run scene.toml --set solver.accuracy=0 | solver.accuracy
 run gone.toml | gone.toml
-run | SCENE
 walk scene.toml | walk
 plam scene.toml | plan
 run scene.toml --foo | hpc-gfmd run --help
 plan --rank 3 scene.toml --foo=1 | hpc-gfmd plan --help
 show gone.h5 | gone.h5
 show scene.toml | scene.toml
-plot gone.h5 | gone.h5
-restart gone.h5 | gone.h5
-plan scene.toml --ranks 0 | --ranks
 plan scene.toml --set surface.lam_l_over_lam_s=262144 | GiB
 persson --hurst 2 --eps-f 0.1 --p-star 0.1 | urst
-run scene.toml --set solver.name=gfdm | solver.name
 run scene.toml --set surface.boundary=free --set 'output.distributions=["gap_spectrum"]' | spectrum
-run scene.toml -o here.txt | output.path
  | COMMAND
 run scene.toml --set machine.memory_gib=1e-6 | GiB
 """),
@@ -167,29 +159,6 @@ def test_plan(cli, folder):
 
 
 @pytest.mark.parametrize(
-    ("environment", "threads", "per_node"),
-    [
-        ({}, 3, 4),
-        ({"SLURM_TASKS_PER_NODE": "16(x3),7"}, 3, 16),
-        ({"SLURM_TASKS_PER_NODE": "2", "SLURM_NTASKS_PER_NODE": "8"}, 1, 8),
-    ],
-)
-def test_plan_of_many_ranks(environment, threads, per_node, tmp_path, cli, monkeypatch):
-    """By default, ranks per node follow from this machine's cores or from Slurm."""
-    text = scene_text((2, 4096, 8), [0.1], solver={"precision": "single"})
-    (tmp_path / "scene.toml").write_text(text)
-    monkeypatch.setattr(os, "sched_getaffinity", lambda pid: set(range(12)))
-    for name, value in environment.items():
-        monkeypatch.setenv(name, value)
-    plan = cli.data("plan scene.toml", "--ranks", 4096, "--threads", threads)
-    assert (plan["ranks"], plan["threads"]) == (4096, threads)
-    assert plan["points_per_rank"] == 65536 * 16
-    assert plan["bytes_per_rank"] > plan["points_per_rank"] * 4 * 6
-    assert plan["ranks_per_node"] == per_node
-    assert plan["gib_per_node"] == pytest.approx(per_node * plan["gib_per_rank"])
-
-
-@pytest.mark.parametrize(
     "keys", ['unit = "um"', "physical_sizes = [1.0, 3.0]\ncrop = [0.0, 0.0, 0.5, 3.0]"]
 )
 def test_plan_of_a_map_with_free_edges(cli, tmp_path, keys):
@@ -208,12 +177,6 @@ def test_plan_of_a_map_with_free_edges(cli, tmp_path, keys):
 def test_info(cli):
     text = cli.prints("info")
     assert all(word in text for word in ("numpy", "FFT", "MPI", "HDF5", "cores"))
-
-
-def test_python_interface(folder):
-    for _ in range(2):  # in the second call all modules are imported already
-        run = hpc_gfmd.run("scene.toml", quiet=True)
-    assert (run.status, run.exit_code, len(run.steps)) == ("converged", 0, 2)
 
 
 @pytest.mark.parametrize(

@@ -33,8 +33,3 @@ def test_bash(tmp_path):
     assert "--force" in completed(script, ["hpc-gfmd", "run", "--fo"])
     assert "gwy" in completed(script, ["hpc-gfmd", "export", "--to", "g"])
     assert "scene.toml" in completed(script, ["hpc-gfmd", "run", "sce"])
-
-
-@pytest.mark.parametrize("shell", ["zsh", "tcsh"])
-def test_other_shells(shell):
-    assert "restart" in printed("-m", "hpc_gfmd", "--print-completion", shell)

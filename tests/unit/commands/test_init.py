@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from contacts import heights_of, rough
-from refusal import refused
 
 from hpc_gfmd.commands.init import compose
 from hpc_gfmd.scene import Scene, load_scene
@@ -119,20 +118,6 @@ def test_boundary_and_detrending_are_detected(z, chosen, outliers):
     assert outliers in (None, any("points stand out" in line for line in notes))
 
 
-def test_remarks_are_those_of_the_scene():
-    """A lens with free edges meets nothing in a kink, and holes that nobody fills do not run."""
-    lens = -((X[:, None] - 48) ** 2 + (X - 48.0) ** 2)
-    lens[3, 4] = np.nan
-    np.savez("map.npz", z=lens, physical_sizes=[1.0, 1.0], unit="um")
-    free = ["surface.boundary=free"]
-    for keys, kinks in (([], 2), (free, 0), (["surface.boundary=['free','periodic']"], 1)):
-        notes = compose("map.npz", Path("a.toml"), keys)[2]
-        assert sum("meet in a kink" in note for note in notes) == kinks
-        assert not any("does not run" in note for note in notes)
-    notes = compose("map.npz", Path("a.toml"), ["surface.fill=none"])[2]
-    assert sum("does not run" in note for note in notes) == 1
-
-
 def test_the_boundary_of_a_piece(tmp_path, cli, monkeypatch):
     """Without a terminal "mirror" is written with all choices; a terminal is asked."""
     np.savez("map.npz", z=PART, physical_sizes=[1.0, 1.0], unit="um")
@@ -204,24 +189,3 @@ def test_help_describes_every_key():
                 if key != "kind":
                     assert f"| `{key}` | {item.description} | " in page
                     assert item.json_schema_extra["allowed"] in page
-
-
-def test_help_on_single_topics(cli):
-    with refused(r"nearest: solver\.accuracy"):
-        text("solver.acuracy")
-    with refused(r"help scene: found friction, not modelled"):
-        text("friction")
-    assert "allowed: scene, " in cli.refused("help rum")
-    assert "found solver, allowed: a key after scene" in cli.refused("help run solver")
-    assert "patch_largest" in cli.prints("help scene output")
-
-
-def test_a_map_far_above_its_zero_is_judged_as_at_zero():
-    """Heights of nanometres that are stored with a position of a tenth of a metre."""
-    remarks = []
-    for offset in (0.0, 0.1):
-        np.savez("map.npz", z=2e-9 * PERIODIC / PERIODIC.std() + offset, unit="m")
-        notes = compose("map.npz", Path("a.toml"), ["surface.physical_sizes=['1 um','1 um']"])[2]
-        remarks.append([line for line in notes if "h_rms" in line or "tilt" in line])
-    assert remarks[0] == remarks[1]
-    assert any("h_rms = 2 nm" in line for line in remarks[0])

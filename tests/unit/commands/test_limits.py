@@ -1,14 +1,12 @@
 """`hpc-gfmd show --tfc`: corrections of a result to the thermodynamic, fractal and continuum
 limits."""
 
-import json
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from refusal import refused
 
-from hpc_gfmd.commands.limits import limits_text, to_limits
+from hpc_gfmd.commands.limits import to_limits
 from hpc_gfmd.output.result import Result
 from hpc_gfmd.theory import tfc
 
@@ -41,35 +39,6 @@ def test_example_of_the_paper():
         sum(kappa[f"correction_{i}"] for i in "tfc")
     )
     assert "no uncertainties" in " ".join(kappa["notes"])
-
-
-def test_uncertainty_of_the_coefficients_is_added(tmp_path):
-    table = tfc.paper_table()
-    for part in table["tables"]:
-        for row in part["rows"]:
-            row["sigma"] = {"C_c": 0.01}
-    path = tmp_path / "mine.json"
-    path.write_text(json.dumps(table))
-    kappa = kappa_of(result_of(), str(path))
-    assert kappa["correction_sigma"] == pytest.approx(0.01 * 0.5**0.67)
-    assert kappa["extrapolated_sigma"] == pytest.approx(
-        (2.2e-3**2 + kappa["correction_sigma"] ** 2) ** 0.5
-    )
-
-
-def test_pressures_outside_the_table_are_not_corrected():
-    """The reason is the message of theory.tfc."""
-    result = result_of(p_star=0.1)
-    kappa = kappa_of(result)
-    assert "extrapolated" not in kappa
-    assert "p_star: found 0.1" in kappa["refused"]
-    assert "not corrected" in limits_text(to_limits(result, "paper"))
-
-
-def test_loads_without_convergence_are_marked():
-    result = replace(result_of(status="stagnated"), indices=[3])
-    assert "step 3: NOT CONVERGED" in limits_text(to_limits(result, "paper"))
-    assert "NOT CONVERGED" not in limits_text(to_limits(result_of(), "paper"))
 
 
 def test_other_surfaces_are_refused():

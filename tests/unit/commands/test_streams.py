@@ -1,6 +1,5 @@
 """Broken output streams stop no solve, and exit code 0 means that the result is complete."""
 
-import io
 import os
 import shlex
 import subprocess
@@ -12,7 +11,6 @@ from contacts import scene_text
 from mpi_harness import environment, missing, python
 from result_files import complete
 
-import hpc_gfmd
 from hpc_gfmd.output.read import read_result
 
 SCENE = scene_text(title="Fl\u00e4che \u0394")
@@ -87,32 +85,6 @@ def test_commands_that_print_results_fail_without_output(folder, args, after, wo
 
 def test_exit_code_of_an_error_without_stderr(folder):
     assert shell(folder, [], ["run", "gone.toml"], "2>&-")[0] == 2
-
-
-class Broken(io.StringIO):
-    """Takes a few characters, then fails."""
-
-    def __init__(self, error, room=20):
-        super().__init__()
-        self.error = error
-        self.room = room
-
-    def write(self, text):
-        self.room -= len(text)
-        if self.room < 0:
-            raise self.error
-        return super().write(text)
-
-
-@pytest.mark.parametrize(
-    "error", [BrokenPipeError(), OSError(28, "No space left on device"), ValueError("closed")]
-)
-def test_run_from_python_with_broken_streams(folder, monkeypatch, error):
-    monkeypatch.setenv("HPC_GFMD_PROGRESS", "bar")
-    monkeypatch.setattr(sys, "stdout", Broken(error))
-    monkeypatch.setattr(sys, "stderr", None)
-    assert hpc_gfmd.run(folder / "scene.toml", out=folder / "a.h5").status == "converged"
-    assert sys.stderr is None
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="names of files are bytes")

@@ -6,12 +6,10 @@ from contacts import rough, sweep_of
 
 from hpc_gfmd.driver.load import Load
 from hpc_gfmd.driver.precision import (
-    few_points,
     first_precision,
     known_heights,
     known_p_stars,
     precisions,
-    too_little,
     too_soft,
 )
 from hpc_gfmd.scene import Scene, SolverTable
@@ -32,14 +30,6 @@ DOUBLE = np.dtype(np.float64)
 )
 def test_first_precision(settings, dtype):
     assert first_precision(SolverTable(**settings)) == dtype
-
-
-def test_few_contact_points_need_double():
-    """One point more or less is an error of the area."""
-    assert few_points(64**2, 1e-3, 1e-3)
-    assert not few_points(4096**2, 0.1, 1e-3)
-    assert not few_points(64**2, 1e-3, None)  # a residual does not depend on it
-    assert few_points(1000, 0.4, 1e-3) <= too_little(SolverTable(accuracy=1e-3), 1000, 0.4)
 
 
 @pytest.mark.parametrize("p_star", [[0.3, 0.2], [0.3, 1e-4, 0.3]])

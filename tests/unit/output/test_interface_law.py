@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from hpc_gfmd.output.interface_law import InterfaceLaw, interpolate
-from hpc_gfmd.output.law_files import finite_element_table, harmonic_mean, read_law, write_law
+from hpc_gfmd.output.law_files import read_law, write_law
 from hpc_gfmd.util.errors import SceneError
 
 
@@ -98,17 +98,6 @@ def test_finite_element_file_holds_closure_and_conductance(tmp_path):
     assert "** of steel\n** gap_at_touch = 2e-06 m\n" in path.read_text()
 
 
-def test_piecewise_linear_table_follows_the_law():
-    law = power_law(3)
-    pressure, closure = finite_element_table(law)
-    assert (pressure[0], closure[0]) == (0, 0)
-    assert (np.diff(pressure) > 0).all()
-    assert (np.diff(closure) > 0).all()
-    at = np.geomspace(1e6, 1e9, 500)
-    exact = 2e-6 - 1e-6 * (1e6 / at) ** 0.3
-    np.testing.assert_allclose(np.interp(at, pressure, closure), exact, rtol=2e-3)
-
-
 @pytest.mark.parametrize(
     ("arguments", "reason"),
     [
@@ -134,14 +123,6 @@ def test_a_flat_surface_has_no_table_for_finite_elements(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_rounding_at_the_ends_of_the_range_changes_nothing():
-    law = power_law()
-    for name in law.values:
-        low, high = law.pressure[[0, -1]]
-        assert law(name, low * (1 - 5e-13)) == law(name, low)
-        assert law(name, high * (1 + 5e-13)) == law(name, high)
-
-
 @pytest.mark.parametrize("text", ["", "a,b\n1,2\n", "pressure [Pa]\n1\n"])
 def test_foreign_files_are_refused(text, tmp_path):
     path = tmp_path / "law.csv"
@@ -150,11 +131,6 @@ def test_foreign_files_are_refused(text, tmp_path):
         read_law(path)
     with pytest.raises(SceneError, match=r"allowed: a \.csv"):
         read_law(tmp_path / "law.inp")
-
-
-def test_harmonic_mean():
-    assert harmonic_mean(3.0) == 3.0
-    assert harmonic_mean((50.0, 200.0)) == pytest.approx(80.0)
 
 
 def test_units_of_finite_element_programs(tmp_path):

@@ -6,13 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from refusal import refused
 from result_files import HEAD
 
 import hpc_gfmd
 from hpc_gfmd.contact import all_numbers
-from hpc_gfmd.output import export
-from hpc_gfmd.output.read import read_result
 from hpc_gfmd.output.record import RunFile
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.util.libraries import surface_topography
@@ -142,19 +139,6 @@ def test_paraview_reads_numbers_at_their_positions(path):
             assert np.array_equal(array, field(step, name))
 
 
-def test_paraview_reads_a_single_load(tmp_path):
-    path = write(tmp_path / "out.h5", LOADS[:1])
-    image, arrays, times = read_by_vtk(path, 0)
-    assert times is None
-    assert image.GetBounds() == (0, 2.5, 0, 0.75, 0, 0)
-    assert np.array_equal(arrays["pressure"], field(0, "pressure"))
-    assert np.array_equal(arrays["gap"], field(0, "gap"))
-
-
-def test_paraview_numbers_loads_that_do_not_increase(tmp_path):
-    assert read_by_vtk(write(tmp_path / "out.h5", (0.2, 0.1, 0.3)), 1)[2] == (0, 1, 2)
-
-
 def test_netcdf_by_xarray(path):
     """All loads in one file, and one load as every version of ParaView opens it."""
     xarray = pytest.importorskip("xarray")
@@ -201,31 +185,6 @@ def test_channels_of_gwyddion(path, cli):
     hpc_gfmd.load(path)[1].export("gap.gwy", ["gap"])
     assert b"pressure" not in Path("gap.gwy").read_bytes()
     assert "found 7, allowed: 0, 1" in cli.refused("export out.h5 --to gwy --step 7")
-
-
-@pytest.mark.parametrize("kind", export.INSTEAD)
-def test_formats_that_others_write_are_named(path, cli, kind):
-    assert export.INSTEAD[kind] in cli.refused(f"export out.h5 --to {kind}")
-    with refused(r"x.pdf', allowed: one in \.csv, \.gwy"):
-        hpc_gfmd.load(path).export("x.pdf")
-    with refused("load.FILE..to_xarray.*to_netcdf"):
-        hpc_gfmd.load(path).export("x.nc")
-
-
-def test_a_killed_export_leaves_no_file(path, monkeypatch):
-    """An incomplete file has no name."""
-    try:
-        os.close(os.open(path.parent, os.O_TMPFILE | os.O_RDWR))
-    except OSError:
-        pytest.skip("the file system has no files without a name")
-    folder_contents = []
-
-    def listing(*_):
-        folder_contents.append(os.listdir(path.parent))
-
-    monkeypatch.setitem(export.FORMATS, "csv", listing)
-    export.export(read_result(path), "csv", None, {})
-    assert folder_contents == [["out.h5"]]
 
 
 def test_refused_exports_write_nothing(path, tmp_path, cli):

@@ -66,17 +66,6 @@ def test_symbolic_links_are_followed(tmp_path):
     assert read_result(link).status == "converged"
 
 
-def test_newer_unfinished_run_is_noted(path, cli):
-    complete(path)
-    assert read_result(path).notes == ()
-    interrupted(path, 2)
-    for arguments in ((), ("--json",)):
-        shown = cli("show", path, *arguments)
-        message = shown.out + shown.err
-        assert all(words in message for words in ("note: ", "2 finished", f"{path}.partial"))
-        assert shown.code == 0
-
-
 @pytest.mark.parametrize("content", [b"my thesis", None])
 def test_files_that_are_no_results_are_not_replaced(path, content):
     """A text, or a height map in HDF5 under the name of the result."""

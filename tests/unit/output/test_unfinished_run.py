@@ -97,14 +97,6 @@ def test_death_during_clean_up(path):
     assert names(path.parent) == ["out.h5"]
 
 
-def test_foreign_files_in_the_folder_are_kept(path):
-    folder = partial_folder(path)
-    folder.mkdir()
-    (folder / "letter.txt").write_text("dear reader")
-    complete(path, 1)
-    assert names(folder) == ["letter.txt"]
-
-
 def test_file_systems_without_locks_are_accepted(path, monkeypatch):
     def flock(*_):
         raise OSError(38, "Function not implemented")
@@ -167,14 +159,3 @@ def test_a_disk_that_is_too_small_is_refused(path, monkeypatch):
         run.require_space(3, ["gap", "pressure", "heights"], np.float32)
         with refused(r"output\.fields: .* needed for 4 loads"):
             run.require_space(4, ["gap", "pressure", "heights"], np.float32)
-
-
-def test_a_run_of_an_earlier_version_is_not_removed(path):
-    folder = partial_folder(path)
-    folder.mkdir()
-    for name in ("head.h5", "step-0000.h5"):
-        (folder / name).write_bytes(b"")
-    for call in (begin, restart):
-        with refused("another version"):
-            call(path)
-    assert names(folder) == ["head.h5", "lock", "step-0000.h5"]

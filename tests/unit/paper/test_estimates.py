@@ -4,15 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from paper import estimates, printed
+from paper import estimates
 from paper.cases import Case, series
-from paper.estimates import Scatter, average, continuum, fit_observable
-from paper.items import curves, distributions, percolation, stiffness, tables
-from paper.rows import PRESSURES, as_csv, filled, quoted, read_csv, table
-from paper_runs import EDGE, GAP, LAW, runs_of
+from paper.estimates import Scatter, continuum, fit_observable
+from paper.items import distributions, percolation, stiffness
+from paper.rows import PRESSURES
+from paper_runs import GAP, LAW, runs_of
 
 from hpc_gfmd import SceneError
-from hpc_gfmd.theory import tfc
 
 pytestmark = pytest.mark.slow
 LOW = PRESSURES["low"]
@@ -51,28 +50,6 @@ def test_scatter_is_estimated_and_shared_between_grids():
         fit_observable(matching(runs, seed=1), "kappa", "desk")
 
 
-def test_averages_of_incomplete_seeds():
-    """Where a fine grid has few seeds, their mean is corrected by how these seeds differ from the
-    mean on the grid that has all of them."""
-    coarse = [replace(SURFACE, seed=seed) for seed in range(1, 9)]
-    runs = runs_of([*coarse, replace(SURFACE, seed=3, lam_s_over_a=4)], scatter=0.2)
-    rows = {row["lam_s_over_a"]: row for row in average(runs, "kappa")}
-    values = [run["kappa"] for run in runs[:8]]
-    assert rows[2]["kappa"] == pytest.approx(np.mean(values), rel=1e-12)
-    assert rows[2]["kappa_se"] == pytest.approx(np.std(values, ddof=1) / np.sqrt(8), rel=0.15)
-    without_scatter = [
-        run["kappa"] for run in runs_of([SURFACE, replace(SURFACE, lam_s_over_a=4)], scatter=0)
-    ]
-    assert rows[4]["kappa"] / rows[2]["kappa"] == pytest.approx(
-        without_scatter[1] / without_scatter[0], rel=1e-12
-    )
-    assert (rows[2]["n_seeds"], rows[4]["n_seeds"]) == (8, 1)
-    assert rows[4]["kappa_se"] / rows[4]["kappa"] == pytest.approx(
-        rows[2]["kappa_se"] / rows[2]["kappa"], rel=0.01
-    )
-    assert average(runs[:1], "kappa")[0]["kappa_se"] is None
-
-
 def test_fit_recovers_planted_coefficients():
     fit = fit_observable(desk(), "kappa", "desk")
     fitted = fit.row(0.8)
@@ -85,19 +62,6 @@ def test_fit_recovers_planted_coefficients():
     assert (gap.limit, "limit" in gap.names) == (0, False)
     assert abs(gap.C["f"] - GAP["C_f"] / (1 + LOW)) < 4 * gap.sigma["C_f"]
     assert abs(gap.alpha["f"] - GAP["alpha_f"]) < 4 * gap.sigma["alpha_f"]
-
-
-def test_scatter_of_fits_matches_their_errors():
-    """Over repetitions, parameters scatter by as much as their errors state."""
-    runs = [desk(scatter=0.04, noise=4e-3, seed=seed) for seed in range(12)]
-    for name, law, parameter in (
-        ("kappa", LAW, "alpha_c"),
-        ("kappa", LAW, "limit"),
-        ("kappa_edge", EDGE, "limit"),
-    ):
-        fits = [fit_observable(repetition, name, "desk") for repetition in runs]
-        pulls = [(fit.row(0.8)[parameter] - law[parameter]) / fit.sigma[parameter] for fit in fits]
-        assert 0.4 < np.sqrt(np.mean(np.square(pulls))) < 1.7, (name, parameter)
 
 
 def test_local_exponents_of_a_series():
@@ -135,18 +99,6 @@ def test_limit_and_its_exponent(alpha, agrees):
         matching(runs, lam_s_over_a=2),
     ):
         assert estimates.limits(few) == []
-
-
-@pytest.mark.parametrize(
-    ("kappa", "alpha", "verdict"),
-    [((2.16, 1.93), 0.6, "survives"), ((2.10, 2.31), 0.36, "does not survive")],
-)
-def test_verdict_on_the_claims_of_the_paper(kappa, alpha, verdict):
-    common = {"p_star": LOW, "kappa_tfc_se": 0.02, "alpha_f": alpha, "alpha_f_se": 0.1}
-    common |= {"area": "ours", "agrees": True, "counted": 2.0, "edge": 2.0, "printed": 2.0}
-    rows = [common | {"hurst": h, "kappa_tfc": k} for h, k in zip((0.0, 0.8), kappa)]
-    verdicts = [line["why"].partition(":")[0] for line in tables.our_limits(rows)]
-    assert verdicts[2:] == [verdict] * 2
 
 
 def made_up(scatter, seed=0, loads=(0.1,), jitter=0):
@@ -204,26 +156,6 @@ def test_continuum_refuses_too_few_runs_and_zeros():
     ):
         with pytest.raises(SceneError, match=message):
             continuum(bad_runs, observable)
-
-
-def test_light_loads_ignore_the_coarsest_grid():
-    """It does not resolve single contacts."""
-    runs = runs_of(
-        series("curves", "quick"), kappa=lambda case, t, f, c: (1 + c, 1 + 0.2 * c), noise=0.02
-    )
-    spoilt = [
-        run | {"kappa": 3 * run["kappa"]}
-        if run["lam_s_over_a"] == 2 and run["p_star"] in curves.LIGHT
-        else run
-        for run in runs
-    ]
-
-    def light_kappas(runs):
-        rows = curves.limits(runs, "quick")
-        return [row["kappa"] for row in rows if row["p_star"] in curves.LIGHT]
-
-    assert len(light_kappas(runs)) == 8
-    assert light_kappas(runs) == light_kappas(spoilt)
 
 
 def sweeps(thresholds, grid=8, size=1, shifts=(0.02, -0.02)):
@@ -320,41 +252,3 @@ def test_rebinning_keeps_integral_and_mean():
         for x, y in ((x, x**-1.7) for x in 2.0 ** np.arange(-3, 8))
     ]
     assert distributions.patch_exponent(rows) == pytest.approx((1.7, 0), abs=1e-6)
-
-
-def test_our_table_extrapolates_like_the_printed_one():
-    runs = runs_of([case for hurst in (0.3, 0.8) for case in ratios("desk", hurst)])
-    table = tables.our_table(runs, "desk")
-    assert [len(part["rows"]) for part in table["tables"]] == [2] * 4
-    for p_star in (0.007, PRESSURES["high"]):
-        sim = LAW["limit"] + LAW["C_t"] / 2 + LAW["C_f"] * 1024**-0.7 + LAW["C_c"] * 0.5**1.1
-        system = (0.8, p_star, 0.5, 1 / 1024, 0.5)
-        value, sigma, _ = tfc.extrapolate(sim, "kappa", *system, table=table)
-        assert abs(value - LAW["limit"]) < 4 * sigma < 0.2
-
-
-def test_numbers_of_the_paper():
-    assert printed.of_hurst("gap_exponents_h_rms", 0.3, "high") == 0.30
-    assert printed.of_hurst("kappa_tfc", 0.5) is None
-    assert printed.coefficients("kappa", "low", 0.8)["C_f"] == 8.5879
-    assert printed.coefficients("kappa", "low", 0.0) is None
-
-
-def test_numbers_in_text_and_tables():
-    for value, sigma, expected in (
-        (2.0604, 0.0123, "2.060 ± 0.012"),
-        (2.0604, None, "2.06"),
-        (None, None, "-"),
-        (-0.5, 12.0, "-0 ± 12"),
-        (1.5, 0.96, "1.50 ± 0.96"),
-    ):
-        assert quoted(value, sigma) == expected
-    row = {"kappa": 2.0604, "kappa_se": 0.0123, "eps_f": 1 / 16, "gap": None, "n": 512}
-    assert filled("{kappa:±} at {eps_f:1/}, n = {n}", row) == "2.060 ± 0.012 at 1/16, n = 512"
-    assert filled("{gap:.3g} {gap:±} {missing:.3g}|", row) == "- - |"
-    assert (
-        table([row], {"x": "{n}", "k": "{kappa:.1f}|*"})
-        == "| x | k |\n| --- | --- |\n| 512 | 2.1\\|\\* |"
-    )
-    rows = [row | {"is": True, "text": "H, 0 ... 1"}]
-    assert read_csv(as_csv(rows)) == rows

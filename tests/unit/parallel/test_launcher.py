@@ -102,17 +102,6 @@ def test_automatic_threads(monkeypatch):
     assert thread_count.auto_threads(many, 2, 12) == 1
 
 
-@pytest.mark.parametrize(
-    ("threads", "cores", "words"),
-    [(2, 1, ["2 threads on 1 core", "machine.threads = 1"]), (2, 2, []), (1, 4, [])],
-)
-def test_more_threads_than_cores_are_noted(threads, cores, words, monkeypatch):
-    monkeypatch.setattr(os, "sched_getaffinity", lambda _: range(cores))
-    note = thread_count.oversubscription(SerialComm(), threads)
-    assert bool(note) == bool(words)
-    assert all(word in note for word in words)
-
-
 class Ranks(SerialComm):
     """One of several ranks of a machine that may use these cores."""
 
@@ -222,30 +211,3 @@ def test_a_run_inside_another_mpi_program(folder):
     assert "inside.py" in message
     assert "HPC_GFMD_LAUNCHER=none" in message
     assert {"0.h5", "1.h5"} <= {path.name for path in folder.iterdir()}
-
-
-@pytest.mark.parametrize(
-    ("chain", "is_watched"),
-    [
-        (["bash", "mpirun"], True),
-        (["hydra_pmi_proxy", "mpiexec.hydra"], True),
-        (["python", "bash"], False),  # started by hand, without a launcher
-        ([], False),
-    ],
-)
-def test_whether_mpirun_writes_to_a_terminal(chain, is_watched, tmp_path, monkeypatch):
-    """Its standard error is inspected: that of a rank is always a pipe."""
-    pty = pytest.importorskip("pty")
-    processes(tmp_path, *((name, "libc.so.6") for name in chain))
-    monkeypatch.setattr(os, "getppid", lambda: 100)
-    assert not launcher.launcher_is_watched(tmp_path)
-    ends = pty.openpty()
-    try:
-        for k in range(len(chain)):
-            place = tmp_path / str(100 + k) / "fd"
-            place.mkdir()
-            (place / "2").symlink_to(os.ttyname(ends[1]))
-        assert launcher.launcher_is_watched(tmp_path) == is_watched
-    finally:
-        for end in ends:
-            os.close(end)

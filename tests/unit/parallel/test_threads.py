@@ -6,7 +6,6 @@ import time
 
 import pytest
 
-from hpc_gfmd.parallel import threads
 from hpc_gfmd.parallel.threads import PIECE_ROWS, on_threads, pieces_of, shares
 
 
@@ -71,11 +70,6 @@ def test_threads_within_threads():
     assert all(len(threads) == 2 for threads in results)
 
 
-def test_nothing_to_do():
-    assert on_threads(4, together, []) == []
-    assert on_threads(4, lambda k: k, [(7,)]) == [7]
-
-
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork")
 @pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
 def test_a_fork_has_threads_of_its_own():
@@ -96,36 +90,6 @@ def test_shares_are_a_partition(count, threads):
     parts = shares(count, threads)
     assert [i for begin, end in parts for i in range(begin, end)] == list(range(count))
     assert all(begin < end for begin, end in parts)
-
-
-def test_work_is_withdrawn_from_a_thread_that_has_not_woken_up():
-    """This thread does not wait for another one that has nothing to do any more."""
-    together(2, 2)
-    for _ in range(2000):  # sometimes the other thread is late, sometimes it is not
-        assert on_threads(2, lambda k: k, [(0,), (1,)]) == [0, 1]
-    together(2, 2)
-
-
-def test_ctrl_c_before_a_helper_begins(monkeypatch):
-    """Nobody waits for work that was never given away."""
-
-    def interrupted(*_):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(threads._Helper, "begin", interrupted)
-    monkeypatch.setattr(threads, "_free_helpers", [])
-    raised = []
-
-    def call():
-        try:
-            on_threads(2, abs, [(1,), (2,)])
-        except KeyboardInterrupt as error:
-            raised.append(error)
-
-    caller = threading.Thread(target=call, daemon=True)
-    caller.start()
-    caller.join(30)
-    assert len(raised) == 1
 
 
 @pytest.mark.parametrize("rows", [1, 7, 8, 9, 31, 64, 100, 2048])

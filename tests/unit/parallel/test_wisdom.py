@@ -54,16 +54,6 @@ def test_plans_are_read_from_one_file_and_written_only_if_new(memory, tmp_path):
     assert files(tmp_path) == [path]
 
 
-def test_file_of_many_grids_stays_small(memory, tmp_path, monkeypatch):
-    """The plans of the latest grid are always in it."""
-    monkeypatch.setattr(wisdom, "LIMIT", 5000)
-    for k in range(8):
-        plan((24 + 2 * k, 36 + 2 * k))
-        (path,) = files(tmp_path)
-        assert path.stat().st_size < 3 * wisdom.LIMIT
-        assert lines(memory.text()) <= lines(kept(path)) | {b""}
-
-
 @pytest.mark.parametrize(
     "content",
     [b"", b"(fftw-3.3.10 fftw_wisdom", b"\0\xff" * 500, b"(" * 5000, b"x" * 2 * wisdom.LIMIT],

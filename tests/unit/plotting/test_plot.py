@@ -7,7 +7,7 @@ from functools import cache
 import matplotlib.image
 import numpy as np
 import pytest
-from contacts import rough, scene_text
+from contacts import rough_wall, scene_text
 from refusal import refused
 
 import hpc_gfmd
@@ -17,8 +17,6 @@ from hpc_gfmd.output.record import RunFile
 from hpc_gfmd.output.summary import error_bars
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.plotting import figures, height_map, maps, plot, plot_result, style
-from hpc_gfmd.theory import persson
-from hpc_gfmd.theory.elastic import Westergaard
 
 
 @pytest.fixture(autouse=True)
@@ -132,7 +130,7 @@ def solved(kind, units):
         wall = make_surface(kind, n=(64, 64), physical_sizes=(L, L), radius=L, boundary="free")
     else:
         boundary = "free" if kind == "free" else "periodic"
-        wall = make_surface(**rough(physical_sizes=(L, L), boundary=boundary))
+        wall = rough_wall(physical_sizes=(L, L), boundary=boundary)
     if kind == "layer":
         options |= {"thickness": "2 um" if units else 0.1, "nu": 0.3}
     return hpc_gfmd.solve(wall, **options)
@@ -233,23 +231,6 @@ def test_plots_show_the_computed_numbers(kind, units):
 SYMBOLS = {"a_r$": "a_r", "kappa": "kappa", "langle": "gap_mean", "delta": "approach"}
 
 
-def test_pressure_distribution_of_a_wave():
-    """Westergaard's distribution, up to single grid points per bin."""
-    solutions = solved("wave", units=False)
-    for ax in solutions.plot("distributions").axes[:1]:
-        for solution, stairs in zip(solutions, ax.patches, strict=True):
-            values, edges, _ = stairs.get_data()
-            exact = Westergaard(solution.p, 0.01, 1.0)
-            x = np.linspace(float(exact.a_r) / 2, 0, 4001)
-            share = np.interp(edges, exact.pressure(x), exact.a_r - 2 * x)
-            computed = np.append(0, (values * np.diff(edges)).cumsum())
-            assert np.abs(computed - share + share[0]).max() < 2.5 / 64
-            middle = np.diff(share) > 0.1 * solution.a_r
-            assert (values * np.diff(edges))[middle] == pytest.approx(
-                np.diff(share)[middle], rel=0.4
-            )
-
-
 def test_a_closed_gap_has_no_autocorrelation():
     closed = hpc_gfmd.solve(np.eye(8), a_r=1.0)
     closed.distribution("gap_autocorrelation")
@@ -345,16 +326,6 @@ def test_suffix_selects_the_format():
     assert [p.name for p in several] == ["all_a_r.png", "all_kappa.png"]
 
 
-def test_figures_are_saved_at_print_resolution(monkeypatch):
-    monkeypatch.setitem(style.RC, "savefig.dpi", style.DPI)
-    file = write("run.h5", n=(8, 6))
-    fig = plot(file, "a_r")
-    fig.savefig("a.png")
-    made = ["a.png", *plot_result(file, "b.png", "a_r", dpi=60)]
-    wide = [matplotlib.image.imread(path).shape[1] for path in made]
-    assert wide == pytest.approx([300 * fig.get_figwidth(), wide[0] / 5], rel=0.05)
-
-
 @pytest.mark.parametrize(
     ("scene", "kind", "name"),
     [
@@ -378,25 +349,6 @@ def test_theory_is_only_drawn_for_its_surfaces(scene, kind, name):
     )
 
 
-def test_mean_gap_of_theory():
-    """The line in units of h_rms agrees with theory for a finely sampled spectrum."""
-    scene = SCENE.replace("lam_s_over_a", "lam_l_over_lam_r = 4\nlam_s_over_a")
-    picture = plot(
-        write("run.h5", scene=scene, surface={"kind": "self-affine", "eps_f": 1 / 16}), "curves"
-    )
-    (ax,) = (ax for ax in picture.axes if "langle g" in ax.get_ylabel())
-    (line,) = (line for line in ax.get_lines() if line.get_label().startswith("Persson"))
-    p_star, gap = map(np.asarray, line.get_data())
-    assert (p_star.min(), p_star.max()) == pytest.approx((0.005, 0.08))
-    q = np.geomspace(1, 16, 2001)
-    spectrum = np.maximum(q, 4) ** (-2 - 2 * 0.8)
-    h_rms, g_rms = (np.sqrt(np.trapezoid(spectrum * q**power, q) / 2 / np.pi) for power in (1, 3))
-    wanted = persson.mean_gap_spectrum(q, spectrum, p_star * g_rms) / h_rms
-    assert gap == pytest.approx(wanted, rel=1e-4)
-    plain = persson.mean_gap(p_star, 0.8, 1 / 16)
-    assert np.abs(gap / plain - 1).max() > 0.05
-
-
 def test_colours_ignore_a_spike_and_a_title_names_it():
     for spike, is_noted in ((1.0, False), (100.0, True)):
         fig = plot(write(f"{spike}.h5", spike=spike), "pressure", step=0)
@@ -407,17 +359,9 @@ def test_colours_ignore_a_spike_and_a_title_names_it():
         assert (image.colorbar.extend == "max") == is_noted
 
 
-def test_single_contact_points_are_visible():
-    pressure = np.zeros((400, 300))
-    pressure[201, 33] = 1e-3
-    surveyed = maps.reduce_fields({"pressure": ReadField(pressure)}, 20)
-    assert np.count_nonzero(surveyed.means["contact"]) == 1
-    assert surveyed.means["pressure"].max() == 1e-3  # not averaged with points out of contact
-
-
 def test_tight_loads_are_shaded():
     """Where no channel is open a logarithmic axis has nothing to show, and the picture says it."""
-    wall = make_surface(**rough())
+    wall = rough_wall()
     sweep = hpc_gfmd.solve(
         wall, p_star=[0.01, 0.1, 0.2, 0.6, 1.0], observables=["critical_gap"], fields=()
     )
@@ -437,25 +381,6 @@ def test_tight_loads_are_shaded():
         assert ax.get_xlim()[0] < 0.8 < 1.0 < ax.get_xlim()[1]
 
 
-def test_one_column_of_panels_is_85_mm_wide(cli):
-    solutions = solved("rough", units=True)
-    for what, panels in (("maps", 4), ("curves", 3)):
-        fig = solutions.plot(what, columns=1)
-        fig.canvas.draw()
-        assert fig.get_figwidth() * 25.4 < 86
-        tops = [ax.get_position().y1 for ax in fig.axes if ax.get_xlabel() or ax.get_images()]
-        assert len({round(top, 3) for top in tops}) == panels
-    with refused("columns: found 9, allowed: from 1 to 4"):
-        solutions.plot("maps", columns=9)
-
-
-def test_unknown_keywords_suggest_the_nearest():
-    solutions = solved("rough", units=True)
-    for solved_loads in (solutions, solutions[0]):
-        with refused('plot: found .*widow.*, nearest: "window", allowed: ax, columns'):
-            solved_loads.plot("pressure", widow=(0, 1, 0, 1))
-
-
 def test_windows_show_all_grid_points():
     file = write("run.h5", surface=UNITS)
     for window in ((2.5e-6, 5e-6, 0, 2.5e-6), ("2.5um", "5 um", "0", "2500nm")):
@@ -466,17 +391,6 @@ def test_windows_show_all_grid_points():
     for wrong in ((0, 1, 0, 1), (3e-6, 1e-6, 0, 1e-6), ("a", 1, 0, 1), (0, 1e-6, 0)):
         with refused(r"^window: found .*, allowed: x0 x1 y0 y1 with 0 <= x0 < x1 <= 1e-05 m"):
             plot(file, window=wrong)
-
-
-def test_loads_left_out_are_named(cli):
-    file = write("run.h5", n=(8, 6), steps=9)
-    assert "5 of 9 loads" in text_of(plot(file))
-    assert "not shown" not in text_of(plot(file, "curves"))
-    assert len(plot(file, "distributions", step=range(9)).axes[0].patches) == 9
-    assert "shown: step 0, 3, 5, 8; left out: 1, 2, 4, 6, 7" in cli.prints(
-        "plot", file, "-o", "a.png", "--what", "pressure"
-    )
-    assert "step 4" in text_of(plot(file, step=4))
 
 
 def test_missing_results_and_steps_are_refused():
@@ -524,16 +438,7 @@ def test_survey_reads_slabs_and_keeps_means(monkeypatch):
 
 def rough_sweep(seed=1, **arguments):
     """Solutions of three loads on a small wall, with units."""
-    wall = hpc_gfmd.make_surface(
-        "self-affine",
-        hurst=0.8,
-        L_over_lam_l=1,
-        lam_l_over_lam_s=8,
-        lam_s_over_a=2,
-        seed=seed,
-        physical_sizes=("10 um", "10 um"),
-        h_rms="20 nm",
-    )
+    wall = rough_wall((1, 8, 2), seed=seed, physical_sizes=("10 um", "10 um"), h_rms="20 nm")
     loads = [f"{p} MPa" for p in (30, 100, 300)]
     return hpc_gfmd.solve(wall, loads, "110 GPa", **arguments)
 
@@ -594,21 +499,6 @@ def test_force_axis():
     assert ax.get_xlabel().startswith("pressure")
 
 
-def test_cylinder_with_hertz_theory():
-    scene = (
-        '[surface]\nkind = "sphere"\nradius = [10.0, inf]\nn = [128, 2]\n'
-        "physical_sizes = [2.0, 0.03]\n"
-        'boundary = ["free", "periodic"]\n[load]\npressure = [0.01, 0.04]\n'
-    )
-    surface = {"kind": "sphere", "physical_sizes": [2.0, 0.03]}
-    (ax,) = plot(write("run.h5", scene=scene, surface=surface), "a_r").axes
-    (line,) = (line for line in ax.lines if line.get_label() == "Hertz")
-    loads, areas = line.get_data()
-    p = loads * 0.01 / ax.lines[0].get_xdata()[0]
-    half_width = np.sqrt(4 * p * 2.0 * 10.0 / np.pi)
-    np.testing.assert_allclose(areas, half_width, rtol=1e-12)  # twice of it over the width
-
-
 def test_maps_mark_yielding_points():
     sweep = rough_sweep(hardness="2 GPa")
     yielded = sweep[2].pressure >= 0.99999 * 2e9
@@ -622,16 +512,7 @@ def test_maps_mark_yielding_points():
 def test_a_loop_of_approach_and_retraction_with_its_pull_off():
     """Lines of both branches over loads of both signs; the pull-off is marked."""
     loads = {"approach": [0.0, 0.1, 0.3], "retraction": [0.3, 0.1, 0.0, -0.005, -0.5]}
-    wall = make_surface(
-        "self-affine",
-        hurst=0.8,
-        L_over_lam_l=2,
-        lam_l_over_lam_s=4,
-        lam_s_over_a=4,
-        g_rms=1.0,
-        physical_sizes=(8.0, 8.0),
-        seed=1,
-    )
+    wall = rough_wall((2, 4, 4), g_rms=1.0, physical_sizes=(8.0, 8.0))
     adhesion = {"work": np.pi * 0.01, "range": 0.1}
     sweeps = {
         name: hpc_gfmd.solve(wall, pressures, adhesion=adhesion, branch=name, fields=())

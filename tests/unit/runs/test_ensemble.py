@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from contacts import rough_wall
 
 import hpc_gfmd
 from hpc_gfmd.util.errors import SceneError
@@ -11,9 +12,7 @@ LOADS = [0.05, 0.2]
 
 def solved(seed, loads=LOADS, **arguments):
     """Solutions of a small wall; arguments: of hpc_gfmd.solve."""
-    wall = hpc_gfmd.make_surface(
-        "self-affine", hurst=0.8, L_over_lam_l=1, lam_l_over_lam_s=8, lam_s_over_a=2, seed=seed
-    )
+    wall = rough_wall((1, 8, 2), seed=seed)
     return hpc_gfmd.solve(wall, p_star=loads, fields=(), **arguments)
 
 
@@ -60,17 +59,6 @@ def test_table_and_plot(results):
     assert "+-" in text.splitlines()[2]
     assert "<table" in ensemble._repr_html_()
     assert len(ensemble.plot("a_r").axes) == 1
-
-
-def test_ensemble_of_solve_many():
-    walls = [
-        hpc_gfmd.make_surface(
-            "self-affine", hurst=0.8, L_over_lam_l=1, lam_l_over_lam_s=8, lam_s_over_a=2, seed=seed
-        )
-        for seed in range(2)
-    ]
-    ensemble = hpc_gfmd.Ensemble(hpc_gfmd.solve_many(walls, p_star=LOADS, processes=1))
-    np.testing.assert_allclose(ensemble.results[1].a_r, solved(1).a_r)
 
 
 def test_show_and_plot_several_files(results, cli, tmp_path):

@@ -39,26 +39,6 @@ def test_compilation_is_announced_once(tmp_path, monkeypatch, existing, words):
         assert numba.njit(lambda x: -x)(1) == -1
 
 
-def test_message_without_a_cache(monkeypatch):
-    monkeypatch.setattr(cache, "folder", lambda: None)
-    messages = []
-    with cache.on_first_compile(messages.append):
-        assert numba.njit(lambda x: x - 1)(1) == 0
-    assert len(messages) == 1
-    assert "every" in messages[0]
-    assert "HPC_GFMD_CACHE" in messages[0]
-
-
-def test_compilation_time_is_reported(monkeypatch):
-    """Only if it is longer than TOLD_SECONDS."""
-    for shortest, count in ((0.0, 2), (np.inf, 1)):
-        monkeypatch.setattr(cache, "TOLD_SECONDS", shortest)
-        messages = []
-        with cache.on_first_compile(messages.append):
-            assert numba.njit(lambda x: x - 2)(1) == -1
-        assert len(messages) == count
-
-
 @pytest.mark.parametrize("progress", [False, True])
 def test_solve_announces_compilation(progress, monkeypatch, capsys):
     """On standard error, with and without progress=True."""

@@ -5,29 +5,11 @@ import re
 import numpy as np
 import pytest
 from contacts import random_heights, scene_text
-from scene_tables import tables
 
 import hpc_gfmd
 from hpc_gfmd.output.read import read_result
-from hpc_gfmd.scene import Scene
 
 SI = {"physical_sizes": ["1 mm", "1 mm"], "h_rms": "1 um", "boundary": "free"}
-
-
-def test_prescribed_loads_of_scenes():
-    for table, data in [
-        ({"gap_mean": ["50 nm", 0]}, tables({"physical_sizes": ["1 mm", "1 mm"], "h_rms": "1 um"})),
-        ({"force": "5 mN"}, tables(SI, material={"E_star": "1 GPa"})),
-        ({"approach": [0.1, 0.2]}, tables(material={"thickness": 0.1, "nu1": 0.3})),
-        ({"a_r": 1}, tables()),
-    ]:
-        scene = Scene.from_dict(data | {"load": table})
-        name, values = scene.load.prescribed
-        assert list(table) == [name]
-        written = scene.model_dump(exclude_none=True)["load"][name]
-        assert list(written) == (table[name] if isinstance(table[name], list) else [table[name]])
-        assert all(isinstance(value, float | int) for value in values)
-        assert scene.load.is_searched == (name != "force")
 
 
 def test_run_plan_and_show(tmp_path, cli):

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from contacts import random_heights, rough
+from contacts import random_heights, rough_wall
 from refusal import refused
 
 import hpc_gfmd
@@ -31,7 +31,7 @@ def workers(program):
 
 def test_results_agree_with_single_solves():
     """Results and errors are in the order of surfaces, of which few are made ahead."""
-    walls = [hpc_gfmd.make_surface(**rough((1, 8, 2), seed=seed)) for seed in range(7)]
+    walls = [rough_wall((1, 8, 2), seed=seed) for seed in range(7)]
     walls[2] = np.full((8, 8), np.nan)
     made = []
     several = hpc_gfmd.solve_many(

@@ -1,6 +1,5 @@
 """The memory available to a run (machine, control groups, process), and what a plan shows."""
 
-import re
 import resource
 import tracemalloc
 from pathlib import Path
@@ -13,11 +12,9 @@ from scene_tables import rows, scene_of
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.parallel.grid import Grid
 from hpc_gfmd.runs import capacity, memory
-from hpc_gfmd.runs.plan import duration, plan_of
-from hpc_gfmd.runs.simulation import run_scene
+from hpc_gfmd.runs.plan import plan_of
 from hpc_gfmd.surface import build_surface
 from hpc_gfmd.util import machine
-from hpc_gfmd.util.errors import SceneError
 
 GIB = machine.GIB
 SCENE = scene_of("""
@@ -25,7 +22,6 @@ surface = {kind = "wave", amplitude = 0.1, n = [8192, 8192]}
 load = {pressure = 0.1}
 solver.precision = "double"
 """)
-LOW = 'load = {pressure = 0.1} ; solver = {precision = "single", low_memory = true}'
 
 
 def write_group(folder, limit, used, cached=0, version=2):
@@ -82,29 +78,6 @@ def test_ranks_share_the_points():
     assert few == pytest.approx(8 * many, rel=0.1)
 
 
-def test_scenes_of_few_points_need_memory_for_double(monkeypatch):
-    scene = scene_of("load = {p_star = [1e-4]}")
-    grid = Grid((1024, 1024))
-    needed_gib = []
-    monkeypatch.setattr(capacity, "available_gib", lambda: 0.0)
-    for p_star in (0.1, 1e-4):
-        scene = scene_of(f"load = {{p_star = [{p_star}]}}")
-        with pytest.raises(SceneError) as error:
-            capacity.require_memory(SerialComm(), scene, grid, 1)
-        needed_gib.append(float(re.search(r"need ([\d.]+) GiB", str(error.value))[1]))
-    wanted = [memory.memory_of(scene, grid.n, itemsize, 1) for itemsize in (4, 8)]
-    assert needed_gib == pytest.approx(wanted, abs=0.01)
-    assert needed_gib[0] < needed_gib[1]
-
-
-def test_low_memory_needs_a_self_affine_surface():
-    """The run refuses other surfaces; the forecast does not check them."""
-    scene = scene_of(f'surface = {{kind = "wave", amplitude = 0.01, n = [32, 32]}} ; {LOW}')
-    assert memory.memory_of(scene, (32, 32), 4, 1) > 0
-    with refused('solver.low_memory: found true, allowed: with surface.kind = "self-affine"'):
-        run_scene(scene, comm=SerialComm(), quiet=True)
-
-
 def test_resampling_stays_within_the_forecast():
     """One process holds the whole map, in a few copies."""
     np.save("z.npy", np.zeros((2048, 2048)))
@@ -148,8 +121,3 @@ def test_precision_of_a_plan(surface, load, precision):
         assert plan["gib_in_double"] > plan["gib"]
         assert plan["seconds_in_double"] != plan["seconds"]
     assert plan["gib_per_node"] == pytest.approx(2 * plan["gib_per_rank"])
-
-
-def test_durations_have_two_digits():
-    texts = [duration(s) for s in (0.012, 0.346, 4.4, 111.0, 12345.0)]
-    assert texts == ["0.012 s", "0.35 s", "4.4 s", "110 s", "12000 s"]

@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 from contacts import heights_of, rough, scene_text
 from refusal import refused
-from scene_tables import WAVE, tables
+from scene_tables import tables
 
 import hpc_gfmd
 from hpc_gfmd.scene import Scene
-from hpc_gfmd.util.errors import NotConverged
 
 
 @pytest.fixture(scope="module")
@@ -45,14 +44,6 @@ def test_unconverged_steps_are_marked_everywhere(run):
     assert "! not converged: step 0, 1" in plotted
 
 
-@pytest.mark.parametrize("accuracy", [1e-6, 1e-9, 1e-14])
-def test_single_precision_stagnates_at_high_accuracy(z, accuracy):
-    with pytest.warns(NotConverged, match=r"not converged \(stagnated\)"):
-        solution = hpc_gfmd.solve(z, 0.1, accuracy=accuracy, precision="single")
-    assert solution.status == "stagnated"
-    assert max(solution.errors) > accuracy
-
-
 @pytest.mark.parametrize("accuracy", [1e-3, 1e-6, 1e-9])
 def test_automatic_precision_follows_the_accuracy(z, accuracy):
     with warnings.catch_warnings():
@@ -74,27 +65,12 @@ def test_few_contact_points_are_noted_everywhere(run):
     assert "fewer than 100 of the 64 x 64 points" in table  # a note on the scene
 
 
-def test_rounded_gaps_and_full_contact_are_noted_everywhere(run):
-    _, table, shown, data, plotted = run([1.8948460, 3.0], 1e-3, "single")
-    for text in (table, shown, plotted):
-        assert re.search(r"step 0: .*rounding .*single precision", text)
-        assert "step 1: full contact" in text
-    assert [bool(step["note"]) for step in data["steps"]] == [True, True]
-
-
 def test_notes_of_solutions(z):
     assert hpc_gfmd.solve(z, 0.1, boundary="periodic").note is None
     assert "points touch" in hpc_gfmd.solve(z, 1e-4).note
     assert "1 point touches" in hpc_gfmd.solve(z, 1e-9).note
     assert "full contact" in hpc_gfmd.solve(z, 5.0).note
     assert "flat surface" in hpc_gfmd.solve(np.full((8, 8), 3.0), 5.0).note
-
-
-@pytest.mark.parametrize(("periods", "warned"), [([1, 0], 0), ([2, 0], 1), ([2, 2], 2)])
-def test_coarse_waves_are_noted(periods, warned):
-    messages = Scene.from_dict(tables(WAVE | {"n": [12, 12], "periods": periods})).warnings()
-    assert len(messages) == warned
-    assert all("points a period" in line for line in messages)
 
 
 @pytest.mark.parametrize(
@@ -109,13 +85,6 @@ def test_numbers_in_different_units_are_noted(z, scale, load, words):
         solution = hpc_gfmd.solve(scale * z, **load)
     (note,) = (*solution.notes, *filter(None, [solution.note]))
     assert all(word in note for word in words)
-
-
-def test_steep_heights_are_noted(z):
-    with pytest.warns(hpc_gfmd.SurfaceWarning, match="g_rms = 3"):
-        (note,) = hpc_gfmd.solve(3 * z, 0.1, boundary="periodic").notes
-    assert "g_rms = 3" in note
-    assert hpc_gfmd.solve(0.01 * z, 1e-3, boundary="periodic").note is None
 
 
 def test_yielding_metals_are_noted(z):

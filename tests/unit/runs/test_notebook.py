@@ -180,15 +180,6 @@ def test_files_and_pickles_of_solutions(sweep, saved):
         pickle.loads(pickle.dumps(replace(again.result, version=2)))
 
 
-def test_parts_of_a_file_are_saved_again(sweep, saved):
-    saved[1:].save("some.h5")
-    again = hpc_gfmd.load("some.h5")
-    assert len(again) == 2
-    assert_same(again[1], sweep[2])
-    sweep[0].save("one.h5")
-    assert_same(hpc_gfmd.load("one.h5")[0], sweep[0])
-
-
 @pytest.mark.parametrize("of_file", [False, True])
 def test_observables_computed_later(sweep, saved, of_file):
     """They agree with those computed during the solve."""
@@ -305,18 +296,6 @@ def test_ctrl_c_during_a_save_leaves_no_file(saved, tmp_path, monkeypatch):
     assert [file.name for file in tmp_path.iterdir()] == ["saved.h5"]
 
 
-def test_repr_and_html(sweep):
-    assert repr(sweep[1]).startswith(f"<Solution: a_r = {100 * sweep[1].a_r:.0f} +")
-    assert "%), p = 30 MPa, mean gap = " in repr(sweep[1])
-    assert "\n" not in repr(sweep[1])
-    assert all(f"p = {load}" in repr(sweep) for load in LOADS)
-    assert all(word in sweep._repr_html_() for word in ("<table", "a_r", "[MPa]", "24 x 20 points"))
-    assert "<table" in sweep[0]._repr_html_()
-    assert repr(hpc_gfmd.make_surface(**ROUGH)).startswith(
-        "<surface: 64 x 64 points, L = 1 x 1 um, h_rms = "
-    )
-
-
 def test_warnings_name_unconverged_loads():
     with pytest.warns(hpc_gfmd.NotConverged) as caught:
         solutions = hpc_gfmd.solve(
@@ -329,21 +308,6 @@ def test_warnings_name_unconverged_loads():
     assert solutions.status == "max_iterations"
 
 
-def test_made_surfaces_keep_unit_and_boundary():
-    wall = hpc_gfmd.make_surface(
-        "sphere", radius="1 mm", n=(32, 32), physical_sizes=("80 um", "80 um"), boundary="free"
-    )
-    assert (wall.unit, wall.free) == ("m", (True, True))
-    with refused(
-        r"^boundary: found periodic beside .* knows its boundary, allowed: .* make_surface"
-    ):
-        hpc_gfmd.solve(wall, "1 MPa", "1 GPa", boundary="periodic")
-    with pytest.raises(ValueError, match=r"read-only"):
-        wall.heights[0, 0] = 1.0
-    with refused(r"nearest: surface.radius"):
-        hpc_gfmd.make_surface("sphere", radios=1.0)
-
-
 def test_solve_does_not_initialise_mpi():
     """FFTW is loaded from mpi4py-fft without starting MPI, which can be started later."""
     pytest.importorskip("mpi4py_fft")
@@ -354,14 +318,6 @@ def test_solve_does_not_initialise_mpi():
         " print(PFFT(MPI.COMM_SELF, (8, 8)).shape(), fftw.fftw_xfftn.FFT.__name__)"
     )
     assert printed("-c", code).split("\n")[:3] == ["False", "1", "(8, 5) FFT"]
-
-
-def test_plot(sweep, saved):
-    for solved in (sweep[0], saved[0], sweep, saved):
-        solved.plot().savefig("x.png")
-        assert Path("x.png").stat().st_size > 10_000
-        with refused(r"^what: found 'pie'.* allowed: .*curves"):
-            solved.plot("pie")
 
 
 def test_progress(capsys):

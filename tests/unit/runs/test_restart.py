@@ -9,7 +9,6 @@ from hpc_gfmd.driver.sweep import Sweep
 from hpc_gfmd.output.read import read_partial, read_result
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.runs.simulation import run_scene
-from hpc_gfmd.scene import Scene
 from hpc_gfmd.solvers import solver_names
 
 TIGHT = {"accuracy": None, "residual": 1e-9}
@@ -141,16 +140,3 @@ def test_a_stopped_load_keeps_double_precision(pieces, monkeypatch):
     run_scene(stopped_scene, out=pieces.path, quiet=True)
     assert precisions == ["float64"]
     pieces.compare(rel=1e-5)
-
-
-def test_scenes_with_a_former_key_are_read(pieces):
-    """machine.checkpoint_seconds no longer exists."""
-    old_scene = scene("bpx", [0.05])
-    pieces.undisturbed(old_scene)
-    import h5py
-
-    with h5py.File(pieces.whole, "r+") as file:
-        text = file.attrs["scene"] + "\n[machine]\ncheckpoint_seconds = 60.0\n"
-        del file.attrs["scene"]
-        file.attrs["scene"] = text
-    assert isinstance(read_result(pieces.whole).scene, Scene)

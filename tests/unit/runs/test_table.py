@@ -5,7 +5,7 @@ from result_files import STEP, SURFACE, begin
 from scene_tables import rows
 
 from hpc_gfmd.output.summary import summary, with_error
-from hpc_gfmd.runs.table import GrowingTable, table
+from hpc_gfmd.runs.table import table
 
 
 def test_unconverged_steps_are_marked():
@@ -20,28 +20,6 @@ def test_unconverged_steps_are_marked():
     assert len(remarks) == 2
     assert remarks[0].startswith("! step 1: NOT CONVERGED (stagnated)")
     assert remarks[1] == "  step 1: fewer than 100 points touch"
-
-
-def test_growing_table():
-    """Rows agree with the whole table; headings are repeated only if a unit changes."""
-    surface = SURFACE | {"unit": "m"}
-    growing = GrowingTable(SURFACE | {"unit": "m"})
-    steps = {k: STEP | {"gap_mean": x} for k, x in enumerate((1e-6, 2e-6, 3e-3))}
-    lines = [growing.add({k: step}).splitlines() for k, step in steps.items()]
-    assert list(map(len, lines)) == [3, 1, 3]
-    whole = [line.split() for line in table(steps, surface).splitlines()]
-    assert [line.split() for line in lines[2]] == [*whole[:2], whole[4]]
-    assert growing.end() == table(steps, surface).splitlines()[5:]
-
-
-def test_summary_adds_both_errors_of_the_area():
-    brief = summary(STEP | {"a_r": 0.01184, "a_r_error": 0.0, "a_r_discretisation": 0.11}, SURFACE)
-    assert brief.startswith("a_r = 1.2 +- 0.1 %, p = 0.1")
-    text = table({0: STEP | {"a_r_error": 0.02, "a_r_discretisation": 0.11}}, {}, errors=True)
-    heading, _, row, *_ = (line.split("  ") for line in text.splitlines())
-    assert "25 +- 3" in [cell.strip() for cell in row]
-    columns = [cell.strip() for cell in heading if cell.strip()]
-    assert {"a_r: solver", "a_r: grid"} <= set(columns)
 
 
 def test_the_area_of_the_grid_is_too_large():
@@ -97,14 +75,3 @@ def test_show_prints_table_and_json(path, cli):
     data = cli.data("show", path)
     assert data["steps"][0]["gap_mean"] is None
     assert data["surface"] == SURFACE
-
-
-def test_the_largest_pressure_at_free_edges_has_two_digits_and_a_note():
-    """It grows without limit on finer grids where the contact reaches an edge."""
-    periodic = STEP | {"contact_pressure_max": 1.23456}
-    free = periodic | {"approach": 0.5}
-    assert "1.235" in table({0: periodic}, {})
-    assert "free edge" not in table({0: periodic}, {})
-    text = table({0: free}, {})
-    assert "1.235" not in text
-    assert "free edge" in text

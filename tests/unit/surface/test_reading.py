@@ -1,10 +1,9 @@
 """Height maps of all formats: sizes and units come from the file or the scene, without guessing."""
 
-import re
 from functools import partial
-from pathlib import Path
 
 import h5py
+import netcdf
 import numpy as np
 import pytest
 import tifffile
@@ -13,14 +12,12 @@ from PIL import Image
 from refusal import refused
 
 import hpc_gfmd
-from hpc_gfmd.commands.init import compose
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.runs.simulation import run_scene
 from hpc_gfmd.runs.surfaces import surface_of_topography
 from hpc_gfmd.scene import File, Scene
 from hpc_gfmd.surface import build_surface
-from hpc_gfmd.surface.metadata import Metadata
-from hpc_gfmd.surface.topography import open_topography, topography_of
+from hpc_gfmd.surface.topography import open_topography
 from hpc_gfmd.util.libraries import surface_topography
 
 # in m; numbers of points and pixel sizes differ along x and y, which reveals exchanged axes
@@ -39,31 +36,21 @@ def topography(unit, periodic=True, heights=Z):
     )
 
 
+def coordinates(unit, offset=0.0):
+    """Coordinates of points in a unit; offset: of the first one, in grid points."""
+    return [(np.arange(n) + offset) * L / n / UNITS[unit] for n, L in zip(N, SIZES)]
+
+
 def cf(path, unit):
     """Write NetCDF 3 as other programs do: coordinates of points, y first."""
-    from scipy.io import netcdf_file
-
-    with netcdf_file(path, "w") as file:
-        for name, size, n in (("y", SIZES[1], N[1]), ("x", SIZES[0], N[0])):
-            file.createDimension(name, n)
-            axis = file.createVariable(name, "f8", (name,))
-            axis[:] = np.arange(n) * size / n / UNITS[unit]
-            axis.units = unit
-        z = file.createVariable("elevation", "f8", ("y", "x"))
-        z[:] = Z.T / UNITS[unit]
-        z.units = unit
+    x, y = coordinates(unit)
+    netcdf.write(path, Z.T / UNITS[unit], {"y": y, "x": x}, unit, unit, classic=True)
 
 
 def netcdf4(path, unit):
     """Write NetCDF 4 with coordinates at cell centres."""
-    with h5py.File(path, "w") as file:
-        z = file.create_dataset("heights", data=Z / UNITS[unit])
-        z.attrs["units"] = unit
-        for k, name in enumerate("xy"):
-            file[name] = (np.arange(N[k]) + 0.5) * SIZES[k] / N[k] / UNITS[unit]
-            file[name].attrs["units"] = unit
-            file[name].make_scale(name)
-            z.dims[k].attach_scale(file[name])
+    x, y = coordinates(unit, 0.5)
+    netcdf.write(path, Z / UNITS[unit], {"x": x, "y": y}, unit, unit)
 
 
 def with_attributes(path, unit):
@@ -178,97 +165,7 @@ def test_bad_metadata_is_refused(content, words):
         hpc_gfmd.read_surface("z.npz")
 
 
-def test_attributes_of_the_dataset_precede_those_of_the_file():
-    """Sizes are in the unit that is stored beside them."""
-    with h5py.File("z.h5", "w") as file:
-        file.attrs.update(physical_sizes=1e6 * np.array(SIZES), unit="um", periodic=True)
-        file.create_dataset("surface", data=1e9 * Z).attrs["units"] = "nm"
-    read = open_topography(spec("z.h5"))
-    assert (read.sizes, read.periodic) == (pytest.approx(SIZES), True)
-    assert np.allclose(read.rows(0, 12), Z)
-
-
-def matrix_text(separator, decimal=".", head="", line_end="", holes=()):
-    """The heights in nm as lines of text; holes: (index, text) of cells on the diagonal."""
-    cells = [[f"{z:.12g}".replace(".", decimal) for z in row] for row in 1e9 * Z]
-    for hole, text in holes:
-        cells[hole][hole] = text
-    return head + "\n".join(separator.join(row) + line_end for row in cells)
-
-
-def points_text(head="", decimal=".", separator=" "):
-    """Lines of x, y (um) and z (nm), without point (2, 3)."""
-    steps = [1e6 * size / n for size, n in zip(SIZES, N)]
-    lines = [
-        separator.join(f"{x:.12g}" for x in (i * steps[0], j * steps[1], 1e9 * Z[i, j]))
-        for i, j in np.ndindex(N)
-        if (i, j) != (2, 3)
-    ]
-    return head + "\n".join(lines).replace(".", decimal)
-
-
 BY_HAND = {"physical_sizes": ("1.2 um", "0.4 um"), "unit": "nm"}
-HOLES = [(1, "***"), (2, ""), (3, "BAD")]
-
-
-@pytest.mark.parametrize(
-    ("text", "keys", "missing"),
-    [
-        (matrix_text("\t", ","), BY_HAND, 0),
-        (matrix_text(";", ","), BY_HAND, 0),
-        (matrix_text(" ", ","), BY_HAND, 0),
-        (matrix_text(";", line_end=";"), BY_HAND, 0),
-        (matrix_text("\t", line_end=" # a line"), BY_HAND, 0),
-        (matrix_text(" ", head="a line\n" * 300), BY_HAND | {"skip_lines": 300}, 0),
-        (matrix_text("\t", head="Profiler 3\nrange: 5 5\n\n"), BY_HAND, 0),
-        (matrix_text("\t", ",", head="1\t2\n"), BY_HAND | {"skip_lines": 1, "decimal": ","}, 0),
-        (matrix_text(",", holes=HOLES), BY_HAND, 3),
-        (matrix_text("\t", holes=HOLES), BY_HAND, 3),
-        (
-            matrix_text(" ", holes=[(4, "9999"), (5, "off")]),
-            BY_HAND | {"missing": ["9999", "off"]},
-            2,
-        ),
-        (points_text("x [um];y [um];z [nm]\n", ",", ";"), {}, 1),
-        (points_text("x [um]\ty [um]\tz [nm]\n", separator="\t"), {}, 1),
-        (points_text(), BY_HAND, 1),
-    ],
-)
-def test_text_exported_by_instruments(text, keys, missing, tmp_path):
-    """Separators, decimals, headers and missing points of all kinds give the same heights."""
-    (tmp_path / "z.txt").write_text(text)
-    surface = hpc_gfmd.read_surface("z.txt", boundary="periodic", fill="harmonic", **keys)
-    assert surface.sizes == pytest.approx(SIZES, rel=1e-9)
-    assert np.isclose(surface.heights, Z, rtol=1e-9, atol=1e-18).sum() == Z.size - missing
-    assert bool(surface.prepared) == bool(missing)
-
-
-@pytest.mark.parametrize("mark", [",", " "])
-def test_lines_and_columns_without_heights_are_kept(mark):
-    lines = [["1", "2", "3", "nan"]] * 5 + [["nan"] * 4, ["off"] * 4]
-    Path("z.txt").write_text("\n".join(map(mark.join, lines)))
-    assert open_topography(spec("z.txt", missing=["off"], **BY_HAND)).n == (7, 4)
-
-
-NO_TEXT = "cannot be read as text: .*"
-
-
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        (points_text() + "\n0 0 7", NO_TEXT + "has a point twice"),
-        (points_text() + "\n0.52 0 8", NO_TEXT + "not those of a regular grid"),
-        (points_text("x [um] y [mm] z [nm]\n"), NO_TEXT + ".*um and mm"),
-        (matrix_text(",", holes=[(3, "x")]), NO_TEXT + "line 4: found 'x', .*surface.missing"),
-        (matrix_text(" ").rstrip()[:-20] + "e-", NO_TEXT + "line 12: .*is the file complete"),
-        (matrix_text(" ").rstrip()[:-20], NO_TEXT + "line 12: .*is the file complete"),
-        ("1\n2\n3\n", NO_TEXT + "one number in a line"),
-    ],
-)
-def test_text_that_is_no_height_map_is_refused(text, words):
-    Path("z.txt").write_text(text)
-    with refused(words):
-        open_topography(spec("z.txt", **BY_HAND))
 
 
 STEPS = np.round(65535 * (Z - Z.min()) / np.ptp(Z)).astype(np.uint16)
@@ -308,20 +205,6 @@ def test_images(name, write, keys):
     Image.fromarray(np.zeros((4, 4, 3), np.uint8)).save("colours.png")
     with refused(r"found colours \(RGB\), allowed: one number a point"):
         hpc_gfmd.read_surface("colours.png", **BY_HAND)
-
-
-def test_resolution_of_the_instrument(capsys):
-    """init and prepare_surface name the resolved wavelength, and how to cut there."""
-    parameters = {"resolution": {"value": 0.35, "unit": "µm"}}
-    info = {"instrument": {"parameters": parameters}}
-    scan = surface_topography().Topography(1e9 * Z, (1200, 400), unit="nm", info=info)
-    scan.to_netcdf("scan.nc")
-    text, _, notes, _ = compose("scan.nc", Path("scene.toml"))
-    words = "waves shorter than 350 nm show the instrument"
-    assert any(words in line and "surface.downsample = 4 removes" in line for line in notes)
-    assert re.search(f"^# downsample = 4 .*{words}", text, re.M)
-    assert re.search('^# crop = ."0 m", "0 m", "1.2 um", "0.4 um".', text, re.M)
-    assert any(words in note for note in hpc_gfmd.prepare_surface(scan).notes)
 
 
 def test_unknown_formats_are_refused(tmp_path, capfd):
@@ -470,13 +353,6 @@ def test_keys_of_prepared_surfaces(tmp_path):
     assert loads[0].gap_mean == pytest.approx(loads[1].gap_mean)
     with refused(r"surface.detrent: unknown key, nearest: surface.detrend"):
         hpc_gfmd.read_surface("z.x3p", detrent="mean")
-
-
-def test_sizes_without_a_unit_beside_heights_in_volts():
-    """The unit that the scene gives the heights is not one of the sizes in the file."""
-    table = spec("z.npy", unit="nm", physical_sizes=("1 um", "2 um"), boundary="periodic")
-    (note,) = topography_of(Z, Metadata((1200.0, 400.0), None, "V"), table).notes
-    assert str(note) == "heights are taken in nm, as surface.unit says; z.npy says 'V'"
 
 
 def test_packed_pictures_that_cannot_be_read_rightly_are_refused():

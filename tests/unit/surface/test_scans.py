@@ -8,12 +8,12 @@ from io import BytesIO
 from pathlib import Path
 
 import h5py
+import netcdf
 import numpy as np
 import pytest
 import tifffile
 from contacts import random_heights
 from refusal import refused
-from scipy.signal.windows import get_window
 
 import hpc_gfmd
 from hpc_gfmd.commands.init import compose
@@ -74,50 +74,6 @@ def test_unknown_tokens_are_named(token, lines):
     z = heights("z.txt", missing=[token], **KEYS)
     assert np.isnan(z[lines, 5]).all()
     assert np.isnan(z).sum() == len(lines)
-
-
-@pytest.mark.parametrize("mark", ["\t", " ", ",", ";"])
-@pytest.mark.parametrize("token", ["NoData", "NULL", "n.a.", "None", "nan", "BAD", "***", "---"])
-def test_tokens_of_missing_point_rows(mark, token):
-    rows = Z.astype(str)
-    rows[HOLE] = rows[11, 0] = token
-    Path("z.txt").write_text(table_text(rows, mark))
-    wanted = with_hole()
-    wanted[11, 0] = np.nan
-    assert is_map(heights("z.txt", **KEYS), wanted)
-
-
-LATE = np.round(random_heights((300, 4)), 4)
-
-
-@pytest.mark.parametrize(
-    ("change", "words"),
-    [
-        (lambda row: [*row[:3]], "line 281: found 3 columns, allowed: 4"),
-        (lambda row: [*row, "7"], "line 281: found 5 columns, allowed: 4"),
-        (lambda row: [row[0], row[1] + "#2", *row[2:]], "line 281: found '.*#2'"),
-        (lambda row: [row[0], row[1] + " # 2", *row[2:]], "line 281: found 2 columns"),
-        (lambda row: [], "2 blocks of numbers .280 from line 1 on, 19 from line 282 on"),
-        (lambda row: ["# another map"], "2 blocks of numbers"),
-        (lambda row: ["end"], "line 281: found 1 columns"),
-    ],
-)
-@pytest.mark.parametrize("mark", ["\t", ","])
-def test_late_changes_of_the_layout_are_refused(change, words, mark):
-    rows = LATE.astype(str).tolist()
-    rows[280] = change(rows[280])
-    Path("z.txt").write_text(table_text(rows, mark))
-    with refused(words):
-        heights("z.txt", **SMALL)
-
-
-def test_late_empty_cells_are_missing_point_rows():
-    rows = LATE.astype(str)
-    rows[250, 1] = ""
-    wanted = LATE.copy()
-    wanted[250, 1] = np.nan
-    Path("z.txt").write_text(table_text(rows))
-    assert is_map(heights("z.txt", **SMALL), wanted)
 
 
 def test_channels_are_selected_by_name():
@@ -235,12 +191,6 @@ def test_named_columns_of_points(names, mark):
     )
 
 
-def test_four_columns_without_names_are_refused():
-    Path("z.xyz").write_text(table_text(point_rows("xyzI"), " "))
-    with refused("4 columns"):
-        heights("z.xyz", **KEYS)
-
-
 @pytest.mark.parametrize(
     "order",
     [
@@ -291,32 +241,6 @@ def test_points_with_blank_lines_that_are_no_grid_are_refused():
     assert np.allclose(opened("p.xyz", unit="nm").rows(0, 4), 1e-9 * (10 * x + y))
 
 
-def test_blank_lines_between_lines_of_points():
-    """The format of gnuplot."""
-    lines = table_text(point_rows("xyz"), " ").splitlines()
-    blocks = ["\n".join(lines[8 * k : 8 * k + 8]) for k in range(12)]
-    Path("z.xyz").write_text("# x[um] y[um] z[nm]\n" + "\n\n".join(blocks))
-    assert is_map(heights("z.xyz"))
-
-
-def test_rounded_coordinates_are_a_grid():
-    pitch = 1.6343e-6
-    lines = [
-        f"{pitch * (i + 0.5):.5g}\t{pitch * (j + 0.5):.5g}\t{1e-9 * i * (j + 1):.5g}"
-        for j in range(40)
-        for i in range(184)
-    ]
-    Path("z.xyz").write_text("\n".join(lines))
-    topography = opened("z.xyz", unit="m")
-    assert topography.n == (184, 40)
-    assert topography.sizes == pytest.approx((184 * pitch, 40 * pitch), rel=1e-4)
-    rows = topography.rows(0, 184)
-    assert np.allclose(rows, 1e-9 * np.outer(np.arange(184), np.arange(1, 41)), rtol=1e-4)
-    Path("z.xyz").write_text("\n".join([*lines, "3.3e-6\t8.2e-7\t0"]))
-    with refused("not those of a regular grid"):
-        opened("z.xyz", unit="m")
-
-
 # Direction of x
 
 HEADER = "# Channel: Height\n# Width: {}\n# Height: {}\n# Value units: nm\n"
@@ -350,31 +274,6 @@ def test_all_formats_share_one_convention():
         assert is_map(heights(name, first_axis="y", **turned), Z.T)
     assert any("first_axis" in str(note) for note in opened("z.txt", **KEYS).notes)
     assert not opened("z.txt", first_axis="x", **KEYS).notes
-
-
-def test_note_on_pixels_that_exchanged_sizes_make_square():
-    np.save("z.npy", Z[:6])
-    sizes = ("4 um", "3 um")  # as displayed: 8 columns, 6 lines
-    assert any(
-        "would be square" in str(note)
-        for note in opened("z.npy", unit="nm", physical_sizes=sizes).notes
-    )
-    assert not opened("z.npy", unit="nm", physical_sizes=sizes[::-1]).notes
-    turned = opened("z.npy", unit="nm", physical_sizes=sizes, first_axis="y")
-    assert (turned.n, turned.notes) == ((8, 6), ())
-
-
-@pytest.mark.parametrize("names", [("y", "x"), ("lat", "lon"), ("Y", "X"), ("row", "column")])
-def test_named_axes_of_netcdf(names):
-    with h5py.File("z.nc", "w") as file:
-        data = file.create_dataset("h", data=Z.T)
-        data.attrs["units"] = "nm"
-        for axis, (name, n, size) in enumerate(zip(names, (8, 12), SIZES[::-1])):
-            file[name] = np.arange(n) * size / n
-            file[name].attrs["units"] = "m"
-            file[name].make_scale(name)
-            data.dims[axis].attach_scale(file[name])
-    assert is_map(heights("z.nc"))
 
 
 @pytest.mark.parametrize("version", ["5", "7.3"])
@@ -435,59 +334,18 @@ def test_spellings_of_units(unit, metres):
     assert topography.sizes == pytest.approx((12 * metres, 4 * metres))
 
 
-def gwyddion(path, lateral, vertical):
-    """Write a GWY file with the given units along the surface and of heights."""
-    import gwyfile
-
-    field = gwyfile.objects.GwyDataField(
-        Z.T,
-        xreal=12.0,
-        yreal=8.0,
-        si_unit_xy=gwyfile.objects.GwySIUnit(unitstr=lateral),
-        si_unit_z=gwyfile.objects.GwySIUnit(unitstr=vertical),
-    )
-    gwyfile.objects.GwyContainer({"/0/data": field, "/0/data/title": "Height"}).tofile(path)
-
-
-@pytest.mark.parametrize(("lateral", "vertical"), [("px", "nm"), ("", ""), ("px", "")])
-def test_gwyddion_without_units_of_length(lateral, vertical):
-    gwyddion("z.gwy", lateral, vertical)
-    with refused("^surface.physical_sizes: not given"):
-        hpc_gfmd.read_surface("z.gwy", boundary="periodic")
-    assert is_map(heights("z.gwy", **KEYS))
-
-
-@pytest.mark.parametrize("sizes", [("160 m", "160 m"), ("1 pm", "1 pm")])
-def test_note_on_implausible_sizes(sizes):
-    np.save("z.npy", Z)
-    notes = opened("z.npy", unit="nm", physical_sizes=sizes).notes
-    assert any("no instrument measures" in str(note) for note in notes)
-    notes_of_init = compose(
-        "z.npy", Path("a.toml"), [f"surface.physical_sizes={list(sizes)}", "surface.unit=nm"]
-    )[2]
-    assert any("no instrument measures" in line for line in notes_of_init)
-    assert any("different units" in line for line in notes_of_init)
-
-
 # Content decides the format
 
 
-def netcdf3(path, packed=False):
-    """Write NetCDF 3; packed: as 16-bit integers with a scale and a hole."""
-    from scipy.io import netcdf_file
+AXES = {name: np.arange(n) * L / n for name, n, L in zip("xy", Z.shape, SIZES)}
 
-    with netcdf_file(path, "w") as file:
-        for name, n, size in (("x", 12, SIZES[0]), ("y", 8, SIZES[1])):
-            file.createDimension(name, n)
-            axis = file.createVariable(name, "f8", (name,))
-            axis[:] = np.arange(n) * size / n
-            axis.units = "m"
-        z = file.createVariable("h", "i2" if packed else "f8", ("x", "y"))
-        z.units = "nm"
-        z[:] = np.round(Z / 0.0625) if packed else Z
-        if packed:
-            z.scale_factor = 0.0625
-            z[HOLE] = z._FillValue = np.int16(-32768)
+
+def packed_netcdf(path):
+    """Write NetCDF 3 with 16-bit integers, a scale and a hole."""
+    steps = np.round(Z / 0.0625).astype("i2")
+    steps[HOLE] = -32768
+    hole = np.int16(-32768)
+    netcdf.write(path, steps, AXES, classic=True, scale_factor=0.0625, _FillValue=hole)
 
 
 def hdf5(path):
@@ -507,7 +365,7 @@ KINDS = {
     "npy": lambda path: Path(path).write_bytes(saved_bytes(np.save, Z)),
     "npz": lambda path: Path(path).write_bytes(saved_bytes(np.savez, z=Z)),
     "hdf5": hdf5,
-    "netcdf": netcdf3,
+    "netcdf": lambda path: netcdf.write(path, Z, AXES, classic=True),
     "tiff": lambda path: tifffile.imwrite(path, Z.T),
     "text": lambda path: np.savetxt(path, Z, fmt="%.3f"),
     "x3p": lambda path: topography().to_x3p(str(path)),
@@ -545,7 +403,7 @@ def test_compressed_files(kind, pack):
 
 @pytest.mark.parametrize("suffix", [".nc", ".nc4", ".cdf", ".dat"])
 def test_packed_integers_of_netcdf(suffix):
-    netcdf3(f"z{suffix}", packed=True)
+    packed_netcdf(f"z{suffix}")
     topography = opened(f"z{suffix}")
     assert topography.sizes == pytest.approx(SIZES)
     assert is_map(1e9 * topography.rows(0, 12), with_hole(np.round(Z / 0.0625) * 0.0625))
@@ -683,40 +541,22 @@ def test_masks(kind, dtype):
 
 
 @pytest.mark.parametrize("falling", ["x", "y", "xy", ""])
-@pytest.mark.parametrize("kind", ["netcdf3", "netcdf4"])
-def test_decreasing_coordinates_are_reversed(falling, kind):
-    from scipy.io import netcdf_file
-
-    def turned(z):
-        return z[:: -1 if "x" in falling else 1, :: -1 if "y" in falling else 1]
-
-    axes = {
-        name: (np.arange(n) * size / n)[:: -1 if name in falling else 1]
-        for name, n, size in zip("xy", Z.shape, SIZES)
-    }
-    if kind == "netcdf3":
-        with netcdf_file("z.nc", "w") as file:
-            for name, values in axes.items():
-                file.createDimension(name, len(values))
-                file.createVariable(name, "f8", (name,))[:] = values
-                file.variables[name].units = "m"
-            file.createVariable("h", "f8", ("y", "x"))[:] = turned(Z).T
-            file.variables["h"].units = "nm"
-    else:
-        with h5py.File("z.nc", "w") as file:
-            data = file.create_dataset("h", data=turned(Z))
-            data.attrs["units"] = "nm"
-            for axis, (name, values) in enumerate(axes.items()):
-                file[name] = values
-                file[name].attrs["units"] = "m"
-                file[name].make_scale(name)
-                data.dims[axis].attach_scale(file[name])
+@pytest.mark.parametrize("classic", [False, True])
+@pytest.mark.parametrize("names", ["xy", "YX"])
+def test_decreasing_coordinates_are_reversed(falling, classic, names):
+    """Along named axes in any order."""
+    axes = {name: AXES[name.lower()] for name in names}
+    z = Z if names == "xy" else Z.T
+    for axis, name in enumerate(names):
+        if name.lower() in falling:
+            axes[name] = axes[name][::-1]
+            z = np.flip(z, axis)
+    netcdf.write("z.nc", z, axes, classic=classic)
     topography = opened("z.nc")
     assert is_map(1e9 * topography.rows(0, 12))
     assert is_map(1e9 * topography.rows(3, 7), Z[3:7])
-    cropped = hpc_gfmd.read_surface(
-        "z.nc", crop=("0 m", "0 m", "0.3 um", "0.1 um"), boundary="free"
-    )
+    crop = ("0 m", "0 m", "0.3 um", "0.1 um")
+    cropped = hpc_gfmd.read_surface("z.nc", crop=crop, boundary="free")
     assert is_map(1e9 * cropped.heights, Z[:3, :2])
 
 
@@ -754,13 +594,6 @@ def test_reason_of_the_reader_is_in_the_message():
         heights("z.gwy")
 
 
-def test_missing_points_of_zygo():
-    lines = [f"{i} {j} {Z[i, j]}" for i in range(12) for j in range(8)]
-    lines[21] = "2 5 No Data"
-    Path("z.xyz").write_text("\n".join(lines) + "\n#\n")
-    assert is_map(heights("z.xyz", **KEYS), with_hole())
-
-
 def test_nms_with_a_spacing_in_nm():
     head = bytearray(3468)
     struct.pack_into("<2d", head, 16, 0.0, 1.0)
@@ -778,20 +611,6 @@ def test_keys_of_other_formats_are_refused(key, value):
     np.save("z.npy", Z)
     with refused(f"surface.{key}: found .*z.npy is read as npy"):
         opened("z.npy", **KEYS, **{key: value})
-
-
-def test_init_refuses_sizes_other_than_those_of_the_file():
-    Path("z.xyz").write_text(table_text([("x[um]", "y[um]", "z[nm]"), *point_rows("xyz")], ","))
-    sizes = 'surface.physical_sizes=["3 um","2 um"]'
-    with refused(r"surface.physical_sizes: found .*3 um.*'1.2 um', '0.4 um'"):
-        compose("z.xyz", Path("a.toml"), [sizes])
-    written = compose("z.xyz", Path("a.toml"), ['surface.physical_sizes=["1.2 um","0.4 um"]'])[0]
-    assert 'physical_sizes = ["1.2 um", "0.4 um"]' in written
-    Path("plain.xyz").write_text(table_text(point_rows("xyz"), ","))  # without a unit
-    assert not compose("plain.xyz", Path("a.toml"), [sizes, "surface.unit=nm"])[1]
-    assert not opened("plain.xyz", **KEYS).notes
-    notes = opened("z.xyz", physical_sizes=("3 um", "2 um")).notes
-    assert any("the file says 1.2 um x 0.4 um" in str(note) for note in notes)
 
 
 # Notes on preparation
@@ -857,16 +676,6 @@ def test_what_a_person_is_told_of_a_map_is_true():
     assert edges.jumps[1] == pytest.approx(n[1] - 1)
 
 
-@pytest.mark.parametrize("window", ["hann", "tukey"])
-def test_note_on_a_window(window):
-    z = random_heights((64, 64))
-    surface = hpc_gfmd.prepare_surface(z, window=window)
-    (note,) = [note for note in surface.notes if "window" in note]
-    assert f"window {window} takes h_rms from" in note
-    weights = np.outer(*[get_window(window, 64)] * 2)
-    assert f"{100 * np.mean(weights > 0.5):.0f} % of the area" in note
-
-
 def test_iterative_filling_agrees_with_factorisation(monkeypatch):
     from hpc_gfmd.surface import film
 
@@ -877,19 +686,3 @@ def test_iterative_filling_agrees_with_factorisation(monkeypatch):
     factorised = hpc_gfmd.prepare_surface(z, fill="harmonic", boundary="free").heights
     assert np.allclose(iterated, factorised, rtol=0, atol=1e-8 * np.ptp(factorised))
     assert np.isfinite(iterated).all()
-
-
-def test_notes_of_init():
-    rows = Z.astype(str)
-    rows[HOLE] = "nan"
-    Path("z.txt").write_text(table_text(rows))
-    keys = ['surface.physical_sizes=["1.2 um","0.4 um"]', "surface.unit=nm"]
-    notes = "\n".join(compose("z.txt", Path("a.toml"), keys)[2])
-    for words in (
-        "12 x 8 points, 1.2 um x 0.4 um, heights in nm",
-        "read as text; x runs from line to line of the text",
-        "1 points without a height",
-        "done to it: 1 points (1 %) filled",
-        "h_rms = ",
-    ):
-        assert words in notes

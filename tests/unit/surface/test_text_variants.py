@@ -79,24 +79,6 @@ def test_layouts_against_numpy(variant, token):
     assert np.array_equal(topography.rows(0, topography.n[0]), wanted, equal_nan=True)
 
 
-@pytest.mark.parametrize("mark", ["\t", ",", ";"])
-@pytest.mark.parametrize("holes", [EARLY, LATE])
-def test_empty_cells(mark, holes):
-    text = body(mark, ".", ".4f", holes, "")
-    Path("z.csv").write_text(text)
-    topography = open_topography(File(kind="file", path="z.csv", **KEYS))
-    wanted = np.genfromtxt(StringIO(text), delimiter=mark)
-    assert np.array_equal(topography.rows(0, 240), wanted, equal_nan=True)
-
-
-@pytest.mark.parametrize("mark", ["\t", ",", ";", " "])
-def test_trailing_separators(mark):
-    text = body(mark, ".", ".4f", (), "").replace("\n", f"{mark}\n")
-    Path("z.csv").write_text(text)
-    topography = open_topography(File(kind="file", path="z.csv", **KEYS))
-    assert np.array_equal(topography.rows(0, 240), Z)
-
-
 @pytest.mark.parametrize("mark", [",", "\t", ";"])
 def test_quoted_numbers_with_decimal_commas(mark):
     """The format of spreadsheets."""

@@ -1,7 +1,6 @@
 """Two scans with different points, sizes and positions are added on the points of the finer one, in
 the window that both cover."""
 
-from itertools import product
 from math import ceil, gcd
 from pathlib import Path
 
@@ -15,7 +14,6 @@ from scipy.interpolate import make_interp_spline
 import hpc_gfmd
 from hpc_gfmd.scene import File, Scene
 from hpc_gfmd.surface.topography import open_topography
-from hpc_gfmd.util.libraries import surface_topography
 
 NOT_MIRRORED = {"mirrored": "none"}
 
@@ -39,24 +37,6 @@ def combine(first, a, second, b, **keys):
         for z, spacings in ((first, a), (second, b))
     ]
     return hpc_gfmd.combine_surfaces(*scans, **keys)
-
-
-@pytest.mark.parametrize(("n", "b"), [((41, 33), (0.31, 0.4)), ((25, 26), (0.5, 0.5))])
-def test_sum_of_two_waves(n, b):
-    """Interpolation between different points is of fourth order away from edges; the order of the
-    scans does not matter."""
-    a = (0.1, 0.15)
-    coarse = wave(n, b)
-    fine = wave((110, 70), a)
-    surface = combine(fine, a, coarse, b, **NOT_MIRRORED)
-    assert surface.sizes == pytest.approx(np.multiply(surface.heights.shape, a))
-    exact = 2 * wave(surface.heights.shape, a)
-    error = np.abs(surface.heights - exact)
-    assert error[30:-30, 20:-20].max() < 2 * max(b) ** 4 / 384
-    assert error.max() < 0.1 * max(b) ** 2  # at edges, where the spline has no curvature
-    assert surface.free == (True, True)
-    swapped = combine(coarse, b, fine, a, **NOT_MIRRORED)
-    assert np.array_equal(swapped.heights, surface.heights)
 
 
 RATIOS = [(p, q) for p in range(1, 13) for q in range(1, 13) if gcd(p, q) == 1]
@@ -136,18 +116,6 @@ def test_periodic_scans():
     assert surface.sizes == (1.0, 1.0)
 
 
-@pytest.mark.parametrize("ratio", [1, 2, 3])
-def test_coinciding_points_keep_their_heights(ratio):
-    """For integer ratios of point distances; equal distances need no interpolation."""
-    fine, coarse = two_random_maps((31, 24), (11, 10))
-    surface = combine(fine, (1, 1), coarse, (ratio, ratio), **NOT_MIRRORED)
-    n_x, n_y = ((k - 1) // ratio + 1 for k in surface.heights.shape)
-    rows, columns = surface.heights.shape
-    second_part = surface.heights - fine[:rows, :columns]
-    assert np.allclose(second_part[::ratio, ::ratio], coarse[:n_x, :n_y], rtol=0, atol=1e-14)
-    assert any("interpolated" in step for step in surface.prepared) == (ratio > 1)
-
-
 @pytest.mark.parametrize(
     ("i", "j"), [(0, 0), (3, -2), (-5, 7), (0, 10)], ids=lambda shift: str(shift)
 )
@@ -161,16 +129,6 @@ def test_shift(i, j):
     y = slice(max(j, 0), min(16, 12 + j))
     moved = second_map[x.start - i : x.stop - i, y.start - j : y.stop - j]
     assert np.array_equal(surface.heights, first_map[x, y] + moved)
-
-
-def test_shift_by_fractions_of_a_point():
-    a = (0.2, 0.2)
-    first = np.zeros((60, 60))
-    second = wave((60, 60), a, x0=0.07, y0=-0.3)
-    surface = combine(first, a, second, a, shift=(0.07, -0.3), **NOT_MIRRORED)
-    x0, y0 = 0.2, 0.0  # the first points of `first` within the other
-    expected = wave(surface.heights.shape, a, x0, y0)
-    assert np.allclose(surface.heights[8:-8, 8:-8], expected[8:-8, 8:-8], rtol=0, atol=2e-5)
 
 
 @pytest.mark.parametrize(
@@ -196,18 +154,6 @@ def test_second_scan_is_mirrored_to_face_the_first(mirrored, as_mirrored, tmp_pa
         assert np.array_equal(total, first + (-1 if flip else 1) * as_mirrored(second))
         parts = [topography.rows(i, i + 2) for i in range(0, 14, 2)]
         assert np.array_equal(np.concatenate(parts), total)
-
-
-def test_amplitudes_lost_by_interpolation():
-    """Halfway between points, for waves of 8, 4 and 3 points, as stated in the documentation."""
-    for points, lost in ((8, 0.002), (4, 0.03), (3, 0.13)):
-        k = np.arange(24 * points)
-        one_line = np.cos(2 * np.pi * (k + 0.5) / points)[:, None]  # at -1/2 it is 1
-        line = hpc_gfmd.prepare_surface(one_line, physical_sizes=(k.size, 1), boundary="periodic")
-        flat = hpc_gfmd.prepare_surface(0 * one_line, physical_sizes=(k.size, 1))
-        surface = hpc_gfmd.combine_surfaces(flat, line, shift=(0.5, 0), **NOT_MIRRORED)
-        amplitude = surface.heights.max() if points != 3 else np.std(surface.heights) * 2**0.5
-        assert lost / 2 < 1 - amplitude < lost
 
 
 def test_missing_points_are_filled_in_each_scan():
@@ -256,30 +202,6 @@ def test_a_scene_agrees_with_combine_surfaces(tmp_path, cli):
     assert cli.prints("plan s.toml").startswith(f"{n_x} x {n_y} = ")
 
 
-def test_a_topography_of_surfacetopography():
-    Topography = surface_topography().Topography
-    fine, coarse = two_random_maps((20, 20), (10, 10))
-    scans = [Topography(z, (20.0, 20.0), unit="um") for z in (fine, coarse)]
-    surface = hpc_gfmd.combine_surfaces(*scans, boundary="free")
-    arrays = [
-        hpc_gfmd.prepare_surface(z, physical_sizes=(20.0, 20.0), unit="um", boundary="free")
-        for z in (1.0 * fine, 1.0 * coarse)
-    ]
-    assert np.allclose(surface.heights, hpc_gfmd.combine_surfaces(*arrays).heights, rtol=1e-12)
-    assert (surface.unit, surface.free) == ("m", (True, True))
-
-
-def test_note_on_an_unresolved_scan():
-    """Noted if the interpolated scan is rough down to its points."""
-    fine = wave((90, 90), (0.1, 0.1))
-    rough = random_heights((30, 30), seed=1)
-    for coarse, noted in ((wave((30, 30), (0.3, 0.3)), False), (rough, True)):
-        surface = combine(fine, (0.1, 0.1), coarse, (0.3, 0.3))
-        assert any("does not resolve its own" in note for note in surface.notes) == noted
-    same_points = combine(rough, (0.3, 0.3), rough, (0.3, 0.3), **NOT_MIRRORED)
-    assert not any("does not resolve its own" in note for note in same_points.notes)
-
-
 @pytest.mark.parametrize(
     ("bodies", "keys", "words"),
     [
@@ -323,10 +245,3 @@ def test_bad_arguments_of_combine_surfaces_are_refused():
         hpc_gfmd.combine_surfaces(z, np.zeros((4, 4)))
     with refused("surface.bodies"):
         hpc_gfmd.combine_surfaces(z, z, shift=1)
-
-
-@pytest.mark.parametrize(("first", "second"), [*product(((1, 8), (6, 6)), repeat=2)])
-def test_few_points(first, second):
-    """Lines and small maps are interpolated, whichever is finer."""
-    surface = combine(np.zeros(first), (1, 1), random_heights(second), (1.5, 0.7))
-    assert np.isfinite(surface.heights).all()

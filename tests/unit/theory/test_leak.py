@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from contacts import rough_wall
 
 import hpc_gfmd
 from hpc_gfmd.theory.leak import leak_rate
@@ -24,9 +25,7 @@ def test_numbers_out_of_range_are_refused(name, value):
 
 
 def test_a_seal_leaks_less_with_load_and_closes():
-    wall = hpc_gfmd.make_surface(
-        "self-affine", hurst=0.8, L_over_lam_l=2, lam_l_over_lam_s=8, lam_s_over_a=4, seed=1
-    )
+    wall = rough_wall((2, 8, 4))
     loads = hpc_gfmd.solve(wall, p_star=[0.02, 0.1, 0.6])
     rates = loads.leak_rate(1e-3, 1e5)
     assert (np.diff(rates) < 0).all()

@@ -26,15 +26,6 @@ def test_rounded_pressures_select_their_table():
         assert tfc.correction("kappa", 0.5, p_star, **REFERENCE).p_star == table
 
 
-def test_of_two_pressures_the_nearer_one_is_taken():
-    table = tfc.paper_table()
-    part = next(part for part in table["tables"] if part["observable"] == "kappa")
-    table["tables"].append(part | {"p_star": 1.04 * part["p_star"]})
-    for wanted in (part["p_star"], 1.04 * part["p_star"]):
-        terms = tfc.correction("kappa", 0.8, 1.001 * wanted, **REFERENCE, table=table)
-        assert terms.p_star == wanted
-
-
 @pytest.mark.parametrize("p_star", [0.006, 0.01, 0.05, 0.3, 0.4, 0, np.nan])
 def test_other_pressures_are_refused(p_star):
     with refused(r"p_star: found .*allowed"):

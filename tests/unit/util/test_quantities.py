@@ -1,14 +1,10 @@
 """Quantities with units in a scene: parsing, equality with plain SI numbers, and output."""
 
 import h5py
-import numpy as np
 import pytest
-from refusal import refused
 from scene_tables import scene_of
 
-import hpc_gfmd
 from hpc_gfmd.runs.simulation import run_scene
-from hpc_gfmd.runs.table import table
 from hpc_gfmd.scene import Scene
 from hpc_gfmd.util.quantities import factor, parse, prefixed
 
@@ -96,21 +92,3 @@ def test_units_give_the_solution_of_si_numbers(cli):
     shown = cli.prints("show 1.h5")
     assert "[pressure]" in shown
     assert "h_rms = 2e-07" in shown
-
-
-def test_solve_accepts_units():
-    x = np.arange(32) / 32
-    z = 1e-8 * (np.cos(2 * np.pi * x)[:, None] + np.cos(2 * np.pi * x))
-    named = hpc_gfmd.solve(z, "20 MPa", E_star="50 GPa", physical_sizes=("1 um", "1 um"))
-    plain = hpc_gfmd.solve(z, 2e7, E_star=5e10, physical_sizes=(1e-6, 1e-6))
-    assert named.gap_mean == pytest.approx(plain.gap_mean, rel=1e-6)
-    with refused("beside"):
-        hpc_gfmd.solve(z, "20 MPa")
-
-
-def test_areas_and_lengths_of_the_table_have_units():
-    step = {"p": 2e7, "patch_largest": 4e-14, "perimeter": 1.2e-5, "status": "converged"}
-    observables = ["patches", "perimeter"]
-    text = table({0: step}, {"unit": "m", "pressure_unit": "Pa"}, observables)
-    assert all(word in text.split() for word in ("[nm^2]", "4e+04", "[um]", "12"))
-    assert "[length^2]" in table({0: step}, {}, observables)
