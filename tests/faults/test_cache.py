@@ -7,6 +7,7 @@ import pickle
 import shutil
 import sys
 import tempfile
+from itertools import cycle
 
 import pytest
 from faults.test_readers import EDITS, changed
@@ -157,11 +158,10 @@ def test_a_solve_with_all_caches_damaged(tmp_path):
     assert expected.returncode == 0, expected.stderr
     files = [path for path in (tmp_path / "cache").rglob("*") if path.is_file()]
     assert len(files) > 20
-    for damage in DAMAGE.values():
-        for path in files:
-            path.write_bytes(damage(path.read_bytes()))
-        completed = python(None, ["-c", SOLVE], env)
-        assert (completed.returncode, completed.stdout) == (0, expected.stdout), completed.stderr
+    for damage, path in zip(cycle(DAMAGE.values()), files):
+        path.write_bytes(damage(path.read_bytes()))
+    completed = python(None, ["-c", SOLVE], env)
+    assert (completed.returncode, completed.stdout) == (0, expected.stdout), completed.stderr
 
 
 WITHOUT_A_NAME = """

@@ -1,6 +1,5 @@
 """Examples run on small grids without warnings and save their pictures."""
 
-import ast
 import runpy
 import sys
 from pathlib import Path
@@ -64,14 +63,6 @@ def check_flow(flow):
     rough = np.exp(ndimage.gaussian_filter(rng.standard_normal((64, 64)), 4, mode="mirror"))
     along_x, along_y = (flow(np.hstack([g, g[:, ::-1]])) / 2 for g in (rough, 1 / rough.T))
     assert along_x * along_y == pytest.approx(1, rel=2e-3)
-
-
-@pytest.mark.parametrize("path", EXAMPLES)
-def test_examples_are_short_and_documented(path):
-    tree = ast.parse(path.read_text())
-    assert sum(isinstance(node, ast.stmt) for node in ast.walk(tree)) <= 30
-    assert ast.get_docstring(tree)
-    assert (FOLDER.parent / "docs" / "gallery" / f"{path.stem}.png").is_file()
 
 
 @pytest.mark.slow

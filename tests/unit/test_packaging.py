@@ -55,17 +55,6 @@ def test_one_description():
     assert {package["name"] for package in codemeta["softwareRequirements"]} <= set(required)
 
 
-@pytest.mark.skipif(
-    not (ROOT / ".pre-commit-config.yaml").exists(), reason="not in the source archive"
-)
-def test_hooks_run_the_checks_of_scripts_test():
-    hooks = text(".pre-commit-config.yaml")
-    script = text("scripts/test")
-    for check in ("ruff check", "ruff format --check", "mypy"):
-        assert f'"$python" -m {check}' in script
-        assert f"python -m {check}" in hooks
-
-
 @pytest.mark.parametrize("path", ["README.md", "CHANGELOG.md", "CONTRIBUTING.md"])
 def test_links_to_files_work(path):
     links = LINK.findall(text(path))

@@ -8,7 +8,7 @@ import sys
 import numpy as np
 import pytest
 from contacts import scene_text
-from mpi_harness import environment, missing, python
+from mpi_harness import environment, python
 from result_files import complete
 
 from hpc_gfmd.output.read import read_result
@@ -52,18 +52,6 @@ def test_run_with_broken_streams(folder, stream):
     if "ASCII" in stream:
         assert out.startswith("Fl\\xe4che \\u0394: 32 x 32 points")
         assert "converged" in out
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(bool(missing()), reason="no mpirun")
-@pytest.mark.parametrize(
-    "after",
-    ["| true", *(pytest.param(lost, marks=pytest.mark.slow) for lost in (">&-", ">/dev/full"))],
-)
-def test_ranks_with_broken_streams(folder, after):
-    code, _, err = shell(folder, ["mpirun", "-n", "2"], ["run", "scene.toml"], after, ASCII)
-    assert code == 0, err
-    assert read_result(folder / "contact.h5").status == "converged"
 
 
 @pytest.mark.parametrize(

@@ -139,29 +139,6 @@ def test_paraview_reads_numbers_at_their_positions(path):
             assert np.array_equal(array, field(step, name))
 
 
-def test_netcdf_by_xarray(path):
-    """All loads in one file, and one load as every version of ParaView opens it."""
-    xarray = pytest.importorskip("xarray")
-    solutions = hpc_gfmd.load(path)
-    whole = solutions.to_xarray()
-    whole.to_netcdf("all.nc", engine="h5netcdf")
-    with xarray.open_dataset("all.nc", engine="h5netcdf") as dataset:
-        assert dataset.equals(whole)
-    solutions[1].to_xarray().squeeze().transpose("y", "x").to_netcdf("load.nc", engine="h5netcdf")
-    reader = pytest.importorskip("vtkmodules.vtkIONetCDF").vtkNetCDFCFReader()
-    from vtkmodules.util.numpy_support import vtk_to_numpy
-
-    reader.SetFileName("load.nc")
-    reader.UpdateMetaData()
-    reader.SetDimensions("(y, x)")
-    reader.SphericalCoordinatesOff()
-    reader.Update()
-    image = reader.GetOutput()
-    assert image.GetBounds() == (0, 2.5, 0, 0.75, 0, 0)
-    gap = vtk_to_numpy(image.GetPointData().GetArray("gap"))
-    assert np.array_equal(gap.reshape(N[::-1]).T, field(1, "gap"))
-
-
 def test_csv(path, cli):
     assert cli.prints("export out.h5 --to csv") == "out.csv\n"
     lines = list(csv.DictReader(path.with_suffix(".csv").read_text().splitlines()))

@@ -102,34 +102,6 @@ def test_automatic_threads(monkeypatch):
     assert thread_count.auto_threads(many, 2, 12) == 1
 
 
-class Ranks(SerialComm):
-    """One of several ranks of a machine that may use these cores."""
-
-    def __init__(self, cores_of_ranks):
-        self.cores_of_ranks = cores_of_ranks
-        self.size = len(cores_of_ranks)
-
-    def allgather(self, obj):
-        return self.cores_of_ranks
-
-
-@pytest.mark.parametrize(
-    ("cores_of_ranks", "threads", "word"),
-    [
-        ([[0], [1]], 1, ""),
-        ([[0, 1], [0, 1]], 1, ""),
-        ([[0], [1]], 2, "PE=2"),  # as mpirun binds
-        ([[0, 1], [2, 3]], 2, ""),
-        ([[0, 1], [0, 1], [0, 1]], 1, "3 ranks of 1 thread share 2 cores"),
-    ],
-)
-def test_more_ranks_than_cores_are_noted(cores_of_ranks, threads, word, monkeypatch):
-    monkeypatch.setattr(os, "sched_getaffinity", lambda _: cores_of_ranks[0])
-    note = thread_count.oversubscription(Ranks(cores_of_ranks), threads)
-    assert word in note
-    assert bool(note) == bool(word)
-
-
 def processes(folder, *ancestors):
     """Make a folder like /proc.
 

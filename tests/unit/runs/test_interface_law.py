@@ -122,26 +122,6 @@ def test_errors_are_those_of_the_finest_intervals():
     assert (missed <= 1.5 * claimed + 1e-12).all()
 
 
-def test_conductance_of_a_piece_is_that_of_the_whole_wall():
-    """With free edges it is stiffness/E_star: without the spreading resistance of a lone piece."""
-    whole = rough_wall((4, 8, 4))
-    n = len(whole.heights) // 2
-    piece = hpc_gfmd.prepare_surface(
-        np.array(whole.heights[:n, :n]), physical_sizes=(0.5, 0.5), boundary="free"
-    )
-    p = 0.3
-    names = ["conductance", "stiffness"]
-    law_of_piece, law_of_whole = (
-        interface_law(surface, p / 2, 2 * p, 0.05, quantities=names, E_star=2.0)
-        for surface in (piece, whole)
-    )
-    stiffness = law_of_piece("stiffness", p)
-    assert law_of_piece("conductance", p) == pytest.approx(stiffness / 2, rel=1e-12)
-    alone = hpc_gfmd.solve(piece, p, 2.0, observables=["conductance"]).value("conductance")
-    assert alone < 0.5 * law_of_piece("conductance", p)
-    assert law_of_piece("conductance", p) == pytest.approx(law_of_whole("conductance", p), rel=0.6)
-
-
 def test_quarters_of_a_periodic_wall_have_the_law_of_the_whole():
     """Mirrored pieces, each two longest waves long: their mean is within the scatter of one."""
     keys = {"hurst": 0.8, "L_over_lam_l": 4, "lam_l_over_lam_s": 8, "lam_s_over_a": 4, "seed": 3}

@@ -296,18 +296,6 @@ def test_ctrl_c_during_a_save_leaves_no_file(saved, tmp_path, monkeypatch):
     assert [file.name for file in tmp_path.iterdir()] == ["saved.h5"]
 
 
-def test_warnings_name_unconverged_loads():
-    with pytest.warns(hpc_gfmd.NotConverged) as caught:
-        solutions = hpc_gfmd.solve(
-            Z, [1e-4, 1e-2], physical_sizes=(12e-6, 10e-6), max_iterations=2, accuracy=1e-5
-        )
-    for number, warning in enumerate(caught, 1):
-        assert str(warning.message).startswith(f"load {number}: not converged")
-    assert len(caught) == 2
-    assert {warning.filename for warning in caught} == {__file__}
-    assert solutions.status == "max_iterations"
-
-
 def test_solve_does_not_initialise_mpi():
     """FFTW is loaded from mpi4py-fft without starting MPI, which can be started later."""
     pytest.importorskip("mpi4py_fft")

@@ -16,14 +16,6 @@ def test_shipped_scenes_load_and_survive_a_round_trip(path):
     assert scene.warnings() == []
 
 
-def test_shipped_rough_scene():
-    scene = load_scene(next(path for path in SHIPPED if path.stem == "rough"))
-    assert scene.surface.n == (1024, 1024)
-    assert scene.load.p_star == (0.007, 0.353)
-    assert (scene.surface.eps_t, scene.surface.eps_f, scene.surface.eps_c) == (0.5, 1 / 128, 0.25)
-    assert scene.output.fields == ("pressure", "gap")
-
-
 def test_defaults():
     scene = scene_of()
     assert scene.surface.n == (256, 256)

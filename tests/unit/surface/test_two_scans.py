@@ -82,23 +82,6 @@ def test_all_ratios_of_points_in_a_period():
             assert np.allclose(surface.heights[:, 1], exact, rtol=0, atol=3e-5), (p, q, shift)
 
 
-def test_interpolation_agrees_with_natural_splines_of_scipy():
-    first, second = two_random_maps((40, 50), (13, 9))
-    a = (0.3, 0.2)
-    b = (1.0, 1.0)
-    surface = combine(first, a, second, b, **NOT_MIRRORED)
-    expected = second
-    for axis in (0, 1):
-        places = a[axis] * np.arange(surface.heights.shape[axis])
-        spline = make_interp_spline(
-            np.arange(second.shape[axis]), expected, axis=axis, bc_type="natural"
-        )
-        expected = spline(places)
-    n_x, n_y = surface.heights.shape
-    assert (n_x, n_y) == (40, 41)  # up to 12 and up to 8
-    assert np.allclose(surface.heights, first[:n_x, :n_y] + expected, rtol=0, atol=1e-13)
-
-
 def test_periodic_scans():
     """The window is the whole cell, and splines are periodic."""
     first, second = two_random_maps((24, 20), (15, 16))
