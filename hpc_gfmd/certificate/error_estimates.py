@@ -342,15 +342,3 @@ def relative_error(wrong: float, value: float) -> float:
     if wrong < value:
         return float(wrong / (value - wrong))
     return 0.0 if wrong == 0 else np.inf
-
-
-def full_contact_error(problem: Problem) -> float:
-    """Return the relative error of the pressure field of full contact, computed from u = -h.
-
-    No iterations contribute to it, only the error of S and rounding errors of heights and pressures
-    in the working precision. The load of the problem must be above 0. Collective when the rounding
-    error of the problem is first read.
-    """
-    return float(
-        np.linalg.norm([problem.rounding / problem.p0, _epsilon(problem), problem.body.error])
-    )

@@ -1,10 +1,9 @@
-"""Full contact: its solution, u = -h, and the smallest load that closes the gap.
+"""Full contact is a start, a gap of 0: the certificate accepts it if no point is in tension.
 
-On a periodic surface this load is the largest tension of the closed contact at p0 = 0. With free
-edges the closed solution is linear in the load: p = p0 p1 + p_h, where p1 is the pressure of a flat
-surface at a mean of 1. The iterations then only relax the displacement beyond the surface. In their
-course the load is corrected without a transform, to max(-p_h/p1), at which the last point is just
-not in tension.
+The smallest load that closes the gap follows from a closed contact, which is linear in the load: p
+= p0 p1 + p_h, where p1 is the pressure of a flat surface at a mean of 1. It is max(-p_h/p1), at
+which the last point is just not in tension, and the load goes there without a transform. On a
+periodic surface p1 is 1; with free edges iterations relax the displacement beyond the surface.
 """
 
 from __future__ import annotations
@@ -12,46 +11,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import DTypeLike
 
-from ..certificate.certificate import Certificate, certify
 from .target import ROUNDING, Target
 
 if TYPE_CHECKING:
+    from ..certificate.certificate import Certificate
     from ..contact.contact import Contact
     from ..operators.problem import Problem
     from ..parallel.grid import Grid
     from ..solvers.base import Progress, Solver
     from .load import Load
-
-
-def closed_contact(
-    problem: Problem, dtype: DTypeLike = np.float64, dual: bool = False
-) -> tuple[np.ndarray, np.ndarray, Certificate]:
-    """Compute the state of full contact, g = 0, whether or not it is the solution.
-
-    Collective, one FFT pair.
-
-    Parameters
-    ----------
-    problem : Problem
-        The contact, with stored heights and without padding.
-    dtype : dtype
-        Precision of the transforms.
-    dual : bool
-        Whether the certificate has the duality gap.
-
-    Returns
-    -------
-    g, p : ndarray
-        The gap, 0 everywhere, and its pressure, new local slabs.
-    certificate : Certificate
-        Certificate of this state, without errors. Points in tension do not count as contact, so it
-        shows whether full contact is the solution.
-    """
-    g = np.zeros_like(problem.heights)
-    p = np.empty_like(problem.heights)
-    return g, p, certify(problem, g, p, dtype=dtype, dual=dual)
 
 
 def tension_of(grid: Grid, p: np.ndarray, unit: np.ndarray | None = None) -> tuple[float, float]:
@@ -87,6 +56,22 @@ def tension_of(grid: Grid, p: np.ndarray, unit: np.ndarray | None = None) -> tup
     return tension, ROUNDING * float(np.finfo(p.dtype).eps) * largest
 
 
+class Pressure(Target):
+    """A prescribed mean pressure on a contact without attraction, which may close the gap."""
+
+    def follow(self, solver: Solver, progress: Progress, coarse: bool = False) -> bool:
+        """Take the tension of a closed gap away if it is no more than rounding errors of double
+        precision: these must not open the gap."""
+        is_closed = progress.gap_mean == 0 and progress.contact < solver.N
+        if coarse or not is_closed or solver.problem.dtype != np.float64:
+            return False
+        tension, rounding = tension_of(solver.grid, solver.p)
+        if not 0 <= tension <= ROUNDING * solver.problem_now.rounding:
+            return False
+        solver.continue_at(solver.p0 + tension + rounding)
+        return True
+
+
 class Closing(Target):
     """The smallest load that closes the gap: the lowest pressure at a closed gap is just above 0.
 
@@ -104,9 +89,11 @@ class Closing(Target):
         self.unit: np.ndarray | None = None
 
     def follow(self, solver: Solver, progress: Progress, coarse: bool = False) -> bool:
-        """Raise the load if a point is in tension; not on coarse grids, which lack points."""
+        """Go to the smallest load that closes the gap of the start; later raise it if a point is in
+        tension. Not on coarse grids, which lack points."""
         lowest, rounding = self._lowest(solver)
-        if coarse or lowest > 0:
+        is_small = solver.iterations > 0 or lowest <= 2 * rounding
+        if coarse or (lowest > 0 and is_small):
             return False
         more = 0.0 if self.unit is None else self.tolerance / 2 * (solver.p0 - lowest)
         return self._press(solver, rounding - lowest + more)

@@ -40,7 +40,6 @@ class LowMemorySurface(WorkingSurface):
         If the periodic surface is not known by its modes, see surface/modes.py.
     """
 
-    full_contact_is_known = False  # nested iteration finds out
     certifies_in_turn = True
     solver_makes_room = True
 

@@ -26,7 +26,6 @@ from ..parallel.coarsening import agglomerated, halved
 from ..parallel.grid import Grid
 from ..parallel.halo import neighbours, rows_of
 from ..parallel.threads import on_threads, threads_for
-from .full_contact import closed_contact
 from .grid_errors import CoarseContact, coarser_contacts
 
 if TYPE_CHECKING:
@@ -58,16 +57,12 @@ class NestedCalibration:
         Largest number of iterations on a coarse grid.
     rank_points : int
         Smallest number of points per rank of a coarse grid; fewer are solved faster than sent.
-    tension : float
-        Largest share of points in tension in the closed contact of a coarse grid with which full
-        contact on the fine one is still considered likely.
     """
 
     coarsest: int = 32
     reduction: float = 0.6
     iterations: int = 60
     rank_points: int = field(default=2**13, metadata={"measured": "scripts/bench scaling"})
-    tension: float = 0.02
 
 
 CALIBRATION = NestedCalibration()
@@ -77,10 +72,12 @@ def cold_gap(problem: Problem) -> np.ndarray:
     """Return the gap of a rigid plane that is pressed into the surface down to mean + rms height.
 
     Heights above the plane are cut off: the gap is 0 there. Beyond the surface it is the
-    displacement of the plane. A new array, local slab; the problem needs stored heights.
-    Collective.
+    displacement of the plane. Loads that may close the gap start from full contact, a gap of 0. A
+    new array, local slab; the problem needs stored heights. Collective.
     """
     h = problem.heights
+    if problem.p0 >= problem.body.full_p_star:
+        return np.zeros(problem.grid.shape, h.dtype)
     N = problem.grid.N
     total, squares = problem.grid.comm.sum(
         [h.sum(dtype=np.float64), np.einsum("ij,ij->", h, h, dtype=np.dtype(np.float64))]
@@ -306,24 +303,6 @@ class Nested:
             interrupt.stop(signal)
         target.agree(problem.grid.comm)
         return _prolong(problem, self.step, coarse, solver, full, into), pairs, coarser
-
-    def may_be_full(self, problem: Problem) -> tuple[bool, float]:
-        """Return whether full contact on this grid is likely, and the FFT pairs that this took.
-
-        It is if nearly no point is in tension in the closed contact of the next coarser grid. True
-        without a coarser grid. The same on all ranks. problem: with stored heights, on this grid.
-        """
-        if self.step is None:
-            return True, 0.0
-        coarse = self.step.problem(problem)
-        likely = False
-        pairs = 0.0
-        if coarse is not None:
-            _, _, certificate = closed_contact(coarse, coarse.dtype)
-            pairs = certificate.pairs * (coarse.grid.N / problem.grid.N)
-            elastic = certificate.contact - certificate.yielded
-            likely = elastic >= (1 - CALIBRATION.tension) * coarse.grid.N
-        return problem.grid.comm.bcast((likely, pairs))
 
 
 def roughly_solved(

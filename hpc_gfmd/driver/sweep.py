@@ -17,7 +17,7 @@ from ..util.errors import SceneError
 from .branches import SaddleGuard
 from .contact_model import ContactModel
 from .drive import drive
-from .full_contact import Closing, needs_double
+from .full_contact import Closing, Pressure, needs_double
 from .grid_errors import grid_errors
 from .held import Held
 from .load import Load, Unfinished
@@ -27,7 +27,7 @@ from .quantities import NEARLY_CLOSED, ROOTS, Opening, opening_load
 from .scene_loads import loads_of
 from .starter import Starter
 from .target import Target
-from .without_iterations import Attempt, contact_of, flat_contact, full_contact, separated_contact
+from .without_iterations import Attempt, contact_of, flat_contact, separated_contact
 from .working_surface import WorkingSurface
 
 if TYPE_CHECKING:
@@ -224,11 +224,9 @@ class Sweep:
         """Return the target of a load without attraction, or under a dead load. Collective."""
         working = self.working
         if load.is_pressure:
-            return Target(load.value / working.pressure_unit)
+            kind = Target if working.model.attraction is not None else Pressure
+            return kind(load.value / working.pressure_unit)
         if load.closes:
-            is_periodic = not working.surface.grid.padded
-            if working.full_contact_is_known and is_periodic:
-                return Target(1.0)  # until the closed contact is known
             return Closing(self.settings.tolerance)
         is_area = load.quantity == "a_r"
         value = load.value if is_area else load.value / working.surface.slope
@@ -320,14 +318,11 @@ class Sweep:
         begins = gap is None and not self.starter.follows(self.working, load)
         if attracts and load.p0 < 0 and begins:
             return self._separated(load, 0, pairs)
-        closed = full_contact(self.working, load, self.starter.criterion, pairs)
-        if closed.contact is not None:
-            return closed
         start = self.starter.start(self.working, load, gap)
         solver = start.solver
         if unfinished is not None:
             solver.iterations = unfinished.iterations
-        pairs = closed.pairs + start.pairs
+        pairs += start.pairs
         if may_need_double and self._is_too_little(load):  # as the coarser grids have found
             return Attempt(None, pairs + solver.pairs)
         guard = SaddleGuard(solver, model.branch) if attracts else None

@@ -8,11 +8,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..certificate.certificate import Certificate
-from ..certificate.error_estimates import full_contact_error
 from ..contact.contact import Contact
-from .full_contact import closed_contact, tension_of
 from .nested import undeformed_gap
-from .target import ROUNDING
 
 if TYPE_CHECKING:
     from ..certificate.criterion import StoppingCriterion
@@ -157,62 +154,3 @@ def separated_contact(
     return contact_of(
         working, load, criterion, p0, g, p, "separated", certificate, iterations, pairs
     )
-
-
-def full_contact(
-    working: WorkingSurface, load: Load, criterion: StoppingCriterion, pairs: float
-) -> Attempt:
-    """Return the contact of a load if full contact, u = -h, is its solution.
-
-    Tried if the load is large enough, or if it is the smallest one that closes the gap, which is
-    computed here; not with an attraction or a search, nor in low memory. Collective.
-
-    Parameters
-    ----------
-    working : WorkingSurface
-        The surface.
-    load : Load
-        The load. If it `closes` the gap, its target gets the load that does.
-    criterion : StoppingCriterion
-        Whether the certificate has the duality gap.
-    pairs : float
-        FFT pairs that the load has taken so far.
-
-    Returns
-    -------
-    Attempt
-        Without a contact if full contact was not tried, if u = -h is not the solution, or if single
-        precision cannot tell.
-    """
-    none = Attempt(None, pairs)
-    attracts = working.model.attraction is not None
-    if load.target.is_sought or attracts or not working.full_contact_is_known:
-        return none
-    if not load.closes and load.p0 < working.model.body.full_p_star:
-        return none
-    problem = working.problem(load.p0)
-    nested = working.nested()
-    if not load.closes and nested is not None:
-        is_likely, pairs_of_coarse = nested.may_be_full(problem)
-        pairs += pairs_of_coarse
-        if not is_likely:
-            return Attempt(None, pairs)
-    g, p, certificate = closed_contact(problem, dual=criterion.duality)
-    pairs += certificate.pairs
-    tension, rounding = tension_of(problem.grid, p)
-    is_doubtful = abs(tension) <= ROUNDING * problem.rounding
-    if is_doubtful and problem.dtype != np.float64 and not load.closes:
-        return Attempt(None, pairs)
-    if load.closes or (is_doubtful and tension >= 0):
-        problem = working.problem(load.p0 + tension + rounding)
-        g, p, certificate = closed_contact(problem, dual=criterion.duality)
-        pairs += certificate.pairs
-    if load.closes:
-        load.target.p0 = problem.p0
-    if certificate.contact - certificate.yielded < problem.grid.N:
-        return Attempt(None, pairs)
-    exact = replace(certificate, errors=(0.0, 0.0, full_contact_error(problem)))
-    contact = contact_of(
-        working, load, criterion, problem.p0, g, p, "converged", exact, pairs=pairs
-    )
-    return Attempt(contact, pairs)

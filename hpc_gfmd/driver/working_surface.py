@@ -47,13 +47,10 @@ class WorkingSurface:
         The surface in this precision.
     make_surface, model, dtype, nests
         The parameters.
-    full_contact_is_known : bool
-        Whether full contact, u = -h, can be computed without iterations (heights are stored).
     certifies_in_turn : bool
         Whether the solver frees its transforms while a certificate in double precision is computed.
     """
 
-    full_contact_is_known = True
     certifies_in_turn = False
 
     def __init__(

@@ -61,8 +61,7 @@ class UpdateSums(NamedTuple):
 
     r is the pressure on F, less H where a point yields. pp has r^2 + H^2 in place of p^2 where a
     point yields; rd, dKd and rKd are products on F; contact counts the points in A and those that
-    yield; gap is the sum of g without dents; opening and closing count the points that would leave
-    A, and reach g = 0, if the same step were made again; yielded counts the points that yield.
+    yield; gap is the sum of g without dents; yielded counts the points that yield.
     """
 
     rr: float
@@ -72,8 +71,6 @@ class UpdateSums(NamedTuple):
     rKd: float
     contact: float
     gap: float
-    opening: float
-    closing: float
     yielded: float
 
     @classmethod
@@ -269,7 +266,7 @@ def update_state(g, p, d, Kd, s, i0, i1, coarse, shared, transfer, H, inside, ga
         end = start
         while end < i1 and J_x[end] == J:
             end += 1
-        rr, pp, rd, dKd, rKd, contact, gap, opening, closing, yielded = _step_rows(
+        rr, pp, rd, dKd, rKd, contact, gap, yielded = _step_rows(
             g, p, d, Kd, s, i0, start, end, H, inside
         )
         sums[0] += rr
@@ -279,9 +276,7 @@ def update_state(g, p, d, Kd, s, i0, i1, coarse, shared, transfer, H, inside, ga
         sums[4] += rKd
         sums[5] += contact
         sums[6] += gap
-        sums[7] += opening
-        sums[8] += closing
-        sums[9] += yielded
+        sums[7] += yielded
         _gather_rows(g, p, Kd, i0, start, end, f_x, H, inside, gathered)
         for c in range(3):
             target = (
@@ -301,7 +296,7 @@ def _step_rows(g, p, d, Kd, s, i0, start, end, H, inside):
     one = g.dtype.type(1)
     PROJECTED = encode(g.dtype.type(-np.inf))
     H_or_0 = limit(H, zero)
-    rr = pp = rd = dKd = rKd = contact = gap = opening = closing = yielded = zero
+    rr = pp = rd = dKd = rKd = contact = gap = yielded = zero
     for i in range(start, end):
         inner = points_inside(i, inside)
         for j in range(inner):
@@ -312,19 +307,14 @@ def _step_rows(g, p, d, Kd, s, i0, start, end, H, inside):
             p_new = p[i, j] + s * Kd_ij
             g[i, j] = g_new
             p[i, j] = p_new
-            # what the same step would do once more
-            g_next = g_new + s * d_ij
-            p_next = p_new + s * Kd_ij
             closed = one if g_new <= zero else zero
             plastic = yields(g_new, p_new, H, zero, one)
             touches = closed if p_new > zero else zero
-            opening += touches if p_next <= zero else zero
             t = zero if plastic > zero else touches
             free = one - t
             r = free * p_new - plastic * H_or_0
             Kd_free = free * Kd_ij
             contact += t + plastic
-            closing += (one - closed) if g_next <= zero else zero
             rr += r * r
             pp += p_new * p_new if plastic == zero else r * r + H_or_0 * H_or_0
             rd += r * d_ij
@@ -344,7 +334,7 @@ def _step_rows(g, p, d, Kd, s, i0, start, end, H, inside):
             rd += p_new * d_ij
             dKd += Kd_ij * d_ij
             rKd += p_new * Kd_ij
-    return rr, pp, rd, dKd, rKd, contact, gap, opening, closing, yielded
+    return rr, pp, rd, dKd, rKd, contact, gap, yielded
 
 
 @inline

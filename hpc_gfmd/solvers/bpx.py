@@ -67,9 +67,6 @@ class Bpx(Solver):
         Sum of the attraction over all points and ranks.
     contact, yielded : float
         Numbers of points in contact (yielded ones included), and of those that yield.
-    changing : float
-        Number of points that would open or close, whichever is more, if the last step were
-        repeated.
     gap_mean : float
         Mean gap over the surface; dents count as 0.
     rr, pp : float
@@ -417,7 +414,6 @@ class Bpx(Solver):
         self.pp = sums.pp
         self.contact = sums.contact
         self.gap_mean = sums.gap / self.N
-        self.changing = max(sums.opening, sums.closing)
         self.yielded = sums.yielded
         if share is not None and self.levels.gap_mode.wanted(share):
             self.elastic.pairs += self.levels.gap_mode.pairs
@@ -506,4 +502,4 @@ class Bpx(Solver):
         )
         if self.problem.hardness is not None and self.contact == self.N and wrong > 0:
             return np.inf  # a point that may be open is a gap that is not known
-        return relative_error(max(wrong, self.changing), self.contact)
+        return relative_error(wrong, self.contact)
