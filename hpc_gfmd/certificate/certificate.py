@@ -1,4 +1,4 @@
-"""The independent check of a solution, from its displacement alone.
+"""The independent check of a solution, from its displacement alone: equation (7) in docs/method.md.
 
 A displacement that penetrates the wall is replaced by the nearest feasible one, max(u, -h). The
 pressure p = p0 + K u is recomputed, in double precision if rounding errors would spoil it. A
@@ -31,6 +31,7 @@ from ..kernels.adhesive_rows import add_attraction
 from ..kernels.certify import KktSums, dual_rows, kkt_residuals
 from ..operators.elastic import Elastic
 from ..operators.multilevel import Multilevel
+from ..operators.wall import Wall, wall_of
 from .error_estimates import State, estimate, relative_error
 from .misclassified import misclassified_points, spread_of
 
@@ -202,13 +203,14 @@ def certify(
         The same on all ranks.
     """
     grid, N = problem.grid, problem.grid.N
-    penetration = _lift(problem, g)
+    wall = wall_of(problem)
+    penetration = wall.project(g)
     elastic = Elastic(grid, problem.body, dtype)
     state = _recompute(problem, elastic, g, p)
     sums = state.sums
     wall_load = float(problem.p0) + state.attraction / N
     work = wall_load * sums.gap
-    duality_gap = _duality_gap(problem, elastic, g, p, sums, wall_load) if dual else None
+    duality_gap = _duality_gap(wall, elastic, g, p, sums, wall_load) if dual else None
     uniform = elastic.multipliers.uniform
     energy_of_uniform = 0.5 * float(problem.p0) * problem.p_cell / uniform if uniform else 0.0
     with np.errstate(invalid="ignore", over="ignore"):
@@ -257,27 +259,6 @@ def _error_of_load(problem: Problem, error_of_gap: float) -> float | None:
     return float(error / abs(problem.p0)) if problem.p0 else np.inf
 
 
-def _lift(problem: Problem, g: np.ndarray) -> float:
-    """Set g to 0 where it is below, and return the largest -g before that; collective, no FFT.
-
-    With a hardness nothing changes, because every displacement is feasible: a dent has g < 0.
-    """
-    if problem.hardness is not None:
-        return 0.0
-    rows, points = problem.grid.inside
-
-    def lift(i0: int, i1: int) -> float:
-        on_surface = g[i0:i1, :points]
-        lowest = float(on_surface.min(initial=0.0))
-        if not lowest < 0:
-            return 0.0
-        np.maximum(on_surface, 0, out=on_surface)
-        return -lowest
-
-    (deepest,) = problem.grid.comm.max([max(problem.grid.by_rows(lift, rows), default=0.0)])
-    return float(deepest)
-
-
 def _recompute(problem: Problem, elastic: Elastic, g: np.ndarray, p: np.ndarray) -> _Recomputed:
     """Overwrite p with the pressure of the gap g, and return the sums of both over all ranks.
 
@@ -314,12 +295,7 @@ def _recompute(problem: Problem, elastic: Elastic, g: np.ndarray, p: np.ndarray)
 
 
 def _duality_gap(
-    problem: Problem,
-    elastic: Elastic,
-    g: np.ndarray,
-    p: np.ndarray,
-    sums: KktSums,
-    wall_load: float,
+    wall: Wall, elastic: Elastic, g: np.ndarray, p: np.ndarray, sums: KktSums, wall_load: float
 ) -> float:
     """Return the duality gap G over (wall_load times the sum of gaps).
 
@@ -327,37 +303,18 @@ def _duality_gap(
     and its pressure p, over all ranks; g and p stay as they are. Collective, half an FFT pair of
     `elastic`.
     """
-    grid = problem.grid
+    grid = wall.grid
     load = grid.N * wall_load
-    scale, shift = _admissible(problem, load, load - sums.open_p, sums)
+    scale, shift = wall.admissible(load, load - sums.open_p, sums.contact, sums.yielded)
     if scale < 0:
         return np.inf
     elastic.pressure_rows(
-        lambda i0, i1, x: dual_rows(g, p, x, scale, shift, problem.limit, grid.inside, i0, i1)
+        lambda i0, i1, x: dual_rows(g, p, x, scale, shift, wall.limit, grid.inside, i0, i1)
     )
     G = 0.5 * float(grid.comm.sum([elastic.compliance_columns()])[0])
     if sums.gap > 0:
         return float(G / (wall_load * sums.gap))
     return np.inf if G > 0 else 0.0
-
-
-def _admissible(
-    problem: Problem, load: float, closed_p: float, sums: KktSums
-) -> tuple[float, float]:
-    """Return (scale, shift) such that scale p + shift in elastic contact makes p^ admissible.
-
-    p^ is then between 0 and the hardness and carries `load`, of which the contact with p carries
-    `closed_p`. A scale of -1: no such pressure exists.
-    """
-    missing = load - closed_p
-    if problem.hardness is None:
-        return (load / closed_p if closed_p > 0 else -1.0), 0.0
-    elastic = closed_p - problem.hardness * sums.yielded
-    if missing <= 0:
-        return (1 + missing / elastic if elastic > 0 else -1.0), 0.0
-    room = problem.hardness * (sums.contact - sums.yielded) - elastic
-    share = missing / room if room > 0 else np.inf
-    return 1 - share, share * problem.hardness
 
 
 def _errors(

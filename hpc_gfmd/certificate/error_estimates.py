@@ -1,4 +1,5 @@
-"""Errors of the solution from the error of its energy, without knowing the solution.
+"""Errors of the solution from the error of its energy, without knowing the solution: equations (8)
+and (9) in docs/method.md.
 
 With e = u - u* the distance from the solution, E(u) - E* = <p*, g> + 1/2 <e, K e> <= G, the duality
 gap of any admissible pressure. So <e, K e> <= 2 G, which bounds the pressure: |p - p*|^2 = |K e|^2

@@ -1,4 +1,5 @@
-"""How much further a body may move if its elastic contact can take little more load.
+"""How much further a body may move if its elastic contact can take little more load: equations (10)
+and (11) in docs/method.md.
 
 With a hardness H the contact carries between H times the yielded points and H times all points in
 contact. Where the load is close to either limit, a small error of the pressure stands for a large

@@ -1,4 +1,5 @@
-"""How stable an equilibrium with attraction is, and along which displacement it is least stable.
+"""How stable an equilibrium with attraction is, and along which displacement it is least stable:
+equation (4) in docs/method.md.
 
 At fixed contact A a small displacement e of the open points changes the energy by
 1/2 <e, (K + phi'') e>, where phi'' <= 0. The stability is

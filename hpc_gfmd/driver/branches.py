@@ -26,20 +26,9 @@ KICK_LENGTHS = (0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0)
 
 
 def goes_on(branch: str, p0: float, p0_before: float) -> bool:
-    """Return whether a load may start from the solution of the load before on a branch.
-
-    Parameters
-    ----------
-    branch : str
-        "approach" or "retraction".
-    p0, p0_before : float
-        Mean pressures of the load and of the one before, in the same unit.
-
-    Returns
-    -------
-    bool
-        On retraction, if the load does not rise; on approach, if it does not fall and the load
-        before was above 0.
+    """Return whether a load may start from the solution of the load before on a branch: on
+    retraction if the load does not rise, on approach if it does not fall and the one before was
+    above 0.
     """
     if branch == RETRACTION:
         return p0 <= p0_before

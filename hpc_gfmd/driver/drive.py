@@ -66,17 +66,9 @@ CALIBRATION = LoopCalibration()
 
 
 class Outcome(NamedTuple):
-    """How the iterations of a load have ended.
-
-    Attributes
-    ----------
-    status : str
-        The status of the load, see `contact.Contact`.
-    certificate : Certificate
-        Certificate of the solver's final gap; the solver's p is the pressure it recomputed. Without
-        content if the bodies are separated.
-    pairs : float
-        FFT pairs that certificates and searches for the stability took.
+    """How the iterations of a load have ended: a status (see `contact.Contact`), the certificate of
+    the solver's final gap, whose recomputed pressure is the solver's p, and the FFT pairs of
+    certificates and stabilities.
     """
 
     status: str
@@ -94,35 +86,18 @@ def drive(
 ) -> Outcome:
     """Iterate a started solver until a certificate meets the criterion, or until it has to end.
 
-    Collective.
-
-    Parameters
-    ----------
-    solver : Solver
-        A solver that has been started at the load. Its state becomes the solution.
-    criterion : StoppingCriterion
-        The accuracy that the solution has to reach, and the limit of iterations.
-    watch : callable, optional
-        Called before every step, ``watch(iterations, progress)``, unless a certificate is due.
-        A true value ends the iterations with the status "interrupted".
-    target : Target, optional
-        May change the mean pressure during the iterations; by default it stays.
-    guard : SaddleGuard, optional
-        Computes the stability and leaves saddles; required with an attraction.
-    certificate : Certificate, optional
-        Certificate of the state that the solver begins with, which may be accurate enough.
-
-    Returns
-    -------
-    Outcome
-        Status and certificate of the final state, the same on all ranks.
+    `watch(iterations, progress)` is called before every step unless a certificate is due; a true
+    value ends the iterations as "interrupted". `target` may change the mean pressure, `guard`
+    (required with an attraction) computes the stability and leaves saddles; `certificate` is that
+    of the start if it may be accurate enough. The solver's state becomes the solution. Collective.
     """
     target = target or Target(solver.p0)
     if certificate is not None:
         error = error_left(certificate, criterion)
         if max(error, target.judge(solver, certificate)) < 1:
+            solver.uKu = certificate.uKu  # the next load may go on from here
             return Outcome(_status_of(certificate, criterion), certificate, 0.0)
-        solver.begin_at(certificate)
+        solver.restart(certificate)
         target.correct(solver, certificate, error < 1)
     limits = Limits(solver, criterion)
     solver.stability = None  # that of the load before is not that of this one
@@ -226,21 +201,8 @@ class Limits:
 
     A certificate is due once the measure (`measure_of`) is below a threshold, 1 at first. If the
     certificate finds larger errors than requested, the threshold is lowered by this factor. The
-    solver is only read, never changed.
-
-    Parameters
-    ----------
-    solver : Solver
-        The iterating solver.
-    criterion : StoppingCriterion
-        The accuracy that the solution has to reach, and the limit of iterations.
-
-    Attributes
-    ----------
-    measure : float
-        The measure of the progress that was noted last.
-    asked : float
-        The same, or with the stability in the errors once `is_stable_enough` was asked.
+    solver is only read, never changed. `measure` is that of the progress noted last, `asked` the
+    same with the stability in it once `is_stable_enough` was asked.
     """
 
     def __init__(self, solver: Solver, criterion: StoppingCriterion):
@@ -289,12 +251,7 @@ class Limits:
     def note_refusal(self, certificate: Certificate, left: float) -> None:
         """Record a certificate that did not meet the criterion: lower the threshold.
 
-        Parameters
-        ----------
-        certificate : Certificate
-            Certificate of the solver's gap.
-        left : float
-            Its error, or the miss of a target, over the requested one; at least 1.
+        left: its error, or the miss of a target, over the requested one; at least 1.
         """
         by_residual = self.criterion.residual is not None
         error = certificate.residual if by_residual else certificate.errors[2]
@@ -318,12 +275,7 @@ class Limits:
     def is_stable_enough(self, progress: Progress) -> bool:
         """Return whether the certificate is still due, with the stability in the errors.
 
-        If not, the next look at the stability is postponed.
-
-        Parameters
-        ----------
-        progress : Progress
-            Progress of the solver, whose estimate includes the stability.
+        If not, the next look at the stability is postponed. The estimate of `progress` includes it.
         """
         self.asked = measure_of(progress, self.criterion)
         if self.asked < self.threshold:
@@ -402,21 +354,9 @@ def _conclude(
 def certificate_of(solver: Solver, criterion: StoppingCriterion) -> Certificate:
     """Certify the solver's gap, and overwrite its pressure with the recomputed one. Collective.
 
-    The solver needs `after_certificate` or `begin_at` before its next step.
-
-    Parameters
-    ----------
-    solver : Solver
-        The solver, at any gap. The fields of its levels are overwritten; with `criterion.in_turn`
-        its last step is lost.
-    criterion : StoppingCriterion
-        Precision of the certificate, and whether it computes the duality gap.
-
-    Returns
-    -------
-    Certificate
-        The same on all ranks. With `criterion.closes` and all points in contact, its errors of
-        area and mean gap are 0.
+    The fields of the levels are overwritten, too, and with `criterion.in_turn` the last step is
+    lost: the solver needs `after_certificate` or `restart` before its next step. With
+    `criterion.closes` and all points in contact the errors of area and mean gap are 0.
     """
     if criterion.in_turn:
         solver.make_room()
@@ -456,20 +396,8 @@ def measure_of(progress: Progress, criterion: StoppingCriterion) -> float:
 def error_left(certificate: Certificate, criterion: StoppingCriterion) -> float:
     """Return the certified residual or error over the requested one.
 
-    Errors that further iterations cannot reduce to the tolerance are left out.
-
-    Parameters
-    ----------
-    certificate : Certificate
-        Certificate of the solver's gap.
-    criterion : StoppingCriterion
-        The requested accuracy or residual.
-
-    Returns
-    -------
-    float
-        Below 1 no iterations are needed any more. Infinite if the state is not finite or not
-        stable, or if an error is nan.
+    Errors that rounding alone keeps above the tolerance are left out. Below 1 no iterations are
+    needed any more; infinite if the state is not finite or not stable, or if an error is nan.
     """
     if not certificate.finite or certificate.stability <= 0:
         return np.inf

@@ -24,25 +24,8 @@ if TYPE_CHECKING:
 
 
 def tension_of(grid: Grid, p: np.ndarray, unit: np.ndarray | None = None) -> tuple[float, float]:
-    """Return the largest tension, max(-p/unit) over the surface, of a closed contact.
-
-    Collective.
-
-    Parameters
-    ----------
-    grid : Grid
-        Grid of the contact.
-    p : ndarray
-        Its pressure, local slab.
-    unit : ndarray, optional
-        Field that divides the pressure, local slab; 1 by default.
-
-    Returns
-    -------
-    tension : float
-        Below 0 if all points are pressed.
-    rounding : float
-        Rounding error of the pressure that may occur, not divided.
+    """Return the largest tension of a closed contact, max(-p/unit) over the surface, and the
+    rounding error of p that may occur. Below 0 all points are pressed. Collective.
     """
     rows, points = grid.inside
 
@@ -59,17 +42,26 @@ def tension_of(grid: Grid, p: np.ndarray, unit: np.ndarray | None = None) -> tup
 class Pressure(Target):
     """A prescribed mean pressure on a contact without attraction, which may close the gap."""
 
-    def follow(self, solver: Solver, progress: Progress, coarse: bool = False) -> bool:
-        """Take the tension of a closed gap away if it is no more than rounding errors of double
-        precision: these must not open the gap."""
-        is_closed = progress.gap_mean == 0 and progress.contact < solver.N
-        if coarse or not is_closed or solver.problem.dtype != np.float64:
-            return False
+    def judge(self, solver: Solver, certificate: Certificate) -> float:
+        """Return infinity if only rounding errors of double precision open a closed gap."""
+        return 0.0 if self._missing(solver, certificate) is None else np.inf
+
+    def correct(self, solver: Solver, certificate: Certificate, solved: bool) -> bool:
+        """Press by these rounding errors."""
+        missing = self._missing(solver, certificate)
+        if missing is not None:
+            solver.continue_at(solver.p0 + missing)
+        return missing is not None
+
+    def _missing(self, solver: Solver, certificate: Certificate) -> float | None:
+        """Return the pressure that takes the tension of a closed gap away, if it is no more than
+        rounding errors of double precision; else None."""
+        is_closed = certificate.gap_mean == 0 and certificate.contact < solver.N
+        if not is_closed or solver.problem.dtype != np.float64:
+            return None
         tension, rounding = tension_of(solver.grid, solver.p)
-        if not 0 <= tension <= ROUNDING * solver.problem_now.rounding:
-            return False
-        solver.continue_at(solver.p0 + tension + rounding)
-        return True
+        is_rounding = 0 <= tension <= ROUNDING * solver.problem_now.rounding
+        return tension + rounding if is_rounding else None
 
 
 class Closing(Target):
@@ -139,30 +131,16 @@ class Closing(Target):
 
         solver.p0 += by
         solver.grid.by_rows(press)
-        solver.refresh()
+        solver.restart()
         return True
 
 
 def needs_double(contact: Contact, load: Load, problem: Problem) -> bool:
-    """Return whether a load must be solved again, in double precision.
+    """Return whether a contact solved in single precision must be solved in double precision.
 
-    It must if the solution in single precision stagnated or is not finite, if points are open
-    but the mean gap is below rounding errors, or if all points are closed but rounding errors may
-    hide a tension (unless the smallest load that closes it is sought). Collective.
-
-    Parameters
-    ----------
-    contact : Contact
-        The contact as solved in single precision.
-    load : Load
-        The load.
-    problem : Problem
-        The problem at the load's mean pressure.
-
-    Returns
-    -------
-    bool
-        The same on all ranks.
+    It must if it stagnated or is not finite, if points are open but the mean gap is below rounding
+    errors, or if all points are closed but rounding errors may hide a tension (unless the smallest
+    load that closes it is sought). Collective.
     """
     if contact.status in ("stagnated", "nonfinite") or contact.gap_is_rounding:
         return True

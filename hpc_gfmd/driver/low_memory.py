@@ -79,19 +79,8 @@ class LowMemorySurface(WorkingSurface):
         return problem
 
     def memory_for_gap(self, problem: Problem, solver: Solver | None) -> np.ndarray | None:
-        """Return the array of the heights, which the starting gap then overwrites.
-
-        Parameters
-        ----------
-        problem : Problem
-            The problem that `problem_to_start` has returned.
-        solver : Solver or None
-            Not used.
-
-        Returns
-        -------
-        ndarray or None
-            Local slab of the grid; None with free edges, where the heights are kept.
+        """Return the array of the heights, which the starting gap then overwrites; None with free
+        edges, where the heights are kept.
         """
         return None if self.surface.grid.padded else problem.heights
 
@@ -103,22 +92,8 @@ class LowMemorySurface(WorkingSurface):
         return Nested(self.surface.grid, self.dtype)
 
     def rounding_counts(self, problem: Problem, criterion: StoppingCriterion) -> bool:
-        """Return whether the certificate must be computed in double precision.
-
-        It must if transforms are too noisy for the criterion. Always False for bodies whose
-        stiffness takes a table in memory.
-
-        Parameters
-        ----------
-        problem : Problem
-            The problem at its mean pressure.
-        criterion : StoppingCriterion
-            The accuracy that the solution has to reach.
-
-        Returns
-        -------
-        bool
-            The same on all ranks.
+        """Return whether transforms are too noisy for the criterion, so that the certificate must
+        be computed in double precision; never for bodies whose stiffness takes a table in memory.
         """
         return not self.model.body.table_share and self.is_noisy(problem, criterion)
 

@@ -1,9 +1,13 @@
-"""Where a solver starts at a load: at the solution of the load before, at a stored gap, at one from
-coarser grids, or at that of a flat plane."""
+"""Where a solver starts at a load: the first gap that applies, of one list.
+
+It is a given gap, the one kept from single precision, the solution of the load before, undeformed
+under a tension, full contact, the solution on coarser grids, or again undeformed if that has far
+too much energy. The solver is kept from load to load.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -38,21 +42,11 @@ WITHOUT_ATTRACTION = 0.02
 
 
 class Start(NamedTuple):
-    """A solver that is ready to iterate at a load.
+    """A solver that is ready to iterate at a load: its criterion, the FFT pairs of the start that
+    the solver does not count, and the contacts on coarser grids (none with an attraction).
 
-    Attributes
-    ----------
-    solver : Solver
-        At the starting gap and its pressure. It counts iterations and FFT pairs from this start on.
-    criterion : StoppingCriterion
-        The accuracy that the load has to reach, and the precision of its certificate.
-    pairs : float
-        FFT pairs that the start took, apart from those that the solver counts.
-    coarser : list of CoarseContact
-        The contacts on coarser grids; empty with an attraction, which these do not have.
-    certificate : Certificate or None
-        Certificate of the starting gap if that may be the solution; the solver then has to begin at
-        it.
+    certificate: that of the starting gap if this may be the solution; the solver has to begin at
+    it.
     """
 
     solver: Solver
@@ -62,31 +56,28 @@ class Start(NamedTuple):
     certificate: Certificate | None = None
 
 
+class Candidate(NamedTuple):
+    """A gap to start from, the FFT pairs that it took, the contacts on coarser grids, and whether
+    it may be the solution."""
+
+    gap: np.ndarray
+    pairs: float = 0.0
+    coarser: Sequence[CoarseContact] = ()
+    may_be_solved: bool = False
+
+
 class Starter:
     """Makes the solver of a sweep, starts it at each load, and keeps it from load to load.
 
-    Parameters
-    ----------
-    settings : scene.SolverTable
-        The table [solver] of a scene: name and options of the solver, and the accuracy.
-    duality : bool
-        Whether certificates compute the duality gap.
-
-    Attributes
-    ----------
-    solver_class : type of Solver
-        The class of the solver.
-    solver : Solver or None
-        The solver, at the solution of the load before; None before the first load, and after
-        `forget`.
-    criterion : StoppingCriterion
-        The accuracy that every load has to reach.
+    settings: the table [solver] of a scene. `solver` is at the solution of the load before, None
+    before the first load and after `forget`.
     """
 
     def __init__(self, settings: SolverTable, duality: bool = False):
         self.settings = settings
         self.solver_class = solver_class(settings.name)
         self.solver: Solver | None = None
+        self._kept: np.ndarray | None = None  # see go_on_in
         self.criterion = StoppingCriterion(
             settings.accuracy, settings.residual, settings.max_iterations, duality=duality
         )
@@ -99,69 +90,94 @@ class Starter:
     def forget(self) -> None:
         """Drop the solver and its memory: the next load cannot start from the last solution."""
         self.solver = None
+        self._kept = None
 
-    @property
-    def gap(self) -> np.ndarray:
-        """The solver's array of the gap at the load before, local slab; there must be a solver."""
-        assert self.solver is not None  # there is one
-        return self.solver.g
+    def go_on_in(self, dtype: np.dtype) -> None:
+        """Drop the solver, and keep its gap in another precision for the next start."""
+        gap = None if self.solver is None else self.solver.g.astype(dtype)
+        self.forget()
+        self._kept = gap
 
     def start(self, working: WorkingSurface, load: Load, gap: np.ndarray | None = None) -> Start:
         """Start the solver at a load, and make the solver if there is none.
 
-        In this order: at `gap`; at the solution of the load before (see `follows`); undeformed, if
-        an attraction acts without a positive load; with a closed gap, if the load asks for that; or
-        at the solution on coarser grids. Collective.
-
-        Parameters
-        ----------
-        working : WorkingSurface
-            The surface in the precision of the solver.
-        load : Load
-            The load. Its target changes: coarser grids already use it.
-        gap : ndarray, optional
-            A gap to start from, local slab of the grid. It is copied.
-
-        Returns
-        -------
-        Start
-            The solver, which the next start uses again, and its criterion.
-
-        Raises
-        ------
-        Stopped
-            On all ranks, if a signal asks the run to stop while coarser grids are solved.
+        The solution of the load before is taken as it is (see `follows`), else the first of `_gaps`
+        that has not far too much energy. `gap`, a local slab, is copied. The load's target changes:
+        coarser grids already use it. Collective; raises Stopped on all ranks if a signal asks the
+        run to stop while coarser grids are solved.
         """
-        if gap is not None:
-            return self._start_at(working, load, gap)
-        if self.follows(working, load):
+        if gap is None and self._kept is None and self.follows(working, load):
             return self._continue(working, load)
-        if working.model.attraction is not None and load.p0 <= 0:
-            return self._start_undeformed(working, load)
-        if load.target.from_full_contact:
-            return self._start_at(working, load, 0.0)
-        return self._start_cold(working, load)
+        problem = self._problem_to_start(working, load)
+        gaps = self._gaps(working, load, problem, gap)
+        first = next(gaps)
+        solver, criterion = self._solver_for(working, load, problem, first.gap)
+        if first.may_be_solved:
+            certificate = _certified(solver, criterion, first.gap)
+            pairs = first.pairs + certificate.pairs
+            return Start(solver, criterion, pairs, first.coarser, certificate)
+        pairs = first.pairs + _lay_down(solver, criterion, first.gap)
+        for other in gaps:
+            if not _is_worse_than_undeformed(solver):
+                break
+            pairs += other.pairs + _lay_down(solver, criterion, other.gap)
+        return Start(solver, criterion, pairs, first.coarser)
 
     # -- the ways to start
 
+    def _gaps(
+        self, working: WorkingSurface, load: Load, problem: Problem, gap: np.ndarray | None
+    ) -> Iterator[Candidate]:
+        """Yield gaps to start a load from, the best first.
+
+        They are a given one; that kept from another precision; undeformed, if an attraction acts
+        without a positive load; 0 (full contact), if the load asks for that; else the solution on
+        coarser grids or a flat plane without nesting, with an attraction the contact without it,
+        and then undeformed.
+        """
+        kept = self._kept
+        self._kept = None
+        memory = working.memory_for_gap(problem, self.solver)
+        attracts = problem.attraction is not None
+        if gap is not None:
+            yield Candidate(_filled(problem, memory, gap), may_be_solved=not attracts)
+            return
+        if kept is not None:
+            yield Candidate(kept, may_be_solved=not attracts)
+            return
+        if attracts and load.p0 <= 0:
+            yield Candidate(undeformed_gap(problem))
+            return
+        if load.target.from_full_contact:
+            yield Candidate(_filled(problem, memory, 0.0), may_be_solved=True)
+            return
+        nested = working.nested()
+        if nested is None:
+            yield Candidate(cold_gap(problem))
+        else:
+            bare = replace(problem, attraction=None)
+            gap, pairs, coarser = nested.start(bare, self._make, load.target, memory)
+            if attracts:
+                coarser = []
+                if nested.is_coarsest:
+                    gap, more = self._without_attraction(bare, gap)
+                    pairs += more
+            del nested  # in low memory the transforms of the coarser grids go with it
+            may_be_closed = load.is_pressure and load.p0 >= problem.body.full_p_star
+            yield Candidate(gap, pairs, coarser, may_be_solved=may_be_closed and not attracts)
+        if working.surface.h is not None:
+            yield Candidate(working.surface.gap)
+
     def follows(self, working: WorkingSurface, load: Load) -> bool:
-        """Return whether a load starts from the solution of the load before.
+        """Return whether a load starts from the solution of the load before, or goes on in double
+        precision.
 
         It does if the two are close; on retraction always, if the load does not rise. It does not
-        without a solver, nor if it seeks the smallest load that closes the gap.
-
-        Parameters
-        ----------
-        working : WorkingSurface
-            The surface.
-        load : Load
-            The load, whose mean pressure (or a first guess) must be known.
-
-        Returns
-        -------
-        bool
-            The same on all ranks.
+        without a solver, nor if it seeks the smallest load that closes the gap. The load's mean
+        pressure, or a first guess, must be known.
         """
+        if self._kept is not None:
+            return True
         if self.solver is None or load.closes:
             return False
         before = self.solver.p0
@@ -179,54 +195,6 @@ class Starter:
         solver.reset_counts()
         solver.continue_at(load.p0)
         return Start(solver, self._criterion_for(working, load, solver), 0.0)
-
-    def _start_at(self, working: WorkingSurface, load: Load, gap: np.ndarray | float) -> Start:
-        """Start from a gap, which is copied; a number stands for the same gap everywhere."""
-        problem = self._problem_to_start(working, load)
-        memory = working.memory_for_gap(problem, self.solver)
-        if memory is None:
-            memory = working.surface.grid.empty(working.dtype)
-        memory[...] = gap
-        solver, criterion = self._solver_for(working, load, problem, memory)
-        if problem.attraction is not None:
-            return Start(solver, criterion, _lay_down(solver, criterion, memory))
-        certificate = _certified(solver, criterion, memory)
-        return Start(solver, criterion, certificate.pairs, certificate=certificate)
-
-    def _start_cold(self, working: WorkingSurface, load: Load) -> Start:
-        """Start from the solution on the next coarser grid, or from a flat plane without nesting.
-
-        With an attraction the start is the contact without it. If the start has far too much energy
-        the undeformed body replaces it.
-        """
-        problem = self._problem_to_start(working, load)
-        memory = working.memory_for_gap(problem, self.solver)
-        nested = working.nested()
-        nests = nested is not None
-        if nested is None:
-            gap = cold_gap(problem)
-            pairs = 0.0
-            coarser: list[CoarseContact] = []
-        else:
-            bare = replace(problem, attraction=None)
-            gap, pairs, coarser = nested.start(bare, self._make, load.target, memory)
-            if problem.attraction is not None and nested.is_coarsest:
-                gap, more = self._without_attraction(bare, gap)
-                pairs += more
-        del nested  # in low memory the transforms of the coarser grids go with it
-        solver, criterion = self._solver_for(working, load, problem, gap)
-        pairs += _lay_down(solver, criterion, gap)
-        heights_are_there = working.surface.h is not None
-        if nests and heights_are_there and _is_worse_than_undeformed(solver):
-            pairs += _lay_down(solver, criterion, working.surface.gap)
-        return Start(solver, criterion, pairs, [] if problem.attraction else coarser)
-
-    def _start_undeformed(self, working: WorkingSurface, load: Load) -> Start:
-        """Start from the undeformed body, which touches the highest point only."""
-        problem = self._problem_to_start(working, load)
-        gap = undeformed_gap(problem)
-        solver, criterion = self._solver_for(working, load, problem, gap)
-        return Start(solver, criterion, _lay_down(solver, criterion, gap))
 
     # -- their steps
 
@@ -282,6 +250,13 @@ class Starter:
         )
 
 
+def _filled(problem: Problem, memory: np.ndarray | None, gap: np.ndarray | float) -> np.ndarray:
+    """Return `memory`, or a new array without it, filled with a gap."""
+    memory = problem.grid.empty(problem.dtype) if memory is None else memory
+    memory[...] = gap
+    return memory
+
+
 def _lay_down(solver: Solver, criterion: StoppingCriterion, gap: np.ndarray) -> float:
     """Start a solver at a gap; return the FFT pairs that the solver does not count itself.
 
@@ -292,7 +267,7 @@ def _lay_down(solver: Solver, criterion: StoppingCriterion, gap: np.ndarray) -> 
         solver.start(gap)
         return 0.0
     certificate = _certified(solver, replace(criterion, duality=False), gap)
-    solver.begin_at(certificate)
+    solver.restart(certificate)
     return certificate.pairs
 
 

@@ -1,5 +1,8 @@
-"""Solve one load after another on one surface: choose precision and start, iterate, return the
-contact."""
+"""Solve one load after another on one surface: start, iterate, return the contact.
+
+A load is tried in single precision if that may be enough. As soon as it turns out not to be, double
+precision goes on from the gap that single precision has reached, and stays for all later loads.
+"""
 
 from __future__ import annotations
 
@@ -197,18 +200,13 @@ class Sweep:
         if unfinished is not None:
             pairs += unfinished.pairs
             load.target.begin_at(unfinished.p_mean / self.working.pressure_unit)
-        contact = None
-        *tried_before, final = self._precisions(load, unfinished)
+        self.coarser = ()
         gap = held if unfinished is None else unfinished.gap
-        gap_before = self._gap_before(load) if gap is None and final != self.dtype else None
-        for dtype in (*tried_before, final):
-            if dtype != self.dtype:
-                self._work_in(dtype)
-                gap = gap_before if gap is None else gap
-            contact, pairs = self._attempt(load, watch, unfinished, gap, pairs, dtype != final)
-            if contact is not None:
-                break
-        assert contact is not None  # the final precision always gives one
+        contact, pairs = self._attempt(load, watch, unfinished, gap, pairs)
+        if contact is None:
+            self._work_in_double()
+            contact, pairs = self._attempt(load, watch, unfinished, gap, pairs)
+        assert contact is not None  # double precision always gives one
         self._failed = contact.status not in ("converged", "interrupted", "separated")
         self._separated_at = load if contact.is_separated else None
         searched = self.working.model.attraction is None  # with an attraction no load is
@@ -250,27 +248,17 @@ class Sweep:
 
     # -- precisions
 
-    def _precisions(self, load: Load, unfinished: Unfinished | None) -> list[np.dtype]:
-        """Return the precisions in which a load is tried, in this order; the last one is final."""
-        if self.settings.precision != "auto" or self.dtype == DOUBLE:
-            return [self.dtype]
-        was_in_double = unfinished is not None and unfinished.gap.dtype == DOUBLE
-        if was_in_double or self._is_too_little(load):
-            return [DOUBLE]
-        return [self.dtype, DOUBLE]
+    @property
+    def _is_final(self) -> bool:
+        """Whether loads stay in the present precision whatever they turn out to need."""
+        return self.settings.precision != "auto" or self.dtype == DOUBLE
 
-    def _gap_before(self, load: Load) -> np.ndarray | None:
-        """Return a copy of the gap of the load before, if a load on retraction starts from it.
-
-        A change of precision would lose it. None on approach and if the load does not start there.
-        """
-        if self.working.model.retracts and self.starter.follows(self.working, load):
-            return self.starter.gap.copy()
-        return None
-
-    def _is_too_little(self, load: Load) -> bool:
-        """Return whether single precision is known not to suffice for a load."""
-        if load.target.needs_double:
+    def _needs_double(self, load: Load, gap: np.ndarray | None = None) -> bool:
+        """Return whether it is known that a load, or a gap to start it from, needs double
+        precision, if the present one is not final."""
+        if self._is_final:
+            return False
+        if load.target.needs_double or (gap is not None and gap.dtype == DOUBLE):
             return True
         settings = self.settings
         surface = self.surface
@@ -279,19 +267,17 @@ class Sweep:
             return True
         return too_little(settings, surface.grid.N, load.target.half_area)
 
-    def _work_in(self, dtype: np.dtype) -> None:
-        """Make the surface again in a precision; drop the solver and the present surface.
+    def _work_in_double(self) -> None:
+        """Make the surface again in double precision; the next start is at the solver's gap.
 
-        Does nothing if it has this precision. SceneError: the checksum of the heights differs from
-        that of the present surface. Collective.
+        SceneError: the checksum of the heights differs from that of the present surface.
+        Collective.
         """
-        if dtype == self.dtype:
-            return
         checksum = self.surface.checksum
-        self.starter.forget()
+        self.starter.go_on_in(DOUBLE)
         self.working.release()
         del self.working  # its memory is needed for the next one
-        self.working = self.surface_in(dtype)
+        self.working = self.surface_in(DOUBLE)
         if checksum not in (None, self.surface.checksum):
             raise SceneError("surface.path: the heights have changed since this run read them")
 
@@ -304,26 +290,31 @@ class Sweep:
         unfinished: Unfinished | None,
         gap: np.ndarray | None,
         pairs: float,
-        may_need_double: bool,
     ) -> Attempt:
-        """Solve a load in the present precision. Collective; its search changes.
+        """Solve a load in the present precision, or as far as it is known to need double precision.
+        Collective; its target changes.
 
         gap: where to start, None if the starter chooses; pairs: FFT pairs that the load has taken
-        before, to which those of the attempt are added; may_need_double: whether to return no
-        contact if single precision turns out not to suffice. watch, unfinished: see `solve`.
+        before, to which those of the attempt are added. watch, unfinished: see `solve`. Without a
+        contact the starter has the gap from which double precision goes on, if there is one.
         """
         load.target.measure(self.working)
         model = self.working.model
         attracts = model.attraction is not None
         begins = gap is None and not self.starter.follows(self.working, load)
+        if self._needs_double(load, gap):
+            if begins:
+                self.starter.forget()
+            return Attempt(None, pairs)
         if attracts and load.p0 < 0 and begins:
             return self._separated(load, 0, pairs)
         start = self.starter.start(self.working, load, gap)
+        self.coarser = start.coarser or self.coarser
         solver = start.solver
         if unfinished is not None:
             solver.iterations = unfinished.iterations
         pairs += start.pairs
-        if may_need_double and self._is_too_little(load):  # as the coarser grids have found
+        if self._needs_double(load):  # as the coarser grids have found
             return Attempt(None, pairs + solver.pairs)
         guard = SaddleGuard(solver, model.branch) if attracts else None
         outcome = drive(solver, start.criterion, watch, load.target, guard, start.certificate)
@@ -342,11 +333,11 @@ class Sweep:
             iterations=solver.iterations,
             pairs=pairs,
         )
-        if may_need_double and (
-            needs_double(contact, load, solver.problem_now) or self._is_too_little(load)
-        ):
+        is_enough = self._is_final or not needs_double(contact, load, solver.problem_now)
+        if not is_enough or self._needs_double(load):
+            if contact.status == "nonfinite":
+                self.starter.forget()
             return Attempt(None, pairs)
-        self.coarser = start.coarser
         if unfinished is not None:
             self.coarser, self._of_grid = unfinished.coarser, unfinished.of_grid
         return Attempt(self._with_grid_errors(contact), pairs)

@@ -1,4 +1,5 @@
-"""Contacts that need no iterations: of a flat surface, in full contact, and of separated bodies."""
+"""Contacts from their fields, and those that need no iterations: of a flat surface and of separated
+bodies."""
 
 from __future__ import annotations
 
@@ -20,15 +21,7 @@ EXACT = (0.0, 0.0, 0.0)  # errors of area, mean gap and pressure
 
 
 class Attempt(NamedTuple):
-    """The result of an attempt to solve a load.
-
-    Attributes
-    ----------
-    contact : Contact or None
-        The contact; None if the attempt does not apply: iterations or double precision are needed.
-    pairs : float
-        All FFT pairs that the load has taken so far.
-    """
+    """The contact of a load, None if it needs double precision, and all FFT pairs so far."""
 
     contact: Contact | None
     pairs: float
@@ -46,33 +39,10 @@ def contact_of(
     iterations: int = 0,
     pairs: float = 0.0,
 ) -> Contact:
-    """Assemble the Contact of a solved load. Nothing is computed or copied.
+    """Assemble the Contact of a solved load; nothing is computed or copied.
 
-    Parameters
-    ----------
-    working : WorkingSurface
-        The surface, with the model.
-    load : Load
-        The load; the note of its target becomes the remark of the contact.
-    criterion : StoppingCriterion
-        The accuracy that the solution had to reach.
-    p0 : float
-        Mean pressure of the solution, in the program's unit.
-    g, p : ndarray
-        Gap and pressure of the solution, local slabs of the grid.
-    status : str
-        Status of the load, see `Contact`.
-    certificate : Certificate
-        Certificate of the gap.
-    iterations : int
-        Iterations that the load has taken.
-    pairs : float
-        FFT pairs that the load has taken.
-
-    Returns
-    -------
-    Contact
-        Its mean pressure is exactly the prescribed one if a pressure was prescribed.
+    p0: mean pressure of the solution in the program's unit, which is exactly the prescribed one if
+    a pressure was. g, p: local slabs. The note of the load's target becomes the remark.
     """
     model = working.model
     return Contact(
@@ -95,22 +65,10 @@ def contact_of(
 
 
 def flat_contact(working: WorkingSurface, load: Load, criterion: StoppingCriterion) -> Contact:
-    """Return the contact of a flat periodic surface, which is closed at any load.
+    """Return the contact of a flat periodic surface: closed at any pressure, with errors of 0.
 
-    Parameters
-    ----------
-    working : WorkingSurface
-        The surface.
-    load : Load
-        The load, a pressure.
-    criterion : StoppingCriterion
-        The requested accuracy.
-
-    Returns
-    -------
-    Contact
-        Converged, with a uniform pressure and errors of 0. Of a layer on a rigid base the energy
-        and the approach are those of its compression, otherwise 0 and nan.
+    Of a layer on a rigid base the energy and the approach are those of its compression, otherwise 0
+    and nan.
     """
     grid = working.surface.grid
     g = np.zeros_like(working.surface.gap)
@@ -128,24 +86,8 @@ def separated_contact(
 ) -> Contact:
     """Return the contact of bodies that have come apart, because the load exceeds the attraction.
 
-    Parameters
-    ----------
-    working : WorkingSurface
-        The surface.
-    load : Load
-        The load that pulls the bodies apart.
-    criterion : StoppingCriterion
-        The requested accuracy.
-    iterations : int
-        Iterations that the load has taken.
-    pairs : float
-        FFT pairs that the load has taken.
-
-    Returns
-    -------
-    Contact
-        With the status "separated", the gap of undeformed bodies that just touch, no pressure, and
-        a mean gap of nan. Its mean pressure is the prescribed one, 0 if none was.
+    It has the gap of undeformed bodies that just touch, no pressure, a mean gap of nan, and the
+    prescribed mean pressure, 0 if none was.
     """
     g = undeformed_gap(working.problem(load.p0))
     certificate = Certificate(errors=EXACT, gap_mean=np.nan)

@@ -143,19 +143,8 @@ class WorkingSurface:
         return problem
 
     def memory_for_gap(self, problem: Problem, solver: Solver | None) -> np.ndarray | None:
-        """Return an existing array that the starting gap of a problem may overwrite.
-
-        Parameters
-        ----------
-        problem : Problem
-            The problem that `problem_to_start` has returned.
-        solver : Solver or None
-            The present solver.
-
-        Returns
-        -------
-        ndarray or None
-            The solver's gap, local slab of the grid; None if new memory has to be allocated.
+        """Return an array that the starting gap of a problem to start from may overwrite: the
+        solver's gap; None if new memory has to be allocated.
         """
         return None if solver is None else solver.g
 
@@ -176,18 +165,6 @@ class WorkingSurface:
         A certificate cannot distinguish rounding errors from pressure out of contact. They matter
         if few points touch (or an unknown number, at p0 <= 0), if few are open, or if the
         transforms are too noisy for the criterion.
-
-        Parameters
-        ----------
-        problem : Problem
-            The problem at its mean pressure.
-        criterion : StoppingCriterion
-            The accuracy that the solution has to reach.
-
-        Returns
-        -------
-        bool
-            The same on all ranks.
         """
         if problem.p0 <= 0:  # only with an attraction: how many touch is unknown
             return True
@@ -196,21 +173,8 @@ class WorkingSurface:
         return few_touch or few_are_open or self.is_noisy(problem, criterion)
 
     def is_noisy(self, problem: Problem, criterion: StoppingCriterion) -> bool:
-        """Return whether rounding errors of transforms are too large for the criterion.
-
-        They are compared with a share of the pressure error that the criterion allows.
-
-        Parameters
-        ----------
-        problem : Problem
-            The problem at its mean pressure, in the working precision.
-        criterion : StoppingCriterion
-            The accuracy that the solution has to reach.
-
-        Returns
-        -------
-        bool
-            The same on all ranks.
+        """Return whether rounding errors of transforms are too large for the criterion: above a
+        share of the pressure error that it allows.
         """
         noise = problem.noise(self.surface.h_rms / self.surface.height_unit)
         return noise > CALIBRATION.noise * pressure_that_counts(criterion, problem.p0)

@@ -61,7 +61,8 @@ class UpdateSums(NamedTuple):
 
     r is the pressure on F, less H where a point yields. pp has r^2 + H^2 in place of p^2 where a
     point yields; rd, dKd and rKd are products on F; contact counts the points in A and those that
-    yield; gap is the sum of g without dents; yielded counts the points that yield.
+    yield; gap is the sum of g without dents; yielded counts the points that yield; attraction and
+    stiffening are what `add_change` returns, 0 without a law.
     """
 
     rr: float
@@ -72,6 +73,8 @@ class UpdateSums(NamedTuple):
     contact: float
     gap: float
     yielded: float
+    attraction: float
+    stiffening: float
 
     @classmethod
     def total(cls, parts):
@@ -124,14 +127,13 @@ def update_passes(
     H,
     inside,
     law,
-    attracted,
 ):
     """Transform rows of K d back and set g += s d and p += s K d, pass after pass: line 6.
 
     Threads take shares as in `search_passes`. The new state is restricted to level 1: `first_rows`
     (shares, 3, m) gets the part of each share's first pass in the coarse row that the pass before
-    has, too, and `join_shares` adds it to `coarse`. `sums` gets the UpdateSums of each pass,
-    `attracted` what `add_change` returns. `spectra` tells whether the rows of K d come as spectra.
+    has, too, and `join_shares` adds it to `coarse`. `sums` gets the UpdateSums of each pass.
+    `spectra` tells whether the rows of K d come as spectra.
     """
     gathered, shared = scratch
     zero = g.dtype.type(0)
@@ -145,10 +147,9 @@ def update_passes(
                 load_rows(rows[1], i0, i1)
             of_slab = i0 if d.shape[0] == g.shape[0] else 0
             d_rows = d[of_slab : of_slab + i1 - i0]
+            attraction = stiffening = 0.0
             if law is not None:
-                attracted[k, 0], attracted[k, 1] = add_change(
-                    law, g, d_rows, rows[0], s, i0, i1, inside
-                )
+                attraction, stiffening = add_change(law, g, d_rows, rows[0], s, i0, i1, inside)
             update_state(
                 g,
                 p,
@@ -165,6 +166,8 @@ def update_passes(
                 gathered,
                 sums[k],
             )
+            sums[k, 8] = attraction
+            sums[k, 9] = stiffening
             top = transfer[0][i0]
             bottom = transfer[0][i1 - 1] + 1
             for c in range(3):

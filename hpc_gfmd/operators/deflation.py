@@ -1,4 +1,5 @@
-"""The deflation vector (gap mode): the wave for which the multilevel preconditioner M is too stiff.
+"""The deflation vector (gap mode): the wave for which the multilevel preconditioner M is too stiff,
+equation (6) in docs/method.md.
 
 If little of the surface touches, the eigenvalues of M K lie between 0.4 and 1.6, except for one of
 0.15 to 0.3, which is the smaller the larger the grid. Its wave is the rise of all that is open, w =

@@ -1,4 +1,5 @@
-"""The locally damped multilevel (BPX) preconditioner, distributed over slabs.
+"""The locally damped multilevel (BPX) preconditioner, distributed over slabs: equation (5) in
+docs/method.md.
 
     M r = sum over levels of P ... P (weight_l + DAMPING theta_l)^-1 R ... R r
 
@@ -119,14 +120,12 @@ class Multilevel:
         hardness: np.floating | None = None,
         spectra: bool = True,
         law: Any = None,
-        attracted: np.ndarray | None = None,
     ) -> UpdateSums:
         """Set g += s d and p += s K d, and restrict the new state to this rank's window of level 1.
 
         d is stored as in kernels/bfloat16.py, of the slab or of one pass; `rows` are the row
-        transforms of each thread, whose memory holds K d, as spectra or not. `attracted` gets what
-        add_change of kernels/adhesive_rows.py returns, with a law. Returns the UpdateSums of this
-        rank. Not collective.
+        transforms of each thread, whose memory holds K d, as spectra or not. Returns the UpdateSums
+        of this rank. Not collective.
         """
         grid = self.grid
         coarse = self.fields[0]
@@ -156,7 +155,6 @@ class Multilevel:
                 hardness,
                 grid.inside,
                 law,
-                attracted,
             )
 
         shares.on_threads(update_shares, range(grid.threads))

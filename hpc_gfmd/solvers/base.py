@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..operators.elastic import Elastic
+from ..operators.wall import wall_of
 from .options import read_options
 
 if TYPE_CHECKING:
@@ -66,7 +67,7 @@ class Solver:
     """Base class of all solvers: a state (gap and pressure) and the steps that improve it.
 
     To add a solver, put a file into solvers/ with a subclass whose `name` is that of the file. It
-    implements `start`, `refresh`, `step` and `progress`. Creating a solver and calling its methods
+    implements `start`, `restart`, `step` and `progress`. Creating a solver and calling its methods
     is collective; all of them return the same on all ranks, unless stated otherwise.
 
     Parameters
@@ -94,10 +95,12 @@ class Solver:
     iterations : int
         Number of steps since the load began.
     uKu : float
-        <u, K u> of the state at the last start or `refresh`, over all ranks; bpx updates it in
+        <u, K u> of the state at the last start or `restart`, over all ranks; bpx updates it in
         every step.
     N : int
         Number of points of the surface.
+    wall : Wall
+        What the wall allows and bears.
     elastic : Elastic
         Applies K; has the transforms, and counts their pairs.
     stability : Stability or None
@@ -129,6 +132,7 @@ class Solver:
     ):
         self.options = read_options(self.name, options or {}, self.allowed)
         self.problem = problem
+        self.wall = wall_of(problem)
         self.grid = problem.grid
         self.p0 = float(problem.p0)
         self.N = problem.grid.N
@@ -185,7 +189,7 @@ class Solver:
     def continue_at(self, p0: float) -> None:
         """Set the mean pressure to p0 and go on from the present gap, without an FFT.
 
-        The pressure p changes by a constant everywhere. Then `refresh` forgets the last step; with
+        The pressure p changes by a constant everywhere. Then `restart` forgets the last step; with
         a hardness bpx may also move or dent the body as a whole there. Collective.
         """
         before = self.p_cell
@@ -196,11 +200,12 @@ class Solver:
             self.p[i0:i1] += change
 
         self.grid.by_rows(shift)
-        self.refresh()
+        self.restart()
 
     def hold(self, spring: float) -> None:
         """Press the body by a spring of another stiffness from now on; p0 stays. Collective."""
         self.problem = replace(self.problem_now, spring=spring)
+        self.wall = wall_of(self.problem)
 
     def _lay(self, g: np.ndarray) -> None:
         """Copy g into self.g, and set self.d to 0 and self.p to the constant `p_cell`."""
@@ -213,18 +218,23 @@ class Solver:
 
         self.grid.by_rows(lay)
 
-    def refresh(self, uKu: float | None = None) -> None:
+    def restart(self, certificate: Certificate | None = None) -> None:
         """Compute all sums of the state again from self.g and self.p, and forget the last step.
 
-        Call it after other code has overwritten self.p or the fields of self.levels. Takes no FFT,
+        Call it after other code has overwritten g, p or the fields of self.levels. Takes no FFT,
         apart from the gap mode of bpx; with a hardness bpx may change g and p, too.
 
         Parameters
         ----------
-        uKu : float, optional
-            <u, K u> of the state over all ranks; without it `self.uKu` stays.
+        certificate : Certificate, optional
+            One that has just computed p from g: its <u, K u> and attraction are those of the state.
+            Without it those of `self` stay.
         """
         raise NotImplementedError
+
+    def after_certificate(self, certificate: Certificate) -> None:
+        """Prepare the next step after a certificate was refused; by default restart with it."""
+        self.restart(certificate)
 
     @property
     def is_separated(self) -> bool:
@@ -232,24 +242,12 @@ class Solver:
         hard as the attraction. Always False for solvers that do not solve adhesive contacts."""
         return False
 
-    def begin_at(self, certificate: Certificate) -> None:
-        """Begin at the present self.g, from which a certificate has just computed self.p."""
-        self.refresh(certificate.uKu)
-
-    def after_certificate(self, certificate: Certificate) -> None:
-        """Prepare the next step after a certificate has overwritten self.p and self.levels.
-
-        Where self.g penetrated the surface it is 0 now, and self.p is the pressure of this gap. By
-        default the last step is forgotten, as in `begin_at`.
-        """
-        self.begin_at(certificate)
-
     def after_stability(self) -> None:
         """Prepare the next step after `stability_of` has overwritten the fields of self.levels.
 
-        By default calls `refresh`, which forgets the last step.
+        By default calls `restart`, which forgets the last step.
         """
-        self.refresh()
+        self.restart()
 
     def make_room(self) -> None:
         """Free the memory of the transforms and of the last step, for a certificate or a new start.
@@ -259,7 +257,7 @@ class Solver:
         raise NotImplementedError
 
     def take_room(self) -> None:
-        """Allocate what `make_room` freed, with a last step of 0. Then call `refresh`."""
+        """Allocate what `make_room` freed, with a last step of 0. Then call `restart`."""
         raise NotImplementedError
 
     def step(self) -> None:
@@ -290,7 +288,7 @@ class Solver:
         """
         from ..certificate.error_estimates import State, estimate
 
-        sums = self.levels.restrict(self.g, self.p, self.problem.limit)
+        sums = self.levels.restrict(self.g, self.p, self.wall.limit)
         level_sums = self.levels.sweep()
         uKu = sum(self.grid.by_rows(self._work_of_pressure))
         count = len(sums)

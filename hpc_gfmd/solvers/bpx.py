@@ -1,6 +1,7 @@
 """Projected conjugate gradients in displacement space, one FFT pair per iteration.
 
-Preconditioned by the locally damped multilevel operator of `multilevel.py`. Each step minimises the
+The energy of equation (1) in docs/method.md is minimised over feasible gaps, preconditioned by the
+locally damped multilevel operator (5) of `multilevel.py`. Each step minimises the
 energy in the plane of the preconditioned residual z and the last step d; <z, K z>, which would cost
 a second FFT, is predicted from the Rayleigh quotient of the last step. The step is clipped to the
 feasible set, and the energy along the (feasible) chord is minimised exactly, so it never rises.
@@ -20,19 +21,15 @@ import numpy as np
 from ..certificate.certificate import Certificate
 from ..certificate.error_estimates import Estimate, State, estimate, relative_error
 from ..certificate.misclassified import misclassified_points, moments_of_open, spread_of
-from ..kernels.adhesive_rows import add_attraction, shift_gap
 from ..kernels.bfloat16 import stored_dtype
 from ..kernels.bpx import UpdateSums, search_passes
 from ..operators.multilevel import Multilevel
 from ..operators.problem import Problem
-from ..operators.rigid import balancing_shift, dent_rigidly
-from ..parallel.threads import Shares, added
+from ..parallel.threads import Shares
 from .base import Progress, Solver
 
 FIRST = 0.75  # Rayleigh quotient of first steps: 0.52 to 0.75 was seen; less makes them too long
 DESCENT = 0.2  # share of the predicted descent that must remain after clipping
-SHORT = 0.9  # a step is made shorter only below this: clipped points stay a little open then
-SETTLED = 1e-3  # distance to where a spring holds separated bodies at rest, in ranges of the law
 SHIFT = 0.62  # share of the shift of certificate/error_estimates.py that predicts the mean gap
 
 
@@ -61,8 +58,6 @@ class Bpx(Solver):
         Share of d that was made: the gap has changed by s d.
     compliance : float
         1/K of the shortest wave.
-    law : Law or None
-        The attraction, in the working precision.
     attracted : float
         Sum of the attraction over all points and ranks.
     contact, yielded : float
@@ -95,7 +90,6 @@ class Bpx(Solver):
         self.levels = Multilevel(self.grid, problem.body, problem.dtype, self.elastic.fft.R)
         self.d = self.grid.empty(stored_dtype(problem.dtype))
         self.compliance = float(1.0 / problem.body.scale(self.grid))  # of the shortest wave
-        self.law = problem.law()
         self.attracted = 0.0  # sum of the attraction over all points
 
     @cached_property
@@ -131,34 +125,30 @@ class Bpx(Solver):
             )[0]
         )
         # the rows are those of K u: no step has changed the attraction
-        limit = self.problem.limit
+        limit = self.wall.limit
         self.elastic.pairs += 1
         sums = self.levels.update(self.g, self.p, self.d, 1.0, self.elastic.fft.rows, limit)
-        if self.law is not None:
-            self._add_attraction()
+        attracted = self.wall.add_traction(self.g, self.p)
+        if attracted is not None:
+            self.attracted = attracted
             sums = self.levels.restrict(self.g, self.p, limit)
         self._begin(sums)
 
-    def refresh(self, uKu: float | None = None) -> None:
-        """Forget the last step and begin a new descent at the present g and p.
+    def restart(self, certificate: Certificate | None = None) -> None:
+        """Forget the last step and begin a new descent at the present g and p, see `_begin`.
 
-        Takes no FFT, apart from the gap mode. uKu: <u, K u> of this state, the stored one if None.
-        With an attraction the caller has set `self.attracted` to that of g, and p contains it. With
-        a hardness g, p and uKu may change, see `_begin`. Collective.
+        Takes no FFT, apart from the gap mode. With an attraction p contains it; without a
+        certificate the caller has set `self.attracted` to that of g. Collective.
         """
-        self.uKu = self.uKu if uKu is None else uKu
+        if certificate is not None:
+            self.uKu = certificate.uKu
+            self.attracted = certificate.attraction * self.N
         self.d[...] = 0
-        self._begin(self.levels.restrict(self.g, self.p, self.problem.limit))
-
-    def begin_at(self, certificate: Certificate) -> None:
-        """Begin a new descent at the present g and p, with <u, K u> and the attraction of a
-        certificate that has just computed this p."""
-        self.attracted = certificate.attraction * self.N
-        super().begin_at(certificate)
+        self._begin(self.levels.restrict(self.g, self.p, self.wall.limit))
 
     def after_stability(self) -> None:
         """Compute z on the coarse levels again, after `stability_of`; keep the last step."""
-        self.levels.restrict(self.g, self.p, self.problem.limit)
+        self.levels.restrict(self.g, self.p, self.wall.limit)
         self.levels.sweep()  # z on the coarse levels follows from g and p
 
     def _begin(self, sums: UpdateSums) -> None:
@@ -173,75 +163,49 @@ class Bpx(Solver):
         self.s = 1.0
         self.rayleigh = FIRST
         self._measure(sums, new_contact=True)
-        if self.problem.hardness is not None and self.law is None:
-            if dent_rigidly(self.problem, self.p0, self.p_cell, self.g, self.p, self.uKu):
-                self.d[...] = 0
-                self.uKu = 0.0
-                self._measure(
-                    self.levels.restrict(self.g, self.p, self.problem.limit), new_contact=True
-                )
-            a, b = self._coefficients()
-            self._balance(0.5 * (a * self.rz + b * self.rd))
+        if self.wall.dent(self.p0, self.p_cell, self.g, self.p, self.uKu):
+            self.d[...] = 0
+            self.uKu = 0.0
+            self._measure_again()
+        a, b = self._coefficients()
+        self._balance(0.5 * (a * self.rz + b * self.rd))
 
     # -- one iteration
-
-    def _descend_to_contact(self) -> None:
-        """Lower a body that touches nowhere, as a whole, until its first point touches.
-
-        A rigid shift costs no elastic energy, but would take many steps. Without an attraction p
-        stays and the descent continues; with one p changes and a new descent begins. Does nothing
-        if a gap is 0 already, if a spring holds the body, or if the load pulls it off the wall.
-        Collective.
-        """
-        rows, points = self.grid.inside
-        lowest = self.grid.comm.min([self.g[:rows, :points].min(initial=np.inf)])[0]
-        if not 0 < lowest < np.inf or self.problem.spring > 0:
-            return
-        if self.law is None:
-            self.g -= self.problem.dtype.type(lowest)
-            self.gap_mean -= lowest
-        elif self.wall_load > 0:
-            by = self.problem.dtype.type(lowest)
-
-            def shift(i0: int, i1: int) -> float:
-                return shift_gap(self.law, self.g, self.p, by, i0, i1, self.grid.inside)
-
-            self.attracted = float(self.grid.comm.sum([sum(self.grid.by_rows(shift))])[0])
-            self.refresh()
 
     def step(self) -> None:
         """Make one iteration, with one FFT pair: update g, p and all scalars in place.
 
-        If nothing touches, `_descend_to_contact` is called first. With a spring p0 changes, too;
-        with a hardness the body may be shifted after the step (`_balance`). Collective.
+        A body that touches nowhere is lowered first. With a spring p0 changes, too; with a hardness
+        the body may be shifted after the step (`_balance`). Collective.
         """
         if self.contact == 0:
-            self._descend_to_contact()
+            self._lower()
         a, b, (pd, deeper, td, gained) = self._choose_step()
-        plain = a == 0
         spring = self.problem.spring
         dKd = self.elastic.pressure_columns(spring=spring)
         dKd, mean = self.grid.comm.sum([dKd, self.elastic.mean]).tolist()
-        optimum = -pd / dKd if dKd > 0 else 1.0
-        self.s = optimum if 0 < optimum < SHORT else 1.0
-        if self.law is not None and self.s < 1:
-            # what the whole step does to the energy, and what the majorant has at its minimum
-            whole = pd + 0.5 * dKd + gained - td
-            self.s = 1.0 if whole <= 0.5 * pd * optimum else self.s
-        sums, stiffer = self._update(self.s)
-        self.rayleigh = self._rayleigh_quotient(a, b, dKd + stiffer)
-        # with a hardness the elastic contact may have become another one
-        self._measure(sums, new_contact=plain and self.problem.hardness is not None)
-        # K u = p - t - p_cell
-        Kud = pd - td - self.p_cell * self.grid.cell_points * mean
+        self.s = self.wall.step_length(pd, dKd, td, gained)
+        before = self.rz, self.zKd, self.dKd
+        # with a hardness the elastic contact may have become another one by a plain step
+        sums = self._measure(self._update(self.s), new_contact=a == 0 and self.wall.yields)
+        self.attracted = sums.attraction
+        self.rayleigh = _rayleigh_quotient(a, b, dKd + sums.stiffening, *before)
+        # K u = p - t - p_cell, and pd has the work of dents
+        Kud = pd - td - self.wall.hardness * deeper - self.p_cell * self.grid.cell_points * mean
         of_spring = spring * self.grid.cell_points * mean**2
         self.uKu += 2 * self.s * Kud + self.s**2 * (dKd - of_spring)
         self.p0 += spring * self.s * mean * (self.grid.cell_points / self.N)
-        if self.problem.hardness is not None:  # pd has the work of dents
-            self.uKu -= 2 * self.s * self.problem.hardness * deeper
-        if self.problem.hardness is not None and self.law is None:
-            self._balance(-self.s * (pd + 0.5 * self.s * dKd))
+        self._balance(-self.s * (pd + 0.5 * self.s * dKd))
         self.iterations += 1
+
+    def _lower(self) -> None:
+        """Lower a body that touches nowhere until it touches; a new descent begins if this changes
+        the pressure. Collective."""
+        by, attracted = self.wall.lower(self.g, self.p, self.wall_load)
+        self.gap_mean -= by
+        if attracted is not None:
+            self.attracted = attracted
+            self.restart()
 
     def _choose_step(self) -> tuple[float, float, list[float]]:
         """Write the next step to self.d, and transform its rows; g and p do not change yet.
@@ -261,9 +225,8 @@ class Bpx(Solver):
         work = self._search(a, b, 1.0)
         descent = a * self.rz + b * self.rd
         gained = -work[0]
-        has_hardness = self.problem.hardness is not None
         # at full contact there is nothing to descend
-        while has_hardness and descent > 0 and not gained > DESCENT * descent:
+        while self.wall.yields and descent > 0 and not gained > DESCENT * descent:
             # a parabola through what was predicted at the start and what came out
             a *= 0.5 * descent / (descent - gained)
             b = 0.0
@@ -276,37 +239,12 @@ class Bpx(Solver):
             return a, b, work
         return 0.0, 0.0, self._search(self.gradient, 0.0, 0.0)
 
-    def _rayleigh_quotient(self, a: float, b: float, dKd: float) -> float:
-        """Return <z, K z>/<r, z> by the <d, K d> of the new step -(a z + b d): `dKd`.
-
-        The products of self must still be those of the state before the step. 1 if a or <r, z> is
-        0, or if the quotient is not finite.
-        """
-        if not a * a * self.rz > 0:
-            return 1.0
-        zKz = dKd - 2 * a * b * self.zKd - b * b * self.dKd
-        quotient = zKz / (a * a * self.rz)
-        return quotient if isfinite(quotient) else 1.0  # of the last bits of a closed contact
-
     def _balance(self, descent: float) -> None:
-        """Shift self.g by a constant if too few points touch, or too many yield, to carry the load.
-
-        Only with a hardness, and only if the shift lowers the energy by more than `descent`: what
-        the last step has gained, or at the start what the first step may gain. p stays, the last
-        step is forgotten. Collective.
-        """
-        hardness = self.problem.hardness or np.inf
-        if hardness * self.yielded <= self.N * self.p0 <= hardness * self.contact:
-            return
-        shift, gain = balancing_shift(self.problem, self.p0, self.g)
-        if not gain > descent:
-            return
-
-        def lower(i0: int, i1: int) -> None:
-            self.g[i0:i1] -= shift
-
-        self.grid.by_rows(lower)
-        self._measure(self.levels.restrict(self.g, self.p, self.problem.limit), new_contact=True)
+        """Let a wall with a hardness shift the body, see HardWall.balance; p stays, the last step
+        is forgotten. `descent`: what the last step has gained, or at the start what the first one
+        may gain. Collective."""
+        if self.wall.balance(self.p0, self.g, self.contact, self.yielded, descent):
+            self._measure_again()
 
     def _coefficients(self) -> tuple[float, float]:
         """Return a and b of the step -(a z + b d) of least energy in the plane of z and d.
@@ -340,59 +278,37 @@ class Bpx(Solver):
         ends = levels.ends
         step = tuple(self.problem.dtype.type(x) for x in (a, b * self.s, coupling, self.compliance))
         fields = self.g, self.p, self.d, levels.z, levels.transfers[0].tables
-        limits = self.problem.limit, self.grid.inside
-        sums_of_passes = np.zeros((len(ends), 2))
-        work = np.zeros((len(ends) if self.law is not None else 0, 2))
+        limits = self.wall.limit, self.grid.inside, self.wall.law
+        sums = np.zeros((len(ends), 2))
+        work = np.zeros((len(ends), 2))
 
         shares = Shares(len(ends), fft.threads)
 
         def passes(thread: int) -> None:
-            scratch = fft.rows[thread], tuple(levels.scratch[thread][0][:2]), sums_of_passes
-            search_passes(
-                ends, shares.parts, shares.turns, *scratch, *fields, step, *limits, self.law, work
-            )
+            scratch = fft.rows[thread], tuple(levels.scratch[thread][0][:2]), sums
+            search_passes(ends, shares.parts, shares.turns, *scratch, *fields, step, *limits, work)
 
         shares.on_threads(passes, range(fft.threads))
-        sums = np.sum(sums_of_passes, axis=0)
-        if self.law is None:
-            return [*self.grid.comm.sum(sums).tolist(), 0.0, 0.0]
-        return self.grid.comm.sum([*sums, *np.sum(work, axis=0)]).tolist()
+        return self.grid.comm.sum([*np.sum(sums, axis=0), *np.sum(work, axis=0)]).tolist()
 
-    def _update(self, s: float) -> tuple[UpdateSums, float]:
+    def _update(self, s: float) -> UpdateSums:
         """Make the last pass: add s d to self.g and s K d to self.p (with an attraction s y).
 
         The rows of the transforms hold the spectra of K d already. y is K d plus the change of the
-        attraction over s (kernels/adhesive_rows.py). Also puts the new r and t on the levels, sets
-        self.attracted and counts an FFT pair. Returns this rank's UpdateSums, and <d, y - K d> over
-        all ranks, 0 without an attraction. Collective with one.
+        attraction over s (kernels/adhesive_rows.py). Also puts the new r and t on the levels, and
+        counts an FFT pair. Returns this rank's UpdateSums.
         """
         self.elastic.pairs += 1
-        rows = self.elastic.fft.rows
-        limit = self.problem.limit
-        if self.law is None:
-            return self.levels.update(self.g, self.p, self.d, s, rows, limit), 0.0
-        attracted = np.zeros((len(self.levels.ends), 2))
-        sums = self.levels.update(
-            self.g, self.p, self.d, s, rows, limit, law=self.law, attracted=attracted
-        )
-        self.attracted, stiffer = self.grid.comm.sum(np.sum(attracted, axis=0)).tolist()
-        return sums, stiffer
+        fields = self.g, self.p, self.d, s, self.elastic.fft.rows, self.wall.limit
+        return self.levels.update(*fields, law=self.wall.law)
 
-    def _add_attraction(self) -> None:
-        """Add the attraction to self.p, the pressure of the body alone; set self.attracted.
+    def _measure_again(self) -> None:
+        """Put the present state on the levels and measure it, with a new contact. Collective."""
+        self._measure(self.levels.restrict(self.g, self.p, self.wall.limit), new_contact=True)
 
-        self.p is then the pressure of the wall. Collective.
-        """
-
-        def add(i0: int, i1: int) -> tuple[float, float]:
-            return add_attraction(self.law, self.g, self.p[i0:i1], i0, i1, self.grid.inside)
-
-        t, _ = self.grid.comm.sum(added(self.grid.by_rows(add), 2)).tolist()
-        self.attracted = t
-
-    def _measure(self, sums: UpdateSums, new_contact: bool = False) -> None:
-        """Sweep the levels to z, and set the products and counts that the next step and `progress`
-        need. Collective.
+    def _measure(self, sums: UpdateSums, new_contact: bool = False) -> UpdateSums:
+        """Sweep the levels to z, set the products and counts that the next step and `progress`
+        need, and return the sums of all ranks. Collective.
 
         `levels.restrict` or `levels.update` has put the present state on the levels, and returned
         `sums`, those of this rank. new_contact: whether to compute the gap mode of the present
@@ -417,6 +333,7 @@ class Bpx(Solver):
         self.yielded = sums.yielded
         if share is not None and self.levels.gap_mode.wanted(share):
             self.elastic.pairs += self.levels.gap_mode.pairs
+        return sums
 
     # -- how far
 
@@ -427,15 +344,8 @@ class Bpx(Solver):
 
     @property
     def is_separated(self) -> bool:
-        """Whether nothing touches and the load pulls at least as hard as the attraction.
-
-        With a spring only once the body is nearly at rest.
-        """
-        if self.law is None or self.contact > 0:
-            return False
-        # what is left to go until nothing holds the spring back
-        left = self.problem.spring * float(self.law.range) * SETTLED
-        return self.wall_load <= 0 and (left == 0 or -self.wall_load < left)
+        """Whether nothing touches and the wall does not hold the body any more."""
+        return self.contact == 0 and self.wall.has_let_go(self.wall_load)
 
     @property
     def _p_cell_of_wall(self) -> float:
@@ -500,6 +410,21 @@ class Bpx(Solver):
         wrong = misclassified_points(
             self.problem_now, self.g, self.p, estimate, spread, self.contact
         )
-        if self.problem.hardness is not None and self.contact == self.N and wrong > 0:
+        if self.wall.yields and self.contact == self.N and wrong > 0:
             return np.inf  # a point that may be open is a gap that is not known
         return relative_error(wrong, self.contact)
+
+
+def _rayleigh_quotient(
+    a: float, b: float, dKd: float, rz: float, zKd: float, dKd_before: float
+) -> float:
+    """Return <z, K z>/<r, z> by the <d, K d> of the new step -(a z + b d): `dKd`.
+
+    The other products are those of the state before the step. 1 if a or <r, z> is 0, or if the
+    quotient is not finite.
+    """
+    if not a * a * rz > 0:
+        return 1.0
+    zKz = dKd - 2 * a * b * zKd - b * b * dKd_before
+    quotient = zKz / (a * a * rz)
+    return quotient if isfinite(quotient) else 1.0  # of the last bits of a closed contact

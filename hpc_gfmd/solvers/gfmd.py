@@ -92,11 +92,11 @@ class Gfmd(Solver):
         self.uKu = float(self.grid.comm.sum([uKu])[0])
         self._measure(self.elastic.use_rows(self._update))
 
-    def refresh(self, uKu: float | None = None) -> None:
-        """Set the velocity to 0 and compute all sums of the present g and p again, without an FFT;
-        uKu: their <u, K u>, the stored one if None."""
-        if uKu is not None:
-            self.uKu = uKu
+    def restart(self, certificate: Certificate | None = None) -> None:
+        """Set the velocity to 0 and compute all sums of the present g and p again, without an
+        FFT."""
+        if certificate is not None:
+            self.uKu = certificate.uKu
         self.d[...] = 0
         fft = self.elastic.fft
         zero = np.zeros((fft.R, self.grid.n[1]), self.problem.dtype)
@@ -104,7 +104,7 @@ class Gfmd(Solver):
         self._measure(on_threads(self.grid.threads, self._update, passes))
 
     def after_certificate(self, certificate: Certificate) -> None:
-        """Do nothing: the velocity is kept, as a certificate changes p by rounding errors only."""
+        """Keep the velocity: a certificate changes p by rounding errors only."""
 
     # -- one time step
 

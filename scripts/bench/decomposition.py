@@ -22,7 +22,7 @@ from hpc_gfmd.parallel.grid import Grid
 from hpc_gfmd.parallel.layout import Layout
 
 # numbers in each sum over all ranks of a step of bpx; the last includes those of a sweep
-REDUCTIONS = 2, 2, len(UpdateSums._fields) + 8
+REDUCTIONS = 4, 2, len(UpdateSums._fields) + 8
 
 
 @dataclass(frozen=True)

@@ -44,7 +44,7 @@ def certified(solver, **options):
     p = np.empty_like(solver.p)
     certificate = certify(solver.problem_now, solver.g, p, solver.levels, **options)
     if solver.progress().estimate is not None:
-        solver.refresh()
+        solver.restart()
     return certificate, p
 
 

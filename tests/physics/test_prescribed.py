@@ -168,26 +168,24 @@ def test_a_gap_that_closes_to_its_edges(free, solver):
 
 
 @pytest.mark.parametrize(
-    ("make", "gap", "accuracy", "allowed_ratio"),
+    ("make", "gap", "accuracy"),
     [
         *[
-            (partial(sweep_of, rough((2, 4, 2)), layer=layer), gap, 1e-4, 2.5)
+            (partial(sweep_of, rough((2, 4, 2)), layer=layer), gap, 1e-4)
             for layer in (None, LAYER)
             for gap in (1e-4, 1e-6, 1e-8)
         ],
-        *[(partial(with_edges, free), 1e-4, 1e-3, 5) for free in ((True, True), (True, False))],
+        *[(partial(with_edges, free), 1e-4, 1e-3) for free in ((True, True), (True, False))],
     ],
 )
-def test_a_gap_that_nearly_closes(make, gap, accuracy, allowed_ratio):
-    """With a single open point the search also starts from the load that closes the gap.
-
-    allowed_ratio: FFT pairs over those of the same load as a pressure.
-    """
+def test_a_gap_that_nearly_closes(make, gap, accuracy):
+    """With a single open point the search also starts from the load that closes the gap, as the
+    same load does if it is prescribed as a pressure."""
     sweep = make(accuracy=accuracy)
     step = sweep.solve(*sweep.loads(LoadTable(gap_over_h_rms=gap)))
     assert step.status == "converged"
     assert step.gap_mean == pytest.approx(gap * sweep.surface.h_rms, rel=accuracy)
-    assert step.pairs <= allowed_ratio * make(accuracy=accuracy).solve(step.p_mean).pairs
+    assert step.pairs <= 5 * make(accuracy=accuracy).solve(step.p_mean).pairs
 
 
 def test_a_gap_that_cannot_be_more_accurate():

@@ -5,24 +5,25 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from hpc_gfmd.certificate.certificate import _admissible
+from hpc_gfmd.operators.wall import HardWall, Wall
 
 p = np.random.default_rng(5).uniform(0, 3, 200)
 
 
-def sums_of(hardness):
-    """(sum of the pressure in contact, sums)"""
+def wall_with(hardness):
+    """A wall, and (sum of the pressure in contact with it, points in contact, yielded)."""
+    problem = SimpleNamespace(grid=None, limit=hardness, hardness=hardness, law=lambda: None)
     limit = hardness or np.inf
-    sums = SimpleNamespace(contact=p.size, yielded=int(np.sum(p >= limit)))
-    return np.minimum(p, limit).sum(), sums
+    sums = np.minimum(p, limit).sum(), p.size, int(np.sum(p >= limit))
+    return (Wall if hardness is None else HardWall)(problem), sums
 
 
 @pytest.mark.parametrize("over", [0.6, 0.95, 1.0, 1.05, 1.2])
 @pytest.mark.parametrize("hardness", [None, 2.0, 5.0])
 def test_it_bears_the_load_within_its_limits(hardness, over):
-    closed_p, sums = sums_of(hardness)
-    load = over * closed_p
-    scale, shift = _admissible(SimpleNamespace(hardness=hardness), load, closed_p, sums)
+    wall, sums = wall_with(hardness)
+    load = over * sums[0]
+    scale, shift = wall.admissible(load, *sums)
     limit = hardness or np.inf
     p_hat = np.where(p < limit, scale * p + shift, limit)
     assert p_hat.sum() == pytest.approx(load, rel=1e-12)
@@ -33,8 +34,7 @@ def test_it_bears_the_load_within_its_limits(hardness, over):
 
 
 def test_more_than_the_contact_can_bear():
-    closed_p, sums = sums_of(2.0)
-    problem = SimpleNamespace(hardness=2.0)
-    assert _admissible(problem, 2.0 * p.size + 1, closed_p, sums)[0] < 0
-    assert _admissible(problem, 2.0 * sums.yielded - 1, closed_p, sums)[0] < 0
-    assert _admissible(SimpleNamespace(hardness=None), 1.0, 0.0, sums)[0] < 0
+    wall, sums = wall_with(2.0)
+    assert wall.admissible(2.0 * p.size + 1, *sums)[0] < 0
+    assert wall.admissible(2.0 * sums[2] - 1, *sums)[0] < 0
+    assert wall_with(None)[0].admissible(1.0, 0.0, p.size, 0)[0] < 0

@@ -8,6 +8,7 @@ import pytest
 from contacts import EXACT, field, random_heights, rough, sweep_of, sweep_over
 from refusal import refused
 
+from hpc_gfmd.driver import sweep as sweep_module
 from hpc_gfmd.driver.load import Load, Unfinished
 from hpc_gfmd.driver.nested import Nested
 from hpc_gfmd.driver.starter import WARM_DOWN, WARM_UP
@@ -109,10 +110,12 @@ def test_a_solved_gap_is_certified_and_needs_no_iterations(hardness):
 
     solved = make().solve(P)
     gap = solved.g.copy()
-    again = make().solve(P, unfinished=Unfinished(gap, solved.p_mean, 0, 0.0))
+    sweep = make()
+    again = sweep.solve(P, unfinished=Unfinished(gap, solved.p_mean, 0, 0.0))
     assert (again.status, again.iterations, again.pairs) == ("converged", 0, 1.0)
     assert np.array_equal(again.g, gap)
     assert again.certificate.errors == solved.certificate.errors
+    assert sweep.solve(1.1 * P).status == "converged"  # from there
 
 
 @pytest.mark.parametrize("quantity", ["a_r", "gap_mean", "approach"])
@@ -137,6 +140,22 @@ def test_stopped_searches_resume_at_their_load(quantity):
     assert resumed.status == "converged"
     assert resumed.p_mean == pytest.approx(whole.p_mean, rel=1e-3)
     assert resumed.pairs < 0.7 * whole.pairs
+
+
+def test_double_precision_goes_on_from_the_gap_of_single_precision(nested_starts, monkeypatch):
+    """Coarse grids are solved once, and the pairs of both precisions count."""
+
+    def solved():
+        sweep = sweep_of(rough((2, 16, 2)), accuracy=2e-2)
+        return sweep.solve(P * sweep.surface.g_rms)
+
+    single = solved()
+    monkeypatch.setattr(sweep_module, "needs_double", lambda *_: True)
+    both = solved()
+    assert len(nested_starts) == 2  # one each
+    assert (single.g.dtype, both.g.dtype) == (np.float32, np.float64)
+    assert both.status == "converged"
+    assert both.pairs == single.pairs + 1  # its certificate
 
 
 def test_sweeps_stay_in_double_precision():
