@@ -35,19 +35,20 @@ def all_observables() -> dict[str, Observable]:
     return _merged("OBSERVABLES")
 
 
-def default_observables() -> list[str]:
+@cache
+def default_observables() -> tuple[str, ...]:
     """Return the names of the observables that every result has, because they are cheap to compute.
 
     These are those that no file lists as ON_REQUEST.
     """
-    names = []
+    names: list[str] = []
     for module in _observables():
         observables = getattr(module, "OBSERVABLES", {})
         on_request = getattr(module, "ON_REQUEST", ())
         if on_request is True:
             on_request = observables
         names += [name for name in observables if name not in on_request]
-    return names
+    return tuple(names)
 
 
 def observable_names() -> set[str]:

@@ -64,17 +64,13 @@ class WorkingSurface:
         self._plan()
 
     def _plan(self) -> None:
-        """Plan the transforms of the solver and the coarser grids. Collective.
+        """Plan the transforms of the solver. Collective.
 
         Those of a certificate in double precision are planned when there is one.
         """
         self._nested: Nested | None = None
-        if self.is_flat:
-            return
-        grid = self.surface.grid
-        grid.fft(self.dtype)
-        if self.nests:
-            self._nested = Nested(grid, self.dtype)
+        if not self.is_flat:
+            self.surface.grid.fft(self.dtype)
 
     def release(self) -> None:
         """Free the transforms of the surface's grid in this precision."""
@@ -149,7 +145,11 @@ class WorkingSurface:
         return None if solver is None else solver.g
 
     def nested(self) -> Nested | None:
-        """Return the coarser grids; None without nesting or on a flat surface. Collective."""
+        """Return the coarser grids, made at the first call; None without nesting or on a flat
+        surface. Collective.
+        """
+        if self._nested is None and self.nests and not self.is_flat:
+            self._nested = Nested(self.surface.grid, self.dtype)
         return self._nested
 
     @property

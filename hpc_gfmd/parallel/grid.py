@@ -234,7 +234,7 @@ class Grid:
         """Make an uninitialised local slab."""
         return empty_aligned(self.shape, dtype)
 
-    def pieces(self, rows: int | None = None) -> list[tuple[int, int]]:
+    def pieces(self, rows: int | None = None) -> tuple[tuple[int, int], ...]:
         """List the ranges (i0, i1) of local rows that a thread works on at a time.
 
         Together they are all local rows, or the first `rows` of them.

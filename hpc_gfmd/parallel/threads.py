@@ -25,7 +25,8 @@ def piece_rows(n_y: int) -> int:
     return max(PIECE_ROWS, PIECE_POINTS // n_y)
 
 
-def pieces_of(rows: int, n_y: int) -> list[tuple[int, int]]:
+@lru_cache(maxsize=256)
+def pieces_of(rows: int, n_y: int) -> tuple[tuple[int, int], ...]:
     """Cut rows of n_y points into pieces (start, stop) of nearly the same size, in order.
 
     The last one is cut again into shorter ones. A thread works on one at a time; each has at least
@@ -38,7 +39,7 @@ def pieces_of(rows: int, n_y: int) -> list[tuple[int, int]]:
         if middle - ends[-1] >= PIECE_ROWS:
             ends.append(middle)
     ends.append(rows)
-    return [(i0, i1) for i0, i1 in zip(ends, ends[1:]) if i0 < i1]
+    return tuple((i0, i1) for i0, i1 in zip(ends, ends[1:]) if i0 < i1)
 
 
 def threads_for(points: int, threads: int, points_each: int = THREAD_POINTS) -> int:
@@ -101,6 +102,9 @@ def on_threads(
     are left. Returns what work returned, in the order of the pieces.
     """
     pieces = list(pieces)
+    if threads == 1 or len(pieces) == 1:  # of small grids what follows takes longer than the work
+        own_scratch = [] if scratch is None else [scratch[0]]
+        return [work(*piece, *own_scratch) for piece in pieces]
     results: list[Any] = [None] * len(pieces)
     remaining = iter(enumerate(pieces))  # a thread takes the next one in one step
 

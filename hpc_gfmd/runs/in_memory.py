@@ -42,6 +42,8 @@ from .surfaces import surface_of_topography
 
 Heights = Any  # an array, a PreparedSurface or a Topography of SurfaceTopography
 Kept = dict[np.dtype, Surface]  # surfaces by precision
+DOUBLE = np.dtype(np.float64)
+SMALL = 2**16  # points of a surface that is made once, in double precision, and kept in both
 
 # The surfaces of prepared heights, which cannot be written to, for as long as these live: a second
 # solve finds them ready. By whether both axes are kept.
@@ -188,7 +190,8 @@ def surfaces_of(comm: Comm, scene: Scene, wall: np.ndarray | PreparedSurface) ->
         """Return some rows of the heights in double precision."""
         return np.asarray(array[start:stop], dtype=np.float64)
 
-    kept = None
+    is_small = array.size <= SMALL
+    kept: Kept | None = {} if is_small else None
     whole = scene.may_break_symmetry
     if isinstance(wall, PreparedSurface):
         topography = Topography(
@@ -208,11 +211,15 @@ def surfaces_of(comm: Comm, scene: Scene, wall: np.ndarray | PreparedSurface) ->
     threads = threads_of(comm, scene.machine.threads, array.size)
 
     def make(dtype: np.dtype) -> Surface:
+        if is_small and dtype != DOUBLE:
+            double = surfaces(DOUBLE)
+            return replace(double, h=double.gap.astype(dtype))
         return surface_of(topography, comm, dtype, threads, scene.surface.free, True, whole)
 
     is_described = isinstance(wall, PreparedSurface) and wall.table is not None
     is_measured = hasattr(scene.surface, "path")
-    return Surfaces(comm, threads, make, kept, is_described, is_measured)
+    surfaces = Surfaces(comm, threads, make, kept, is_described, is_measured)
+    return surfaces
 
 
 # -- its loads
@@ -280,10 +287,16 @@ def solve_loads(
     _forget_transforms(contacts)
     status = "interrupted" if interrupted else worst_status(steps)
     attributes = run.attributes
-    head = {"start_time": start_time, "setup_seconds": setup_seconds}
+    head = {
+        "heights": surfaces.checksum or "",
+        "start_time": start_time,
+        "setup_seconds": setup_seconds,
+    }
+    suffix = "" if surfaces.is_described else f" of {surfaces.checksum}"
 
     def make_result() -> Result:
-        return _result(scene, surfaces, steps, contacts, status, attributes, head)
+        identity = scene.identity() + suffix
+        return _result(scene, steps, contacts, status, attributes, head | {"identity": identity})
 
     solutions = Solutions(steps, make_result, rows, comm, status=status, contacts=contacts)
     return solutions, attributes
@@ -305,7 +318,6 @@ def _forget_transforms(contacts: Iterable[Contact | None]) -> None:
 
 def _result(
     scene: Scene,
-    surfaces: Surfaces,
     steps: list[dict],
     contacts: list[Contact | None],
     status: str,
@@ -313,16 +325,7 @@ def _result(
     head: dict[str, Any],
 ) -> Result:
     """Return finished loads as a result file would hold them; fields are computed when read."""
-    identity = scene.identity()
-    if not surfaces.is_described:
-        identity += f" of {surfaces.checksum}"
-    head = {
-        "heights": surfaces.checksum or "",
-        "scene": scene.to_toml(),
-        "identity": identity,
-        "versions": json.dumps(versions()),
-        **head,
-    }
+    head = {"scene": scene.to_toml(), "versions": json.dumps(versions()), **head}
     names = scene.output.fields
     fields = [{} if contact is None else _fields(names, contact) for contact in contacts]
     indices = list(range(len(steps)))

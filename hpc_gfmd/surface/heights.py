@@ -2,6 +2,7 @@
 
 import hashlib
 import operator
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -111,8 +112,7 @@ def checksum(
     str
         32 hexadecimal digits, on all ranks.
     """
-
-    factors = np.random.PCG64(0).random_raw(z.shape[1]) | np.uint64(1)
+    factors = _odd_factors(z.shape[1])
 
     def of_rows(i0: int, i1: int) -> bytes:
         bits = np.ascontiguousarray(z[i0:i1], np.float64).view(np.uint64)
@@ -123,3 +123,9 @@ def checksum(
     whole = hashlib.blake2b(shape.encode(), digest_size=16)
     whole.update(grid.comm.reduce(b"".join(grid.by_rows(of_rows)), operator.add) or b"")
     return str(grid.comm.bcast(whole.hexdigest()))
+
+
+@lru_cache(maxsize=2)
+def _odd_factors(count: int) -> np.ndarray:
+    """Return odd random numbers, the same in every process; they must not be changed."""
+    return np.random.PCG64(0).random_raw(count) | np.uint64(1)

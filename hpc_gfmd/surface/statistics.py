@@ -103,7 +103,7 @@ def roughness_of_columns(grid: Grid, fft: Any, make: Any) -> Roughness:
         In the unit of the field and of the grid spacing a.
     """
     q_x = grid.q_x.astype(fft.dtype)
-    q_y, weight = grid.column_tables(fft)
+    q_y, weight = grid.once(("columns", fft.dtype), lambda: grid.column_tables(fft))
 
     def apply(block: np.ndarray, m: int) -> Any:
         if make is not None:
