@@ -36,8 +36,9 @@ def add_arguments(parser: ArgumentParser) -> None:
         metavar="NAME",
         nargs="+",
         help="pictures: maps, distributions, spectra, curves; a single field: contact, pressure,"
-        " gap, heights, displacement, plastic; a single curve: a_r, kappa, gap_mean, approach, or"
-        " any number of the loads, such as conductance or critical_gap_x (default: the first four)",
+        " gap, heights, displacement, plastic, dent; a single curve: a_r, kappa, gap_mean,"
+        " approach, or any number of the loads, such as conductance or critical_gap_x (default: the"
+        " first four)",
     )
     parser.add_argument(
         "--step",

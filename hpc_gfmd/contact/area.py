@@ -37,7 +37,12 @@ def contact_area(contact: Contact) -> float:
 
 
 def a_plastic(contact: Contact) -> float | None:
-    """Return the fraction of points that yield (pressure = hardness); None without a hardness."""
+    """Return the fraction of points that yield (pressure = hardness); None without a hardness.
+
+    Where dents stay, the fraction of points with a dent. Collective then.
+    """
+    if contact.dents is not None:
+        return contact.dent_sums[0] / contact.N
     return None if contact.hardness is None else contact.certificate.yielded / contact.N
 
 
@@ -101,7 +106,8 @@ OBSERVABLES = {
     "kappa": Observable(partial(kappa, a_r), "a_r/p_star"),
     "a_plastic": Observable(
         a_plastic,
-        "share of the area where the pressure is the hardness: the part of a_r that yields",
+        "share of the area where the pressure is the hardness: the part of a_r that yields; with"
+        " load.history the share that has a dent",
         absent="without material.hardness nothing yields",
         sources=("Almqvist, Tribol. Int. 40 (2007) 574, doi:10.1016/j.triboint.2005.11.008",),
     ),

@@ -92,6 +92,9 @@ class Contact:
         What the same load gives on the other branch; None if that was not requested or not solved.
     of_grid : GridErrors or None
         Errors by the grid spacing; None if no coarser grid was solved.
+    dents : ndarray or None
+        Depth of the dents that this load and those before have left, in the program's unit, local
+        slab of the surface; None unless dents stay (load.history).
     """
 
     surface: Surface
@@ -111,6 +114,7 @@ class Contact:
     attraction: Law | None = None
     other_branch: OtherBranch | None = None
     of_grid: GridErrors | None = None
+    dents: np.ndarray | None = None
 
     @property
     def grid(self) -> Grid:
@@ -272,6 +276,30 @@ class Contact:
         g = self.g[i0:i1, : self.grid.nominal[1]]
         return g if self.hardness is None else np.maximum(g, 0)
 
+    def dent_rows(self, i0: int, i1: int) -> np.ndarray:
+        """Return the depth of dents in some rows of this rank, in the program's units.
+
+        Those of this load and, where dents stay, of all loads before.
+        """
+        if self.dents is not None:
+            return self.dents[i0:i1]
+        return np.maximum(-self.g[i0:i1, : self.grid.nominal[1]], 0)
+
+    @cached_property
+    def dent_sums(self) -> tuple[int, float]:
+        """Number of points with a dent, and the mean depth of dents over all points, a length.
+
+        Collective at first use.
+        """
+        grid = self.grid
+
+        def sums(i0: int, i1: int) -> tuple[float, float]:
+            depth = self.dent_rows(i0, i1)
+            return float(np.count_nonzero(depth)), float(depth.sum(dtype=float))
+
+        points, depth = grid.comm.sum(added(grid.by_rows(sums, grid.inside[0]), 2))
+        return int(points), float(depth) / self.N * self.surface.height_unit
+
     def clusters(
         self, of_contact: bool = True, corners: bool = False, open_axis: int | None = None
     ) -> Clusters:
@@ -372,8 +400,9 @@ class Contact:
         ----------
         name : str
             "pressure" (>= 0, and 0 out of contact), "gap" (>= 0), "displacement" (positive away
-            from the rigid surface, dents included; only if `surface.h` is not None) or "plastic"
-            (depth of dents, >= 0).
+            from the rigid surface, dents included; only if `surface.h` is not None), "plastic"
+            (depth by which this load has deepened dents, >= 0) or "dent" (depth of the dents that
+            stay, >= 0; only with `dents`).
 
         Returns
         -------
@@ -388,6 +417,9 @@ class Contact:
         def values(i0: int, i1: int) -> np.ndarray:
             if name == "pressure":
                 return self.pressure_rows(i0, i1) * real(self.pressure_unit)
+            if name == "dent":
+                assert self.dents is not None  # refused beforehand without load.history
+                return (self.dents[i0:i1] * self.surface.height_unit).astype(dtype)
             g = self.gap_rows(i0, i1)
             if name == "displacement":
                 assert self.surface.h is not None  # refused beforehand with solver.low_memory

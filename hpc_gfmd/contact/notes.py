@@ -42,6 +42,8 @@ def _doubt(contact: Any) -> str | None:
         return "separated: the load pulls more than the attraction holds"
     if contact.is_separated:  # at a mean gap or an approach
         return "separated: the bodies are too far apart for the attraction to hold them"
+    if points == 0 and contact.p_mean == 0 and contact.attraction is None:
+        return "no load: nothing touches"
     if contact.g_rms == 0 and not contact.grid.padded:
         return "flat surface: every point touches at any load"
     if points == contact.N:

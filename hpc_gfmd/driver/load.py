@@ -31,11 +31,14 @@ class Load:
     target : Target
         Has the mean pressure in the program's unit, or finds it during the iterations; nan in a
         load that the sweep has not prepared yet.
+    time : float
+        When it is reached; only a body that relaxes (history.py) asks.
     """
 
     quantity: str
     value: float
     target: Target = field(default_factory=lambda: Target(nan))
+    time: float = 0.0
 
     @property
     def p0(self) -> float:

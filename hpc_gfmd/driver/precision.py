@@ -174,7 +174,8 @@ def precisions(
     else:
         is_soft = False
     for p_star in known_p_stars(scene, g_rms):
-        if settings.precision == "auto" and precision == np.float32:
+        unloaded = p_star == 0 and scene.material.adhesion is None  # nothing is solved
+        if settings.precision == "auto" and precision == np.float32 and not unloaded:
             if is_soft or (p_star is not None and too_little(settings, math.prod(n), p_star)):
                 precision = np.dtype(np.float64)
             elif p_star is None or rounding > pressure_that_counts(settings, p_star):
@@ -207,7 +208,10 @@ def least_precision(scene: Scene, N: int) -> np.dtype:
     settings = scene.solver
     if settings.precision == "auto":
         for p_star in known_p_stars(scene, getattr(scene.surface, "g_rms", None)):
-            if p_star is not None and few_points(N, p_star, settings.accuracy):
+            unloaded = p_star == 0 and scene.material.adhesion is None  # nothing is solved
+            if p_star is None or unloaded:
+                continue
+            if few_points(N, p_star, settings.accuracy):
                 return np.dtype(np.float64)
     return first_precision(settings)
 

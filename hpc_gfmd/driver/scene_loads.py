@@ -181,7 +181,8 @@ def require_dents(
                 f"load.{name}: found a pressure of {format_quantity(p_mean)}, allowed: below"
                 f" material.hardness, {format_quantity(hardness)}"
             )
-    if min(values) == 0 or (name == "a_r" and max(values) == 1):
+    closes = min(values) == 0 if name.startswith("gap") else name == "a_r" and max(values) == 1
+    if closes:
         raise SceneError(
             f"load.{name}: found full contact, allowed with material.hardness: less, as at a"
             " pressure"

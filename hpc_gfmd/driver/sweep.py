@@ -84,10 +84,10 @@ def make_sweep(
         If low memory is requested with a solver or a surface that does not support it.
     """
     model = ContactModel(float(E_star), body, hardness, attraction, branch, unique, lam_s)
-    return _sweep_with(make_surface, settings, model, duality)
+    return sweep_with(make_surface, settings, model, duality)
 
 
-def _sweep_with(
+def sweep_with(
     make_surface: MakeSurface, settings: SolverTable, model: ContactModel, duality: bool = False
 ) -> Sweep:
     """Compose the sweep of a model on a surface; for the arguments see `make_sweep`."""
@@ -373,7 +373,7 @@ class Sweep:
         """Return a new sweep of another model on this surface, in the present precision only."""
         precision = "double" if self.dtype == DOUBLE else "single"
         settings = self.settings.model_copy(update={"precision": precision})
-        return _sweep_with(lambda dtype: self.surface, settings, model)
+        return sweep_with(lambda dtype: self.surface, settings, model)
 
     def _with_other_branch(self, contact: Contact) -> Contact:
         """Solve the load on the other branch, and return the contact with `other_branch` set.

@@ -81,6 +81,24 @@ def flat_contact(working: WorkingSurface, load: Load, criterion: StoppingCriteri
     return contact_of(working, load, criterion, load.value, g, p, "converged", certificate)
 
 
+def unloaded_contact(
+    working: WorkingSurface, load: Load, criterion: StoppingCriterion, apart: float
+) -> Contact:
+    """Return the contact of bodies that are not pressed together, exactly known.
+
+    apart: distance of the undeformed body from its first touch, in the program's unit of heights.
+    Collective.
+    """
+    surface = working.surface
+    g = undeformed_gap(working.problem(0.0))
+    g += g.dtype.type(apart)
+    gap_mean = working.heights.top / surface.grid.a + apart
+    certificate = Certificate(errors=EXACT, gap_mean=gap_mean, approach=-apart)
+    no_load = replace(load, quantity="pressure", value=0.0)
+    p = np.zeros_like(g)
+    return contact_of(working, no_load, criterion, 0.0, g, p, "converged", certificate)
+
+
 def separated_contact(
     working: WorkingSurface, load: Load, criterion: StoppingCriterion, iterations: int, pairs: float
 ) -> Contact:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-FIELDS = ("pressure", "gap", "displacement", "plastic")
+FIELDS = ("pressure", "gap", "displacement", "plastic", "dent")
 
 
 @dataclass(frozen=True, eq=False)

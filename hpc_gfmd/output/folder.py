@@ -15,9 +15,10 @@ from ..util.errors import SceneError
 
 GROWING = "result.h5"  # what is finished so far; it becomes the result file at the end
 STATE = "checkpoint.h5"
+MEMORY = "memory-{:04d}.h5"  # what the loads so far have left, by the number of the last one
 LOCK = "lock"
 # steps and head: of earlier versions
-_OURS = re.compile(r"(result|checkpoint|head|step-\d+)\.h5(\.committed)?(\.tmp)?")
+_OURS = re.compile(r"(result|checkpoint|head|step-\d+|memory-\d+)\.h5(\.committed)?(\.tmp)?")
 
 
 def followed(path: str | os.PathLike) -> Path:

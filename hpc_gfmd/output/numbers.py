@@ -19,6 +19,7 @@ MEANINGS = {
     ),
     "displacement": ("displacement of the elastic surface away from the rigid surface", "length"),
     "plastic": ("depth of the dents where the pressure is the hardness", "length"),
+    "dent": ("depth of the dents that stay, of all loads so far", "length"),
     "heights": (
         "heights of the rigid surface, peaks up, measured from the highest; initial gap = -heights",
         "length",

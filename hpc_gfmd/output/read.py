@@ -18,6 +18,7 @@ from .result import FORMAT_VERSION, Result
 
 FORMAT = "hpc-gfmd"
 CHECKPOINT = "hpc-gfmd checkpoint"
+MEMORY_FORMAT = "hpc-gfmd memory"
 NUMBERS = {"p", "seconds", "iterations", "fft_pairs", "coarser", "of_grid"}  # of a checkpoint
 
 
@@ -80,6 +81,19 @@ def read_checkpoint(path: Path, identity: str) -> Result | None:
     return checkpoint
 
 
+def read_memory(path: Path, identity: str) -> Result | None:
+    """Read what the loads up to one have left at each point, as one step; None if it is not there.
+
+    Raises SceneError if the file is of another scene or version, or damaged.
+    """
+    if not path.exists():
+        return None
+    memory = read_file(path, MEMORY_FORMAT)
+    if memory.head.get("identity") != identity or len(memory.steps) != 1:
+        raise SceneError(f"{path}: a memory of another scene, allowed: of this one")
+    return memory
+
+
 def read_file(path: Path, kind: str = FORMAT) -> Result:
     """Read one file of the format `kind`, except for the values of its fields, which are `Stored`.
 
@@ -97,7 +111,7 @@ def read_file(path: Path, kind: str = FORMAT) -> Result:
             head = _attributes(file) if version is not None else {}
             if head.get("format") != kind:
                 raise SceneError(
-                    f"{path}: not a {'result' if kind == FORMAT else 'checkpoint'} of hpc-gfmd"
+                    f"{path}: not a {'result' if kind == FORMAT else kind.split()[1]} of hpc-gfmd"
                     f" (format = {kind!r})"
                 )
             surface = _attributes(inside(file, "surface"))

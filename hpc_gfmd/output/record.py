@@ -26,9 +26,9 @@ from ..parallel.h5 import commit, lay_out, mpi_io_obstacle, recover, sync, write
 from ..util.errors import GfmdError, SceneError
 from .claim import EarlierRun, claim
 from .describe import SIGNS, describe, set_attributes
-from .folder import GROWING, STATE, followed, partial_folder, release
+from .folder import GROWING, MEMORY, STATE, followed, partial_folder, release
 from .numbers import About
-from .read import CHECKPOINT, FORMAT, read_checkpoint
+from .read import CHECKPOINT, FORMAT, MEMORY_FORMAT, read_checkpoint, read_memory
 from .result import FORMAT_VERSION, Result, group_of
 
 HEIGHTS = "surface/heights"
@@ -163,22 +163,58 @@ class RunFile(AbstractContextManager):
         Collective. It has the points of the solver's grid and its unit; `numbers`: see
         `read_checkpoint`. An earlier checkpoint is replaced.
         """
+        self._write_beside(STATE, CHECKPOINT, index, grid.n, grid.rows, {"gap": gap}, numbers)
+
+    def write_memory(self, index: int, fields: dict[str, np.ndarray], numbers: dict) -> None:
+        """Write what the loads up to `index` have left, before that load becomes a finished one.
+
+        Collective. Until then that of the load before stays, so that one of both always belongs to
+        the last finished load.
+        """
+        name = MEMORY.format(index)
+        self._write_beside(name, MEMORY_FORMAT, index, self._n, self._rows, fields, numbers)
+
+    def memory(self, index: int) -> Result | None:
+        """Read what `write_memory` has written; None if there is nothing. Collective.
+
+        Raises SceneError as `read_memory`, on every rank.
+        """
+        path = self.partial / MEMORY.format(index)
+        identity = self._head["identity"]
+        return on_rank_0(self.comm, f"reading {path}", lambda: read_memory(path, identity))
+
+    def forget_memory(self, index: int) -> None:
+        """Remove what `write_memory` has written for a load, if anything. Collective."""
+        path = self.partial / MEMORY.format(index)
+        on_rank_0(self.comm, f"removing {path}", lambda: path.unlink(missing_ok=True))
+
+    def _write_beside(
+        self,
+        file_name: str,
+        kind: str,
+        index: int,
+        n: tuple[int, int],
+        rows: tuple[int, int],
+        fields: dict[str, np.ndarray],
+        numbers: dict,
+    ) -> None:
+        """Write or replace a file of one step beside the growing result. Collective."""
         name = group_of(index)
         groups = {
             "/": {
-                "format": CHECKPOINT,
+                "format": kind,
                 "format_version": FORMAT_VERSION,
                 "identity": self._head["identity"],
             },
-            "surface": {"n": list(grid.n)},
+            "surface": {"n": list(n)},
             name: numbers,
         }
         write_file(
             self.comm,
-            self.partial / STATE,
-            grid.n,
-            grid.rows,
-            {f"{name}/gap": gap},
+            self.partial / file_name,
+            n,
+            rows,
+            {f"{name}/{key}": field for key, field in fields.items()},
             lambda file: set_attributes(file, groups),
             self._together,
         )

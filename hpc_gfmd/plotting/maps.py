@@ -32,6 +32,7 @@ FIELDS = {  # symbol, colours
     "heights": ("z", "cividis"),
     "displacement": ("u", "viridis"),
     "plastic": ("d", "viridis"),
+    "dent": ("w", "viridis"),
 }
 # a largest value that is more than this times the 99.5th percentile does not set the colours
 SPIKY = 1.25
@@ -53,7 +54,7 @@ def maps(views: Sequence[View], names: list[str]) -> Page:
     @cache
     def reduced(k: int) -> Reduced:
         fields = view.result.fields[k]
-        alone = {*names} <= {"heights", "displacement", "plastic"}
+        alone = {*names} <= {"heights", "displacement", "plastic", "dent"}
         needed = {*names} if alone else {*names, "pressure", "gap"}
         chosen = {n: fields[n] for n in needed & {*fields}}
         return reduce_fields(chosen, pixels, view.points, view.hardness)

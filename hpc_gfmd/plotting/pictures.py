@@ -81,9 +81,9 @@ def plot(
         the legend, can only be drawn as curves.
     what : str, optional
         "maps" (pressure and gap), or a single map: "pressure", "gap", "contact", "heights",
-        "displacement", "plastic"; "distributions"; "spectra"; "curves" against the load, or a
-        single curve: "a_r", "kappa", "gap_mean", "approach", or any other number of the loads, such
-        as "conductance" or "critical_gap_x". Default: the first that the result has of maps,
+        "displacement", "plastic", "dent"; "distributions"; "spectra"; "curves" against the load, or
+        a single curve: "a_r", "kappa", "gap_mean", "approach", or any other number of the loads,
+        such as "conductance" or "critical_gap_x". Default: the first that the result has of maps,
         distributions, spectra, curves, and single maps and curves. Curves of more than six results
         show the mean and the standard deviation.
     step : int or list of int, optional

@@ -21,6 +21,7 @@ from ..contact.area import a_r_discretisation
 from ..contact.contact import Contact
 from ..contact.response import DUALITY
 from ..driver.branches import RETRACTION
+from ..driver.history import History
 from ..driver.load import Load, Unfinished
 from ..driver.sweep import Sweep, make_sweep
 from ..laws import attraction_of, law_names
@@ -46,6 +47,12 @@ def check(scene: Scene) -> None:
     Nothing is read or allocated.
     """
     require_periodic(scene.output.distributions, scene.surface.free, "output.distributions")
+    bounds = {"error_bounds", *DUALITY} & {*(scene.output.observables or ())}
+    if bounds and scene.load.history:
+        raise SceneError(
+            f"output.observables: found {min(bounds)!r}, a bound for the last step of a history"
+            " alone, allowed with load.history: others"
+        )
     for key, names, allowed in (
         ("solver.name", [scene.solver.name], ["auto", *solver_names()]),
         ("output.observables", scene.output.observables or (), observable_names()),
@@ -79,8 +86,8 @@ def check(scene: Scene) -> None:
         )
 
 
-def sweep_of(scene: Scene, make_surface: Callable[[np.dtype], Surface]) -> Sweep:
-    """Return the sweep that solves the loads of a scene, with its surface in a first precision.
+def sweep_of(scene: Scene, make_surface: Callable[[np.dtype], Surface]) -> Sweep | History:
+    """Return what solves the loads of a scene, with its surface in a first precision.
 
     Collective. It calls ``make_surface(dtype)`` again if a load needs another precision. Raises
     SceneError if a load or a length has a unit and the height map has none, or vice versa.
@@ -98,6 +105,8 @@ def sweep_of(scene: Scene, make_surface: Callable[[np.dtype], Surface]) -> Sweep
         unique=scene.load.unique,
     )
     _require_consistent_units(scene, sweep.surface)
+    if scene.load.history:
+        return History(sweep, keeps_dents=True)
     return sweep
 
 
@@ -202,7 +211,7 @@ class Run:
 
     Attributes
     ----------
-    sweep : Sweep
+    sweep : Sweep or History
         Solves one load after another.
     loads : list of Load
         All loads of the scene.
@@ -233,8 +242,9 @@ class Run:
     ) -> Iterator[SolvedLoad]:
         """Solve loads one after another and yield each; all kinds of runs use this loop.
 
-        The next load is solved when it is asked for. On the retraction branch the loads before the
-        first of `indices` are solved, too, if it starts from them; they are not yielded.
+        The next load is solved when it is asked for. On the retraction branch, and without the
+        stored memory of a history, the loads before the first of `indices` are solved, too; they
+        are not yielded.
 
         Parameters
         ----------
@@ -246,7 +256,12 @@ class Run:
             The state of a load that an earlier run has begun, and the seconds spent on it.
         """
         wanted = range(len(self.loads)) if indices is None else indices
-        if self.scene.load.branch == RETRACTION and wanted and unfinished_of(wanted[0]) is None:
+        if isinstance(self.sweep, History):
+            begins_anew = not self.sweep.has_begun
+        else:
+            is_followed = self.scene.load.branch == RETRACTION
+            begins_anew = is_followed and bool(wanted) and unfinished_of(wanted[0]) is None
+        if begins_anew and wanted:
             for load in self.loads[: wanted[0]]:
                 self.sweep.solve(load, lambda *_: interrupt.check(self.surface.grid.comm))
         for index in wanted:

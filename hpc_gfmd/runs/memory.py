@@ -29,6 +29,8 @@ STIFFNESS = 5.0  # numbers per point for the tangent stiffness
 STABILITY = 11.0  # numbers per point for the stability of a contact with attraction
 ON_REQUEST = 2.0  # numbers per point for other observables and for distributions
 FIELD_GIB = 1 / 8  # at most, for a piece of a field that is written
+HISTORY = 1.0  # numbers per point for the original heights beside those that loads have changed
+DENTS = 16.0  # bytes per point for dents that stay, those before a load and after it
 LAYER = 1.5  # numbers per point for the stiffness of a layer, a table
 HALO = 12  # numbers per point along y: rows beside those of the rank on all levels
 RANKED = 72  # bytes per point on rank 0 for heights with a given distribution
@@ -54,6 +56,8 @@ def memory_of(
         nbytes += CERTIFIED * points
     if scene.material.thickness is not None:
         nbytes += LAYER * itemsize * points
+    if scene.load.history:
+        nbytes += (HISTORY * itemsize + DENTS) * points
     passing = [0.0]  # one after the other
     if output.fields:
         passing.append(min(2 * itemsize * points, FIELD_GIB * GIB))

@@ -14,6 +14,7 @@ import numpy as np
 from ..contact import all_numbers
 from ..contact.contact import GridErrors, heights_of
 from ..driver.grid_errors import CoarseContact
+from ..driver.history import History
 from ..driver.load import Unfinished
 from ..driver.precision import first_precision
 from ..driver.warmup import compile_once
@@ -224,6 +225,8 @@ class _Run:
 
         Raises Stopped as soon as the run has to stop; within a load its gap is written first.
         """
+        if isinstance(run.sweep, History) and missing[0] > 0:
+            self._recall(run.sweep, missing[0] - 1)
         unfinished_of = partial(self._unfinished, run)
         for load in run.solve(missing, self.interrupt.poll, unfinished_of):
             index = load.index
@@ -245,7 +248,30 @@ class _Run:
         self._require_storable(contact.surface, contact.wall_pressure)
         names = self.scene.output.fields
         fields: dict[str, Any] = {name: contact.field(name) for name in names if name in FIELDS}
+        assert self.run is not None  # it has solved the load
+        history = self.run.sweep if isinstance(self.run.sweep, History) else None
+        # a surface that varies along one axis only is solved again, which takes no time
+        if history is not None and contact.surface.reduced_axis is None:
+            self.file.write_memory(load.index, history.memory.fields(), history.numbers())
         self.file.write_step(load.index, load.numbers, fields)
+        if history is not None:
+            self.file.forget_memory(load.index - 1)
+
+    def _recall(self, history: History, index: int) -> None:
+        """Take up what the loads up to `index` have left; with a note none of it, if that cannot be
+        read. Collective."""
+        grid = history.surface.grid
+        try:
+            stored = self.file.memory(index)
+            if stored is None:
+                return
+            fields = {
+                name: field.slab(grid.comm, history.surface.rows)
+                for name, field in stored.fields[0].items()
+            }
+            history.restore(fields, stored.steps[0])
+        except (GfmdError, ValueError, TypeError, KeyError) as error:
+            self.say.say(f"note: {error}; the loads before load {index + 2} are solved again")
 
     def _keep_gap(self, load: SolvedLoad) -> None:
         """Write the gap of a load that is stopped before it converged. Collective.

@@ -176,7 +176,12 @@ class Solution(Solved):
         "Displacement of the elastic surface away from the rigid one (n_x, n_y): gap + heights.",
     )
     plastic: np.ndarray = _field(
-        "plastic", "Depth of the dents where the pressure is the hardness (n_x, n_y), >= 0."
+        "plastic",
+        "Depth of the dents where the pressure is the hardness (n_x, n_y), >= 0; with load.history"
+        " what this load has added.",
+    )
+    dent: np.ndarray = _field(
+        "dent", "Depth of the dents of all loads so far (n_x, n_y), >= 0; with load.history."
     )
     heights: np.ndarray = _field(
         "heights",

@@ -129,10 +129,12 @@ class Scene(Table):
         adhesion, hardness = self.material.adhesion, self.material.hardness
         name, values = self.load.prescribed
         if adhesion is None:
-            if name in (*PRESSURES, "approach") and min(values) <= 0:
+            least = min(values)
+            is_unloaded = least == 0 and self.load.history
+            if name in (*PRESSURES, "approach") and least <= 0 and not is_unloaded:
                 raise ValueError(
-                    f"load.{name}: found {format_quantity(min(values))}, allowed: a number greater"
-                    " than 0; with material.adhesion also 0 and below"
+                    f"load.{name}: found {format_quantity(least)}, allowed: a number greater than"
+                    " 0; with load.history also 0; with material.adhesion also 0 and below"
                 )
             if self.load.branch != "approach":
                 raise ValueError(
@@ -160,6 +162,20 @@ class Scene(Table):
                 " a number greater than 0; an approach on retraction, but for the first, also 0 and"
                 " below"
             )
+        return self
+
+    @model_validator(mode="after")
+    def _memory(self) -> Self:
+        """Raise ValueError for a memory of the loads (load.history) without anything to remember,
+        or with what it excludes."""
+        if not self.load.history:
+            if "dent" in self.output.fields:
+                raise ValueError('output.fields: found "dent", allowed with load.history')
+            return self
+        if self.material.hardness is None:
+            raise ValueError("load.history: found true, allowed: with material.hardness")
+        if self.solver.low_memory:
+            raise ValueError("solver.low_memory: found true, allowed with load.history: false")
         return self
 
     @model_validator(mode="after")
@@ -273,7 +289,7 @@ class Scene(Table):
     def warnings(self) -> list[str]:
         """Return notes on settings that are valid but perhaps not intended, one line each."""
         surface = self.surface
-        notes = []
+        notes = self._notes_on_history()
         if isinstance(surface, Wave):
             notes += [
                 f"surface: {n} points along {axis} for {k} periods, fewer than {RESOLVED} points a"
@@ -297,6 +313,29 @@ class Scene(Table):
                     f"load: at {load:g} fewer than {TOUCHING} of the {n_x} x {n_y} points touch"
                 )
         return notes
+
+    def _notes_on_history(self) -> list[str]:
+        """Return a note on the loads that shape the dents, if others are solved beside them.
+
+        Those are the largest loads so far: what is below them returns on the same curve.
+        """
+        name, values = self.load.prescribed
+        if not self.load.history:
+            return []
+        heights = [-value if name.startswith("gap") else value for value in values]
+        largest = -math.inf
+        shaping = []
+        for k, (height, following) in enumerate(zip(heights, [*heights[1:], -math.inf])):
+            if largest < height > following:
+                shaping.append(f"{k + 1}")
+            largest = max(largest, height)
+        if len(shaping) == len(values):
+            return []
+        return [
+            "load.history: dents are those of the largest load so far (load"
+            f"{'s' * (len(shaping) > 1)} {', '.join(shaping)}); the other loads are points of a"
+            " curve, and may be left out"
+        ]
 
     def _contact_areas(self, surface: SelfAffine) -> list[float]:
         """Return the relative contact area of each load: load.a_r, or 2 p* as an estimate.

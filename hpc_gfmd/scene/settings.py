@@ -35,7 +35,9 @@ PoissonRatio = Annotated[float, Field(gt=-1, le=0.5)]
 Parameter = Annotated[int, Field(ge=-MAX_INT, le=MAX_INT)] | float
 Names = Annotated[tuple[Path, ...], LIST, DISTINCT]
 Fields = Annotated[
-    tuple[Literal["pressure", "gap", "displacement", "plastic", "heights"], ...], LIST, DISTINCT
+    tuple[Literal["pressure", "gap", "displacement", "plastic", "dent", "heights"], ...],
+    LIST,
+    DISTINCT,
 ]
 NAMES = "a list of names, each once"
 PUSH = "greater than 0, with material.adhesion also 0 and below"
@@ -229,6 +231,11 @@ class LoadTable(Table):
         " agree",
         False,
     )
+    history: bool = key(
+        "with material.hardness: the loads follow from each other, dents stay; otherwise each load"
+        " acts on the undeformed surfaces",
+        False,
+    )
 
     @model_validator(mode="after")
     def _one(self) -> Self:
@@ -273,8 +280,9 @@ class LoadTable(Table):
 
 
 PRESSURES = ("p_star", "pressure", "force")
+HOW = ("branch", "unique", "history")  # keys of [load] beside the loads
 # one of them is given
-LOADS = tuple(name for name in LoadTable.model_fields if name not in ("branch", "unique"))
+LOADS = tuple(name for name in LoadTable.model_fields if name not in HOW)
 
 
 class SolverTable(Table):
@@ -333,7 +341,8 @@ class Output(Table):
         (),
         example=["pressure", "gap"],
         default_text="none",
-        allowed='a list out of "pressure", "gap", "displacement", "plastic", "heights", each once',
+        allowed='a list out of "pressure", "gap", "displacement", "plastic", "dent", "heights",'
+        " each once",
     )
     observables: Names | None = key(
         "numbers of each load, beside the cheap ones that every load has; see hpc-gfmd help"

@@ -46,6 +46,19 @@ def test_another_number_of_ranks(comm, shared_path, monkeypatch, boundary):
         pieces.compare(rel=1e-8)
 
 
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+def test_a_history_on_another_number_of_ranks(comm, shared_path, monkeypatch, boundary):
+    """Its memory is taken up by one rank and by all, after a stop and after a kill."""
+    pieces = Pieces(monkeypatch, comm, shared_path)
+    alone = SerialComm()
+    loads = {"p_star": [0.2, 0.05, 0.0, 0.25], "history": True}
+    exact = {"accuracy": None, "residual": 1e-11, "material": {"hardness": 0.8}}
+    scene = small("auto", loads, ("dent", "gap"), boundary, **exact)
+    part = pieces.undisturbed(scene) // 3
+    pieces.run(scene, (part, False), (part, True), comms=(comm, alone, comm))
+    pieces.compare(rel=1e-8)
+
+
 def test_restart_without_a_run(comm):
     with pytest.raises(SceneError, match="no interrupted run"):
         restart("nothing.h5", comm=comm)

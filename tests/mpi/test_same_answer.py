@@ -8,6 +8,7 @@ import pytest
 from contacts import EXACT, random_heights, rough, sweep_of, sweep_over
 from mpi.same import Alone, assert_same, compare, every_size, sweeps
 
+import hpc_gfmd
 from hpc_gfmd.certificate.error_estimates import Estimate
 from hpc_gfmd.certificate.misclassified import misclassified_points
 from hpc_gfmd.driver.load import Load
@@ -62,6 +63,26 @@ def test_prescribed(comm, quantity, value, low_memory, hardness):
 with_edges = pytest.mark.parametrize(
     "boundary", ["free", ["free", "periodic"], ["periodic", "free"]]
 )
+
+
+def test_dents_that_stay(comm):
+    """Also after an unloaded step, and on walls that vary along one axis only."""
+    ridges = hpc_gfmd.make_surface("wave", n=[16, 12], periods=[2, 0], amplitude=0.05)
+    for wall in (hpc_gfmd.make_surface(**rough((2, 16, 2))), ridges):
+        how = {"hardness": 0.4, "history": True, "residual": 1e-11, "precision": "double"}
+        how |= {"fields": ["pressure", "gap", "dent"]}
+        loads = [0.1, 0.02, 0.0, 0.15]
+        spread = hpc_gfmd.solve(wall, loads, comm=comm.mpi, **how)
+        alone = hpc_gfmd.solve(wall, loads, **how)
+        for mine, whole in zip(spread, alone, strict=True):
+            rows = slice(*mine.rows)
+            for name in ("pressure", "gap", "dent"):
+                field = getattr(whole, name)
+                part = getattr(mine, name)
+                assert np.abs(part - field[rows]).max(initial=0) <= 1e-10 * field.max(initial=0)
+            assert mine.value("dissipated_work") == pytest.approx(
+                whole.value("dissipated_work"), rel=1e-10
+            )
 
 
 @with_edges

@@ -79,6 +79,11 @@ CASES = {
     "free edges, low memory": (scene(2048, **FREE), "float32"),
     "free edges, two loads": (scene(2048, [0.1, 0.3], boundary="free"), "float32"),
     "distributions": (scene(2048) | {"output": {"distributions": ["gap", "patches"]}}, "float32"),
+    "dents that stay": (
+        scene(2048, [0.1, 0.3])
+        | {"material": {"hardness": 0.5}, "load": {"p_star": [0.1, 0.3], "history": True}},
+        "float32",
+    ),
     "layer": (scene(2048) | {"material": {"thickness": 0.01, "nu1": 0.3}}, "float32"),
 }
 

@@ -3,10 +3,13 @@ continues from its gap, and results agree with an uninterrupted run."""
 
 import numpy as np
 import pytest
-from pieces import LOADS, Pieces, scene
+from pieces import LOADS, Died, Pieces, scene
 
+from hpc_gfmd.driver.history import History
 from hpc_gfmd.driver.sweep import Sweep
+from hpc_gfmd.output.folder import partial_folder
 from hpc_gfmd.output.read import read_partial, read_result
+from hpc_gfmd.output.record import RunFile
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.runs.simulation import run_scene
 from hpc_gfmd.solvers import solver_names
@@ -50,6 +53,16 @@ SWEEPS = {
     "low memory": (scene("bpx", [0.05, 0.06, 0.3], ["gap"], low_memory=True, **TIGHT), 1e-6),
     "prescribed": (scene("auto", {"gap_over_h_rms": [0.3, 0.32, 1.2, 0.0, 0.4]}), 2e-2),
     "prescribed areas": (scene("bpx", {"a_r": [0.1, 0.5]}, ["gap"], low_memory=True), 4e-2),
+    "dents that stay": (
+        scene(
+            "auto",
+            {"p_star": [0.05, 0.2, 0.0, 0.04, 0.25], "history": True},
+            ["gap", "pressure", "dent"],
+            material={"hardness": 0.6},
+            **TIGHT,
+        ),
+        1e-6,
+    ),
     "single until a load with few points": (
         scene("auto", [0.3, 1e-4, 1.2e-4, 1.3e-4], precision="auto", accuracy=1e-3),
         2e-3,
@@ -101,6 +114,50 @@ def test_finished_loads_are_not_solved_again(pieces, monkeypatch):
     pieces.interrupt.after = 10**9
     assert run_scene(stopped_scene, out=pieces.path, quiet=True).status == "converged"
     assert len(solved) == len(LOADS) - len(finished)
+
+
+@pytest.mark.parametrize("lost", ["nothing", "memory", "load"])
+def test_a_history_goes_on_from_its_memory(pieces, monkeypatch, lost):
+    """Finished loads are solved again only if what they have left is lost. Killed after that was
+    written, but not the load (lost), the memory of the load before is still there."""
+    stopped_scene = scene(
+        "auto",
+        {"p_star": [0.2, 0.04, 0.1, 0.25], "history": True},
+        material={"hardness": 0.6},
+        **TIGHT,
+    )
+    pieces.undisturbed(stopped_scene)
+    write = RunFile.write_step
+
+    def dies(file, index, *more):
+        if index == 2:
+            raise Died
+        write(file, index, *more)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(RunFile, "write_step", dies)
+        with pytest.raises(Died):
+            run_scene(stopped_scene, out=pieces.path, quiet=True)
+    folder = partial_folder(pieces.path)
+    assert [path.name for path in sorted(folder.glob("memory*"))] == [
+        "memory-0001.h5",
+        "memory-0002.h5",
+    ]
+    if lost != "load":
+        (folder / "memory-0002.h5").unlink()
+    if lost == "memory":
+        (folder / "memory-0001.h5").write_bytes(b"no file")
+    solved = []
+    solve = History.solve
+
+    def counted(history, load, *more):
+        solved.append(load.value)
+        return solve(history, load, *more)
+
+    monkeypatch.setattr(History, "solve", counted)
+    assert run_scene(stopped_scene, out=pieces.path, quiet=True).status == "converged"
+    assert len(solved) == (4 if lost == "memory" else 2)
+    pieces.compare(rel=1e-6)
 
 
 def test_a_stopped_load_continues_from_its_gap(pieces):

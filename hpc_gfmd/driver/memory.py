@@ -1,0 +1,127 @@
+"""What the loads so far leave behind at each point: dents, and how far a viscoelastic body has
+relaxed. Each load is then an elastic contact on another wall:
+
+Dents (a hardness): with the depth w so far, g = u + h + w, and w grows by max(-g, 0).
+
+Relaxation, E*(t) = E* (1 - sum r + sum r exp(-t/tau)) at a constant Poisson's ratio, E* being that
+at time 0. If the displacement u is linear in time over dt, then with e = exp(-dt/tau) and
+f = (1 - e) tau/dt for each element (r, tau)
+
+    k = 1 - sum r + sum r f,    c = (1/k) sum r (e q - f u_before),
+    p = p0 + k K (u + c),       q <- e q + f (u - u_before)
+
+is an elastic contact of the modulus k E* on the initial gap h - c. At dt = 0, a jump of the load, k
+is 1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import exp, expm1
+from typing import Any
+
+import numpy as np
+
+Element = tuple[float, float]  # share r of the modulus that relaxes, and its time tau
+
+
+class Maxwell:
+    """Memory of a displacement, a field or a number, in a body that relaxes; it begins at 0."""
+
+    def __init__(self, elements: Sequence[Element], u: Any):
+        self.elements = elements
+        self.u = u
+        self.q = [u for _ in elements]
+
+    def before(self, dt: float) -> tuple[Any, float]:
+        """Return c and k of a step of dt."""
+        rest = 1 - sum(r for r, _ in self.elements)
+        decays = [_decay(dt, tau) for _, tau in self.elements]
+        k = rest + sum(r * f for (r, _), (_, f) in zip(self.elements, decays, strict=True))
+        c = sum(
+            (r / k) * (e * q - f * self.u)
+            for (r, _), (e, f), q in zip(self.elements, decays, self.q, strict=True)
+        )
+        return c, k
+
+    def after(self, dt: float, u: Any) -> None:
+        """Remember the displacement u at the end of a step of dt."""
+        decays = [_decay(dt, tau) for _, tau in self.elements]
+        self.q = [e * q + f * (u - self.u) for (e, f), q in zip(decays, self.q, strict=True)]
+        self.u = u
+
+
+def _decay(dt: float, tau: float) -> tuple[float, float]:
+    """Return e = exp(-dt/tau) and f = (1 - e) tau/dt."""
+    x = dt / tau
+    return (exp(-x), -expm1(-x) / x) if x > 0 else (1.0, 1.0)
+
+
+class Memory:
+    """The state of the points of this rank between two loads. Pointwise, without messages.
+
+    Lengths are in the program's unit of heights, times in the unit of the elements.
+
+    Parameters
+    ----------
+    shape : (int, int)
+        Rows and columns of this rank's part of the surface.
+    elements : sequence of (float, float)
+        Share and time of each element that relaxes; none for an elastic body.
+    keeps_dents : bool
+        Whether there is a hardness, whose dents stay.
+
+    Attributes
+    ----------
+    dents : ndarray or None
+        Depth of the dents so far. Each load makes a new array.
+    body : Maxwell
+        Memory of the displacement of the surface.
+    position : Maxwell
+        Memory of the position of the undeformed body: 0 at the first touch, then minus its
+        approach; nan where that is unbounded.
+    """
+
+    def __init__(
+        self, shape: tuple[int, ...], elements: Sequence[Element] = (), keeps_dents: bool = False
+    ):
+        self.dents = np.zeros(shape) if keeps_dents else None
+        self.body = Maxwell(elements, np.zeros(shape) if elements else 0.0)
+        self.position = Maxwell(elements, 0.0)
+
+    def before(self, dt: float) -> np.ndarray:
+        """Return by how much the initial gap has grown in a step of dt: w - c, a new array."""
+        c, _ = self.body.before(dt)
+        return -c if self.dents is None else self.dents - c
+
+    def after(self, dt: float, g: np.ndarray, h: np.ndarray, position: float) -> None:
+        """Remember the gap g at the end of a step of dt, negative in new dents.
+
+        h: the initial gap of the original wall; position: that of the undeformed body.
+        """
+        u = np.maximum(g, 0) - h if self.body.elements else 0.0
+        if self.dents is not None:
+            deeper = np.negative(g, dtype=np.float64)
+            np.maximum(deeper, 0, out=deeper)
+            self.dents = np.add(self.dents, deeper, out=deeper)
+            u = u - self.dents
+        if self.body.elements:
+            self.body.after(dt, u)
+        self.position.after(dt, position)
+
+    def fields(self) -> dict[str, np.ndarray]:
+        """Return all fields by name, to be stored."""
+        fields = {} if self.dents is None else {"dents": self.dents}
+        if self.body.elements:
+            fields["u"] = self.body.u
+            fields |= {f"q{k}": q for k, q in enumerate(self.body.q)}
+        return fields
+
+    def restore(self, fields: Mapping[str, np.ndarray], position: Sequence[float]) -> None:
+        """Take up stored fields, and the numbers of the position: u, and q of each element."""
+        if self.dents is not None:
+            self.dents = fields["dents"]
+        if self.body.elements:
+            self.body.u = fields["u"]
+            self.body.q = [fields[f"q{k}"] for k in range(len(self.body.elements))]
+        self.position.u, *self.position.q = position

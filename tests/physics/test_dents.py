@@ -1,0 +1,189 @@
+"""Dents that stay: loads that follow from each other with a hardness."""
+
+import numpy as np
+import pytest
+from oracle import solve_yielding
+from refusal import refused
+
+import hpc_gfmd
+
+H = 0.5
+TOP = 0.1  # the largest pressure
+BODIES = {
+    "half-space": {},
+    "compressible layer": {"nu": 0.49, "thickness": 0.05},
+    "nearly incompressible layer": {"nu": 0.499, "thickness": 0.05},
+    "incompressible layer": {"nu": 0.5, "thickness": 0.05, "base": "frictionless"},
+}
+
+
+def wall(n=64, seed=1, **keys):
+    return hpc_gfmd.make_surface(
+        "self-affine",
+        hurst=0.8,
+        L_over_lam_l=2,
+        lam_l_over_lam_s=n // 8,
+        lam_s_over_a=4,
+        seed=seed,
+        **keys,
+    )
+
+
+def solve(surface, loads, hardness=H, **how):
+    how = {"accuracy": 1e-5, "fields": ["pressure", "gap", "dent"]} | how
+    return hpc_gfmd.solve(surface, loads, hardness=hardness, history=True, **how)
+
+
+def off(field, exact):
+    """L2 norm of the difference over that of the exact field."""
+    return np.linalg.norm(field - exact) / np.linalg.norm(exact)
+
+
+@pytest.mark.parametrize(
+    ("n", "body", "share"),
+    [
+        (64, "half-space", 0.2),
+        pytest.param(128, "half-space", 0.9, marks=pytest.mark.slow),
+        *(pytest.param(128, body, 0.2, marks=pytest.mark.slow) for body in BODIES),
+    ],
+)
+def test_rising_loads_are_path_independent(n, body, share):
+    """share: the last load over the hardness."""
+    surface = wall(n)
+    top = share * H
+    (one,) = solve(surface, [top], **BODIES[body])
+    last = solve(surface, np.linspace(top / 10, top, 10), **BODIES[body])[-1]
+    assert last.gap_mean == pytest.approx(one.gap_mean, rel=1e-5)
+    assert off(last.pressure, one.pressure) < 1e-5
+    assert off(last.dent, one.dent) < 1e-5
+    assert last.value("a_plastic") == pytest.approx(one.value("a_plastic"), abs=1e-3)
+
+
+def test_the_first_load_is_the_contact_without_history():
+    (first,) = solve(wall(), [TOP], fields=["pressure", "gap", "dent", "plastic"])
+    plain = hpc_gfmd.solve(wall(), TOP, hardness=H, accuracy=1e-5, fields=["pressure", "plastic"])
+    assert off(first.dent, plain.plastic) < 1e-5
+    assert off(first.pressure, plain.pressure) < 1e-6
+    assert first.value("dent_mean") == pytest.approx(plain.value("dent_mean"), rel=1e-5)
+    assert first.value("dissipated_work") == pytest.approx(H * first.dent.mean(), rel=1e-6)
+
+
+@pytest.mark.parametrize(("n", "m"), [(32, 13), pytest.param(128, 25, marks=pytest.mark.slow)])
+def test_cycles(n, m):
+    """Reloading repeats unloading, shakedown in one cycle, and work is stored or dissipated."""
+    up = np.linspace(0.02, 1, m) * TOP
+    path = np.concatenate([up, up[-2::-1], up[1:], up[-2::-1]])
+    cycles = solve(wall(n), path)
+    depth, gap, energy, lost = (
+        cycles.values(name) for name in ("dent_mean", "gap_mean", "energy", "dissipated_work")
+    )
+    assert depth[-1] == pytest.approx(depth[m - 1], rel=1e-5)
+    again = cycles[3 * m - 3]
+    assert off(again.pressure, cycles[m - 1].pressure) < 1e-5
+    assert again.value("a_plastic") == cycles[m - 1].value("a_plastic") > 0.1
+    reloading = gap[2 * m - 2 : 3 * m - 2][::-1]
+    assert reloading == pytest.approx(gap[m - 1 : 2 * m - 1], rel=1e-5)
+    for part in (slice(0, m), slice(m - 1, 2 * m - 1)):
+        work = np.trapezoid(path[part], (depth - gap)[part])
+        spent = np.ptp(lost[part]) + energy[part][-1] - energy[part][0]
+        assert spent == pytest.approx(work, rel=0.005 * (24 / (m - 1)) ** 2)
+
+
+def test_unloading_has_another_curve():
+    """Dented asperities touch at more points, and the gap between them is smaller."""
+    for share in (0.5, 0.2):
+        dented = solve(wall(), [TOP, share * TOP], observables=["critical_gap"])[-1]
+        plain = hpc_gfmd.solve(wall(), share * TOP, hardness=H, observables=["critical_gap"])
+        assert dented.a_r > 1.1 * plain.a_r
+        assert dented.value("critical_gap_x") < 0.95 * plain.value("critical_gap_x")
+
+
+def test_errors_are_the_largest_so_far():
+    """And many coarsely solved loads do not deepen the dents."""
+    loads = TOP * np.array([1.0, *[0.3, 1.0] * 30])
+    coarse = solve(wall(), loads, accuracy=1e-2)
+    (exact,) = solve(wall(), [TOP], accuracy=1e-6)
+    assert coarse.values("dent_mean")[::2] == pytest.approx(exact.value("dent_mean"), rel=1e-2)
+    for name in ("a_r_error", "gap_error", "pressure_error"):
+        assert (np.diff(coarse.values(name)) >= 0).all()
+
+
+def test_a_load_that_is_not_solved_is_said_at_all_later_ones():
+    with pytest.warns(hpc_gfmd.NotConverged):
+        loads = solve(wall(), [TOP, TOP / 4], max_iterations=1, nested=False)
+    assert {step["status"] for step in loads.steps} == {"max_iterations"}
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_small_walls_against_dense_steps(seed):
+    """The oracle of a convex step, on the wall less the dents of the step before."""
+    surface = np.random.default_rng(seed).standard_normal((12, 10)) * 0.05
+    loads = [0.3, 0.1, 0.5, 0.05]
+    solutions = hpc_gfmd.solve(
+        surface,
+        loads,
+        hardness=1.0,
+        history=True,
+        accuracy=1e-6,
+        boundary="periodic",
+        fields=["pressure", "gap", "dent"],
+    )
+    dents = np.zeros_like(surface)
+    for load, solution in zip(loads, solutions, strict=True):
+        exact = solve_yielding(surface - dents, load, 1.0)  # its gap is negative in dents
+        dents = dents + np.maximum(-exact.gap, 0)
+        assert off(solution.pressure, exact.pressure) < 1e-5
+        assert off(solution.gap, np.maximum(exact.gap, 0)) < 1e-5
+        assert np.abs(solution.dent - dents).max() < 1e-5 * dents.max()
+
+
+def test_unloaded_bodies():
+    """No load: the undeformed body touches the dented wall. Wider: it is apart from it."""
+    surface = wall(32)
+    loads = solve(surface, [TOP, 0, TOP], observables=["stiffness"])
+    unloaded = loads[1]
+    dented = surface.heights - loads[0].dent
+    assert unloaded.a_r == unloaded.pressure.max() == 0
+    assert unloaded.note == "no load: nothing touches"
+    assert unloaded.gap == pytest.approx(dented.max() - dented, abs=1e-6)
+    assert loads[2].gap_mean == pytest.approx(loads[0].gap_mean, rel=1e-5)
+    touching = unloaded.gap_mean
+    apart = hpc_gfmd.solve(
+        surface, gap_mean=[loads[0].gap_mean, 1.1 * touching], hardness=H, history=True
+    )[1]
+    assert apart.p == apart.a_r == 0
+    assert apart.gap_mean == pytest.approx(1.1 * touching, rel=1e-5)
+
+
+def test_a_ball_comes_back_to_its_dent():
+    """The approach is that from the first touch of the undeformed bodies."""
+    x = (np.arange(32) + 0.5) / 16 - 1
+    z = -(x[:, None] ** 2 + x**2) / 20
+    how = {"physical_sizes": (2, 2), "boundary": "free", "hardness": 0.03, "history": True}
+    deep, back, apart, again = hpc_gfmd.solve(z, approach=[0.05, 0.03, 0.0, 0.05], **how)
+    assert back.p < 0.9 * hpc_gfmd.solve(z, approach=0.03, **how).p
+    assert back.value("approach") == pytest.approx(0.03, rel=1e-3)
+    assert apart.p == 0
+    assert apart.value("approach") == 0
+    assert again.p == pytest.approx(deep.p, rel=2e-3)
+
+
+HARD = {"hardness": H, "history": True}
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ({"history": True}, "load.history: .* material.hardness"),
+        (HARD | {"pressure": [TOP, -TOP]}, "load.pressure: found -0.1"),
+        ({"hardness": H, "pressure": 0.0}, "load.pressure: .* load.history"),
+        ({"hardness": H, "fields": ["dent"]}, "dent.* load.history"),
+        (HARD | {"observables": ["error_bounds"]}, "error_bounds.* load.history"),
+        (HARD | {"adhesion": {"work": 1e-3, "range": 1e-2}}, "material.adhesion"),
+        (HARD | {"gap_mean": 0.0, "pressure": None}, "full contact"),
+        (HARD | {"low_memory": True}, "solver.low_memory"),
+    ],
+)
+def test_refused(keys, words):
+    with refused(words):
+        hpc_gfmd.solve(wall(32), **({"pressure": TOP} | keys))
