@@ -30,6 +30,12 @@ def add_arguments(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--plot", action="store_true", help="draw the result, too, in the folder OUT_plots"
     )
+    parser.add_argument(
+        "--halve-steps",
+        action="store_true",
+        help="solve a history (load.time) once more with half its time steps, and print what that"
+        " changes",
+    )
     add_quiet(parser)
 
 
@@ -38,13 +44,24 @@ def main(args: Namespace) -> int:
 
     3 means that a load did not converge.
     """
+    from ..parallel.guard import on_rank_0
     from ..parallel.world import world
+    from ..runs.halved import changes_by_halving, require_steps, text_of
     from ..runs.simulation import run_scene
+    from ..scene import load_scene
 
+    scene = None
+    if args.halve_steps:
+        scene = on_rank_0(world(), "reading", lambda: load_scene(args.scene, args.set))
+        require_steps(scene)
     result = run_scene(args.scene, args.set, args.output, force=args.force, quiet=args.quiet)
     is_finished = result.exit_code in (0, 3)
     if args.plot and is_finished and result.path is not None and world().rank == 0:
         _plot(result.path)
+    if scene is not None and is_finished:
+        text = text_of(changes_by_halving(scene, result.steps, world()))
+        if world().rank == 0:
+            print(text)
     return result.exit_code
 
 

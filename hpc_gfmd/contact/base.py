@@ -1,7 +1,7 @@
 """Descriptions of the numbers and arrays of a load: meaning, sign, unit.
 
-Units are products of "length", "pressure" and "force"; `util.quantities.in_units` replaces these by
-the units of a surface. "" is dimensionless.
+Units are products of "length", "pressure", "force" and "time"; `util.quantities.in_units` replaces
+these by the units of a surface. "" is dimensionless.
 """
 
 from collections.abc import Callable, Mapping
@@ -83,6 +83,7 @@ TARGET = "what was asked for: {}"
 OF_EVERY_LOAD = {
     "p": ("mean pressure over the nominal area, positive: it pushes", "pressure"),
     "p_star": ("mean pressure over E* g_rms", ""),
+    "time": ("time at which the load is reached (load.time)", "time"),
     "iterations": ("iterations on the fine grid", ""),
     "fft_pairs": ("FFT pairs (forward and back), as many of the fine grid", ""),
     "wall_seconds": ("time of this load alone, without start-up", "s"),

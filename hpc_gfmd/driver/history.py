@@ -74,8 +74,10 @@ class History:
         return self._sweep.coarser
 
     def loads(self, table: LoadTable) -> list[Load]:
-        """Return the loads of the table [load] of a scene, as `Sweep.loads`."""
-        return self._first.loads(table)
+        """Return the loads of the table [load] of a scene and their times, as `Sweep.loads`."""
+        loads = self._first.loads(table)
+        times = table.time or [0.0] * len(loads)
+        return [replace(load, time=float(time)) for load, time in zip(loads, times, strict=True)]
 
     def solve(
         self, load: Load, watch: Watch | None = None, unfinished: Unfinished | None = None

@@ -37,6 +37,7 @@ QUANTITIES = {  # by the names of the result file; the first ones are drawn by d
     "kappa": PlottedQuantity("", r"\kappa = a_r/p^*"),
     "gap_mean": PlottedQuantity("mean gap", r"\langle g \rangle", (("gap", 1),)),
     "approach": PlottedQuantity("approach", r"\delta", (("gap", 1),)),
+    "p": PlottedQuantity("pressure", "p_0", (("pressure", 1),)),
     "stiffness": PlottedQuantity("stiffness", "k", (("pressure", 1), ("gap", -1))),
     "conductance": PlottedQuantity("conductance", "c", (("gap", -1),)),
     "critical_gap_x": PlottedQuantity("critical gap along x", "g_c", (("gap", 1),)),
@@ -64,14 +65,16 @@ OVERVIEW = ("a_r", "kappa", "gap_mean", "approach")
 def curves(views: Sequence[View], names: list[str]) -> Page:
     """Return a page with a panel for each number of a load, of one result or of several together.
 
-    kappa is left out if p* has no meaning for one of the surfaces, unless it is the only name.
+    kappa is left out against time and if p* has no meaning for one of the surfaces, unless it is
+    the only name.
     """
     units = {
         tuple(view.units.of(kind, [1.0]).name for kind in ("pressure", "gap")) for view in views
     }
     if len(units) > 1:
         raise SceneError("results: have different units; dimensionless = True draws them together")
-    if not all(view.units.rough for view in views):
+    against_time = all("time" in step for view in views for step in view.result.steps)
+    if against_time or not all(view.units.rough for view in views):
         names = [name for name in names if name != "kappa"] or names
     steps = [step for view in views for step in view.result.steps]
     has_bars = any(error_bars(name, step) for name in names for step in steps)
@@ -116,7 +119,8 @@ def _axis_label(quantity: PlottedQuantity, scales: list[tuple[Scale, int]]) -> s
 class LoadAxis(NamedTuple):
     """The axis of the loads: numbers `key` of load steps over `unit`.
 
-    `pressure` is the mean pressure, in the unit of the result, at 1 on the axis.
+    `pressure` is the mean pressure, in the unit of the result, at 1 on the axis; nan for an axis of
+    times.
     """
 
     key: str
@@ -124,15 +128,24 @@ class LoadAxis(NamedTuple):
     pressure: float
     label: str
 
+    @property
+    def is_time(self) -> bool:
+        """Whether it is an axis of times."""
+        return self.key == "time"
+
     def of(self, step: Mapping[str, Any]) -> float:
         """Return the position of a load step on the axis."""
         return float(step[self.key]) / self.unit
 
 
 def _load_axis(views: Sequence[View]) -> LoadAxis:
-    """Return the axis of forces if every load prescribes one, in N, otherwise of mean pressures."""
+    """Return the axis of times if every load has one, of forces if every load prescribes one, in N,
+    otherwise of mean pressures."""
     steps = [step for view in views for step in view.result.steps]
     units = views[0].units
+    if all("time" in step for step in steps):
+        name = views[0].result.surface.get("time_unit")
+        return LoadAxis("time", 1.0, np.nan, f"time $t$ ({name})" if name else "time $t$")
     forces = [step.get("target_force") for step in steps]
     scale = units.of("force", forces)
     if all(isinstance(force, float) for force in forces) and scale.name:
@@ -170,9 +183,12 @@ def _curve(ax: Any, views: Sequence[View], key: str, label: str) -> None:
     ax.set_ylabel(_axis_label(quantity, scales))
     all_loads = [loads.of(step) for view in views for step in view.result.steps]
     pushed = min(all_loads) > 0
-    if pushed:
+    if pushed and not loads.is_time:
         log_axis(ax, "x")
     _limits(ax, all_loads, pushed)  # before theories, which may leave the panel
+    if loads.is_time:
+        _time_axis(ax, all_loads)
+        return
     for k, view in enumerate(views if len(views) <= MOST_NAMED else ()):
         _pull_off(ax, view, loads, colour(k))
     with_theory = views if len(views) <= MOST_NAMED else views[:1]
@@ -183,6 +199,14 @@ def _curve(ax: Any, views: Sequence[View], key: str, label: str) -> None:
         _tight(ax, views, key, loads)
 
 
+def _time_axis(ax: Any, times: list[float]) -> None:
+    """Make the axis of times logarithmic from the first time after 0 on, and linear before it."""
+    later = [time for time in times if time > 0]
+    if later and max(later) > min(later):
+        ax.set_xscale("symlog", linthresh=min(later))
+        ax.set_xlim(min(0.0, *times) - 0.2 * min(later), max(later) * BEYOND)
+
+
 def _points(
     ax: Any, view: View, key: str, loads: LoadAxis, unit: float, how: dict[str, Any]
 ) -> None:
@@ -191,7 +215,7 @@ def _points(
     Loads that did not converge get other marks; those without a value that can be shown are left
     out, see `_is_shown`. Error bars are those of tables, of solver and grid. unit: values are
     divided by it. how: color, marker and label of errorbar. Points are joined by lines if the
-    surfaces attract.
+    surfaces attract, or the loads have a memory.
     """
     for is_converged, changes in ((True, {}), (False, DOUBTFUL)):
         steps = [
@@ -208,8 +232,9 @@ def _points(
         if any(relative):
             both = np.array([error or (0.0, 0.0) for error in relative]).T
             bars = np.abs(y) * np.nan_to_num(both, posinf=0)
-        # on a branch loads follow from each other
-        line = {"linestyle": "-" if is_converged and view.attracts else "", "linewidth": 0.8}
+        # on a branch, and in time, loads follow from each other
+        follows = view.attracts or loads.is_time or view.remembers
+        line = {"linestyle": "-" if is_converged and follows else "", "linewidth": 0.8}
         look = line | {"capsize": 1.5, "elinewidth": 0.8} | how | changes
         ax.errorbar(x, y, bars, **look)
 

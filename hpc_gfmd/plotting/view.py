@@ -31,6 +31,8 @@ class View:
         In the unit of the pressure.
     attracts : bool
         Whether the surfaces attract each other.
+    remembers : bool
+        Whether the loads follow from each other: dents stay, or the solid relaxes.
     lengths : Scale
         Of positions within the window.
     """
@@ -55,6 +57,7 @@ class View:
         self.theory = theory_beside(result, persson)
         self.hardness = scene.material.hardness if scene else None
         self.attracts = scene is not None and scene.material.adhesion is not None
+        self.remembers = scene is not None and scene.remembers
         height = self.theory.height if self.theory else None
         self.units = Units(result.surface, result.steps, height, dimensionless)
         x0, x1, y0, y1 = self.window

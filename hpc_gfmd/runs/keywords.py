@@ -131,8 +131,9 @@ def scene_of_keywords(
 
 
 def several_loads(arguments: dict[str, Any]) -> bool | None:
-    """Whether the load among the arguments of `hpc_gfmd.solve` is a list; None without a load."""
-    values = [arguments.get(key) for key in LOADS]
+    """Whether the loads (or their times) among the arguments of `hpc_gfmd.solve` are a list; None
+    without a load."""
+    values = [arguments.get(key) for key in (*LOADS, "time")]
     dimensions = [np.ndim(value) for value in values if value is not None]
     return any(dimensions) if dimensions else None
 

@@ -48,10 +48,10 @@ def check(scene: Scene) -> None:
     """
     require_periodic(scene.output.distributions, scene.surface.free, "output.distributions")
     bounds = {"error_bounds", *DUALITY} & {*(scene.output.observables or ())}
-    if bounds and scene.load.history:
+    if bounds and scene.remembers:
         raise SceneError(
             f"output.observables: found {min(bounds)!r}, a bound for the last step of a history"
-            " alone, allowed with load.history: others"
+            " alone, allowed with load.history or load.time: others"
         )
     for key, names, allowed in (
         ("solver.name", [scene.solver.name], ["auto", *solver_names()]),
@@ -105,9 +105,10 @@ def sweep_of(scene: Scene, make_surface: Callable[[np.dtype], Surface]) -> Sweep
         unique=scene.load.unique,
     )
     _require_consistent_units(scene, sweep.surface)
-    if scene.load.history:
-        return History(sweep, keeps_dents=True)
-    return sweep
+    if not scene.remembers:
+        return sweep
+    elements = [(float(share), float(tau)) for share, tau in scene.material.relaxation or ()]
+    return History(sweep, elements, keeps_dents=scene.load.history)
 
 
 def _require_consistent_units(scene: Scene, surface: Surface) -> None:
@@ -157,6 +158,7 @@ def surface_attributes(scene: Scene, surface: Surface) -> dict[str, Any]:
         "boundary": ", ".join("free" if ends else "periodic" for ends in spec.free),
         "unit": surface.unit or scene.length_unit,
         "pressure_unit": scene.pressure_unit,
+        "time_unit": scene.time_unit,
         "prepared": list(surface.prepared),
         "notes": [str(note) for note in notes_on(scene, surface)],
         **{name: getattr(spec, name, float("nan")) for name in ("eps_t", "eps_f", "eps_c")},
@@ -368,7 +370,9 @@ def step_attributes(scene: Scene, index: int, contact: Contact, seconds: float) 
                 f"{name}_{part}": values.tolist() for part, values in (arrays or {}).items()
             }
     area, gap, pressure = contact.certificate.errors
+    times = scene.load.time
     attributes = {
+        **({} if times is None else {"time": float(times[index])}),
         "p": contact.p_mean,
         "p_star": contact.p_star,
         "iterations": contact.iterations,

@@ -31,6 +31,7 @@ ON_REQUEST = 2.0  # numbers per point for other observables and for distribution
 FIELD_GIB = 1 / 8  # at most, for a piece of a field that is written
 HISTORY = 1.0  # numbers per point for the original heights beside those that loads have changed
 DENTS = 16.0  # bytes per point for dents that stay, those before a load and after it
+RELAXING = 8.0  # for each field of a solid that relaxes: the displacement, and one an element
 LAYER = 1.5  # numbers per point for the stiffness of a layer, a table
 HALO = 12  # numbers per point along y: rows beside those of the rank on all levels
 RANKED = 72  # bytes per point on rank 0 for heights with a given distribution
@@ -56,8 +57,10 @@ def memory_of(
         nbytes += CERTIFIED * points
     if scene.material.thickness is not None:
         nbytes += LAYER * itemsize * points
-    if scene.load.history:
-        nbytes += (HISTORY * itemsize + DENTS) * points
+    if scene.remembers:
+        elements = scene.material.relaxation or ()
+        relaxing = RELAXING * (1 + len(elements)) + DENTS if elements else 0.0
+        nbytes += (HISTORY * itemsize + relaxing + DENTS * scene.load.history) * points
     passing = [0.0]  # one after the other
     if output.fields:
         passing.append(min(2 * itemsize * points, FIELD_GIB * GIB))

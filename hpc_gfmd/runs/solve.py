@@ -68,6 +68,9 @@ def solve(
     force: Loads | None = None,
     approach: Loads | None = None,
     hardness: Number | None = None,
+    history: bool | None = None,
+    relaxation: Sequence[Sequence[Number]] | None = None,
+    time: Loads | None = None,
     nu: float | None = None,
     thickness: Number | None = None,
     base: str | None = None,
@@ -105,6 +108,14 @@ def solve(
         Relative accuracy of a_r, mean gap and pressure field (L2); or residual=.
     hardness : number or text
         The largest pressure, for an elastic - perfectly plastic contact. Default: none.
+    history : bool, default False
+        With a hardness, whether the loads follow from each other, so that dents stay.
+    relaxation : list of (share, time)
+        Shares of the modulus that relax, and their times: a viscoelastic body. `E_star` is that at
+        time 0.
+    time : list of number or text
+        With `relaxation`: when each load is reached, linearly from the one before; a time given
+        twice makes a jump. A single load is held.
     nu, thickness, base
         A layer of Poisson's ratio `nu`: "bonded" (default) or "frictionless" on a rigid base, or on
         an "elastic" one with base_E= and base_nu=. Without `thickness`: a half-space.
@@ -175,6 +186,9 @@ def solve(
         "physical_sizes": physical_sizes,
         "accuracy": accuracy,
         "hardness": hardness,
+        "history": history,
+        "relaxation": relaxation,
+        "time": time,
         "nu1": nu,
         "thickness": thickness,
         "base": base,

@@ -25,6 +25,7 @@ EDGES = (
 
 # attribute: heading; a column is left out where no step has a value
 TARGETS = {
+    "time": "at time",
     "target_gap_mean": "asked: gap",
     "target_gap_over_h_rms": "asked: gap/h_rms",
     "target_a_r": "asked: a_r",

@@ -11,7 +11,13 @@ from annotated_types import Ge, Gt, Le, Lt
 SMALLEST = 1e-100  # bounds that keep squares and products of a few numbers finite
 LARGEST = 1e100
 MAX_INT = 2**63 - 1  # the largest integer of TOML and of HDF5
-EXAMPLES = {"length": "100 um", "pressure": "50 GPa", "force": "5 mN", "work": "50 mJ/m2"}
+EXAMPLES = {
+    "length": "100 um",
+    "pressure": "50 GPa",
+    "force": "5 mN",
+    "work": "50 mJ/m2",
+    "time": "10 s",
+}
 COUNTS = {2: "two", 3: "three", 4: "four"}
 
 

@@ -130,11 +130,12 @@ class Scene(Table):
         name, values = self.load.prescribed
         if adhesion is None:
             least = min(values)
-            is_unloaded = least == 0 and self.load.history
+            is_unloaded = least == 0 and self.remembers
             if name in (*PRESSURES, "approach") and least <= 0 and not is_unloaded:
                 raise ValueError(
                     f"load.{name}: found {format_quantity(least)}, allowed: a number greater than"
-                    " 0; with load.history also 0; with material.adhesion also 0 and below"
+                    " 0; with load.history or load.time also 0; with material.adhesion also 0 and"
+                    " below"
                 )
             if self.load.branch != "approach":
                 raise ValueError(
@@ -166,17 +167,65 @@ class Scene(Table):
 
     @model_validator(mode="after")
     def _memory(self) -> Self:
-        """Raise ValueError for a memory of the loads (load.history) without anything to remember,
-        or with what it excludes."""
-        if not self.load.history:
-            if "dent" in self.output.fields:
-                raise ValueError('output.fields: found "dent", allowed with load.history')
-            return self
-        if self.material.hardness is None:
+        """Raise ValueError for a memory of the loads (load.history, load.time) without anything to
+        remember, or with what it excludes."""
+        if "dent" in self.output.fields and not self.load.history:
+            raise ValueError('output.fields: found "dent", allowed with load.history')
+        if self.load.history and self.material.hardness is None:
             raise ValueError("load.history: found true, allowed: with material.hardness")
-        if self.solver.low_memory:
-            raise ValueError("solver.low_memory: found true, allowed with load.history: false")
+        if self.solver.low_memory and self.remembers:
+            raise ValueError("solver.low_memory: found true with a history, allowed: false")
+        self._require_times()
+        elements = self.material.relaxation
+        if elements is None:
+            return self
+        total = math.fsum(share for share, _ in elements)
+        if total >= 1:
+            raise ValueError(
+                f"material.relaxation: found shares that add up to {total:g}, allowed: less than 1"
+            )
+        if self.material.E2 is not None or self.material.base == "elastic":
+            other = "E2" if self.material.E2 is not None else "base_E"
+            raise ValueError(
+                f"material.relaxation: found beside {other}, a solid that relaxes differently,"
+                " allowed: one elastic solid, also as a layer on a rigid base"
+            )
+        if self.material.adhesion is not None:
+            raise ValueError("material.relaxation: found beside material.adhesion, allowed: one")
+        if self.material.hardness is not None and not self.load.history:
+            raise ValueError(
+                "load.history: found false with material.hardness and material.relaxation,"
+                " allowed: true"
+            )
         return self
+
+    @property
+    def remembers(self) -> bool:
+        """Whether loads follow from each other: dents stay, or the solid relaxes."""
+        return self.load.history or self.material.relaxation is not None
+
+    def _require_times(self) -> None:
+        """Raise ValueError unless there is a time for each load of a solid that relaxes, and only
+        then, in order."""
+        times = self.load.time
+        if (times is None) != (self.material.relaxation is None):
+            present = "load.time" if times else "material.relaxation"
+            raise ValueError(f"{present}: found alone, allowed: load.time and material.relaxation")
+        if times is None:
+            return
+        _, values = self.load.prescribed
+        if len(times) != len(values):
+            raise ValueError(
+                f"load.time: found {len(times)} times for {len(values)} loads, allowed: as many"
+            )
+        for before, after in zip(times, times[1:]):
+            if after < before:
+                raise ValueError(
+                    f"load.time: found {format_quantity(after)} after {format_quantity(before)},"
+                    " allowed: times that do not fall"
+                )
+        elements = self.material.relaxation or ()
+        alike("times", {"load.time": times, "material.relaxation": [tau for _, tau in elements]})
 
     @model_validator(mode="after")
     def _load_fits(self) -> Self:
@@ -210,6 +259,12 @@ class Scene(Table):
     def pressure_unit(self) -> str:
         """Unit of pressures in the scene: "Pa" if they have units, else ""."""
         return "Pa" if has_unit(self.material.E1 or self.material.E_star) else ""
+
+    @property
+    def time_unit(self) -> str:
+        """Unit of times of a history: "s" if they have units, else ""."""
+        elements = self.material.relaxation or ()
+        return "s" if has_unit([tau for _, tau in elements]) else ""
 
     @classmethod
     def from_dict(
@@ -297,7 +352,8 @@ class Scene(Table):
                 for axis, n, k in zip("xy", surface.n, surface.periods)
                 if n < RESOLVED * k
             ]
-        attracts = self.material.adhesion is not None  # more touches then
+        # more touches then than at time 0, or without adhesion
+        more_touches = self.material.adhesion is not None or self.material.relaxation is not None
         if not isinstance(surface, SelfAffine) or surface.radius:
             return notes
         if surface.eps_f > 1 / 8:
@@ -308,7 +364,7 @@ class Scene(Table):
         n_x, n_y = surface.n
         _, values = self.load.prescribed
         for load, area in zip(values, self._contact_areas(surface)):
-            if area * n_x * n_y < TOUCHING and not attracts:
+            if area * n_x * n_y < TOUCHING and not more_touches:
                 notes.append(
                     f"load: at {load:g} fewer than {TOUCHING} of the {n_x} x {n_y} points touch"
                 )
@@ -320,7 +376,7 @@ class Scene(Table):
         Those are the largest loads so far: what is below them returns on the same curve.
         """
         name, values = self.load.prescribed
-        if not self.load.history:
+        if not self.load.history or self.material.relaxation is not None:
             return []
         heights = [-value if name.startswith("gap") else value for value in values]
         largest = -math.inf

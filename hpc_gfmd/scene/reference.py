@@ -23,6 +23,7 @@ BODIES = "[[surface.bodies]]"
 UNITS = {
     "length": "in the unit of the surface, or with a unit",
     "pressure": "in the unit of the moduli, or with a unit",
+    "time": "in the unit of all other times, or with a unit",
     "work": "in the unit of the moduli times that of the surface, or with a unit",
     "force": "in the unit of the moduli times that of the surface squared, or with a unit",
 }

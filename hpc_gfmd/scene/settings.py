@@ -14,6 +14,7 @@ from .table import (
     Fraction,
     Length,
     Loads,
+    Moment,
     NotNegative,
     Path,
     Positive,
@@ -25,6 +26,7 @@ from .table import (
     SignedPressure,
     Table,
     Text,
+    Time,
     Whole,
     key,
     one_of,
@@ -33,6 +35,7 @@ from .table import (
 SOLIDS = ("E1", "nu1", "E2", "nu2")
 PoissonRatio = Annotated[float, Field(gt=-1, le=0.5)]
 Parameter = Annotated[int, Field(ge=-MAX_INT, le=MAX_INT)] | float
+Elements = Annotated[tuple[Annotated[tuple[Share, Time], LIST], ...], Field(min_length=1), LIST]
 Names = Annotated[tuple[Path, ...], LIST, DISTINCT]
 Fields = Annotated[
     tuple[Literal["pressure", "gap", "displacement", "plastic", "dent", "heights"], ...],
@@ -104,6 +107,16 @@ class Material(Table):
         None,
         unit="pressure",
         example="6 GPa",
+        default_text="none, elastic",
+    )
+
+    relaxation: Elements | None = key(
+        "shares of the modulus that relax, and their times (Prony series); the moduli are those at"
+        " time 0 (needs load.time)",
+        None,
+        unit="time",
+        allowed="a list of [share, time]",
+        example=[[0.6, "1 s"], [0.3, "10 s"]],
         default_text="none, elastic",
     )
 
@@ -231,6 +244,13 @@ class LoadTable(Table):
         " agree",
         False,
     )
+    time: Loads[Moment] | None = key(
+        "with material.relaxation: times at which the loads are reached, linearly in between; a"
+        " time given twice: a jump; a single load is held",
+        None,
+        unit="time",
+        example=["0 s", "1 s", "10 s"],
+    )
     history: bool = key(
         "with material.hardness: the loads follow from each other, dents stay; otherwise each load"
         " acts on the undeformed surfaces",
@@ -245,8 +265,13 @@ class LoadTable(Table):
 
     @property
     def prescribed(self) -> tuple[str, tuple[float, ...]]:
-        """(name of the prescribed quantity, its value for each load)."""
-        return next((name, values) for name in LOADS if (values := getattr(self, name)) is not None)
+        """(name of the prescribed quantity, its value for each load).
+
+        A single value is that of all times.
+        """
+        name = next(name for name in LOADS if getattr(self, name) is not None)
+        values = getattr(self, name)
+        return name, values * len(self.time or [0]) if len(values) == 1 else values
 
     @property
     def is_searched(self) -> bool:
@@ -280,7 +305,7 @@ class LoadTable(Table):
 
 
 PRESSURES = ("p_star", "pressure", "force")
-HOW = ("branch", "unique", "history")  # keys of [load] beside the loads
+HOW = ("branch", "unique", "time", "history")  # keys of [load] beside the loads
 # one of them is given
 LOADS = tuple(name for name in LoadTable.model_fields if name not in HOW)
 

@@ -128,6 +128,8 @@ Signed = Annotated[float, Field(ge=-LARGEST, le=LARGEST), AfterValidator(_not_ti
 SignedPressure = Annotated[Signed, _with_unit("pressure"), AS_GIVEN]
 SignedForce = Annotated[Signed, _with_unit("force"), AS_GIVEN]
 SignedLength = Annotated[Signed, _with_unit("length"), AS_GIVEN]
+Time = Annotated[Positive, _with_unit("time"), AS_GIVEN]
+Moment = Annotated[NotNegative, _with_unit("time"), AS_GIVEN]
 LengthUnit = Annotated[str, AfterValidator(_length_unit)]
 Whole = Annotated[int, Field(ge=1, le=MAX_INT)]
 Text = Annotated[str, AfterValidator(_printable)]
@@ -169,8 +171,8 @@ def key(
         Description of allowed values, if that derived from the type is not good enough
         (`allowed_of`).
     unit : str
-        "length", "pressure", "force" or "work" for a number that may have units, or the name of the
-        unit ("s"); "" for a plain number.
+        "length", "pressure", "force", "work" or "time" for a number that may have units, or the
+        name of the unit ("s"); "" for a plain number.
     example : object
         A value for the scenes of `hpc-gfmd init`; by default the default.
     default_text : str

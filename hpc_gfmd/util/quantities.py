@@ -11,12 +11,13 @@ from typing import Any
 from .errors import one_line
 from .lengths import length_factor
 
-SI = {"length": "m", "pressure": "Pa", "force": "N", "work": "J/m^2"}
+SI = {"length": "m", "pressure": "Pa", "force": "N", "work": "J/m^2", "time": "s"}
 USUAL = {  # suggested for misspelt units
     "length": ("m", "mm", "um", "nm", "pm"),
     "pressure": ("Pa", "kPa", "MPa", "GPa", "bar", "N/mm^2"),
     "force": ("N", "uN", "nN", "mN", "kN"),
     "work": ("J/m^2", "mJ/m^2", "N/m", "mN/m"),
+    "time": ("s", "ms", "min", "h"),
 }
 DECIMAL_COMMA = re.compile(r"\s*[-+]?\d*,\d+(?!.*,).*")
 NO_COMMA = "decimals have a point, not a comma"
@@ -46,7 +47,7 @@ def parse(text: str, dimension: str) -> Quantity:
     text : str
         A number and a unit.
     dimension : str
-        "length", "pressure", "force" or "work".
+        "length", "pressure", "force", "work" or "time".
 
     Returns
     -------
@@ -98,7 +99,7 @@ def factor(unit: str, dimension: str = "length") -> float:
     unit : str
         Name of a unit, such as "um" or "N/mm^2".
     dimension : str
-        "length", "pressure", "force" or "work".
+        "length", "pressure", "force", "work" or "time".
 
     Returns
     -------
@@ -150,26 +151,27 @@ def _registry() -> Any:
 
 
 def in_units(unit: str, surface: Mapping[str, Any]) -> str:
-    """Replace the words length, pressure and force in a unit by the units of a surface.
+    """Replace the words length, pressure, force and time in a unit by the units of a surface.
 
     Parameters
     ----------
     unit : str
-        A product of "length", "pressure" and "force", such as "length^2"; "" for a plain number.
-        Any other unit in it, such as "s", stays.
+        A product of "length", "pressure", "force" and "time", such as "length^2"; "" for a plain
+        number. Any other unit in it, such as "s", stays.
     surface : mapping
-        Attributes of a surface: "unit" (of lengths) and "pressure_unit".
+        Attributes of a surface: "unit" (of lengths), "pressure_unit" and "time_unit".
 
     Returns
     -------
     str
         Such as "m^2"; "1" for a plain number; "" if the surface lacks one of the units.
     """
-    length, pressure = (
+    length, pressure, time = (
         name if isinstance(name, str) else ""
-        for name in (surface.get("unit"), surface.get("pressure_unit"))
+        for name in map(surface.get, ("unit", "pressure_unit", "time_unit"))
     )
-    names = {"length": length, "pressure": pressure, "force": "N" if length and pressure else ""}
+    force = "N" if length and pressure else ""
+    names = {"length": length, "pressure": pressure, "force": force, "time": time}
     words = "|".join(names)
     if not all(names[word] for word in re.findall(words, unit)):
         return ""

@@ -37,8 +37,8 @@ DEGENERATE = {
     "full contact": rough((1, 4, 2), g_rms=1e-3),
 }
 WITHOUT = {
-    "flat": """a_plastic dent_mean dissipated_work approach kappa a_r_corrected kappa_corrected gap_over_h_rms
-        gap_over_g_rms_lam_s stiffness conductance""",
+    "flat": """a_plastic dent_mean dissipated_work approach kappa a_r_corrected kappa_corrected
+        gap_over_h_rms gap_over_g_rms_lam_s stiffness conductance""",
     "wave": """a_plastic dent_mean dissipated_work approach gap_over_g_rms_lam_s a_r_corrected
         kappa_corrected""",
     "full contact": "a_plastic dent_mean dissipated_work approach stiffness conductance",

@@ -63,6 +63,16 @@ SWEEPS = {
         ),
         1e-6,
     ),
+    "a solid that relaxes": (
+        scene(
+            "auto",
+            {"gap_over_h_rms": [0.6, 0.6, 1.0, 2.9, 0.5], "time": [0.0, 1.0, 1.5, 1.5, 4.0]},
+            material={"relaxation": [[0.6, 1.0], [0.3, 10.0]]},
+            precision="auto",
+            accuracy=1e-6,
+        ),
+        1e-5,
+    ),
     "single until a load with few points": (
         scene("auto", [0.3, 1e-4, 1.2e-4, 1.3e-4], precision="auto", accuracy=1e-3),
         2e-3,

@@ -138,6 +138,7 @@ SIMILAR_WORDS = "frictionless shared mumble gammas speedup wearable"
 INSTEAD = {  # words for effects: what the message has instead of "not modelled"
     "friction_coefficient elastoPlastic viscosity wear shear_stress": "",
     "work_of_adhesion JKR Tabor_parameter pull_off": "material.adhesion = {work, range, law}",
+    "viscoelastic creep_compliance prony": "material.relaxation with load.time",
     "temperature heat electric": 'output.observables = ["conductance"]',
 }
 

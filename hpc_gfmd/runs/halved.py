@@ -1,0 +1,94 @@
+"""A history with another step in the middle of each, which shows what the time step changes."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from ..output.summary import is_number
+from ..parallel.comm import Comm
+from ..scene import Scene
+from ..scene.settings import LoadTable
+from ..scene.table import about
+from ..util.errors import SceneError
+from ..util.quantities import SI, Quantity
+from .in_memory import solve_loads, surfaces_of_scene
+
+NUMBERS = {"a_r": "contact area", "gap_mean": "mean gap", "p": "pressure"}
+
+
+def require_steps(scene: Scene) -> None:
+    """Raise SceneError for a scene without time steps to halve."""
+    if len(set(scene.load.time or ())) < 2:
+        raise SceneError("--halve-steps: found no time steps, allowed: with load.time")
+
+
+def with_halved_steps(scene: Scene) -> Scene:
+    """Return a history with a load in the middle of each step that takes time."""
+    name, values = scene.load.prescribed
+    changes = {
+        key: _with_middles(key, numbers, scene.load.time or ())
+        for key, numbers in ((name, values), ("time", scene.load.time or ()))
+    }
+    load = scene.load.model_copy(update=changes)
+    output = scene.output.model_copy(update={"fields": (), "distributions": (), "observables": ()})
+    return scene.model_copy(update={"load": load, "output": output})
+
+
+def _with_middles(key: str, numbers: Sequence[float], times: Sequence[float]) -> tuple[float, ...]:
+    """Return numbers of the loads with the mean of two between them, unless that is a jump."""
+    unit = about(LoadTable.model_fields[key])["unit"]
+    result = [numbers[0]]
+    for (before, after), (start, end) in zip(pairwise(numbers), pairwise(times), strict=True):
+        if end > start:
+            middle = 0.5 * (float(before) + float(after))
+            if isinstance(after, Quantity):
+                middle = Quantity(middle)
+                middle.text = f"{float(middle)!r} {SI[unit]}"
+            result.append(middle)
+        result.append(after)
+    return tuple(result)
+
+
+def changes_by_halving(scene: Scene, steps: Sequence[dict], comm: Comm) -> dict[str, float]:
+    """Return the largest relative changes of the numbers of a history if its steps are halved.
+
+    Solves the halved history, and keeps no fields of it. Collective.
+
+    Parameters
+    ----------
+    scene : Scene
+        The history.
+    steps : sequence of dict
+        Its solved loads.
+    comm : Comm
+        All ranks.
+
+    Returns
+    -------
+    dict of str to float
+        By the names of the numbers, a_r, gap_mean and p, relative to the larger value.
+    """
+    halved = with_halved_steps(scene)
+    surfaces = surfaces_of_scene(comm, halved)
+    finer = solve_loads(comm, halved, surfaces, progress=False, keep_interrupted=False).steps
+    times = [float(time) for time in scene.load.time or ()]
+    is_jump = [False, *(after == before for before, after in pairwise(times))]
+    places = np.cumsum([0, *(1 if jump else 2 for jump in is_jump[1:])])
+    changes = {}
+    for name in NUMBERS:
+        pairs = [(step.get(name), finer[place].get(name)) for step, place in zip(steps, places)]
+        changes[name] = max(
+            abs(a - b) / max(abs(a), abs(b), np.finfo(float).tiny)
+            for a, b in pairs
+            if is_number(a) and is_number(b)
+        )
+    return changes
+
+
+def text_of(changes: dict[str, float]) -> str:
+    """Return the line that `hpc-gfmd run --halve-steps` prints."""
+    listed = ", ".join(
+        f"{NUMBERS[name]} by {100 * change:.2g} %" for name, change in changes.items()
+    )
+    return f"half the time steps change at most: {listed}"
