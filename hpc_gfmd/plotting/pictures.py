@@ -47,7 +47,7 @@ PAGES = {
         distributions, {name: (*MAPS.get(name, ()), f"{name}_edges") for name in DISTRIBUTIONS}
     ),
     "spectra": Kind(spectra, {name: (f"{name}_q", f"{name}_r") for name in SPECTRA}),
-    "curves": Kind(curves, {name: (name,) for name in OVERVIEW} | {"p": ("p", "time")}),
+    "curves": Kind(curves, {name: (name,) for name in OVERVIEW} | {"p": ("time",)}),
 }
 PICTURES = (
     PAGES

@@ -41,5 +41,5 @@ def test_changes(tmp_path):
 
 def test_nothing_to_halve():
     tables = TABLES | {"load": {"pressure": "2 MPa"}, "material": {"E_star": "1 GPa"}}
-    with pytest.raises(SceneError, match="--halve-steps: .* load.time"):
+    with pytest.raises(SceneError, match=r"--halve-steps: .* load\.time"):
         require_steps(Scene.from_dict(tables))
