@@ -71,13 +71,15 @@ def changes_by_halving(scene: Scene, steps: Sequence[dict], comm: Comm) -> dict[
     """
     halved = with_halved_steps(scene)
     surfaces = surfaces_of_scene(comm, halved)
-    finer = solve_loads(comm, halved, surfaces, progress=False, keep_interrupted=False).steps
+    finer, _ = solve_loads(comm, halved, surfaces, progress=False, keep_interrupted=False)
     times = [float(time) for time in scene.load.time or ()]
     is_jump = [False, *(after == before for before, after in pairwise(times))]
     places = np.cumsum([0, *(1 if jump else 2 for jump in is_jump[1:])])
     changes = {}
     for name in NUMBERS:
-        pairs = [(step.get(name), finer[place].get(name)) for step, place in zip(steps, places)]
+        pairs = [
+            (step.get(name), finer.steps[place].get(name)) for step, place in zip(steps, places)
+        ]
         changes[name] = max(
             abs(a - b) / max(abs(a), abs(b), np.finfo(float).tiny)
             for a, b in pairs
