@@ -135,7 +135,7 @@ class Certificate:
         return bool(np.isfinite([self.residual, self.gap_mean, self.uKu]).all())
 
 
-class _Recomputed(NamedTuple):
+class Recomputed(NamedTuple):
     """Sums that follow from the displacement of a state, over all ranks.
 
     Attributes
@@ -202,15 +202,29 @@ def certify(
     Certificate
         The same on all ranks.
     """
-    grid, N = problem.grid, problem.grid.N
-    wall = wall_of(problem)
-    penetration = wall.project(g)
-    elastic = Elastic(grid, problem.body, dtype)
+    penetration = wall_of(problem).project(g)
+    elastic = Elastic(problem.grid, problem.body, dtype)
     state = _recompute(problem, elastic, g, p)
+    return measured(problem, elastic, g, p, state, penetration, levels, dual, stability)
+
+
+def measured(
+    problem: Problem,
+    elastic: Elastic,
+    g: np.ndarray,
+    p: np.ndarray,
+    state: Recomputed,
+    penetration: float,
+    levels: Multilevel | None,
+    dual: bool,
+    stability: Stability | None = None,
+) -> Certificate:
+    """Return the certificate of a feasible gap g and its pressure p; state: their sums."""
+    N = problem.grid.N
     sums = state.sums
     wall_load = float(problem.p0) + state.attraction / N
     work = wall_load * sums.gap
-    duality_gap = _duality_gap(wall, elastic, g, p, sums, wall_load) if dual else None
+    duality_gap = _duality_gap(wall_of(problem), elastic, g, p, sums, wall_load) if dual else None
     uniform = elastic.multipliers.uniform
     energy_of_uniform = 0.5 * float(problem.p0) * problem.p_cell / uniform if uniform else 0.0
     with np.errstate(invalid="ignore", over="ignore"):
@@ -240,7 +254,7 @@ def certify(
             yielded=int(sums.yielded),
             gap_mean=float(sums.gap / N),
             pairs=elastic.pairs,
-            precision=np.dtype(dtype).name,
+            precision=elastic.dtype.name,
             attraction=float(state.attraction / N),
             energy_of_attraction=float(state.energy_of_attraction / N),
             stability=stability.value if stability is not None else np.nan,
@@ -259,7 +273,7 @@ def _error_of_load(problem: Problem, error_of_gap: float) -> float | None:
     return float(error / abs(problem.p0)) if problem.p0 else np.inf
 
 
-def _recompute(problem: Problem, elastic: Elastic, g: np.ndarray, p: np.ndarray) -> _Recomputed:
+def _recompute(problem: Problem, elastic: Elastic, g: np.ndarray, p: np.ndarray) -> Recomputed:
     """Overwrite p with the pressure of the gap g, and return the sums of both over all ranks.
 
     With an attraction it is the pressure of the wall. Collective, one FFT pair of `elastic`.
@@ -283,7 +297,7 @@ def _recompute(problem: Problem, elastic: Elastic, g: np.ndarray, p: np.ndarray)
     attraction = energy_of_attraction = 0.0
     if law is not None:
         attraction, energy_of_attraction = grid.comm.sum(np.sum(attracted, axis=0)).tolist()
-    return _Recomputed(
+    return Recomputed(
         sums=KktSums(*totals),
         tension=float(tension),
         uKu=uKu,

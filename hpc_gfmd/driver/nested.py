@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import DTypeLike
@@ -26,14 +26,17 @@ from ..parallel.coarsening import agglomerated, halved
 from ..parallel.grid import Grid
 from ..parallel.halo import neighbours, rows_of
 from ..parallel.threads import on_threads, threads_for
+from .box import Box, Rectangle
 from .grid_errors import CoarseContact, coarser_contacts
 
 if TYPE_CHECKING:
     from ..operators.problem import Problem
+    from ..parallel.comm import Comm
     from ..solvers.base import Solver
     from .target import Target
 
     MakeSolver = Callable[[Problem], Solver]
+    FindBox = Callable[[Problem, np.ndarray], Box | None]
 
 SLIM = 4  # an axis with fewer points is not decimated: cubic interpolation takes 4
 
@@ -195,6 +198,63 @@ class Decimation:
         rows = rows_of(comm, a, self.starts, self.beside[:-1] - HALO, self.beside[1:] + HALO)
         return rows[:HALO], rows[HALO:-HALO], rows[-HALO:]
 
+    def touching(
+        self, problem: Problem, coarse: Problem | None, gap: np.ndarray | None
+    ) -> Rectangle | None:
+        """Return the rectangle of all points that touch at the displacement on the coarser grid.
+
+        So heights between its points count, too. coarse, gap: problem and gap there, None on ranks
+        without its rows. Collective.
+        """
+        fine = self.fine
+        x, y = self.steps
+        u = np.empty((0, self.n[1]), problem.dtype)
+        if coarse is not None and gap is not None:
+            rows, points = coarse.grid.inside
+            u = gap[:rows, :points] - coarse.heights
+            u *= u.dtype.type(coarse.grid.a / fine.a)
+        owned = np.minimum(self.starts, self.nominal[0])
+        first = np.minimum(fine.starts[:-1], fine.nominal[0]) // x
+        end = -(-np.minimum(fine.starts[1:], fine.nominal[0]) // x)
+        u = rows_of(fine.comm, u, owned, first, end, self.nominal[0])
+        h = problem.heights
+        begin = fine.rows[0] - int(first[fine.comm.rank]) * x
+
+        def touches(i0: int, i1: int) -> np.ndarray:
+            mask = np.empty((i1 - i0, h.shape[1]), bool)
+            for i in range(x):
+                rows = slice((i - begin - i0) % x, None, x)
+                k = (begin + i0 + rows.start) // x
+                for j in range(y):
+                    heights = h[i0:i1][rows, j::y]
+                    np.less_equal(
+                        heights, -u[k : k + len(heights), : heights.shape[1]], out=mask[rows, j::y]
+                    )
+            return mask
+
+        return Rectangle.of(fine, touches)
+
+
+class NestedStart(NamedTuple):
+    """What the coarser grids have found. The same on all ranks, but for the gap.
+
+    Attributes
+    ----------
+    gap : ndarray or None
+        The gap to start from, local slab of the grid; None with a box.
+    pairs : float
+        FFT pairs that it took, converted to pairs of the grid.
+    coarser : list of CoarseContact
+        The contacts on all coarser grids, finest first; with a box all but the first.
+    box : Box or None
+        Where all points that can touch are, if it was asked for and the contact is light.
+    """
+
+    gap: np.ndarray | None
+    pairs: float
+    coarser: list[CoarseContact]
+    box: Box | None = None
+
 
 class Nested:
     """All coarser grids of a grid, with their transforms; makes starts on it.
@@ -235,6 +295,12 @@ class Nested:
         return self.step is None
 
     @property
+    def coarsening(self) -> list[int]:
+        """Points per point of the next coarser grid, which must exist, along x and y."""
+        assert self.step is not None  # there is a coarser grid
+        return self.step.steps
+
+    @property
     def grids(self) -> list[Grid]:
         """The coarser grids of which this rank owns rows, finest first."""
         return [self.coarser.grid, *self.coarser.grids] if self.coarser is not None else []
@@ -245,7 +311,8 @@ class Nested:
         make_solver: MakeSolver,
         target: Target,
         into: np.ndarray | None = None,
-    ) -> tuple[np.ndarray, float, list[CoarseContact]]:
+        find_box: FindBox | None = None,
+    ) -> NestedStart:
         """Solve a problem roughly on the coarser grids, and interpolate to a start on this grid.
 
         On the coarsest grid the start is a rigid plane (`cold_gap`).
@@ -260,15 +327,10 @@ class Nested:
             Has or finds the mean pressure on every grid; it changes.
         into : ndarray, optional
             Array that gets the gap; it may be that of problem.h, which is then overwritten.
-
-        Returns
-        -------
-        gap : ndarray
-            The gap to start from, local slab of the grid: `into`, or a new array.
-        pairs : float
-            FFT pairs that it took, converted to pairs of this grid.
-        coarser : list of CoarseContact
-            The contacts on all coarser grids, finest first. The same on all ranks.
+        find_box : callable, optional
+            Looks at the problem on the next coarser grid and the gap to start from there. If it
+            returns a Box, and there is one with the heights of this grid, too, nothing more is
+            solved: the contact is found there.
 
         Raises
         ------
@@ -279,22 +341,33 @@ class Nested:
             g = cold_gap(problem)
             if into is not None:
                 into[...] = g
-            return (g if into is None else into), 0.0, []
+            return NestedStart(g if into is None else into, 0.0, [])
         coarse = self.step.problem(problem)
+        start, box = self._start_of_coarse(coarse, make_solver, target, find_box, problem.grid.comm)
+        if box is not None:
+            gap = None if start is None else start.gap
+            touching = self.step.touching(problem, coarse, gap)
+            box = Box.around(touching, self.grid, self.grids, self.grid.comm)
         solver = None
         full = False
         pairs = 0.0
         coarser: list[CoarseContact] = []
         signal = 0
-        if coarse is not None and self.coarser is not None:
+        if coarse is not None and start is not None:
             try:
-                g, pairs, coarser = self.coarser.start(coarse, make_solver, target)
+                assert start.gap is not None  # no box was asked for there
                 coarse = replace(coarse, p0=target.begin(coarse))
-                solver = roughly_solved(coarse, make_solver, g, self.reduction, target)
-                pairs = (pairs + solver.pairs) * coarse.grid.cell_points / problem.grid.cell_points
-                contact = solver.progress(with_errors=False).contact
-                full = not coarse.grid.padded and contact == coarse.grid.N
-                coarser = coarser_contacts(solver, coarser, coarse.grid.a / problem.grid.a)
+                pairs = start.pairs
+                scale = coarse.grid.a / problem.grid.a
+                if box is not None:
+                    coarser = [c._replace(gap_mean=c.gap_mean * scale) for c in start.coarser]
+                else:
+                    solver = roughly_solved(coarse, make_solver, start.gap, self.reduction, target)
+                    pairs += solver.pairs
+                    contact = solver.progress(with_errors=False).contact
+                    full = not coarse.grid.padded and contact == coarse.grid.N
+                    coarser = coarser_contacts(solver, start.coarser, scale)
+                pairs *= coarse.grid.cell_points / problem.grid.cell_points
             except interrupt.Stopped as stopped:
                 signal = stopped.number
         # rank 0 has a part in all grids
@@ -302,7 +375,36 @@ class Nested:
         if signal:
             interrupt.stop(signal)
         target.agree(problem.grid.comm)
-        return _prolong(problem, self.step, coarse, solver, full, into), pairs, coarser
+        if box is not None:
+            return NestedStart(None, pairs, coarser, box)
+        gap = _prolong(problem, self.step, coarse, solver, full, into)
+        return NestedStart(gap, pairs, coarser)
+
+    def _start_of_coarse(
+        self,
+        coarse: Problem | None,
+        make_solver: MakeSolver,
+        target: Target,
+        find_box: FindBox | None,
+        comm: Comm,
+    ) -> tuple[NestedStart | None, Box | None]:
+        """Return the start on the next coarser grid, None on ranks without rows of it; and its box.
+
+        Collective on `comm`, that of this grid.
+        """
+        start = box = None
+        signal = 0
+        if coarse is not None and self.coarser is not None:
+            try:
+                start = self.coarser.start(coarse, make_solver, target)
+                if find_box is not None and start.gap is not None and start.coarser:
+                    box = find_box(coarse, start.gap)
+            except interrupt.Stopped as stopped:
+                signal = stopped.number
+        box, signal = comm.bcast((box, signal))
+        if signal:
+            interrupt.stop(signal)
+        return start, box
 
 
 def roughly_solved(
@@ -310,31 +412,9 @@ def roughly_solved(
 ) -> Solver:
     """Make a solver, and iterate until its residual is small enough for a coarse grid. Collective.
 
-    No certificate is computed. After NestedCalibration.iterations, or if the state is not finite,
-    the solver is returned as it is.
-
-    Parameters
-    ----------
-    problem : Problem
-        The problem on the coarse grid.
-    make_solver : callable
-        Makes the solver of a problem: ``make_solver(problem)``.
-    g : ndarray
-        Gap to start from, local slab.
-    reduction : float
-        Residual to reach, over that of the start.
-    target : Target
-        May change the mean pressure during the iterations.
-
-    Returns
-    -------
-    Solver
-        A new one, at the approximate solution.
-
-    Raises
-    ------
-    Stopped
-        On all ranks, if a signal asks the run to stop.
+    It starts from g, and reduces the residual by `reduction`; no certificate is computed. After
+    NestedCalibration.iterations, or if the state is not finite, the solver is returned as it is.
+    Raises Stopped on all ranks if a signal asks the run to stop.
     """
     solver = make_solver(problem)
     solver.start(g)

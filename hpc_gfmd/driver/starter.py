@@ -9,15 +9,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ..certificate.criterion import StoppingCriterion
+from ..certificate.of_pressure import certify_pressure
+from ..parallel import interrupt
 from ..solvers import solver_class
+from .box import Box, Rectangle, solved_in
 from .branches import goes_on
-from .drive import certificate_of
-from .nested import cold_gap, roughly_solved, undeformed_gap
+from .drive import certificate_of, drive
+from .nested import Nested, cold_gap, roughly_solved, undeformed_gap
 from .target import Target
 
 if TYPE_CHECKING:
@@ -27,6 +31,7 @@ if TYPE_CHECKING:
     from ..solvers.base import Solver
     from .grid_errors import CoarseContact
     from .load import Load
+    from .nested import FindBox
     from .working_surface import WorkingSurface
 
 # A load starts from the one before if it is larger or smaller by less than these factors, else from
@@ -39,6 +44,8 @@ WARM_DOWN = 1.26
 WORSE_THAN_UNDEFORMED = 1e4
 # Residual, over that of its start, of the contact without attraction from which one with it starts
 WITHOUT_ATTRACTION = 0.02
+# Share of the accuracy up to which the certificate of a box need not know a pressure
+NEGLECTED = 0.1
 
 
 class Start(NamedTuple):
@@ -58,12 +65,13 @@ class Start(NamedTuple):
 
 class Candidate(NamedTuple):
     """A gap to start from, the FFT pairs that it took, the contacts on coarser grids, and whether
-    it may be the solution."""
+    it may be the solution; or a box to solve the contact in, and no gap yet."""
 
     gap: np.ndarray
     pairs: float = 0.0
     coarser: Sequence[CoarseContact] = ()
     may_be_solved: bool = False
+    box: Box | None = None
 
 
 class Starter:
@@ -98,19 +106,28 @@ class Starter:
         self.forget()
         self._kept = gap
 
-    def start(self, working: WorkingSurface, load: Load, gap: np.ndarray | None = None) -> Start:
+    def start(
+        self,
+        working: WorkingSurface,
+        load: Load,
+        gap: np.ndarray | None = None,
+        in_box: bool = True,
+    ) -> Start:
         """Start the solver at a load, and make the solver if there is none.
 
         The solution of the load before is taken as it is (see `follows`), else the first of `_gaps`
-        that has not far too much energy. `gap`, a local slab, is copied. The load's target changes:
+        that has not far too much energy. `gap`, a local slab, is copied; in_box: whether a light
+        contact may be solved in a box. The load's target changes:
         coarser grids already use it. Collective; raises Stopped on all ranks if a signal asks the
         run to stop while coarser grids are solved.
         """
         if gap is None and self._kept is None and self.follows(working, load):
             return self._continue(working, load)
         problem = self._problem_to_start(working, load)
-        gaps = self._gaps(working, load, problem, gap)
+        gaps = self._gaps(working, load, problem, gap, in_box)
         first = next(gaps)
+        if first.box is not None:
+            return self._start_in_box(working, load, problem, first)
         solver, criterion = self._solver_for(working, load, problem, first.gap)
         if first.may_be_solved:
             certificate = _certified(solver, criterion, first.gap)
@@ -126,7 +143,12 @@ class Starter:
     # -- the ways to start
 
     def _gaps(
-        self, working: WorkingSurface, load: Load, problem: Problem, gap: np.ndarray | None
+        self,
+        working: WorkingSurface,
+        load: Load,
+        problem: Problem,
+        gap: np.ndarray | None,
+        in_box: bool,
     ) -> Iterator[Candidate]:
         """Yield gaps to start a load from, the best first.
 
@@ -156,7 +178,14 @@ class Starter:
             yield Candidate(cold_gap(problem))
         else:
             bare = replace(problem, attraction=None)
-            gap, pairs, coarser = nested.start(bare, self._make, load.target, memory)
+            find_box = self._box_finder(working, load, nested) if in_box else None
+            start = nested.start(bare, self._make, load.target, memory, find_box)
+            pairs = start.pairs
+            coarser = start.coarser
+            if start.gap is None:
+                yield Candidate(np.empty((0, 0)), pairs, coarser, box=start.box)
+                return
+            gap = start.gap
             if attracts:
                 coarser = []
                 if nested.is_coarsest:
@@ -194,7 +223,82 @@ class Starter:
         assert solver is not None
         solver.reset_counts()
         solver.continue_at(load.p0)
-        return Start(solver, self._criterion_for(working, load, solver), 0.0)
+        return Start(solver, self._criterion_for(working, solver, load.closes), 0.0)
+
+    # -- in a box
+
+    def _box_finder(self, working: WorkingSurface, load: Load, nested: Nested) -> FindBox | None:
+        """Return what finds the box of a light contact (box.py); None if it needs the whole grid.
+
+        That is a contact with a periodic axis, an attraction, a hardness, or an unknown pressure.
+        """
+        model = working.model
+        is_open = all(m < n for m, n in zip(nested.grid.nominal, nested.grid.n))
+        if load.target.is_sought or model.attraction or model.hardness or not is_open:
+            return None
+
+        def find(coarse: Problem, gap: np.ndarray) -> Box | None:
+            points = coarse.grid.inside[1]
+            touching = Rectangle.of(coarse.grid, lambda i0, i1: gap[i0:i1, :points] <= 0)
+            if touching is not None:
+                touching = touching.times(nested.coarsening)
+            return Box.around(touching, nested.grid, nested.grids, coarse.grid.comm)
+
+        return find
+
+    def _start_in_box(
+        self, working: WorkingSurface, load: Load, problem: Problem, first: Candidate
+    ) -> Start:
+        """Start from the contact in a box, or in a larger one if points beyond it penetrate."""
+        nested = working.nested()
+        assert nested is not None  # the box comes from there
+        box = first.box
+        pairs = first.pairs
+        alone = partial(self._solve_alone, working)
+        while box is not None:
+            self.forget()  # its memory is needed for the box
+            solved = solved_in(box, problem, nested.grids, alone)
+            gap = problem.grid.empty(problem.dtype)
+            solver, criterion = self._solver_for(working, load, problem, gap)
+            certificate, neglected = certify_pressure(
+                solver.problem_now,
+                solved.part,
+                solver.g,
+                solver.p,
+                solver.levels,
+                criterion.certificate_dtype,
+                criterion.duality,
+            )
+            pairs += solved.pairs + certificate.pairs
+            penetrating = Rectangle.of(problem.grid, partial(_penetrates, solver))
+            if penetrating is None:
+                coarser = solved.coarser_of_surface(certificate.gap_mean, first.coarser)
+                if neglected > NEGLECTED * criterion.tolerance:
+                    certificate = _certified(solver, criterion, solver.g)
+                    pairs += certificate.pairs
+                return Start(solver, criterion, pairs, coarser, certificate)
+            touching = box.touching.joined(penetrating)
+            box = Box.around(touching, problem.grid, nested.grids, problem.grid.comm)
+        self.forget()
+        on_whole = self.start(working, load, in_box=False)
+        return on_whole._replace(pairs=pairs + on_whole.pairs)
+
+    def _solve_alone(
+        self, working: WorkingSurface, problem: Problem
+    ) -> tuple[Solver, float, list[CoarseContact]]:
+        """Solve a contact on a grid of its own, as accurately as asked."""
+        target = Target(problem.p0)
+        nested = Nested(problem.grid, problem.dtype)
+        start = nested.start(problem, self._make, target)
+        assert start.gap is not None  # no box is asked for
+        solver = self._make(problem, start.gap)
+        criterion = self._criterion_for(working, solver)
+        if criterion.residual is not None:  # of the pressure over that of the whole surface
+            share = np.sqrt(problem.grid.N / working.surface.grid.N)
+            criterion = replace(criterion, residual=criterion.residual * share)
+        pairs = start.pairs + _lay_down(solver, criterion, start.gap)
+        outcome = drive(solver, criterion, lambda *_: interrupt.check(problem.grid.comm), target)
+        return solver, pairs + solver.pairs + outcome.pairs, start.coarser
 
     # -- their steps
 
@@ -233,10 +337,10 @@ class Starter:
             self.solver = self._make(problem, gap)
         self.solver.reset_counts()
         self.solver.p0 = problem.p0
-        return self.solver, self._criterion_for(working, load, self.solver)
+        return self.solver, self._criterion_for(working, self.solver, load.closes)
 
     def _criterion_for(
-        self, working: WorkingSurface, load: Load, solver: Solver
+        self, working: WorkingSurface, solver: Solver, closes: bool = False
     ) -> StoppingCriterion:
         """Return the criterion of a load; its certificate is in double precision if rounding errors
         would spoil one in the working precision."""
@@ -246,7 +350,7 @@ class Starter:
             self.criterion,
             certificate_dtype=dtype.type,
             in_turn=working.certifies_in_turn and dtype != working.dtype,
-            closes=load.closes,
+            closes=closes,
         )
 
 
@@ -276,6 +380,11 @@ def _certified(solver: Solver, criterion: StoppingCriterion, gap: np.ndarray) ->
     if gap is not solver.g:
         solver.g[...] = gap
     return certificate_of(solver, criterion)
+
+
+def _penetrates(solver: Solver, i0: int, i1: int) -> np.ndarray:
+    """Return which points of some local rows of the surface penetrate the wall."""
+    return solver.g[i0:i1, : solver.grid.inside[1]] < 0
 
 
 def _is_worse_than_undeformed(solver: Solver) -> bool:

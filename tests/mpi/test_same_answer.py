@@ -1,5 +1,7 @@
 """Areas, gaps, pressures, surfaces and files do not depend on the number of ranks."""
 
+from dataclasses import replace
+from functools import partial
 from math import inf
 
 import h5py
@@ -11,6 +13,7 @@ from mpi.same import Alone, assert_same, compare, every_size, sweeps
 import hpc_gfmd
 from hpc_gfmd.certificate.error_estimates import Estimate
 from hpc_gfmd.certificate.misclassified import misclassified_points
+from hpc_gfmd.driver import box, nested
 from hpc_gfmd.driver.load import Load
 from hpc_gfmd.operators.problem import Problem
 from hpc_gfmd.parallel.comm import SerialComm
@@ -58,6 +61,19 @@ def test_prescribed(comm, quantity, value, low_memory, hardness):
         steps = [sweep.solve(Load(quantity, factor * value)) for sweep in pair]
         assert steps[0].p_mean == pytest.approx(steps[1].p_mean, rel=1e-6)
         assert_same(comm, *steps, tolerance=1e-5)
+
+
+@pytest.mark.parametrize("centre", [(0.0, 0.0), (0.5, -0.3)])
+def test_a_light_contact_in_a_box(comm, centre, monkeypatch):
+    """The box is on the ranks of a coarser grid; its rows come from those of the surface."""
+    monkeypatch.setattr(box, "SMALLEST", 0)
+    monkeypatch.setattr(nested, "CALIBRATION", replace(nested.CALIBRATION, rank_points=2**8))
+    x, y = ((np.arange(300) / 299 - 0.5 - c)[:, None] for c in centre)
+    z = -(x**2 + y.T**2) / 2
+    make = partial(sweep_over, z, free=(True, True), accuracy=1e-6)
+    contact = make(comm=comm).solve(3e-5)
+    assert contact.iterations == 0
+    assert_same(comm, contact, Alone(comm, make).solve(3e-5), tolerance=1e-5)
 
 
 with_edges = pytest.mark.parametrize(

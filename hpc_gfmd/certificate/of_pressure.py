@@ -1,0 +1,138 @@
+"""The certificate of a pressure instead of a gap: one application of S computes the gap.
+
+For pressures that were solved elsewhere, in a part of the surface. What is given is a pressure p of
+the right load and the points that it closes; g = S p + h, moved so that closed points are at 0 in
+the mean. What then is left of their gap is set to 0, which takes a further pressure. The
+certificate does not know it, and says how large it is at most.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import DTypeLike
+
+from ..kernels.certify import KktSums, kkt_residuals
+from ..operators.elastic import Elastic
+from .certificate import Certificate, Recomputed, measured
+
+if TYPE_CHECKING:
+    from ..operators.multilevel import Multilevel
+    from ..operators.problem import Problem
+
+
+class Part(NamedTuple):
+    """The pressure on a part of the surface, beyond which it is 0: this rank's points of it.
+
+    Attributes
+    ----------
+    rows, columns : slice
+        Local rows and columns; no rows on a rank that has none of the part.
+    p : array
+        The pressure on these points.
+    closed : array of bool
+        Which of them are in contact.
+    """
+
+    rows: slice
+    columns: slice
+    p: np.ndarray
+    closed: np.ndarray
+
+
+def certify_pressure(
+    problem: Problem,
+    part: Part,
+    g: np.ndarray,
+    p: np.ndarray,
+    levels: Multilevel,
+    dtype: DTypeLike = np.float64,
+    dual: bool = False,
+) -> tuple[Certificate, float]:
+    """Compute gap and certificate of a pressure on a part of the surface. Collective, one FFT pair.
+
+    Returns the certificate, and the norm of the pressure that it neglects over that of p, at most.
+    g and p get gap and pressure, local slabs; g is below 0 where points beyond the part penetrate.
+    Needs stored heights, without a hardness or an attraction. The fields of `levels` are
+    overwritten.
+    """
+    grid = problem.grid
+    _spread(part, p)
+    elastic = Elastic(grid, problem.body, dtype)
+
+    def load(i0: int, i1: int, x: np.ndarray) -> None:
+        x[: i1 - i0] = p[i0:i1]
+
+    elastic.pressure_rows(load)
+    uKu = elastic.displacement_columns()
+    level = _gap(problem, elastic, part, g)
+    penetration, squares = _close(part, g)
+
+    def look(i0: int, i1: int) -> tuple[KktSums, float]:
+        worst = np.zeros(g.shape[1])
+        x = p[i0:i1].astype(dtype)
+        return kkt_residuals(g, p, x, 0.0, None, grid.inside, i0, i1, worst)
+
+    looks = grid.by_rows(look)
+    sums = [of_rows for of_rows, _ in looks] or [KktSums(*[0.0] * len(KktSums._fields))]
+    *totals, squares, uKu = grid.comm.sum([*np.sum(sums, axis=0), squares, uKu])
+    tension = max((tension for _, tension in looks), default=0.0)
+    tension, penetration = grid.comm.max([tension, penetration]).tolist()
+    state = Recomputed(
+        sums=KktSums(*totals),
+        tension=tension,
+        uKu=float(uKu),
+        mean=-level,
+        level=0.0,
+        attraction=0.0,
+        energy_of_attraction=0.0,
+    )
+    stiffest = problem.body.bounds(grid)[1]
+    neglected = stiffest * float(np.sqrt(squares / max(state.sums.closed_pp, 1e-300)))
+    certificate = measured(problem, elastic, g, p, state, penetration, levels, dual, None)
+    return certificate, neglected
+
+
+def _spread(part: Part, p: np.ndarray) -> None:
+    """Set p to the pressure of the part there, and to 0 elsewhere."""
+    p[...] = 0
+    p[part.rows, part.columns] = part.p
+
+
+def _gap(problem: Problem, elastic: Elastic, part: Part, g: np.ndarray) -> float:
+    """Set g to the gap of the pressure, 0 at closed points in the mean; return by what it moved.
+
+    `elastic` has multiplied the columns of the pressure by S. Collective.
+    """
+    grid = problem.grid
+    rows, points = grid.inside
+    h = problem.heights
+
+    def add(i0: int, i1: int, u: np.ndarray) -> None:
+        g[i0:i1] = u[: i1 - i0]
+        inner = max(min(i1, rows) - i0, 0)
+        g[i0 : i0 + inner, :points] += h[i0 : i0 + inner]
+
+    elastic.use_rows(add)
+    closed = g[part.rows, part.columns][part.closed]
+    total, count = grid.comm.sum([closed.sum(dtype=np.float64), closed.size])
+    level = float(total / max(count, 1))
+
+    def move(i0: int, i1: int) -> None:
+        g[i0:i1] -= g.dtype.type(level)
+
+    grid.by_rows(move)
+    return level
+
+
+def _close(part: Part, g: np.ndarray) -> tuple[float, float]:
+    """Make the gap of the part feasible: 0 at closed points, and not below it at open ones.
+
+    Returns the largest penetration before, and the sum of the squares of the changes.
+    """
+    of_part = g[part.rows, part.columns]
+    feasible = np.where(part.closed, 0, np.maximum(of_part, 0))
+    change = np.subtract(feasible, of_part, dtype=np.float64)
+    of_part[...] = feasible
+    return float(change.max(initial=0.0)), float(np.vdot(change, change))

@@ -1,0 +1,103 @@
+"""Light contacts with free edges in a box: the same answers as on the whole grid."""
+
+import numpy as np
+import pytest
+from contacts import field, random_heights, relative, sweep_over
+
+from hpc_gfmd.driver import box as module
+from hpc_gfmd.driver import starter
+from hpc_gfmd.driver.box import Rectangle
+from hpc_gfmd.driver.nested import Decimation
+from hpc_gfmd.driver.starter import Starter
+
+N = 256
+X = (np.arange(N) - 0.5 * (N - 1)) / N
+ACCURACY = 1e-5
+
+
+def ball(x=0.0, y=0.0):
+    """Heights of a ball whose top is at (x, y) on the square from -0.5 to 0.5."""
+    return -((X[:, None] - x) ** 2 + (X - y) ** 2) / 2
+
+
+@pytest.fixture
+def boxes(monkeypatch):
+    """The boxes that were solved; they are used on small grids, too."""
+    solved = []
+    solve = starter.solved_in
+
+    def noted(box, *arguments):
+        solved.append(box)
+        return solve(box, *arguments)
+
+    monkeypatch.setattr(starter, "solved_in", noted)
+    monkeypatch.setattr(module, "SMALLEST", 0)
+    return solved
+
+
+def compare(z, p, monkeypatch):
+    """Compare a contact with that on the whole grid; return both."""
+
+    def solved():
+        sweep = sweep_over(z, free=(True, True), accuracy=ACCURACY, precision="double")
+        return sweep.solve(p)
+
+    contact = solved()
+    with monkeypatch.context() as patch:
+        patch.setattr(Starter, "_box_finder", lambda *_: None)
+        whole = solved()
+    assert contact.status == whole.status == "converged"
+    for name in ("pressure", "gap"):
+        assert relative(field(contact, name), field(whole, name)) < 2 * ACCURACY
+    assert contact.contact_points == pytest.approx(whole.contact_points, rel=2 * ACCURACY, abs=1)
+    assert contact.gap_mean == pytest.approx(whole.gap_mean, rel=2 * ACCURACY)
+    assert contact.approach == pytest.approx(whole.approach, rel=10 * ACCURACY)
+    assert contact.energy == pytest.approx(whole.energy, rel=10 * ACCURACY)
+    return contact, whole
+
+
+@pytest.mark.parametrize(
+    "z",
+    [ball(), ball(0.5, -0.3), ball(-0.2, 0.1) + 2e-5 * random_heights((N, N), seed=1)],
+    ids=["ball", "at an edge", "rough ball"],
+)
+def test_a_box_gives_the_contact_of_the_whole_grid(boxes, monkeypatch, z):
+    contact, whole = compare(z, 3e-5, monkeypatch)
+    assert len(boxes) == 1
+    assert contact.iterations == 0
+    assert contact.pairs < 0.8 * whole.pairs
+    for name in ("gap", "pressure_max"):
+        of_box, of_whole = (getattr(one.of_grid, name) for one in (contact, whole))
+        assert of_box == pytest.approx(of_whole, rel=1)  # coarse contacts are rough
+
+
+def test_points_that_coarse_grids_lack_are_in_the_box(boxes, monkeypatch):
+    z = ball()
+    z[151, 153] = 5e-5
+    contact, _ = compare(z, 3e-6, monkeypatch)
+    assert len(boxes) == 1
+    assert contact.touching(151, 152)[0, 153]
+
+
+def test_a_box_grows_until_nothing_penetrates(boxes, monkeypatch):
+    """The first box is wrong; the next one has what penetrates, or the whole grid is taken."""
+    monkeypatch.setattr(Decimation, "touching", lambda *_: Rectangle(200, 208, 60, 64))
+    compare(ball(-0.1, 0.1), 3e-5, monkeypatch)
+    assert 1 <= len(boxes) <= 3
+
+
+def test_contacts_that_no_box_holds_are_solved_on_the_whole_grid(boxes, monkeypatch):
+    contact, whole = compare(np.maximum(ball(-0.3, 0), ball(0.3, 0)), 1e-5, monkeypatch)
+    assert boxes == []
+    assert contact.pairs == whole.pairs
+
+
+@pytest.mark.parametrize("sides", [(0, 8, 0, 8), (30, 41, 5, 100), (250, 256, 100, 200)])
+def test_a_box_is_within_the_surface_with_its_margin(sides):
+    i0, i1, j0, j1 = sides
+    first = module._place(Rectangle(*sides), (256, 256), (128, 128))
+    for begin, (lo, hi) in zip(first, ((i0, i1), (j0, j1))):
+        assert 0 <= begin <= 128
+        assert begin <= max(lo - (hi - lo) / 8, 0)
+        assert begin + 128 >= min(hi + (hi - lo) / 8, 256)
+    assert module._place(Rectangle(0, 120, 100, 220), (256, 256), (128, 128)) is None
