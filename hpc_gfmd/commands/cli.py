@@ -203,11 +203,12 @@ def _parsed(arguments: Sequence[str], script: Callable[[], ArgumentParser] | Non
 
 
 def _require_command(name: str) -> None:
-    """Raise SceneError, which names the nearest command, if hpc-gfmd has no command `name`."""
+    """Raise SceneError, which names a similar command, if hpc-gfmd has no command `name`."""
     if name not in COMMANDS:
-        (nearest,) = difflib.get_close_matches(name[:80], COMMANDS, n=1, cutoff=0)
+        similar = difflib.get_close_matches(name[:80], COMMANDS, n=1)
+        hints = [f"nearest: {command}, " for command in similar]
         raise SceneError(
-            f"COMMAND: found {one_line(repr(name), 80)}, nearest: {nearest}, allowed:"
+            f"COMMAND: found {one_line(repr(name), 80)}, {''.join(hints)}allowed:"
             f" {', '.join(COMMANDS)} (see hpc-gfmd --help)"
         )
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..output.read import read_result
 from ..output.result import Result
-from ..scene.explain import nearest
+from ..scene.explain import suggested
 from ..util.errors import GfmdError, SceneError, reason
 from .curves import OVERVIEW, QUANTITIES, curves, is_tight
 from .maps import FIELDS, maps, title_of
@@ -190,7 +190,7 @@ def _refuse(what: Any, results: Mapping[str, Result], step: Any) -> NoReturn:
         allowed += " (maps need output.fields, spectra output.distributions, distributions either)"
     of = "" if step is None else f" of step {step}"
     is_misspelt = isinstance(what, str) and what not in PICTURES
-    hint = f'nearest: "{nearest(what, PICTURES)}", ' if is_misspelt else ""
+    hint = suggested(what, PICTURES) if is_misspelt else ""
     raise SceneError(f"what: found {what!r}{of}, {hint}allowed: {allowed}")
 
 

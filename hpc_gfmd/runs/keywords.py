@@ -57,11 +57,11 @@ def scene_with(scene: Scene, arguments: dict[str, Any]) -> Scene:
 
 
 def _tables(arguments: dict[str, Any]) -> dict[str, dict[str, Any]]:
-    """Return keywords sorted into the tables of a scene; an unknown one into the likeliest."""
+    """Return keywords sorted into the tables of a scene. Raises SceneError for an unknown one."""
     tables: dict[str, dict[str, Any]] = {}
     for key, value in arguments.items():
         if value is not None or key not in TABLE_OF_KEY:
-            table = TABLE_OF_KEY.get(key) or TABLE_OF_KEY[nearest(key, TABLE_OF_KEY)]
+            table = TABLE_OF_KEY.get(key) or _refuse(key)
             tables.setdefault(table, {})[key] = plain(value)
     return tables
 
@@ -78,7 +78,7 @@ def require_keywords(named: dict[str, Any], further: dict[str, Any]) -> None:
 
 
 def _refuse(key: str) -> NoReturn:
-    """Raise SceneError for a keyword that is no key, with the nearest one that `solve` takes."""
+    """Raise SceneError for a keyword that is no key, with a similar one that `solve` takes."""
     if why := not_modelled(key):
         raise SceneError(f"{CALLER}: {key}: {why}, allowed: what hpc-gfmd help scene lists")
     if key in File.model_fields:
@@ -89,6 +89,8 @@ def _refuse(key: str) -> NoReturn:
     if any(key in kind.model_fields for kind in KINDS.values()):
         raise SceneError(f"{CALLER}: found {key}, allowed: in hpc_gfmd.make_surface")
     similar = nearest(key, TABLE_OF_KEY)
+    if not similar:
+        raise SceneError(f"{CALLER}: {key}: unknown key, allowed: what hpc-gfmd help scene lists")
     table = TABLE_OF_KEY[similar]
     allowed = ", ".join(name for name in TABLE_OF_KEY if TABLE_OF_KEY[name] == table)
     raise SceneError(

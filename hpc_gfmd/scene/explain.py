@@ -42,24 +42,19 @@ WRITTEN_AS = {  # what to write instead of keys that do not exist
 
 
 def nearest(name: str, names: Iterable[str]) -> str:
-    """Return the valid name that was probably meant: by the synonyms in MEANT, or the most similar.
-
-    Parameters
-    ----------
-    name : str
-        The invalid name.
-    names : iterable of str
-        Valid names, at least one.
-
-    Returns
-    -------
-    str
-        One of `names`.
+    """Return the valid name that was probably meant, by the synonyms in MEANT or a similar one; ""
+    if none is near.
     """
     names = sorted(names)
     if MEANT.get(name) in names:
         return MEANT[name]
-    return difflib.get_close_matches(name[:80], names, n=1, cutoff=0)[0]
+    return next(iter(difflib.get_close_matches(name[:80], names, n=1)), "")
+
+
+def suggested(name: str, names: Iterable[str]) -> str:
+    """Return 'nearest: "NAME", ' for the valid name that was probably meant; "" if none is near."""
+    near = nearest(name, names)
+    return f'nearest: "{near}", ' if near else ""
 
 
 def require_known(key: str, name: str, names: Iterable[str]) -> None:
@@ -77,13 +72,14 @@ def require_known(key: str, name: str, names: Iterable[str]) -> None:
     Raises
     ------
     SceneError
-        With the nearest valid name, or that the physics of this name is not modelled, and all valid
+        With a near valid name, or that the physics of this name is not modelled, and all valid
         names.
     """
     allowed = sorted(names)
     if name not in allowed:
-        hint = not_modelled(str(name)) or f'nearest: "{nearest(str(name), allowed)}"'
-        raise SceneError(f"{key}: found {shown(name)}, {hint}, allowed: {', '.join(allowed)}")
+        why = not_modelled(str(name))
+        hint = f"{why}, " if why else suggested(str(name), allowed)
+        raise SceneError(f"{key}: found {shown(name)}, {hint}allowed: {', '.join(allowed)}")
 
 
 def shown(value: object) -> str:
@@ -236,29 +232,28 @@ def _fields(scene: Model, table: str) -> Mapping[str, Any]:
 
 
 def _nearest(name: str, of_table: str, siblings: Iterable[str], scene: Model) -> str:
-    """Return "unknown key, nearest: ..." for an unknown key `name`.
+    """Return "unknown key, nearest: ..." for an unknown key `name`, without a hint if none is near.
 
-    `of_table` is the table in which it stands, with a dot ("load."), or "" before the first table;
-    `siblings` are the valid keys there, of which the most similar is suggested. If another table of
-    `scene` has a key of this very name, that is mentioned; for a key before the first table it is
-    suggested instead.
+    `of_table` is the table in which it stands, with a dot ("load."), or "" before the first table.
+    Suggested are a similar one of `siblings`, the valid keys there, and a key of this very name in
+    another table of `scene`.
     """
     places = {
         key: f"{table}.{key}" for table in scene.model_fields for key in _fields(scene, table)
     }
     places |= {key: f"surface.{key}" for kind in KINDS.values() for key in kind.model_fields}
     places |= {table: table for table in scene.model_fields}
-    guess = of_table + nearest(name, siblings)
+    similar = nearest(name, siblings)
+    guesses = [of_table + similar] if similar else []
     elsewhere = places.get(name)
     if elsewhere and elsewhere != of_table + name:  # else: a key of another kind of surface
-        # without a table the key is probably that one
-        guess = f"{guess} ({elsewhere} is a key, too)" if of_table else elsewhere
-    return f"unknown key, nearest: {guess}"
+        guesses.append(elsewhere)
+    return f"unknown key, nearest: {' or '.join(guesses)}" if guesses else "unknown key"
 
 
 def _kind(value: object) -> str:
     """Return the message for a missing or unknown kind of surface."""
     allowed = ", ".join(f'"{kind}"' for kind in KINDS)
-    hint = f'nearest: "{nearest(value, KINDS)}", ' if isinstance(value, str) else ""
+    hint = suggested(value, KINDS) if isinstance(value, str) else ""
     found_text = "not given" if value is None else f"found {shown(value)}"
     return f"surface.kind: {found_text}, {hint}allowed: {allowed}"

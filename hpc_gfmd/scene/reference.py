@@ -260,9 +260,12 @@ def _chosen(key: str | None, listed: list[Section]) -> list[Section]:
 
 
 def _hint(key: str, listed: list[Section]) -> str:
-    """Return what an unknown key may mean: physics that is not modelled, or the nearest key."""
+    """Return what an unknown key may mean: physics that is not modelled, or a similar key."""
     names = {section.table for section in listed} - {""}
     for section in listed:
         for entry in section.keys:
             names |= {entry.name, f"{section.table}.{entry.name}"}
-    return not_modelled(key) or f"which is no key of a scene, nearest: {nearest(key, names)}"
+    similar = nearest(key, names)
+    return not_modelled(key) or (
+        "which is no key of a scene" + (f", nearest: {similar}" if similar else "")
+    )

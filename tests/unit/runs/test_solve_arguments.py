@@ -50,6 +50,7 @@ pressure = 1e40 ; precision = "single" | solver.precision: found "single"
 E_star = 1e-320 | material.E_star: found 1e-320
 pressure = "20 Mpa" | 'Mpa' is no unit of pressure (did you mean "MPa"?), allowed
 tol = 1e-3 | solver.tol: unknown key, nearest: solver.accuracy
+shift = 0.1 | hpc_gfmd.solve: shift: unknown key, allowed: what hpc-gfmd help scene lists
 nu = 0.3 | found nu1 (nu) alone, allowed: with E1, or with thickness
 heights = "z.npy" | allowed: an array, or hpc_gfmd.read_surface('z.npy')
 physical_sizes = {a = 2, b = 4} | surface.physical_sizes

@@ -106,10 +106,10 @@ surface = {kind = "file", path = ["a.npy", "b.npy", "c.npy"]} | or a list of two
 title = "two\nlines" | title: found 'two\nlines', allowed: one line of text
 surface = {hurst = 2, seed = -1} | surface.hurst: found 2, allowed: a number from 0 to 1; surface.seed: found -1, allowed
 surface.hurts = 0.8 | nearest: surface.hurst,
-surface.accuracy = 1e-3 | nearest: surface.boundary (solver.accuracy is a key, too),
+surface.accuracy = 1e-3 | unknown key, nearest: solver.accuracy,
 surface.radius = 1 | surface: found radius with a periodic boundary, allowed: boundary = "free", or along x or y
 surface.kind = "sefl-affine" | nearest: "self-affine",
-xyzzy = 1 | nearest: title,
+xyzzy = 1 | xyzzy: unknown key, allowed: title,
 material.E_star = "50 GPa" ; load.pressure = 0.1 | load.pressure: found 0.1 beside material.E_star = '50 GPa'
 load.pressure = "2 MPa" | material.E_star: found 1 beside load.pressure = '2 MPa', allowed: all pressures with units
 surface = {kind = "sphere", radius = "1 mm", n = [8, 8]} | surface.physical_sizes: found 1 beside surface.radius
