@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from ..output.unit_systems import SYSTEMS
 from ..util.errors import SceneError
+from ..util.quantities import prefixed
 from .common import add_file, add_json, add_overrides, add_quiet, as_json
 
 if TYPE_CHECKING:
@@ -190,11 +191,15 @@ def _tightness(law: InterfaceLaw) -> list[str]:
     A seal that is tight already at the lowest pressure gets no line.
     """
     unit = law.units["pressure"]
+    scale, unit = prefixed(law.pressure.tolist(), unit) if unit == "Pa" else (1.0, unit)
     lines = []
     for axis in "xy":
         closed = law.values.get(f"critical_gap_{axis}")
         if closed is not None and (closed == 0).any() and closed[0] > 0:
+            tight = law.sealing_pressure(axis)
+            leaks = law.pressure[law.pressure < tight][-1]
             lines.append(
-                f"tight along {axis} from {law.sealing_pressure(axis):.4g} {unit}".rstrip()
+                f"tight along {axis} from {tight / scale:.4g} {unit}".rstrip()
+                + f", not yet at {leaks / scale:.4g} {unit}".rstrip()
             )
     return lines

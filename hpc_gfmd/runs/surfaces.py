@@ -35,12 +35,12 @@ def read_surface(path: str | PathLike | Sequence[str | PathLike], **keys: Any) -
         (.x3p, .gwy, .spm, ...); a list of two: the sum of two maps, for two rough bodies.
     **keys
         Those of the scene's [surface] with kind = "file", such as physical_sizes=("10 um", "8 um"),
-        unit="nm", detrend="tilt", fill="harmonic", crop=(x0, y0, x1, y1), boundary="mirror",
-        window="hann", refine=2, downsample=2, flip=True, radius="5 mm", height_range=("0 nm",
-        "500 nm"), dataset="name". Sizes in the file are used unless they are given here; a unit
-        that contradicts the file is refused. boundary is "mirror" for a piece of a larger surface,
-        "free" for a body that ends where the map ends, "periodic", or one for each axis; it must
-        be given where opposite edges do not meet.
+        unit="nm", spikes="median", detrend="tilt", fill="harmonic", crop=(x0, y0, x1, y1),
+        boundary="mirror", window="hann", refine=2, downsample=2, flip=True, radius="5 mm",
+        height_range=("0 nm", "500 nm"), dataset="name". Sizes in the file are used unless they are
+        given here; a unit that contradicts the file is refused. boundary is "mirror" for a piece of
+        a larger surface, "free" for a body that ends where the map ends, "periodic", or one for
+        each axis; it must be given where opposite edges do not meet.
 
     Returns
     -------

@@ -301,6 +301,11 @@ class File(Reading, SurfaceTable):  # type: ignore[misc]
         example=["0 um", "0 um", "5 um", "5 um"],
         default_text="all",
     )
+    spikes: Literal["keep", "median"] = key(
+        "single points 10 times farther from their neighbours than is usual: pressed as they are,"
+        " or put to the median of these",
+        "keep",
+    )
     detrend: Literal["none", "mean", "tilt", "curvature"] = key(
         "subtract the mean, the best plane, or the best paraboloid", "none"
     )

@@ -1,8 +1,8 @@
 """The preparation of a measured height map that the scene asks for.
 
-The steps, in this order: crop, detrend (by the points that were measured), fill, flip, mirror or
-window, refine, downsample, and the form under the map. Each of two scans is filled before they are
-added, see two_scans.py.
+The steps, in this order: crop, spikes, detrend (by the points that were measured), fill, flip,
+mirror or window, refine, downsample, and the form under the map. Each of two scans is filled before
+they are added, see two_scans.py.
 
 One process prepares the whole map, and each step makes a new array. A map in a file that needs no
 step is never read whole, see `needs_preparation`.
@@ -17,7 +17,7 @@ from ..util.errors import SceneError, SurfaceWarning
 from ..util.quantities import format_quantity
 from .fill import filled
 from .form import form_notes
-from .quality import DOUBT, Edges, MapQuality, edges_of, quality_of, window_notes
+from .quality import DOUBT, Edges, MapQuality, edges_of, quality_of, window_notes, without_outliers
 from .resample import resampled
 from .topography import Topography
 from .two_scans import combined, interpolated, name_of, spacings_text
@@ -67,6 +67,7 @@ def asks_for_preparation(spec: Any) -> bool:
         bool(spec.bodies or spec.crop or spec.flip)
         or any(spec.mirrored)
         or (spec.detrend, spec.fill, spec.window) != ("none", "none", "none")
+        or spec.spikes != "keep"
         or (spec.refine, spec.downsample) != (1, 1)
     )
 
@@ -102,6 +103,9 @@ def prepare(topography: Topography, spec: Any, look: bool = False) -> Topography
     topography = replace(topography, rows=lambda start, stop: z[start:stop])
     if spec.crop:
         topography = _cropped(topography, spec)
+    if spec.spikes == "median":
+        z, number = without_outliers(topography.heights())
+        topography = topography.of_heights(z, f"{number} spikes replaced by medians")
     has_window = spec.window != "none"
     detrend = "mean" if has_window and spec.detrend == "none" else spec.detrend
     if detrend != "none":

@@ -307,11 +307,28 @@ def outliers(z: np.ndarray, typical: float) -> int:
     """Count points that are farther from the median of their eight neighbours than DOUBT.outlying
     times the typical difference between neighbours; 0 for fewer than three rows or columns.
     """
-    from scipy.ndimage import median_filter
-
     if min(z.shape) < 3:
         return 0
+    return int(np.count_nonzero(np.abs(z - _around(z)) > DOUBT.outlying * typical))
+
+
+def without_outliers(z: np.ndarray) -> tuple[np.ndarray, int]:
+    """Return heights with each of `outliers` at the median of its neighbours, and their number.
+
+    Points without a height stay so.
+    """
+    if min(z.shape) < 3:
+        return z, 0
+    typical = max(float(np.nanmedian(np.abs(np.diff(z, axis=axis)))) for axis in (0, 1))
+    around = _around(z)
+    stray = np.abs(z - around) > DOUBT.outlying * typical
+    return np.where(stray, around, z), int(np.count_nonzero(stray))
+
+
+def _around(z: np.ndarray) -> np.ndarray:
+    """Return the median of the eight neighbours of each point."""
+    from scipy.ndimage import median_filter
+
     beside = np.ones((3, 3))
     beside[1, 1] = 0
-    distance = np.abs(z - median_filter(z, footprint=beside, mode="mirror"))
-    return int(np.count_nonzero(distance > DOUBT.outlying * typical))
+    return median_filter(z, footprint=beside, mode="mirror")

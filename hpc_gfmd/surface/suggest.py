@@ -236,7 +236,8 @@ def _by_heights(
     if stray:
         result.about.append(
             f"{stray} points stand out of their neighbours by more than {DOUBT.outlying:g} times"
-            " what neighbours differ by: dust or spikes? They are pressed as they are"
+            " what neighbours differ by: dust or spikes? They are pressed as they are;"
+            ' spikes = "median" removes them'
         )
     result.about.append(f"done to it: {', '.join(heights.prepared) or 'nothing'}")
     is_open = not (

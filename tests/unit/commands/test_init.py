@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from contacts import heights_of, rough
 
+import hpc_gfmd
 from hpc_gfmd.commands.init import compose
 from hpc_gfmd.scene import Scene, load_scene
 from hpc_gfmd.scene.reference import markdown, sections, text
@@ -116,6 +117,25 @@ def test_boundary_and_detrending_are_detected(z, chosen, outliers):
     surface = tomllib.loads(text)["surface"]
     assert {key: surface[key] for key in ("boundary", "detrend") if key in surface} == chosen
     assert outliers in (None, any("points stand out" in line for line in notes))
+
+
+def test_spikes_are_replaced_on_request():
+    """By the median of their neighbours, whatever the tilt and the holes are; all else stays."""
+    clean = PART + 0.1 * X
+    spikes = (np.array([5, 20, 31]), np.array([0, 17, 40]))
+    z = clean.copy()
+    z[spikes] += [40, -60, 90]
+    z[50, 7] = np.nan
+    np.savez("map.npz", z=z, physical_sizes=[1.0, 1.0], unit="um")
+    keys = {"boundary": "free", "fill": "harmonic", "spikes": "median"}
+    surface = hpc_gfmd.read_surface("map.npz", **keys)
+    assert "3 spikes replaced by medians" in surface.prepared
+    error = np.abs(1e6 * surface.heights - clean)
+    error[50, 7] = 0
+    assert error[spikes].max() < np.abs(np.diff(clean, axis=1)).max()
+    error[spikes] = 0
+    assert error.max() < 1e-9
+    assert "points stand out" in "".join(compose("map.npz", Path("a.toml"))[2])
 
 
 def test_the_boundary_of_a_piece(tmp_path, cli, monkeypatch):
