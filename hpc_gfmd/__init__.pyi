@@ -10,6 +10,7 @@ from .runs.interface_law import interface_law as interface_law
 from .runs.many import solve_many as solve_many
 from .runs.prepared import PreparedSurface as PreparedSurface
 from .runs.simulation import run as run
+from .runs.slip import slip as slip
 from .runs.solution import Solution as Solution
 from .runs.solutions import Interrupted as Interrupted
 from .runs.solutions import Solutions as Solutions
