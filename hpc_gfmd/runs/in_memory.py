@@ -24,7 +24,7 @@ from ..parallel.grid import Grid
 from ..parallel.guard import collective_errors, on_rank_0, raise_on_all
 from ..parallel.thread_count import threads_of
 from ..scene import Scene, load_scene
-from ..surface import build_surface, surface_size
+from ..surface import Size, build_surface, open_surface
 from ..surface.arrays import complete_array, is_topography
 from ..surface.build import Surface, surface_of
 from ..surface.prepare import mirrored
@@ -124,6 +124,8 @@ class Surfaces:
         All ranks.
     threads : int
         Threads of each rank.
+    size : (n, sizes)
+        Points and lengths along x and y.
     make : callable
         ``make(dtype)`` makes it.
     kept : dict or None
@@ -138,6 +140,7 @@ class Surfaces:
 
     comm: Comm
     threads: int
+    size: Size
     make: Callable[[np.dtype], Surface]
     kept: Kept | None = None
     is_described: bool = True
@@ -163,23 +166,38 @@ class Surfaces:
 
 
 def surfaces_of_scene(
-    comm: Comm, scene: Scene, threads: int | None = None, keep: bool = False
+    comm: Comm, scene: Scene, keep: bool = False, is_only_one: bool = True
 ) -> Surfaces:
     """Return what makes the surface of a scene, from a formula or a file. Collective.
 
-    `threads` of each rank; default: those of the scene. `keep`: whether the surface is made only
-    once in each precision, and stays in memory.
+    `keep`: whether the surface is made only once in each precision, and stays in memory.
+    `is_only_one`: whether a file stays open until the surface is made; else it is opened again.
     """
-    if threads is None:
-        n, _ = on_rank_0(comm, "reading the surface", lambda: surface_size(scene.surface))
-        threads = threads_of(comm, scene.machine.threads, n[0] * n[1])
+    topography: Topography | None = None  # of a file, on rank 0, until the first surface is made
+
+    def opened_size() -> Size:
+        nonlocal topography
+        topography, size = open_surface(scene.surface)
+        return size
+
+    def opened() -> Topography | None:
+        nonlocal topography
+        handed_over = topography
+        topography = None
+        return handed_over
+
+    size = on_rank_0(comm, "reading the surface", opened_size)
+    if not is_only_one:
+        topography = None
+    n, _ = size
+    threads = threads_of(comm, scene.machine.threads, n[0] * n[1])
     low_memory = scene.solver.low_memory
 
     def make(dtype: np.dtype) -> Surface:
         whole = scene.may_break_symmetry
-        return build_surface(scene.surface, comm, dtype, threads, low_memory, whole)
+        return build_surface(scene.surface, comm, dtype, threads, low_memory, whole, opened)
 
-    return Surfaces(comm, threads, make, {} if keep and not low_memory else None)
+    return Surfaces(comm, threads, size, make, {} if keep and not low_memory else None)
 
 
 def surfaces_of(comm: Comm, scene: Scene, wall: np.ndarray | PreparedSurface) -> Surfaces:
@@ -218,8 +236,8 @@ def surfaces_of(comm: Comm, scene: Scene, wall: np.ndarray | PreparedSurface) ->
 
     is_described = isinstance(wall, PreparedSurface) and wall.table is not None
     is_measured = hasattr(scene.surface, "path")
-    surfaces = Surfaces(comm, threads, make, kept, is_described, is_measured)
-    return surfaces
+    size = topography.n, topography.sizes
+    return Surfaces(comm, threads, size, make, kept, is_described, is_measured)
 
 
 # -- its loads

@@ -80,7 +80,7 @@ class Sampler:
         ]
         keep = len(scenes) == 1  # more are made again: together they may not fit into the memory
         return [
-            (self._refined(scene), surfaces_of_scene(self.comm, scene, keep=keep))
+            (self._refined(scene), surfaces_of_scene(self.comm, scene, keep, is_only_one=keep))
             for scene in scenes
         ]
 

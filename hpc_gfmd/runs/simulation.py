@@ -27,10 +27,10 @@ from ..output.summary import surface_line
 from ..parallel.comm import Comm
 from ..parallel.guard import on_rank_0
 from ..parallel.interrupt import Interrupt, Stopped
-from ..parallel.thread_count import oversubscription, threads_of
+from ..parallel.thread_count import oversubscription
 from ..parallel.world import comm_of, world
 from ..scene import Scene, load_scene, with_overrides
-from ..surface import Surface, grid_of, surface_size
+from ..surface import Surface, grid_of
 from ..surface.number_range import field_dtype
 from ..util.errors import GfmdError, SceneError
 from ..util.versions import versions
@@ -87,9 +87,9 @@ def run_scene(
     comm = world() if comm is None else comm_of(comm)
     scene = on_rank_0(comm, "reading the scene", lambda: _read_scene(scene, overrides, out))
     check(scene)
-    n, sizes = on_rank_0(comm, "reading the surface", lambda: surface_size(scene.surface))
-    threads = threads_of(comm, scene.machine.threads, n[0] * n[1])
-    surfaces = surfaces_of_scene(comm, scene, threads)
+    surfaces = surfaces_of_scene(comm, scene)
+    threads = surfaces.threads
+    n, sizes = surfaces.size
     say = Reporter(comm, scene.solver, quiet)
     grid = grid_of(n, sizes, comm, free=scene.surface.free, threads=threads)
     require_memory(comm, scene, grid, threads)

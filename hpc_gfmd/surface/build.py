@@ -115,18 +115,27 @@ class Surface:
         return next((axis for axis in (0, 1) if self.grid.nominal[axis] != self.n[axis]), None)
 
 
-def surface_size(spec: Any) -> tuple[tuple[int, int], tuple[float, ...]]:
-    """Return (n_x, n_y) and (L_x, L_y) of a surface; the file of a height map is opened for them.
+Size = tuple[tuple[int, ...], tuple[float, ...]]  # points along x and y, and lengths
 
-    Not collective. spec: the scene's [surface]. Raises SceneError if the file cannot be opened or
-    the scene lacks something; only in the second case heights are read, to list all that it lacks.
+
+def open_surface(spec: Any) -> tuple[Topography | None, Size]:
+    """Return the opened height map of a scene's [surface] and the size of the surface it gives.
+
+    Not collective. The map is None without a file. Raises SceneError if the file cannot be opened
+    or the scene lacks something; only in the second case heights are read, to list all it lacks.
     """
     if spec.n is not None:
-        return tuple(spec.n), spec.physical_sizes
+        return None, (tuple(spec.n), spec.physical_sizes)
     topography = open_topography(spec)
     if topography.lacks:
         prepare(topography, spec)
-    return prepared_size(topography, spec)
+    return topography, prepared_size(topography, spec)
+
+
+def surface_size(spec: Any) -> Size:
+    """Return (n_x, n_y) and (L_x, L_y) of a surface; see `open_surface`."""
+    _, size = open_surface(spec)
+    return size
 
 
 def build_surface(
@@ -136,6 +145,7 @@ def build_surface(
     threads: int = 1,
     low_memory: bool = False,
     whole: bool = False,
+    opened: Callable[[], Topography | None] = lambda: None,
 ) -> Surface:
     """Make or read the surface of a scene. Collective.
 
@@ -154,6 +164,9 @@ def build_surface(
         double precision.
     whole : bool
         Whether to keep both axes where heights vary along one only.
+    opened : function
+        opened() returns the map of a file if it is open on this rank, and keeps no reference to it;
+        else None, and the file is opened.
 
     Returns
     -------
@@ -166,11 +179,11 @@ def build_surface(
     """
     dtype = np.dtype(dtype)
     if spec.kind == "file":
-        topography = _shared(spec, comm)
-        return surface_of(topography, comm, dtype, threads, spec.free, True, whole)
+        shared = partial(_shared, spec, comm, opened)
+        return surface_of(shared(), comm, dtype, threads, spec.free, True, whole)
     if getattr(spec, "has_distribution", False):
-        topography = _on_rank_0(partial(_with_distribution, spec), spec, comm)
-        return surface_of(topography, comm, dtype, threads, spec.free, whole=whole)
+        shared = partial(_on_rank_0, partial(_with_distribution, spec), spec, comm)
+        return surface_of(shared(), comm, dtype, threads, spec.free, whole=whole)
     if spec.kind in MODES:
         made = _made_of_modes(spec, comm, dtype, threads, low_memory)
         if not spec.radius:
@@ -239,23 +252,23 @@ def _rows_of_gap(surface: Surface) -> Rows:
     return lambda start, stop: -surface.height_unit * surface.gap[start - begin : stop - begin]
 
 
-def _shared(spec: Any, comm: Any) -> Topography:
+def _shared(spec: Any, comm: Any, opened: Callable[[], Topography | None]) -> Topography:
     """Return the prepared map of a scene, of which each rank can read its rows. Collective.
 
     Rank 0 reads and prepares it, and the others get their rows; from an array in a file that needs
-    no preparation every rank reads its own.
+    no preparation every rank reads its own. opened: as for `build_surface`.
     """
-    topography = None
+    handed: list[Topography] = []  # so that nothing here refers to the map while it is prepared
     is_read_by_rows = False
     with collective_errors(comm, "reading the surface"):
         if comm.rank == 0:
-            topography = open_topography(spec)
+            handed.append(opened() or open_topography(spec))
             is_read_by_rows = (
-                topography.by_rows and not topography.lacks and not asks_for_preparation(spec)
+                handed[0].by_rows and not handed[0].lacks and not asks_for_preparation(spec)
             )
     if comm.bcast(is_read_by_rows):
-        return _read_by_rows(topography, spec, comm)
-    return _on_rank_0(lambda: prepare(topography or open_topography(spec), spec), spec, comm)
+        return _read_by_rows(handed[0] if handed else None, spec, comm)
+    return _on_rank_0(lambda: prepare(handed.pop(), spec), spec, comm)
 
 
 def _on_rank_0(make: Callable[[], Topography], spec: Any, comm: Any) -> Topography:
@@ -263,20 +276,22 @@ def _on_rank_0(make: Callable[[], Topography], spec: Any, comm: Any) -> Topograp
 
     Collective. spec: a scene's [surface].
     """
-    topography = None
+    about = None  # the map without its heights
     with collective_errors(comm, "reading the surface"):
         if comm.rank == 0:
             topography = make()
-            heights = np.ascontiguousarray(topography.heights())
-    shared = comm.bcast(topography and replace(topography, rows=flat_rows, bodies=()))
+            z = np.ascontiguousarray(topography.heights())
+            about = replace(topography, rows=flat_rows, bodies=())
+            del topography
+    shared = comm.bcast(about)
     starts = nominal_part(grid_of(shared.n, shared.sizes, comm, spec.free)).starts
     begin, end = starts[comm.rank : comm.rank + 2]
-    if topography is None:
+    if comm.rank > 0:
         z = np.empty((end - begin, shared.n[1]))
         comm.exchange({}, {0: z})
-    else:
-        z = heights[begin:end]
-        comm.exchange({k: heights[starts[k] : starts[k + 1]] for k in range(1, comm.size)}, {})
+    elif comm.size > 1:
+        comm.exchange({k: z[starts[k] : starts[k + 1]] for k in range(1, comm.size)}, {})
+        z = z[begin:end].copy()
     return replace(shared, rows=lambda start, stop: z[start - begin : stop - begin])
 
 
@@ -353,12 +368,13 @@ def surface_of(
         Surface,
         n=n,
         rows=(start, stop),
-        checksum=checksum(grid, z, n, sizes, topography.unit) if with_checksum else None,
         unit=topography.unit,
         prepared=topography.prepared,
         map_notes=topography.notes,
     )
     del topography  # the heights, where it holds them
+    if with_checksum:
+        made = partial(made, checksum=checksum(grid, z, n, sizes, made.keywords["unit"]))
     top = _largest(grid, z)
     _by_rows(grid, lambda z: np.subtract(top, z, out=z), z)  # the gap, exact where it is small
     if not cell.padded and not whole:

@@ -155,9 +155,11 @@ def is_plane(table: np.ndarray) -> bool:
     """
     lines, columns = (np.arange(n) / max(n - 1, 1) for n in table.shape)
     corner = table[0, 0]
-    plane = corner + lines[:, None] * (table[-1, 0] - corner) + columns * (table[0, -1] - corner)
     steps = [abs(table[-1, 0] - corner) / len(lines), abs(table[0, -1] - corner) / len(columns)]
-    return bool(np.abs(table - plane).max() <= 0.1 * max(steps))
+    allowed = 0.1 * max(steps)
+    across = corner + columns * (table[0, -1] - corner)
+    planes = (across + line * (table[-1, 0] - corner) for line in lines)
+    return all(np.abs(row - plane).max() <= allowed for row, plane in zip(table, planes))
 
 
 def _rounding(values: np.ndarray) -> np.ndarray:

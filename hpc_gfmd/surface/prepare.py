@@ -99,8 +99,7 @@ def prepare(topography: Topography, spec: Any, look: bool = False) -> Topography
     if lacks:  # only to see what else is
         spec = spec.model_copy(update={"crop": None})
     size, _ = prepared_size(topography, spec)
-    z = topography.heights()
-    topography = replace(topography, rows=lambda start, stop: z[start:stop])
+    topography = _in_memory(topography)
     if spec.crop:
         topography = _cropped(topography, spec)
     if spec.spikes == "median":
@@ -128,6 +127,12 @@ def prepare(topography: Topography, spec: Any, look: bool = False) -> Topography
         z = resampled(topography.heights(), size, spec.free)
         topography = topography.of_heights(z, f"resampled to {size[0]} x {size[1]} points")
     return on_radius(topography, spec)
+
+
+def _in_memory(topography: Topography) -> Topography:
+    """Return a map whose heights are an array, of which `rows` are views."""
+    z = topography.heights()
+    return replace(topography, rows=lambda start, stop: z[start:stop])
 
 
 def complete(topography: Topography) -> Topography:
@@ -276,15 +281,19 @@ def _detrended(topography: Topography, trend: str) -> Topography:
     x, y = (np.vander(np.linspace(-1, 1, n) if n > 1 else [-1.0], 5) for n in z.shape)
     x, y = x[:, ::-1], y[:, ::-1]  # column i: x^i
     moments = x.T @ is_measured.astype(np.float64) @ y
-    moments_of_heights = x.T @ np.where(is_measured, z - mean, 0.0) @ y
+    deviations = z - mean
+    deviations[~is_measured] = 0.0
+    moments_of_heights = x.T @ deviations @ y
     powers = POWERS[trend]
     gram = [[moments[i + k, j + m] for k, m in powers] for i, j in powers]
     factors = np.zeros((5, 5))
     fit = np.linalg.lstsq(gram, [moments_of_heights[power] for power in powers])[0]
     factors[tuple(np.transpose(powers))] = fit
-    z = z - (mean + x @ factors @ y.T)
+    trend_removed = np.matmul(x @ factors, y.T, out=deviations)
+    trend_removed += mean
+    np.subtract(z, trend_removed, out=trend_removed)
     periodic = topography.periodic if trend == "mean" else None
-    return topography.of_heights(z, f"{trend} removed", periodic=periodic)
+    return topography.of_heights(trend_removed, f"{trend} removed", periodic=periodic)
 
 
 def mirrored(topography: Topography, along: tuple[bool, bool]) -> Topography:
@@ -293,20 +302,23 @@ def mirrored(topography: Topography, along: tuple[bool, bool]) -> Topography:
         return topography
     n_x, n_y = topography.n
     copies = [2 if axis else 1 for axis in along]
+    n = (n_x * copies[0], n_y * copies[1])
 
-    def rows_of_both(start: int, stop: int) -> np.ndarray:
+    def rows(start: int, stop: int) -> np.ndarray:
+        z = np.empty((stop - start, n[1]))
+        middle = min(max(n_x - start, 0), stop - start)  # rows before it are those of the map
         straight = topography.rows(min(start, n_x), min(stop, n_x))
         turned = topography.rows(2 * n_x - max(stop, n_x), 2 * n_x - max(start, n_x))[::-1]
-        return np.concatenate([straight, turned])
-
-    along_x = rows_of_both if along[0] else topography.rows
-    beside = (0, n_y) if along[1] else (0, 0)
+        for part, of_map in ((z[:middle], straight), (z[middle:], turned)):
+            part[:, :n_y] = of_map
+            part[:, n_y:] = of_map[:, ::-1] if along[1] else 0
+        return z
 
     return topography.after(
         "mirrored" if all(along) else f"mirrored along {'x' if along[0] else 'y'}",
-        n=tuple(k * copy for k, copy in zip(topography.n, copies)),
+        n=n,
         sizes=tuple(size * copy for size, copy in zip(topography.sizes, copies)),
-        rows=lambda start, stop: np.pad(along_x(start, stop), ((0, 0), beside), "symmetric"),
+        rows=rows,
         periodic=True if all(along) else topography.periodic,
     )
 
@@ -320,7 +332,8 @@ def _windowed(topography: Topography, name: str) -> Topography:
     from scipy.signal.windows import get_window
 
     w_x, w_y = (get_window(name, n) for n in topography.n)
-    z = topography.heights() * w_x[:, None] * w_y
+    z = topography.heights() * w_x[:, None]
+    z *= w_y
     windowed = topography.of_heights(z, f"window {name}", periodic=True)
     counts = np.searchsorted(np.sort(w_y), 0.5 / np.maximum(w_x, 1e-300), side="right")
     kept = float(np.mean(w_y.size - counts) / w_y.size)  # where the window is at least 1/2

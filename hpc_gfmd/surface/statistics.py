@@ -74,9 +74,15 @@ def rms_between_neighbours(grid: Grid, fill: Any, free: tuple[bool, bool]) -> tu
     below = halo.next_row(grid.comm, x[:1], grid.starts)[None]
     if free[0] and grid.rows[1] == grid.n[0]:
         below = x[-1:]  # the last row has no next one
-    along_x = np.diff(x, axis=0, append=below)
-    along_y = np.diff(x, axis=1, append=x[:, -1:] if free[1] else x[:, :1])
-    s0, s_x, s_y = grid.comm.sum([np.vdot(x, x), np.sum(along_x**2), np.sum(along_y**2)])
+    beside = x[:, -1:] if free[1] else x[:, :1]
+    sums = [np.vdot(x, x)]
+    differences = np.empty(x.shape)
+    for lines, next_line, difference in ((x, below, differences), (x.T, beside.T, differences.T)):
+        np.subtract(lines[1:], lines[:-1], out=difference[:-1])
+        np.subtract(next_line, lines[-1:], out=difference[-1:])
+        differences *= differences
+        sums.append(np.sum(differences))
+    s0, s_x, s_y = grid.comm.sum(sums)
     steps = [max(n - ends, 1) for n, ends in zip(grid.n, free)]
     a_x, a_y = (s / grid.a for s in grid.spacings)
     return float(np.sqrt(s0 / grid.N)), float(

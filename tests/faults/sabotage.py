@@ -142,7 +142,7 @@ def lag(seconds, flag):
         time.sleep(float(seconds))
         return go_on()
 
-    simulation.surface_size = after(simulation.surface_size, 1, wait)
+    simulation.surfaces_of_scene = after(simulation.surfaces_of_scene, 1, wait)
 
 
 FAULTS = {
