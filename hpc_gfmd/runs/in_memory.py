@@ -236,8 +236,10 @@ def surfaces_of(comm: Comm, scene: Scene, wall: np.ndarray | PreparedSurface) ->
 
     is_described = isinstance(wall, PreparedSurface) and wall.table is not None
     is_measured = hasattr(scene.surface, "path")
-    size = topography.n, topography.sizes
-    return Surfaces(comm, threads, size, make, kept, is_described, is_measured)
+    n_x, n_y = topography.n
+    size = (n_x, n_y), topography.sizes
+    surfaces = Surfaces(comm, threads, size, make, kept, is_described, is_measured)
+    return surfaces
 
 
 # -- its loads

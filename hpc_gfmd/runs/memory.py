@@ -3,7 +3,9 @@
 By tests/unit/runs/test_measured_memory.py a forecast is never too low, and at most 25 % too high.
 """
 
-from ..scene import Scene
+from pathlib import Path
+
+from ..scene import File, Scene, each
 from ..surface.prepare import asks_for_preparation
 from ..util.machine import GIB
 
@@ -33,10 +35,32 @@ HISTORY = 1.0  # numbers per point for the original heights beside those that lo
 DENTS = 16.0  # bytes per point for dents that stay, those before a load and after it
 RELAXING = 8.0  # for each field of a solid that relaxes: the displacement, and one an element
 LAYER = 1.5  # numbers per point for the stiffness of a layer, a table
+BY_ROWS = (".npy", ".h5", ".hdf5", ".nc")  # names of files of which every rank reads its rows
+# of a map on the process that reads or prepares it
+COPIES = {"read": 2.1, "changed": 3.5, "filled": 5.0, "built": 2.1}
 HALO = 12  # numbers per point along y: rows beside those of the rank on all levels
 RANKED = 72  # bytes per point on rank 0 for heights with a given distribution
 PROCESS_GIB = 0.217  # interpreter, libraries, compiled kernels, buffers of MPI
 THREAD_GIB = 0.0035  # scratch of a thread
+
+
+def _is_read_whole(surface: File) -> bool:
+    """Whether one process reads a whole map, as far as its name and the scene tell."""
+    is_array = all(Path(str(path)).suffix in BY_ROWS for path in each(surface.path))
+    return asks_for_preparation(surface) or not is_array
+
+
+def _copies(surface: File) -> float:
+    """Return how many numbers in double precision a prepared map holds at once, over its points."""
+    step = surface.downsample / surface.refine
+    mirrored = step**2  # points before they are resampled, over those after; likewise the next
+    read = mirrored / 2 ** sum(surface.mirrored)
+    is_changed = surface.detrend != "none" or surface.window != "none"
+    copies = COPIES["filled"] if surface.fill != "none" or surface.bodies else COPIES["read"]
+    copies = max(copies, COPIES["changed"]) if is_changed else copies
+    resampling = mirrored + step + 1 if step != 1 else 0.0
+    mirroring = read if any(surface.mirrored) else 0.0
+    return max(copies * read, resampling + mirroring, COPIES["built"])
 
 
 def memory_of(
@@ -71,10 +95,8 @@ def memory_of(
     if scene.material.adhesion is not None:
         passing.append(STABILITY * itemsize * points)
     nbytes += max(passing) + HALO * itemsize * cell[1]
-    if scene.surface.kind == "file" and asks_for_preparation(scene.surface):  # on rank 0
-        resampling = scene.surface.downsample / scene.surface.refine
-        before = resampling**2 / 2 ** sum(scene.surface.mirrored)  # points, over those after
-        nbytes = max(nbytes, 8 * cell[0] * cell[1] * (3 * before + 2))
+    if scene.surface.kind == "file" and _is_read_whole(scene.surface):  # on rank 0
+        nbytes = max(nbytes, 8 * cell[0] * cell[1] * _copies(scene.surface))
     if getattr(scene.surface, "has_distribution", False):
         nbytes = max(nbytes, RANKED * cell[0] * cell[1])
     return nbytes / GIB + PROCESS_GIB + threads * THREAD_GIB

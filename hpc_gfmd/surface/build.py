@@ -115,7 +115,7 @@ class Surface:
         return next((axis for axis in (0, 1) if self.grid.nominal[axis] != self.n[axis]), None)
 
 
-Size = tuple[tuple[int, ...], tuple[float, ...]]  # points along x and y, and lengths
+Size = tuple[tuple[int, int], tuple[float, ...]]  # points along x and y, and lengths
 
 
 def open_surface(spec: Any) -> tuple[Topography | None, Size]:

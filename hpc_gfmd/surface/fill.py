@@ -43,8 +43,10 @@ def filled(topography: Topography, how: str) -> Topography:
             ' without a height, allowed: finite heights, or fill = "harmonic" where some are known'
         )
     # At an edge a point takes the place of its neighbour beyond, and so counts as missing.
-    around = np.pad(z, 1, "edge")
-    beside = np.array([around[i + 1 + di, j + 1 + dj] for di, dj in NEIGHBOURS]).T
+    last_i, last_j = (k - 1 for k in z.shape)
+    beside = np.array(
+        [z[(i + di).clip(0, last_i), (j + dj).clip(0, last_j)] for di, dj in NEIGHBOURS]
+    ).T
     z = z.copy()
     try:
         z[missing] = _film(z.shape, i * z.shape[1] + j, beside)

@@ -7,9 +7,10 @@ import pytest
 from contacts import random_heights
 from mpi.same import from_rank_0
 
+import hpc_gfmd
 from hpc_gfmd.parallel.comm import SerialComm
-from hpc_gfmd.scene import File
-from hpc_gfmd.surface import build_surface
+from hpc_gfmd.scene import File, Scene
+from hpc_gfmd.surface import build_surface, topography
 from hpc_gfmd.util.errors import SceneError
 
 pytestmark = pytest.mark.mpi
@@ -76,6 +77,20 @@ def test_a_map_that_needs_no_preparation_is_read_by_rows(comm):
     for suffix in ("npy", "txt"):
         with pytest.raises(SceneError, match=r"found nan at \(15, 3\) in .*1 points without"):
             build_surface(File(path=f"holes.{suffix}", **keys), comm, np.float64)
+
+
+def test_a_text_is_opened_once_by_all_ranks_of_a_run(comm, monkeypatch):
+    opened = []
+    original = topography.open_map
+    monkeypatch.setattr(topography, "open_map", lambda spec: opened.append(1) or original(spec))
+    if comm.rank == 0:
+        np.savetxt("z.txt", random_heights((24, 20)))
+    comm.barrier()
+    surface = {"kind": "file", "path": "z.txt", "physical_sizes": SIZES, "boundary": "mirror"}
+    tables = {"load": {"p_star": [0.05, 0.1]}, "solver": {"precision": "single"}}
+    scene = Scene.from_dict(tables | {"surface": surface})
+    hpc_gfmd.run(scene, out="z.h5", quiet=True, comm=comm.mpi)
+    assert len(opened) == (comm.rank == 0)
 
 
 @pytest.mark.parametrize("boundary", ["free", "periodic", ("free", "periodic")])

@@ -78,18 +78,27 @@ def test_ranks_share_the_points():
     assert few == pytest.approx(8 * many, rel=0.1)
 
 
-def test_resampling_stays_within_the_forecast():
-    """One process holds the whole map, in a few copies."""
-    np.save("z.npy", np.zeros((2048, 2048)))
-    surface = '{kind = "file", path = "z.npy", physical_sizes = [1, 1], downsample = 8}'
+@pytest.mark.parametrize(
+    ("keys", "read", "n"),
+    [
+        ("downsample = 8", 2048, 256),
+        ('boundary = "mirror", detrend = "tilt"', 1024, 2048),
+        ('boundary = "mirror", refine = 2', 512, 2048),
+    ],
+)
+def test_preparing_stays_within_the_forecast(keys, read, n):
+    """One process holds the whole map, its largest form in at most three copies."""
+    np.save("z.npy", np.zeros((read, read)))
+    surface = f'{{kind = "file", path = "z.npy", physical_sizes = [1, 1], {keys}}}'
     scene = scene_of(f"surface = {surface} ; load = {{pressure = 0.1}}")
     for _ in range(2):  # the first pass includes imports
         tracemalloc.start()
         build_surface(scene.surface, SerialComm(), np.float64)
         peak_gib = tracemalloc.get_traced_memory()[1] / GIB
         tracemalloc.stop()
-    forecast = memory.memory_of(scene, (256, 256), 4, 1) - memory.PROCESS_GIB
-    assert peak_gib < forecast < 2 * peak_gib
+    several = memory.memory_of(scene, (n, n), 4, 64)  # ranks, so that the solver takes little
+    assert peak_gib < several - memory.PROCESS_GIB < 2 * peak_gib
+    assert peak_gib < 3 * 8 * max(n, read) ** 2 / GIB
 
 
 SURFACES = {
