@@ -10,12 +10,18 @@ from hpc_gfmd.parallel.grid import Grid
 from hpc_gfmd.solvers.bpx import Bpx
 
 
-def energy(problem, g):
-    """Return the mean energy of a gap, including a spring that is relaxed at no displacement."""
+def elastic_product(problem, g):
+    """Return the mean of u K u."""
     q = [2 * np.pi * np.fft.fftfreq(k) for k in problem.grid.n]
     K = np.hypot(q[0][:, None], q[1]) / 2
     u = g - problem.heights
-    elastic = 0.5 * np.mean(u * np.fft.ifft2(K * np.fft.fft2(u)).real)
+    return np.mean(u * np.fft.ifft2(K * np.fft.fft2(u)).real)
+
+
+def energy(problem, g):
+    """Return the mean energy of a gap, including a spring that is relaxed at no displacement."""
+    u = g - problem.heights
+    elastic = 0.5 * elastic_product(problem, g)
     spring = 0.5 * problem.spring * u.mean() ** 2
     return elastic + spring + problem.p0 * g.mean() + problem.attraction.energy(g).mean()
 
@@ -44,3 +50,5 @@ def test_the_energy_never_rises(law, kappa, closed, spring):
     load = 0.05 + spring * (solver.g - h).mean()
     assert solver.p0 == pytest.approx(load)
     assert solver.wall_load == pytest.approx(load + attraction.traction(solver.g).mean())
+    product = elastic_product(problem, solver.g) * solver.N
+    assert solver.uKu == pytest.approx(product, rel=1e-6)
