@@ -11,7 +11,7 @@ from refusal import refused
 from hpc_gfmd.driver import sweep as sweep_module
 from hpc_gfmd.driver.load import Load, Unfinished
 from hpc_gfmd.driver.nested import Nested
-from hpc_gfmd.driver.starter import WARM_DOWN, WARM_UP
+from hpc_gfmd.driver.starter import WARM
 from hpc_gfmd.scene import LoadTable
 
 SURFACE = rough((2, 8, 2))
@@ -35,12 +35,7 @@ def nested_starts(monkeypatch):
 
 @pytest.mark.parametrize(
     ("ratio", "is_near"),
-    [
-        (0.99 * WARM_UP, True),
-        (1.01 * WARM_UP, False),
-        (1.01 / WARM_DOWN, True),
-        (0.99 / WARM_DOWN, False),
-    ],
+    [(0.99 * WARM, True), (1.01 * WARM, False), (1.01 / WARM, True), (0.99 / WARM, False)],
 )
 def test_near_loads_start_from_the_previous_one(nested_starts, ratio, is_near):
     sweep = sweep_of(SURFACE, **EXACT)
