@@ -370,10 +370,34 @@ def numbers():
     return table({" ": "{claim}", "  ": "{number}"}, lines)
 
 
+def light():
+    """Return the table of light contacts with free edges, in a box and on the whole grid."""
+    names = {0.0: "ball", None: "rough piece"}
+    pairs_of_rows = rows("light")
+    lines = [
+        row
+        | {
+            "surface": names.get(row["roughness"], f"ball, roughness {row['roughness']}"),
+            "whole_seconds": whole["cpu_seconds_min"],
+            "whole_pairs": whole["fft_pairs"],
+        }
+        for row, whole in zip(pairs_of_rows[::2], pairs_of_rows[1::2])
+    ]
+    columns = {
+        "surface": "{surface}",
+        "n": "{n}",
+        "area": "{a_r:.2g}",
+        "in a box": "{cpu_seconds_min:.3g} s, {fft_pairs:.1f} pairs",
+        "whole grid": "{whole_seconds:.3g} s, {whole_pairs:.1f} pairs",
+        "ratio": "{over_whole:.2f}",
+    }
+    return table(columns, lines)
+
+
 TABLES = {
     function.__name__: function
     for function in (
-        *(pairs, process, scaling, gpu, storage, releases, billion),
+        *(pairs, process, light, scaling, gpu, storage, releases, billion),
         *(peers, campaign, failures, model, numbers),
     )
 }

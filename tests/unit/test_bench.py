@@ -182,6 +182,7 @@ def test_model_counts_what_ranks_send():
 SMALL = {  # of every item that needs no other code
     "process": "--n 32 --threads 1 2",
     "user": "--n 16",
+    "light": "--n 64 --roughness 0.1 --a-r 0.01",
     "pairs": "--n 32 64 --surfaces 2 1 --accuracy 1e-2",
     "kernels": "--n 64 --precision single",
     "accuracy": "--n 64 --hurst 0.8 --p-star 0.05 --solvers bpx --accuracy 1e-2 1e-4",
