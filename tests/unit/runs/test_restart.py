@@ -193,16 +193,16 @@ def test_a_stopped_load_keeps_double_precision(pieces, monkeypatch):
     count = pieces.undisturbed(stopped_scene)
     assert read_result(pieces.whole).steps[0]["fft_pairs"] > 40  # of both attempts
     precisions = []
-    attempt = Sweep._attempt
+    drive = sweep.drive
 
-    def noted(self, *args):
-        precisions.append(self.dtype.name)
-        return attempt(self, *args)
+    def noted(solver, *args):
+        precisions.append(solver.problem.dtype.name)
+        return drive(solver, *args)
 
     pieces.interrupt.after = count
     pieces.interrupt.polled = 0
     assert run_scene(stopped_scene, out=pieces.path, quiet=True).status == "interrupted"
-    monkeypatch.setattr(Sweep, "_attempt", noted)
+    monkeypatch.setattr(sweep, "drive", noted)
     pieces.interrupt.after = 10**9
     run_scene(stopped_scene, out=pieces.path, quiet=True)
     assert precisions == ["float64"]
