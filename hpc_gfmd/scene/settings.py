@@ -111,8 +111,7 @@ class Material(Table):
     )
 
     relaxation: Elements | None = key(
-        "shares of the modulus that relax, and their times (Prony series); the moduli are those at"
-        " time 0 (needs load.time)",
+        "shares of the modulus at time 0 that relax, and their times (Prony series)",
         None,
         unit="time",
         allowed="a list of [share, time]",
@@ -245,15 +244,13 @@ class LoadTable(Table):
         False,
     )
     time: Loads[Moment] | None = key(
-        "with material.relaxation: times at which the loads are reached, linearly in between; a"
-        " time given twice: a jump; a single load is held",
+        "with material.relaxation: when the loads are reached, linearly; twice the same: a jump",
         None,
         unit="time",
         example=["0 s", "1 s", "10 s"],
     )
     history: bool = key(
-        "with material.hardness: the loads follow from each other, dents stay; otherwise each load"
-        " acts on the undeformed surfaces",
+        "with material.hardness: loads follow from each other, dents stay (not: each by itself)",
         False,
     )
 
