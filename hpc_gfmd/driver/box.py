@@ -129,7 +129,7 @@ def _place(touching: Rectangle, surface: Sequence[int], box: Sequence[int]) -> t
     return tuple(first)
 
 
-class Solved(NamedTuple):
+class BoxContact(NamedTuple):
     """The contact in a box.
 
     Attributes
@@ -162,7 +162,7 @@ class Solved(NamedTuple):
 SolveAlone = Callable[["Problem"], tuple["Solver", float, list[CoarseContact]]]
 
 
-def solved_in(box: Box, problem: Problem, coarser: Sequence[Grid], solve: SolveAlone) -> Solved:
+def solved_in(box: Box, problem: Problem, coarser: Sequence[Grid], solve: SolveAlone) -> BoxContact:
     """Solve a contact in a box. Collective; coarser: the coarser grids, finest first.
 
     solve(problem) solves a contact on a grid of its own; it returns the solver at the solution, the
@@ -198,7 +198,7 @@ def solved_in(box: Box, problem: Problem, coarser: Sequence[Grid], solve: SolveA
     g, p = rows_of(fine.comm, fields, starts, ends[:-1], ends[1:], starts[-1])
     first_row = max(i - fine.rows[0], 0)
     part = Part(slice(first_row, first_row + len(g)), columns, p, (g <= 0) & (p > 0))
-    return Solved(part, pairs, contacts)
+    return BoxContact(part, pairs, contacts)
 
 
 def _grid_of(box: Box, fine: Grid, coarser: Sequence[Grid]) -> Grid | None:

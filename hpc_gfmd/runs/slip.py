@@ -28,7 +28,7 @@ DIGITS = 12  # to which two normal loads have to agree to be one
 Number = float | str
 
 
-class Part(NamedTuple):
+class LoadInterval(NamedTuple):
     """Contact between two normal loads, and the share of its pressure that is traction."""
 
     low: float
@@ -36,30 +36,30 @@ class Part(NamedTuple):
     share: float
 
 
-class State(NamedTuple):
+class SlipState(NamedTuple):
     """The parts of a contact from the largest normal load down, and where slip ends: contact that
     needs a normal load between `edge` and the present one slips."""
 
     normal: float
-    parts: list[Part]
+    parts: list[LoadInterval]
     edge: float
 
 
-def states_of(path: Sequence[tuple[float, float]], friction: float) -> Iterator[State]:
+def states_of(path: Sequence[tuple[float, float]], friction: float) -> Iterator[SlipState]:
     """Yield the state at each pair of normal and tangential load; the first follows no other."""
-    parts: list[Part] = []
+    parts: list[LoadInterval] = []
     tangential = 0.0
     normal = 0.0
     for P, T in path:
         if P > normal:
             share = float(np.clip((T - tangential) / (P - normal), -friction, friction))
-            parts.insert(0, Part(normal, P, share))
+            parts.insert(0, LoadInterval(normal, P, share))
             tangential += share * (P - normal)
         while parts and parts[0].high > P:
             low, high, share = parts.pop(0)
             tangential -= share * (high - max(low, P))
             if low < P:
-                parts.insert(0, Part(low, P, share))
+                parts.insert(0, LoadInterval(low, P, share))
         missing = T - tangential
         sign = friction * np.sign(missing)
         edge = P
@@ -70,12 +70,12 @@ def states_of(path: Sequence[tuple[float, float]], friction: float) -> Iterator[
             edge = low if turned == 1 else high - turned * (high - low)
             missing -= turned * most
             if turned < 1:
-                parts.insert(0, Part(low, edge, share))
+                parts.insert(0, LoadInterval(low, edge, share))
         if edge < P:
-            parts.insert(0, Part(edge, P, sign))
+            parts.insert(0, LoadInterval(edge, P, sign))
         normal = P
         tangential = T
-        yield State(P, list(parts), edge)
+        yield SlipState(P, list(parts), edge)
 
 
 class SlipPath:
@@ -152,7 +152,7 @@ class SlipPath:
         return int(np.abs(self._loads - load).argmin())
 
     @property
-    def states(self) -> list[State]:
+    def states(self) -> list[SlipState]:
         """The state at each step."""
         return self._states
 
@@ -191,7 +191,7 @@ class PartialSlip:
         first = self._solutions[0]
         return 0.0 if first.value("approach") is not None else float(first.heights.mean())
 
-    def _shift(self, state: State) -> float:
+    def _shift(self, state: SlipState) -> float:
         """Return the tangential displacement in a state."""
         return self.path.ratio * sum(
             share * (self._compression_at(high) - self._compression_at(low))
@@ -199,7 +199,7 @@ class PartialSlip:
             if share
         )
 
-    def _slip_area(self, state: State) -> float:
+    def _slip_area(self, state: SlipState) -> float:
         """Return the share of the surface that slips in a state."""
         areas = [
             0.0 if place < 0 else float(self._solutions[place].a_r)
