@@ -2,12 +2,13 @@
 
 For pressures that were solved elsewhere, in a part of the surface. What is given is a pressure p of
 the right load and the points that it closes; g = S p + h, moved so that closed points are at 0 in
-the mean. What then is left of their gap is set to 0, which takes a further pressure. The
-certificate does not know it, and says how large it is at most.
+the mean. What then is left of their gap is set to 0, which takes a further pressure. It is not
+computed; the errors of the certificate grow by the largest that it may be.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -52,7 +53,8 @@ def certify_pressure(
 ) -> tuple[Certificate, float]:
     """Compute gap and certificate of a pressure on a part of the surface. Collective, one FFT pair.
 
-    Returns the certificate, and the norm of the pressure that it neglects over that of p, at most.
+    Returns the certificate, and the norm of the pressure that is not computed over that of p, at
+    most, by which the error of the pressure is larger; those of area and gap grow with it.
     g and p get gap and pressure, local slabs; g is below 0 where points beyond the part penetrate.
     Needs stored heights, without a hardness or an attraction. The fields of `levels` are
     overwritten.
@@ -90,8 +92,20 @@ def certify_pressure(
     )
     stiffest = problem.body.bounds(grid)[1]
     neglected = stiffest * float(np.sqrt(squares / max(state.sums.closed_pp, 1e-300)))
-    certificate = measured(problem, elastic, g, p, state, penetration, levels, dual, None)
-    return certificate, neglected
+    certificate = measured(problem, elastic, g, p, state, penetration, levels, dual)
+    return replace(certificate, errors=_with_neglected(certificate.errors, neglected)), neglected
+
+
+def _with_neglected(
+    errors: tuple[float, float, float], neglected: float
+) -> tuple[float, float, float]:
+    """Return the errors of area, mean gap and pressure for a pressure that is wrong by more.
+
+    The first two are taken to grow as its error and, being one of the energy, as its square.
+    """
+    area, gap, pressure = errors
+    growth = 1 + neglected / pressure if pressure > 0 else 1.0
+    return area * growth, gap * growth**2, pressure + neglected
 
 
 def _spread(part: Part, p: np.ndarray) -> None:

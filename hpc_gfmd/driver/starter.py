@@ -45,7 +45,7 @@ WARM = 1.21
 WORSE_THAN_UNDEFORMED = 1e3
 # Residual, over that of its start, of the contact without attraction from which one with it starts
 WITHOUT_ATTRACTION = 0.02
-# Share of the accuracy up to which the certificate of a box need not know a pressure
+# Share of the accuracy that a pressure which the certificate of a box does not compute may take
 NEGLECTED = 0.1
 
 
@@ -118,9 +118,9 @@ class Starter:
 
         The solution of the load before is taken as it is (see `follows`), else the first of `_gaps`
         that has not far too much energy. `gap`, a local slab, is copied; in_box: whether a light
-        contact may be solved in a box. The load's target changes:
-        coarser grids already use it. Collective; raises Stopped on all ranks if a signal asks the
-        run to stop while coarser grids are solved.
+        contact may be solved in a box. The load's target changes: coarser grids already use it.
+        Collective; raises Stopped on all ranks if a signal asks the run to stop while coarser grids
+        are solved.
         """
         if gap is None and self._kept is None and self.follows(working, load):
             return self._continue(working, load)

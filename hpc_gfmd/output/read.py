@@ -74,9 +74,8 @@ def read_checkpoint(path: Path, identity: str) -> Result | None:
     checkpoint = read_file(path, CHECKPOINT)
     if checkpoint.head.get("identity") != identity:
         raise SceneError(f"{path}: a checkpoint of another scene, allowed: of this one")
-    if [NUMBERS <= {*step} for step in checkpoint.steps] != [
-        True
-    ] or "gap" not in checkpoint.fields[0]:
+    (step,) = checkpoint.steps if len(checkpoint.steps) == 1 else ({},)
+    if not NUMBERS <= step.keys() or "gap" not in checkpoint.fields[0]:
         raise SceneError(f"{path}: a checkpoint of another version of hpc_gfmd, allowed: of this")
     return checkpoint
 

@@ -90,6 +90,8 @@ class SlipPath:
     loads : list of float or str
         Normal loads that have to be solved, in rising order; with their unit if they were given
         with one.
+    states : list of SlipState
+        The state at each step.
     """
 
     def __init__(
@@ -102,9 +104,9 @@ class SlipPath:
         self._unit = unit
         start = (float(normal[0]), 0.0)  # its state is not a step
         steps = zip(normal.tolist(), tangential.tolist(), strict=True)
-        _, *self._states = states_of([start, *steps], friction)
-        ends = {float(end) for state in self._states for part in state.parts for end in part[:2]}
-        ends |= {float(state.edge) for state in self._states}
+        _, *self.states = states_of([start, *steps], friction)
+        ends = {float(end) for state in self.states for part in state.parts for end in part[:2]}
+        ends |= {float(state.edge) for state in self.states}
         largest = max(ends)
         distinct: list[float] = []
         for end in sorted(ends):
@@ -150,11 +152,6 @@ class SlipPath:
         if load <= self._loads[-1] * 10**-DIGITS:
             return -1
         return int(np.abs(self._loads - load).argmin())
-
-    @property
-    def states(self) -> list[SlipState]:
-        """The state at each step."""
-        return self._states
 
 
 class PartialSlip:

@@ -15,6 +15,7 @@ from pydantic import ValidationError, model_validator
 from ..util.errors import SceneError, one_line
 from ..util.quantities import NO_COMMA, format_quantity
 from .explain import explain
+from .history import notes_on_history, require_history
 from .settings import LOADS, PRESSURES, LoadTable, Machine, Material, Output, SolverTable
 from .surface import AnySurface, ArrayTable, File, SelfAffine, Wave
 from .table import Table, Text, about, alike, has_unit, key
@@ -167,65 +168,16 @@ class Scene(Table):
 
     @model_validator(mode="after")
     def _memory(self) -> Self:
-        """Raise ValueError for a memory of the loads (load.history, load.time) without anything to
-        remember, or with what it excludes."""
-        if "dent" in self.output.fields and not self.load.history:
-            raise ValueError('output.fields: found "dent", allowed with load.history')
-        if self.load.history and self.material.hardness is None:
-            raise ValueError("load.history: found true, allowed: with material.hardness")
+        """Raise ValueError for a history that the scene cannot have, see history.py."""
+        require_history(self.load, self.material, self.output)
         if self.solver.low_memory and self.remembers:
             raise ValueError("solver.low_memory: found true with a history, allowed: false")
-        self._require_times()
-        elements = self.material.relaxation
-        if elements is None:
-            return self
-        total = math.fsum(share for share, _ in elements)
-        if total >= 1:
-            raise ValueError(
-                f"material.relaxation: found shares that add up to {total:g}, allowed: less than 1"
-            )
-        if self.material.E2 is not None or self.material.base == "elastic":
-            other = "E2" if self.material.E2 is not None else "base_E"
-            raise ValueError(
-                f"material.relaxation: found beside {other}, a solid that relaxes differently,"
-                " allowed: one elastic solid, also as a layer on a rigid base"
-            )
-        if self.material.adhesion is not None:
-            raise ValueError("material.relaxation: found beside material.adhesion, allowed: one")
-        if self.material.hardness is not None and not self.load.history:
-            raise ValueError(
-                "load.history: found false with material.hardness and material.relaxation,"
-                " allowed: true"
-            )
         return self
 
     @property
     def remembers(self) -> bool:
         """Whether loads follow from each other: dents stay, or the solid relaxes."""
         return self.load.history or self.material.relaxation is not None
-
-    def _require_times(self) -> None:
-        """Raise ValueError unless there is a time for each load of a solid that relaxes, and only
-        then, in order."""
-        times = self.load.time
-        if (times is None) != (self.material.relaxation is None):
-            present = "load.time" if times else "material.relaxation"
-            raise ValueError(f"{present}: found alone, allowed: load.time and material.relaxation")
-        if times is None:
-            return
-        _, values = self.load.prescribed
-        if len(times) != len(values):
-            raise ValueError(
-                f"load.time: found {len(times)} times for {len(values)} loads, allowed: as many"
-            )
-        for before, after in zip(times, times[1:]):
-            if after < before:
-                raise ValueError(
-                    f"load.time: found {format_quantity(after)} after {format_quantity(before)},"
-                    " allowed: times that do not fall"
-                )
-        elements = self.material.relaxation or ()
-        alike("times", {"load.time": times, "material.relaxation": [tau for _, tau in elements]})
 
     @model_validator(mode="after")
     def _load_fits(self) -> Self:
@@ -344,7 +296,7 @@ class Scene(Table):
     def warnings(self) -> list[str]:
         """Return notes on settings that are valid but perhaps not intended, one line each."""
         surface = self.surface
-        notes = self._notes_on_history()
+        notes = notes_on_history(self.load, self.material)
         if isinstance(surface, Wave):
             notes += [
                 f"surface: {n} points along {axis} for {k} periods, fewer than {RESOLVED} points a"
@@ -369,29 +321,6 @@ class Scene(Table):
                     f"load: at {load:g} fewer than {TOUCHING} of the {n_x} x {n_y} points touch"
                 )
         return notes
-
-    def _notes_on_history(self) -> list[str]:
-        """Return a note on the loads that shape the dents, if others are solved beside them.
-
-        Those are the largest loads so far: what is below them returns on the same curve.
-        """
-        name, values = self.load.prescribed
-        if not self.load.history or self.material.relaxation is not None:
-            return []
-        heights = [-value if name.startswith("gap") else value for value in values]
-        largest = -math.inf
-        shaping = []
-        for k, (height, following) in enumerate(zip(heights, [*heights[1:], -math.inf])):
-            if largest < height > following:
-                shaping.append(f"{k + 1}")
-            largest = max(largest, height)
-        if len(shaping) == len(values):
-            return []
-        return [
-            "load.history: dents are those of the largest load so far (load"
-            f"{'s' * (len(shaping) > 1)} {', '.join(shaping)}); the other loads are points of a"
-            " curve, and may be left out"
-        ]
 
     def _contact_areas(self, surface: SelfAffine) -> list[float]:
         """Return the relative contact area of each load: load.a_r, or 2 p* as an estimate.

@@ -67,7 +67,37 @@ class Anisotropy(Table):
                 )
 
 
-class SpectrumKeys(Anisotropy):
+class Scaled(Table):
+    """Heights that are scaled to an rms height or slope."""
+
+    h_rms: Length | None = key(
+        "rms height to which the heights are scaled",
+        None,
+        unit="length",
+        default_text="as they are",
+        example=0.01,
+    )
+    g_rms: Positive | None = key(
+        "rms slope to which they are scaled, instead of h_rms",
+        None,
+        default_text="as they are",
+        example=1.0,
+    )
+
+    @property
+    def is_scaled(self) -> bool:
+        """Whether one of both is given."""
+        return self.h_rms is not None or self.g_rms is not None
+
+    @model_validator(mode="after")
+    def _one_scale(self) -> Self:
+        """Raise ValueError for h_rms beside g_rms."""
+        if self.h_rms is not None and self.g_rms is not None:
+            raise ValueError("found h_rms and g_rms, allowed: one of them")
+        return self
+
+
+class SpectrumKeys(Anisotropy, Scaled):
     """Keys of kind = "spectrum"."""
 
     path: MapPath | None = key(
@@ -128,20 +158,6 @@ class SpectrumKeys(Anisotropy):
         'what is random: "amplitudes" and phases, so that the power scatters, or "phases"',
         "amplitudes",
     )
-    h_rms: Length | None = key(
-        "rms height to which C is scaled",
-        None,
-        unit="length",
-        default_text="that of the table",
-        example=0.01,
-    )
-    g_rms: Positive | None = key(
-        "rms slope to which C is scaled, instead of h_rms",
-        None,
-        default_text="that of the table",
-        example=1.0,
-    )
-
     skewness: Annotated[float, Field(ge=-20, le=20)] | None = key(
         "of the heights, with the spectrum kept", None, default_text="0", example=-1.0
     )
@@ -183,8 +199,6 @@ class SpectrumKeys(Anisotropy):
             raise ValueError("found one of q and C, allowed: both or none")
         if (self.wavelengths is None) != (self.hurst is None):
             raise ValueError("found one of wavelengths and hurst, allowed: both or none")
-        if self.h_rms is not None and self.g_rms is not None:
-            raise ValueError("found h_rms and g_rms, allowed: one of them")
         if self.wavelengths is not None and self.hurst is not None:
             if any(longer <= shorter for longer, shorter in pairwise(self.wavelengths)):
                 raise ValueError(
@@ -195,7 +209,7 @@ class SpectrumKeys(Anisotropy):
                     f"found {len(self.hurst)} numbers hurst for {len(self.wavelengths)}"
                     " wavelengths, allowed: one less"
                 )
-            if self.h_rms is None and self.g_rms is None:
+            if not self.is_scaled:
                 raise ValueError("found wavelengths alone, allowed: with h_rms or g_rms")
             if self.dimension or self.unit:
                 name = "dimension" if self.dimension else "unit"
@@ -216,7 +230,7 @@ class SpectrumKeys(Anisotropy):
         return self
 
 
-class FourierKeys(Table):
+class FourierKeys(Scaled):
     """Keys of kind = "fourier"."""
 
     path: MapPath = key(
@@ -228,23 +242,3 @@ class FourierKeys(Table):
         "of the coefficients", None, example="um", allowed='a unit of length, such as "um"'
     )
     n: Pair[Points] = key("grid points [n_x, n_y]", example=[512, 512])
-    h_rms: Length | None = key(
-        "rms height to which they are scaled",
-        None,
-        unit="length",
-        default_text="as they are",
-        example=0.01,
-    )
-    g_rms: Positive | None = key(
-        "rms slope to which they are scaled, instead of h_rms",
-        None,
-        default_text="as they are",
-        example=1.0,
-    )
-
-    @model_validator(mode="after")
-    def _one_scale(self) -> Self:
-        """Raise ValueError for h_rms beside g_rms."""
-        if self.h_rms is not None and self.g_rms is not None:
-            raise ValueError("found h_rms and g_rms, allowed: one of them")
-        return self

@@ -1,6 +1,7 @@
 """Rough surfaces: every kind of scene surface becomes the same `Surface`."""
 
-from .build import Size, Surface, build_surface, open_surface, surface_size
+from .build import Size, build_surface, open_surface, surface_size
 from .cell import cell_of, grid_of
+from .surface import Surface
 
 __all__ = ["Size", "Surface", "build_surface", "cell_of", "grid_of", "open_surface", "surface_size"]

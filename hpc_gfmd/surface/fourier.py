@@ -89,10 +89,9 @@ def fourier_modes(spec: Any, comm: Any) -> Modes:
     def add(block: np.ndarray, keep: Any, factor: Any, j0: int, columns: int) -> None:
         coefficients.add(block, keep, factor, j0, columns, spec.n[1])
 
-    is_scaled = spec.h_rms is not None or spec.g_rms is not None
     return Modes(
         add,
-        unit=None if is_scaled else coefficients.unit * size,
+        unit=None if spec.is_scaled else coefficients.unit * size,
         checksum=coefficients.checksum(),
         prepared=lambda roughness: (f"{len(coefficients.c)} waves",),
     )

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from ..util.atomic import atomic_write
 from ..util.errors import SceneError
-from ..util.quantities import prefixed
+from ..util.quantities import factor, prefixed
 from .statistics import Roughness
 
 NO_UNIT = "length"  # in place of a unit in the head of a table
@@ -180,6 +180,15 @@ class Spectrum:
         with np.errstate(over="ignore"):
             mean = np.where(x == 0, 1.0, np.expm1(x) / np.where(x == 0, 1.0, x))
         return float(np.sum(self.C[:-1] * self.q[:-1] ** (2 + power) * ratio * mean) / (2 * np.pi))
+
+
+def in_metres(q: np.ndarray, C: np.ndarray, dimension: int, unit: str) -> Spectrum:
+    """Return the spectrum of a table, in metres if that has a unit.
+
+    dimension: 2 for C of areas; with 1, that of profiles, C is in length^3.
+    """
+    size = factor(unit) if unit else 1.0
+    return Spectrum(q / size, C * size ** (2 + dimension), "m" if unit else "")
 
 
 def require_rows(q: np.ndarray, C: np.ndarray, where: str = "surface", of: str = "") -> None:

@@ -14,7 +14,7 @@ from ..util.quantities import factor, prefixed
 from .directional_spectrum import DirectionalSpectrum, is_directional, read_directional
 from .modes import Modes
 from .selfaffine import NO_TABLE
-from .spectra import Spectrum, of_isotropic_surface
+from .spectra import Spectrum, in_metres, of_isotropic_surface
 from .spectrum_table import read_spectrum_table
 from .statistics import Roughness
 
@@ -43,10 +43,9 @@ def spectrum_modes(spec: Any, comm: Any) -> Modes:
         amplitudes = np.sqrt(of_uniform * spectrum.C[:-1]) / unit
         laws = (k[0], k[-1], k[:-1], k[:-1], amplitudes, spectrum.exponents / 2)
     law = (np.uint64(spec.seed), spec.random == "phases", spec.aspect, spec.stretch, laws, table)
-    is_scaled = spec.h_rms is not None or spec.g_rms is not None
     return Modes(
         partial(random_waves, n_y=spec.n[1], law=law),
-        unit=None if is_scaled else unit,
+        unit=None if spec.is_scaled else unit,
         checksum=None if spec.path is None else _checksum(spectrum),
         prepared=partial(_compared, spec, _stretched(spectrum.roughness(), spec.peklenik)),
     )
@@ -107,9 +106,7 @@ def isotropic_spectrum(spec: Any) -> Spectrum:
         q, C, dimension, unit = read_spectrum_table(spec.path, spec.unit, spec.dimension)
         where = "surface.path"
     _require_units(spec, unit, where)
-    size = factor(unit) if unit else 1.0
-    table = Spectrum(q / size, C * size ** (2 + dimension), "m" if unit else "")
-    table = _cut(table, spec)
+    table = _cut(in_metres(q, C, dimension, unit), spec)
     return table if dimension == 2 else of_isotropic_surface(table)
 
 

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from ..scene.template import Suggestion
-from ..util.quantities import factor, prefixed
-from .spectra import Spectrum, of_isotropic_surface
+from ..util.quantities import prefixed
+from .spectra import in_metres, of_isotropic_surface
 from .spectrum_table import KINDS, read_spectrum_table
 
 POINTS = 512  # along an axis of the scene
@@ -37,8 +37,7 @@ def spectrum_suggestion(path: str, folder: Path, user_keys: dict[str, Any]) -> S
     q, C, dimension, unit = read_spectrum_table(
         path, user_keys.get("unit"), user_keys.get("dimension")
     )
-    size = factor(unit) if unit else 1.0
-    table = Spectrum(q / size, C * size ** (2 + dimension), "m" if unit else "")
+    table = in_metres(q, C, dimension, unit)
 
     def length(value: float) -> Any:
         scale, name = prefixed([value], table.unit)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from hpc_gfmd.bodies.free import Free
-from hpc_gfmd.driver.nested import Decimation
+from hpc_gfmd.driver.decimation import Decimation
 from hpc_gfmd.kernels.bpx import UpdateSums
 from hpc_gfmd.operators.hierarchy import Step, steps_of, traffic_of
 from hpc_gfmd.parallel.coarsening import Level

@@ -13,7 +13,7 @@ from mpi.same import Alone, assert_same, compare, every_size, sweeps
 import hpc_gfmd
 from hpc_gfmd.certificate.error_estimates import Estimate
 from hpc_gfmd.certificate.misclassified import misclassified_points
-from hpc_gfmd.driver import box, nested
+from hpc_gfmd.driver import box, decimation
 from hpc_gfmd.driver.load import Load
 from hpc_gfmd.operators.problem import Problem
 from hpc_gfmd.parallel.comm import SerialComm
@@ -67,7 +67,9 @@ def test_prescribed(comm, quantity, value, low_memory, hardness):
 def test_a_light_contact_in_a_box(comm, centre, monkeypatch):
     """The box is on the ranks of a coarser grid; its rows come from those of the surface."""
     monkeypatch.setattr(box, "SMALLEST", 0)
-    monkeypatch.setattr(nested, "CALIBRATION", replace(nested.CALIBRATION, rank_points=2**8))
+    monkeypatch.setattr(
+        decimation, "CALIBRATION", replace(decimation.CALIBRATION, rank_points=2**8)
+    )
     x, y = ((np.arange(300) / 299 - 0.5 - c)[:, None] for c in centre)
     z = -(x**2 + y.T**2) / 2
     make = partial(sweep_over, z, free=(True, True), accuracy=1e-6)

@@ -6,7 +6,7 @@ import pytest
 from contacts import EXACT, rough
 from mpi.same import assert_same, every_size, sweeps
 
-from hpc_gfmd.driver import nested
+from hpc_gfmd.driver import decimation
 from hpc_gfmd.operators import hierarchy
 
 pytestmark = pytest.mark.mpi
@@ -45,8 +45,8 @@ def test_small_limits(comm, surface, monkeypatch):
     monkeypatch.setattr(hierarchy, "COARSEST_POINTS", 16)
     monkeypatch.setattr(hierarchy, "UNGATHERED_POINTS", 16)
     monkeypatch.setattr(hierarchy, "FEWEST_ROWS", 4)
-    small = replace(nested.CALIBRATION, rank_points=64, coarsest=8)
-    monkeypatch.setattr(nested, "CALIBRATION", small)
+    small = replace(decimation.CALIBRATION, rank_points=64, coarsest=8)
+    monkeypatch.setattr(decimation, "CALIBRATION", small)
     sweep = compare_all(comm, surface, [0.02, 0.3], **EXACT)
     levels, grids = spread_levels(sweep)
     assert levels >= 2 or comm.size == 1

@@ -8,7 +8,7 @@ import pytest
 from contacts import field, rough
 
 from hpc_gfmd.contact import all_observables
-from hpc_gfmd.driver import nested
+from hpc_gfmd.driver import decimation
 from hpc_gfmd.operators import hierarchy
 from hpc_gfmd.parallel import layout
 from hpc_gfmd.parallel import threads as pieces
@@ -60,7 +60,7 @@ def small(monkeypatch):
         (hierarchy, "UNGATHERED_POINTS", 64),
         (hierarchy, "FEWEST_ROWS", 4),
         (pieces, "PIECE_POINTS", 2**9),
-        (nested, "CALIBRATION", replace(nested.CALIBRATION, rank_points=1024, coarsest=8)),
+        (decimation, "CALIBRATION", replace(decimation.CALIBRATION, rank_points=1024, coarsest=8)),
         (layout, "ROW_BYTES", 2**12),
         (layout, "COLUMN_BYTES", 2**12),
     ):

@@ -7,7 +7,7 @@ from contacts import field, random_heights, relative, sweep_over
 from hpc_gfmd.driver import box as module
 from hpc_gfmd.driver import starter
 from hpc_gfmd.driver.box import Rectangle
-from hpc_gfmd.driver.nested import Decimation
+from hpc_gfmd.driver.decimation import Decimation
 from hpc_gfmd.driver.starter import Starter
 
 N = 256

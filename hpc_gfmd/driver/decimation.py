@@ -1,0 +1,173 @@
+"""A grid and the coarse grid of every second point, between which nested iteration goes.
+
+Decimation keeps the heights of the asperities. Averages and envelopes do not, and give worse starts
+at small loads. Coarse grids are distributed over fewer and fewer ranks; the other ranks wait until
+they get the solution in their rows.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..kernels.prolong import HALO
+from ..parallel.coarsening import agglomerated, halved
+from ..parallel.grid import Grid
+from ..parallel.halo import neighbours, rows_of
+from ..parallel.threads import threads_for
+from .box import Rectangle
+
+if TYPE_CHECKING:
+    from ..operators.problem import Problem
+
+SLIM = 4  # an axis with fewer points is not decimated: cubic interpolation takes 4
+
+
+@dataclass(frozen=True)
+class DecimationCalibration:
+    """How coarse the grids become, and on how many ranks they are.
+
+    The numbers do not affect the accuracy of the solution on the finest grid.
+
+    Attributes
+    ----------
+    coarsest : int
+        Smallest number of points along an axis of a coarse grid (geometric mean of both axes).
+    rank_points : int
+        Smallest number of points per rank of a coarse grid; fewer are solved faster than sent.
+    """
+
+    coarsest: int = 32
+    rank_points: int = field(default=2**13, metadata={"measured": "scripts/bench scaling"})
+
+
+CALIBRATION = DecimationCalibration()
+
+
+@dataclass(frozen=True)
+class Decimation:
+    """A grid and the coarse grid of every second point; transfers fields between the two.
+
+    Attributes
+    ----------
+    fine : Grid
+        The fine grid.
+    coarse : Grid or None
+        The coarse grid; None on ranks that own none of its rows.
+    n : (int, int)
+        Number of points of the coarse grid along each axis.
+    nominal : (int, int)
+        How many of them are on the surface.
+    beside : ndarray of int
+        For every rank the first coarse row within its fine rows; at the end the number of rows.
+    starts : ndarray of int
+        For every rank the first coarse row that it owns; at the end the number of rows.
+    """
+
+    fine: Grid
+    coarse: Grid | None
+    n: tuple[int, int]
+    nominal: tuple[int, int]
+    beside: np.ndarray
+    starts: np.ndarray
+
+    @classmethod
+    def of(cls, grid: Grid) -> Decimation | None:
+        """Return the decimation of a grid; None if it is too coarse for one, the same on all ranks.
+
+        Allocates no fields, but creates communicators. Collective.
+        """
+        n, _ = halved(grid.n, grid.spacings, SLIM)
+        coarsened = [a != b for a, b in zip(n, grid.n)]
+        points = [k for k, c in zip(n, coarsened) if c]
+        if not points or np.prod(points) < CALIBRATION.coarsest ** len(points):
+            return None
+        beside = (grid.starts + 1) // 2 if coarsened[0] else grid.starts
+        n_x, n_y = ((k + 1) // 2 if c else k for k, c in zip(grid.nominal, coarsened))
+        starts = agglomerated(beside, n[0] * n[1], CALIBRATION.rank_points)
+        ranks = np.flatnonzero(np.diff(starts)).tolist()
+        comm = grid.comm.subcomm(ranks)
+        starts_of_part = np.append(starts[ranks], n[0])
+        threads = threads_for(n[0] * n[1] // len(ranks), grid.threads)
+        coarse = None
+        if comm is not None:
+            coarse = Grid.kept(n, grid.sizes, comm, threads, starts_of_part, (n_x, n_y))
+        return cls(grid, coarse, n, (n_x, n_y), beside, starts)
+
+    @property
+    def steps(self) -> list[int]:
+        """Fine points per coarse point along x and y, each 1 or 2."""
+        return [2 if a != b else 1 for a, b in zip(self.n, self.fine.n, strict=True)]
+
+    def problem(self, problem: Problem) -> Problem | None:
+        """Return the problem on the coarse grid, with the heights of every second point.
+
+        None on ranks without coarse rows. The unit of length is the spacing of the coarse grid; a
+        pressure keeps its number, a height is divided by the ratio of the spacings. Collective.
+        """
+        step = self.steps
+        h = problem.heights[(-self.fine.rows[0]) % step[0] :: step[0], :: step[1]]
+        beside, starts = (np.minimum(rows, self.nominal[0]) for rows in (self.beside, self.starts))
+        if not np.array_equal(beside, starts):
+            h = rows_of(self.fine.comm, h, beside, starts[:-1], starts[1:])
+        if self.coarse is None:
+            return None
+        scale = h.dtype.type(self.coarse.a / self.fine.a)
+        heights = np.empty(h.shape, h.dtype)
+
+        def divide(i0: int, i1: int) -> None:
+            np.divide(h[i0:i1], scale, out=heights[i0:i1])
+
+        self.coarse.by_rows(divide, len(h))
+        return replace(problem, grid=self.coarse, h=heights)
+
+    def around(self, a: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return the rows of a coarse field that this rank's fine rows need, in three arrays.
+
+        These are HALO rows before, the rows within the fine rows (`beside`), and HALO rows after,
+        all periodic. a: the rows of the field that this rank owns, perhaps none. Collective.
+        """
+        comm = self.fine.comm
+        if np.array_equal(self.beside, self.starts):
+            before, after = neighbours(comm, a, self.starts, HALO)
+            return before, a, after
+        rows = rows_of(comm, a, self.starts, self.beside[:-1] - HALO, self.beside[1:] + HALO)
+        return rows[:HALO], rows[HALO:-HALO], rows[-HALO:]
+
+    def touching(
+        self, problem: Problem, coarse: Problem | None, gap: np.ndarray | None
+    ) -> Rectangle | None:
+        """Return the rectangle of all points that touch at the displacement on the coarser grid.
+
+        So heights between its points count, too. coarse, gap: problem and gap there, None on ranks
+        without its rows. Collective.
+        """
+        fine = self.fine
+        x, y = self.steps
+        u = np.empty((0, self.n[1]), problem.dtype)
+        if coarse is not None and gap is not None:
+            rows, points = coarse.grid.inside
+            u = gap[:rows, :points] - coarse.heights
+            u *= u.dtype.type(coarse.grid.a / fine.a)
+        owned = np.minimum(self.starts, self.nominal[0])
+        first = np.minimum(fine.starts[:-1], fine.nominal[0]) // x
+        end = -(-np.minimum(fine.starts[1:], fine.nominal[0]) // x)
+        u = rows_of(fine.comm, u, owned, first, end, self.nominal[0])
+        h = problem.heights
+        begin = fine.rows[0] - int(first[fine.comm.rank]) * x
+
+        def touches(i0: int, i1: int) -> np.ndarray:
+            mask = np.empty((i1 - i0, h.shape[1]), bool)
+            for i in range(x):
+                rows = slice((i - begin - i0) % x, None, x)
+                k = (begin + i0 + rows.start) // x
+                for j in range(y):
+                    heights = h[i0:i1][rows, j::y]
+                    np.less_equal(
+                        heights, -u[k : k + len(heights), : heights.shape[1]], out=mask[rows, j::y]
+                    )
+            return mask
+
+        return Rectangle.of(fine, touches)
