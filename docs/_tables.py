@@ -361,6 +361,13 @@ def numbers():
     numbers_by_claim[f"Of {loads:,} loads with status converged"] = (
         f"{wrong or 'none'} missed the requested accuracy"
     )
+    if plain := [row for row in rows("user") if row["what"] == "solve(z)"]:
+        points = [row["n"] for row in plain]
+        over_core = [row["over_core"] for row in plain]
+        numbers_by_claim[
+            "Time of `solve(array)` over that of its loads alone,"
+            f" {min(points)} to {max(points)} points a side"
+        ] = f"{span(over_core, '.1f')} ([rows](docs/bench/user.txt))"
     strong = [row for row in rows("scaling") if row["kind"] == "strong" and row["n"] == 4096]
     widest = max(strong, key=lambda row: (row["ranks"], row["precision"] == "single"))
     numbers_by_claim[f"{widest['ranks']} cores instead of one, 4096 x 4096 points"] = (
