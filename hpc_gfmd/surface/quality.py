@@ -326,9 +326,17 @@ def without_outliers(z: np.ndarray) -> tuple[np.ndarray, int]:
 
 
 def _around(z: np.ndarray) -> np.ndarray:
-    """Return the median of the eight neighbours of each point."""
-    from scipy.ndimage import median_filter
+    """Return the median of the eight neighbours of each point, of those that have a height."""
+    from scipy.ndimage import binary_dilation, median_filter
 
     beside = np.ones((3, 3))
     beside[1, 1] = 0
-    return median_filter(z, footprint=beside, mode="mirror")
+    around = median_filter(z, footprint=beside, mode="mirror")
+    i, j = np.nonzero(binary_dilation(np.isnan(z), beside))  # where nan would spoil the order
+    bordered = np.pad(z, 1, "reflect")
+    places = np.argwhere(beside)
+    neighbours = np.array([bordered[i + di, j + dj] for di, dj in places])
+    has_height = np.isfinite(neighbours).any(axis=0)
+    around[i, j] = np.nan
+    around[i[has_height], j[has_height]] = np.nanmedian(neighbours[:, has_height], axis=0)
+    return around
