@@ -60,8 +60,13 @@ def theory_text(result: Result, theory: dict[str, Any]) -> str:
     add("p", "p", [step["p"] for step in solved], solved)
     for name in filter(names.__contains__, COMPARED):
         corrected = name == "a_r" and all(step.get("a_r_corrected") for step in solved)
-        own = "a_r_corrected" if corrected else name
-        add("a_r, corrected" if corrected else RESULTS[name], own, [s[own] for s in solved], solved)
+        shown = "a_r_corrected" if corrected else name
+        add(
+            "a_r, corrected" if corrected else RESULTS[name],
+            shown,
+            [s[shown] for s in solved],
+            solved,
+        )
         add("theory", name, [step[name] for step in theory["steps"]], [{}] * len(solved))
     lines = [f"theory: {theory['name']}", *aligned([list(row) for row in zip(*columns)])]
     is_map = result.surface.get("kind") in ("file", "array")

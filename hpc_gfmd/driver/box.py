@@ -66,11 +66,11 @@ class Rectangle(NamedTuple):
         x, y = steps
         return Rectangle(self.i0 * x, self.i1 * x, self.j0 * y, self.j1 * y)
 
-    def joined(self, other: Rectangle | None) -> Rectangle:
+    def joined(self, rectangle: Rectangle | None) -> Rectangle:
         """Return the smallest rectangle that contains both."""
-        if other is None:
+        if rectangle is None:
             return self
-        pairs = list(zip(self, other))
+        pairs = list(zip(self, rectangle))
         return Rectangle(min(pairs[0]), max(pairs[1]), min(pairs[2]), max(pairs[3]))
 
 
@@ -84,13 +84,13 @@ class Box:
         The points that may touch, as far as known.
     level : int
         Number of the coarser grid that has as many points, 1 for the first one.
-    first, points : (int, int)
+    corner, points : (int, int)
         Its first row and column on the surface, and the number of its rows and columns.
     """
 
     touching: Rectangle
     level: int
-    first: tuple[int, int]
+    corner: tuple[int, int]
     points: tuple[int, int]
 
     @classmethod
@@ -105,11 +105,11 @@ class Box:
         box = None
         if touching is not None and fine.cell_points >= SMALLEST:
             for level, grid in enumerate(coarser, 1):
-                first = _place(touching, fine.nominal, grid.nominal)
+                corner = _place(touching, fine.nominal, grid.nominal)
                 is_accurate = all(n - m >= SPACE for n, m in zip(grid.n, grid.nominal))
-                if first is None or not is_accurate:
+                if corner is None or not is_accurate:
                     break
-                box = cls(touching, level, first, grid.nominal)
+                box = cls(touching, level, corner, grid.nominal)
         return comm.bcast(box)
 
 
@@ -118,15 +118,15 @@ def _place(touching: Rectangle, surface: Sequence[int], box: Sequence[int]) -> t
 
     No margin is needed beyond the edges of the surface.
     """
-    first = []
+    corner = []
     for (begin, end), points, width in zip((touching[:2], touching[2:]), surface, box):
         margin = int(np.ceil(MARGIN * (end - begin))) + 1
         begin = max(begin - margin, 0)
         end = min(end + margin, points)
         if end - begin > width:
             return None
-        first.append(min(max((begin + end - width) // 2, 0), points - width))
-    return tuple(first)
+        corner.append(min(max((begin + end - width) // 2, 0), points - width))
+    return tuple(corner)
 
 
 class BoxContact(NamedTuple):
@@ -169,7 +169,7 @@ def solved_in(box: Box, problem: Problem, coarser: Sequence[Grid], solve: SolveA
     FFT pairs and the contacts on coarser grids. Stopped is raised on all ranks.
     """
     fine = problem.grid
-    i, j = box.first
+    i, j = box.corner
     columns = slice(j, j + box.points[1])
     grid = _grid_of(box, fine, coarser)
     owned = np.minimum(fine.starts, fine.nominal[0])

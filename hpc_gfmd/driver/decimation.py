@@ -152,11 +152,11 @@ class Decimation:
             u = gap[:rows, :points] - coarse.heights
             u *= u.dtype.type(coarse.grid.a / fine.a)
         owned = np.minimum(self.starts, self.nominal[0])
-        first = np.minimum(fine.starts[:-1], fine.nominal[0]) // x
-        end = -(-np.minimum(fine.starts[1:], fine.nominal[0]) // x)
-        u = rows_of(fine.comm, u, owned, first, end, self.nominal[0])
+        begins = np.minimum(fine.starts[:-1], fine.nominal[0]) // x
+        ends = -(-np.minimum(fine.starts[1:], fine.nominal[0]) // x)
+        u = rows_of(fine.comm, u, owned, begins, ends, self.nominal[0])
         h = problem.heights
-        begin = fine.rows[0] - int(first[fine.comm.rank]) * x
+        begin = fine.rows[0] - int(begins[fine.comm.rank]) * x
 
         def touches(i0: int, i1: int) -> np.ndarray:
             mask = np.empty((i1 - i0, h.shape[1]), bool)

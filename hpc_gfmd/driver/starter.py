@@ -126,20 +126,20 @@ class Starter:
             return self._continue(working, load)
         problem = self._problem_to_start(working, load)
         gaps = self._gaps(working, load, problem, gap, in_box)
-        first = next(gaps)
-        if first.box is not None:
-            return self._start_in_box(working, load, problem, first)
-        solver, criterion = self._solver_for(working, load, problem, first.gap)
-        if first.may_be_solved:
-            certificate = _certified(solver, criterion, first.gap)
-            pairs = first.pairs + certificate.pairs
-            return Start(solver, criterion, pairs, first.coarser, certificate)
-        pairs = first.pairs + _lay_down(solver, criterion, first.gap)
-        for other in gaps:
+        best = next(gaps)
+        if best.box is not None:
+            return self._start_in_box(working, load, problem, best)
+        solver, criterion = self._solver_for(working, load, problem, best.gap)
+        if best.may_be_solved:
+            certificate = _certified(solver, criterion, best.gap)
+            pairs = best.pairs + certificate.pairs
+            return Start(solver, criterion, pairs, best.coarser, certificate)
+        pairs = best.pairs + _lay_down(solver, criterion, best.gap)
+        for candidate in gaps:
             if not _is_worse_than_undeformed(solver):
                 break
-            pairs += other.pairs + _lay_down(solver, criterion, other.gap)
-        return Start(solver, criterion, pairs, first.coarser)
+            pairs += candidate.pairs + _lay_down(solver, criterion, candidate.gap)
+        return Start(solver, criterion, pairs, best.coarser)
 
     # -- the ways to start
 
@@ -248,13 +248,13 @@ class Starter:
         return find
 
     def _start_in_box(
-        self, working: WorkingSurface, load: Load, problem: Problem, first: Candidate
+        self, working: WorkingSurface, load: Load, problem: Problem, best: Candidate
     ) -> Start:
         """Start from the contact in a box, or in a larger one if points beyond it penetrate."""
         nested = working.nested()
         assert nested is not None  # the box comes from there
-        box = first.box
-        pairs = first.pairs
+        box = best.box
+        pairs = best.pairs
         alone = partial(self._solve_alone, working)
         while box is not None:
             self.forget()  # its memory is needed for the box
@@ -273,7 +273,7 @@ class Starter:
             pairs += solved.pairs + certificate.pairs
             penetrating = Rectangle.of(problem.grid, partial(_penetrates, solver))
             if penetrating is None:
-                coarser = solved.coarser_of_surface(certificate.gap_mean, first.coarser)
+                coarser = solved.coarser_of_surface(certificate.gap_mean, best.coarser)
                 if neglected > NEGLECTED * criterion.tolerance:
                     certificate = _certified(solver, criterion, solver.g)
                     pairs += certificate.pairs

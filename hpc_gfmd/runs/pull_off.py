@@ -21,14 +21,14 @@ def require_pull(scene: Scene, error: Any, several: bool) -> None:
         raise SceneError(f"pull_off_error: found {error!r}, allowed: a number from 1e-4 to 0.5")
     name, _ = scene.load.prescribed
     if scene.material.adhesion is None or scene.load.branch != RETRACTION:
-        found = f'branch = "{scene.load.branch}"' if scene.material.adhesion else "no adhesion"
+        present = f'branch = "{scene.load.branch}"' if scene.material.adhesion else "no adhesion"
         raise SceneError(
-            f'pull_off_error: found {found}, allowed: with adhesion and branch = "retraction"'
+            f'pull_off_error: found {present}, allowed: with adhesion and branch = "retraction"'
         )
     if name not in PRESSURES or not several:
-        found = name if name not in PRESSURES else "a single load"
+        present = name if name not in PRESSURES else "a single load"
         raise SceneError(
-            f"pull_off_error: found {found}, allowed: a list of pressures, p_star or forces"
+            f"pull_off_error: found {present}, allowed: a list of pressures, p_star or forces"
         )
 
 

@@ -65,10 +65,10 @@ def states_of(path: Sequence[tuple[float, float]], friction: float) -> Iterator[
         edge = P
         while parts and abs(missing) > ROUNDING * friction * P:
             low, high, share = parts.pop(0)
-            most = (sign - share) * (high - low)
-            turned = min(1.0, missing / most) if most else 1.0
+            possible = (sign - share) * (high - low)
+            turned = min(1.0, missing / possible) if possible else 1.0
             edge = low if turned == 1 else high - turned * (high - low)
-            missing -= turned * most
+            missing -= turned * possible
             if turned < 1:
                 parts.insert(0, LoadInterval(low, edge, share))
         if edge < P:
@@ -185,8 +185,8 @@ class PartialSlip:
         place = self.path.place(load)
         if place >= 0:
             return float(self._compressions[place])
-        first = self._solutions[0]
-        return 0.0 if first.value("approach") is not None else float(first.heights.mean())
+        lightest = self._solutions[0]
+        return 0.0 if lightest.value("approach") is not None else float(lightest.heights.mean())
 
     def _shift(self, state: SlipState) -> float:
         """Return the tangential displacement in a state."""
@@ -217,8 +217,7 @@ class PartialSlip:
         ndarray, shape (n_x, n_y)
             In the unit of pressures; with a communicator the rows of this rank.
         """
-        first = self._solutions[0].pressure
-        traction = np.zeros(first.shape)
+        traction = np.zeros(self._solutions[0].pressure.shape)
         for low, high, share in self.path.states[step].parts:
             for load, sign in ((high, 1), (low, -1)):
                 place = self.path.place(load)
@@ -258,12 +257,12 @@ class PartialSlip:
                 f"amplitude: found {amplitude}, allowed: one that the path reaches from T = 0 at"
                 " its largest normal load"
             )
-        last = self._solutions[path.place(P)]
-        scale = last.p / P  # mean pressure over the loads of the path
+        heaviest = self._solutions[path.place(P)]
+        scale = heaviest.p / P  # mean pressure over the loads of the path
         compressed = self._compression_at(P) - self._compression_at(inner)
-        stored = last.value("energy")
+        stored = heaviest.value("energy")
         stored -= self._solutions[place].value("energy") if place >= 0 else 0.0
-        share = 8 * (last.p * compressed - stored) - 4 * (P - inner) * scale * compressed
+        share = 8 * (heaviest.p * compressed - stored) - 4 * (P - inner) * scale * compressed
         return float(path.friction * path.ratio * share)
 
 

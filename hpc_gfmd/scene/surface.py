@@ -211,7 +211,7 @@ class SelfAffine(Anisotropy, SurfaceTable):
         return 1 / self.lam_s_over_a
 
 
-class Spectrum(SpectrumKeys, SurfaceTable):
+class WithSpectrum(SpectrumKeys, SurfaceTable):
     """Random roughness with a given power spectrum C(q): a table, or power laws.
 
     h_rms^2 = (1/2 pi) times the integral of C(q) q dq. Between two rows of a table, or two wave
@@ -350,14 +350,14 @@ class ArrayTable(SurfaceTable):
 
 KINDS: dict[str, type[SurfaceTable]] = {
     "self-affine": SelfAffine,
-    "spectrum": Spectrum,
+    "spectrum": WithSpectrum,
     "fourier": Fourier,
     "wave": Wave,
     "sphere": Sphere,
     "file": File,
 }
 AnySurface = Annotated[
-    SelfAffine | Spectrum | Fourier | Wave | Sphere | File, Field(discriminator="kind")
+    SelfAffine | WithSpectrum | Fourier | Wave | Sphere | File, Field(discriminator="kind")
 ]
 
 

@@ -44,14 +44,16 @@ def read(contents: Contents, spec: Any) -> Map:
                 else:
                     maps[name] = (lambda surface=surface, place=place: surface[place]), about
     if not maps:
-        found = "only profiles" if profiles else "no measurement (unpacked, its files can be read)"
-        raise ValueError(f"it lists {found}, allowed: a map")
+        content = (
+            "only profiles" if profiles else "no measurement (unpacked, its files can be read)"
+        )
+        raise ValueError(f"it lists {content}, allowed: a map")
     name = next(iter(maps)) if spec.dataset == ANY and len(maps) == 1 else spec.dataset
     if name not in maps:
         which = "is a profile" if name in profiles else "is none of its maps"
-        asked = "not given" if name == ANY else f"found {name!r}, which {which}"
+        problem = "not given" if name == ANY else f"found {name!r}, which {which}"
         raise SceneError(
-            f"surface.dataset: {asked}, {spec.path} holds {len(maps)} maps, allowed: one of"
+            f"surface.dataset: {problem}, {spec.path} holds {len(maps)} maps, allowed: one of"
             f" {one_line(', '.join(map(repr, maps)), 400)}"
         )
     make, about = maps[name]
@@ -64,7 +66,7 @@ def read(contents: Contents, spec: Any) -> Map:
     return heights, replace(
         metadata,
         channel=name,
-        other_channels=tuple(other for other in maps if other != name),
+        other_channels=tuple(key for key in maps if key != name),
         direction="as in the container",
         remarks=tuple(_remarks(about, metadata)),
         reader="container",
@@ -83,12 +85,12 @@ def _remarks(about: dict, metadata: Metadata) -> list[str]:
         if mode not in LEFT_AS_IT_IS
     ]
     unit = about.get("unit") or metadata.sizes_unit
-    said = about.get("size")
-    if said and metadata.sizes:
+    size = about.get("size")
+    if size and metadata.sizes:
         wanted, sizes = (
             np.multiply(lengths, length_factor(name or "") or 1.0)
-            for lengths, name in ((said, unit), (metadata.sizes, metadata.sizes_unit))
+            for lengths, name in ((size, unit), (metadata.sizes, metadata.sizes_unit))
         )
         if not np.allclose(wanted, sizes, SAME, 0):
-            remarks.append(f"its container says sizes of {said} {unit or ''}".rstrip())
+            remarks.append(f"its container says sizes of {size} {unit or ''}".rstrip())
     return remarks

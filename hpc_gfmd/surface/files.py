@@ -124,11 +124,11 @@ def _archive(contents: Contents, spec: Any) -> Map:
         names = files_in(archive)
     if instruments.detects(contents) or any(name.lower().endswith(".dsc") for name in names):
         return instruments.read(contents, spec)
-    asked = "not given" if spec.dataset == ANY else f"found {spec.dataset!r}"
+    problem = "not given" if spec.dataset == ANY else f"found {spec.dataset!r}"
     allowed = one_line(", ".join(map(repr, names)), 400) or "nothing"
     raise SceneError(
-        f"surface.dataset: {asked}, {spec.path} holds {len(names)} files, allowed: the name of one"
-        f" with a map: {allowed}"
+        f"surface.dataset: {problem}, {spec.path} holds {len(names)} files, allowed: the name of"
+        f" one with a map: {allowed}"
     )
 
 
