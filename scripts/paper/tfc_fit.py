@@ -69,6 +69,7 @@ def least_squares(
                 absolute_sigma=True,
                 bounds=bounds,
                 jac=lambda _, *x: jacobian(np.array(x)),
+                method="trf",  # also without bounds
                 x_scale="jac",
                 full_output=True,
                 ftol=TOLERANCE,
