@@ -1,19 +1,10 @@
 """The independent check of a solution, from its displacement alone: equation (7) in docs/method.md.
 
-A displacement that penetrates the wall is replaced by the nearest feasible one, max(u, -h). The
-pressure p = p0 + K u is recomputed, in double precision if rounding errors would spoil it. A
-certificate lists by how much it violates p >= 0, p g = 0 and mean(p) = p0 (the Karush-Kuhn-Tucker
-conditions). The distance from the solution follows from the duality gap, which bounds the error of
-the energy without any knowledge of the solution:
-
-    E(u) - E* <= G = <p^, g> + 1/2 <p^ - p, S (p^ - p)>,    S = 1/K,
-
-for every admissible pressure p^ >= 0 of mean p0; p^ is the rescaled p of the points in contact, so
-that <p^, g> = 0. With a hardness H, p^ is at most H and equal to H in dents, and G has
-<H - p^, g^-> besides <p^, g^+>; both are 0. The S norm of p^ - p is estimated without a transform
-by sums of squares on the levels of the multilevel operator (EQUIVALENCE). From it follow estimates
-of the errors of the mean gap and of the pressure (error_estimates.py), and from that of the
-pressure how many points may be in the wrong set, in contact or out of it (misclassified.py).
+Violations of the Karush-Kuhn-Tucker conditions p >= 0, p g = 0 and mean(p) = p0 are measured on the
+recomputed pressure p = p0 + K u of the nearest feasible displacement, max(u, -h). The duality gap
+bounds the distance from the solution: its S norm is estimated without a transform on the levels of
+the multilevel operator (EQUIVALENCE), and gives the errors of mean gap, pressure
+(error_estimates.py) and area (misclassified.py).
 
 In single precision violations below the rounding errors of the heights cannot be seen; these
 rounding errors count towards the errors.
@@ -44,83 +35,44 @@ if TYPE_CHECKING:
 class Certificate:
     """The violations and estimated errors of a state, and sums of its recomputed pressure.
 
-    The same on all ranks; immutable. Lengths and pressures are in the problem's units. "The mean
-    pressure" is that of the wall: p0, plus the mean attraction if there is one.
-
-    Attributes
-    ----------
-    penetration : float
-        Largest -g outside of dents in the gap as the solver left it; it was set to 0 there.
-    tension : float
-        Largest -p on closed points, over the mean pressure.
-    complementarity : float
-        Mean of |p| g, over the mean pressure times the mean gap.
-    load_balance : float
-        |load of the wall - load of the points in contact|, over the load of the wall.
-    duality_gap : float or None
-        G over N times the mean pressure times the mean gap; None if it was not computed.
-    residual : float
-        rms of the pressure out of contact, over the mean pressure.
-    errors : tuple of float
-        Estimated relative errors of area, mean gap and pressure field; nan if not estimated. They
-        are the distance from the contact at the same p0 or, where a spring presses the body, at
-        the same end of the spring.
-    p0_error : float or None
-        With a spring the estimated relative error of p0, which changes with the mean gap; None
-        under a dead load, whose p0 is exact.
-    attainable : tuple of float
-        Rounding errors that further iterations cannot reduce: the relative error of mean gap and
-        pressure field due to them if that is the larger part, else 0.
-    energy : float
-        Elastic energy per area. It does not include the energy of the uniform pressure for a
-        half-space that is periodic along both axes; nan if it is periodic along one axis.
-    approach : float
-        Distance that the bodies have approached since their first contact without deformation. nan
-        for a half-space that is periodic along an axis, which has no finite displacement under a
-        uniform pressure.
-    uKu : float
-        <u, K u>.
-    pressures : float
-        Root of the sum of p^2 over points in contact.
-    contact : int
-        Number of points in contact, yielded ones included.
-    yielded : int
-        Number of points that yield.
-    gap_mean : float
-        Mean gap over the surface; dents count as 0.
-    pairs : float
-        FFT pairs that the certificate took.
-    precision : str
-        Precision of its transforms: "float32" or "float64".
-    attraction : float
-        Mean attraction, a pressure; 0 without a law.
-    energy_of_attraction : float
-        Energy of the attraction per area.
-    stability : float
-        Stability of the equilibrium (stability.py); nan if not computed.
+    The same on all ranks, in the problem's units. "The mean pressure" is that of the wall: p0, plus
+    the mean attraction if there is one.
     """
 
+    # largest -g outside of dents, in the gap as the solver left it; it was set to 0 there
     penetration: float = 0.0
-    tension: float = 0.0
-    complementarity: float = 0.0
-    load_balance: float = 0.0
+    tension: float = 0.0  # largest -p on closed points, over the mean pressure
+    complementarity: float = 0.0  # mean of |p| g, over the mean pressure times the mean gap
+    load_balance: float = 0.0  # |load of the wall - load of the points in contact|, over the former
+    # G over (N times mean pressure times mean gap); None if not computed
     duality_gap: float | None = None
-    residual: float = 0.0
+    residual: float = 0.0  # rms of the pressure out of contact, over the mean pressure
+    # Estimated relative errors of area, mean gap and pressure field; nan if not estimated. They are
+    # the distance from the contact at the same p0 or, where a spring presses the body, at the same
+    # end of the spring.
     errors: tuple[float, float, float] = (np.nan, np.nan, np.nan)
+    # With a spring the estimated relative error of p0, which changes with the mean gap; None under
+    # a dead load, whose p0 is exact.
     p0_error: float | None = None
+    # Rounding errors that further iterations cannot reduce: the relative error of mean gap and
+    # pressure field due to them if that is the larger part, else 0.
     attainable: tuple[float, float] = (0.0, 0.0)
+    # Elastic energy per area, without that of the uniform pressure for a half-space that is
+    # periodic along both axes; nan if it is periodic along one axis.
     energy: float = 0.0
+    # How far the bodies have approached since their first contact without deformation; nan for a
+    # half-space that is periodic along an axis, which a uniform pressure moves infinitely far.
     approach: float = np.nan
-    uKu: float = 0.0
-    pressures: float = 0.0
-    contact: int = 0
-    yielded: int = 0
-    gap_mean: float = 0.0
-    pairs: float = 0.0
-    precision: str = "float64"
-    attraction: float = 0.0
-    energy_of_attraction: float = 0.0
-    stability: float = np.nan
+    uKu: float = 0.0  # <u, K u>
+    pressures: float = 0.0  # root of the sum of p^2 over points in contact
+    contact: int = 0  # number of points in contact, yielded ones included
+    yielded: int = 0  # number of points that yield
+    gap_mean: float = 0.0  # mean gap over the surface; dents count as 0
+    pairs: float = 0.0  # FFT pairs that the certificate took
+    precision: str = "float64"  # of its transforms: "float32" or "float64"
+    attraction: float = 0.0  # mean attraction, a pressure; 0 without a law
+    energy_of_attraction: float = 0.0  # per area
+    stability: float = np.nan  # of the equilibrium (stability.py); nan if not computed
 
     def attributes(self) -> dict[str, Any]:
         """Return the four violations by name, and the precision under "certificate_precision"."""
@@ -136,31 +88,15 @@ class Certificate:
 
 
 class Recomputed(NamedTuple):
-    """Sums that follow from the displacement of a state, over all ranks.
+    """Sums that follow from the displacement of a state, over all ranks."""
 
-    Attributes
-    ----------
-    sums : KktSums
-        Sums of the recomputed pressure and the gap.
-    tension : float
-        Largest -p where g = 0, or 0.
-    uKu : float
-        <u, K u>.
-    mean : float
-        Mean of u - level over the grid.
-    level : float
-        Constant that was subtracted from u before the transform.
-    attraction, energy_of_attraction : float
-        Sums of t and phi over points; 0 without a law.
-    """
-
-    sums: KktSums
-    tension: float
-    uKu: float
-    mean: float
-    level: float
-    attraction: float
-    energy_of_attraction: float
+    sums: KktSums  # of the recomputed pressure and the gap
+    tension: float  # largest -p where g = 0, or 0
+    uKu: float  # <u, K u>
+    mean: float  # mean of u - level over the grid
+    level: float  # constant that was subtracted from u before the transform
+    attraction: float  # sum of t over points; 0 without a law
+    energy_of_attraction: float  # sum of phi over points; 0 without a law
 
 
 def certify(
@@ -172,35 +108,12 @@ def certify(
     dual: bool = False,
     stability: Stability | None = None,
 ) -> Certificate:
-    """Recompute the pressure of a gap at the load of a problem, and measure all violations.
+    """Recompute the pressure of a gap at the load of a problem into p, and measure all violations.
 
-    The gap becomes feasible first: where it is below 0 and there is no hardness it is set to 0.
-    Takes one FFT pair, half of one more with `dual`. Collective. A state that is not finite raises
-    nothing: see `Certificate.finite`.
-
-    Parameters
-    ----------
-    problem : Problem
-        The contact with its load p0.
-    g : array, local slab
-        Gap of the state, as any solver left it; penetration is removed from it.
-    p : array, local slab
-        Gets the recomputed pressure; its values are not read.
-    levels : Multilevel, optional
-        Multilevel operator of the grid in the precision of g; its fields are overwritten. Without
-        it the errors of the certificate are nan.
-    dtype : dtype
-        Precision of the transforms.
-    dual : bool
-        Whether to compute the duality gap.
-    stability : Stability, optional
-        Stability of the state, with an attraction. The errors are those of the contact with this
-        attraction frozen, divided by `stability.lowest`.
-
-    Returns
-    -------
-    Certificate
-        The same on all ranks.
+    The gap g becomes feasible first. `levels`, in the precision of g, gives the errors (else nan);
+    its fields are overwritten. `stability` divides the errors of a contact with attraction. Takes
+    one FFT pair in the precision `dtype`, half of one more with `dual`. Collective. A state that is
+    not finite raises nothing: see `Certificate.finite`.
     """
     penetration = wall_of(problem).project(g)
     elastic = Elastic(problem.grid, problem.body, dtype)
@@ -262,9 +175,8 @@ def measured(
 
 
 def _error_of_load(problem: Problem, error_of_gap: float) -> float | None:
-    """Return the relative error of p0 by that of the mean gap, which a spring turns into a load.
-
-    None under a dead load.
+    """Return the relative error of p0, into which a spring turns that of the mean gap; None under a
+    dead load.
     """
     if problem.spring == 0:
         return None
@@ -274,9 +186,9 @@ def _error_of_load(problem: Problem, error_of_gap: float) -> float | None:
 
 
 def _recompute(problem: Problem, elastic: Elastic, g: np.ndarray, p: np.ndarray) -> Recomputed:
-    """Overwrite p with the pressure of the gap g, and return the sums of both over all ranks.
+    """Overwrite p with the pressure of the wall at the gap g, and sum both over all ranks.
 
-    With an attraction it is the pressure of the wall. Collective, one FFT pair of `elastic`.
+    Collective, one FFT pair of `elastic`.
     """
     grid = problem.grid
     level = problem.transform_displacement(elastic.fft, g)
@@ -313,9 +225,8 @@ def _duality_gap(
 ) -> float:
     """Return the duality gap G over (wall_load times the sum of gaps).
 
-    Infinite if the contact has no admissible pressure, or if G > 0 while all gaps are 0. sums: of g
-    and its pressure p, over all ranks; g and p stay as they are. Collective, half an FFT pair of
-    `elastic`.
+    Infinite if the contact has no admissible pressure, or if G > 0 while all gaps are 0. With a
+    hardness H, the admissible pressure is H in dents. Collective, half an FFT pair of `elastic`.
     """
     grid = wall.grid
     load = grid.N * wall_load
@@ -343,8 +254,7 @@ def _errors(
 ) -> tuple[tuple[float, float, float], tuple[float, float]]:
     """Return `errors` and `attainable` of a Certificate: relative, infinite where not known.
 
-    Collective; overwrites the fields of `levels`. sums, uKu: of all ranks; wall_load: mean pressure
-    that the wall bears.
+    sums, uKu: over all ranks. Collective; overwrites the fields of `levels`.
     """
     grid, contact = problem.grid, sums.contact
     levels.restrict(g, p, problem.limit)

@@ -1,33 +1,29 @@
-"""Errors of the solution from the error of its energy, without knowing the solution: equations (8)
-and (9) in docs/method.md.
+"""Errors of the solution from the error of its energy: equations (8) and (9) in docs/method.md.
 
-With e = u - u* the distance from the solution, E(u) - E* = <p*, g> + 1/2 <e, K e> <= G, the duality
-gap of any admissible pressure. So <e, K e> <= 2 G, which bounds the pressure: |p - p*|^2 = |K e|^2
-<= K_max <e, K e>. The mean gap is wrong by mean(e). For a test pressure v of zero mean, <v, e> is
-at most |v|_S |e|_K; two of them give mean(e):
+With e = u - u* and the duality gap G, <e, K e> <= 2 G bounds the pressure, |p - p*|^2 <= K_max <e,
+K e>. The mean gap is wrong by mean(e), for which there are two test pressures v, |<v, e>| <= |v|_S
+|e|_K:
 
-- v = p* - p0: <p*, e> = <p*, g> is between 0 and G - 1/2 <e, K e>, so |mean(e)| <= |u*|_K sqrt(2
-  G)/(N p0), a bound;
+- v = p* - p0: |mean(e)| <= |u*|_K sqrt(2 G)/(N p0), a bound;
 - v = -1 out of contact and constant in contact, where e vanishes but at points that change sides:
-  |mean(e)| = |<v, S (p - p*)>|/N, which is far smaller where little is out of contact. Here p* is
-  p^ but for a part that is at most half of the bound |v|_S sqrt(2 G)/N, because 1/2 <e, K e> is
-  nearly all of G; and <v, S (p - p^)> is known.
+  |mean(e)| = |<v, S (p - p*)>|/N, far smaller where little is out of contact. Here p* is p^ but for
+  a part that is at most half of |v|_S sqrt(2 G)/N, because 1/2 <e, K e> is nearly all of G; and <v,
+  S (p - p^)> is known.
 
-With a hardness H, G+ and Y being the sums of the gaps and of the depths of dents less those of the
-solution, 0 <= <p*, e> + H Y <= G and sum(e) = G+ - Y. So the first v bounds p0 G+ + (H - p0) Y, the
-second one G+ - Y, and the error of the mean gap is their mean, with weights p0/H and 1 - p0/H.
+With a hardness H, G+ and Y being the errors of the sums of gaps and of depths of dents, 0 <= <p*,
+e> + H Y <= G and sum(e) = G+ - Y. So the first v bounds p0 G+ + (H - p0) Y, the second one G+ - Y,
+and the error of the mean gap is their mean, with weights p0/H and 1 - p0/H.
 
-With free edges the first v bounds the mean of e over the cell. The mean over the surface alone
-differs by <v, e>/N, where v = 1 on the surface (less its mean); its |v|_S, the self-energy of the
-nominal area, is known beforehand. The second v is -1 on the open points of the surface, constant in
-contact and 0 beyond: t N/n - s on every level, where t and s are the indicators of the n points in
-contact and of the surface.
+With free edges the first v bounds the mean of e over the cell; that over the surface differs by <v,
+e>/N, where v = 1 on the surface (less its mean), whose |v|_S is the self-energy of the nominal
+area. The second v is 0 beyond the surface: t N/n - s on every level, t and s being the indicators
+of the n points in contact and of the surface.
 
 An error dS of S itself (Body.error) acts like smooth errors dS p of the heights. The pressure is
-wrong by about -K dS p in full contact, by less otherwise. The mean gap changes with it as with the
-load, by |v|_S^2 with the second v; the gap of the open points alone changes by less, unless they
-are at the edges of the surface, where most of this error is. If only the last m points are open, as
-in corners, all of the error may be there: it opens them by sqrt(m) times its norm, times the
+wrong by about -K dS p in full contact, by less otherwise. The mean gap changes as with the load, by
+|v|_S^2 with the second v; that of the open points alone changes by less, unless they are at the
+edges of the surface, where most of this error is. If only the last m points are open, as in
+corners, all of the error may be there: it opens them by sqrt(m) times its norm, times the
 compliance of m points.
 """
 
@@ -51,45 +47,34 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class EstimateCalibration:
-    """Calibrated factors of the error estimates, for what sums over points do not bound.
+    """Factors of the error estimates, for what sums over points do not bound.
 
     Calibrated on true errors of walls of all kinds (scripts/campaign): at most one true error in a
     thousand loads exceeds its estimate.
-
-    Attributes
-    ----------
-    pressure : float
-        Error of the pressure field, over the formula of its bound with the stiffness of a typical
-        wave instead of the stiffest; the largest seen was 0.64.
-    unknown : float
-        Factor on the bound of the mean gap's error, for the unknown part of p* (in theory at most
-        0.5).
-    shift : float
-        S of long waves over the sum over levels that stands for it.
-    loaded, corner : float
-        Effect of an error of S on the mean gap. `loaded`: over the effect of an equal relative
-        error of the load, all points counted as open. `corner`: over the norm of that error, while
-        only the last points are open. The largest seen were 0.04 and 0.22.
-    reach : float
-        Points may change sides if this takes a change of pressure below `reach` times its rms error
-        (taken over the points that have it): 0.5 for random roughness, 1.3 for lattices of equal
-        points. Only one half of this range counts, the one with more points: in random roughness
-        both have equally many. Counts of n points scatter by sqrt(n), which is added.
-    farthest, few : float
-        Up to `few` points may change sides if this takes less than `farthest` times that rms error.
-    rounding : float
-        Changes of pressure below this factor times its rms rounding error cannot tell on which side
-        a point is.
     """
 
+    # Error of the pressure field, over the formula of its bound with the stiffness of a typical
+    # wave instead of the stiffest; the largest seen was 0.64.
     pressure: float = 0.7
+    # Factor on the bound of the mean gap's error, for the unknown part of p* (in theory <= 0.5).
     unknown: float = 0.5
-    shift: float = 1.2
+    shift: float = 1.2  # S of long waves over the sum over levels that stands for it.
+    # Effect of an error of S on the mean gap, over that of an equal relative error of the load, all
+    # points counted as open; the largest seen was 0.04.
     loaded: float = 0.05
+    # Effect of an error of S on the mean gap, over the norm of that error, while only the last
+    # points are open; the largest seen was 0.22.
     corner: float = 0.3
+    # Points may change sides if this takes a change of pressure below `reach` times its rms error
+    # (over the points that have it): 0.5 for random roughness, 1.3 for lattices of equal points.
+    # Only the half of this range with more points counts: in random roughness both have equally
+    # many. Counts of n points scatter by sqrt(n), which is added.
     reach: float = 1.75
+    # Up to `few` points may change sides if this takes less than `farthest` times that rms error.
     farthest: float = 12.0
     few: float = 3.0
+    # Changes of pressure below this factor times its rms rounding error cannot tell on which side a
+    # point is.
     rounding: float = 4.0
 
 
@@ -97,37 +82,17 @@ CALIBRATION = EstimateCalibration()
 
 
 class State(NamedTuple):
-    """Sums over the points of a state, over all ranks, in the problem's units.
+    """Sums over the points of a state, over all ranks, in the problem's units."""
 
-    Attributes
-    ----------
-    p0 : float
-        Mean pressure that the wall bears.
-    open_p, open_pp : float
-        Sums of p and p^2 over open points; points that yield add p less the hardness.
-    closed_pp : float
-        Sum of p^2 over points in contact.
-    contact : float
-        Number of points in contact, yielded ones included.
-    yielded : float
-        Number of points that yield.
-    gap : float
-        Sum of the gaps; dents count as 0.
-    uKu : float
-        <u, K u>.
-    level_sums : sequence of float
-        The last five sums that Multilevel.sweep returns, over all ranks.
-    """
-
-    p0: float
-    open_p: float
-    open_pp: float
-    closed_pp: float
-    contact: float
-    yielded: float
-    gap: float
-    uKu: float
-    level_sums: Sequence[float]
+    p0: float  # mean pressure that the wall bears
+    open_p: float  # sum over open points; points that yield add p less the hardness
+    open_pp: float  # the same of p^2
+    closed_pp: float  # sum of p^2 over points in contact
+    contact: float  # number of points in contact, yielded ones included
+    yielded: float  # number of points that yield
+    gap: float  # sum of the gaps; dents count as 0
+    uKu: float  # <u, K u>
+    level_sums: Sequence[float]  # the last five sums that Multilevel.sweep returns
 
     @property
     def elastic(self) -> float:
@@ -139,87 +104,44 @@ class State(NamedTuple):
 
 
 class Estimate(NamedTuple):
-    """Estimated errors of a state. All defaults together mean that nothing is known.
+    """Estimated errors of a state. All defaults together mean that nothing is known."""
 
-    Attributes
-    ----------
-    gap, pressure : float
-        Relative errors of the mean gap and of the pressure field (L2 norm).
-    attainable : tuple of float
-        Their parts (gap, pressure) that further iterations cannot reduce, the rounding errors, if
-        these are larger than the rest; else 0.
-    squares : float
-        Sum over points of the squared error of the pressure.
-    shift : float
-        Signed estimate of how much the sum of gaps will still change.
-    missing_load : float
-        Share of the load that the contact does not carry; below 0 if it carries too much.
-    fall : float
-        Height by which the body may move further than the linear estimate says, because all of the
-        elastic contact yields or opens (plastic_limits.py).
-    distance : float
-        Estimate of |u - T(u)|_K, where T(u) is the contact with the attraction of u frozen.
-    """
-
-    gap: float = np.inf
-    pressure: float = np.inf
+    gap: float = np.inf  # relative error of the mean gap
+    pressure: float = np.inf  # relative error of the pressure field (L2 norm)
+    # Parts of `gap` and `pressure` that further iterations cannot reduce, the rounding errors, if
+    # these are larger than the rest; else 0.
     attainable: tuple[float, float] = (0.0, 0.0)
-    squares: float = np.inf
-    shift: float = np.nan
+    squares: float = np.inf  # sum over points of the squared error of the pressure
+    shift: float = np.nan  # signed estimate of how much the sum of gaps will still change
+    # share of the load that the contact does not carry; < 0 if it carries too much
     missing_load: float = 0.0
+    # Height by which the body may move further than the linear estimate says, because all of the
+    # elastic contact yields or opens (plastic_limits.py).
     fall: float = 0.0
-    distance: float = np.inf
+    distance: float = np.inf  # |u - T(u)|_K, T(u) being the contact with the attraction of u frozen
 
 
 class Norms(NamedTuple):
-    """S norms and product of the residual pressure p^ - p and the test pressure v.
-
-    Attributes
-    ----------
-    missing : float
-        |p^ - p|_S; with an attraction divided by the stability.
-    response : float
-        |v|_S, where v is -1 on open points and a constant in contact that gives it zero mean.
-    shift : float
-        <v, S (p - p^)>; with an attraction divided by the stability.
+    """S norms and product of the residual pressure p^ - p and the test pressure v, which is -1 on
+    open points and a constant in contact that gives it zero mean.
     """
 
-    missing: float
-    response: float
-    shift: float
+    missing: float  # |p^ - p|_S; with an attraction divided by the stability
+    response: float  # |v|_S
+    shift: float  # <v, S (p - p^)>; with an attraction divided by the stability
 
 
 def estimate(
     problem: Problem, levels: Multilevel, g: np.ndarray, state: State, stability: float = 1.0
 ) -> Estimate:
-    """Estimate the errors of a state from its sums, without an FFT. Collective.
+    """Estimate the errors of a state from its sums and the norms of `levels`, without an FFT.
 
-    Solvers and certificates use it alike; nothing is changed. p^ is the pressure in contact plus a
-    constant that makes up for the pressure out of contact. Rounding errors of the working precision
-    are those of the heights, which are independent from point to point, and those of the pressure,
-    which count as an error of the load.
-
-    With an attraction the estimate is first that of the contact under the same attraction, frozen.
-    The equilibrium is farther away by a factor of 1/stability (stability.py).
-
-    Parameters
-    ----------
-    problem : Problem
-        The contact. `state.p0` is used instead of its load.
-    levels : Multilevel
-        Multilevel operator of the grid; only its norms are used, not its fields.
-    g : array, local slab
-        Gap of the state.
-    state : State
-        Sums over all ranks.
-    stability : float
-        Stability of the equilibrium, 1 without an attraction.
-
-    Returns
-    -------
-    Estimate
-        The same on all ranks. Infinite errors if a sum is not finite, nothing is in contact, or the
-        stability or the load of the wall is not positive.
+    p^ is the pressure in contact plus a constant that makes up for the pressure out of contact.
+    Rounding errors of the working precision are those of the heights, independent from point to
+    point, and those of the pressure, which count as an error of the load. With an attraction the
+    estimate is that of the contact under the same attraction, frozen, over the stability. Errors
+    are infinite if a sum is not finite, nothing is in contact, or stability or load of the wall is
+    not positive. Collective.
     """
     N = problem.grid.N
     is_finite = isfinite(state.open_pp + state.gap + state.uKu)
@@ -276,11 +198,10 @@ def _norms(problem: Problem, levels: Multilevel, state: State, stability: float)
 
 
 def _error_of_gaps(problem: Problem, state: State, norms: Norms) -> float:
-    """Estimate the absolute error of the sum of gaps, without rounding errors. Local.
+    """Estimate the absolute error of the sum of gaps, without rounding errors: the smaller one of
+    both test pressures at the head of the file.
 
-    It holds while points in elastic contact stay so; `further_movement` adds the rest. It is the
-    smaller of the estimates by the two test pressures at the head of the file. With yielded points
-    the first of them is a weighted mean of both.
+    It holds while points in elastic contact stay so; `further_movement` adds the rest.
     """
     by_load = inf  # where an attraction differs from point to point this test says nothing
     if problem.attraction is None:
@@ -297,7 +218,7 @@ def _error_of_gaps(problem: Problem, state: State, norms: Norms) -> float:
 def _rounding_of_pressure(problem: Problem, state: State) -> float:
     """Return the relative error of the pressure field due to rounding errors and an error of S.
 
-    Iterations cannot reduce it. Collective when the rounding error of the problem is first read.
+    Collective when the rounding error of the problem is first read.
     """
     # with a hardness most of the contact may yield
     points = state.elastic if problem.hardness is None else state.contact
@@ -325,20 +246,8 @@ def _epsilon(problem: Problem) -> float:
 
 
 def relative_error(wrong: float, value: float) -> float:
-    """Return the error of a number relative to the true one.
-
-    Parameters
-    ----------
-    wrong : float
-        Largest distance of the number from the true one, >= 0.
-    value : float
-        The number, >= 0.
-
-    Returns
-    -------
-    float
-        wrong/(value - wrong), the largest that is possible; 0 if `wrong` is 0, infinite if the true
-        number may be 0.
+    """Return the largest error relative to the true number, wrong/(value - wrong), of a number >= 0
+    that is wrong by at most `wrong`: 0 if `wrong` is 0, infinite if the true number may be 0.
     """
     if wrong < value:
         return float(wrong / (value - wrong))

@@ -25,28 +25,10 @@ def misclassified_points(
     """Estimate how many points are in the wrong set, in contact or out of it. Collective.
 
     A point may change sides if the change of pressure that this takes is not large beside the rms
-    error of the pressure. No more points count than the total squared error can move, the easiest
-    first. Points in contact and open points change the area in opposite directions, so the larger
-    of the two numbers is returned. With a hardness the contact keeps as many points as carry the
-    load.
-
-    Parameters
-    ----------
-    problem : Problem
-        At the load of the state.
-    g, p : array, local slabs
-        Gap and pressure of the state.
-    errors : Estimate
-        Estimated errors of the state.
-    spread : float
-        Number of points over which the error of the pressure is spread, see `spread_of`.
-    contact : float
-        Number of points in contact on all ranks.
-
-    Returns
-    -------
-    float
-        A number of points, not always whole; the same on all ranks.
+    error of the pressure, which is spread over `spread` points; no more points count than the total
+    squared error can move, the easiest first. Points in contact and open points change the area in
+    opposite directions, so the larger of the two numbers is returned. With a hardness the contact
+    keeps as many points as carry the load.
     """
     mean_square = errors.squares / spread
     tie = CALIBRATION.rounding * problem.rounding
@@ -83,30 +65,14 @@ def _likely_to_change(
 ) -> float:
     """Return how many points of a histogram will probably change sides, with a margin for scatter.
 
-    In reach are points that take a change of pressure of less than CALIBRATION.reach times the rms
-    error of the pressure. With a hardness all of them are expected to change sides, otherwise those
-    of one half of this range of pressures, the half with more points. If `follow_load` is larger,
-    that number is expected. The root of the expected number is added for scatter. The result is no
-    less than CALIBRATION.few, or than all points of the histogram if these are fewer.
+    In reach are points whose change takes less than CALIBRATION.reach times the rms error of the
+    pressure (`mean_square`): with a hardness all of them are expected to change sides, otherwise
+    those of the half of this range with more points. At least `follow_load` are expected, the
+    points that a correction of the load moves to the other side (below 0: in the opposite
+    direction). The root of the expected number is added. No less than CALIBRATION.few, or than all
+    points if these are fewer.
 
-    Parameters
-    ----------
-    problem : Problem
-        The contact; only whether it has a hardness is used.
-    points : array (BINS,)
-        Histogram of the points by `takes`.
-    takes : array (BINS,)
-        Square of the smallest change of pressure that moves points of each bin to the other side.
-    mean_square : float
-        Mean square of the error of the pressure over the points that have this error.
-    follow_load : float
-        Number of points that a correction of the load would move to the other side; below 0 if it
-        moves points in the opposite direction.
-
-    Returns
-    -------
-    float
-        A number of points, not always whole.
+    points, takes: (BINS,), number of points and squared change of pressure of each bin.
     """
     near, within = (
         points[takes < mean_square * x**2].sum() for x in (CALIBRATION.reach / 2, CALIBRATION.reach)
@@ -117,12 +83,12 @@ def _likely_to_change(
 
 
 def _lone_point_factor(problem: Problem, contact: float) -> float:
-    """Return the factor by which histograms overestimate the squared pressure that closes a gap.
+    """Return the factor >= 1 by which histograms overestimate the squared pressure that closes a
+    gap.
 
-    The histograms of `_uncertain_points` use the compliance of the stiffest wave for open points. A
-    single point has a larger one, S00. If it takes over a pressure from n points in contact, this
-    moves it by S00 (1 + 1/n) relative to them, and adds (1 + 1/n) times its square to the error.
-    The factor is 1 or more; it allows the same error to close more open points.
+    The histograms use the compliance of the stiffest wave for open points, but that of a single
+    point, S00, is larger. If it takes over a pressure from n points in contact, this moves it by
+    S00 (1 + 1/n) relative to them, and adds (1 + 1/n) times its square to the error.
     """
     grid = problem.grid
     softer = problem.body.point_compliance(grid) * problem.body.scale(grid)
@@ -138,10 +104,9 @@ def _uncertain_points(
     largest: float,
     fall: float,
 ) -> np.ndarray:
-    """Return histograms (2, BINS) of the points in contact and of open points, over all ranks.
-
-    They are by the square of the change of pressure that moves a point to the other side. For the
-    other arguments see kernels/certify.py: count_uncertain. Collective.
+    """Return histograms (2, BINS) of points in contact and open points, by the square of the change
+    of pressure that moves a point to the other side. Collective; arguments as of
+    kernels/certify.py: count_uncertain.
     """
     grid = problem.grid
     compliance = 1.0 / problem.body.scale(grid)
@@ -157,21 +122,9 @@ def _uncertain_points(
 
 
 def moments_of_open(problem: Problem, g: np.ndarray, p: np.ndarray) -> np.ndarray:
-    """Return the sums of p^2 and p^4 over the open points of this rank. Not collective.
+    """Return the sums of p^2 and p^4 over this rank's open points, on the surface only.
 
     Points that yield count with the pressure beyond the hardness.
-
-    Parameters
-    ----------
-    problem : Problem
-        The contact.
-    g, p : array, local slabs
-        Gap and pressure of a state.
-
-    Returns
-    -------
-    array (2,)
-        The two sums, on the surface only.
     """
     (rows, points), limit = problem.grid.inside, problem.limit
 
@@ -182,24 +135,10 @@ def moments_of_open(problem: Problem, g: np.ndarray, p: np.ndarray) -> np.ndarra
 
 
 def spread_of(squares: float, fourth: float, contact: float, N: int) -> float:
-    """Estimate over how many points the error of the pressure is spread.
+    """Estimate over how many points (at least 1) the error of the pressure is spread.
 
-    It is taken as spread like the pressure out of contact: (sum p^2)^2/(sum p^4) points, but no
+    It is taken as spread like the pressure out of contact, (sum p^2)^2/(sum p^4) points, but no
     more than are in contact and no more than are open.
-
-    Parameters
-    ----------
-    squares, fourth : float
-        Sums of p^2 and p^4 over open points, on all ranks.
-    contact : float
-        Number of points in contact on all ranks.
-    N : int
-        Number of points of the surface.
-
-    Returns
-    -------
-    float
-        At least 1; 1 as well if no pressure is left out of contact.
     """
     participating = squares**2 / fourth if fourth > 0 else 1.0
     return max(min(participating, contact, N - contact), 1.0)

@@ -1,9 +1,8 @@
 """The certificate of a pressure instead of a gap: one application of S computes the gap.
 
-For pressures that were solved elsewhere, in a part of the surface. What is given is a pressure p of
-the right load and the points that it closes; g = S p + h, moved so that closed points are at 0 in
-the mean. What then is left of their gap is set to 0, which takes a further pressure. It is not
-computed; the errors of the certificate grow by the largest that it may be.
+For a pressure p of the right load that was solved elsewhere, in a part of the surface: g = S p + h,
+moved so that closed points are at 0 in the mean. What is left of their gap is set to 0; the further
+pressure that this takes is not computed, but the errors grow by the largest that it may be.
 """
 
 from __future__ import annotations
@@ -24,22 +23,12 @@ if TYPE_CHECKING:
 
 
 class Part(NamedTuple):
-    """The pressure on a part of the surface, beyond which it is 0: this rank's points of it.
+    """The pressure on this rank's points of a part of the surface, beyond which it is 0."""
 
-    Attributes
-    ----------
-    rows, columns : slice
-        Local rows and columns; no rows on a rank that has none of the part.
-    p : array
-        The pressure on these points.
-    closed : array of bool
-        Which of them are in contact.
-    """
-
-    rows: slice
-    columns: slice
+    rows: slice  # local; none on a rank that has none of the part
+    columns: slice  # local
     p: np.ndarray
-    closed: np.ndarray
+    closed: np.ndarray  # bool, which of the points are in contact
 
 
 def certify_pressure(
@@ -51,13 +40,12 @@ def certify_pressure(
     dtype: DTypeLike = np.float64,
     dual: bool = False,
 ) -> tuple[Certificate, float]:
-    """Compute gap and certificate of a pressure on a part of the surface. Collective, one FFT pair.
+    """Compute gap g, pressure p (local slabs) and certificate of a pressure on a part of the
+    surface.
 
-    Returns the certificate, and the norm of the pressure that is not computed over that of p, at
-    most, by which the error of the pressure is larger; those of area and gap grow with it.
-    g and p get gap and pressure, local slabs; g is below 0 where points beyond the part penetrate.
-    Needs stored heights, without a hardness or an attraction. The fields of `levels` are
-    overwritten.
+    Returns also a bound of the norm of the pressure that is not computed, over that of p. g is
+    below 0 where points beyond the part penetrate. Needs stored heights, without hardness or
+    attraction; overwrites the fields of `levels`. Collective, one FFT pair.
     """
     grid = problem.grid
     _spread(part, p)
@@ -99,7 +87,8 @@ def certify_pressure(
 def _with_neglected(
     errors: tuple[float, float, float], neglected: float
 ) -> tuple[float, float, float]:
-    """Return the errors of area, mean gap and pressure for a pressure that is wrong by more.
+    """Return errors of area, mean gap and pressure that grow with the relative pressure
+    `neglected`.
 
     The first two are taken to grow as its error and, being one of the energy, as its square.
     """
@@ -115,9 +104,10 @@ def _spread(part: Part, p: np.ndarray) -> None:
 
 
 def _gap(problem: Problem, elastic: Elastic, part: Part, g: np.ndarray) -> float:
-    """Set g to the gap of the pressure, 0 at closed points in the mean; return by what it moved.
+    """Set g to the gap of the pressure, 0 at closed points in the mean, and return by what it was
+    moved. Collective.
 
-    `elastic` has multiplied the columns of the pressure by S. Collective.
+    `elastic` has multiplied the columns of the pressure by S before.
     """
     grid = problem.grid
     rows, points = grid.inside
@@ -141,9 +131,8 @@ def _gap(problem: Problem, elastic: Elastic, part: Part, g: np.ndarray) -> float
 
 
 def _close(part: Part, g: np.ndarray) -> tuple[float, float]:
-    """Make the gap of the part feasible: 0 at closed points, and not below it at open ones.
-
-    Returns the largest penetration before, and the sum of the squares of the changes.
+    """Make the gap of the part feasible, 0 at closed points and >= 0 at open ones; return the
+    largest penetration before and the sum of the squared changes.
     """
     of_part = g[part.rows, part.columns]
     feasible = np.where(part.closed, 0, np.maximum(of_part, 0))

@@ -5,25 +5,15 @@ With a hardness H the contact carries between H times the yielded points and H t
 contact. Where the load is close to either limit, a small error of the pressure stands for a large
 one of the gap: the elastic points yield, and the body comes down onto the next points.
 
-The bound follows from the duality gap at a slightly different energy, E + t <1, g^+>. Its minimum
-is concave in t, with the slope <1, g*^+> at t = 0, the sum of the gaps of the solution. So for
-every t > 0 and every test pressure q with -t <= q <= H and the mean p0
-
-    <1, g^+> - <1, g*^+> <= (<q + t, g^+> + <H - q, g^-> + 1/2 <q - p, S (q - p)>)/t,
-
-and the same with t <= q <= H and q - t bounds the difference from the other side. Take
-q = p^ + t v, where v is -1 on open points and makes up for it on the elastic contact. With
-e = |p^ - p|_S and R = |v|_S the right side is at most e^2/(2 t) + t R^2/2 + e R c, where c is the
-cosine between both.
-Its minimum over t is the linear estimate, of the size e R, at t = e/R. But q <= H allows no more
-than
+The linear estimate is the minimum of e^2/(2 t) + t R^2/2 + e R c over t, at t = e/R, with e = |p^ -
+p|_S and R = |v|_S. But a pressure q = p^ + t v <= H allows no more than
 
     t n <= room = H (points in contact) - N p0,
 
 n being the number of open points, and on the other side t n <= carried = N p0 - H (yielded points).
-Beyond that, q may use points that the body meets when it moves by a height x, which costs at most
-x H for each of the m(x) open points with a gap up to x (or dents as deep). So with
-t(x) = (room + H m(x))/n the gaps may be wrong by
+Beyond that, q may use points that the body meets when it moves by a height x, which costs at most x
+H for each of the m(x) open points with a gap up to x (or dents as deep). With t(x) = (room + H
+m(x))/n the gaps may be wrong by
 
     min over x of   x H m(x)/t(x) + max(e - t(x) R, 0)^2/(2 t(x))
 
@@ -51,32 +41,13 @@ def further_movement(
     e: float,
     response: float,
 ) -> float:
-    """Return the error of the sum of gaps that yielding adds to the linear estimate. Collective.
+    """Return the error of the sum of gaps (>= 0) that yielding adds to the linear estimate.
+    Collective.
 
-    It is a bound if `e` is one.
-
-    Parameters
-    ----------
-    problem : Problem
-        The contact, with or without a hardness.
-    load : float
-        N times the mean pressure of the wall.
-    g : array, local slab
-        Gap of the state.
-    gap : float
-        Sum of the gaps of all open points, over all ranks.
-    contact : float
-        Number of points in contact on all ranks, yielded ones included; less than N.
-    e : float
-        |p^ - p|_S, the error of the pressure.
-    response : float
-        |v|_S of the direction v that lowers the pressure of every open point by 1.
-
-    Returns
-    -------
-    float
-        >= 0, in the problem's unit of height, summed over open points; 0 without a hardness, or if
-        the elastic contact can take up and give up enough load.
+    load: N times the mean pressure of the wall; gap: sum over open points; contact: number of
+    points, less than N; e: |p^ - p|_S; response: |v|_S of the direction v that lowers the pressure
+    of every open point by 1. A bound if `e` is one; 0 without a hardness, or if the elastic contact
+    can take up and give up enough load.
     """
     if problem.hardness is None:
         return 0.0
@@ -104,17 +75,11 @@ def further_movement(
 def _counts_near_contact(
     problem: Problem, g: np.ndarray, largest: float
 ) -> tuple[float, float, np.ndarray, np.ndarray]:
-    """Count points by the size of their gap or dent, up to `largest`, over all ranks. Collective.
+    """Count the points with g <= 0, those with g < 0, and open points and dents (BINS,) by size.
+    Collective.
 
-    Returns
-    -------
-    touching : float
-        Points with g <= 0.
-    dented : float
-        Points with g < 0.
-    open_points, dents : array (BINS,)
-        Histograms of the points with 0 < g <= largest, and with 0 < -g <= largest: bin k holds
-        sizes from largest 2^(-k/PER_OCTAVE) down to bin k + 1, the last bin down to 0.
+    Bin k of a histogram holds sizes from largest 2^(-k/PER_OCTAVE) down to bin k + 1, the last bin
+    down to 0.
     """
     grid = problem.grid
     points = grid.inside[1]

@@ -1,32 +1,28 @@
 """How stable an equilibrium with attraction is, and along which displacement it is least stable:
 equation (4) in docs/method.md.
 
-At fixed contact A a small displacement e of the open points changes the energy by
-1/2 <e, (K + phi'') e>, where phi'' <= 0. The stability is
+At fixed contact A the stability is
 
-    s = min <e, (K + phi'') e>/<e, K e>    over e = 0 on A:
+    s = min <e, (K + phi'') e>/<e, K e>    over e = 0 on A,
 
-1 without attraction, 0 where the surfaces are about to jump, and below 0 at a saddle, from which
-the energy falls along e. It is 1 - mu, mu being the largest eigenvalue of D with respect to K,
-where D = -phi'' on open points and 0 in contact. It is computed by locally optimal conjugate
-gradients (Knyazev 2001) in the space of e, the preconditioned residual and the last change of e,
-with one application of K per step. The preconditioner M is that of operators/multilevel.py, which
-stands for S = 1/K on open points. The first e is M D 1, which does not change sign, like the mode
-that is sought; the mode of an earlier search is added if there is one.
+1 without attraction, 0 where the surfaces are about to jump, below 0 at a saddle. It is 1 - mu, mu
+being the largest eigenvalue of D = -phi'' on open points with respect to K, found by locally
+optimal conjugate gradients (Knyazev 2001) in the space of e, the preconditioned residual and the
+last change of e. The first e is M D 1, which does not change sign, like the mode that is sought; M
+is the preconditioner of operators/multilevel.py.
 
-This value of s is never too small. How much too large it may be follows from the residual
-R = D e - mu K e: there is an eigenvalue within |R|_S/|e|_K of mu. Before the search has converged
-there may be a larger eigenvalue, so twice this uncertainty counts. If single points are soft there
-may be modes of few points, of which the first e hardly has a part: then the search makes some steps
-more. Under a dead load the least stable mode moves the body as a whole. A spring holds that mode,
-and one that breaks the symmetry of the wall may be less stable: in a search that is not to end
-early the first e is then made of scattered numbers, or all steps would keep the symmetry, and there
-are eight steps at least. A mode of which e has a small part may still be missed.
+This s is never too small. How much too large it may be follows from the residual R = D e - mu K e:
+there is an eigenvalue within |R|_S/|e|_K of mu; before convergence twice this uncertainty counts.
+If single points are soft there may be modes of few points, of which the first e hardly has a part:
+then the search makes some steps more. Under a dead load the least stable mode moves the body as a
+whole. A spring holds that mode, and one that breaks the symmetry of the wall may be less stable: in
+a search that is not to end early the first e is then made of scattered numbers, or all steps would
+keep the symmetry.
 
-To first order there is an equilibrium at the distance m/s, m = |u - T(u)|_K. But phi'' changes on
-the way: just beyond a jump there are states with a small m and s > 0, but without an equilibrium.
-So s of the secant counts: 1 + <t(g + x e) - t(g), e>/x, the smaller of both directions, |e|_K = 1,
-where x is the smallest x with x s >= m. If there is no such x, there may be no equilibrium.
+To first order there is an equilibrium at the distance m/s, m = |u - T(u)|_K. But just beyond a jump
+there are states with a small m and s > 0 without an equilibrium. So s of the secant counts: 1 +
+<t(g + x e) - t(g), e>/x, the smaller of both directions, |e|_K = 1, where x is the smallest x with
+x s >= m. If there is no such x, there may be no equilibrium.
 """
 
 from __future__ import annotations
@@ -59,25 +55,14 @@ NEAR_ENOUGH = 0.95  # ratio of two successive stabilities from which on they cou
 
 @dataclass(frozen=True)
 class Stability:
-    """The stability of a state with an attraction, and its least stable mode; immutable.
+    """The stability of a state with an attraction, and its least stable mode."""
 
-    Attributes
-    ----------
-    value : float
-        Computed s, an upper bound; 1 without attraction, below 0 at a saddle.
-    lowest : float
-        Smallest s that is likely, by the uncertainty of `value`. It divides the errors.
-    mode : array or None
-        Displacement e, local slab, normalised to <e, K e> = 1 and with a positive sum (the gap
-        opens); None if no open point is attracted.
-    pairs : float
-        FFT pairs that the search took.
-    """
-
-    value: float
-    lowest: float
+    value: float  # computed s, an upper bound; 1 without attraction, below 0 at a saddle
+    lowest: float  # smallest s that is likely, by the uncertainty of `value`; it divides the errors
+    # Displacement e, local slab, normalised to <e, K e> = 1 and with a positive sum (the gap
+    # opens); None if no open point is attracted.
     mode: np.ndarray | None
-    pairs: float
+    pairs: float  # FFT pairs that the search took
 
 
 def stability_of(
@@ -90,30 +75,12 @@ def stability_of(
     mode: np.ndarray | None = None,
     tolerance: float = TOLERANCE,
 ) -> Stability:
-    """Compute the stability of a state by an iterative search.
+    """Compute the stability of a state (gap g, pressure p of the wall) by an iterative search.
 
-    Collective. It takes one or two FFT pairs at the start and one per step (at most 60 steps); none
-    if no open point is attracted.
-
-    Parameters
-    ----------
-    problem : Problem
-        The contact, with an attraction.
-    g, p : array, local slabs
-        Gap, and pressure of the wall; do not change.
-    levels : Multilevel
-        Multilevel operator of the grid, in the working precision; its fields are overwritten.
-    enough, too_little : float
-        The search ends early once `lowest` is above `enough`, or `value` is below `too_little`.
-    mode : array, local slab, optional
-        Mode of an earlier search, to begin with; does not change.
-    tolerance : float
-        The search has converged once a step changes s by less than this, relative.
-
-    Returns
-    -------
-    Stability
-        The same on all ranks, but for the local mode.
+    It ends early once `lowest` is above `enough` or `value` below `too_little`, or once a step
+    changes s by less than `tolerance`, relative; `mode` is that of an earlier search, to begin
+    with. Overwrites the fields of `levels`. Collective: one or two FFT pairs at the start and one
+    per step; none if no open point is attracted.
     """
     search = _Search(problem, g, p, levels)
     if not search.attracts:
@@ -126,24 +93,8 @@ def stability_up_to_equilibrium(
 ) -> float:
     """Return the stability that divides the errors: that of the secant up to the equilibrium.
 
-    Collective, without an FFT.
-
-    Parameters
-    ----------
-    problem : Problem
-        The contact, with an attraction.
-    g : array, local slab
-        Gap of the state.
-    stability : Stability
-        Stability of the state, as `stability_of` computed it.
-    distance : float
-        |u - T(u)|_K, the distance from the contact with the attraction of this state frozen.
-
-    Returns
-    -------
-    float
-        At most `stability.lowest`, the same on all ranks; 0 if the attraction changes so much on
-        the way that there may be no equilibrium.
+    `distance` is |u - T(u)|_K. At most `stability.lowest`; 0 if the attraction changes so much on
+    the way that there may be no equilibrium. Collective, without an FFT.
     """
     mode = stability.mode
     law = problem.law(np.dtype(np.float64))
@@ -172,9 +123,8 @@ def stability_up_to_equilibrium(
 
 
 def scattered(grid: Grid, dtype: np.dtype) -> np.ndarray:
-    """Return numbers between 1 - SCATTER and 1 + SCATTER, fixed for each point of a grid.
-
-    A new array, local slab; the same numbers on any number of ranks.
+    """Return an array (local slab) of numbers between 1 - SCATTER and 1 + SCATTER, fixed for each
+    point of a grid on any number of ranks.
     """
     start, stop = grid.rows
     i = np.arange(start, stop, dtype=np.uint64)[:, None]
@@ -186,27 +136,8 @@ def scattered(grid: Grid, dtype: np.dtype) -> np.ndarray:
 
 
 class _Search:
-    """The search of `stability_of`: its fields, and the steps on them.
-
-    Parameters are those of `stability_of`. Creating it is collective; `run` overwrites the fields
-    of `levels`.
-
-    Attributes
-    ----------
-    D : array, local slab
-        The softening -phi''(g) >= 0 on open points; 0 in contact and beyond the surface.
-    closed : array, local slab
-        1 at points in contact, g <= 0 and p > 0, else 0.
-    residual : array, local slab
-        R = D e - mu K e of the present direction e; before the first one D.
-    z : array (rows + 2, n_y)
-        M residual on open points, 0 in contact; its first and last rows are halo rows.
-    residual_and_contact : array (2, rows + 2, n_y)
-        Memory of `residual` and `closed` with their halo rows, as the levels read it.
-    attracts : bool
-        Whether any open point on any rank is attracted; if not, there is nothing to search.
-    softness : float
-        The largest D of a point over the stiffness K of a point alone, over all ranks.
+    """The search of `stability_of`, with its arguments. Making one is collective; `run` overwrites
+    the fields of `levels`.
     """
 
     def __init__(self, problem: Problem, g: np.ndarray, p: np.ndarray, levels: Multilevel):
@@ -215,9 +146,11 @@ class _Search:
         self.elastic = Elastic(self.grid, problem.body, self.dtype)
         rows, n_y = self.grid.shape
         # with the halo rows that the transfer expects
+        # memory of `residual` and `closed`, with halo rows for the levels
         self.residual_and_contact = np.zeros((2, rows + 2, n_y), self.dtype)
         self.residual, self.closed = self.residual_and_contact[:, 1:-1]
-        self.z = np.zeros((rows + 2, n_y), self.dtype)
+        self.z = np.zeros((rows + 2, n_y), self.dtype)  # M residual on open points, 0 in contact
+        # -phi''(g) >= 0 on open points; 0 in contact and beyond the surface
         self.D = self.grid.empty(self.dtype)
         inside, law = self.grid.inside, problem.law()
 
@@ -227,18 +160,19 @@ class _Search:
             return softening(law, g, self.closed, self.D, i0, i1, inside)
 
         parts = [(0.0, 0.0), *self.grid.by_rows(soften)]
+        # whether any open point on any rank is attracted
         self.attracts = bool(self.grid.comm.sum([sum(total for total, _ in parts)])[0] > 0)
         (largest,) = self.grid.comm.max([max(float(x) for _, x in parts)])
+        # the largest D of a point over the stiffness K of a point alone
         self.softness = largest / float(problem.body.near(self.grid)[0])
 
     def run(
         self, enough: float, too_little: float, mode: np.ndarray | None, tolerance: float
     ) -> Stability:
-        """Step until s is known well enough; for arguments and result see `stability_of`.
+        """Step until s is known well enough. Collective.
 
-        V has up to three directions: V[0] is e, V[1] the preconditioned residual (in the first step
-        the given mode, if there is one), V[2] the last change of e. KV is K V on open points.
-        Collective.
+        V[0] is e, V[1] the preconditioned residual (in the first step the given mode, if there is
+        one), V[2] the last change of e. KV is K V on open points.
         """
         shape = (3, *self.grid.shape)
         V, KV = np.zeros(shape, self.dtype), np.zeros(shape, self.dtype)
@@ -305,9 +239,9 @@ class _Search:
         self.elastic.use_rows(use)
 
     def _precondition(self) -> float:
-        """Set self.z = M residual on open points, and return <residual, z> over all ranks.
+        """Set z = M residual on open points, and return <residual, z> over all ranks.
 
-        Overwrites the fields of the levels. Collective.
+        Collective.
         """
         self.levels.restrict_from(0, self.residual_and_contact)
         self.levels.sweep()
@@ -342,10 +276,8 @@ class _Search:
         return float(mu[-1]), weights
 
     def _combine(self, V: np.ndarray, KV: np.ndarray, k: int, weights: np.ndarray) -> None:
-        """Combine the first k directions in place: V[0] becomes the sum of weights[i] V[i].
-
-        V[2] becomes this sum without its term i = 0, the direction in which e changes. The same
-        combinations are made of KV. Local.
+        """Combine the first k directions in place: V[0] becomes the sum of weights[i] V[i], V[2]
+        this sum without its term i = 0, the direction in which e changes. The same with KV.
         """
         real = weights.astype(self.dtype)
 
@@ -364,9 +296,8 @@ class _Search:
         self.grid.by_rows(subtract)
 
     def _normalise(self, field: np.ndarray) -> None:
-        """Scale a field in place so that its largest absolute value over all ranks is about 1.
-
-        A field of zeros stays as it is. Collective.
+        """Scale a field in place so that its largest absolute value over all ranks is about 1;
+        zeros stay. Collective.
         """
         largest = self.grid.comm.max([float(np.abs(field).max(initial=0.0))])[0]
         if largest > 0:
