@@ -1,11 +1,10 @@
 """Connected clusters of points on slabs, periodic or free: how large they are and whether one of
 them percolates.
 
-Every rank labels its rows strip by strip (scipy) and keeps of each strip only a block: the clusters
-that reach its first or its last row. Two blocks that touch are joined to one, those of the strips
-of a rank one after the other, those of the ranks up a tree. A cluster that no longer reaches a
-border is whole and is counted on that rank. Messages are as long as two rows, a rank gets at most
-one for each doubling of the number of ranks, and the result is the same on any number of ranks.
+Every rank labels its rows strip by strip (scipy) and keeps of each strip only the clusters that
+reach its first or last row, a block. Blocks that touch are joined, those of the ranks up a tree
+with messages of two rows; a cluster that no longer reaches a border is whole and is counted on that
+rank.
 """
 
 from __future__ import annotations
@@ -45,10 +44,10 @@ def find_clusters(
 ) -> Clusters:
     """Find the clusters of the points where a mask of n = (n_x, n_y) points is true. Collective.
 
-    mask(i0, i1) returns local rows i0 <= i < i1 of those that this rank has, rows[0] to rows[1].
-    Points that share only a corner are connected if `corners` is set. Along a periodic axis a
-    cluster percolates if it contains a closed way around the cell along that axis (a way around
-    both axes counts for both); along a free axis if it reaches from the first point to the last.
+    mask(i0, i1) returns local rows i0 <= i < i1. Points that share only a corner are connected if
+    `corners` is set. Along a periodic axis a cluster percolates if it contains a closed way around
+    the cell (a way around both axes counts for both); along a free axis if it reaches from the
+    first point to the last.
     """
     joiner = _Joiner(n, periodic, corners)
     block = None
@@ -69,9 +68,9 @@ class _Block:
     """The clusters of consecutive rows that reach the first or the last of them.
 
     first_row, last_row (3, n_y): [0] is the number of the cluster of each point, or NOTHING; [1:]
-    are the borders of the cell that are crossed, along x and along y, on the way to the point from
-    the root of its cluster. counts (5, clusters): points of each cluster in these rows; how many of
-    them are in the first and last row of the cell, and in its first and last column.
+    are the borders of the cell that are crossed, along x and y, on the way to the point from the
+    root of its cluster. counts (5, clusters): points of each cluster in these rows, and how many of
+    them are in the first and last row, first and last column of the cell.
     """
 
     first_row: np.ndarray
@@ -80,10 +79,10 @@ class _Block:
 
 
 class _Joiner:
-    """Joins blocks (`_Block`); n, periodic and corners are those of `find_clusters`.
+    """Joins blocks; n, periodic and corners are those of `find_clusters`.
 
-    Its methods append to `whole` the sizes of clusters that no longer reach a border, and set
-    `percolates` (2,) for an axis along which a cluster or a part of one percolates.
+    Appends to `whole` the sizes of clusters that no longer reach a border, and sets `percolates`
+    (2,).
     """
 
     def __init__(self, n: tuple[int, int], periodic: tuple[bool, bool], corners: bool):
@@ -94,11 +93,7 @@ class _Joiner:
         self.percolates = np.zeros(2, np.bool_)
 
     def labelled(self, mask: np.ndarray, i0: int) -> _Block:
-        """Label the clusters of a strip of at least one row, and return its block.
-
-        mask: (rows of the strip, n_y), true on the clusters; i0: number of its first row in the
-        whole field.
-        """
+        """Label the clusters of a strip, a mask (rows, n_y) from row i0 of the whole field on."""
         from scipy import ndimage
 
         structure = ndimage.generate_binary_structure(2, 2 if self.corners else 1)
@@ -115,9 +110,8 @@ class _Joiner:
         return self._joined(pairs, counts, first_row, last_row)
 
     def together(self, upper: _Block | None, lower: _Block | None) -> _Block | None:
-        """Return the block of the rows of two blocks; `lower` begins where `upper` ends.
-
-        None stands for no rows. Both blocks stay as they are; the result may be one of them.
+        """Return the block of the rows of two blocks, which stay as they are; None stands for no
+        rows.
         """
         if upper is None or lower is None:
             return lower if upper is None else upper
@@ -130,9 +124,8 @@ class _Joiner:
         return self._joined(pairs, counts, upper.first_row, lower_last)
 
     def close(self, block: _Block) -> None:
-        """Count the clusters of the block of all rows, joined across the first and the last row.
-
-        They are joined there if the surface is periodic along x.
+        """Count the clusters of the block of all rows, joined across the border if periodic along
+        x.
         """
         pairs = self._pairs(block.last_row, block.first_row, (1, 0)) if self.periodic[0] else []
         border = block.first_row[:, :0]
@@ -141,11 +134,11 @@ class _Joiner:
     def _pairs(
         self, a: np.ndarray, b: np.ndarray, across: tuple[int, int] = (0, 0)
     ) -> list[np.ndarray]:
-        """Return the edges between points that touch on two neighbouring lines a and b.
+        """Return edges (4, edges) between points that touch on neighbouring lines a and b (3,
+        points).
 
-        a, b: lines of points as `_Block` has them, (3, points). across: borders of the cell, along
-        x and along y, that are crossed from a to b. Returns a list of arrays (4, edges), whose
-        transposes kernels/clusters.py: join takes.
+        across: borders of the cell, along x and y, that are crossed from a to b. The transposes of
+        what is returned are for kernels/clusters.py: join.
         """
         ways = [(slice(None), slice(None), 0)]
         if self.corners:
@@ -169,8 +162,7 @@ class _Joiner:
     ) -> _Block:
         """Join pieces of clusters that share edges, and return the block between two rows.
 
-        pairs: edges as `_pairs` returns them; counts: of each piece, as `_Block` has them. Clusters
-        that reach neither of the rows are whole: their sizes are appended to `whole`.
+        Clusters that reach neither of the rows are whole: their sizes are appended to `whole`.
         """
         pieces = counts.shape[1]
         parent = np.arange(pieces)

@@ -1,5 +1,4 @@
-"""How a grid is coarsened: sizes and wave numbers of the levels, which coarse rows a rank owns, and
-on how few ranks they are agglomerated.
+"""How a grid is coarsened: sizes and wave numbers of the levels, and which coarse rows a rank owns.
 
 Coarse rows first live where the fine ones do. Where that leaves ranks with too little, or without
 rows, they are agglomerated on every second, fourth, ... rank.
@@ -29,8 +28,8 @@ Tables = tuple[np.ndarray, np.ndarray, int, np.ndarray, np.ndarray, np.floating]
 class Level:
     """One level of the hierarchy: its points (n_x, n_y), and its largest wave number over sqrt 2.
 
-    q is as Grid.q_nyquist, in 1/a with the spacing a of the finest grid. A single point has half
-    the q of the level before, or 1 if there is none.
+    q is as Grid.q_nyquist, in 1/a with the spacing a of the finest grid; for a single point half
+    that of the level before.
     """
 
     n: tuple[int, int]
@@ -41,8 +40,7 @@ def levels(grid: Grid) -> list[Level]:
     """List all levels of a grid, finest first, down to one point.
 
     An axis whose spacing is at least sqrt 2 times that of the other is not coarsened in that step
-    (semi-coarsening), so stretched cells and grids with very different n_x and n_y approach square
-    spacing.
+    (semi-coarsening), so that stretched cells approach square spacing.
     """
     n = grid.n
     spacing = tuple(s / grid.a for s in grid.spacings)
@@ -59,8 +57,7 @@ def halved(
 ) -> tuple[tuple[int, int], tuple[float, ...]]:
     """Return the points of the next coarser level and their spacing, in the unit of `spacing`.
 
-    An axis of fewer than `fewest` points is not coarsened, and its spacing is not compared with the
-    other.
+    An axis of fewer than `fewest` points is not coarsened, nor compared with the other.
     """
     finest = min((s for s, k in zip(spacing, n) if k >= fewest), default=0.0)
     coarse = [(k + 1) // 2 if k >= fewest and s < SQRT2 * finest else k for k, s in zip(n, spacing)]
@@ -79,8 +76,7 @@ def axis_tables(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return J0 and f of the fine points start <= i < stop of one axis (kernels/multilevel.py).
 
-    n, m: points of the fine and of the coarse axis. Both arrays are kept for later calls and must
-    not be changed.
+    n, m: points of the fine and the coarse axis. The arrays are cached: do not change them.
     """
     i = np.arange(start, n if stop is None else stop, dtype=np.int64)
     return (i * m // n).astype(np.int32), ((i * m % n) / n).astype(dtype)
@@ -109,11 +105,10 @@ def owned_rows(starts: ArrayLike, n: int, m: int) -> np.ndarray:
 
 
 def agglomerated(starts: ArrayLike, points: int, share: int) -> np.ndarray:
-    """Return the first row of every rank, and their number, after they are gathered on ranks 0, s,
-    ...
+    """Return the first row of every rank, and their number, after gathering on ranks 0, s, 2 s, ...
 
-    s is the smallest power of two that leaves each of these ranks `share` of the `points` on
-    average (or all rows on one rank); the others then have no rows.
+    s is the smallest power of two that leaves each of them `share` of the `points` on average, or
+    all rows on one rank; the others then have no rows.
     """
     starts = np.asarray(starts)
     size = int(np.flatnonzero(np.diff(starts))[-1]) + 1  # the last rank that has any
@@ -128,11 +123,9 @@ def agglomerated(starts: ArrayLike, points: int, share: int) -> np.ndarray:
 class Transfer:
     """One rank's part of the transfer between a level (n points) and the next coarser one (m).
 
-    On the level rank r has rows begin[r] <= i < end[r], of which the last may be row n, which is
-    row 0; `fine` are those of this rank. It writes to and reads from a window of coarse rows, lo[r]
-    <= J < hi[r]: all those that its fine rows lie on or beside; none if it has no fine rows. An
-    array of the window has a row more before and after. Tables are made when they are first asked
-    for.
+    Rank r has fine rows begin[r] <= i < end[r], of which the last may be row n, which is row 0. It
+    writes to and reads from a window of coarse rows, lo[r] <= J < hi[r]: all those that its fine
+    rows lie on or beside. An array of the window has a row more before and after.
     """
 
     def __init__(
@@ -156,10 +149,8 @@ class Transfer:
 
     @cached_property
     def tables(self) -> Tables:
-        """The tuple that kernels take as `transfer` (kernels/multilevel.py).
-
-        A plain tuple: numba takes it as fast as its parts. Its arrays are shared with other objects
-        and must not be changed.
+        """What kernels take as `transfer`, a plain tuple, which numba takes fastest; do not change
+        its arrays, which are shared.
         """
         J0, f_x = axis_tables(self.n[0], self.m[0], self.dtype, *self.fine)
         # row numbers count the row before the window
@@ -196,8 +187,8 @@ class Transfer:
 def passes_of(coarse_rows: np.ndarray, longest: int) -> list[tuple[int, int]]:
     """Split fine rows into ranges (begin, end) of at most `longest` rows, in order.
 
-    Each begins at the first fine row of a coarse row, unless a coarse row has more than `longest`
-    of them. coarse_rows: the coarse row before each fine row.
+    Each begins at the first fine row of a coarse row, unless one has more than `longest` of them.
+    coarse_rows: the coarse row before each fine row.
     """
     passes = []
     begin = 0

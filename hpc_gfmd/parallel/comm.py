@@ -17,22 +17,7 @@ SHORTEST_PAUSE, LONGEST_PAUSE = 1e-4, 0.01  # seconds between two looks of a ran
 
 
 class SerialComm:
-    """The communicator of a single process, with the methods of `MpiComm`: nothing is sent.
-
-    Parameters
-    ----------
-    parent : Comm, optional
-        The communicator that this is a part of.
-
-    Attributes
-    ----------
-    rank, size : int
-        Number of this process, and of all.
-    mpi : None
-        There is no communicator of mpi4py below.
-    node_ranks : ndarray of int
-        Ranks that share memory with this one: [0].
-    """
+    """The communicator of a single process, with the methods of `MpiComm`: nothing is sent."""
 
     rank = 0
     size = 1
@@ -42,29 +27,15 @@ class SerialComm:
         self.parent = parent
 
     def sum(self, values: ArrayLike) -> np.ndarray:
-        """Return the numbers as they are, float64, which are also the `max` and `min` of one rank.
-
-        May be `values` itself.
+        """Return the numbers as they are, float64, which are also the `max` and `min` of one
+        rank.
         """
         return np.asarray(values, dtype=np.float64)
 
     max = min = sum
 
     def bcast(self, obj: Any, root: int = 0) -> Any:
-        """Return the object of rank `root`, the only one: `obj` itself.
-
-        Parameters
-        ----------
-        obj : object
-            Of this rank.
-        root : int
-            0.
-
-        Returns
-        -------
-        object
-            obj.
-        """
+        """Return `obj` itself."""
         return obj
 
     def allgather(self, obj: Any) -> list:
@@ -76,53 +47,17 @@ class SerialComm:
         return [obj]
 
     def exchange(self, send: Mapping[int, np.ndarray], receive: Mapping[int, np.ndarray]) -> None:
-        """Do nothing: there are no other ranks to exchange arrays with.
-
-        Parameters
-        ----------
-        send, receive : dict of ndarray
-            Must be empty.
-        """
+        """Do nothing: both dicts must be empty."""
 
     def allgather_arrays(self, send: np.ndarray, receive: np.ndarray, counts: list[int]) -> None:
-        """Copy the array of this rank, the only one, to `receive`.
-
-        Parameters
-        ----------
-        send : flat array
-            Of this rank.
-        receive : flat array
-            Becomes equal to it.
-        counts : list of int
-            How many numbers each rank has; not used.
-        """
+        """Copy the array of this rank to `receive`."""
         receive[...] = send
 
     def alltoall_bytes(self, send: tuple, receive: tuple) -> None:
-        """Do nothing: a rank sends itself no bytes, and there are no others.
-
-        Parameters
-        ----------
-        send, receive : tuple
-            (array, number of bytes for or from each rank, their offsets in the array). The number,
-            of this rank for itself, must be 0: nothing would be copied.
-        """
+        """Do nothing: the number of bytes of this rank for itself must be 0."""
 
     def reduce(self, obj: T, join: Callable[[T, T], T]) -> T | None:
-        """Return the object of this rank, since there is no other to join it with.
-
-        Parameters
-        ----------
-        obj : object
-            Of this rank.
-        join : function
-            Is not called.
-
-        Returns
-        -------
-        object
-            obj itself.
-        """
+        """Return the object of this rank."""
         return obj
 
     def subcomm(self, ranks: Sequence[int]) -> "Comm | None":
@@ -152,14 +87,14 @@ def stages(size: int) -> int:
 
 
 class MpiComm:
-    """A thin layer over an mpi4py communicator, with the same methods as `SerialComm`.
+    """A thin layer over an mpi4py communicator; all methods but `exchange` are collective.
 
     Parameters
     ----------
     mpi : mpi4py communicator
         What is below.
     parent : Comm, optional
-        The communicator that this is a part of; default: none.
+        The communicator that this is a part of.
 
     Attributes
     ----------
@@ -179,10 +114,7 @@ class MpiComm:
         self._among: dict[tuple[int, ...], Comm | None] = {}
 
     def _allreduce(self, values: ArrayLike, op: str) -> np.ndarray:
-        """Reduce each number over all ranks to a new array of float64. Collective.
-
-        op: name of an operation of MPI, such as "SUM".
-        """
+        """Reduce each number over all ranks to a new array of float64; op as "SUM"."""
         from mpi4py import MPI
 
         send = np.ascontiguousarray(values, dtype=np.float64)
@@ -203,34 +135,14 @@ class MpiComm:
         return self._allreduce(values, "MIN")
 
     def bcast(self, obj: Any, root: int = 0) -> Any:
-        """Return the object of rank `root` on all ranks. Collective.
-
-        Parameters
-        ----------
-        obj : object
-            Of this rank, pickled; ignored on all ranks but `root`.
-        root : int
-            A rank.
-
-        Returns
-        -------
-        object
-            Of rank `root`.
-        """
+        """Return the object of rank `root`, pickled, on all ranks."""
         return self.mpi.bcast(obj, root=root)
 
     def exchange(self, send: Mapping[int, np.ndarray], receive: Mapping[int, np.ndarray]) -> None:
-        """Send arrays to other ranks and receive arrays from them, all at once.
+        """Send and receive contiguous arrays by rank, all at once.
 
         Collective for the ranks that take part: each array that a rank sends must be expected by
         the other one, in the same size.
-
-        Parameters
-        ----------
-        send : dict of ndarray
-            The array for each rank, by its number; contiguous.
-        receive : dict of ndarray
-            The array to be filled from each rank, by its number; contiguous.
         """
         from mpi4py import MPI
 
@@ -239,27 +151,16 @@ class MpiComm:
         MPI.Request.Waitall(requests)
 
     def allgather_arrays(self, send: np.ndarray, receive: np.ndarray, counts: list[int]) -> None:
-        """Fill `receive` on every rank with the arrays of all ranks. Collective.
-
-        Parameters
-        ----------
-        send : flat array
-            Of this rank.
-        receive : flat array
-            Filled with those of all ranks, one after the other.
-        counts : list of int
-            How many numbers each rank has.
+        """Fill `receive` with the flat arrays of all ranks, one after the other, of `counts`
+        numbers.
         """
         self.mpi.Allgatherv(send, [receive, counts])
 
     def alltoall_bytes(self, send: tuple, receive: tuple) -> None:
-        """Send bytes from every rank to every other, into the array of `receive`. Collective.
+        """Send bytes from every rank to every other, into the array of `receive`.
 
-        Parameters
-        ----------
-        send, receive : tuple
-            (contiguous array of any type, number of bytes for or from each rank, offset of these
-            bytes in the array). Bytes of the receiving array that no rank sends to stay.
+        send, receive: (contiguous array of any type, number of bytes for or from each rank, offset
+        of these bytes in the array). Bytes of the receiving array that no rank sends to stay.
         """
         from mpi4py import MPI
 
@@ -269,22 +170,11 @@ class MpiComm:
         )
 
     def reduce(self, obj: T, join: Callable[[T, T], T]) -> T | None:
-        """Join the objects of all ranks up a tree. Collective.
+        """Join the objects of all ranks up a tree: return that of all on rank 0, None on the
+        others.
 
-        A rank receives at most ceil(log2(ranks)) messages.
-
-        Parameters
-        ----------
-        obj : object
-            Of this rank, pickled.
-        join : function
-            join(a, b) returns the joined object of all ranks of a and b, where the ranks of b
-            follow those of a.
-
-        Returns
-        -------
-        object or None
-            That of all ranks on rank 0, None on the others.
+        join(a, b) returns the joined object of all ranks of a and b, where the ranks of b follow
+        those of a. A rank receives at most ceil(log2(ranks)) messages.
         """
         step = 1
         while step < self.size:
@@ -297,11 +187,11 @@ class MpiComm:
         return obj
 
     def subcomm(self, ranks: Sequence[int]) -> "Comm | None":
-        """Return the communicator of these ranks alone; None on ranks that are not among them.
+        """Return the communicator of these ranks (ascending) alone; None on ranks that are not
+        among them.
 
-        ranks: numbers in this communicator, ascending; the first of them becomes rank 0. All ranks
-        together are this communicator itself. Collective over all ranks of this communicator; for
-        the same ranks it is made once, since MPI has a limited number of communicators.
+        All ranks together are this communicator itself. Others are made once for the same ranks,
+        since MPI has a limited number of communicators.
         """
         from mpi4py import MPI
 
@@ -321,7 +211,7 @@ class MpiComm:
         self.mpi.Barrier()
 
     def wait_asleep(self, seconds: float = inf) -> bool:
-        """Wait for all ranks without using a core, as MPI's own waiting does. Collective.
+        """Wait for all ranks without using a core, as MPI's own waiting does.
 
         Returns whether all have come within this time; the others must not go on if not.
         """
@@ -342,9 +232,9 @@ class MpiComm:
 
     @cached_property
     def node(self) -> "Comm":
-        """The communicator of the ranks that share memory with this one.
+        """The communicator of the ranks that share memory with this one: all ranks on the machine,
+        or this one alone if they cannot share memory.
 
-        These are all ranks on the machine, or this one alone if they cannot share memory.
         Collective at the first access.
         """
         if self.machine.size > 1 and can_share(self.machine):
@@ -360,12 +250,7 @@ class MpiComm:
 class DryRunComm:
     """The communicator of an imagined rank, to plan a run: it knows who is where, but cannot send.
 
-    Parameters
-    ----------
-    rank, size : int
-        Number of the rank, and of all.
-    nodes : ndarray of int, shape (size,)
-        Number of the node of every rank; ranks share memory within a node alone.
+    nodes: (size,), number of the node of every rank; ranks share memory within a node alone.
     """
 
     mpi = parent = None

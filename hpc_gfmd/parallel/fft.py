@@ -1,21 +1,20 @@
 """Slab-decomposed two-dimensional real FFT in passes that work on cache-sized pieces.
 
-Every rank owns a slab of rows of the real field. A transform is never done on a whole field: the
-caller hands in functions that make or use a few rows at a time (they stay in cache between the
-caller's arithmetic and the row transform), and functions that work on a few complete columns of the
-spectrum (likewise); or a compiled pass over many of them calls the transforms by itself
-(kernels/transforms.py). One field of complex numbers is all the memory a convolution needs:
+Every rank owns a slab of rows of the real field. The caller hands in functions that make or use a
+few rows at a time (they stay in cache between the caller's arithmetic and the row transform), and
+functions that work on a few complete columns of the spectrum; or a compiled pass calls the
+transforms by itself (kernels/transforms.py). One field of complex numbers is all the memory that a
+convolution needs:
 
     forward_rows(fill)    fill(i0, i1, x) makes rows i0..i1 of the real field -> row spectra
     columns(apply)        transpose a block of columns, transform it, apply(block, m), and back
     backward_rows(use)    use(i0, i1, x) gets rows i0..i1 of the convolved field
 
-The columns are cut into M blocks of nearly the same width; block m = k P + r belongs to rank r. The
-row spectra are stored block by block. To be transformed a block is transposed: contiguous columns
-(width, n_x) are transformed up to twice as fast. What ranks on the same node have of it is read
-where it stands, in memory that they have in common (shared.py), and written back there; what ranks
-on other nodes have is sent, in the all-to-all number k, whose send buffers are contiguous as they
-stand. Nothing is padded.
+The columns are cut into M blocks; block m = k P + r belongs to rank r, and row spectra are stored
+block by block. To be transformed a block is transposed: contiguous columns (width, n_x) are
+transformed up to twice as fast. What ranks on the same node have of it is read and written back in
+their common memory (shared.py); what ranks on other nodes have is sent in the all-to-all number k,
+whose send buffers are contiguous as they stand.
 
 Convention: h_q = (1/N) sum_r h(r) exp(-i q r), h(r) = sum_q h_q exp(i q r). The transforms here
 leave out 1/N in both directions; `scale` = 1/N is folded into the kernels that work on columns.
@@ -49,7 +48,7 @@ RowWork = Callable[[int, int, np.ndarray], T]  # makes or uses local rows i0 <= 
 class SlabFFT(Layout):
     """Transforms of one grid in one precision, planned when the object is made: collective.
 
-    `blocks` holds one spectrum at a time: the row spectra of this rank, block by block.
+    `blocks` holds one spectrum at a time, the row spectra of this rank block by block:
     `forward_rows` overwrites it, and so do `columns` and `multiply_columns` unless told not to
     transform back. `rows` and `_columns` are, of each thread, what kernels take
     (kernels/transforms.py). In `multipliers` bodies keep what they multiply the columns by.
@@ -93,8 +92,8 @@ class SlabFFT(Layout):
     def _common(self, dtype: np.dtype) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Allocate the spectrum in memory that the ranks of the node share. Collective.
 
-        Returns (memory, offsets, blocks): all of this memory, where the part of each rank of the
-        node begins in it, and the part of this rank, which holds its rows of all blocks.
+        Returns all of this memory, where the part of each rank of the node begins in it, and the
+        part of this rank, which holds its rows of all blocks.
         """
         node = self.comm.node
         length = self.n_loc * self.n_c
@@ -154,8 +153,8 @@ class SlabFFT(Layout):
     def forward_rows(self, fill: RowWork[T]) -> list[T]:
         """Transform the rows that `fill` makes, into `blocks`. Not collective.
 
-        fill(i0, i1, x) writes local rows i0 <= i < i1 into x, scratch of a thread; it is called for
-        all `passes`, on several threads at once. Returns what it returned, pass by pass.
+        fill(i0, i1, x) writes local rows i0 <= i < i1 into x, scratch of a thread, for all
+        `passes`, on several threads at once. Returns what it returned, pass by pass.
         """
 
         def forward(i0: int, i1: int, rows: tuple) -> T:
@@ -166,9 +165,8 @@ class SlabFFT(Layout):
         return on_threads(self.threads, forward, self.passes(), self.rows)
 
     def backward_rows(self, use: RowWork[T]) -> list[T]:
-        """Transform the row spectra in `blocks` back and hand the rows to `use`. Not collective.
-
-        use(i0, i1, x) reads local rows i0 <= i < i1 from x; otherwise as in `forward_rows`.
+        """Transform `blocks` back and hand local rows i0 <= i < i1 to use(i0, i1, x). Not
+        collective.
         """
 
         def backward(i0: int, i1: int, rows: tuple) -> T:
@@ -182,8 +180,8 @@ class SlabFFT(Layout):
     ) -> None:
         """Transform the rows that a kernel makes, into `blocks`. Not collective.
 
-        work(passes, parts, turns, rows) makes and transforms rows, on each thread: all `passes` as
-        an array (passes, 2), parts and turns of `Shares`, and `rows` of the thread.
+        work(passes, parts, turns, rows), on each thread: all `passes` (passes, 2), parts and turns
+        of `Shares`, and `rows` of the thread.
         """
         passes = np.array(self.passes(), np.int64).reshape(-1, 2)
         parts = Shares(len(passes), self.threads)
@@ -200,11 +198,11 @@ class SlabFFT(Layout):
     def columns(
         self, apply: Callable[[np.ndarray, int], T], forward: bool = True, backward: bool = True
     ) -> list[T]:
-        """Call apply(block, m) on every block of complete columns of this rank. Collective.
+        """Call apply(block, m) on every block m (width, n_x) of complete columns of this rank,
+        which it may change.
 
-        block (width, n_x) is memory of a thread that apply may change, m its number. Without
-        `forward` apply gets zeros; without `backward` what it makes of a block is lost. Returns
-        what apply returned, in the order of the blocks.
+        Without `forward` apply gets zeros; without `backward` what it makes of a block is lost.
+        Returns what apply returned, in the order of the blocks. Collective.
         """
         results: list[Any] = [None] * self.K
 
@@ -228,10 +226,9 @@ class SlabFFT(Layout):
     ) -> tuple[float, float]:
         """Apply K, or with `inverse` 1/K, to the field u whose row spectra are in `blocks`.
 
-        One compiled pass multiplies all complete columns; K, which `factors` define, is a function
-        of the wave vector (kernels/spectral.py: multiply_blocks). Without `backward` `blocks` keeps
-        the spectra of u. Returns this rank's share of the sum of u K u, or u (u/K), over points,
-        and on rank 0 the mean of u. Collective.
+        factors: as of kernels/spectral.py: multiply_blocks. Without `backward` `blocks` keeps the
+        spectra of u. Returns this rank's share of the sum of u K u, or u (u/K), over points, and on
+        rank 0 the mean of u. Collective.
         """
         sums = np.zeros((self.K, 2))
 
@@ -256,9 +253,8 @@ class SlabFFT(Layout):
     ) -> None:
         """Call work(k0, k1, columns) for all blocks of this rank, on all threads. Collective.
 
-        columns: those of the thread. Before it, if `forward`, rows of the blocks are fetched from
-        other nodes; after it, if `backward`, they are sent back. The ranks of a node wait for each
-        other before and after.
+        Before it, if `forward`, rows of the blocks are fetched from other nodes; after it, if
+        `backward`, they are sent back. The ranks of a node wait for each other before and after.
         """
         self.comm.node.barrier()  # all rows of the node are there
         if self.far.any():
@@ -274,10 +270,10 @@ class SlabFFT(Layout):
         self.comm.node.barrier()  # all columns are back
 
     def _exchange(self, group: range, back: bool) -> None:
-        """Exchange blocks with other nodes: fetch rows of blocks k in `group`, or send them back.
+        """Fetch rows of blocks k in `group` from other nodes, or send them `back`. Collective.
 
-        Block k is received into, or sent from, the scratch of thread k - group.start: there are no
-        more blocks in `group` than threads. Collective.
+        Block k is in the scratch of thread k - group.start: there are no more blocks in `group`
+        than threads.
         """
         for k, scratch in zip(group, self._scratch):
             blocks = self._slab(k * self.size, (k + 1) * self.size)
@@ -290,8 +286,7 @@ class SlabFFT(Layout):
 
 
 def _moved(a: np.ndarray) -> np.ndarray:
-    """View complex numbers of single precision as float64, which the compiler moves in one piece.
-
-    An array of another type is returned as it is.
+    """View complex numbers of single precision as float64, which the compiler moves in one
+    piece.
     """
     return a.view(np.float64) if a.dtype == np.complex64 else a

@@ -83,11 +83,11 @@ def _files_of_mkl() -> list[str]:
 
 
 class Plans:
-    """The four transforms of a slab: rows forward and back, columns forward and back.
+    """The four transforms of a slab: rows forward and back, columns forward and back, in place.
 
     Planning measures, which overwrites the arrays; they must live as long as the plans. Rows go
-    from real (R, n_y) to half (R, n_y//2 + 1) and back, columns stay complex, in place, in each of
-    the blocks (columns, n_x); their transforms are by the number of columns.
+    from real (R, n_y) to half (R, n_y//2 + 1); columns are by their number in a block (columns,
+    n_x).
     """
 
     def __init__(self, real: np.ndarray, half: np.ndarray, blocks: Sequence[np.ndarray]):

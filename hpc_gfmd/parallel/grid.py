@@ -34,14 +34,8 @@ SMALL = 2**25  # bytes of transforms below which making them anew costs more tha
 
 
 class GridTables:
-    """Transforms and tables that depend on the size of a grid alone.
-
-    Attributes
-    ----------
-    transforms : dict
-        SlabFFT by dtype.
-    values : dict
-        What `Grid.once` has computed, by its key.
+    """Transforms (SlabFFT by dtype), and `values` of `Grid.once` by key, which depend on the size
+    of a grid alone.
     """
 
     def __init__(self) -> None:
@@ -63,8 +57,7 @@ class Grid:
     threads : int
         Threads of this rank.
     starts : array of int, optional
-        First row of each rank, and n_x at the end; by default the block distribution of
-        mpi4py-fft.
+        First row of each rank, and n_x at the end; by default the block distribution of mpi4py-fft.
     nominal : (int, int), optional
         Points along each axis that the surface has, from point 0; by default all. The others are
         padding, where nothing can touch. Means and counts are over the nominal area.
@@ -106,18 +99,8 @@ class Grid:
     ) -> Grid:
         """Make a grid that shares transforms and tables with earlier grids of its size.
 
-        They are shared only by grids of a single process, made in the same thread, because scratch
-        memory is among them. A thread keeps those of the KEPT sizes that it has used last.
-
-        Parameters
-        ----------
-        n, sizes, comm, threads, starts, nominal
-            As for the class. A single process has all rows, whatever `starts` says.
-
-        Returns
-        -------
-        Grid
-            A new grid.
+        Only grids of a single process, made in the same thread, share them, because scratch memory
+        is among them. A thread keeps those of the KEPT sizes that it has used last.
         """
         if comm.size > 1 or comm.parent is not None:
             return cls(n, sizes, comm, threads, starts, nominal)
@@ -192,7 +175,7 @@ class Grid:
 
     @cached_property
     def q_nyquist(self) -> float:
-        """|q| at the corner of the Brillouin zone over sqrt 2, in 1/a: pi on a square grid.
+        """q| at the corner of the Brillouin zone over sqrt 2, in 1/a: pi on a square grid.
 
         An axis of one point is left out; 1 for a single point.
         """
@@ -200,9 +183,8 @@ class Grid:
         return float(np.sqrt(sum(x * x for x in q) / 2)) or 1.0
 
     def multiplicity(self, j: ArrayLike) -> np.ndarray:
-        """Return how often columns j of the half spectrum occur in the full one: 1 or 2.
-
-        0 for j beyond the last column.
+        """Return how often columns j of the half spectrum occur in the full one: 1 or 2, 0 beyond
+        the last.
         """
         j = np.asarray(j)
         n_y = self.n[1]
@@ -222,10 +204,7 @@ class Grid:
         return list(self._tables.transforms.values())
 
     def forget_fft(self, dtype: DTypeLike) -> None:
-        """Forget the transforms in one precision if their spectrum takes more than SMALL bytes.
-
-        The next call of `fft` then plans them again.
-        """
+        """Forget the transforms in one precision if their spectrum takes more than SMALL bytes."""
         fft = self._tables.transforms.get(np.dtype(dtype))
         if fft is not None and fft.blocks.nbytes > SMALL:
             del self._tables.transforms[fft.dtype]
@@ -235,45 +214,25 @@ class Grid:
         return empty_aligned(self.shape, dtype)
 
     def pieces(self, rows: int | None = None) -> tuple[tuple[int, int], ...]:
-        """List the ranges (i0, i1) of local rows that a thread works on at a time.
-
-        Together they are all local rows, or the first `rows` of them.
+        """List the ranges (i0, i1) that a thread works on at a time, of all or the first `rows`
+        local rows.
         """
         rows = self.shape[0] if rows is None else rows
         return pieces_of(rows, self.n[1])
 
     def by_rows(self, work: Callable[[int, int], T], rows: int | None = None) -> list[T]:
-        """Call a function on the local rows piece by piece, on all threads. Not collective.
+        """Call work(i0, i1) on local rows i0 <= i < i1, piece by piece, on all threads. Not
+        collective.
 
-        Parameters
-        ----------
-        work : function
-            work(i0, i1) works on the local rows i0 <= i < i1; called on several threads at once.
-        rows : int, optional
-            The first so many local rows; default: all.
-
-        Returns
-        -------
-        list
-            What work returned, in the order of the `pieces`, whatever the number of threads.
+        Returns what work returned, in the order of the `pieces`, whatever the number of threads.
         """
         return on_threads(self.threads, work, self.pieces(rows))
 
     def once(self, key: Hashable, make: Callable[[], T]) -> T:
         """Return what make() returned when it was called first with this key.
 
-        Parameters
-        ----------
-        key : hashable
-            Together with the size of the grid it determines the value.
-        make : function
-            Takes no arguments; called only if there is no value yet.
-
-        Returns
-        -------
-        object
-            The value, which is kept, and shared by the grids that share tables: it must not be
-            changed.
+        Together with the size of the grid the key determines the value, which is shared by the
+        grids that share tables: it must not be changed.
         """
         values = self._tables.values
         if key not in values:
@@ -281,9 +240,8 @@ class Grid:
         return values[key]
 
     def column_tables(self, fft: SlabFFT) -> tuple[np.ndarray, np.ndarray]:
-        """Return wave number q_y and multiplicity of every column in the blocks of `fft`.
+        """Return wave number q_y (1/a) and multiplicity of every column, (blocks of all ranks, W).
 
-        Both have shape (blocks of all ranks, W) and the precision of `fft`; q_y is in units of 1/a.
         Both are 0 for columns that a narrow block lacks.
         """
         j = fft.edges[:-1, None] + np.arange(fft.W)
@@ -293,10 +251,7 @@ class Grid:
 
 
 class _Kept(threading.local):
-    """Tables of the grids that a thread has used last: threads never share scratch memory.
-
-    tables(n, sizes, threads, nominal) returns those of a size.
-    """
+    """Tables of the grids that a thread has used last: threads never share scratch memory."""
 
     def __init__(self) -> None:
         self.tables = lru_cache(maxsize=KEPT)(lambda *size: GridTables())

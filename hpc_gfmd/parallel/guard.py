@@ -16,21 +16,9 @@ def collective_errors(comm: Comm, doing: str) -> Iterator[None]:
     """Make a block raise on every rank if it raises on any. Collective.
 
     The block must not contain a collective call that a failing rank would skip, unless that call is
-    in such a block of its own.
-
-    Parameters
-    ----------
-    comm : Comm
-        All ranks.
-    doing : str
-        Beginning of the message: "writing contact.h5".
-
-    Raises
-    ------
-    GfmdError
-        On all ranks: a GfmdError stays what it is, any other Exception becomes one. A rank that has
-        not failed gets the message of the lowest rank that has. A KeyboardInterrupt or SystemExit
-        is not caught: it leaves the block on its rank alone, while the others wait.
+    in such a block of its own. A GfmdError stays what it is, any other Exception becomes one whose
+    message begins with `doing`; a rank that has not failed gets that of the lowest rank that has. A
+    KeyboardInterrupt or SystemExit leaves the block on its rank alone, while the others wait.
     """
     error: GfmdError | None = None
     try:
@@ -75,20 +63,9 @@ def on_rank_0(comm: Comm, doing: str, work: Callable[[], T]) -> T:
 def raise_on_all(comm: Comm, error: Exception | None) -> None:
     """Raise on every rank if any rank has an error; return if none has one. Collective.
 
-    Ranks wait for each other asleep: one of them may be busy for a long time, on their cores.
-
-    Parameters
-    ----------
-    comm : Comm
-        All ranks.
-    error : Exception or None
-        Of this rank.
-
-    Raises
-    ------
-    Exception
-        A rank's own error, if it has one. All other ranks raise that of the lowest rank that has
-        one: with its type and text if it is a GfmdError, otherwise a GfmdError with its text.
+    A rank raises its own error, others that of the lowest rank: with its type and text if it is a
+    GfmdError, otherwise a GfmdError. Ranks wait for each other asleep: one of them may be busy for
+    a long time, on their cores.
     """
     comm.wait_asleep()
     failing_rank = int(comm.min([comm.size if error is None else comm.rank])[0])

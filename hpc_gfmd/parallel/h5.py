@@ -1,8 +1,7 @@
 """HDF5 files with fields of n_x times n_y points that are spread over the ranks as slabs of rows.
 
-Rank 0 lays a file out: it takes the disk space for all of it, creates the datasets and their
-attributes, and closes it. Then every rank writes its own rows, by MPI-IO or, where that is not
-possible, through rank 0. The space is taken first because HDF5 does not survive a full disk.
+Rank 0 lays a file out: it takes the disk space for all of it, because HDF5 does not survive a full
+disk, and creates the datasets. Then every rank writes its own rows, by MPI-IO or through rank 0.
 
 A file can grow by one more such step. `commit` keeps all bytes of a file that are no numbers of
 fields, and its size, in a second file: whatever dies later, `recover` brings the file back to that
@@ -33,19 +32,7 @@ _SLACK, _PER_CHUNK = 2**16, 64  # bytes, generous; what is not needed is given b
 
 @dataclass(eq=False)
 class Stored:
-    """A field in a file, to be read piece by piece.
-
-    Attributes
-    ----------
-    path : Path
-        The file.
-    dataset : str
-        Name of the field in it.
-    shape : (int, int)
-        (n_x, n_y) of the whole field.
-    dtype : numpy.dtype
-        Of its numbers.
-    """
+    """A field (n_x, n_y) in a file, to be read piece by piece."""
 
     path: Path
     dataset: str
@@ -77,9 +64,8 @@ class Stored:
         raise AssertionError
 
     def read(self, start: int = 0, stop: int | None = None) -> np.ndarray:
-        """Return the rows start <= i < stop, default all, as one array, on this rank alone.
-
-        Raises GfmdError if they cannot be read.
+        """Return the rows start <= i < stop, default all, on this rank alone, or raise
+        GfmdError.
         """
         return self.slab(SerialComm(), (start, self.shape[0] if stop is None else stop))
 
@@ -98,19 +84,10 @@ def write_file(
     describe: Callable[[Any], object] = lambda file: None,
     together: bool = False,
 ) -> None:
-    """Write or replace one HDF5 file, all of it or nothing. Collective.
+    """Write or replace one HDF5 file, all of it or nothing, by way of a .tmp file. Collective.
 
-    Parameters
-    ----------
-    comm, path, n, rows, fields, together
-        As for `write_rows`; a file with .tmp appended to its name is written first.
-    describe : function
-        describe(file) is called by rank 0 when the datasets are there, still empty.
-
-    Raises
-    ------
-    GfmdError
-        On every rank when any of them fails: disk full, folder gone, field of a wrong shape.
+    describe(file) is called by rank 0 when the datasets are there, still empty; the rest as for
+    `write_rows`. Raises GfmdError on every rank when any fails.
     """
     tmp = path.with_name(path.name + ".tmp")
     doing = f"writing {path}"
@@ -132,27 +109,11 @@ def lay_out(
     compressed: bool = False,
     more: bool = False,
 ) -> None:
-    """Write a file without the numbers of its fields, and take the disk space for all of it.
+    """Write a file without the numbers of its fields, (shape, dtype) by name, and take the disk
+    space for all of it. One process calls it.
 
-    Not collective: one process calls it.
-
-    Parameters
-    ----------
-    path : Path
-        The file; overwritten if it exists, unless `more`.
-    fields : dict
-        (shape, dtype) of each dataset.
-    describe : function
-        describe(file) is called when the datasets are there, still empty.
-    compressed : bool
-        Rows are chunks, shuffled and packed.
-    more : bool
-        Whether to add to the file that exists.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be written or the disk is full; the message has the space that is needed.
+    describe(file) is called when the datasets are there, still empty; `more` adds to a file that
+    exists. Raises OSError if the disk is full, with the space that is needed.
     """
     import h5py
 
@@ -191,30 +152,12 @@ def write_rows(
     together: bool,
     doing: str,
 ) -> None:
-    """Write the rows of all ranks to datasets of a file, and have them on the disk. Collective.
+    """Write the rows (start, stop) of all ranks to datasets of a laid-out file, and have them on
+    the disk.
 
-    Parameters
-    ----------
-    comm : Comm
-        The ranks that have parts of the fields.
-    path : Path
-        The file, as from `lay_out`.
-    n : (int, int)
-        (n_x, n_y) of all fields.
-    rows : (int, int)
-        (start, stop) of this rank, may be empty.
-    fields : dict of ndarray or Stored
-        Local slab of each dataset (any object with `dtype` and slices), or a field in another file;
-        the same names on every rank.
-    together : bool
-        Whether every rank writes its own rows, by MPI-IO; otherwise rank 0 writes for all.
-    doing : str
-        Beginning of an error's message.
-
-    Raises
-    ------
-    GfmdError
-        On every rank when any of them fails.
+    Fields are local slabs (any object with `dtype` and slices) or `Stored`, the same names on every
+    rank. `together`: every rank writes its own rows, by MPI-IO; otherwise rank 0 writes for all.
+    Raises GfmdError, which begins with `doing`, on every rank when any fails. Collective.
     """
     together = together and comm.size > 1
     ranks_at_once = 1 if together else comm.size
@@ -250,8 +193,7 @@ def _piece(field: Any, start: int, stop: int, first: int) -> np.ndarray:
 def sync(path: Path, wait: bool = True) -> None:
     """Have the system write a file or folder to the disk; does nothing on Windows.
 
-    `wait`: return once it is on the disk. Otherwise only have the system begin, so that the disk is
-    busy while the next piece is made.
+    Without `wait` only have it begin, so that the disk is busy while the next piece is made.
     """
     if os.name == "nt":  # no descriptor of a folder
         return
@@ -269,8 +211,8 @@ def sync(path: Path, wait: bool = True) -> None:
 def _opened(comm: Comm, path: Path, together: bool, doing: str) -> Iterator[Any]:
     """Open a laid-out file to fill in: on all ranks by MPI-IO if `together`, else on rank 0 alone.
 
-    Yields the h5py file, or on ranks without it a context that does nothing, and closes it after
-    the block. Errors, also those of the block, raise GfmdError on all ranks. Collective.
+    Yields the h5py file, or on ranks without it a context that does nothing. Errors, also those of
+    the block, raise GfmdError on all ranks. Collective.
     """
     import h5py
 
@@ -318,9 +260,10 @@ def committed_file(path: Path) -> Path:
 
 
 def commit(path: Path) -> None:
-    """Make the present state of a closed file the one that `recover` brings back.
+    """Make the present state of a closed file the one that `recover` brings back. One process calls
+    it.
 
-    Called by one process. The numbers of fields must not change later, and stay in place.
+    The numbers of fields must not change later, and stay in place.
     """
     size = path.stat().st_size
     places = []
@@ -376,7 +319,8 @@ def _committed(path: Path) -> tuple[int, list[tuple[int, bytes]]]:
 
 
 def recover(path: Path) -> None:
-    """Bring a file back to its committed state; remove it if there is none. One process calls it.
+    """Bring a file back to its committed state, or remove it if there is none. One process calls
+    it.
 
     Raises OSError or ValueError if that fails.
     """
@@ -435,10 +379,10 @@ class _Growing(io.RawIOBase):
 
 @contextmanager
 def reading(path: Path) -> Iterator[Any]:
-    """Open an h5py file for reading, without locking it; a growing one as it was committed.
+    """Open an h5py file for reading, without locking it, so also while it is written; a growing one
+    as it was committed.
 
-    So it can be read while it is written, or while it is open elsewhere in this process. Raises
-    OSError if it cannot be opened.
+    Raises OSError if it cannot be opened.
     """
     import h5py
 
@@ -465,8 +409,8 @@ def _plain(path: Path) -> Any:
 def inside(group: Any, name: str) -> Any:
     """Return a member of a group, which must be stored in the same file.
 
-    Raises KeyError if there is no such member, and ValueError if it, or its numbers, lie in another
-    file: a link, a virtual or an external dataset could name any file of the machine.
+    Raises KeyError if there is none, and ValueError if it, or its numbers, lie in another file: a
+    link, a virtual or an external dataset could name any file of the machine.
     """
     import h5py
 
@@ -481,8 +425,7 @@ def inside(group: Any, name: str) -> Any:
 def _cuts(comm: Comm, rows: tuple[int, int], row_bytes: int) -> list[tuple[int, int]]:
     """Cut this rank's rows into pieces (start, stop) of at most PIECE_BYTES, as many on every rank.
 
-    A piece has at least one row, however long, but the last ones may be empty. row_bytes: bytes of
-    memory that each row of a piece takes. Collective.
+    A piece has at least one row, however long, but the last ones may be empty. Collective.
     """
     step = max(1, PIECE_BYTES // row_bytes)
     count = int(comm.max([-((rows[0] - rows[1]) // step)])[0])

@@ -1,10 +1,9 @@
-"""Rows of a field that other ranks own: windows of rows, filled from their owners or added to them.
-Arrays: (..., rows, m).
+"""Rows (..., rows, m) of a field that other ranks own: windows of rows, filled from their owners or
+added to them.
 
 The rows 0 <= i < n of a field form a ring. Rank r owns the rows starts[r] <= i < starts[r + 1],
-perhaps none, and has a window lo[r] <= i < hi[r] of the ring, which may reach around it. Halo rows
-are windows, and so are the rows that a rank has before they are agglomerated on fewer ranks. A rank
-talks to those alone whose rows or windows meet its own.
+perhaps none, and has a window lo[r] <= i < hi[r], which may reach around the ring. Halo rows are
+windows, and so are the rows that a rank has before they are agglomerated on fewer ranks.
 """
 
 from collections.abc import Sequence
@@ -20,12 +19,10 @@ Pieces = dict[int, list[slice]]  # rows of an array by the rank that they go to,
 class Windows:
     """Which rank sends which rows to which, to fill windows of rows that others own.
 
-    The rows of a field form a ring of n rows: row n is row 0. Rank r owns rows from starts[r] on
-    and has the window lo[r] <= i < hi[r], which may reach around the ring. If n is more than
-    starts[-1] the last rows belong to no rank and are left as they are. `own` lists rows of this
-    rank's window with the same rows among its own; `take` and `give`, by rank, rows of the window
-    that come from it and own rows that go to it; `interior` is the place of the own rows in a
-    window of those and halo rows.
+    If n is more than starts[-1] the last rows of the ring belong to no rank and are left as they
+    are. `own` lists rows of this rank's window with the same rows among its own; `take` and `give`,
+    by rank, rows of the window that come from it and own rows that go to it; `interior` is the
+    place of the own rows in a window of those and halo rows.
     """
 
     def __init__(
@@ -86,17 +83,15 @@ class Windows:
             owned[..., owned_rows, :] += values
 
     def _apart(self, owned: np.ndarray, window: np.ndarray) -> list[tuple[slice, slice]]:
-        """List (rows of the window, own rows) that this rank must copy or add itself.
-
-        Own rows that are the same memory in both arrays are left out.
+        """List (rows of the window, own rows) that this rank must copy or add itself, without those
+        that are the same memory in both arrays.
         """
         is_same_memory = np.may_share_memory(owned, window)
         return [piece for piece in self.own if not (is_same_memory and piece[0] == self.interior)]
 
     def sent_rows(self, adding: bool) -> dict[int, int]:
-        """Return how many rows this rank sends to each other rank, by `add` if adding or by `fill`.
-
-        Ranks that get none are left out.
+        """Return how many rows this rank sends to each other rank, by `add` if adding or by
+        `fill`.
         """
         sent = self.take if adding else self.give
         return {peer: sum(map(_length, pieces)) for peer, pieces in sent.items()}
@@ -105,10 +100,9 @@ class Windows:
 class Overlaps:
     """Rows that windows of several ranks have in common, where each rank has its part of a sum.
 
-    The windows lo[r] <= i < hi[r] are on a ring of n rows. `give` has rows of this rank's window by
-    the rank that they are sent to; `parts` the terms of the sums, in an order that is the same on
-    all ranks: (source, rows of its window, the same rows of this rank's); `common` rows of this
-    window that others have, too.
+    `give` has rows of this rank's window by the rank that they are sent to; `parts` the terms of
+    the sums, in an order that is the same on all ranks: (source, rows of its window, the same rows
+    of this rank's); `common` rows of this window that others have, too.
     """
 
     def __init__(self, rank: int, lo: ArrayLike, hi: ArrayLike, n: int):
@@ -152,10 +146,9 @@ class Overlaps:
 
 
 def add_overlaps(comm: Any, overlaps: Sequence[Overlaps], windows: Sequence[np.ndarray]) -> None:
-    """Replace the rows that windows share by their sum over ranks, for several fields. Collective.
+    """Replace the rows that windows (..., rows, m) share by their sum over ranks, in place.
 
-    The windows (..., rows, m), one for each of `overlaps`, are changed in place. All fields go in
-    one message from a rank to another.
+    All fields go in one message from a rank to another. Collective.
     """
     fields = list(zip(overlaps, windows))
     give: dict[int, list[np.ndarray]] = {}
@@ -191,9 +184,8 @@ def add_overlaps(comm: Any, overlaps: Sequence[Overlaps], windows: Sequence[np.n
 def add_all(
     comm: Any, window: np.ndarray, bounds: Sequence[tuple[int, int]], whole: np.ndarray
 ) -> None:
-    """Set `whole` (fields, n, m) on every rank to the sum of all ranks' windows. Collective.
-
-    bounds: window lo <= i < hi of each rank; it may reach around the ring.
+    """Set `whole` (fields, n, m) on every rank to the sum of all ranks' windows lo <= i < hi.
+    Collective.
     """
     fields, n, m = whole.shape
     counts = [fields * (hi - lo) * m for lo, hi in bounds]
@@ -222,10 +214,8 @@ _windows = lru_cache(maxsize=64)(Windows)
 
 
 def _exchange(comm: Any, a: np.ndarray, give: Pieces, b: np.ndarray, take: Pieces) -> list[tuple]:
-    """Send rows of a to other ranks, and return what they send. Collective.
-
-    give: rows of a by rank; take: rows of b by rank. Returns a list of (rows of b, values that came
-    for them); b itself is not changed.
+    """Send rows of a by rank, and return a list of (rows of b, values that came for them).
+    Collective.
     """
     send = {
         peer: np.concatenate([a[..., rows, :] for rows in pieces], axis=-2)
@@ -259,10 +249,9 @@ def rows_of(
     n: int | None = None,
 ) -> np.ndarray:
     """Return rows lo[rank] <= i < hi[rank] of a field, from their owners, as a new array.
-    Collective.
 
     a (..., rows of this rank, m) begins at row starts[rank] of a ring of n rows, as of Windows;
-    rows that belong to no rank are 0.
+    rows that belong to no rank are 0. Collective.
     """
     bounds = np.asarray(starts)
     if comm.size == 1 and a.shape[-2] == (bounds[-1] if n is None else n):
@@ -277,10 +266,9 @@ def neighbours(
     comm: Any, a: np.ndarray, starts: np.ndarray, width: int, owned: ArrayLike | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the `width` rows before and those after the rows of this rank, on the ring.
-    Collective.
 
     owned: like `starts`, of the rows that the field has, if it lacks the last rows of the ring:
-    those are 0.
+    those are 0. Collective.
     """
     begin = np.asarray(starts)[:-1]
     end = np.asarray(starts)[1:]

@@ -18,9 +18,8 @@ _running: "Interrupt | None" = None  # the Interrupt that listens: signals are s
 
 
 class Stopped(Exception):
-    """The run is to stop; raised out of long work between two iterations.
-
-    number: of the signal.
+    """The run is to stop; raised out of long work between two iterations, with the number of the
+    signal.
     """
 
     def __init__(self, number: int):
@@ -31,9 +30,9 @@ class Stopped(Exception):
 def check(comm: Comm) -> None:
     """Raise Stopped on all ranks of a communicator if one of them was sent a signal. Collective.
 
-    Does nothing unless an Interrupt listens on this communicator or on one that it is a part of.
-    The wall-clock budget is left to `poll`, so that a run with a short one still comes to an
-    iteration and keeps its gap. Work that a rank does alone, such as compiling, is not interrupted.
+    Only if an Interrupt listens on this communicator or one that it is a part of. The wall-clock
+    budget is left to `poll`, so that a run with a short one still comes to an iteration and keeps
+    its gap.
     """
     whole: Any = comm
     while whole.parent is not None:
@@ -47,9 +46,8 @@ def check(comm: Comm) -> None:
 
 
 def stop(number: int) -> NoReturn:
-    """Raise Stopped with the number of a signal, which sets the Interrupt's exit code.
-
-    Sends nothing: all ranks must have agreed on it.
+    """Raise Stopped with a signal that all ranks have agreed on; it sets the Interrupt's exit
+    code.
     """
     if _running is not None:
         _running.agreed = number
@@ -59,8 +57,7 @@ def stop(number: int) -> NoReturn:
 class Interrupt:
     """Listens for requests to stop in a `with` block: signals, and a deadline in seconds from now.
 
-    In the main thread it installs handlers for HANDLED, and at the end of the block it restores
-    those that were there before. A first signal is noted in `signal` for `poll` and `check`, and
+    Handlers are installed in the main thread only. A first signal is noted in `signal`, and
     announce() is called at once: mpirun leaves its ranks a second, which an iteration may take. A
     second signal ends the process. `agreed` is the signal that all ranks have agreed to stop for;
     both are 0 before.
@@ -112,10 +109,10 @@ class Interrupt:
         return 130 if self.agreed == signal.SIGINT else 143
 
     def poll(self) -> bool:
-        """Return whether to stop now, because of a signal to any rank or the deadline.
+        """Return whether to stop now, because of a signal to any rank or the deadline. Collective.
 
-        The same on all ranks. Collective. If so, `agreed` becomes the largest number of a signal on
-        any rank; a deadline counts as SIGTERM.
+        If so, `agreed` becomes the largest number of a signal on any rank; a deadline counts as
+        SIGTERM.
         """
         late = signal.SIGTERM if self._late else 0
         number = int(self.comm.max([self.signal or late])[0])
@@ -126,8 +123,8 @@ class Interrupt:
     def require_time(self) -> None:
         """Raise SceneError on all ranks if the deadline of any of them has passed. Collective.
 
-        The caller calls it before the first load: resuming a run whose start-up takes longer than
-        the deadline would end in the same way again and again.
+        For before the first load: resuming a run whose start-up takes longer than the deadline
+        would end in the same way again and again.
         """
         seconds = self.comm.max([self._late and time.monotonic() - self.begun])[0]
         if seconds:

@@ -21,9 +21,9 @@ LAUNCHERS = (*TERMINAL_LAUNCHERS, "orted", "prted", "prun", "hydra", "slurmstep"
 
 
 def launched() -> tuple[bool, int | None]:
-    """Return whether an MPI launcher started this process, and how many processes it started.
+    """Return whether an MPI launcher started this process, and how many processes (None: not told).
 
-    The number is None if the launcher does not tell it. HPC_GFMD_LAUNCHER overrides the rest.
+    HPC_GFMD_LAUNCHER overrides the rest.
     """
     setting = os.environ.get(LAUNCHER)
     if setting == "none":
@@ -75,9 +75,8 @@ def environment_number(*names: str) -> int | None:
 
 
 def ancestors(proc: Path = PROC) -> Iterator[tuple[Path, str]]:
-    """Yield (folder in /proc, name) of the parent of this process, its parent and so on.
-
-    Process 1 is left out. Ends early where /proc cannot be read.
+    """Yield (folder in /proc, name) of the parent of this process, its parent and so on, without
+    process 1; ends early where /proc cannot be read.
     """
     pid = os.getppid()
     try:
@@ -91,10 +90,10 @@ def ancestors(proc: Path = PROC) -> Iterator[tuple[Path, str]]:
 
 
 def enclosing_mpi_program(proc: Path = PROC) -> str | None:
-    """Return the command line of the MPI program that started this process without a launcher.
+    """Return the command line of the MPI program, such as an optimiser under mpirun, that started
+    this process without a launcher, or None.
 
-    Such as an optimiser under mpirun. This process then has the variables of that rank, and MPI
-    aborts if a second process uses them. None if there is none.
+    This process then has the variables of that rank, and MPI aborts if a second process uses them.
     """
     try:
         for folder, name in ancestors(proc):

@@ -21,13 +21,11 @@ def row_starts(n_x: int, size: int) -> np.ndarray:
 
 
 class Layout:
-    """The rows of a field and the columns of its half spectrum that each rank has.
+    """The rows of a field and the columns of its half spectrum that each rank has; sends nothing.
 
-    Stores no field and sends nothing, but tells what ranks send each other. `node_ranks` share
-    memory with this one, itself among them; `far` ranks do not, so that messages are needed. A rank
-    has n_loc rows and K blocks of columns, of which block k size + r belongs to rank r; `edges` are
-    the first columns of all blocks, and n_c; W is the widest block. R rows are transformed at a
-    time.
+    `node_ranks` share memory with this one, itself among them; `far` ranks do not. A rank has n_loc
+    rows and K blocks of columns, of which block k size + r belongs to rank r; `edges` are the first
+    columns of all blocks, and n_c; W is the widest block. R rows are transformed at a time.
     """
 
     def __init__(
@@ -57,9 +55,9 @@ class Layout:
     def _edges(self) -> np.ndarray:
         """Choose blocks of columns that fit the cache: return their first columns, and n_c.
 
-        All ranks have the same number of blocks, whose widths differ by one column at most. The
-        wider blocks are the last, so that all others begin on cache lines. A single rank needs no
-        such balance, and its blocks are whole cache lines wide.
+        All ranks have the same number of blocks, whose widths differ by one column at most, the
+        wider ones last, so that all others begin on cache lines. A single rank needs no such
+        balance: its blocks are whole cache lines wide.
         """
         wanted = int(np.clip(COLUMN_BYTES // (self.n[0] * self.itemsize), MIN_WIDTH, MAX_WIDTH))
         if self.size > 1:
@@ -74,9 +72,8 @@ class Layout:
         return np.append(np.arange(0, self.n_c, W), self.n_c)
 
     def _rows_per_pass(self) -> int:
-        """Return how many rows to transform at a time, so that they fit the cache.
-
-        The same on all ranks.
+        """Return how many rows to transform at a time, so that they fit the cache; the same on all
+        ranks.
         """
         wanted = int(np.clip(ROW_BYTES // (self.n_c * self.itemsize), 8, 256))
         longest = int(np.diff(self.starts).max())  # on any rank: all plan alike
@@ -95,9 +92,8 @@ class Layout:
 
     @cached_property
     def widths(self) -> list[int]:
-        """The numbers of columns for which transforms are planned, ascending.
-
-        A block of another width uses the plan for the next larger number.
+        """The numbers of columns for which transforms are planned, ascending; a block of another
+        width uses the plan for the next larger number.
         """
         if self.size == 1:
             return [self.W]
@@ -115,10 +111,10 @@ class Layout:
         return self.n_loc * self.n_c * self.itemsize
 
     def sent(self, k: int) -> tuple[np.ndarray, np.ndarray]:
-        """Return the bytes that this rank sends to every rank in the all-to-all number k.
+        """Return the bytes that this rank sends to every rank in the all-to-all number k, and where
+        they begin, from the first block of number k.
 
-        And where they begin, in bytes from the first block of number k. 0 bytes for ranks of this
-        node.
+        0 bytes for ranks of this node.
         """
         first_columns = self.edges[k * self.size : (k + 1) * self.size]
         column_bytes = self.n_loc * self.itemsize
@@ -126,9 +122,8 @@ class Layout:
         return sizes, (first_columns - first_columns[0]) * column_bytes
 
     def received(self, k: int) -> tuple[np.ndarray, np.ndarray]:
-        """Return the bytes that this rank receives from every rank in all-to-all number k.
-
-        And where they begin in the memory that receives them.
+        """Return the bytes that this rank receives from every rank in all-to-all number k, and
+        where they begin in the memory that receives them.
         """
         row_bytes = self.block_widths[k, self.rank] * self.itemsize
         return self.far * np.diff(self.starts) * row_bytes, self.starts[:-1] * row_bytes

@@ -16,11 +16,12 @@ PAGE = mmap.PAGESIZE
 
 
 def common_memory(comm: Any, nbytes: int) -> tuple[np.ndarray, np.ndarray]:
-    """Make memory that all ranks of a communicator share. Collective.
+    """Make memory that all ranks of a communicator share: return its bytes, zero at first, and
+    where those of each rank begin.
 
-    Returns the bytes of all ranks, zero at first, and where those of each rank begin. It is freed
-    with the last array that refers to it; ranks that read what others write have to synchronise
-    themselves. Raises OSError on all ranks if they cannot share memory, as on several machines.
+    It is freed with the last array that refers to it; ranks that read what others write have to
+    synchronise themselves. Raises OSError on all ranks if they cannot share memory, as on several
+    machines. Collective.
     """
     offsets = np.concatenate([[0], np.cumsum(-(-np.array(comm.allgather(nbytes)) // PAGE) * PAGE)])
     total = max(int(offsets[-1]), PAGE)
@@ -54,10 +55,7 @@ def _name(token: int) -> str:
 
 
 def _mapped(path: str, token: int, total: int) -> np.ndarray:
-    """Map the shared memory at a path of /proc and return its `total` bytes.
-
-    Raises OSError if the path is not the memory with this token.
-    """
+    """Map the shared memory at a path of /proc, or raise OSError if it does not have this token."""
     if os.readlink(path) != f"/memfd:{_name(token)} (deleted)":
         raise FileNotFoundError(f"{path}: of another process, as in another container")
     file = os.open(path, os.O_RDWR)
@@ -74,10 +72,7 @@ def _mapped(path: str, token: int, total: int) -> np.ndarray:
 
 
 def can_share(comm: Any) -> bool:
-    """Return whether the ranks of a communicator can share memory, by trying it. Collective.
-
-    They must be on one machine, and be allowed to. The same on all ranks.
-    """
+    """Return whether the ranks of a communicator can share memory, by trying it. Collective."""
     try:
         common_memory(comm, 0)
     except OSError:

@@ -14,9 +14,9 @@ THREADED_POINTS = 2**20  # of a surface; two threads take as long as one for a q
 def threads_of(comm: Comm, wanted: int | str, points: int) -> int:
     """Choose the number of threads of each rank for a surface of some points. Collective.
 
-    A number that is `wanted` is returned as it is. "auto": what Slurm was asked for
-    (--cpus-per-task), but not more than the cores of this process, else `auto_threads`. Raises
-    SceneError on all ranks if more than THREADS_PER_CORE are wanted per core of a machine.
+    "auto": what Slurm was asked for (--cpus-per-task), but not more than the cores of this process,
+    else `auto_threads`. Raises SceneError on all ranks if more than THREADS_PER_CORE are wanted per
+    core of a machine.
     """
     if wanted != "auto":
         wanted = int(wanted)
@@ -38,17 +38,15 @@ def auto_threads(points: int, ranks: int, cores: int) -> int:
 
 
 def ranks_per_node(ranks: int, threads: int) -> int:
-    """Guess how many ranks share a node: as many as Slurm starts on one.
-
-    Without Slurm as many as there are cores for, of those that this process may use.
+    """Guess how many ranks share a node: as many as Slurm starts on one, or as there are
+    cores for.
     """
     return min(ranks, tasks_per_node() or max(1, len(cores()) // threads))
 
 
 def oversubscription(comm: Comm, threads: int) -> str:
     """Return a note if cores run more than one thread each, or a batch job's tasks none, else "".
-
-    The same on all ranks; collective. `threads`: of each rank.
+    Collective.
     """
     if comm.size == 1 and (note := idle_tasks()):
         return note

@@ -29,8 +29,8 @@ def piece_rows(n_y: int) -> int:
 def pieces_of(rows: int, n_y: int) -> tuple[tuple[int, int], ...]:
     """Cut rows of n_y points into pieces (start, stop) of nearly the same size, in order.
 
-    The last one is cut again into shorter ones. A thread works on one at a time; each has at least
-    PIECE_ROWS rows, or all. They do not depend on the number of threads.
+    The last one is cut again into shorter ones; each has at least PIECE_ROWS rows, or all. They do
+    not depend on the number of threads.
     """
     count = max(1, rows // piece_rows(n_y))
     ends = [rows * k // count for k in range(count)]
@@ -50,8 +50,8 @@ def threads_for(points: int, threads: int, points_each: int = THREAD_POINTS) -> 
 def shares(count: int, threads: int) -> list[tuple[int, int]]:
     """Cut range(count) into parts (start, stop), each for one compiled call on a thread.
 
-    On several threads large parts come first and small ones last: a thread that begins late, or is
-    slower than the others, leaves them little to wait for.
+    On several threads large parts come first and small ones last: a thread that begins late leaves
+    the others little to wait for.
     """
     ends = [0]
     while ends[-1] < count:
@@ -62,10 +62,11 @@ def shares(count: int, threads: int) -> list[tuple[int, int]]:
 
 
 class Shares:
-    """A range in parts that threads take by themselves, in compiled calls that run at once.
+    """A range in parts that threads take by themselves, in compiled calls that run at once; for one
+    pass.
 
-    `parts` are those of `shares`, (parts, 2); `turns` is the number of the next one, which threads
-    raise (kernels/atomic.py: add). An object serves for one pass over the range.
+    `parts` (parts, 2) are those of `shares`; `turns` is the number of the next one, which threads
+    raise (kernels/atomic.py: add).
     """
 
     def __init__(self, count: int, threads: int):
@@ -94,12 +95,12 @@ def on_threads(
     pieces: Iterable[tuple],
     scratch: Sequence[Any] | None = None,
 ) -> list[T]:
-    """Call work(*piece) for every piece, on whichever thread is free, and wait for all of them.
+    """Call work(*piece), or work(*piece, scratch[thread]), for every piece on whichever thread is
+    free.
 
-    With `scratch` the call is work(*piece, scratch[thread]). Threads run at the same time only
-    while `work` has left Python: in kernels, transforms and NumPy. An exception of `work` is raised
-    once all threads have ended; it ends its own thread, while the others go on with the pieces that
-    are left. Returns what work returned, in the order of the pieces.
+    Threads run at the same time only while `work` has left Python. An exception of `work` is raised
+    once all threads have ended; the others go on with the pieces that are left. Returns what work
+    returned, in the order of the pieces.
     """
     pieces = list(pieces)
     if threads == 1 or len(pieces) == 1:  # of small grids what follows takes longer than the work
@@ -135,9 +136,8 @@ def added(parts: Sequence[Sequence[float]], count: int) -> np.ndarray:
 
 
 class _Helper:
-    """A thread that does one piece of work after another.
-
-    Two locks take a third of the time of an executor's queue and futures.
+    """A thread that does one piece of work after another; two locks take a third of the time of an
+    executor's queue and futures.
     """
 
     def __init__(self) -> None:
@@ -161,9 +161,8 @@ class _Helper:
     def end(self) -> None:
         """Wait until the work has ended, or withdraw it if the thread has not woken up yet.
 
-        Work that is withdrawn is never done: `on_threads` calls this when no pieces are left or its
-        own thread has failed. An error of work that was done is in `error` then. Returns at once if
-        Ctrl-C came before the work began.
+        `on_threads` calls this when no pieces are left or its own thread has failed. An error of
+        work that was done is in `error` then. Returns at once if Ctrl-C came before the work began.
         """
         try:
             self._work.pop()

@@ -1,9 +1,9 @@
 """FFTW's memory of measured plans ("wisdom"): kept from run to run, the same on all ranks.
 
-The same plan rounds in the same way, and planning by measurement takes seconds. So rank 0 plans,
+The same plan rounds in the same way, and planning by measurement takes seconds: so rank 0 plans,
 with what the user's cache knows, and the others take over its wisdom. There is one file for each
 library, kind of machine and precision, of bounded size. No process waits for another: of what two
-runs measure at the same moment one may be lost, and is measured again later.
+runs measure at the same moment one may be lost.
 """
 
 from __future__ import annotations
@@ -89,9 +89,8 @@ class _Wisdom:
         return folder and folder / "wisdom" / f"{self.kind}-{self.name}"
 
     def read(self) -> set[bytes]:
-        """Add the wisdom in the cache to that of this process; return its lines.
-
-        Returns no lines if there is none, or if FFTW rejects it.
+        """Add the wisdom in the cache to that of this process; return its lines, none if FFTW
+        rejects it.
         """
         if len(self.text()) > LIMIT:
             self.replace(b"")

@@ -110,8 +110,8 @@ def collective_exit(
     """Wait until all ranks are about to leave with an error, then return.
 
     mpirun kills the others, silently, as soon as one has left. Rank 0 calls `say`, which prints the
-    error, at once; another rank calls it only if it is left alone with its error for `seconds`. It
-    then ends the job with `exit_code` by MPI's Abort.
+    error, at once; another rank only if it is left alone with its error for `seconds`. It then ends
+    the job with `exit_code` by MPI's Abort.
     """
     say = say or (lambda: None)
     if launcher_rank() == 0:
@@ -128,22 +128,9 @@ def collective_exit(
 
 
 def comm_of(argument: Any) -> Comm:
-    """Return the Comm for a communicator that a caller gives.
+    """Return the Comm for an mpi4py communicator, a Comm as it is, or for None this process alone.
 
-    Parameters
-    ----------
-    argument : mpi4py communicator, Comm or None
-        None for this process alone.
-
-    Returns
-    -------
-    Comm
-        A SerialComm for a communicator of size 1; a Comm is returned as it is.
-
-    Raises
-    ------
-    SceneError
-        For anything else.
+    Raises SceneError for anything else.
     """
     if argument is None or isinstance(argument, SerialComm | MpiComm):
         return argument or SerialComm()
@@ -156,9 +143,8 @@ def comm_of(argument: Any) -> Comm:
 
 
 def _abort_on_error(mpi: Any, hook: Hook) -> Hook:
-    """Return an excepthook that calls `hook` and then ends all ranks.
-
-    Without it the other ranks would wait forever for one that left with an exception.
+    """Return an excepthook that calls `hook` and then ends all ranks, which would wait forever for
+    one that left with an exception.
     """
 
     def excepthook(
