@@ -28,18 +28,14 @@ COMMON = ("base", "contact", "notes")  # no observable
 
 
 def all_observables() -> dict[str, Observable]:
-    """Return {name: Observable} of this package and of plugins, those of one file in its order.
-
-    Callers must not change the dict, which is kept.
-    """
+    """Return {name: Observable} of this package and of plugins, which is kept: do not change it."""
     return _merged("OBSERVABLES")
 
 
 @cache
 def default_observables() -> tuple[str, ...]:
-    """Return the names of the observables that every result has, because they are cheap to compute.
-
-    These are those that no file lists as ON_REQUEST.
+    """Return the names of the observables that every result has: those that no file lists as
+    ON_REQUEST.
     """
     names: list[str] = []
     for module in _observables():
@@ -57,9 +53,8 @@ def observable_names() -> set[str]:
 
 
 def observables_named(names: Iterable[str]) -> dict[str, Observable]:
-    """Return {name: Observable} of requested names, those of groups (TOGETHER) expanded.
-
-    Unknown names are ignored. The order is that of `all_observables`.
+    """Return {name: Observable} of requested names, those of groups (TOGETHER) expanded, unknown
+    ones ignored.
     """
     together = _merged("TOGETHER")
     members = {member for name in names for member in together.get(name, (name,))}
@@ -73,9 +68,8 @@ def all_distributions() -> dict[str, Distribution]:
 
 
 def all_numbers() -> dict[str, tuple[str, str]]:
-    """Return {name: (meaning, unit)} of every number and array that a load may have in a result.
-
-    The arrays of a distribution have one entry each, NAME_ARRAY. For units see base.py.
+    """Return {name: (meaning, unit)} of every number and array (NAME_ARRAY) that a load may
+    have.
     """
     counted = {
         f"{name}_{array}": (f"{distribution.meaning}; {array}", unit)
@@ -90,9 +84,8 @@ def all_numbers() -> dict[str, tuple[str, str]]:
 
 
 def require_periodic(names: Iterable[str], free: tuple[bool, bool], key: str) -> None:
-    """Raise SceneError if a distribution needs a periodic surface and this one has free edges.
-
-    key: holds the names; the message begins with it.
+    """Raise SceneError, which begins with `key`, if a distribution needs a periodic surface and
+    this one has free edges.
     """
     distributions = all_distributions()
     periodic = [name for name in distributions if distributions[name].periodic and any(free)]
@@ -106,9 +99,8 @@ def require_periodic(names: Iterable[str], free: tuple[bool, bool], key: str) ->
 
 @cache
 def _merged(table: str) -> dict[str, Any]:
-    """Return the tables of one name, such as "OBSERVABLES", of all files merged into one dict.
-
-    Files without such a table are skipped. Cached: callers must not change the dict.
+    """Return the tables of one name, such as "OBSERVABLES", of all files merged into one dict; do
+    not change it.
     """
     return {
         name: entry

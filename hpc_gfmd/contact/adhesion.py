@@ -14,8 +14,7 @@ ON_REQUEST = ("stickiness",)
 def attraction(contact: Contact) -> float | None:
     """Return the mean attractive pressure over the nominal area, in the unit of E_star, positive.
 
-    The mean pressure on the wall is the mean pressure of the load plus this attraction. None
-    without a law of attraction and for separated bodies.
+    The mean pressure on the wall is the mean pressure of the load plus this attraction.
     """
     if contact.attraction is None or contact.is_separated:
         return None
@@ -23,11 +22,8 @@ def attraction(contact: Contact) -> float | None:
 
 
 def separation_work(contact: Contact) -> float | None:
-    """Return the work per nominal area needed to separate the bodies and remove their deformation.
-
-    It is minus the sum of the elastic energy and the energy of attraction, in the unit of E_star
-    times length. None without a law of attraction, for separated bodies, and where the elastic
-    energy is undefined (a half-space that is periodic along one axis only).
+    """Return the work per nominal area needed to separate the bodies and remove their deformation:
+    minus the sum of elastic energy and energy of attraction.
     """
     if contact.attraction is None or contact.is_separated or not isfinite(contact.energy):
         return None
@@ -36,20 +32,15 @@ def separation_work(contact: Contact) -> float | None:
 
 
 def stability(contact: Contact) -> float | None:
-    """Return the stability of an equilibrium with attraction: 0 at a jump, negative at a saddle.
-
-    At most 1, its value for a vanishing attraction; see certificate/stability.py. None without a
-    law of attraction, or if it was not computed.
+    """Return the stability of an equilibrium with attraction: at most 1, 0 at a jump, negative at a
+    saddle (certificate/stability.py).
     """
     share = contact.certificate.stability
     return share if isfinite(share) else None
 
 
 def unique(contact: Contact) -> float | None:
-    """Return 1 if both branches have the same equilibrium, 0 if not, None if one is unknown.
-
-    The other branch is unknown unless the scene requests it (load.unique) and its load converged.
-    """
+    """Return 1 if both branches have the same equilibrium, 0 if not, None if one is unknown."""
     return None if contact.other_branch is None else float(contact.other_branch.agrees)
 
 
@@ -61,9 +52,8 @@ def a_r_other_branch(contact: Contact) -> float | None:
 def stickiness(contact: Contact) -> float | None:
     """Return the attraction in a ring around the contact over the repulsion in the contact.
 
-    The wall sticks above 1; far below 1 adhesion is negligible. Computed from the area, the
-    perimeter and the load of this contact. None without a law of attraction, for separated bodies,
-    on a flat surface, and if no contact edge exists (nothing or everything touches). Collective.
+    The wall sticks above 1; far below 1 adhesion is negligible. None if no contact edge exists.
+    Collective.
     """
     from ..theory.adhesion import stickiness as of_ring
 

@@ -3,10 +3,9 @@ to the size of a grid point.
 
 A point is in contact as a whole or not at all, and along the edge of the contact more points touch
 than would on a finer grid. By Yastrebov, Anciaux, Molinari (2017) the excess area is
-EDGE_CORRECTION a^2 per boundary segment (the side between a point in contact and one that is not).
-This is an average over all directions of the edge on square points. It does not hold for contacts
-that vary along one axis only, nor on points that are not square; a_r_corrected and kappa_corrected
-are None there.
+EDGE_CORRECTION a^2 per boundary segment (the side between a point in contact and one that is not),
+an average over all directions of the edge on square points: it does not hold for contacts that vary
+along one axis only, nor on points that are not square.
 """
 
 from collections.abc import Callable
@@ -37,9 +36,8 @@ def contact_area(contact: Contact) -> float:
 
 
 def a_plastic(contact: Contact) -> float | None:
-    """Return the fraction of points that yield (pressure = hardness); None without a hardness.
-
-    Where dents stay, the fraction of points with a dent. Collective then.
+    """Return the fraction of points that yield or, where dents stay, that have a dent. Collective
+    then.
     """
     if contact.dents is not None:
         return contact.dent_sums[0] / contact.N
@@ -49,8 +47,7 @@ def a_plastic(contact: Contact) -> float | None:
 def a_r_corrected(contact: Contact) -> float | None:
     """Return a_r minus the excess area along the contact edge; None if the correction is invalid.
 
-    EDGE_CORRECTION is invalid on a grid of one point along an axis, and on points whose sides
-    differ by more than SQUARE. Collective if `contact.edges` was not computed before.
+    Collective if `contact.edges` was not computed before.
     """
     a_x, a_y = contact.grid.spacings
     if 1 in contact.grid.nominal or abs(a_x / a_y - 1) > SQUARE:
@@ -61,22 +58,19 @@ def a_r_corrected(contact: Contact) -> float | None:
 def a_r_discretisation(contact: Contact) -> float:
     """Estimate the relative error of a_r that is due to the grid spacing; inf if nothing touches.
 
-    The solver's error comes on top. The estimate is (b S + sqrt(S/12))/n_c for n_c points in
-    contact and S boundary segments: the full edge correction b S with b = EDGE_CORRECTION, plus the
-    random error of rounding each segment to whole points, which matters if they are few. Collective
-    if `contact.edges` was not computed before. It was tested against grids up to 16 times as fine
-    (the finest edge-corrected):
+    The estimate is (b S + sqrt(S/12))/n_c for n_c points in contact and S boundary segments: the
+    full edge correction b S, plus the random error of rounding each segment to whole points.
+    Collective if `contact.edges` was not computed before. Tested against grids up to 16 times as
+    fine (the finest edge-corrected):
 
-    * 126 self-affine contacts (H = 0.3, 0.8; p* = 0.007, 0.05, 0.35; lam_s/a = 2, 4, 8, 16): a_r
-      is always too large, at H = 0.3, p* = 0.007, lam_s/a = 2 by 57 to 87 %; the error is 0.95 edge
-      corrections in the mean, from 0.65 to 1.3 (but for one of 18 points): half the correction
+    - 126 self-affine contacts (H = 0.3, 0.8; p* = 0.007, 0.05, 0.35; lam_s/a = 2, 4, 8, 16): a_r is
+      always too large, by 0.95 edge corrections in the mean, from 0.65 to 1.3: half the correction
       would hide half of the error. Error over estimate: 0.87 in the mean, at most 1.05;
-    * 45 contacts of one sphere (1 to 70,000 points): 0.7 edge corrections in the mean, from -0.8
-      to 1.6, as it is chance how a circle lies on its grid; error over estimate up to 1.3;
-    * rough surfaces with points of 1:2, 1:4, 1:8: 0.7 to 1.1 edge corrections. The correction
-      does not hold there, so this is no rule;
-    * 320 profiles (Westergaard): 0.2 +- 0.3 points per edge, 0.7 at most, hence b = EDGE_1D
-      there.
+    - 45 contacts of one sphere (1 to 70,000 points): 0.7 edge corrections in the mean, from -0.8 to
+      1.6, as it is chance how a circle lies on its grid; error over estimate up to 1.3;
+    - rough surfaces with points of 1:2, 1:4, 1:8: 0.7 to 1.1 edge corrections, although the
+      correction does not hold there;
+    - 320 profiles (Westergaard): 0.2 +- 0.3 points per edge, 0.7 at most, hence b = EDGE_1D there.
     """
     segments = contact.boundary_segments
     bias = EDGE_1D if 1 in contact.grid.nominal else EDGE_CORRECTION
@@ -88,10 +82,7 @@ def a_r_discretisation(contact: Contact) -> float:
 
 
 def kappa(area: Callable[[Contact], float | None], contact: Contact) -> float | None:
-    """Return a relative contact area, by the function `area`, divided by p_star.
-
-    None if the area is None, the surface is flat or the mean pressure is 0.
-    """
+    """Return a relative contact area, by the function `area`, divided by p_star."""
     if contact.g_rms == 0 or contact.p_mean == 0:
         return None
     value = area(contact)

@@ -28,10 +28,8 @@ SOLVED = "converged", "separated"  # a status that says which equilibrium there 
 
 
 class OtherBranch(NamedTuple):
-    """What the same load gives when it is reached from the other side (approach or retraction).
-
-    `a_r` is the relative contact area there; `agrees` tells whether both branches have the same
-    equilibrium, within the errors of both.
+    """What the same load gives when it is reached from the other side (approach or retraction): its
+    relative contact area, and whether both equilibria agree within the errors of both.
     """
 
     a_r: float
@@ -277,9 +275,18 @@ class Contact:
         return g if self.hardness is None else np.maximum(g, 0)
 
     def dent_rows(self, i0: int, i1: int) -> np.ndarray:
-        """Return the depth of dents in some rows of this rank, in the program's units.
+        """Return the depth of dents in some rows of this rank, of this load and, where dents stay,
+        of all loads before.
 
-        Those of this load and, where dents stay, of all loads before.
+        Parameters
+        ----------
+        i0, i1 : int
+            As for `touching`.
+
+        Returns
+        -------
+        ndarray, shape (i1 - i0, n_y)
+            In the program's units (`surface.height_unit`).
         """
         if self.dents is not None:
             return self.dents[i0:i1]
@@ -455,9 +462,8 @@ def compared(contact: Contact, other: Contact) -> OtherBranch | None:
 
 
 def _difference_of_pressures(contact: Contact, other: Contact) -> float:
-    """Return the L2 norm of the difference of two pressure fields over that of the first.
-
-    inf if the first one is 0. Collective.
+    """Return the L2 norm of the difference of two pressure fields over that of the first, inf if
+    that is 0. Collective.
     """
 
     def squares(i0: int, i1: int) -> tuple[float, float]:
@@ -472,10 +478,8 @@ def _difference_of_pressures(contact: Contact, other: Contact) -> float:
 
 
 def heights_of(surface: Surface) -> LazyField:
-    """Return the heights of a surface as a local slab that is computed when it is sliced.
-
-    In the scene's unit, peaks up, the highest at 0. `surface.h`, from which they are computed, must
-    not be None.
+    """Return the heights of a surface with stored heights as a local slab that is computed when it
+    is sliced, in the scene's unit, peaks up, the highest at 0.
     """
     h = surface.h
     assert h is not None  # asked for before a sweep in low memory gives them away
@@ -490,10 +494,9 @@ def _field_of_surface(
 ) -> LazyField:
     """Return a field of this rank's rows of the surface, computed when it is sliced.
 
-    `values(i0, i1)` returns rows of the solver's arrays, cut to the points of the surface (without
-    the margin of free edges), in units of the result; it is called on several threads. If an axis
-    was left out because nothing varies along it (`Surface.reduced_axis`), values gets rows of the
-    arrays without that axis, and they are repeated along it.
+    `values(i0, i1)` returns rows of the solver's arrays, cut to the points of the surface, in units
+    of the result, on several threads. If an axis was left out because nothing varies along it
+    (`Surface.reduced_axis`), they are repeated along it.
     """
     left_out = surface.reduced_axis
 

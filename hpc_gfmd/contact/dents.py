@@ -6,17 +6,15 @@ WITHOUT = "without material.hardness nothing yields"
 
 
 def dent_mean(contact: Contact) -> float | None:
-    """Return the mean depth of the dents over the nominal area; None without a hardness.
-
-    Where dents stay (load.history) it is that of all loads so far. Collective.
+    """Return the mean depth of the dents over the nominal area, of all loads so far where dents
+    stay. Collective.
     """
     return None if contact.hardness is None else contact.dent_sums[1]
 
 
 def dissipated_work(contact: Contact) -> float | None:
-    """Return the work per nominal area that the dents have taken; None without a hardness.
-
-    It is the hardness times the mean depth, as each point is dented under the hardness. Collective.
+    """Return the work per nominal area that the dents have taken, hardness times mean depth.
+    Collective.
     """
     return None if contact.hardness is None else contact.hardness * contact.dent_sums[1]
 

@@ -1,8 +1,7 @@
 """Distributions of pressure and gap: edges of bins, and the density in them, which integrates to 1.
 
 The edges depend on powers of two and on h_rms only, so that they are the same on any number of
-ranks, and bins of different loads can be merged to compare them. Fields are read a few rows at a
-time.
+ranks, and bins of different loads can be merged to compare them.
 """
 
 from collections.abc import Callable
@@ -21,9 +20,8 @@ GAP_BINS = 4  # in a factor of two
 def pressure(contact: Contact) -> Arrays | None:
     """Return the distribution of the pressure at points in contact. Collective.
 
-    "edges": pressures, equally spaced, by a power of two in units of E* g_rms; "density": share of
-    the points in contact per pressure. a_r times the density is Persson's P(p) at p > 0. None if
-    nothing touches.
+    "edges" are equally spaced, by a power of two in units of E* g_rms; "density" is the share of
+    the points in contact per pressure: times a_r it is Persson's P(p) at p > 0.
     """
 
     def values(i0: int, i1: int) -> np.ndarray:
@@ -50,9 +48,8 @@ def pressure(contact: Contact) -> Arrays | None:
 def gap(contact: Contact) -> Arrays | None:
     """Return the distribution of the gap at open points. Collective.
 
-    "edges": gaps, four bins per factor of two from 1e-6 h_rms up, and one bin for all smaller ones;
-    "density": share of the open points per gap. 1 - a_r times the density is P(g) at g > 0. None if
-    all points touch or the surface is flat.
+    "edges": four bins per factor of two from 1e-6 h_rms up, and one bin for all smaller ones;
+    "density": share of the open points per gap: times 1 - a_r it is P(g) at g > 0.
     """
     surface = contact.surface
     if surface.h_rms == 0:
@@ -78,10 +75,8 @@ OfRows = Callable[[int, int], np.ndarray]
 
 
 def _range(contact: Contact, values: OfRows) -> tuple[float, float]:
-    """Return (lowest, highest) value over all ranks; (inf, -inf) if there are none. Collective.
-
-    `values(i0, i1)` returns an array of the values in some local rows, of any length; it is called
-    on several threads.
+    """Return (lowest, highest) of the values of rows over all ranks; (inf, -inf) without any.
+    Collective.
     """
     grid = contact.grid
 
@@ -98,8 +93,8 @@ def _range(contact: Contact, values: OfRows) -> tuple[float, float]:
 def _counts(contact: Contact, bins: OfRows, lowest: int, highest: int) -> np.ndarray:
     """Return the number of points in each of the bins `lowest` to `highest`, on all ranks.
 
-    Collective. `bins(i0, i1)` returns the bin number of each point that counts in some local rows,
-    from `lowest` to `highest`; it is called on several threads.
+    `bins(i0, i1)`: bin number of each point that counts in some local rows, called on several
+    threads. Collective.
     """
     grid = contact.grid
     zeros = np.zeros(highest - lowest + 1)
@@ -112,9 +107,8 @@ def _counts(contact: Contact, bins: OfRows, lowest: int, highest: int) -> np.nda
 
 
 def _density(edges: np.ndarray, counts: np.ndarray) -> Arrays:
-    """Return {"edges", "density"} of a histogram: counts over their sum and the bin widths.
-
-    Empty bins at both ends are dropped; at least one bin must not be empty.
+    """Return {"edges", "density"} of a histogram, without empty bins at both ends; not all may be
+    empty.
     """
     filled = np.nonzero(counts)[0]
     start = filled[0]

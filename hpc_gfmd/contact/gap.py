@@ -6,9 +6,8 @@ from .base import Contact, Observable
 
 
 def gap_mean(contact: Contact) -> float | None:
-    """Return the mean gap over the nominal area, a length; None for separated bodies.
-
-    Points in contact and dents count as 0.
+    """Return the mean gap over the nominal area, a length; points in contact and dents count
+    as 0.
     """
     return None if contact.is_separated else contact.gap_mean
 
@@ -21,9 +20,8 @@ def gap_over_h_rms(contact: Contact) -> float | None:
 
 
 def gap_over_g_rms_lam_s(contact: Contact) -> float | None:
-    """Return the mean gap over (g_rms lam_s), lam_s being the shortest wavelength of the surface.
-
-    None if lam_s is unknown, on a flat surface and for separated bodies.
+    """Return the mean gap over (g_rms lam_s), lam_s being the shortest wavelength of the
+    surface.
     """
     return (
         contact.gap_mean / (contact.g_rms * contact.lam_s)
@@ -33,11 +31,10 @@ def gap_over_g_rms_lam_s(contact: Contact) -> float | None:
 
 
 def approach(contact: Contact) -> float | None:
-    """Return how far the bodies have approached since they touched undeformed; None if unbounded.
+    """Return by how much the bodies have approached since they touched undeformed, positive when
+    they are pressed together.
 
-    A length, positive when they are pressed together. It is unbounded, and None, for a half-space
-    that is periodic along at least one axis. It has a value for an elastic layer on a base, and for
-    a half-space under a surface with free edges along both axes.
+    Unbounded, and None, for a half-space that is periodic along at least one axis.
     """
     return contact.approach if isfinite(contact.approach) else None
 

@@ -32,11 +32,7 @@ def notes_on(contact: Any) -> list[str]:
 
 
 def _doubt(contact: Any) -> str | None:
-    """Return the first reason why even a converged solution may be of little use, or None.
-
-    Reasons are: separated bodies, a flat surface, full contact, few points in contact, a gap below
-    rounding errors, an accuracy of the gap that no iteration can reach.
-    """
+    """Return the first reason why even a converged solution may be of little use, or None."""
     points = contact.contact_points
     if contact.is_separated and contact.p_mean < 0:
         return "separated: the load pulls more than the attraction holds"
@@ -64,9 +60,8 @@ def _doubt(contact: Any) -> str | None:
 
 
 def _yields(contact: Any) -> str | None:
-    """Return a note if metals would yield at the mean contact pressure; None if not.
-
-    Only for contacts without a hardness and with the modulus of a metal (METALLIC).
+    """Return a note if a metal (METALLIC) without a given hardness would yield at the mean contact
+    pressure.
     """
     is_soft = contact.E_star < METALLIC
     if contact.hardness is not None or is_soft or contact.contact_points == 0:
@@ -83,10 +78,7 @@ def _yields(contact: Any) -> str | None:
 
 
 def _on_attraction(contact: Any) -> list[str]:
-    """Return notes on stability, uniqueness and grid resolution of a Contact with an attraction.
-
-    Empty without a law of attraction, for separated bodies, and if there is nothing to remark.
-    """
+    """Return notes on stability, uniqueness and grid resolution of a Contact with an attraction."""
     if contact.attraction is None or contact.is_separated:
         return []
     notes = []
@@ -115,8 +107,7 @@ def _on_attraction(contact: Any) -> list[str]:
 def resolution(contact: Any) -> float:
     """Return the largest softening of a point by the attraction over the point's elastic stiffness.
 
-    Dimensionless. Above 1 a single point can jump without its neighbours. The contact must have a
-    law of attraction.
+    Above 1 a single point can jump without its neighbours.
     """
     law, grid = contact.attraction, contact.grid
     stiffness = float(contact.body.near(grid)[0]) * contact.E_star / grid.a

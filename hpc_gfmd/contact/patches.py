@@ -1,27 +1,21 @@
 """Contact patches and open channels: how many, how large, whether they percolate, and the critical
 constriction of a leak.
 
-Points that share a side belong to one patch (4-connected), also across the border of a periodic
-surface: the boundary of the contact consists of such sides, and others count so, too (scipy,
-ContactMechanics). Whether two points that share only a corner would be connected on a finer grid is
-unknown; names that end in _8 connect them (8-connected). Sizes are areas, in the unit of length
-squared.
+Points that share a side belong to one patch (4-connected), as in scipy and ContactMechanics, also
+across the border of a periodic surface. Whether two points that share only a corner would be
+connected on a finer grid is unknown; names that end in _8 connect them (8-connected).
 
-Percolation: a periodic surface has no edges to connect. A cluster percolates along x if it contains
-a closed path that goes around the cell along x (wrapping, Newman and Ziff 2001); then it is
-infinite along x when the cell is repeated. Reaching from one edge of the cell to the other
-(spanning) is neither necessary nor sufficient. Where clusters connect by sides only, a fluid does
-not pass between two points in contact that share a corner. With names that end in _8 it does pass,
-and contact connects across corners, too: if no side-connected contact goes around, a
-corner-connected gap does. On random surfaces both happen near a contact area of 0.40 (`python
-scripts/paper percolation`; 0.42: Dapp, Luecke, Persson, Mueser 2012); the truth is between the two.
-gap_spans_x is for a cell that is periodic along y only: a fluid that enters at one edge of a seal
-leaves at the other. In a finite cell it does so up to larger contact areas.
+A periodic surface has no edges to connect: a cluster percolates along x if it contains a closed
+path that goes around the cell along x (wrapping, Newman and Ziff 2001). Where clusters connect by
+sides only, a fluid does not pass between two points in contact that share a corner; with _8 it
+does, and contact connects across corners, too. On random surfaces both happen near a contact area
+of 0.40 (`python scripts/paper percolation`; 0.42: Dapp, Luecke, Persson, Mueser 2012); the truth is
+between the two. gap_spans_x is for a cell that is periodic along y only: a fluid that enters at one
+edge of a seal leaves at the other.
 
-Critical constriction, the narrowest place of the widest channel: lower a level t from the largest
-gap. At some t the points whose gap is at least t first connect one edge with the opposite one
-(points connect where they share a side, and across the border of the other axis if the surface is
-periodic along it). Most of the fluid's pressure drops there (Persson and Yang 2008).
+Critical constriction: lower a level t from the largest gap, until the points whose gap is at least
+t first connect one edge with the opposite one. Most of the fluid's pressure drops there (Persson
+and Yang 2008).
 """
 
 from functools import partial
@@ -39,13 +33,12 @@ PERSSON_YANG = (
 
 
 def perimeter(contact: Contact) -> float:
-    """Return the length of the edges of all contact patches, in the unit of length. Collective.
+    """Return the length of the edges of all contact patches. Collective.
 
-    The grid-cell sides between points in contact and open points add up to 4/pi times the length of
-    an edge that has no preferred direction (Cauchy and Crofton), whatever the shape of a point. So
-    the result is pi/4 of these sides (as in Yastrebov, Anciaux, Molinari 2017). This is an average
-    over directions: a straight edge along x or y gives pi/4 of its length. Contacts that vary along
-    one axis only have no other edges, and for these the sides are not multiplied by pi/4.
+    The grid-cell sides between contact and open points add up to 4/pi times the length of an edge
+    that has no preferred direction (Cauchy and Crofton), whatever the shape of a point: a straight
+    edge along x or y gives pi/4 of its length. Contacts that vary along one axis only have no other
+    edges, so that their sides count fully.
     """
     along_x, along_y = contact.edges
     a_x, a_y = contact.grid.spacings
@@ -53,9 +46,8 @@ def perimeter(contact: Contact) -> float:
 
 
 def average_direction(contact: Contact) -> float:
-    """Return the length of an edge over the length of the grid-cell sides along it, on average.
-
-    pi/4, and 1 on a grid of one point along an axis; see `perimeter`.
+    """Return the length of an edge over that of the grid-cell sides along it, on average
+    (`perimeter`).
     """
     return 1.0 if 1 in contact.grid.nominal else np.pi / 4
 
@@ -67,11 +59,7 @@ def _area(contact: Contact) -> float:
 
 
 def _of_patches(corners: bool) -> dict[str, Observable]:
-    """Return {name: Observable} of the number of patches and their largest and mean area.
-
-    With `corners` points that share a corner are connected, too, and the names end in _8. All three
-    are collective; the mean is None if there is no patch.
-    """
+    """Return {name: Observable} of the number of patches and their largest and mean area."""
     suffix = "_8" if corners else ""
     shared = "a side or a corner" if corners else "a side"
 
@@ -125,8 +113,7 @@ def patch_table(contact: Contact) -> Arrays:
     """Return the contact patches as {column: array}, the largest patch first. On one process only.
 
     Columns: area, load (force on the patch), x and y (centre), perimeter, periodic (whether the
-    patch continues across the border of the cell). Points that share a side are connected.
-    TABLE_UNITS has the units.
+    patch continues across the border of the cell); units: TABLE_UNITS.
     """
     from scipy import ndimage
     from scipy.sparse import coo_array
@@ -181,9 +168,8 @@ def _percolates(
 ) -> Observable:
     """Return the observable that is true if the contact, or the gap, percolates along an axis.
 
-    `name` is "contact" or "gap". With `open_axis` a cluster percolates along that axis if it
-    reaches from edge to edge, otherwise if it goes around the periodic cell. The observable is
-    collective.
+    Along `open_axis` a cluster percolates if it reaches from edge to edge, else if it goes around
+    the cell.
     """
 
     def percolates(contact: Contact) -> bool:
@@ -202,10 +188,7 @@ def _percolates(
 
 
 def _percolation(corners: bool) -> dict[str, Observable]:
-    """Return {name: Observable}: whether contact and gap go around the cell along x, along y.
-
-    With `corners` points that share only a corner are connected, too, and the names end in _8.
-    """
+    """Return {name: Observable}: whether contact and gap go around the cell along x, along y."""
     end = "_8" if corners else ""
     return {
         f"{name}_percolates_{'xy'[axis]}{end}": _percolates(name, axis, corners)
@@ -215,11 +198,11 @@ def _percolation(corners: bool) -> dict[str, Observable]:
 
 
 def critical_gap(axis: int, contact: Contact) -> float | None:
-    """Return the largest t for which points with a gap >= t reach from edge to edge. Collective.
+    """Return the largest t for which points with a gap >= t reach from edge to edge, 0 if no
+    channel is open.
 
-    Found by bisection over the bit patterns of the gap: those of positive floating-point numbers,
-    read as integers, have the same order as the numbers. So the result is exact. 0 if no channel is
-    open; None for separated bodies, whose distance is unknown.
+    Found by bisection over the bit patterns of the gap, which have the same order as positive
+    floating-point numbers: so the result is exact. Collective.
     """
     if contact.is_separated:
         return None

@@ -4,9 +4,8 @@ from .base import Contact, Observable
 
 
 def contact_pressure_mean(contact: Contact) -> float | None:
-    """Return the mean pressure over the contact area, in the unit of E_star; None without contact.
-
-    The attraction, if any, adds to the load.
+    """Return the mean pressure over the contact area, to whose load the attraction adds; None
+    without contact.
     """
     if contact.contact_points == 0:
         return None
@@ -14,10 +13,7 @@ def contact_pressure_mean(contact: Contact) -> float | None:
 
 
 def contact_pressure_max(contact: Contact) -> float:
-    """Return the largest pressure at a grid point, in the unit of E_star. Collective.
-
-    0 if nothing touches.
-    """
+    """Return the largest pressure at a grid point, 0 if nothing touches. Collective."""
     grid = contact.grid
     largest = grid.by_rows(
         lambda i0, i1: float(contact.pressure_rows(i0, i1).max(initial=0.0)), grid.inside[0]

@@ -1,19 +1,16 @@
 """Stiffness, conductance and elastic energy, and strict bounds of errors by the duality gap.
 
 Conductance, of heat and of electric current: the potential of a steady flow into a half-space and
-the normal displacement of one that is pressed solve the same problem: both are constant over the
-contact, with no flow and no pressure beside it. So the conductance per nominal area, without films
-and with an insulating gap, is the contact stiffness times 2 k1 k2/(k1 + k2) over E* (Barber 2003),
-k1 and k2 being the conductivities.
+the normal displacement of one that is pressed solve the same problem. So the conductance per
+nominal area, without films and with an insulating gap, is the contact stiffness times 2 k1 k2/(k1 +
+k2) over E* (Barber 2003), k1 and k2 being the conductivities.
 
-Bounds: with e = u - u* the distance of the displacement u from the exact solution u*, K the
-stiffness of the body, |e|_K^2 = <e, K e> and N the number of points, |e|_K^2 <= 2 G with the
-duality gap G of the certificate. So the L2 error of the pressure is at most sqrt(2 G K_max), plus
-the pressure that the solver leaves out of contact, which the result sets to 0. The error of the
-mean gap, without a hardness, is at most |e|_K (|u*|_K/p0 + |v|_S)/N with the mean pressure p0 and
-the self-energy |v|_S of the nominal area (0 without free edges), see
-certificate/error_estimates.py. Errors of rounding and of the operator (Body.error) come on top. G
-takes half an FFT pair, so it is computed on request only (and for solvers without error estimates).
+Bounds: with e = u - u* the error of the displacement, |e|_K^2 = <e, K e> <= 2 G, the duality gap of
+the certificate. So the L2 error of the pressure is at most sqrt(2 G K_max), plus the pressure that
+the solver leaves out of contact, which the result sets to 0. The error of the mean gap, without a
+hardness, is at most |e|_K (|u*|_K/p0 + |v|_S)/N with the self-energy |v|_S of the nominal area (0
+without free edges), see certificate/error_estimates.py. Errors of rounding and of the operator
+(Body.error) come on top.
 """
 
 from math import inf, isfinite
@@ -28,10 +25,10 @@ ON_REQUEST = ("stiffness", "conductance")
 def stiffness(contact: Contact) -> float | None:
     """Return the stiffness -dp/d(mean gap) at a fixed set of points in contact.
 
-    A pressure per length. Its relative error is at most `contact.accuracy`. Collective; the first
-    call that needs `contact.tangent` takes FFT pairs. None with an attraction (whose slope it
-    would have to include), in full contact (where it is infinite), if nothing touches, and if the
-    accuracy was not reached.
+    Its relative error is at most `contact.accuracy`. Collective; the first call that needs
+    `contact.tangent` takes FFT pairs. None with an attraction (whose slope it would have to
+    include), in full contact (where it is infinite), if nothing touches, and if the accuracy was
+    not reached.
     """
     if contact.attraction is not None:
         return None
@@ -47,9 +44,8 @@ def conductance(contact: Contact) -> float | None:
     """Return the contact conductance per nominal area over 2 k1 k2/(k1 + k2), in 1/length.
 
     It is the contact stiffness over E_star: that of the mean gap for a periodic surface, that of
-    the approach for a surface with free edges along both axes. None for layers and coatings, for
-    free edges along one axis only, if no point or every point touches, and if the accuracy was not
-    reached. Collective; the first call that needs `contact.tangent` takes FFT pairs.
+    the approach for a surface with free edges along both axes; None otherwise, and where there is
+    no `stiffness`. Collective as that.
     """
     from ..bodies.halfspace import HalfSpace
 
@@ -62,29 +58,26 @@ def conductance(contact: Contact) -> float | None:
 
 
 def energy(contact: Contact) -> float | None:
-    """Return the elastic energy per nominal area; None where it is undefined.
+    """Return the elastic energy per nominal area; None for a half-space that is periodic along one
+    axis only.
 
-    On a half-space (E*/4) sum_q |q| |u_q|^2 (eq. elaEnerg2D), in the unit of E_star times length.
-    It is undefined for a half-space that is periodic along one axis only.
+    On a half-space (E*/4) sum_q |q| |u_q|^2 (eq. elaEnerg2D).
     """
     return contact.energy if isfinite(contact.energy) else None
 
 
 def duality_gap(contact: Contact) -> float | None:
-    """Return the duality gap G over N times mean pressure of the wall times mean gap.
-
-    It bounds the error of the energy relative to that product; see certificate/certificate.py. None
-    if it was not computed.
+    """Return the duality gap G over N times mean pressure of the wall times mean gap
+    (certificate/certificate.py), which bounds the relative error of the energy.
     """
     return contact.certificate.duality_gap
 
 
 def pressure_bound(contact: Contact) -> float | None:
-    """Return an upper bound of the relative L2 error of the pressure field.
+    """Return an upper bound of the relative L2 error of the pressure field, without rounding.
 
-    Rounding is not included. None if the duality gap was not computed or is not finite, if the
-    bound is not below 1, and with an attraction: there it would depend on a stability that is only
-    estimated.
+    None if the duality gap was not computed or is not finite, if the bound is not below 1, and with
+    an attraction: there it would depend on a stability that is only estimated.
     """
     energy = _energy_norm(contact)
     certificate = contact.certificate
@@ -115,10 +108,8 @@ def gap_bound(contact: Contact) -> float | None:
 
 
 def _energy_norm(contact: Contact) -> float | None:
-    """Return an upper bound of |e|_K, the energy norm of the error of the displacement.
-
-    e is the error of the displacement; in the program's units, with sums over points. None without
-    a finite duality gap.
+    """Return an upper bound of |e|_K (program's units, sums over points); None without a finite
+    duality gap.
     """
     certificate = contact.certificate
     if certificate.duality_gap is None or not np.isfinite(certificate.duality_gap):
@@ -129,9 +120,8 @@ def _energy_norm(contact: Contact) -> float | None:
 
 
 def _relative(wrong: float, value: float) -> float | None:
-    """Return wrong/(value - wrong), an upper bound of the relative error of a computed value.
-
-    wrong: upper bound of its absolute error. None if the error may be as large as the value.
+    """Return wrong/(value - wrong), an upper bound of the relative error of a computed value, or
+    None.
     """
     if wrong == 0:
         return 0.0

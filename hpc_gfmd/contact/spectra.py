@@ -5,13 +5,10 @@ With f_q = (1/N) sum_r f(r) exp(-i q.r), without the mean (q = 0):
     C(q) = L_x L_y <|f_q|^2>    averaged over the wave vectors in a ring
     A(r) = <f(x) f(x + r)>      averaged over x and the distances r in a ring (minimal image)
 
-The variance of f is sum_q C(q)/(L_x L_y) = A(0).
-
 There are RINGS rings per factor of two, starting at the longest wave and at the nearest neighbours;
 the q and r that are returned are means over the points of a ring. A surface that varies along one
 axis only is solved on a grid of one point along the other: its rings then hold the waves along that
-axis alone, and C is the spectrum of a line times the length of the other axis. The transforms are
-those that the solver has planned, in double precision if it has both.
+axis alone, and C is the spectrum of a line times the length of the other axis.
 """
 
 from __future__ import annotations
@@ -61,10 +58,10 @@ def power(name: str, contact: Contact) -> Arrays | None:
 
 
 def autocorrelation(name: str, contact: Contact) -> Arrays:
-    """Return the radial autocorrelation of one of FIELDS: "r", ascending, and "correlation" A(r).
+    """Return the radial autocorrelation of one of FIELDS: "r", up to half of the shorter side of
+    the cell, and "correlation" A(r).
 
-    r goes up to half of the shorter side of the cell. Collective; adds one FFT pair to
-    `asked_pairs`.
+    Collective; adds one FFT pair to `asked_pairs`.
     """
     grid = contact.grid
     fft = _transforms(contact)
@@ -96,9 +93,8 @@ def autocorrelation(name: str, contact: Contact) -> Arrays:
 
 
 def _transforms(contact: Contact) -> SlabFFT:
-    """Return the transforms already planned for the contact's grid, double precision first.
-
-    If there are none, plan them in the precision of the gap.
+    """Return the transforms already planned for the contact's grid, double precision first, or plan
+    them in the precision of the gap.
     """
     grid = contact.grid
     planned = grid.planned() or [grid.fft(contact.g.dtype)]
@@ -124,10 +120,9 @@ def _columns(
 ) -> list:
     """Transform a field, return the results of apply(block, m) for this rank's blocks of columns.
 
-    Collective. The field, one of FIELDS, is in the program's units. `apply` is called on several
-    threads with the block of number m; it may change the block in place and must not keep it. With
-    `backward` the changed columns are transformed back along axis 0, ready for `fft.backward_rows`.
-    The sign of the heights differs between stored ones (peaks down) and generated ones (peaks up).
+    The field is in the program's units. `apply`, on several threads, may change the block in place;
+    with `backward` it is transformed back along axis 0, ready for `fft.backward_rows`. The sign of
+    the heights differs between stored ones (peaks down) and generated ones (peaks up). Collective.
     """
     h: Any = contact.surface.h
     if name == "heights" and h is None:
@@ -151,10 +146,8 @@ def _columns(
 
 
 def _means(grid: Grid, parts: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """Return (mean distance, mean value) over the rings, from the sums of `_ring_sums`. Collective.
-
-    `parts` are the sums of this rank, with any number of rings each. Empty rings are left out. The
-    result is the same on all ranks.
+    """Return (mean distance, mean value) over the rings that are not empty, from the `_ring_sums`
+    of this rank. Collective.
     """
     rings = int(grid.comm.max([max((part.shape[1] for part in parts), default=0)])[0])
     total = np.zeros((3, rings))

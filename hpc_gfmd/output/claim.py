@@ -16,9 +16,8 @@ from .result import Result
 
 
 class EarlierRun(NamedTuple):
-    """What an earlier run has left where this run writes.
-
-    Its result has no loads if the new run starts from the beginning.
+    """What an earlier run has left where this run writes; no loads if the new run starts from the
+    beginning.
     """
 
     result: Result
@@ -27,11 +26,12 @@ class EarlierRun(NamedTuple):
 
 
 def claim(path: Path, identity: str | None, resume: bool, force: bool) -> tuple[int, EarlierRun]:
-    """Create and lock the folder for partial results; return the lock and what was there.
+    """Create and lock the folder for partial results; return the lock and what was there. On rank 0
+    only.
 
-    On rank 0 only. An earlier run in it is resumed if it has the same identity, `resume` is set and
-    `force` is not; otherwise its files are removed. Raises SceneError if the path is unfit, another
-    run holds the lock or, without `force`, loads or the result of another scene would be lost.
+    An earlier run in it is resumed if it has the same identity, `resume` is set and `force` is not;
+    otherwise its files are removed. Raises SceneError if the path is unfit, another run holds the
+    lock or, without `force`, loads or the result of another scene would be lost.
     """
     require_name("output.path", path)
     if not path.parent.is_dir():
@@ -57,8 +57,7 @@ def _earlier_run(
 ) -> EarlierRun:
     """Return what an earlier run has left in the locked folder; empty it unless that is resumed.
 
-    `path` is the result file; `identity`, `resume` and `force` are as for `claim`. Raises
-    SceneError if loads or a result would be lost without `force`.
+    Raises SceneError if loads or a result would be lost without `force`.
     """
     interrupted: Result | None = None
     whose = ""
@@ -90,10 +89,9 @@ def _earlier_run(
 
 
 def _note_on_replaced(path: Path, identity: str | None, force: bool) -> str:
-    """Return a note on the existing file at `path`, which the run will replace.
+    """Return a note on the existing result file, which the run will replace.
 
-    Raises SceneError if it is not a result of this scene, whose identity is `identity`, unless
-    `force` is set.
+    Raises SceneError if it is not a result of this scene, unless `force` is set.
     """
     try:
         is_same = read_file(path).head.get("identity") == identity

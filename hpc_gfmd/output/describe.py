@@ -21,10 +21,11 @@ SIGNS = (
 
 
 def describe(file: Any, head: dict, surface: dict, steps: Mapping[str, dict], about: About) -> None:
-    """Add what other programs need to an open result file whose fields are laid out.
+    """Add what other programs need to an open result file whose fields are laid out. Called by one
+    rank.
 
-    Called by one rank. These are attributes, arrays over the loads, the axes x and y, units and
-    meanings, links within the groups, and VTKHDF; without surface["n"] attributes alone.
+    These are attributes, arrays over the loads, the axes x and y, units and meanings, links within
+    the groups, and VTKHDF; without surface["n"] attributes alone.
     """
     set_attributes(file, {"/": head, "surface": surface, **steps})
     if "n" not in surface:
@@ -50,10 +51,10 @@ def describe(file: Any, head: dict, surface: dict, steps: Mapping[str, dict], ab
 def coordinates(
     group: Any, surface: Attributes, of_loads: Mapping[str, np.ndarray], about: About
 ) -> list:
-    """Write the dimension scales load, x and y and the numbers of all loads into a group.
+    """Write the dimension scales load, x and y, which are returned, and the numbers of all loads
+    into a group.
 
-    Returns the scales. Called by one rank. Texts are stored as texts of any length, bools as int8
-    with an attribute.
+    Texts are stored as texts of any length, bools as int8 with an attribute.
     """
     unknown = np.full(len(next(iter(of_loads.values()), ())), np.nan)
     scales = {"load": of_loads.get("p", unknown), **axes(surface)}
@@ -72,9 +73,8 @@ def coordinates(
 def describe_dataset(
     dataset: Any, surface: Attributes, about: About, scales: Sequence = ()
 ) -> None:
-    """Set `units` and `long_name` of a dataset and attach dimension scales to its axes.
-
-    The last part of its name tells which number or field it holds.
+    """Set `units` and `long_name` of a dataset, whose name ends with that of its number or field,
+    and attach dimension scales.
     """
     dataset.attrs.update(dataset_attributes(dataset.name.rpartition("/")[2], surface, about))
     for axis, scale in zip(dataset.dims, scales):
@@ -82,12 +82,12 @@ def describe_dataset(
 
 
 def _views(file: Any, steps: Sequence, scales: Sequence, surface: Attributes, about: About) -> None:
-    """Add a group VTKHDF (ImageData) with views of the fields that all steps have, if any.
+    """Add a group VTKHDF (ImageData) with views of the fields that all steps have; no data is
+    copied.
 
-    No data is copied. `steps` are the groups of the loads, at least one; `scales` are the datasets
-    load, x and y. The fields are (load, x, y), or (x, y) of a single load. Times are the mean
-    pressures if these rise from load to load, otherwise 0, 1, 2, ... VTK's first axis is the last
-    one of an array, our y; the attribute Direction swaps them back, so that x is x.
+    The fields are (load, x, y), or (x, y) of a single load. Times are the mean pressures if these
+    rise from load to load, otherwise 0, 1, 2, ... VTK's first axis is the last one of an array, our
+    y; the attribute Direction swaps them back.
     """
     import h5py
 
@@ -133,10 +133,9 @@ def _fields(group: Any) -> list[str]:
 
 
 def set_attributes(file: Any, groups: Mapping[str, dict]) -> None:
-    """Write attributes of groups, which are created if missing.
+    """Write attributes of groups, which are created if missing: a dict as JSON, None not at all.
 
-    A dict is stored as JSON, None not at all. The attribute RECORD names them all, with those that
-    are texts: they are read from there.
+    The attribute RECORD names them all, with those that are texts: they are read from there.
     """
     for name, attributes in groups.items():
         stored = {

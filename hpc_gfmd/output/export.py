@@ -16,19 +16,9 @@ HEIGHTS = "heights"  # the same for all loads
 
 
 def export(result: Result, kind: str, path: str | os.PathLike | None, about: About) -> Path:
-    """Write a result for another program; if that fails, no file is left.
+    """Write a result in one of FORMATS for another program; if that fails, no file is left.
 
-    Parameters
-    ----------
-    result : Result
-        In a file or in memory.
-    kind : str
-        One of FORMATS.
-    path : path or None
-        The file to write, which is replaced if it exists. None: beside the result, or
-        contact.KIND in the working folder for a result in memory.
-    about : mapping
-        {name: (meaning, unit)} of the numbers.
+    Without a path it is beside the result, or contact.KIND in the working folder for one in memory.
     """
     path = Path(path or Path(result.path or "contact").with_suffix(f".{kind}"))
     itself = result.path and result.path.exists() and path.exists() and path.samefile(result.path)
@@ -47,9 +37,8 @@ def export(result: Result, kind: str, path: str | os.PathLike | None, about: Abo
 
 
 def frame(result: Result, about: About) -> Any:
-    """Return a pandas table of all numbers and texts, with a row for each load step.
-
-    Its index "step" holds the numbers of the loads; `attrs["units"]` is {column: unit}.
+    """Return a pandas table of all numbers and texts, a row (index "step") for each load;
+    `attrs["units"]` is {column: unit}.
     """
     from pandas import DataFrame, Index
 
@@ -71,7 +60,7 @@ def to_csv(result: Result, path: Path, about: About) -> None:
 def to_gwy(result: Result, path: Path, about: About) -> None:
     """Write a Gwyddion file with a channel for each load and each field that all loads have.
 
-    Heights are one channel. Only m and Pa are written as units.
+    Only m and Pa are written as units.
     """
     from gwyfile.objects import GwyContainer, GwyDataField, GwySIUnit
 

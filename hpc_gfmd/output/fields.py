@@ -15,8 +15,8 @@ FIELDS = ("pressure", "gap", "displacement", "plastic", "dent")
 class LazyField:
     """A field on this rank whose rows are computed when it is sliced; nothing is kept.
 
-    `rows(i0, i1)` returns the values of some rows, on several threads at once; `by_rows` is the
-    method of a Grid. The step of a slice is ignored.
+    `rows(i0, i1)` returns some rows, on several threads at once; `by_rows` is the method of a Grid.
+    The step of a slice is ignored.
     """
 
     rows: Callable[[int, int], np.ndarray]

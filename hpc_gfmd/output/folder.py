@@ -1,6 +1,6 @@
 """The folder OUT.h5.partial beside a result file, where a run keeps what is finished until it ends.
 
-One run at a time holds its lock. The operating system releases the lock when that process ends, for
+One run at a time holds its lock, which the operating system releases when that process ends, for
 whatever reason.
 """
 
@@ -27,9 +27,8 @@ def followed(path: str | os.PathLike) -> Path:
 
 
 def partial_folder(path: str | os.PathLike) -> Path:
-    """Return the path of the folder in which a run that writes `path` keeps its partial results.
-
-    It need not exist. It holds the finished loads, and the gap of a load that was stopped.
+    """Return the folder, which need not exist, in which a run that writes `path` keeps its partial
+    results.
     """
     return Path(f"{followed(path)}.partial")
 
@@ -48,9 +47,8 @@ def of_earlier_version(folder: Path) -> int:
 def acquire(folder: Path) -> int:
     """Lock a folder, which is created if missing, and return the descriptor that holds the lock.
 
-    The lock file then names this process. On a file system without locks nothing is locked, and the
-    run goes on as if it were. Raises SceneError that names the holder if another process has the
-    lock, and OSError if the folder is not writable.
+    On a file system without locks the run goes on as if it were locked. Raises SceneError that
+    names the holder if another process has the lock, and OSError if the folder is not writable.
     """
     folder.mkdir(exist_ok=True)
     descriptor = os.open(folder / LOCK, os.O_RDWR | os.O_CREAT, 0o644)
@@ -71,9 +69,8 @@ def acquire(folder: Path) -> int:
 
 
 def release(folder: Path, lock: int, keep: bool = True) -> None:
-    """Release the lock that `acquire` returned.
-
-    The folder is removed unless `keep` is set and a run has begun in it.
+    """Release the lock that `acquire` returned, and remove the folder unless `keep` is set and a
+    run has begun in it.
     """
     if not keep or not (has_begun(folder) or of_earlier_version(folder)):
         clear(folder)
@@ -81,9 +78,8 @@ def release(folder: Path, lock: int, keep: bool = True) -> None:
 
 
 def is_held(folder: Path) -> bool:
-    """Whether a running process holds the lock of a folder.
-
-    False if there is no lock file that can be read, or on a file system without locks.
+    """Whether a running process holds the lock of a folder; False on a file system without
+    locks.
     """
     with suppress(OSError), open(folder / LOCK, "rb") as file:
         return _taken(file.fileno(), alone=False)
@@ -93,8 +89,7 @@ def is_held(folder: Path) -> bool:
 def clear(folder: Path, keep_lock: bool = False) -> None:
     """Remove the files of a run from a folder; files of other names stay.
 
-    The committed state goes first: if this is cut short, what is left counts as stale. `keep_lock`:
-    whether the lock file and the folder stay.
+    The committed state goes first: if this is cut short, what is left counts as stale.
     """
     for file in sorted(folder.glob("*"), key=lambda file: file.suffix != ".committed"):
         if _OURS.fullmatch(file.name):
@@ -106,10 +101,11 @@ def clear(folder: Path, keep_lock: bool = False) -> None:
 
 
 def _taken(descriptor: int, alone: bool) -> bool:
-    """Try to lock an open file, and return whether another process prevents it.
+    """Try to lock an open file, exclusively if `alone`, and return whether another process prevents
+    it.
 
-    `alone`: exclusively; otherwise shared with others that do not lock it alone. If False is
-    returned this descriptor holds the lock until it is closed, or there are no locks here.
+    If False is returned this descriptor holds the lock until it is closed, or there are no locks
+    here.
     """
     try:
         import fcntl

@@ -202,23 +202,12 @@ class InterfaceLaw:
 
 
 def interpolate(pressure: np.ndarray, values: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Interpolate monotonically in the logarithm of the pressure.
+    """Interpolate values >= 0 (nan if unknown) monotonically in the logarithm of the ascending
+    pressures.
 
     Positive values are interpolated by their logarithms. From the first pressure whose value is 0
     (a seal has closed) the result is 0; between the last positive value and that pressure it is the
     last positive value.
-
-    Parameters
-    ----------
-    pressure, values : ndarray, shape (k,)
-        Ascending pressures, and values that are 0 or positive, or nan if unknown.
-    at : ndarray
-        Pressures within the range.
-
-    Returns
-    -------
-    ndarray
-        With the shape of `at`; nan outside the pressures that have values.
     """
     exists = np.isfinite(values)
     positive = exists & (values > 0)

@@ -85,9 +85,8 @@ def require_file(
     conductivity: float | None = None,
     name: str = "ROUGH",
 ) -> None:
-    """Raise SceneError unless `write_law` can write a law of these quantities; nothing is written.
-
-    conductivity: the mean of both bodies.
+    """Raise SceneError unless `write_law` can write a law of these quantities; nothing is
+    written.
     """
     path = Path(path)
     if path.suffix not in WRITERS:

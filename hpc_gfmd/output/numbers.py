@@ -58,9 +58,8 @@ def numbers(steps: Sequence[Attributes]) -> dict[str, np.ndarray]:
 
 
 def unit_of(name: str, surface: Attributes, about: About) -> str:
-    """Return the unit of a number, such as "m"; "1" if it is dimensionless or unknown.
-
-    It is "" if lengths or pressures have no unit.
+    """Return the unit of a number, such as "m"; "1" if dimensionless or unknown, "" if lengths or
+    pressures have no unit.
     """
     return in_units(about.get(name, ("", ""))[1], surface)
 
@@ -72,7 +71,7 @@ def axes(surface: Attributes) -> dict[str, np.ndarray]:
 
 
 def dataset_attributes(name: str, surface: Attributes, about: About) -> dict[str, str]:
-    """Return the attributes `units` and `long_name` of a dataset with a number or a field.
+    """Return `units` and `long_name` of a dataset with a number or a field.
 
     If lengths or pressures have no unit, `units` is the dimension. An unknown name is its own
     meaning.

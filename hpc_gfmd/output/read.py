@@ -45,9 +45,8 @@ def read_result(path: str | os.PathLike) -> Result:
 
 
 def read_partial(path: str | os.PathLike) -> Result:
-    """Read the finished loads of a run that has not written `path` yet, perhaps none.
-
-    The status of the result is "running" if the run holds its lock, otherwise "interrupted".
+    """Read the finished loads, perhaps none, of a run that has not written `path` yet: status
+    "running" if it holds its lock, otherwise "interrupted".
     """
     path = Path(path)
     folder = partial_folder(path)
@@ -66,8 +65,8 @@ def read_checkpoint(path: Path, identity: str) -> Result | None:
     """Read the gap of a load that was stopped before it converged; None if there is no such file.
 
     The result has one step with the field "gap" on the grid of the solver and the numbers p,
-    seconds, iterations, fft_pairs, and two lists: coarser, all numbers of the CoarseContacts, and
-    of_grid, those of the GridErrors. Raises SceneError if another scene or version has written it.
+    seconds, iterations, fft_pairs, coarser (all numbers of the CoarseContacts) and of_grid (those
+    of the GridErrors). Raises SceneError if another scene or version has written it.
     """
     if not path.exists():
         return None
@@ -183,9 +182,8 @@ def _fields(path: Path, group: Any, n: list[int]) -> dict[str, Stored]:
 
 
 def _attributes(group: Any) -> dict:
-    """Return the attributes of a group as Python numbers, texts and lists, in the order of writing.
-
-    Texts are put on one line, except for the scene.
+    """Return the attributes of a group in the order of writing; texts on one line, except for the
+    scene.
     """
     texts = json.loads(group.attrs[RECORD])
     return {

@@ -1,10 +1,9 @@
 """The result file while it is written.
 
 It grows in the folder OUT.h5.partial: every finished load is added to it at once and committed
-(parallel/h5.py), so that whatever happens later the finished loads are there. At the end it gets
-what other programs need and becomes OUT.h5 by being renamed: an incomplete file never has the final
-name, and each field is written once. The folder also holds the gap of a load that was stopped
-before it converged.
+(parallel/h5.py). At the end it gets what other programs need and becomes OUT.h5 by being renamed:
+an incomplete file never has the final name, and each field is written once. The folder also holds
+the gap of a load that was stopped before it converged.
 """
 
 import os
@@ -35,14 +34,13 @@ HEIGHTS = "surface/heights"
 
 
 class RunFile(AbstractContextManager):
-    """The result file of one run, for use in a `with` statement.
+    """The result file of one run, for use in a `with` statement. All methods are collective.
 
-    All methods are collective. Creating it locks the folder OUT.h5.partial and may empty it
-    (`claim.claim`); leaving the `with` statement releases the lock. What is finished stays in the
-    folder and can be resumed, unless `resume` is False or the scene was refused before any load was
-    finished. `rows` are those of this rank; `head` has `scene`, `identity` and `versions`;
-    `finished` are the numbers of finished loads, `earlier` what is kept of the head of a resumed
-    run.
+    Creating it locks the folder OUT.h5.partial and may empty it (`claim.claim`). What is finished
+    stays in the folder and can be resumed, unless `resume` is False or the scene was refused before
+    any load was finished. `rows` are those of this rank; `head` has `scene`, `identity` and
+    `versions`; `finished` are the numbers of finished loads, `earlier` what is kept of the head of
+    a resumed run.
     """
 
     def __init__(
@@ -116,18 +114,14 @@ class RunFile(AbstractContextManager):
         return self
 
     def update(self, surface: dict | None = None, height_field: Any = None, **head: Any) -> None:
-        """Add attributes and this rank's rows of the heights to the head of the result.
-
-        Collective.
-        """
+        """Add attributes and this rank's rows of the heights to the head of the result."""
         self._surface |= surface or {}
         self._head |= head
         self._add({}, {} if height_field is None else {HEIGHTS: height_field})
 
     def require_space(self, loads: int, fields: Sequence[str], dtype: DTypeLike) -> None:
-        """Raise SceneError on every rank if the disk is too small for the next loads.
-
-        Collective. For fields that are packed that is not known.
+        """Raise SceneError on every rank if the disk is too small for the next loads, as far as
+        known: not for packed fields.
         """
         count = loads * len([name for name in fields if name != "heights"])
         needed = count * self._n[0] * self._n[1] * np.dtype(self._dtype or dtype).itemsize
@@ -146,10 +140,8 @@ class RunFile(AbstractContextManager):
     def write_step(
         self, index: int, attributes: dict, fields: dict[str, Any] | None = None
     ) -> None:
-        """Write a finished load and add it to `finished`.
-
-        Collective. Its numbers that are None are left out; if it cannot be written, steps written
-        before stay as they are.
+        """Write a finished load, without numbers that are None, and add it to `finished`; if that
+        fails, steps written before stay.
         """
         attributes = {name: value for name, value in attributes.items() if value is not None}
         group = group_of(index)
@@ -158,27 +150,24 @@ class RunFile(AbstractContextManager):
         self.finished = dict(sorted((self.finished | {index: attributes}).items()))
 
     def write_checkpoint(self, grid: Grid, index: int, gap: np.ndarray, numbers: dict) -> None:
-        """Write the gap of a load that was stopped before it converged, to restart from.
+        """Write the gap, on the solver's grid and in its unit, of a load that was stopped before it
+        converged, in place of an earlier one.
 
-        Collective. It has the points of the solver's grid and its unit; `numbers`: see
-        `read_checkpoint`. An earlier checkpoint is replaced.
+        numbers: see `read_checkpoint`.
         """
         self._write_beside(STATE, CHECKPOINT, index, grid.n, grid.rows, {"gap": gap}, numbers)
 
     def write_memory(self, index: int, fields: dict[str, np.ndarray], numbers: dict) -> None:
         """Write what the loads up to `index` have left, before that load becomes a finished one.
 
-        Collective. Until then that of the load before stays, so that one of both always belongs to
-        the last finished load.
+        Until then that of the load before stays, so that one of both always belongs to the last
+        finished load.
         """
         name = MEMORY.format(index)
         self._write_beside(name, MEMORY_FORMAT, index, self._n, self._rows, fields, numbers)
 
     def memory(self, index: int) -> Result | None:
-        """Read what `write_memory` has written; None if there is nothing. Collective.
-
-        Raises SceneError as `read_memory`, on every rank.
-        """
+        """Read what `write_memory` has written, as `read_memory`."""
         path = self.partial / MEMORY.format(index)
         identity = self._head["identity"]
         return on_rank_0(self.comm, f"reading {path}", lambda: read_memory(path, identity))
@@ -220,19 +209,13 @@ class RunFile(AbstractContextManager):
         )
 
     def checkpoint(self) -> Result | None:
-        """Read what `write_checkpoint` has written; None if there is nothing. Collective.
-
-        Raises SceneError as `read_checkpoint`, on every rank.
-        """
+        """Read what `write_checkpoint` has written, as `read_checkpoint`."""
         path = self.partial / STATE
         identity = self._head["identity"]
         return on_rank_0(self.comm, f"reading {path}", lambda: read_checkpoint(path, identity))
 
     def take(self, result: Result) -> None:
-        """Write all loads of a result, numbered from 0, with their fields. Collective.
-
-        Raises GfmdError on every rank, if they cannot be written.
-        """
+        """Write all loads of a result, numbered from 0, with their fields."""
         result = replace(result, indices=list(range(len(result.steps))))
         fields = result.datasets
         self.update(height_field=fields.get(HEIGHTS))
@@ -246,10 +229,10 @@ class RunFile(AbstractContextManager):
             self.write_step(index, step, of_step)
 
     def finish(self, status: str) -> None:
-        """Complete the file, give it the name OUT.h5 and remove the folder.
+        """Complete the file, give it the name OUT.h5, replacing an older one, and remove the
+        folder.
 
-        Collective. An older file of that name is replaced. If that fails, the finished steps stay
-        in the folder.
+        If that fails, the finished steps stay in the folder.
         """
         self._head |= {"end_time": _now(), "status": status}
         steps = {group_of(index): step for index, step in self.finished.items()}
@@ -276,9 +259,8 @@ class RunFile(AbstractContextManager):
             raise GfmdError(f"{error}; the finished steps are safe in {self.partial}") from error
 
     def close(self, keep: bool = True) -> None:
-        """Release the lock, which rank 0 holds; does nothing if it is released, or on other ranks.
-
-        The folder is kept if `keep` is set and the run has begun, and removed otherwise.
+        """Release the lock, which rank 0 holds, once; the folder stays if `keep` is set and the run
+        has begun.
         """
         if self._lock is not None:
             release(self.partial, self._lock, keep)
@@ -291,10 +273,10 @@ class RunFile(AbstractContextManager):
         self.close(keep=self._resume and (begun or not refused))  # a wrong scene leaves nothing
 
     def _add(self, steps: dict[str, dict], slabs: dict[str, Any] | None = None) -> None:
-        """Add attributes of the root, the surface and some steps, and local slabs, and commit.
+        """Add attributes of the root, the surface and some steps, and local slabs by their path,
+        and commit.
 
-        Collective. `slabs`: by their path in the file. On failure, which raises GfmdError on all
-        ranks, the file is as it was.
+        On failure, which raises GfmdError on all ranks, the file is as it was.
         """
         slabs = slabs or {}
         doing = f"writing {self.path}"

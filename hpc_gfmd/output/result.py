@@ -19,41 +19,20 @@ WITHDRAWN = (("machine", "checkpoint_seconds"),)
 
 @dataclass(frozen=True)
 class Result:
-    """Content of a result file, or of a solution in memory.
+    """Content of a result file, or of a solution in memory."""
 
-    Attributes
-    ----------
-    path : Path or None
-        The file; None in memory.
-    surface : dict
-        Attributes of the surface.
-    steps : list of dict
-        Attributes of each load step.
-    indices : list of int
-        Number of each load step in the scene, from 0; loads that are not finished are missing.
-    status : str
-        Status of the whole run; "running" or "interrupted" if it is not finished.
-    head : dict
-        Root attributes.
-    fields : list of dict
-        Fields of each load step by name: Stored in a file, Slab in memory.
-    folder : Path or None
-        Folder of partial results of an unfinished run; None if the run is finished.
-    notes : tuple of str
-        Notes for the reader: what may be wrong with the surface, and what the result lacks.
-    version : int
-        Format version; a pickle of another version is refused.
-    """
-
-    path: Path | None
-    surface: dict
-    steps: list[dict]
+    path: Path | None  # the file; None in memory
+    surface: dict  # attributes of the surface
+    steps: list[dict]  # attributes of each load step
+    # number of each load step in the scene, from 0; loads not finished are missing
     indices: list[int]
-    status: str
-    head: dict
+    status: str  # of the whole run; "running" or "interrupted" if it is not finished
+    head: dict  # root attributes
+    # of each load step by name: Stored in a file, Slab in memory
     fields: list[dict[str, Any]] = field(repr=False)
-    folder: Path | None = None
-    notes: tuple[str, ...] = ()
+    folder: Path | None = None  # of partial results of an unfinished run; None if it is finished
+    notes: tuple[str, ...] = ()  # what may be wrong with the surface, and what the result lacks
+    # of the format; a pickle of another version is refused
     version: int = field(default=FORMAT_VERSION, repr=False)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -69,10 +48,10 @@ class Result:
 
     @property
     def scene(self) -> Scene:
-        """The scene that was solved; an ArrayScene if its heights were an array.
+        """The scene that was solved; an ArrayScene, with only sizes and boundary, if its heights
+        were an array.
 
-        The surface of an ArrayScene has only sizes and boundary. Raises SceneError if the stored
-        scene is not valid.
+        Raises SceneError if the stored scene is not valid.
         """
         table = parse_toml(self.scene_toml, str(self.path))
         for name, key in WITHDRAWN:
@@ -102,10 +81,7 @@ class Result:
         return {group_of(index): step for index, step in self.numbered.items()}
 
     def places(self, numbers: Sequence[int]) -> list[int]:
-        """Return the positions in `steps` of load steps with these numbers.
-
-        Raises SceneError for numbers that the result does not have.
-        """
+        """Return the positions in `steps` of load steps with these numbers, or raise SceneError."""
         for number in numbers:
             if number not in self.indices:
                 allowed = ", ".join(map(str, self.indices)) or "none"
@@ -114,10 +90,7 @@ class Result:
 
     @property
     def datasets(self) -> dict[str, Any]:
-        """{path in a file: field} of all load steps; heights, which all share, are there once.
-
-        The fields are Stored, or for a solution in memory its arrays.
-        """
+        """{path in a file: field} of all load steps; heights, which all share, are there once."""
         places = {"heights": "surface"}
         return {
             f"{places.get(name, group)}/{name}": field.data if isinstance(field, Slab) else field
@@ -131,19 +104,8 @@ class Result:
         return {name: self.head[name] for name in scalar_names([self.head])}
 
     def some(self, steps: slice | list[int], **changes: Any) -> "Result":
-        """Return a copy with some of the load steps, selected by position.
-
-        Parameters
-        ----------
-        steps : slice or list of int
-            Their positions in `steps`.
-        **changes
-            Attributes of the copy to replace.
-
-        Returns
-        -------
-        Result
-            This result stays as it is; fields are shared.
+        """Return a copy with the load steps at some positions and with changed attributes; fields
+        are shared.
         """
         places = range(len(self.steps))[steps] if isinstance(steps, slice) else steps
         names = "steps", "indices", "fields"
@@ -153,24 +115,9 @@ class Result:
     def only(
         self, indices: Sequence[int] | None = None, fields: Sequence[str] | None = None
     ) -> "Result":
-        """Return a copy with some of the load steps and fields, selected by number and by name.
+        """Return a copy with some load steps, by number, and fields, by name; default: all.
 
-        Parameters
-        ----------
-        indices : sequence of int, optional
-            Numbers of the load steps; default: all.
-        fields : sequence of str, optional
-            Names of the fields; default: all.
-
-        Returns
-        -------
-        Result
-            This result stays as it is; fields are shared.
-
-        Raises
-        ------
-        SceneError
-            For numbers and names that the result does not have.
+        Raises SceneError for numbers and names that the result does not have.
         """
         chosen = self if indices is None else self.some(self.places(indices))
         if fields is None:
@@ -186,10 +133,7 @@ class Result:
 
     @property
     def missing_loads(self) -> str:
-        """Sentence that lists the loads of the scene that the result lacks, numbered from 1.
-
-        "all loads are finished" if it has all. Raises SceneError as `scene`.
-        """
+        """Sentence that lists the loads of the scene, numbered from 1, that the result lacks."""
         key, loads = self.scene.load.prescribed
         missing = [
             f"{k + 1} ({key} = {format_quantity(load)})"

@@ -34,9 +34,8 @@ ERRORS = {  # relative errors of a number by the solver and by the grid
 
 
 def summary(step: dict, surface: dict) -> str:
-    """Return the most important numbers of a load in one line, with units, status and note.
-
-    Such as "a_r = 6.7 +- 0.6 %, mean gap = 31 nm, converged".
+    """Return the most important numbers of a load in one line, such as "a_r = 6.7 +- 0.6 %, mean
+    gap = 31 nm, converged".
     """
     parts = []
     if step.get("a_r") is not None:
@@ -56,9 +55,8 @@ def summary(step: dict, surface: dict) -> str:
 
 
 def surface_line(surface: dict) -> str:
-    """Return one line on a surface: points, sizes, roughness, ratios of lengths, preparation, seed.
-
-    `surface` holds attributes of the surface in a result file; what it lacks is left out.
+    """Return one line on a surface by its attributes in a result file: points, sizes, roughness,
+    preparation, ...
     """
     unit = surface["unit"] if isinstance(surface.get("unit"), str) else ""
 
@@ -90,11 +88,12 @@ def converged(step: dict) -> bool:
 
 
 def last_held(steps: Sequence[dict]) -> dict | None:
-    """Return the converged load step that is nearest to the pull-off of the bodies.
+    """Return the converged load step that is nearest to the pull-off of the bodies, None without
+    one.
 
-    It is the last one before the first that pulls the bodies apart. At prescribed gaps or
-    approaches, which hold the bodies beyond the largest pull, it is that with the largest pull
-    until then. None if no load separates the bodies after a converged one.
+    It is the last one before the first that pulls the bodies apart; at prescribed gaps or
+    approaches, which hold the bodies beyond the largest pull, that with the largest pull until
+    then.
     """
     for number, (before, after) in enumerate(pairwise(steps), 1):
         if after.get("status") == "separated" and before.get("status") == "converged":
@@ -140,10 +139,9 @@ def _between(values: Sequence[float], unit: str) -> str:
 
 
 def with_error(value: float, relative: float | None, above: float | None = None) -> str:
-    """Return a value and its error as "0.0160 +- 0.0002", rounded to significant digits.
+    """Return a value and its relative error as "0.0160 +- 0.0002", rounded to significant digits.
 
-    `relative`: relative error; None: no error is shown. `above`: relative error by which the value
-    may be too small, if it is another one: "20.8 +0.1 -1.9".
+    above: relative error by which the value may be too small, if it differs: "20.8 +0.1 -1.9".
     """
     if not isfinite(value):
         return str(value)
@@ -171,31 +169,19 @@ def with_error(value: float, relative: float | None, above: float | None = None)
 
 
 def estimate(value: float, name: str, step: dict) -> str:
-    """Return a number of a load step with its error, on the sides where it is known to be.
+    """Return a number of a load step, in the unit in which it is shown, with its error on the sides
+    where it is known to be.
 
-    Parameters
-    ----------
-    value : float
-        The number, in the unit in which it is shown.
-    name : str
-        Its name in the result file.
-    step : dict
-        Attributes of the load step.
-
-    Returns
-    -------
-    str
-        "0.0160 +- 0.0002"; "20.8 +0.1 -1.9" for an area of the grid, which is too large by what
-        points at the edge of the contact add.
+    An area of the grid is too large by what points at the edge of the contact add: "20.8 +0.1
+    -1.9".
     """
     below, above = error_bars(name, step) or (None, None)
     return with_error(value, below, None if above == below else above)
 
 
 def error_bars(name: str, step: dict) -> tuple[float, float] | None:
-    """Return estimated relative errors of a number: by how much it may be too large, too small.
-
-    None if there is no estimate. They differ where the error is known to be on one side.
+    """Return estimated relative errors of a number: by how much it may be too large, too small; or
+    None.
     """
     error = combined_error(name, step)
     if error is None:
@@ -205,9 +191,8 @@ def error_bars(name: str, step: dict) -> tuple[float, float] | None:
 
 
 def _area_errors(step: dict) -> tuple[float, float, float] | None:
-    """Return relative errors of a_r: the edge correction, at random by the grid, and the solver's.
-
-    None if one of them is unknown.
+    """Return relative errors of a_r: the edge correction, at random by the grid, and the solver's;
+    or None.
     """
     area, corrected, of_grid, of_solver = map(
         float, _numbers([step.get(name) for name in AREA_NUMBERS]) or [nan] * len(AREA_NUMBERS)
@@ -221,19 +206,6 @@ def _area_errors(step: dict) -> tuple[float, float, float] | None:
 def combined_error(name: str, step: dict) -> float | None:
     """Return the estimated relative error of a number of a load step; None if there is no estimate.
 
-    Parameters
-    ----------
-    name : str
-        Name of the number in the result file.
-    step : dict
-        Attributes of the load step.
-
-    Returns
-    -------
-    float or None
-
-    Notes
-    -----
     It is the sum of the errors of the solver and of the grid, as far as they are known. A gap that
     was asked for has no error by the grid; the pressure that it takes has. Of a_r_corrected it is
     what the edge correction leaves.
@@ -258,9 +230,8 @@ def is_number(value: object) -> TypeGuard[float]:
 
 
 def _numbers(value: object) -> list[float]:
-    """Return a copy of a list or tuple if it holds finite numbers only, otherwise an empty list.
-
-    Attributes of a file may be anything.
+    """Return a copy of a list or tuple if it holds finite numbers only, otherwise an empty list:
+    attributes of a file may be anything.
     """
     if isinstance(value, list | tuple) and all(is_number(x) and isfinite(x) for x in value):
         return list(value)

@@ -6,14 +6,8 @@ from ..util.quantities import factor
 
 
 class System(NamedTuple):
-    """Names of the units of a consistent system.
-
-    Attributes
-    ----------
-    length, force, pressure : str
-        A force is a pressure times a squared length.
-    power : str
-        A force times a length over a second.
+    """Names of the units of a consistent system: a force is a pressure times a squared length, a
+    power a force times a length over a second.
     """
 
     length: str
@@ -36,9 +30,8 @@ def system_of(length: str, pressure: str) -> System | None:
 
 
 def converted(unit: str, old: System, new: System) -> tuple[float, str]:
-    """Return what one `unit` of the old system is in the new one: a number and its unit.
-
-    unit: a product of units of the old system, such as "Pa/m" or "1/m^2"; others in it stay.
+    """Return what one `unit`, such as "Pa/m", of the old system is in the new one: a number and its
+    unit.
     """
     size = 1.0
     parts = []
