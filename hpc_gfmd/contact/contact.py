@@ -151,9 +151,8 @@ class Contact:
 
     @property
     def approach(self) -> float:
-        """Length by which the bodies have approached since they touched undeformed.
-
-        nan if it is unbounded: for a half-space that is periodic along at least one axis.
+        """Length by which the bodies have approached since they touched undeformed; nan if
+        unbounded.
         """
         return self.certificate.approach * self.surface.height_unit
 
@@ -275,8 +274,8 @@ class Contact:
         return g if self.hardness is None else np.maximum(g, 0)
 
     def dent_rows(self, i0: int, i1: int) -> np.ndarray:
-        """Return the depth of dents in some rows of this rank, of this load and, where dents stay,
-        of all loads before.
+        """Return the depth of dents in some rows, of this load and, where dents stay, of all
+        before.
 
         Parameters
         ----------
@@ -294,9 +293,8 @@ class Contact:
 
     @cached_property
     def dent_sums(self) -> tuple[int, float]:
-        """Number of points with a dent, and the mean depth of dents over all points, a length.
-
-        Collective at first use.
+        """Number of points with a dent, and the mean depth over all points, a length.
+        Collective.
         """
         grid = self.grid
 
@@ -394,10 +392,7 @@ class Contact:
 
     @property
     def boundary_segments(self) -> int:
-        """Number of grid-cell sides between contact and open points: both numbers of `edges` added.
-
-        Collective at first use.
-        """
+        """Number of grid-cell sides between contact and open points. Collective at first use."""
         return sum(self.edges)
 
     def field(self, name: str) -> LazyField:
@@ -478,8 +473,9 @@ def _difference_of_pressures(contact: Contact, other: Contact) -> float:
 
 
 def heights_of(surface: Surface) -> LazyField:
-    """Return the heights of a surface with stored heights as a local slab that is computed when it
-    is sliced, in the scene's unit, peaks up, the highest at 0.
+    """Return the heights of a surface as a local slab: scene's unit, peaks up, the highest at 0.
+
+    They are computed from `surface.h`, which must not be None, when the slab is sliced.
     """
     h = surface.h
     assert h is not None  # asked for before a sweep in low memory gives them away
