@@ -18,7 +18,7 @@ from .explain import explain
 from .history import notes_on_history, require_history
 from .settings import LOADS, PRESSURES, LoadTable, Machine, Material, Output, SolverTable
 from .surface import AnySurface, ArrayTable, File, SelfAffine, Wave
-from .table import Table, Text, about, alike, has_unit, key
+from .table import Table, Text, alike, has_unit, key, keys_with_unit
 
 RESOLVED = 8  # points in a wave length; with fewer the contact is one of single points
 TOUCHING = 100  # fewer contact points than this say little about a rough contact
@@ -94,8 +94,7 @@ class Scene(Table):
             {
                 f"{name}.{key}": getattr(table, key)
                 for name, table in parts.items()
-                for key, field in type(table).model_fields.items()
-                if about(field).get("unit") == dimension
+                for key in keys_with_unit(type(table), dimension)
             }
             for dimension in ("length", "pressure", "force")
         )

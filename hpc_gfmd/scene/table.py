@@ -2,8 +2,9 @@
 
 import os
 from collections.abc import Mapping
+from functools import cache
 from math import inf
-from typing import Annotated, Any, Literal, TypeVar, get_args
+from typing import Annotated, Any, Literal, Self, TypeVar, get_args
 
 from pydantic import (
     AfterValidator,
@@ -29,6 +30,10 @@ class Table(BaseModel):
     """
 
     model_config = ConfigDict(strict=True, frozen=True, extra="forbid", allow_inf_nan=False)
+
+    def __deepcopy__(self, memo: Any = None) -> Self:
+        """Return the table itself, which is never changed."""
+        return self
 
 
 Positive = Annotated[float, Field(ge=SMALLEST, le=LARGEST)]
@@ -196,6 +201,13 @@ def about(field: Any) -> dict[str, Any]:
     Empty for other fields.
     """
     return field.json_schema_extra or {}
+
+
+@cache
+def keys_with_unit(table: type[Table], dimension: str) -> tuple[str, ...]:
+    """Return the keys of a table whose numbers have a dimension, such as "length"."""
+    fields = table.model_fields.items()
+    return tuple(name for name, field in fields if about(field).get("unit") == dimension)
 
 
 def allowed_of(field: Any) -> str:

@@ -132,11 +132,8 @@ def edges_of(read: Rows, n: tuple[int, ...]) -> Edges:
     starts = sorted({round(k * (n[0] - height) / (GROUPS - 1)) for k in range(GROUPS)})
     groups = np.array([read(start, start + height) for start in starts])
     columns = groups[:, :, :: max(n[1] // LATTICE, 1)]
-    along_x = columns.swapaxes(0, 1)
-    ends = np.array(
-        [columns[-1, -2 % height], columns[-1, -1], columns[0, 0], columns[0, 1 % height]]
-    )
-    jump_x, kink_x = _jump_and_kink(along_x, ends)
+    ends = columns[-1, -2 % height], columns[-1, -1], columns[0, 0], columns[0, 1 % height]
+    jump_x, kink_x = _jump_and_kink(columns.swapaxes(0, 1), np.array(ends))
     rows = np.concatenate([groups[:, 0], groups[-1, -1:]]).T
     jump_y, kink_y = _jump_and_kink(rows, rows[[-2 % n[1], -1, 0, 1 % n[1]]])
     return Edges((jump_x, jump_y), (kink_x, kink_y))
@@ -147,10 +144,17 @@ def _jump_and_kink(inside: np.ndarray, ends: np.ndarray) -> tuple[float, float]:
 
     inside: neighbouring points. ends: the last two points and the first two, in this order.
     """
-    step = _median(_sizes(np.diff(inside, axis=0)))
-    bend = _median(_sizes(np.diff(inside, n=2, axis=0)))
-    jump = _median(_sizes(ends[2] - ends[1]))
-    kink = _median(_sizes(np.diff(ends, n=2, axis=0)))
+    steps = inside[1:] - inside[:-1]
+    steps_of_ends = ends[1:] - ends[:-1]
+    step, bend, jump, kink = (
+        _median(_sizes(differences))
+        for differences in (
+            steps,
+            steps[1:] - steps[:-1],
+            steps_of_ends[1],
+            steps_of_ends[1:] - steps_of_ends[:-1],
+        )
+    )
     rounding = DOUBT.rounding * np.abs(ends).max()
     jumps = jump > rounding and step > 0
     kinks = kink > rounding and bend > rounding
@@ -265,16 +269,18 @@ def _differences(z: np.ndarray, lag: int) -> tuple[float, float, float]:
 
 def _sizes(differences: np.ndarray) -> np.ndarray:
     """Return the magnitudes of those that are not 0: rounded heights often differ by exactly 0."""
-    return np.abs(differences[differences != 0])
+    sizes = np.abs(differences)
+    return sizes if sizes.all() else sizes[sizes != 0]
 
 
 def _median(values: np.ndarray) -> float:
     """Return the median, 0 of nothing."""
     if not values.size:
         return 0.0
-    below, above = (values.size - 1) // 2, values.size // 2
-    ordered = np.partition(values, (below, above), axis=None)  # a fifth of the time of np.median
-    return float((ordered[below] + ordered[above]) / 2)
+    above = values.size // 2
+    ordered = np.partition(values, above, axis=None)  # a fifth of the time of np.median
+    below = ordered[above] if values.size % 2 else ordered[:above].max()
+    return float((below + ordered[above]) / 2)
 
 
 def per_cent(share: float) -> str:
