@@ -19,9 +19,9 @@ from .jit import kernel, points_inside
 
 @kernel
 def work_of_step(law, g, d_rows, i0, i1, inside):
-    """Return the sums of t d and of phi(g + d) - phi(g) over rows i0 <= i < i1.
+    """Return the sums of t d, t before the step, and of phi(g + d) - phi(g) over rows i0 <= i < i1.
 
-    t is that before the step; d_rows holds the step in full precision, from row i0 on.
+    d_rows holds the step in full precision, from row i0 on.
     """
     td = 0.0
     gained = 0.0
@@ -38,8 +38,8 @@ def work_of_step(law, g, d_rows, i0, i1, inside):
 def add_change(law, g, d, Kd, s, i0, i1, inside):
     """Turn K d into y = K d + (t(g + s d) - t(g))/s, in place, on rows i0 <= i < i1.
 
-    d is encoded; it and Kd, which becomes y, begin at row i0. New gaps below 0 count as 0. Returns
-    the sum of t at the new gaps, and <d, y> - <d, K d>.
+    d (encoded) and Kd begin at row i0. New gaps below 0 count as 0. Returns the sum of t at the new
+    gaps, and <d, y> - <d, K d>.
     """
     zero = g.dtype.type(0)
     PROJECTED = encode(g.dtype.type(-np.inf))
@@ -102,9 +102,8 @@ def shift_gap(law, g, p, by, i0, i1, inside):
 
 @kernel
 def softening(law, g, closed, x, i0, i1, inside):
-    """Set x = -phi''(g) out of contact, 0 elsewhere; return its sum and its maximum.
-
-    On rows i0 <= i < i1; `closed` is 1 in contact, 0 elsewhere.
+    """Set x = -phi''(g) where `closed` is 0, and 0 where it is 1; return its sum and its
+    maximum.
     """
     zero = g.dtype.type(0)
     one = g.dtype.type(1)
@@ -123,10 +122,7 @@ def softening(law, g, closed, x, i0, i1, inside):
 
 @kernel
 def gain_along(law, g, e, length, i0, i1, inside):
-    """Return the sum of phi(g + length e) - phi(g) over rows i0 <= i < i1.
-
-    New gaps below 0 count as 0.
-    """
+    """Return the sum of phi(g + length e) - phi(g) over rows; new gaps below 0 count as 0."""
     zero = g.dtype.type(0)
     gained = 0.0
     for i in range(i0, i1):
@@ -138,10 +134,7 @@ def gain_along(law, g, e, length, i0, i1, inside):
 
 @kernel
 def pull_along(law, g, e, length, i0, i1, inside):
-    """Return <t(g + length e) - t(g), e> over rows i0 <= i < i1, in double precision.
-
-    Gaps below 0 count as 0.
-    """
+    """Return <t(g + length e) - t(g), e> over rows; gaps below 0 count as 0."""
     changed = 0.0
     for i in range(i0, i1):
         for j in range(points_inside(i, inside)):

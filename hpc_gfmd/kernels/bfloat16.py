@@ -11,9 +11,8 @@ from numba.extending import overload
 
 
 def stored_dtype(dtype):
-    """Return the dtype that stores numbers of lower precision beside fields of a dtype.
-
-    uint16 (bfloat16) beside float32, float32 beside float64.
+    """Return the dtype of lower precision: uint16 (bfloat16) beside float32, float32 beside
+    float64.
     """
     return np.dtype(np.uint16 if np.dtype(dtype) == np.float32 else np.float32)
 
@@ -45,7 +44,7 @@ def _decode(number):
 class Decoded:
     """View of a stored array, of uint16 or float32, as float32.
 
-    A slice is converted when it is taken, to a new array; a slice of float32 is a view.
+    A slice of uint16 is converted to a new array when it is taken; a slice of float32 is a view.
     """
 
     dtype = np.dtype(np.float32)
@@ -62,10 +61,8 @@ class Decoded:
 
 
 def encoded(numbers, dtype):
-    """Convert numbers to the lower precision in which they are stored beside fields of `dtype`.
-
-    bfloat16, as uint16, for float32 (its last bits are cut off), and float32 for float64. May be
-    `numbers` itself.
+    """Convert numbers to the lower precision in which they are stored beside fields of `dtype`; may
+    return `numbers` itself.
     """
     numbers = np.asarray(numbers, np.float32)
     if stored_dtype(dtype) == np.float32:

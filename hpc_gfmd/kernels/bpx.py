@@ -29,7 +29,7 @@ s              step length along d
 Kd             K d on the rows of a pass
 law            law of attraction, None without one (numba then drops it): p is the pressure of
                the wall, and what adhesive_rows.py calls y takes the place of K d
-H              hardness, None without one (numba then drops all that is said of it)
+H              hardness, None without one (numba then drops all that depends on it)
 compliance     1/K of the shortest wave, about
 i, j; J        row and point of the grid; row of level 1, counted from its halo row
 n; m           points of a row; of a row of level 1
@@ -38,9 +38,8 @@ transfer       tables between the grid and level 1: J_x and f_x of the rows, mod
                the columns, factor (multilevel.py)
 =============  ===================================================================================
 
-Where the surface ends within the grid there is no wall beyond it: g is the displacement u itself
-and every point is in F. So each row has two parts, of which the second is empty on a periodic
-grid. Each part has a loop of its own: a single loop for both would not be vectorised.
+Beyond the surface there is no wall: g is the displacement u itself and every point is in F. Each
+row has two parts with a loop of their own: a single loop for both would not be vectorised.
 """
 
 from typing import NamedTuple
@@ -61,8 +60,8 @@ class UpdateSums(NamedTuple):
 
     r is the pressure on F, less H where a point yields. pp has r^2 + H^2 in place of p^2 where a
     point yields; rd, dKd and rKd are products on F; contact counts the points in A and those that
-    yield; gap is the sum of g without dents; yielded counts the points that yield; attraction and
-    stiffening are what `add_change` returns, 0 without a law.
+    yield; gap is the sum of g without dents; attraction and stiffening are what `add_change`
+    returns.
     """
 
     rr: float
@@ -89,10 +88,9 @@ def search_passes(
     """Make the step d on the rows of some passes and transform these rows: lines 1 to 3.
 
     Every thread of the rank calls this, and takes one share of the passes after another: `turns` is
-    the counter that they have in common, `shares` the first pass of each share and the one after
-    its last, `passes` the same of rows. `rows` (transforms.py) and `scratch`, two separate rows,
-    are memory of one thread. `sums` and, with a law, `work` get what `projected_step` and
-    `work_of_step` return of each pass.
+    their common counter, `shares` the first pass of each share and the end, `passes` the same of
+    rows. `rows` (transforms.py) and `scratch`, two separate rows, are memory of one thread. `sums`
+    and, with a law, `work` get what `projected_step` and `work_of_step` return of each pass.
     """
     share = add(turns, 0, 1)
     while share < shares.shape[0]:
@@ -132,8 +130,8 @@ def update_passes(
 
     Threads take shares as in `search_passes`. The new state is restricted to level 1: `first_rows`
     (shares, 3, m) gets the part of each share's first pass in the coarse row that the pass before
-    has, too, and `join_shares` adds it to `coarse`. `sums` gets the UpdateSums of each pass.
-    `spectra` tells whether the rows of K d come as spectra.
+    has, too, and `join_shares` adds it to `coarse`. `sums` gets the UpdateSums of each pass;
+    `spectra`: whether the rows of K d come as spectra.
     """
     gathered, shared = scratch
     zero = g.dtype.type(0)
@@ -182,11 +180,10 @@ def update_passes(
 def projected_step(g, p, d, d_rows, i0, i1, z_1, transfer, step, H, inside, scratch):
     """Make the step d = max(g - alpha z - beta d, 0) - g out of contact, 0 in contact.
 
-    z, the preconditioned residual, is formed on the fly; coupling = 0 gives the plain projected
-    gradient step of line 3. With a hardness the projection is the proximal map `landing`
-    (yielding.py): a point may go through contact and yield, or come out of it. step: (alpha, beta,
-    coupling, compliance). d_rows gets the step as it is stored, in full precision. Returns <r, d>
-    with the work of dents, and by how much dents become deeper, summed over points.
+    z is formed on the fly; coupling = 0 gives the step of line 3. With a hardness the projection is
+    the proximal map `landing`: a point may go through contact and yield, or come out of it. step:
+    (alpha, beta, coupling, compliance). d_rows gets the step as it is stored, in full precision.
+    Returns <r, d> with the work of dents, and by how much dents become deeper, summed over points.
     """
     J_x, f_x, mode, J_y, f_y, _ = transfer
     alpha, beta, coupling, compliance = step
@@ -247,13 +244,11 @@ def projected_step(g, p, d, d_rows, i0, i1, z_1, transfer, step, H, inside, scra
 
 @inline
 def update_state(g, p, d, Kd, s, i0, i1, coarse, shared, transfer, H, inside, gathered, sums):
-    """Set g += s d and p += s K d on rows i0 <= i < i1, and restrict the new state to level 1.
+    """Set g += s d and p += s K d on rows i0 <= i < i1, and restrict r, t and K d on F to level 1.
 
-    Restricted are r, the pressure out of contact (less H where a point yields), t, 1 in elastic
-    contact and 0 elsewhere, and K d out of contact. i0 is the first row beside its coarse row.
-    `coarse` (3, coarse rows + 2, m) gets the coarse rows that these rows have alone, `shared` (2,
-    3, m) the first one and the one after the last. In `gathered` (6, >= n_y) rows 0 to 2 are a
-    complete coarse row, 3 to 5 what is there of the next.
+    i0 is the first row beside its coarse row. `coarse` (3, coarse rows + 2, m) gets the coarse rows
+    that these rows have alone, `shared` (2, 3, m) the first one and the one after the last. In
+    `gathered` (6, >= n_y) rows 0 to 2 are a complete coarse row, 3 to 5 what is there of the next.
     """
     J_x, f_x, mode, J_y, f_y, factor = transfer
     n = g.shape[1]
@@ -291,10 +286,7 @@ def update_state(g, p, d, Kd, s, i0, i1, coarse, shared, transfer, H, inside, ga
 
 @inline
 def _step_rows(g, p, d, Kd, s, i0, start, end, H, inside):
-    """Set g += s d and p += s K d on rows start <= i < end; return their UpdateSums as a tuple.
-
-    Row 0 of d and Kd is row i0 of the slab.
-    """
+    """Set g += s d and p += s K d on rows start <= i < end; return their UpdateSums as a tuple."""
     zero = g.dtype.type(0)
     one = g.dtype.type(1)
     PROJECTED = encode(g.dtype.type(-np.inf))
@@ -344,9 +336,8 @@ def _step_rows(g, p, d, Kd, s, i0, start, end, H, inside):
 def _gather_rows(g, p, Kd, i0, start, end, f_x, H, inside, gathered):
     """Add up r, t and K d over rows start <= i < end, which lie beside one coarse row.
 
-    As `multilevel.gather_rows`: gathered[0:3] = gathered[3:6] + sum of (1 - f_x) row, and
-    gathered[3:6] = sum of f_x row. In a loop of its own and with rows of one array: with more
-    pointers than this the compiler gives up on vectors. r, t and K d: see `update_state`.
+    As `multilevel.gather_rows`, in a loop of its own and with rows of one array: with more pointers
+    than this the compiler gives up on vectors.
     """
     zero = g.dtype.type(0)
     one = g.dtype.type(1)

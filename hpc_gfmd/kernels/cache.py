@@ -2,9 +2,9 @@
 kind of processor.
 
 numba looks at the source file of a kernel only, but functions of other files are compiled into it;
-hence a folder for each state of all sources. numba also trusts the bytes that it finds, and numbers
-the files of a kernel, so that two processes that compile at the same moment mix them up. So this
-module writes the files: one for each kernel and signature, read only if its checksum is right.
+hence the folders. numba also trusts the bytes that it finds, and numbers the files of a kernel, so
+that two processes that compile at the same moment mix them up. So this module writes the files: one
+for each kernel and signature, read only if its checksum is right.
 """
 
 import gc
@@ -40,8 +40,7 @@ SUFFIX = ".kernel"  # of the files
 
 
 def compiled_on_first_use(function: Callable[..., Any], variant: str = "", **options: Any) -> Any:
-    """Return numba.njit(**options)(function), which keeps its machine code in `folder()`, if there
-    is one.
+    """Return numba.njit(**options)(function), which keeps its machine code in `folder()`.
 
     variant: part of the names of the files, for kernels that are made of the same source. Raises
     SceneError if NUMBA_DISABLE_JIT is set.
@@ -70,10 +69,10 @@ def compiled_on_first_use(function: Callable[..., Any], variant: str = "", **opt
 
 
 class KernelFiles:
-    """The files with the machine code of one kernel, one for each signature and kind of processor.
+    """The files with the machine code of one kernel; methods as of numba's `IndexDataCacheFile`.
 
-    Has the methods of numba's `IndexDataCacheFile`. `stem` is what the files are called, up to a
-    hash and `SUFFIX`; `source` changes with the source of the kernel.
+    `stem` is what they are called, up to a hash and `SUFFIX`; `source` changes with that of the
+    kernel.
     """
 
     def __init__(self, stem: Path, source: str):
@@ -81,9 +80,8 @@ class KernelFiles:
         self.source = source
 
     def load(self, key: Any) -> Any:
-        """Return the code that was saved under a key (signature, processor, hash of the bytecode).
-
-        None if there is none, or if it is damaged or of another source.
+        """Return the code saved under (signature, processor, hash of the bytecode), None if there
+        is none that is whole and of this source.
         """
         path, purpose = self._file(key)
         content = kept(path, purpose)
@@ -118,9 +116,8 @@ def _log(text: str) -> None:
 
 @cache
 def stamp() -> str:
-    """Return a hash of all kernels, laws of attraction, and versions that machine code depends on.
-
-    It also changes with the kind of processor.
+    """Return a hash of all kernels, laws of attraction, versions and the kind of processor, on
+    which machine code depends.
     """
     made_by = (
         numba.__version__,
@@ -141,8 +138,7 @@ def stamp() -> str:
 def on_first_compile(say: Callable[[str], object] | None) -> Iterator[None]:
     """Announce that kernels are compiled in this block: say(text) before the first one.
 
-    At the end say(text) tells how long all of them took, if that was TOLD_SECONDS or more. Nothing
-    is said if none is compiled, or if `say` is None.
+    At the end say(text) tells how long all of them took, if that was TOLD_SECONDS or more.
     """
 
     def announce() -> None:
@@ -171,8 +167,7 @@ def on_first_compile(say: Callable[[str], object] | None) -> Iterator[None]:
 class _Clock(event.Listener):  # type: ignore[misc]
     """Measures the `seconds` of compilations, and calls a function when the first one begins.
 
-    Python does not look for garbage meanwhile: of all that is there, again and again, which takes 7
-    % of the time.
+    Garbage collection is off meanwhile: it takes 7 % of the time.
     """
 
     def __init__(self, announce: Callable[[], object]) -> None:
@@ -202,10 +197,11 @@ class _Clock(event.Listener):  # type: ignore[misc]
 
 
 def folder() -> Path | None:
-    """Return the folder for machine code of the present `stamp`, which is made if it is missing.
+    """Return the folder for machine code of the present `stamp`, made if missing; None if none can
+    be written.
 
     It is in NUMBA_CACHE_DIR or the cache folder of the user; where that cannot be written to, in
-    the machine's folder for temporary files, so that not every rank compiles. None if neither can.
+    the machine's folder for temporary files, so that not every rank compiles.
     """
     root: Path | None
     if numba.config.CACHE_DIR:

@@ -36,8 +36,8 @@ ROUNDED = 1.00001  # more than rounding in single precision makes of a number
 
 class KktSums(NamedTuple):
     """Sums over points: of p, p^2 and p^4 out of contact (where a point yields, of p - H), p^2 in
-    contact, and |p| g (where a point yields |p - H| times the depth of its dent); the number of
-    points in contact, the sum of g without dents, and the number of points that yield.
+    contact, and |p| g (where a point yields |p - H| times the depth of its dent); points in
+    contact, g without dents, points that yield.
     """
 
     open_p: float
@@ -52,10 +52,8 @@ class KktSums(NamedTuple):
 
 @kernel
 def displacement_passes(passes, shares, turns, rows, g, h, level):
-    """Transform the rows of u - level, pass after pass, with u as in `displacement_rows`.
-
-    Every thread of the rank calls this, and takes one share of the passes after another, as in
-    bpx.py: search_passes.
+    """Transform the rows of u - level, pass after pass, with u as in `displacement_rows`; threads
+    as in bpx.py: search_passes.
     """
     share = add(turns, 0, 1)
     while share < shares.shape[0]:
@@ -80,11 +78,11 @@ def displacement_rows(g, h, x, i0, i1, level):
 
 @kernel
 def kkt_residuals(g, p, x, p0, H, inside, i0, i1, worst):
-    """Set p = p0 + x on rows i0 <= i < i1, x being K u, and return how it violates p >= 0 and p g =
-    0.
+    """Set p = p0 + x on rows i0 <= i < i1, x being K u; return KktSums and the largest -p where g
+    <= 0, or 0.
 
-    Returns KktSums of these rows and the largest -p where g <= 0, or 0. `worst` (n_y,), 0 at first,
-    gets that of each column: a single maximum over all points would not use vectors.
+    `worst` (n_y,), 0 at first, gets that of each column: a single maximum over all points would not
+    use vectors.
     """
     open_p = open_pp = open_p4 = closed_pp = pg = gap = contact = yielded = 0.0
     at_limit = limit(H, 0.0)
@@ -188,11 +186,10 @@ def count_uncertain(g, p, inside, compliance, tie, sure, largest, fall, counts):
 
 @kernel
 def count_heights(g, inside, largest, counts):
-    """Count open points by their gap, and dents by their depth.
+    """Count open points by their gap, and dents by their depth: counts (2, BINS + 1).
 
-    counts (2, BINS + 1), open points and dents: bin k has heights from largest 2^(-k/PER_OCTAVE)
-    down to the next one, bin BINS - 1 all smaller ones; larger ones are not counted. The last
-    column has the points with g <= 0, and with g < 0.
+    Bin k has heights from largest 2^(-k/PER_OCTAVE) down to the next one, bin BINS - 1 all smaller
+    ones; larger ones are not counted. The last column has the points with g <= 0, and with g < 0.
     """
     for i in range(inside[0]):
         for j in range(inside[1]):
@@ -212,10 +209,8 @@ def count_heights(g, inside, largest, counts):
 
 @kernel
 def dual_rows(g, p, x, scale, shift, H, inside, i0, i1):
-    """Set x = p^ - p on rows i0 <= i < i1.
-
-    The admissible pressure p^ is scale p + shift in elastic contact, H where a point yields, and 0
-    elsewhere.
+    """Set x = p^ - p on rows, p^ being scale p + shift in elastic contact, H where a point yields,
+    else 0.
     """
     zero = x.dtype.type(0)
     unit = x.dtype.type(1)

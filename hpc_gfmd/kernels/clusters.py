@@ -10,10 +10,7 @@ from .jit import inline, kernel
 
 @inline
 def _root(node, parent, shift):
-    """Return the root of a node.
-
-    All nodes on the way to it become its direct children, with `shift` counted from it.
-    """
+    """Return the root of a node, and make all nodes on the way to it its direct children."""
     x = 0
     y = 0
     root = node
@@ -39,9 +36,8 @@ def join(edges, parent, shift, wraps):
     """Join the trees of all pieces that edges connect: changes parent, shift and wraps.
 
     edges: piece a, piece b, borders crossed from a to b along x and y. parent: at first each piece
-    itself, at the end the root of its tree; shift: borders crossed from the root to the piece.
-    wraps becomes true for an axis along which two ways to the same piece cross different numbers of
-    borders: a closed way goes around the cell.
+    itself, at the end the root of its tree. wraps becomes true for an axis along which two ways to
+    the same piece cross different numbers of borders: a closed way goes around the cell.
     """
     for k in range(edges.shape[0]):
         a = edges[k, 0]

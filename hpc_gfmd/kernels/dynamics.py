@@ -22,9 +22,8 @@ from .jit import kernel
 
 
 class DynamicsSums(NamedTuple):
-    """Sums over points, as `update_pressure` returns them.
-
-    p^2 on F and everywhere, p d, d^2, d x, number of points in contact, gap of the surface.
+    """Sums over points: p^2 on F and everywhere, p d, d^2, d x, points in contact, gap of the
+    surface.
     """
 
     rr: float
@@ -38,10 +37,9 @@ class DynamicsSums(NamedTuple):
 
 @kernel
 def verlet_step(g, p, d, x, i0, i1, a, b, inside):
-    """Make one time step on rows i0 <= i < i1: d <- b d - a p, g <- g + d.
+    """Make one time step on rows i0 <= i < i1: d <- b d - a p, g <- g + d; x gets the change of g.
 
-    A point that hits the wall stops there (zero restitution): g = 0 and d = 0. x gets the change of
-    g, from row i0 on.
+    A point that hits the wall stops there (zero restitution): g = 0 and d = 0.
     """
     zero = g.dtype.type(0)
     for i in range(i0, i1):
@@ -61,9 +59,8 @@ def verlet_step(g, p, d, x, i0, i1, a, b, inside):
 
 @kernel
 def update_pressure(g, p, d, x, i0, i1, inside):
-    """Set p <- p + x on rows i0 <= i < i1 and return the DynamicsSums of the new state.
-
-    x, from row i0 on, is K times the change of g, and d the displacement of the last time step.
+    """Set p <- p + x, x being K times the change of g, on rows i0 <= i < i1; return the
+    DynamicsSums.
     """
     zero = g.dtype.type(0)
     RR = PP = PD = DD = DX = CONTACT = GAP = 0.0

@@ -24,10 +24,10 @@ NEEDLESS = {"InlineClosureLikes", "InlineInlinables", "InlineOverloads", "Nopyth
 def kernel(function: Callable[..., Any], piece: bool = False) -> Any:
     """Make a function a kernel: compiled on first use, kept in the cache, run without the GIL.
 
-    It must not make arrays, because counting references, also of every row that a loop takes, would
-    be slow; nor contain functions. A `piece` is copied into other kernels: if it were called
-    instead, code from the cache and code that has just been compiled would contain different copies
-    of it, and results could differ in the last bits.
+    It must not make arrays, because counting references would be slow; nor contain functions. A
+    `piece` is copied into other kernels: if it were called instead, code from the cache and code
+    that has just been compiled would contain different copies of it, and results could differ in
+    the last bits.
     """
     compiled = compiled_on_first_use(
         function,
@@ -76,8 +76,7 @@ class KernelCompiler(CompilerBase):  # type: ignore[misc]
 class OperatorTypes:
     """numba's typing context, which remembers the types that operators return.
 
-    numba itself tries everything that an operator may mean, for numbers, arrays, texts and more,
-    wherever the operator occurs. That takes 7 % of the time of compiling.
+    numba itself tries all meanings of an operator wherever it occurs, 7 % of the time of compiling.
     """
 
     signatures: ClassVar[dict] = {}  # of operations: by operator and types of its operands
@@ -103,8 +102,8 @@ class OperatorTypes:
 class KernelLibrary(JITCodeLibrary):  # type: ignore[misc]
     """What LLVM makes of a kernel: it uses vectors, but does not unroll loops.
 
-    Unrolled loops are more code, which takes an eighth of the time of compiling. The kernels are
-    not faster with them: most of their time goes into memory and transforms.
+    Unrolled loops take an eighth of the time of compiling and make nothing faster: most of the time
+    goes into memory and transforms.
     """
 
     def _optimize_functions(self, module: Any) -> None:
@@ -130,11 +129,10 @@ class KernelLibrary(JITCodeLibrary):  # type: ignore[misc]
 
 
 class PieceLibrary(KernelLibrary):
-    """What LLVM makes of a piece: it is optimised as a whole, and becomes machine code, only within
-    the kernels that it is copied into.
+    """What LLVM makes of a piece: it becomes machine code only within the kernels that it is copied
+    into.
 
-    numba's own library would do both for every piece as well. Should a version of numba not call
-    this method, it does so again, which only takes longer.
+    Should a version of numba not call this method, it only takes longer.
     """
 
     def _optimize_final_module(self) -> None:
@@ -151,7 +149,6 @@ inline = partial(kernel, piece=True)
 def points_inside(i: int, inside: tuple[int, int]) -> np.uint64:
     """Return how many points of row i belong to the surface, the first ones; 0 in a row beyond it.
 
-    Unsigned: a loop that begins at a number that might be negative, counted from the end, does not
-    use vectors.
+    Unsigned: a loop that begins at a number that might be negative does not use vectors.
     """
     return np.uint64(inside[1] if i < inside[0] else 0)

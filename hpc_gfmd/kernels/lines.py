@@ -10,9 +10,8 @@ WIDTH = 8  # numbers in a line
 
 @intrinsic
 def move_line(_, target, i, source, j):
-    """Set target[i:i + WIDTH] = source[j:j + WIDTH], contiguous float64. Only in kernels.
-
-    Bounds are not checked.
+    """Set target[i:i + WIDTH] = source[j:j + WIDTH], contiguous float64, unchecked. Only in
+    kernels.
     """
 
     def generate(context, builder, signature, values):

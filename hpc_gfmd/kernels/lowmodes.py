@@ -15,9 +15,8 @@ from .jit import kernel
 
 @kernel
 def split(waves, shift_x, shift_y, norm, parts):
-    """Split the lowest modes of a spectrum, waves, into products of cos and sin along both axes.
-
-    `parts` (4, m_x, m_y) gets them.
+    """Split the lowest modes of a spectrum, waves, into `parts`, products of cos and sin along both
+    axes.
     """
     n_x = waves.shape[0]
     for k in range(norm.shape[0]):
@@ -35,11 +34,11 @@ def split(waves, shift_x, shift_y, norm, parts):
 
 @kernel
 def multiply(part, matrices, by_columns, x):
-    """Multiply the modes of one parity, an array of `parts`, by their matrices, in place.
+    """Multiply the modes of one parity, an array of `parts`, by their symmetric matrices, in place.
 
-    The matrices are symmetric: with `by_columns` one for each column, m = rows; without it one for
-    each row, m = columns, or a single one for all modes row by row. Returns <part, matrices part>
-    of the modes before.
+    With `by_columns` there is one for each column, m = rows; without it one for each row, m =
+    columns, or a single one for all modes row by row. Returns <part, matrices part> of the modes
+    before.
     """
     stack = matrices.shape[0]
     m = matrices.shape[1]
@@ -62,7 +61,7 @@ def multiply(part, matrices, by_columns, x):
 
 @kernel
 def join(parts, shift_x, shift_y, norm, unit, positive, negative):
-    """Undo `split`, and multiply by `unit`: products of cos and sin become modes of a spectrum.
+    """Undo `split`, and multiply by `unit`.
 
     `positive` (m_x, m_y) gets the modes with k_x >= 0, `negative` (m_x - 1, m_y) those with -k_x <
     0, the largest k_x first.

@@ -91,10 +91,7 @@ def interpolate_row(coarse, fine, mode, J_y, f_y):
 
 @inline
 def combine_rows(coarse, J, f, out):
-    """Interpolate along x for one fine row: out = (1 - f) coarse[J] + f coarse[J + 1].
-
-    `coarse` has halo rows.
-    """
+    """Interpolate along x for one fine row: out = (1 - f) coarse[J] + f coarse[J + 1]."""
     m = out.shape[0]
     one = out.dtype.type(1)
     if f == 0.0:
@@ -107,10 +104,10 @@ def combine_rows(coarse, J, f, out):
 
 @inline
 def rows_beside(start, end, f_x, zero, one):
-    """Return the two rows beside a coarse row, and what they add to it and to the next one.
+    """Return the two rows beside a coarse row, a and b, then 1 - f_x of each, f_x of each.
 
     start <= i < end, never both 0. There are never more than two; some other row stands for those
-    that are missing, and adds nothing. The result is a, b, 1 - f_x of each, f_x of each.
+    that are missing, and adds nothing.
     """
     a = start if start < end else start - 1
     b = end - 1
@@ -126,7 +123,7 @@ def gather_rows(fine, start, end, f_x, complete, following):
     """Restrict along x: add up own rows start <= i < end, all those beside one coarse row.
 
     Sets complete = following + sum of (1 - f_x) row, and following = sum of f_x row; on entry
-    `following` holds what earlier rows add to this coarse row. `fine` has halo rows.
+    `following` holds what earlier rows add to this coarse row.
     """
     real = complete.dtype.type
     a, b, of_a, of_b, next_a, next_b = rows_beside(start, end, f_x, real(0), real(1))
@@ -139,12 +136,12 @@ def gather_rows(fine, start, end, f_x, complete, following):
 
 @inline
 def restrict_level(fine, coarse, transfer, i0, i1, scratch):
-    """Restrict fields to the coarse rows that own rows i0 <= i < i1 lie on or after.
+    """Restrict fields by full weighting to the coarse rows that own rows i0 <= i < i1 lie on or
+    after.
 
-    This is full weighting. i0 is the first of the rows beside its coarse row; with the last own row
-    also the coarse row after it is set; coarse rows that no fine row lies beside are left as they
-    are. Both levels have halo rows. Rows are added up first: that is contiguous, and leaves half as
-    many rows to restrict along the other axis.
+    i0 is the first of the rows beside its coarse row; with the last own row also the coarse row
+    after it is set; coarse rows that no fine row lies beside are left as they are. Rows are added
+    up first: that is contiguous, and leaves half as many rows to restrict along the other axis.
     """
     J_x, f_x, mode, J_y, f_y, factor = transfer
     rows = fine.shape[1] - 2
@@ -175,9 +172,9 @@ def restrict_level(fine, coarse, transfer, i0, i1, scratch):
 def smooth_level(fields, z_coarse, out, weight, damping, transfer, nominal, i0, i1, scratch):
     """Set z = r/(weight + damping t) + P z_coarse on own rows i0 <= i < i1 of a level.
 
-    `out` (rows + 2, n) gets z and may be the memory of r; z_coarse has valid halo rows; nominal is
-    (s_x, s_y). Returns <r, z>, <x, z>, <r, r>, <t, t>, <r, t>, <t, s> and <r, s>, in the precision
-    of the fields along a row and over rows in double precision.
+    `out` gets z and may be the memory of r; z_coarse has valid halo rows; nominal is (s_x, s_y).
+    Returns <r, z>, <x, z>, <r, r>, <t, t>, <r, t>, <t, s> and <r, s>, in the precision of the
+    fields along a row and over rows in double precision.
     """
     s_x, s_y = nominal
     J_x, f_x, mode, J_y, f_y, _ = transfer
@@ -221,7 +218,7 @@ def smooth_level(fields, z_coarse, out, weight, damping, transfer, nominal, i0, 
 def join_shares(passes, shares, first_rows, coarse, J_x):
     """Complete level 1 after the passes of bpx.py: add the shares' first rows, zero all other rows.
 
-    J_x is the row of level 1 of each row of the grid, counted from its halo row.
+    J_x: row of level 1 of each row of the grid, counted from its halo row.
     """
     zero = coarse.dtype.type(0)
     for c in range(coarse.shape[0]):
@@ -324,9 +321,8 @@ def sweep_levels(
 def _begin_smoothing(memory, levels, mode, mode_level, totals):
     """Set all totals from r of the levels, before smoothing overwrites it with z.
 
-    totals[MEAN] becomes r of the coarsest level, a single point: the mean of r. totals[AMPLITUDE]
-    becomes <mode, r> on level `mode_level`, 0 without a mode. The other totals become 0: they are
-    sums, to which `_close_smoothing` adds.
+    totals[MEAN] becomes r of the coarsest level, a single point; totals[AMPLITUDE] <mode, r> on
+    level `mode_level`; the others 0: they are sums, to which `_close_smoothing` adds.
     """
     coarsest = levels.shape[0] - 2
     for c in range(TOTALS):
@@ -344,10 +340,9 @@ def _begin_smoothing(memory, levels, mode, mode_level, totals):
 def _close_smoothing(fields, sums, softness, has_mode, mode, totals):
     """Finish a level once z is there: add up its sums, add the gap mode, set the halo rows of z.
 
-    fields: of the level, z in place of r; sums: of its pieces, as `smooth_level` returns them.
-    totals[0] and [1], <r, z> and <x, z>, become those of this level; the others grow by its sums
-    times softness. has_mode: whether this is the level of the mode, whose amplitude in z is
-    totals[AMPLITUDE]; <r, z> and <x, z> then count it, too.
+    fields: of the level, z in place of r; sums: of its pieces. totals[0] and [1], <r, z> and <x,
+    z>, become those of this level; the others grow by its sums times softness. has_mode: whether
+    this is the level of the mode, whose amplitude in z is totals[AMPLITUDE].
     """
     rows = fields.shape[1] - 2
     n = fields.shape[2]

@@ -52,11 +52,7 @@ def prolong_gap(u, p, h, g, fine_rows, coarse_rows, halved, compliance, stencil,
 
 @kernel
 def _prolong(u, p, h, g, numbers, compliance, stencil, deepest, ring, line):
-    """Fill g as `prolong_gap` describes.
-
-    numbers: its fine_rows, coarse_rows, halved and nominal in one array; ring, line: scratch
-    memory.
-    """
+    """Fill g as `prolong_gap`; numbers: its fine_rows, coarse_rows, halved and nominal."""
     real = g.dtype.type
     start, n_x, first_coarse, m_x, halve_x, halve_y, surface_rows, surface_points = numbers
     rows = g.shape[0]
@@ -119,8 +115,8 @@ def _prolong(u, p, h, g, numbers, compliance, stencil, deepest, ring, line):
 def _coarse_line(field, k, between, factor, near, far, line):
     """Set line[1:m + 1] to coarse row k of a field, or to a fine row between two coarse ones.
 
-    It is factor times row k or, if `between`, near (k + (k + 1)) + far ((k - 1) + (k + 2)). field:
-    rows before this rank's own, its own, and rows after; k counts from the first of its own.
+    It is factor times row k or, if `between`, near (k + (k + 1)) + far ((k - 1) + (k + 2)). k
+    counts from the first of this rank's own rows.
     """
     before = field[0].shape[0]
     owned_rows = field[1].shape[0]
@@ -144,10 +140,10 @@ def _coarse_line(field, k, between, factor, near, far, line):
 
 @inline
 def _interpolate_row(line, fine, halve_y, near, far):
-    """Set fine[1:-1] from the coarse points line[1:-2] of a periodic row.
+    """Set fine[1:-1] from the coarse points line[1:-2] of a periodic row, a copy without halve_y.
 
-    Without halve_y it is a copy. With it a fine point between two coarse ones gets near times both
-    neighbours and far times the next two; the ends of `line` are overwritten.
+    With it a fine point between two coarse ones gets near times both neighbours and far times the
+    next two; the ends of `line` are overwritten.
     """
     n = fine.shape[0] - 2
     m = line.shape[0] - 3
@@ -177,10 +173,9 @@ def _wrap(row):
 def _relax(ring, at, i, n, inner, deepest, couplings):
     """Make one gradient step of v, the correction of the displacement, for row i.
 
-    v of the row's first `inner` points stays >= -g_c, where the gap is closed, but for dents
-    (deepest: see `prolong_gap`). n: points of a row. at: where the ring of the step's input begins
-    in `ring`; that of its output follows. couplings: factors of v at the point itself, its
-    neighbours along x, along y, and the diagonal ones.
+    v of the row's first `inner` points stays >= -g_c, but for dents. at: where the ring of the
+    step's input begins in `ring`; that of its output follows. couplings: factors of v at the point
+    itself, its neighbours along x, along y, and the diagonal ones.
     """
     with_itself, along_x, along_y, diagonal = couplings
     slot = (i + RING) % RING

@@ -74,9 +74,8 @@ def _of_table(k_x, y, table):
 
 @inline
 def _mode(k_x, k_y, law):
-    """Return the amplitude (re, im) of the mode (k_x, k_y) of any signs; (0, 0) outside the band.
-
-    It is the conjugate of that of (-k_x, -k_y). law: see `random_waves`.
+    """Return the amplitude (re, im) of the mode (k_x, k_y) of any signs, the conjugate of that of
+    (-k_x, -k_y); (0, 0) outside the band.
     """
     seed, phases_only, aspect, stretch, laws, table = law
     mirrored = k_y < 0 or (k_y == 0 and k_x < 0)
@@ -118,15 +117,15 @@ def random_waves(block, keep, factor, j0, columns, n_y, law):
     modes that the grid cannot distinguish.
 
     law: (seed, phases_only, aspect, stretch, laws, table). Both parts of a mode are random numbers
-    between -A and A or, with phases_only, those of a random phase and the mean power of these,
-    2/3 A^2. With aspect = L_y/L_x, a mode is (k_x, y) in units of 2 pi/L_x, y = k_y/aspect.
+    between -A and A or, with phases_only, those of a random phase and the mean power of these, 2/3
+    A^2. With aspect = L_y/L_x, a mode is (k_x, y) in units of 2 pi/L_x, y = k_y/aspect.
 
     laws: (low, high, begins, scales, factors, exponents). With k^2 = stretch . (k_x^2, k_x y, y^2),
     which is |q|^2 of an isotropic surface, modes have low <= k <= high. In segment s, from
     begins[s] on, A = factors[s] (k/scales[s])^-exponents[s].
 
-    table: (x_rows, y_rows, powers). If it is not empty, A^2 is interpolated linearly between
-    powers at x_rows (of both signs) and y_rows (0 or more), and 0 beyond; laws do not count.
+    table: (x_rows, y_rows, powers). If it is not empty, A^2 is interpolated linearly between powers
+    at x_rows (of both signs) and y_rows (0 or more), and 0 beyond; laws do not count.
     """
     W, n_x = block.shape
     for w in range(W):

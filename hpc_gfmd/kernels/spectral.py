@@ -26,11 +26,11 @@ PIECE = 1024  # numbers that are summed up in their own precision
 def multiply_blocks(columns, shares, turns, numbers, factors, inverse, backward, sums):
     """Transform blocks of columns, multiply them by K or 1/K, and transform back, in place.
 
-    Threads call this at the same time, each with column transforms of its own (transforms.py); each
-    takes one share of the blocks after another, `turns` being their common counter. numbers: the
-    scratch of `columns` as real numbers; factors: (scale, weight, q_x, q_y, table). `sums` (blocks,
-    2) gets what `multiply` returns and the real part of the block's first number before: in block 0
-    of rank 0 that of q = 0. Without `backward` only `sums` is of use.
+    Threads call this at the same time, each with column transforms of its own, and take shares of
+    the blocks, `turns` being their common counter. numbers: the scratch of `columns` as real
+    numbers; factors: (scale, weight, q_x, q_y, table). `sums` (blocks, 2) gets what `multiply`
+    returns and the real part of the block's first number before: in block 0 of rank 0 that of q =
+    0. Without `backward` only `sums` is of use.
     """
     plans = columns[5]
     scale, weight, q_x, q_y, table = factors
@@ -67,12 +67,11 @@ def multiply(columns, k, inverse, scale, weight, q_x, q_y, table):
 
 @inline
 def _multiply_by_q(column, q_x, q_y, scale, inverse):
-    """Multiply one column by scale K or scale/K, with K = |q|/2, in place; return its energy.
+    """Multiply one column by scale K or scale/K, K = |q|/2, in place; return its energy as
+    `multiply`, without weight.
 
-    column: (2 n_x,), real and imaginary parts in turn; q_x: (2 n_x,), every wave number twice; q_y:
-    that of the column. The energy is the sum of scale K |c|^2 over the complex numbers c before
-    they were multiplied; with `inverse` it is that of scale |c|^2/K. Where K is 0, 1/K counts as 0.
-    PIECE numbers at a time are summed up in their own precision.
+    column, q_x: (2 n_x,), real and imaginary parts in turn, every wave number twice. PIECE numbers
+    at a time are summed up in their own precision.
     """
     real = column.dtype.type
     qy2 = q_y * q_y
@@ -102,10 +101,8 @@ def _multiply_by_q(column, q_x, q_y, scale, inverse):
 
 @inline
 def _multiply_by_table(column, table, scale, inverse):
-    """Multiply one column by scale K or scale/K, with K from a table, in place; return its energy.
-
-    column, inverse and energy: as for `_multiply_by_q`. table: K of q_x = 0 and the positive ones
-    at the q_y of this column.
+    """Do the same as `_multiply_by_q` with K from a table, at q_x >= 0 and the q_y of this
+    column.
     """
     n_x = column.shape[0] // 2
     stored = table.shape[0]

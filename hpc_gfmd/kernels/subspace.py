@@ -18,10 +18,8 @@ from .jit import kernel
 
 @kernel
 def subspace_products(V, KV, D, k, i0, i1, sums):
-    """Add up <V_a, K V_b> and <V_a, D V_b> of the first k directions over rows i0 <= i < i1.
-
-    V, KV: directions of the gap and K times each, (3, n_loc, n_y). sums[0, a, b] and sums[1, a, b]
-    are set for b <= a < k.
+    """Set sums[0, a, b] and sums[1, a, b], b <= a < k, to <V_a, K V_b> and <V_a, D V_b> over
+    rows.
     """
     for a in range(k):
         for b in range(a + 1):
@@ -37,9 +35,8 @@ def subspace_products(V, KV, D, k, i0, i1, sums):
 
 @kernel
 def combine_directions(V, KV, k, weights, i0, i1):
-    """Replace V[0] by the sum of weights V, V[2] by the same without its first term; KV likewise.
-
-    On rows i0 <= i < i1, of the first k directions.
+    """Replace V[0] by the sum of weights V, V[2] by the same without its first term; KV
+    likewise.
     """
     for field in (V, KV):
         for i in range(i0, i1):

@@ -119,7 +119,7 @@ def store_columns(columns, k):
 def _transpose(memory, begins, rows, columns, width):
     """Set columns[:width] = a block (n_x, width) transposed, a cache line of either at a time.
 
-    memory, begins, rows: where rows of the block stand, see `near` at the head of the file.
+    memory, begins, rows: see `near` at the head of the file.
     """
     for r in range(begins.shape[0]):
         i0 = rows[r, 0]

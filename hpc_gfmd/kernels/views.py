@@ -8,9 +8,10 @@ from numba.extending import intrinsic
 
 @intrinsic
 def view_fields(_, flat, begin, fields, rows, n):
-    """View flat[begin : begin + fields rows n] as an array (fields, rows, n). Only in kernels.
+    """View flat[begin : begin + fields rows n] as an array (fields, rows, n), unchecked. Only in
+    kernels.
 
-    `flat` has to outlive the view; bounds are not checked.
+    `flat` has to outlive the view.
     """
     array_type = types.Array(flat.dtype, 3, "C")
 

@@ -1,8 +1,7 @@
 """Points at which the pressure is the hardness: functions of a point for kernels.
 
 Letters: g gap, p pressure, H hardness. H is None where there is none: numba then compiles a variant
-in which `limit` and `yields` are constants, so that nothing is left of them. Zero and one come in
-the precision of the fields.
+in which `limit` and `yields` are constants. Zero and one come in the precision of the fields.
 """
 
 from .jit import inline

@@ -1,6 +1,5 @@
-"""Range checks shared by the theory functions.
-
-A message is one line: the name of the quantity, the number found and the interval allowed.
+"""Range checks shared by the theory functions, with messages that name quantity, number and
+interval.
 """
 
 import numpy as np

@@ -1,8 +1,7 @@
 """The functions of x = sqrt(2) p0/(E* g(q)) under the integrals of Persson's theory.
 
 With a = erf(x), the contact area seen at the resolution q, the elastic energy of a mode is the
-fraction W(a) = gamma a + (1 - gamma) a^3 of its energy in full contact. Everything here takes
-arrays and returns arrays of their shape.
+fraction W(a) = gamma a + (1 - gamma) a^3 of its energy in full contact.
 """
 
 from functools import cache
@@ -47,7 +46,7 @@ def exp1_of_square(x: np.ndarray) -> np.ndarray:
 def erf2_integral(x: np.ndarray) -> np.ndarray:
     """Compute I(x) = int_x^inf erf(v)^2 exp(-v^2) dv/v for x >= 0; x > 28 is taken as 28.
 
-    The substitution v = tx shows that it equals int_1^inf erf(tx)^2 exp(-t^2 x^2) dt/t.
+    With v = tx it equals int_1^inf erf(tx)^2 exp(-t^2 x^2) dt/t.
     """
     x = np.minimum(x, X_ZERO)
     low = np.exp(-x * x) * _scaled()(np.minimum(x, _X_ONE))
@@ -56,10 +55,10 @@ def erf2_integral(x: np.ndarray) -> np.ndarray:
 
 @cache
 def _scaled() -> Chebyshev:
-    """Return the interpolant of exp(x^2) I(x) on [0, 6], computed once per process.
+    """Return the interpolant of exp(x^2) I(x) (see `erf2_integral`) on [0, 6].
 
-    I(x) is the integral of `erf2_integral`. erf(v)^2 = 1 - (4/pi) int_0^1 exp(-v^2 (1+s^2))
-    ds/(1+s^2) turns it into a smooth integral over E1.
+    erf(v)^2 = 1 - (4/pi) int_0^1 exp(-v^2 (1+s^2)) ds/(1+s^2) turns it into a smooth integral over
+    E1.
     """
     s, w = np.polynomial.legendre.leggauss(24)
     s2 = ((s + 1) / 2) ** 2

@@ -270,10 +270,8 @@ def curve(
 
 
 def _gap(profile: SlopeProfile, p_star: np.ndarray, gamma: float, printed: bool) -> np.ndarray:
-    """Compute the mean gap in units of g_rms/q_min, inf where p_star is 0.
-
-    p_star has been checked. gamma and printed: as for `mean_gap`. Raises SceneError if gamma is out
-    of its range.
+    """Compute the mean gap in units of g_rms/q_min, inf where p_star is 0; checks gamma, not
+    p_star.
     """
     gamma = _gamma(gamma)
     gap = profile.integrate(
@@ -283,10 +281,7 @@ def _gap(profile: SlopeProfile, p_star: np.ndarray, gamma: float, printed: bool)
 
 
 def _length(profile: SlopeProfile, eps_f: float, unit: str) -> float:
-    """Return the length of this unit name divided by g_rms/q_min: what gaps are divided by.
-
-    Raises SceneError if the unit is unknown.
-    """
+    """Return the length of this unit name, by which gaps are divided, over g_rms/q_min."""
     if unit == "h_rms":
         return profile.h_rms
     if unit == "g_rms_lam_s":
@@ -295,18 +290,12 @@ def _length(profile: SlopeProfile, eps_f: float, unit: str) -> float:
 
 
 def _pressure(p_star: ArrayLike, name: str = "p_star") -> np.ndarray:
-    """Return pressures as a float array. Raises SceneError if any is negative or not finite.
-
-    name: that of the pressures in the message.
-    """
+    """Return pressures as a float array; raise SceneError if any is negative or not finite."""
     return within(name, p_star, 0, np.inf)
 
 
 def _positive(name: str, value: ArrayLike) -> float:
-    """Return value as a float. Raises SceneError if it is not positive and finite.
-
-    name: that of the value in the message.
-    """
+    """Return value as a float; raise SceneError if it is not positive and finite."""
     return float(within(name, value, 0, np.inf, open_low=True))
 
 

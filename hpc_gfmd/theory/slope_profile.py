@@ -30,9 +30,8 @@ Function = Callable[[np.ndarray], np.ndarray]
 class SlopeProfile:
     """g(q)/g_rms of a spectrum that consists of power laws between q_0 < q_1 < ... < q_m.
 
-    g(q) is the rms gradient of all roughness with wave vectors up to q. y and g2 (m+1) are
-    ln(q_i/q_0) and (g(q_i)/g_rms)^2, which rises from 0 to 1; in the piece i d(g2)/dy = exp(beta_i
-    (y-y_i))/inverse_rate_i.
+    y and g2 (m+1) are ln(q_i/q_0) and (g(q_i)/g_rms)^2, which rises from 0 to 1; in the piece i
+    d(g2)/dy = exp(beta_i (y-y_i))/inverse_rate_i.
     """
 
     y: np.ndarray
@@ -47,7 +46,7 @@ class SlopeProfile:
     def self_affine(cls, hurst: float, eps_f: float) -> Self:
         """Return the profile of C(q) ~ q^(-2-2H) for q_l <= q <= q_s, in units q_l = 1, g_rms = 1.
 
-        eps_f = q_l/q_s, from 1e-100 to 1. Raises SceneError if a number is out of range.
+        eps_f = q_l/q_s. Raises SceneError if a number is out of range.
         """
         hurst = float(within("hurst", hurst, 0, 1))
         decades = -np.log(float(within("eps_f", eps_f, 1e-100, 1)))  # ln(q_s/q_l)
@@ -116,9 +115,8 @@ class SlopeProfile:
     def integrate(self, p_star: ArrayLike, kernel: Function, power: int) -> np.ndarray:
         """Integrate (g/g_rms)^power (q_0/q) kernel(x) d ln g over all roughness, for each load.
 
-        x = sqrt(2) p_star g_rms/g; g rises from 0 to g_rms, and q is the wave vector with g(q) = g.
-        The kernel must vanish beyond x = 28 if power = 1, and be bounded if power = 2. Loads are
-        clipped to 1e-300 ... 1e200.
+        x = sqrt(2) p_star g_rms/g. The kernel must vanish beyond x = 28 if power = 1, and be
+        bounded if power = 2. Loads are clipped to 1e-300 ... 1e200.
         """
         loads = np.clip(np.asarray(p_star, dtype=float), 1e-300, 1e200)
         log_g, y, weight = self._nodes
@@ -136,12 +134,11 @@ class SlopeProfile:
 
     @cached_property
     def _nodes(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The Gauss-Legendre points of integrals over ln g: (log_g, y, weights), three 1D arrays.
+        """The Gauss-Legendre points of integrals over ln g: ln(g/g_rms), ln(q/q_0), weights. Do not
+        change.
 
-        log_g: ln(g/g_rms) of each point; y: ln(q/q_0), q being the wave vector with that g(q). The
-        sum of weights times the values of a function is its integral over ln g, from far below 0 up
-        to ln(g/g_rms) = 0: the rest is below double precision if the function falls at least like g
-        towards small g. Cached: the arrays must not be changed.
+        They reach so far below 0 that the rest is below double precision if the function falls at
+        least like g towards small g.
         """
         low = self._log_g_at(min(1.0, self.y[-1])) - _TAIL
         with np.errstate(divide="ignore"):
@@ -162,9 +159,8 @@ class SlopeProfile:
 
 
 def _piece_integral(C: Function, power: int, q: np.ndarray, width: np.ndarray) -> np.ndarray:
-    """Return int q^power C dy, y = ln q, over every piece from q[i] to q[i+1], shape (m-1,).
-
-    width: lengths of the pieces in y. C is called with an array of shape (m-1, 4).
+    """Return int q^power C dy, y = ln q, over every piece from q[i] to q[i+1], of `width` in y; C
+    is called with an array (m-1, 4).
     """
     s, w = np.polynomial.legendre.leggauss(4)
     inside = q[:-1, None] * np.exp(width[:, None] * (s + 1) / 2)

@@ -65,10 +65,10 @@ class Correction:
 
 
 def paper_table() -> Table:
-    """Return the paper's four tables of coefficients, read from data/paper_tfc.json.
+    """Return the paper's four tables of coefficients, from data/paper_tfc.json.
 
-    It is a dict {"tables": [{"observable": ..., "p_star": ..., "rows": [...]}, ...]} with a row for
-    each Hurst exponent.
+    {"tables": [{"observable": ..., "p_star": ..., "rows": [...]}, ...]}, a row for each Hurst
+    exponent.
     """
     return table_of("paper")
 
@@ -79,18 +79,12 @@ def our_table() -> Table:
 
 
 def table_of(name: str) -> Table:
-    """Read the table "paper" or "ours", or that of the JSON file at the path `name`.
-
-    Raises SceneError if there is no such file or it is not a table.
-    """
+    """Read the table "paper" or "ours", or that of a JSON file, or raise SceneError."""
     return read_table(SHIPPED.get(name, name))
 
 
 def read_table(path: str | Path) -> Table:
-    """Read a table of the form of `paper_table` from the JSON file at path, and check its form.
-
-    Raises SceneError if the file cannot be read or has another form.
-    """
+    """Read a table of the form of `paper_table` from a JSON file, or raise SceneError."""
     try:
         table = json.loads(Path(path).read_text(encoding="utf-8"))
         for part in table["tables"]:
@@ -235,9 +229,8 @@ def term(row: Mapping[str, Any], i: str, eps: Any) -> Any:
 
 
 def slopes(row: Mapping[str, Any], eps: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the derivatives of eq. tfc with respect to limit, C_i and alpha_i, by their names.
-
-    eps: ratios by term; those of other terms are left out.
+    """Return the derivatives of eq. tfc with respect to limit, C_i and alpha_i, for the terms in
+    eps.
     """
     derivatives: dict[str, Any] = {"limit": 1.0}
     for i, ratio in eps.items():
@@ -249,7 +242,7 @@ def slopes(row: Mapping[str, Any], eps: Mapping[str, Any]) -> dict[str, Any]:
 def sigma_of_terms(row: Mapping[str, Any], eps: Mapping[str, float]) -> float:
     """Return the standard deviation of the sum of the terms, by the uncertainties of a row.
 
-    By its "covariance" (in the order of "names") if it is there, otherwise by its "sigma", by name;
+    By its "covariance" (in the order of "names") if it is there, otherwise by its "sigma";
     coefficients without a sigma count as exact.
     """
     names = row.get("names", COEFFICIENTS)
@@ -263,10 +256,7 @@ def sigma_of_terms(row: Mapping[str, Any], eps: Mapping[str, float]) -> float:
 
 
 def _part(table: Table, observable: str, p_star: float) -> Table:
-    """Return the entry of a table for an observable whose p_star is nearest, within 5 %.
-
-    Raises SceneError if the table has no such entry.
-    """
+    """Return the entry of a table whose p_star is nearest, within 5 %, or raise SceneError."""
     names = sorted({part["observable"] for part in table["tables"]})
     if observable not in names:
         raise SceneError(f"observable: found {observable!r}, allowed: {', '.join(names)}")
@@ -282,10 +272,7 @@ def _part(table: Table, observable: str, p_star: float) -> Table:
 
 
 def _notes(table: Table, part: Table, hurst: float, tabulated: list[float]) -> Iterator[str]:
-    """Yield the reservations about a correction from a part of a table, a line each.
-
-    tabulated: the Hurst exponents of the part.
-    """
+    """Yield the reservations about a correction from a part of a table, a line each."""
     if hurst not in tabulated:
         yield (
             "coefficients interpolated in H between the tabulated"

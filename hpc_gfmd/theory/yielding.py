@@ -2,9 +2,8 @@
 
 With growing resolution the distribution of pressures diffuses between two absorbing ends: 0, where
 the gap opens, and the hardness H, where a point yields. The variance is that of full contact, (E*
-g_rms/2)^2; the solution is a sum over the images of p0 in both ends. The limit H -> infinity is
-that of `persson`. All pressures are in the same unit, which is arbitrary. Numbers out of range
-raise SceneError.
+g_rms/2)^2; the solution is a sum over the images of p0 in both ends. Pressures are in one arbitrary
+unit; numbers out of range raise SceneError.
 """
 
 import numpy as np
@@ -77,7 +76,7 @@ def _images(p0: float, hardness: float, g_rms: float, E_star: float) -> tuple[fl
     """Return the standard deviation of the pressure in full contact, and the indices of images.
 
     The images of index k lie at 2 k hardness +- p0; those that are left out have no weight in
-    double precision. Raises SceneError if a number is out of range.
+    double precision.
     """
     for name, value in (("hardness", hardness), ("g_rms", g_rms), ("E_star", E_star)):
         within(name, value, 0, np.inf, open_low=True)

@@ -113,10 +113,7 @@ def _within(name: str, wanted: ArrayLike, nodes: np.ndarray) -> np.ndarray:
 
 
 def _weights(x: float, nodes: np.ndarray) -> np.ndarray:
-    """Return the weights of the values at the nodes in their spline interpolation at x.
-
-    The spline is cubic, or of lower degree if there are fewer than four nodes.
-    """
+    """Return the weights of the values at the nodes in their (at most cubic) spline at x."""
     if len(nodes) == 1:
         return np.ones(1)
     return np.asarray(make_interp_spline(nodes, np.eye(len(nodes)), k=min(3, len(nodes) - 1))(x))
