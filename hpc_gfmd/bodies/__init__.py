@@ -22,9 +22,8 @@ def body_classes() -> dict[str, type[Body]]:
 
 
 def body_of(material: Material, free: tuple[bool, bool] = (False, False)) -> Body:
-    """Return the elastic body of a scene: the first whose `of` accepts its material and boundaries.
-
-    Raises SceneError if none does: a thickness with a free boundary.
+    """Return the first body whose `of` accepts the material and boundaries of a scene, or raise
+    SceneError.
     """
     for cls in body_classes().values():
         if body := cls.of(material, free):

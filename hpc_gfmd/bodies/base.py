@@ -33,10 +33,8 @@ Waves = tuple[np.ndarray, np.ndarray]  # wave numbers along x and along y
 
 
 def once_per_grid(method: Callable[[Any, Grid], T]) -> Callable[[Any, Grid], T]:
-    """Decorate a method of bodies: compute its value once for each body and size of grid.
-
-    `Grid.once` keeps the value, and later calls return the same object: if it is an array, nobody
-    may change it.
+    """Decorate a method of bodies: `Grid.once` keeps its value for each body and size of grid; do
+    not change it.
     """
 
     @wraps(method)

@@ -20,23 +20,12 @@ class Coating(Body):
 
     Long waves are resisted by the half-space alone: K -> |q|/2 times its modulus over that of the
     coating.
-
-    Attributes
-    ----------
-    thickness : float
-        t, in the unit of the surface's lengths.
-    nu : float
-        Poisson's ratio of the coating.
-    ratio : float
-        Shear modulus of the coating over that of the base.
-    base_nu : float
-        Poisson's ratio of the base.
     """
 
-    thickness: float
-    nu: float
-    ratio: float
-    base_nu: float
+    thickness: float  # t, in the unit of the surface's lengths
+    nu: float  # Poisson's ratio of the coating
+    ratio: float  # shear modulus of the coating over that of the base
+    base_nu: float  # Poisson's ratio of the base
 
     name = "coating"
     sources = (*Body.sources, "O'Sullivan, King, J. Tribol. 110 (1988) 235, doi:10.1115/1.3261591")

@@ -127,9 +127,8 @@ class Free(HalfSpace):
 
 
 def rounded(q: np.ndarray, spacing: float, ends: bool) -> np.ndarray:
-    """Return the wave numbers of an axis; if it `ends`, |q| without the kink at pi/spacing.
-
-    There |q| is averaged over a normal distribution.
+    """Return the wave numbers of an axis; if it `ends`, |q| without the kink at pi/spacing,
+    averaged over a normal distribution.
     """
     from scipy.special import erfc
 
@@ -142,10 +141,7 @@ def rounded(q: np.ndarray, spacing: float, ends: bool) -> np.ndarray:
 
 @lru_cache(maxsize=16)
 def _half_space(shape: Shape, dtype: np.dtype) -> tuple[Images, Matrices]:
-    """Return the Images of a shape and its `matrices_of` in a precision.
-
-    The last 16 results are kept and shared: they must not be changed.
-    """
+    """Return the Images of a shape and its `matrices_of` in a precision; do not change them."""
     waves = [2 * np.pi / size * np.arange(k + 1) for size, k in zip(shape.cell, shape.modes)]
     q_x, q_y = map(rounded, waves, np.divide(shape.cell, shape.points), shape.free)
     q = np.hypot(q_x[:, None], q_y)
@@ -155,10 +151,10 @@ def _half_space(shape: Shape, dtype: np.dtype) -> tuple[Images, Matrices]:
 
 
 def matrices_of(of_shape: Images, S: np.ndarray, dtype: np.dtype) -> Matrices:
-    """Return the matrices that couple the lowest modes, {inverse: {parities: (stack, m, m)}}.
+    """Return {inverse: {parities: (stack, m, m)}}, what is added to K, or to S, of the lowest
+    modes.
 
-    They are what is added to K, or with inverse = True to S. `S` is that of the cell alone, of each
-    mode.
+    `S` is that of the cell alone, of each mode.
     """
     return {
         inverse: {parity: matrix.astype(dtype) for parity, matrix in matrices.items()}
@@ -225,9 +221,8 @@ class Coupled(Multipliers):
         )
 
     def multiply(self, block: np.ndarray, m: int, inverse: bool) -> float:
-        """Multiply the columns of a block in place, and add the coupled modes, after `couple`.
-
-        What these add to the product is in the share of block 0.
+        """Multiply the columns of a block, and add the coupled modes; their energy is in the share
+        of block 0.
         """
         energy = super().multiply(block, m, inverse)
         columns = slice(int(self.edges[m]), int(min(self.edges[m + 1], self.modes[1] + 1)))

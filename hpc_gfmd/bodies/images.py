@@ -3,11 +3,11 @@ an operator that takes it out again.
 
 S of free space is S of the cell plus c(r), where -c is the sum over the images of the origin.
 Between points of a surface that leaves a part of the cell empty c is smooth: an operator T on the
-lowest modes of the cell reproduces it to ten digits. What T does beyond the surface, where the
-pressure is 0, is arbitrary: T is the least one, in the norm of S, so that S + T is positive and
-nearly S. T leaves the mean alone, up to a constant, because load control does not know which point
-is at rest. On the surface other modes have to represent the mean, and the more digits they give,
-the less S + T is like S; seven digits are a compromise.
+lowest modes of the cell reproduces it to ten digits. What T does beyond the surface is arbitrary: T
+is the least one, in the norm of S, so that S + T is positive and nearly S. T leaves the mean alone,
+up to a constant, because load control does not know which point is at rest. On the surface other
+modes have to represent the mean, and the more digits they give, the less S + T is like S; seven
+digits are a compromise.
 
 Modes are products of cos (parity 1) and sin (-1) of both coordinates, from the middle of the
 surface, orthonormal over the cell; T does not mix parities. Lengths are in any unit, E* = 1.
@@ -37,12 +37,12 @@ PARITIES = [(a, b) for a in (1, -1) for b in (1, -1)]
 
 @dataclass(frozen=True)
 class Images:
-    """The operator T that is added to S of a periodic cell to get S of free space.
+    """The operator T that is added to S of a periodic cell to get S of free space, on its lowest
+    modes.
 
-    It acts on the lowest modes of the cell and is right between points of the surface. T[parities
-    along x and y] is a stack of matrices (stack, m, m), in the order of `stacked`; an axis of
-    parity -1 lacks the mode k = 0. `constant` is S of the mean, which T leaves out, over the area
-    of the cell; nan if one axis is periodic. Objects are shared: the arrays must not be changed.
+    T[parities along x and y] is a stack of matrices (stack, m, m), in the order of `stacked`; an
+    axis of parity -1 lacks the mode k = 0. `constant` is S of the mean, which T leaves out, over
+    the area of the cell; nan if one axis is periodic. Objects are shared: do not change the arrays.
     """
 
     T: dict[tuple[int, int], np.ndarray]
@@ -63,7 +63,7 @@ class Images:
     def inverse(self, S: np.ndarray) -> dict[tuple[int, int], np.ndarray]:
         """Return (S + T)^-1 - 1/S for each pair of parities, in the form of T; 0 for the mean.
 
-        S: array (m_x, m_y) of all modes k_x, k_y >= 0; it stays as it is.
+        S: array (m_x, m_y) of all modes k_x, k_y >= 0.
         """
         out = {}
         for (a, b), T in self.T.items():
@@ -84,10 +84,7 @@ def images(
     free: tuple[bool, bool],
     modes: tuple[int, int],
 ) -> Images:
-    """Return the operator T that takes the images out of S, for one shape of the cell; 16 are kept.
-
-    `modes` are the highest mode numbers.
-    """
+    """Return the operator T for one shape of the cell; `modes` are the highest mode numbers."""
     k_x, k_y = (np.arange(highest + 1) for highest in modes)
     q = 2 * np.pi * np.hypot(k_x[:, None] / cell[0], k_y / cell[1])
     T = {}
@@ -114,10 +111,9 @@ def images(
 class _Nodes:
     """Points of one half of the surface along an axis, to fit functions of either parity.
 
-    Made from the sizes of the cell and of the surface in it along this axis, and the highest mode
-    number. offsets: distances of the points of the whole surface from its first one; fits: for each
-    parity, what `_fit` returns; even: the even modes at the points, rotated to as many rows as
-    there are modes.
+    offsets: distances of the points of the whole surface from its first one; fits: for each parity,
+    what `_fit` returns; even: the even modes at the points, rotated to as many rows as there are
+    modes.
     """
 
     def __init__(self, cell: float, inside: float, modes: int):
@@ -134,18 +130,16 @@ class _Nodes:
 
     @staticmethod
     def _fit(basis: np.ndarray, k: np.ndarray) -> tuple[np.ndarray, ...]:
-        """Return U, s and V of the singular value decomposition of a basis times the root of S.
-
-        V is multiplied by this root once more. k: mode numbers of the basis.
+        """Return U, s and V, times the root of S once more, of the singular value decomposition of
+        a basis times the root of S; k: mode numbers of the basis.
         """
         root = k**-0.5  # of S, about
         U, s, V = np.linalg.svd(basis * root, full_matrices=False)
         return U, s, V.T * root[:, None]
 
     def pairs(self, parity: int) -> list[tuple[float, np.ndarray]]:
-        """Return how an even function of the distance acts on functions of a parity: two terms.
-
-        Each is a weight and an array of indices to `offsets`, from point to point of the half.
+        """Return how an even function of the distance acts on functions of a parity: two terms,
+        each a weight and an array of indices to `offsets`, from point to point of the half.
         """
         i = self._i[:, None]
         j = self._i
@@ -153,13 +147,12 @@ class _Nodes:
 
 
 def _in_modes(D: np.ndarray, *axes: tuple[_Nodes, int]) -> np.ndarray:
-    """Return the symmetric matrix T that represents a kernel of distances in the lowest modes.
+    """Return the symmetric T for which basis T basis' is a kernel D of distances between any points
+    of the axes, the last axis fastest.
 
-    basis T basis' is the kernel between any two points of the axes; T is square, of the size of the
-    product of the axes' numbers of modes, the last axis fastest. D: values of the kernel at the
-    offsets of each axis. axes: of each its nodes and the parity of its modes, 1 (even) or -1 (odd).
-    Combinations of modes whose product of singular values is below LEAST times the largest have no
-    part in T: they are rounding errors.
+    D: values at the offsets of each axis; axes: nodes and parity of the modes. Combinations of
+    modes whose product of singular values is below LEAST times the largest are rounding errors and
+    have no part in T.
     """
     fits = [nodes.fits[parity] for nodes, parity in axes]
     size = np.ones(())
@@ -176,16 +169,15 @@ def _in_modes(D: np.ndarray, *axes: tuple[_Nodes, int]) -> np.ndarray:
 
 
 def _without_mean(T: np.ndarray, q: np.ndarray, basis: np.ndarray) -> tuple[np.ndarray, float]:
-    """Return a T that is the given one on the surface, up to a constant, but 0 for the mean mode.
+    """Return a T that is the given one on the surface, up to a constant, but 0 for the mean mode;
+    and the constant.
 
-    The mean is the first mode, q = 0. Also returns the constant. q: wave numbers of the modes;
-    basis: their values at points of the surface, a column each (its rows may be rotated).
-
-    On the surface the mean is a combination m of the other modes. With t of the mean and A of the
-    others in T, modes scaled so that S is 1, T is A + m t' + t m' + x m m', where the constant
-    makes x free. In the plane of m and t two eigenvalues relative to those of 1 + A are then not 1:
-    x makes the smaller one SOFTEST. m has as many singular values as leave the larger one below
-    STIFFEST.
+    The mean is the first mode, q = 0; basis: values of the modes at points of the surface, a column
+    each (its rows may be rotated). On the surface the mean is a combination m of the other modes.
+    With t of the mean and A of the others in T, modes scaled so that S is 1, T is A + m t' + t m' +
+    x m m', where the constant makes x free. In the plane of m and t two eigenvalues relative to
+    those of 1 + A are then not 1: x makes the smaller one SOFTEST. m has as many singular values as
+    leave the larger one below STIFFEST.
     """
     root = np.sqrt(2 / q[1:])  # of S
     U, s, V = np.linalg.svd(basis[:, 1:] * root, full_matrices=False)
@@ -216,11 +208,12 @@ def _without_mean(T: np.ndarray, q: np.ndarray, basis: np.ndarray) -> tuple[np.n
 
 
 def kernel(x: np.ndarray, y: np.ndarray, X: float, Y: float) -> np.ndarray:
-    """Return c = S of free space minus S of the periodic cell at offsets (x, y); both axes free.
+    """Return c = S of free space minus S of the periodic cell at offsets (x, y), E* = 1; both axes
+    free.
 
     S of the cell has no mean. -c is the sum over all images of the origin (Ewald), without the
     origin itself; so c is finite where the offset is 0. Offsets are from 0 to less than X and Y;
-    the result has the shape (len(x), len(y)), for E* = 1.
+    the result has the shape (len(x), len(y)).
     """
     from scipy.special import erf, erfc
 
@@ -252,8 +245,7 @@ def kernel_of_wave(x: np.ndarray, X: float, q: float) -> np.ndarray:
     """Return c = S of free space minus S of the periodic cell at offsets x, with one free axis.
 
     S relates two lines along the periodic axis, on each of which the pressure is the same wave of
-    wave number q. For q = 0 c is known up to a constant. X is the size of the cell along the free
-    axis.
+    wave number q. For q = 0 c is known up to a constant. X: size of the cell along the free axis.
     """
     from scipy.special import k0
 

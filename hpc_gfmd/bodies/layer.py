@@ -22,20 +22,11 @@ class Layer(Body):
     f -> 1 for short waves; for long ones K becomes the oedometric modulus (bonded) or E*
     (frictionless) over t. A uniform pressure compresses the layer as a whole: that is part of the
     approach, not of the gap.
-
-    Attributes
-    ----------
-    thickness : float
-        t, in the unit of the surface's lengths.
-    nu : float
-        Poisson's ratio, below 1/2 if bonded.
-    base : str
-        "bonded" or "frictionless".
     """
 
-    thickness: float
-    nu: float
-    base: str
+    thickness: float  # t, in the unit of the surface's lengths
+    nu: float  # Poisson's ratio, below 1/2 if bonded
+    base: str  # "bonded" or "frictionless"
 
     name = "layer"
 

@@ -20,17 +20,14 @@ def law_names() -> list[str]:
 
 
 def law_class(name: str) -> type[Law]:
-    """Import the file of a law and return its class.
-
-    GfmdError: the law of another package cannot be imported, or the file has no such class.
-    """
+    """Import the file of a law and return its class, or raise GfmdError."""
     return class_in(__name__, name)
 
 
 def attraction_of(material: Material) -> Law | None:
-    """Make the law of attraction that a scene.Material describes; None if it has no adhesion.
+    """Make the law that a scene.Material describes, in the units of the scene; None without
+    adhesion.
 
-    The law is in the units of the scene: lengths as the surface's, pressures as the moduli.
     SceneError: the law belongs to another package and its energy is not concave.
     """
     adhesion = material.adhesion

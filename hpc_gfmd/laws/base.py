@@ -89,37 +89,13 @@ def steepest(law: Law) -> float:
 
 
 def scaled(law: Law, pressure: float, length: float) -> Law:
-    """Convert a law to other units; the law itself does not change.
-
-    Parameters
-    ----------
-    law : Law
-        In any units.
-    pressure, length : float
-        The new units of pressure and length, measured in those of the law.
-
-    Returns
-    -------
-    Law
-        A new one, with its work in units of ``pressure * length``, its range in ``length``.
-    """
+    """Convert a law to units of pressure and length that are measured in those of the law."""
     return type(law)(law.work / (pressure * length), law.range / length)
 
 
 def in_precision(law: Law, dtype: np.dtype) -> Law:
-    """Convert the numbers of a law to a precision, as compiled kernels require.
-
-    Parameters
-    ----------
-    law : Law
-        Does not change.
-    dtype : dtype
-        Precision of the fields, float32 or float64.
-
-    Returns
-    -------
-    Law
-        A new one whose `work` and `range` are NumPy scalars of this dtype.
+    """Return a law with `work` and `range` as NumPy scalars of a dtype, as compiled kernels
+    require.
     """
     real = dtype.type
     return type(law)(real(law.work), real(law.range))

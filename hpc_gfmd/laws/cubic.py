@@ -8,14 +8,8 @@ from .base import Law
 
 
 class Cubic(Law):
-    """phi = -work (1 - g/range)^3 for g < range, 0 beyond.
-
-    Attributes
-    ----------
-    work : float
-        Work of adhesion per area.
-    range : float
-        Gap from which on there is no attraction. At g = 0 it is largest, 3 work/range.
+    """phi = -work (1 - g/range)^3 for g < range, 0 beyond; the attraction is largest at g = 0, 3
+    work/range.
     """
 
     name = "cubic"

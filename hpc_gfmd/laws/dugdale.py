@@ -10,15 +10,7 @@ WIDTH = 0.1  # of the range: half of the ramp over which the attraction ends
 
 
 class Dugdale(Law):
-    """An attraction of work/range up to a gap of 0.9 ranges, which falls linearly to 0 at 1.1.
-
-    Attributes
-    ----------
-    work : float
-        Work of adhesion per area.
-    range : float
-        Gap at which the attraction is half of work/range.
-    """
+    """An attraction of work/range up to a gap of 0.9 ranges, which falls linearly to 0 at 1.1."""
 
     name = "dugdale"
     sources = (

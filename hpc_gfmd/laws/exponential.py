@@ -7,15 +7,7 @@ from .base import Law
 
 
 class Exponential(Law):
-    """phi = -work exp(-g/range).
-
-    Attributes
-    ----------
-    work : float
-        Work of adhesion per area.
-    range : float
-        Length over which the attraction falls to 1/e. At g = 0 it is largest, work/range.
-    """
+    """phi = -work exp(-g/range): the attraction is largest at g = 0, work/range."""
 
     name = "exponential"
     sources = ("Wang, Zhou, Müser, Lubricants 9 (2021) 17, doi:10.3390/lubricants9020017",)

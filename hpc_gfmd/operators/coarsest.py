@@ -21,12 +21,12 @@ PAUSE = 1e-5  # seconds
 
 
 class LevelTables:
-    """What a sweep over consecutive levels needs besides memory for fields, made once.
+    """What a sweep over consecutive levels needs besides memory for fields, as sweep_levels of
+    kernels/multilevel.py takes it.
 
-    Levels run from the finest to a single point; the first has `fields` fields (r, t and perhaps
-    x), all others r and t. `nominal` holds (s_x, s_y) of each level; default: 1 everywhere. `size`
-    numbers hold all fields, the last `zeros` of them a level of zeros. The arrays are as
-    sweep_levels of kernels/multilevel.py takes them; `restricted` counts the pieces that restrict.
+    The first level has `fields` fields (r, t and perhaps x), all others r and t. `nominal` holds
+    (s_x, s_y) of each level; default: 1. `size` numbers hold all fields, the last `zeros` of them a
+    level of zeros. `restricted` counts the pieces that restrict.
     """
 
     def __init__(
@@ -104,12 +104,10 @@ def _pieces_of(
 class CoarsestLevels:
     """Consecutive levels, down to a single point, that one rank sweeps alone, with their memory.
 
-    A sweep applies the coarse part of the preconditioner: from r, the pressure out of contact, and
-    t, the share of contact, it makes z (kernels/multilevel.py). The caller writes r, t and perhaps
-    x to `fields` of the first level, between halo rows, before each sweep, which replaces r by z,
-    also on the halo rows; and sets the gap mode `mode` of level `mode_level` (deflation.py), empty
-    if there is none. `looks` counts how often threads looked in vain whether they could go on.
-    Nothing here is collective.
+    The caller writes r, t and perhaps x (kernels/multilevel.py) to `fields` of the first level,
+    between halo rows, before each sweep, which replaces r by z, also on the halo rows; and sets the
+    gap mode `mode` of level `mode_level` (deflation.py), empty if there is none. `looks` counts how
+    often threads looked in vain whether they could go on.
     """
 
     def __init__(self, tables: LevelTables, threads: int = 1):
@@ -131,9 +129,8 @@ class CoarsestLevels:
         self.mode_level = 0
 
     def sweep(self) -> tuple[float, ...]:
-        """Restrict r and t of `fields` to all levels and replace r by z on each of them.
-
-        Returns the sums that `smooth` returns.
+        """Restrict r and t of `fields` to all levels, replace r by z on each of them, and return
+        what `smooth` does.
         """
         self._do(0, len(self._tables.pieces))
         return tuple(self._totals[: MEAN + 1].tolist())
@@ -165,9 +162,8 @@ class CoarsestLevels:
         self.looks = sum(on_threads(self._threads, work, [()] * self._threads, self._scratch))
 
     def _do_some(self, end: int, scratch: tuple[np.ndarray, ...]) -> int:
-        """Do pieces on one thread until `end`, or until it loses patience with other threads.
-
-        Returns what kernels/multilevel.py: sweep_levels does: a number below 0 if it lost patience.
+        """Do pieces on one thread until `end`; return what sweep_levels does: < 0 if it lost
+        patience with other threads.
         """
         tables = self._tables
         return sweep_levels(
@@ -204,7 +200,7 @@ class CoarsestLevels:
         return self.fields[0, 1:-1]
 
     def contact(self, k: int) -> np.ndarray:
-        """Return t of level k of these levels, (rows, n), a view.
+        """Return a view of t of level k of these levels, (rows, n).
 
         The caller writes that of level 0; `restrict` and `sweep` put the others there.
         """

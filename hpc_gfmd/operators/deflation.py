@@ -2,16 +2,15 @@
 equation (6) in docs/method.md.
 
 If little of the surface touches, the eigenvalues of M K lie between 0.4 and 1.6, except for one of
-0.15 to 0.3, which is the smaller the larger the grid. Its wave is the rise of all that is open, w =
-K_FF^-1 1, the answer to a change of the load (tangent.py). So w is added to M,
+0.15 to 0.3, which is the smaller the larger the grid. Its wave is the response of all open points
+to a change of the load, w = K_FF^-1 1 (tangent.py). So w is added to M,
 
     M + (1 - mu) w w^T/<1, w>,    mu = <1, M 1>/<1, w>,
 
 where mu is the share of w w^T/<1, w> that M contains without this. A w of a coarse level is good
 enough: it takes a few steps of conjugate gradients for (K + theta) w = 1, with theta the share of
-contact at each point of that level and K in units of that of the grid's shortest wave,
-preconditioned by that level and the coarser ones. Single points in contact are as soft then as on
-the grid.
+contact at each point of that level and K in units of that of the grid's shortest wave. Single
+points in contact are as soft then as on the grid.
 """
 
 from collections.abc import Sequence
@@ -32,34 +31,23 @@ from .elastic import reader
 class DeflationCalibration:
     """Accuracy and level of the deflation vector, chosen by the FFT pairs of self-affine walls at
     small loads.
-
-    Attributes
-    ----------
-    steps : int
-        Steps of conjugate gradients at most.
-    solved : float
-        The steps end once <r, M r> is below this, relative to its first value: one step is enough
-        where contact is the same everywhere.
-    coarser : int
-        How many times fewer points than the grid the level has, at least.
-    fewest, most : int
-        Number of points of the level, at least and at most.
     """
 
-    steps: int = 3
+    steps: int = 3  # of conjugate gradients at most
+    # The steps end once <r, M r> is below this, relative to its first value: one step is enough
+    # where contact is the same everywhere.
     solved: float = 1e-6
-    coarser: int = 64
-    fewest: int = 250
-    most: int = 128 * 128
+    coarser: int = 64  # the level has at least so many times fewer points than the grid
+    fewest: int = 250  # number of points of the level, at least
+    most: int = 128 * 128  # number of points of the level, at most
 
 
 CALIBRATION = DeflationCalibration()
 
 
 def level_of_mode(levels: Sequence[Level]) -> int | None:
-    """Return the number of the finest of all levels whose number of points meets CALIBRATION.
-
-    At least 1; None if the grid is too small for a mode.
+    """Return the number (>= 1) of the finest level whose number of points meets CALIBRATION, or
+    None.
     """
     points = [level.n[0] * level.n[1] for level in levels]
     most = min(points[0] / CALIBRATION.coarser, CALIBRATION.most)
@@ -67,8 +55,7 @@ def level_of_mode(levels: Sequence[Level]) -> int | None:
 
 
 class GapMode:
-    """Computes the deflation vectors of contacts on one grid; the head of this file has the
-    equations.
+    """Computes the deflation vectors of contacts on one grid.
 
     `level` is the number of the level that they are computed on, None if the grid is too small for
     one. `pairs` is the cost of one `find` in FFT pairs of the grid. `levels`, the preconditioner M
@@ -93,18 +80,14 @@ class GapMode:
         self._factors = _stiffness_of_level(grid, body, level_grid, self.fft)
 
     def wanted(self, share: float) -> bool:
-        """Return whether a contact with this share of points in contact gets a mode.
-
-        It does if the grid is large enough and 0 < share < 1.
-        """
+        """Return whether the grid is large enough for a mode and 0 < share < 1 of it in contact."""
         return self.level is not None and 0 < share < 1
 
     def find(self, t: np.ndarray) -> np.ndarray:
         """Return w sqrt((1 - mu)/<1, w>), whose outer product with itself is to be added to M.
 
-        mu = <1, M 1>/<1, w> is the share of that product which M contains already. t is the share
-        of contact at each point of `level`, which must not be None; t stays as it is, and the
-        result has its shape and precision. Overwrites the fields of `levels`. Not collective.
+        t: share of contact at each point of `level`, which must not be None; the result has its
+        shape and precision. Overwrites the fields of `levels`. Not collective.
         """
         real = t.dtype.type
         theta = t / real(DAMPING)

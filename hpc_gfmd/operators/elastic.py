@@ -17,11 +17,11 @@ RowFunction = Callable[[int, int, np.ndarray], Any]  # makes or uses rows i0..i1
 class Elastic:
     """Applies the stiffness K of a body, or its inverse S, to fields, a few rows at a time.
 
-    K turns a displacement u into a pressure, S a pressure p into a displacement. An application is
-    three calls: `pressure_rows`, then `pressure_columns` (K) or `displacement_columns` (S), then
-    `use_rows`; functions of the caller make and use the rows. `pairs` counts FFT pairs, half a pair
-    for one direction. `mean` is this rank's share of the mean of the field multiplied last. `fft`
-    and `multipliers` are missing between `make_room` and `plan`.
+    An application is three calls: `pressure_rows`, then `pressure_columns` (K) or
+    `displacement_columns` (S), then `use_rows`; functions of the caller make and use the rows.
+    `pairs` counts FFT pairs, half a pair for one direction. `mean` is this rank's share of the mean
+    of the field multiplied last. `fft` and `multipliers` are missing between `make_room` and
+    `plan`.
     """
 
     def __init__(self, grid: Grid, body: Body, dtype: DTypeLike):
@@ -38,9 +38,8 @@ class Elastic:
         self.multipliers = self.body.multipliers(self.grid, self.fft)
 
     def make_room(self) -> None:
-        """Drop the transforms, so that their memory is free until `plan` is called again.
-
-        Until then nothing can be applied. Small transforms stay in memory.
+        """Free the memory of large transforms until `plan` is called again; until then nothing can
+        be applied.
         """
         del self.fft, self.multipliers
         self.grid.forget_fft(self.dtype)
@@ -52,11 +51,10 @@ class Elastic:
         add: Columns | None = None,
         spring: float = 0.0,
     ) -> float:
-        """Multiply all columns by K or S and, if `backward`, transform them back. Collective.
+        """Multiply all columns by K, or S with `inverse`, and if `backward` transform them back.
 
-        Sets `mean`. Returns this rank's share of <u, K u> or <p, S p>. inverse: whether to multiply
-        by S. add(block, m) completes a block of columns before it is multiplied; `spring` stands
-        for K(0).
+        Sets `mean`. Returns this rank's share of <u, K u> or <p, S p>. add(block, m) completes a
+        block of columns before it is multiplied; `spring` stands for K(0). Collective.
         """
         multipliers = self.multipliers
         multipliers.couple(self.fft, inverse)
@@ -83,42 +81,39 @@ class Elastic:
     def pressure_rows(self, fill: RowFunction) -> list:
         """Begin an application of K or S: transform the rows that `fill` makes. Not collective.
 
-        fill(i0, i1, x) writes local rows i0 <= i < i1 of the field into x, scratch that it must not
-        keep; it is called on several threads at once. Returns a list of what it returned.
+        fill(i0, i1, x) writes local rows i0 <= i < i1 of the field into x, scratch, on several
+        threads at once. Returns a list of what it returned.
         """
         return self.fft.forward_rows(fill)
 
     def pressure_columns(self, add: Columns | None = None, spring: float = 0.0) -> float:
-        """Multiply the columns by K and transform them back, after `pressure_rows`. Collective.
-
-        add(block, m) completes the columns of block m in place before; spring is K(0). Sets `mean`
-        and returns this rank's share of <u, K u>.
+        """Multiply the columns by K and transform them back, after `pressure_rows`; see `_columns`.
+        Collective.
         """
         return self._columns(add=add, spring=spring)
 
     def use_rows(self, use: RowFunction) -> list:
-        """End an application: transform the rows of K u (or S p) back and hand them to `use`.
+        """End an application: transform the rows of K u (or S p) back and hand them to `use`,
+        counting one pair.
 
-        use(i0, i1, x) gets local rows i0 <= i < i1 in x, scratch that it must not keep; it is
-        called on several threads at once. Counts one pair in `pairs`. Returns a list of what `use`
-        returned. Not collective.
+        use(i0, i1, x) gets local rows i0 <= i < i1 in x, scratch, on several threads at once.
+        Returns a list of what it returned. Not collective.
         """
         self.pairs += 1
         return self.fft.backward_rows(use)
 
     def displacement_columns(self) -> float:
-        """Multiply the columns of a pressure p by S and transform them back. Collective.
+        """Multiply the columns of a pressure p by S and transform them back, after `pressure_rows`.
 
-        To be called after `pressure_rows` and before `use_rows`, which gets S p with zero mean.
-        Sets `mean`. Returns this rank's share of <p, S p>.
+        `use_rows` then gets S p with zero mean. Sets `mean`. Returns this rank's share of <p, S p>.
+        Collective.
         """
         return self._columns(inverse=True)
 
     def compliance_columns(self) -> float:
         """Return this rank's share of <p, S p>, after `pressure_rows` of a pressure p. Collective.
 
-        Nothing is transformed back: with the rows this takes half a pair, which is counted in
-        `pairs`. Sets `mean`.
+        Nothing is transformed back: with the rows this counts half a pair. Sets `mean`.
         """
         self.pairs += 0.5
         return self._columns(inverse=True, backward=False)

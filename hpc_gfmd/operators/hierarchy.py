@@ -1,13 +1,12 @@
 """The levels below a grid as the multilevel preconditioner uses them: the rows of each rank, what
 ranks send, and the weights of the levels. No field is stored here.
 
-Every rank restricts its rows of the grid through several levels before anything is sent: its window
-of a coarse level holds its part of a sum over ranks, and so does the window of the next one. Then
-ranks add up the rows that their windows share, of all these levels in one message to a neighbour,
-and each interpolates from its own windows without another message. If a rank would have less than
-FEWEST_ROWS rows of a level, the rows are gathered on fewer ranks (coarsening.py), which go on in
-the same way. The coarsest levels are complete on each of the remaining ranks, which sweeps them
-alone.
+Every rank restricts its rows of the grid through several levels before anything is sent: its
+windows of coarse levels hold its parts of sums over ranks. Then ranks add up the rows that their
+windows share, of all these levels in one message to a neighbour, and each interpolates from its own
+windows without another message. If a rank would have less than FEWEST_ROWS rows of a level, the
+rows are gathered on fewer ranks (coarsening.py), which go on in the same way. The coarsest levels
+are complete on each of the remaining ranks, which sweeps them alone.
 """
 
 from collections.abc import Sequence
@@ -38,12 +37,10 @@ GATHERED_ROWS = 4  # that ranks have at least where rows are gathered
 class Step:
     """The step from one level to the next coarser one, as one rank sees it.
 
-    The rank's window is the coarse rows that its fine rows lie on or beside. Windows of neighbours
-    overlap; each holds its part of a sum over ranks. `counted` (ranks + 1,) is the first of the
-    fine rows that each rank counts in sums, `fields` the number of restricted fields, `windows`
-    leads between the coarse rows of all ranks and those of the few on which they are gathered
-    (None: they are not), and `starts` (ranks + 1,) is the first coarse row of every rank after
-    that.
+    `counted` (ranks + 1,) is the first of the fine rows that each rank counts in sums, `fields` the
+    number of restricted fields, `windows` leads between the coarse rows of all ranks and those of
+    the few on which they are gathered (None: they are not), and `starts` (ranks + 1,) is the first
+    coarse row of every rank after that.
     """
 
     transfer: Transfer
@@ -83,9 +80,8 @@ class Step:
 
     @property
     def counted_rows(self) -> tuple[int, int]:
-        """Range (begin, end) of the rows that this rank counts in sums.
-
-        Numbers count from the first of its fine rows.
+        """Range (begin, end) of the rows that this rank counts in sums, from the first of its fine
+        rows.
         """
         rank = self.transfer.rank
         begin = self.transfer.fine[0]
@@ -147,8 +143,8 @@ def steps_of(
 def groups_of(steps: Sequence[Step]) -> list[list[Step]]:
     """Split the steps into groups within which a rank restricts without waiting for messages.
 
-    A group ends with a step whose coarse rows are gathered; the last group ends with the step to
-    the first level that a rank has alone.
+    A group ends with a step whose coarse rows are gathered, the last one with the step to the first
+    level that a rank has alone.
     """
     groups: list[list[Step]] = [[]]
     for step in steps:
@@ -183,12 +179,13 @@ def traffic_of(steps: Sequence[Step], itemsize: int) -> tuple[int, int]:
 
 
 class Hierarchy:
-    """What a sweep over the levels of a grid needs besides memory for fields.
+    """What a sweep over the levels of a grid needs besides memory for fields; the same for all
+    sweeps of a grid, body and precision.
 
-    The same for all sweeps of a grid, body and precision. `weights` are the stiffnesses of the
-    levels, `softness` what each adds to the compliance S = 1/K over S of the shortest wave, `area`
-    the indicator of the nominal area on all levels, and `nominal` its two factors on every level
-    that ranks share, on the rows that this rank restricts and on all columns.
+    `weights` are the stiffnesses of the levels, `softness` what each adds to the compliance S = 1/K
+    over S of the shortest wave, `area` the indicator of the nominal area on all levels, and
+    `nominal` its two factors on every level that ranks share, on the rows that this rank restricts
+    and on all columns.
     """
 
     def __init__(self, grid: Grid, body: Body, dtype: np.dtype, coarsest_points: int | None = None):

@@ -3,13 +3,13 @@ docs/method.md.
 
     M r = sum over levels of P ... P (weight_l + DAMPING theta_l)^-1 R ... R r
 
-weight_l is the body's stiffness on that level (bodies/base.py), theta_l the local share of contact:
-the restricted indicator of the contact. Damping each level by it is what keeps the spectrum of M K
-on the free points narrow at every load, without a parameter to tune.
+weight_l is the body's stiffness on that level (bodies/base.py), theta_l the local share of contact.
+Damping each level by it is what keeps the spectrum of M K on the free points narrow at every load,
+without a parameter to tune.
 
 The finest level is never swept here: the solver's own passes restrict to level 1 (p on F, the
-indicator of A, and K d on F) and interpolate from it. Which ranks have which rows of a level, and
-when something is sent, is decided in hierarchy.py.
+indicator of A, and K d on F) and interpolate from it. Which ranks have which rows of a level is
+decided in hierarchy.py.
 """
 
 from __future__ import annotations
@@ -45,9 +45,9 @@ class Multilevel:
     """Sweep of the multilevel preconditioner M over the coarse levels of a grid, in one precision.
 
     `update`, `restrict` or `restrict_from` put a state on level 1: r, the pressure out of contact,
-    t, 1 in contact and 0 elsewhere, and (the first two alone) K d, the change of the pressure by
-    the solver's last step d. `sweep` makes z = M r there, from which the solver interpolates. It
-    overwrites r, so that each sweep needs a new state. Making a Multilevel is collective.
+    t, 1 in contact and 0 elsewhere, and (the first two alone) K d of the solver's last step d.
+    `sweep` makes z = M r there and overwrites r, so that each sweep needs a new state. Making a
+    Multilevel is collective.
 
     Of levels 1, 2, ... `fields` are this rank's windows, its parts of sums over ranks (of a single
     process the whole level), and `owned` the rows that it goes on with, the same arrays where rows
@@ -122,10 +122,10 @@ class Multilevel:
         law: Any = None,
     ) -> UpdateSums:
         """Set g += s d and p += s K d, and restrict the new state to this rank's window of level 1.
+        Not collective.
 
-        d is stored as in kernels/bfloat16.py, of the slab or of one pass; `rows` are the row
-        transforms of each thread, whose memory holds K d, as spectra or not. Returns the UpdateSums
-        of this rank. Not collective.
+        d is stored as in kernels/bfloat16.py; `rows` are the row transforms of each thread, whose
+        memory holds K d, as `spectra` or not. Returns the UpdateSums of this rank.
         """
         grid = self.grid
         coarse = self.fields[0]
@@ -167,16 +167,14 @@ class Multilevel:
         return self.fields[0][0]
 
     def sweep(self, new_share: float | None = None) -> tuple[float, ...]:
-        """Replace r by z on level 1, from the restricted state there. Collective.
+        """Replace r by z = M' r, M' being M without the finest level, on this rank's window of
+        level 1.
 
-        z is M' r, M' being M without the finest level, on all rows of this rank's window. <K d, M'
-        p> has a meaning only after `update` or `restrict`. new_share is the share of points in
-        elastic contact if the contact is a new one: M first gets the gap mode of it, or none if it
-        needs none.
-
-        Returns this rank's shares of sums over ranks: <p, M' p> and <K d, M' p>, both out of
-        contact, over level 1 times N/N_1; the mean of p out of contact; <r, r>, <t, t>, <r, t>, <t,
-        s> and <r, s>, each summed over the coarse levels l times softness N/N_l.
+        new_share is the share of points in elastic contact if the contact is a new one: M first
+        gets the gap mode of it, or none if it needs none. Returns this rank's shares of sums over
+        ranks: <p, M' p> and <K d, M' p> (only after `update` or `restrict`), both out of contact,
+        over level 1 times N/N_1; the mean of p out of contact; <r, r>, <t, t>, <r, t>, <t, s> and
+        <r, s>, each summed over the coarse levels l times softness N/N_l. Collective.
         """
         for k in range(self.distributed):
             self._gather(k)
@@ -193,10 +191,10 @@ class Multilevel:
         return rz * ratio, xz * ratio, mean, *sums
 
     def restrict_from(self, k: int, fine: np.ndarray) -> None:
-        """Restrict r and t of level k (0: the grid) to this rank's window of the next level.
+        """Restrict r and t of level k (0: the grid) to this rank's window of the next level. Not
+        collective.
 
-        The window then holds a part of a sum over ranks. `fine` has a halo row before and after its
-        own. Not collective.
+        `fine` has a halo row before and after its own.
         """
         coarse = self.fields[k][:2]
         transfer = self.transfers[k]
@@ -213,11 +211,11 @@ class Multilevel:
         self.fields[k][2:, -1:] = 0
 
     def smooth(self, k: int, fields: np.ndarray, out: np.ndarray) -> np.ndarray:
-        """Make z of level k (0: the grid) from r and t there and z of the next level.
+        """Make z of level k (0: the grid) from r and t there and z of the next level, in
+        `fields[k]`. Not collective.
 
-        The latter is in `fields[k]`. `out` gets z on all rows and may be the memory of r. Returns
-        <r, z>, <x, z>, <r, r>, <t, t>, <r, t>, <t, s> and <r, s> over the rows that this rank
-        counts; x is an optional third field. Not collective.
+        `out` gets z on all rows and may be the memory of r. Returns <r, z>, <x, z>, <r, r>, <t, t>,
+        <r, t>, <t, s> and <r, s> over the rows that this rank counts; x is an optional third field.
         """
         z_coarse = self.fields[k][0]
         transfer = self.transfers[k]
@@ -248,8 +246,7 @@ class Multilevel:
     def _gather(self, k: int) -> None:
         """Bring the rows of level k + 1, if they are gathered, to the ranks that go on with them.
 
-        Also completes the sums of the levels before it that ranks share windows of. Does nothing if
-        the rows of level k + 1 are not gathered. Collective.
+        Also completes the sums of the levels before it that ranks share windows of. Collective.
         """
         step = self.steps[k]
         if step.windows is not None:
@@ -259,10 +256,10 @@ class Multilevel:
             self._add_group(k)
 
     def _add_group(self, end: int) -> None:
-        """Add up over ranks, in place, the rows that windows share before `fields[end]`.
+        """Add up over ranks, in place, the rows that windows share before `fields[end]`, since rows
+        were gathered last.
 
-        The windows are those of the levels since rows were gathered last, `fields[end]` itself not
-        among them. A rank sends each neighbour one message. Collective.
+        A rank sends each neighbour one message. Collective.
         """
         begin = end
         while begin > 0 and self.steps[begin - 1].windows is None:
@@ -289,12 +286,11 @@ class Multilevel:
         ts: float,
         rs: float,
     ) -> tuple[float, float, float]:
-        """Estimate norms and product of two pressures, w and the test pressure v, from global sums.
+        """Estimate |w|_S^2, share^2 |v|_S^2 and share <v, S w> of two pressures, over the
+        compliance of the shortest wave, from global sums.
 
         w = r - missing t is the pressure r that is out of contact, less as much load spread evenly
         over the contact. v = t/share - s is the test pressure of certificate/error_estimates.py.
-        Returns |w|_S^2, share^2 |v|_S^2 and share <v, S w>, over the compliance of the shortest
-        wave.
         """
         share = contact / self.grid.N
         missing = open_p / contact
@@ -308,9 +304,8 @@ class Multilevel:
     def restrict(
         self, g: np.ndarray, p: np.ndarray, hardness: np.floating | None = None
     ) -> UpdateSums:
-        """Restrict a given state to level 1, as `update` does after a step; K d is 0 there.
-
-        Returns the UpdateSums of this rank. Not collective.
+        """Restrict a state to level 1, as `update` does after a step, with K d = 0. Not
+        collective.
         """
         longest = int(np.diff(self.ends).max(initial=0))
         still = np.zeros((longest, self.grid.n[1]), self.dtype)
@@ -321,9 +316,8 @@ class Multilevel:
     def _sweep_coarsest(self, new_share: float | None) -> tuple[float, ...]:
         """Sweep the levels that a rank has alone, and copy z into this rank's window. Collective.
 
-        First r and t are added up from the windows of all ranks. new_share: see `sweep`. Returns
-        the sums of CoarsestLevels.smooth on the first of the ranks that have these levels, zeros on
-        all others.
+        First r and t are added up from the windows of all ranks. Returns the sums of
+        CoarsestLevels.smooth on the first of the ranks that have these levels, zeros on all others.
         """
         k = self.distributed
         nothing = (0.0,) * (SUMS + 1)
@@ -353,9 +347,8 @@ class Multilevel:
         return sums if self.last_comm.rank == 0 else nothing
 
     def _find_mode(self, coarsest: CoarsestLevels, share: float) -> None:
-        """Set the gap mode of the contact on the levels that a rank has alone; none if not wanted.
-
-        share: of the grid's points in elastic contact. Needs t on these levels.
+        """Set the gap mode of the contact, from t on the levels that a rank has alone; none if not
+        wanted.
         """
         coarsest.mode = coarsest.mode[:0]
         level = self.gap_mode.level

@@ -14,10 +14,8 @@ from ..parallel.coarsening import Level, restrict_axis
 
 
 class NominalArea:
-    """Norm and sums of s, the indicator of the nominal area, restricted to the levels of a grid.
-
-    s, 1 on the surface and 0 beyond, is the product of the two factors in `s`. `weights` are
-    softness N/N_l of every level.
+    """Norm and sums of s, the product of the two factors in `s`, on the levels; `weights`: softness
+    N/N_l.
     """
 
     def __init__(self, grid: Any, levels: Sequence[Level], softness: Iterable[float]):

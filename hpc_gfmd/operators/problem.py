@@ -69,9 +69,8 @@ class Problem:
     spring: float = 0.0
 
     def law(self, dtype: np.dtype | None = None) -> Law | None:
-        """Return the law of attraction in a precision (default: the working one), for kernels.
-
-        None if there is no attraction.
+        """Return the law of attraction in a precision (default: the working one), for kernels, or
+        None.
         """
         if self.attraction is None:
             return None
@@ -89,10 +88,7 @@ class Problem:
 
     @cached_property
     def root_mean_square(self) -> float:
-        """sqrt(mean h^2) over the surface. Collective at the first access.
-
-        `h_rms` if that is known; 0 for a HeightSpectrum of unknown h_rms.
-        """
+        """sqrt(mean h^2) over the surface, 0 if unknown. Collective at the first access."""
         if self.h_rms is not None or self.stored is None:
             return self.h_rms or 0.0
         h = self.stored
@@ -121,10 +117,11 @@ class Problem:
 
     @cached_property
     def rounding(self) -> float:
-        """Estimated rms error of the pressure because of the working precision.
+        """Estimated rms error of the pressure because of the working precision. Collective at the
+        first access.
 
         It comes from storing h, and the displacement beyond the surface, which is of the order of
-        p_cell times the size of the cell. Collective at the first access.
+        p_cell times the size of the cell.
         """
         beyond = self.sunk if self.grid.padded else 0.0
         return (
@@ -135,16 +132,14 @@ class Problem:
 
     @property
     def sunk(self) -> float:
-        """Estimate of how much the displacement varies if nothing but the load limits it.
-
-        p_cell times the square root of the number of points, in units of height.
+        """Estimate of how much the displacement varies if nothing but the load limits it, in units
+        of height.
         """
         return float(self.p_cell * np.sqrt(self.grid.cell_points))
 
     def noise(self, h_rms: float) -> float:
-        """Estimate the largest rms error of the pressure from transforms in the working precision.
-
-        h_rms: sqrt(mean h^2) of the heights over the surface.
+        """Estimate the largest rms error of the pressure from transforms in the working
+        precision.
         """
         if self.stored is None:
             varies = h_rms
@@ -153,10 +148,10 @@ class Problem:
         return TRANSFORMED * float(np.finfo(self.dtype).eps) * varies
 
     def level(self, g: np.ndarray) -> float:
-        """Estimate the mean of the field that is transformed, from some rows of g. Collective.
+        """Estimate the mean of the field that is transformed, from some rows of g (local slab).
 
-        g is a local slab. The field is u = g - h, or g if the heights are not stored. K ignores its
-        mean, but rounding errors grow with it, so `transform_displacement` subtracts it.
+        K ignores this mean, but rounding errors grow with it, so `transform_displacement` subtracts
+        it. Collective.
         """
         every = max(1, len(g) // SAMPLE)
         few = g[::every]
@@ -185,9 +180,8 @@ class Problem:
         return level
 
     def adder(self, fft: SlabFFT) -> Columns | None:
-        """Return the function (block, m) that subtracts the heights from columns of g.
-
-        None if the heights are stored: `transform_displacement` has subtracted them.
+        """Return the function (block, m) that subtracts heights that are not stored from columns of
+        g, or None.
         """
         return self.h.add(fft) if isinstance(self.h, HeightSpectrum) else None
 

@@ -14,11 +14,10 @@ if TYPE_CHECKING:
 
 
 def nth_smallest(grid: Grid, rows_of: Callable[[int, int], np.ndarray], n: int) -> np.floating:
-    """Return the n-th smallest number (from 1) of a field over the surface. Collective.
+    """Return the n-th smallest number (from 1) of a field, rows_of(i0, i1), over the surface.
 
-    rows_of(i0, i1) returns local rows of the field, which need not be stored. Exact: each pass of a
-    radix selection over the field decides 16 more bits, so single precision takes two passes and
-    double precision four.
+    Exact: each pass of a radix selection over the field decides 16 more bits, so single precision
+    takes two passes and double precision four. Collective.
     """
     dtype = rows_of(0, 0).dtype
     size = 8 * dtype.itemsize

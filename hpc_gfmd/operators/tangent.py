@@ -35,52 +35,24 @@ MAX_STEPS = 1000
 
 @dataclass(frozen=True)
 class Tangent:
-    """Response of a contact to a small change of the load.
+    """Response of a contact to a small change of the load."""
 
-    Attributes
-    ----------
-    compliance : float
-        -d(mean gap)/dp0 in the problem's units; 0 in full contact, inf where nothing touches, nan
-        if the requested accuracy was not reached.
-    error : float
-        Estimated relative error of the compliance.
-    pairs : float
-        FFT pairs it took.
-    approach : float
-        d(approach)/dp0; nan for a half-space with a periodic axis, which has no approach, in full
-        contact, and where nothing touches.
-    """
-
+    # -d(mean gap)/dp0 in the problem's units; 0 in full contact, inf where nothing touches, nan if
+    # the requested accuracy was not reached
     compliance: float
-    error: float
-    pairs: float
+    error: float  # estimated relative error of the compliance
+    pairs: float  # FFT pairs it took
+    # d(approach)/dp0; nan for a half-space with a periodic axis, which has no approach, in full
+    # contact, and where nothing touches
     approach: float = np.nan
 
 
 def tangent(
     grid: Grid, body: Body, contact: np.ndarray, dtype: DTypeLike, accuracy: float
 ) -> Tangent:
-    """Compute the response of a contact to a small change of the load. Collective.
+    """Compute the response of a contact (local slab, bool), to a relative accuracy. Collective.
 
     Takes the memory of four fields and of the levels of the preconditioner besides the transforms.
-
-    Parameters
-    ----------
-    grid : Grid
-        Of the contact.
-    body : Body
-        That is pressed.
-    contact : array of bool, local slab
-        True where points touch.
-    dtype : dtype
-        Precision of the fields.
-    accuracy : float
-        Requested relative error of the compliance.
-
-    Returns
-    -------
-    Tangent
-        The same on all ranks.
     """
     closed = int(grid.comm.sum([np.count_nonzero(contact)])[0])
     if closed in (0, grid.cell_points):
@@ -110,11 +82,8 @@ def tangent(
 
 
 def _steps(elastic: Elastic, contact: np.ndarray) -> Iterator[tuple[float, float]]:
-    """Yield, for each step of conjugate gradients, its gains of b K_FF^-1 b and of the sum of v.
-
-    v is the response of the displacement out of contact (F) to a load of 1, b is 1 on F and 0
-    elsewhere. The sum of v is over the surface, and its gain 0 on a grid without padding. Both are
-    sums over all ranks. The steps never end by themselves. Collective.
+    """Yield, for each step of conjugate gradients, its gains of b K_FF^-1 b and of the sum of v
+    over the surface (0 without padding), without end. Collective.
     """
     grid = elastic.grid
     dtype = elastic.dtype

@@ -1,9 +1,10 @@
-"""What the wall allows and bears: it is rigid, dents at a hardness, or attracts.
+"""What the wall allows and bears: it is rigid, dents at a hardness, or attracts. Equations (1) to
+(3) in docs/method.md.
 
 Solvers and certificates ask a Wall for its projection, for rigid moves of the body, which cost no
 elastic energy, and for the pressure p^ of the duality gap; they do not ask which wall it is.
 `limit` and `law` go to the compiled passes, which clip each step to what the wall allows and add
-its attraction. Equations (1) to (3) in docs/method.md.
+its attraction.
 """
 
 from __future__ import annotations
@@ -30,8 +31,7 @@ class Wall:
 
     `limit`: the largest pressure, and `law`: the attraction, both in the working precision or None;
     `yields`: whether points may yield, so that steps are clipped more than once; `hardness`: the
-    work of a dent over its depth. Gaps and pressures are local slabs; methods that take one are
-    collective.
+    work of a dent over its depth. Methods that take local slabs are collective.
     """
 
     yields = False
@@ -64,7 +64,7 @@ class Wall:
         return None
 
     def step_length(self, pd: float, dKd: float, td: float, gained: float) -> float:
-        """Return the length of least energy of a step of length 1, at most 1.
+        """Return the length <= 1 of least energy of a step of length 1.
 
         pd, td: work of the pressure and of the attraction on the step; gained: what the attraction
         gains.
@@ -104,10 +104,11 @@ class Wall:
     def admissible(
         self, load: float, closed_p: float, contact: float, yielded: float
     ) -> tuple[float, float]:
-        """Return (scale, shift) such that p^ = scale p + shift in elastic contact is admissible.
+        """Return (scale, shift) such that p^ = scale p + shift in elastic contact is admissible,
+        scale -1 if none is.
 
         p^ is then between 0 and the largest pressure and carries `load`, of which the points in
-        contact carry `closed_p` with p. A scale of -1: no such pressure exists.
+        contact carry `closed_p` with p.
         """
         return (load / closed_p if closed_p > 0 else -1.0), 0.0
 
@@ -115,9 +116,8 @@ class Wall:
 class HardWall(Wall):
     """A wall with a hardness H: 0 <= p <= H, with a dent, g < 0, only where p = H.
 
-    The contact carries at least H times the points with a dent and at most H times all points that
-    touch. The energy is piecewise linear in the height of the body; its minimum is where the n-th
-    smallest gap becomes 0, n being the load over H, rounded up.
+    The energy is piecewise linear in the height of the body; its minimum is where the n-th smallest
+    gap becomes 0, n being the load over H, rounded up.
     """
 
     yields = True

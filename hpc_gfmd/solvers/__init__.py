@@ -18,8 +18,5 @@ def solver_names() -> list[str]:
 
 
 def solver_class(name: str) -> type[Solver]:
-    """Import the file of a solver and return its class; "auto" stands for the default, bpx.
-
-    GfmdError: the solver of another package cannot be imported, or the file has no such class.
-    """
+    """Import the file of a solver ("auto": bpx) and return its class, or raise GfmdError."""
     return class_in(__name__, "bpx" if name == "auto" else name)

@@ -1,11 +1,11 @@
 """Projected conjugate gradients in displacement space, one FFT pair per iteration.
 
 The energy of equation (1) in docs/method.md is minimised over feasible gaps, preconditioned by the
-locally damped multilevel operator (5) of `multilevel.py`. Each step minimises the
-energy in the plane of the preconditioned residual z and the last step d; <z, K z>, which would cost
-a second FFT, is predicted from the Rayleigh quotient of the last step. The step is clipped to the
-feasible set, and the energy along the (feasible) chord is minimised exactly, so it never rises.
-Where clipping spoils the descent the step is replaced by a plain projected gradient step.
+locally damped multilevel operator (5) of `multilevel.py`. Each step minimises the energy in the
+plane of the preconditioned residual z and the last step d; <z, K z>, which would cost a second FFT,
+is predicted from the Rayleigh quotient of the last step. The step is clipped to the feasible set,
+and the energy along the (feasible) chord is minimised exactly, so it never rises. Where clipping
+spoils the descent the step is replaced by a plain projected gradient step.
 
 One iteration is three passes over memory: `search_passes` (projected step, row transforms), column
 transforms with K between them, `update_passes` (row transforms, new state). The displacement itself
@@ -36,47 +36,13 @@ SHIFT = 0.62
 
 
 class Bpx(Solver):
-    """The default solver, preconditioned projected conjugate gradients (see the file's head).
+    """The default solver, preconditioned projected conjugate gradients; without options.
 
-    Parameters
-    ----------
-    problem : Problem
-        The contact to solve.
-    options : dict, optional
-        Must be empty: this solver has no options.
-    g : ndarray, optional
-        Array to use as the memory of the gap, local slab of the grid; its values are not read.
-
-    Raises
-    ------
-    SceneError
-        If there are options.
-
-    Attributes
-    ----------
-    d : array, local slab
-        Last step of the gap, as kernels/bfloat16.py stores it, in half the bits.
-    s : float
-        Share of d that was made: the gap has changed by s d.
-    compliance : float
-        1/K of the shortest wave.
-    attracted : float
-        Sum of the attraction over all points and ranks.
-    contact, yielded : float
-        Numbers of points in contact (yielded ones included), and of those that yield.
-    gap_mean : float
-        Mean gap over the surface; dents count as 0.
-    rr, pp : float
-        <r, r> and <p, p>, where r is p at the points out of elastic contact (less the hardness
-        where they yield), and 0 elsewhere.
-    mean : float
-        Mean of r over the whole grid.
-    rz, rd, zKd, dKd : float
-        Products of r, of the preconditioned residual z = M r and of the last step, s d.
-    rayleigh : float
-        <z, K z>/<r, z> of the last step, by which that of the next step is predicted.
-    level_sums : list of float
-        The last five sums that Multilevel.sweep returns, over all ranks.
+    d: last step of the gap, as kernels/bfloat16.py stores it, of which the share s was made; rr,
+    pp: <r, r> and <p, p>, r being p out of elastic contact (less the hardness where points yield)
+    and 0 in it; mean: of r over the whole grid; rz, rd, zKd, dKd: products of r, z = M r and the
+    last step s d; rayleigh: <z, K z>/<r, z> of the last step; attracted: sum of the attraction over
+    all points; level_sums: the last five sums of Multilevel.sweep. Sums are over all ranks.
     """
 
     name = "bpx"
@@ -157,10 +123,10 @@ class Bpx(Solver):
         """Begin a new descent: without a last step, with the Rayleigh quotient of a first step.
 
         The caller has set self.d to 0, and self.uKu and self.attracted to those of the present
-        state, and has put r and t (1 in contact, else 0) on the levels by `levels.update` or
-        `levels.restrict`, which returned the sums of this rank. With a hardness and no attraction
-        the body may be moved or dented as a whole, if that has less energy: g changes then, and
-        with a dent p and uKu, too. Collective; the gap mode may take FFT pairs.
+        state, and has put r and t on the levels by `levels.update` or `levels.restrict`, which
+        returned the sums of this rank. With a hardness and no attraction the body may be moved or
+        dented as a whole, if that has less energy: g changes then, and with a dent p and uKu, too.
+        Collective; the gap mode may take FFT pairs.
         """
         self.s = 1.0
         self.rayleigh = FIRST
@@ -175,10 +141,10 @@ class Bpx(Solver):
     # -- one iteration
 
     def step(self) -> None:
-        """Make one iteration, with one FFT pair: update g, p and all scalars in place.
+        """Make one iteration, with one FFT pair: update g, p and all scalars in place. Collective.
 
         A body that touches nowhere is lowered first. With a spring p0 changes, too; with a hardness
-        the body may be shifted after the step (`_balance`). Collective.
+        the body may be shifted after the step (`_balance`).
         """
         if self.contact == 0:
             self._lower()
@@ -210,18 +176,11 @@ class Bpx(Solver):
             self.restart()
 
     def _choose_step(self) -> tuple[float, float, list[float]]:
-        """Write the next step to self.d, and transform its rows; g and p do not change yet.
+        """Write the next step -(a z + b d), projected, to self.d and transform its rows; return a,
+        b and what `_search` returned.
 
-        The step is -(a z + b d), projected. If the projection leaves too little of its descent,
-        it is a plain projected gradient step instead (with a hardness, a shorter one is tried
-        first).
-
-        Returns
-        -------
-        a, b : float
-            Coefficients of the step; both 0 for a plain projected gradient step.
-        work : list of float
-            What `_search` returned for this step.
+        If the projection leaves too little of its descent, it is a plain projected gradient step
+        instead, with a = b = 0 (with a hardness, a shorter one is tried first).
         """
         a, b = self._coefficients()
         work = self._search(a, b, 1.0)
@@ -272,8 +231,7 @@ class Bpx(Solver):
         The step is -(a z + b d), projected, where d is the last step that was made; coupling = 0
         leaves the coarse levels out of z, else `_measure` must have swept them. Returns four sums
         over all ranks: <p, d>, with the work of dents; by how much dents become deeper; <t, d> and
-        the change of phi, both 0 without an attraction t = phi' (kernels/adhesive_rows.py).
-        Collective.
+        the change of phi, both 0 without an attraction (kernels/adhesive_rows.py). Collective.
         """
         levels = self.levels
         fft = self.elastic.fft
@@ -294,11 +252,11 @@ class Bpx(Solver):
         return self.grid.comm.sum([*np.sum(sums, axis=0), *np.sum(work, axis=0)]).tolist()
 
     def _update(self, s: float) -> UpdateSums:
-        """Make the last pass: add s d to self.g and s K d to self.p (with an attraction s y).
+        """Make the last pass: add s d to self.g and s K d (with an attraction s y) to self.p;
+        return this rank's UpdateSums.
 
-        The rows of the transforms hold the spectra of K d already. y is K d plus the change of the
-        attraction over s (kernels/adhesive_rows.py). Also puts the new r and t on the levels, and
-        counts an FFT pair. Returns this rank's UpdateSums.
+        The rows of the transforms hold the spectra of K d already. Also puts the new r and t on the
+        levels, and counts an FFT pair.
         """
         self.elastic.pairs += 1
         fields = self.g, self.p, self.d, s, self.elastic.fft.rows, self.wall.limit
@@ -310,11 +268,11 @@ class Bpx(Solver):
 
     def _measure(self, sums: UpdateSums, new_contact: bool = False) -> UpdateSums:
         """Sweep the levels to z, set the products and counts that the next step and `progress`
-        need, and return the sums of all ranks. Collective.
+        need, and return the sums of all ranks.
 
         `levels.restrict` or `levels.update` has put the present state on the levels, and returned
         `sums`, those of this rank. new_contact: whether to compute the gap mode of the present
-        contact first, which takes FFT pairs if it is wanted.
+        contact first, which takes FFT pairs if it is wanted. Collective.
         """
         share = None
         if new_contact:
@@ -383,13 +341,12 @@ class Bpx(Solver):
         return estimate(self.problem, self.levels, self.g, state, stability)
 
     def _predicted(self, errors: Estimate) -> tuple[float, float] | None:
-        """Predict the number of points in contact and the mean gap of the converged solution.
+        """Predict the number of points in contact and the mean gap of the converged solution, or
+        None.
 
         The contact carries the mean pressure of the wall, less the part that is still out of
         contact (self.mean). The number of points grows in proportion until it carries all, to N at
-        most; the mean gap changes by 0.62 times `errors.shift` over N. At full contact both stay as
-        they are. errors: as `_estimate` returns them for this state. None if no point touches or
-        the contact carries no load.
+        most; the mean gap changes by 0.62 times `errors.shift` over N.
         """
         carried = self._p_cell_of_wall
         n = self.contact
@@ -402,10 +359,8 @@ class Bpx(Solver):
         return min(n * carried / load, self.N), gap
 
     def expected_area(self, estimate: Estimate) -> float:
-        """Return the relative error of the area that a certificate would probably find.
-
-        Takes two passes over all points, no FFT. Infinite with a hardness if all points touch but
-        one of them may be open.
+        """Takes two passes over all points, no FFT. Infinite with a hardness if all points touch
+        but one of them may be open.
         """
         open_pp, open_p4 = self.grid.comm.sum(moments_of_open(self.problem, self.g, self.p))
         spread = spread_of(open_pp, open_p4, self.contact, self.N)

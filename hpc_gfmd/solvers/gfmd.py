@@ -43,30 +43,11 @@ PATIENCE = 20  # stagnation is judged over that many time scales sqrt(lambda/mu)
 class Gfmd(Solver):
     """The paper's damped dynamics, see the file's head: no hardness, no attraction.
 
-    Parameters
-    ----------
-    problem : Problem
-        The contact to solve.
-    options : dict, optional
-        dt: time step relative to the stability limit, 0.01 to 1 (default 0.95); damping: a constant
-        one, in units of the critical damping of the longest wave, 0 to 1e6 (default: chosen anew in
-        every step).
-    g : ndarray, optional
-        Array to use as the memory of the gap, local slab of the grid; its values are not read.
-
-    Raises
-    ------
-    SceneError
-        If an option is unknown or its value is not allowed.
-
-    Attributes
-    ----------
-    d : array, local slab
-        The velocity: the change of the gap in the last time step.
-    longest, stiffest : float
-        Smallest and largest K of the waves of the grid.
-    rr, pp, pd, dd, dx, contact, gap : float
-        Sums over all ranks after the last step, see DynamicsSums; x is K d.
+    Options: dt, time step relative to the stability limit; damping, a constant one in units of the
+    critical damping of the longest wave (default: chosen anew in every step). d is the velocity,
+    the change of the gap in the last time step; longest and stiffest are smallest and largest K of
+    the waves of the grid; rr, pp, pd, dd, dx, contact and gap are the DynamicsSums of the last step
+    over all ranks, x being K d.
     """
 
     name = "gfmd"

@@ -9,27 +9,10 @@ from ..util.errors import SceneError
 def read_options(
     solver: str, options: Mapping[str, float], allowed: Mapping[str, tuple[float, float]]
 ) -> dict[str, float]:
-    """Check the options of a solver and convert them to floats.
+    """Check the options [solver.options] of a solver, and return those that are given as floats.
 
-    Parameters
-    ----------
-    solver : str
-        Name of the solver, for messages.
-    options : dict
-        Numbers by name, the table [solver.options] of a scene. Does not change.
-    allowed : dict
-        The smallest and largest value of each option by name. If the smallest is an int, the
-        option must be a whole number.
-
-    Returns
-    -------
-    dict
-        A new one with the given options only: no defaults are added.
-
-    Raises
-    ------
-    SceneError
-        If a name is unknown or a value is not allowed.
+    allowed: the smallest and largest value of each option; if the smallest is an int, the option
+    must be a whole number. Raises SceneError if a name is unknown or a value is not allowed.
     """
     for name, value in options.items():
         if name not in allowed:
