@@ -17,7 +17,7 @@ import hpc_gfmd
 # beside hpc_gfmd.__all__: bases of drop-in files, and modules that pages name; (): all of a module
 OTHERS = {
     "bodies.base": (),
-    "laws.base": (),
+    "laws.base": ("Law", "Numbers"),
     "solvers.base": (),
     "contact.base": (),
     "contact.contact": ("Contact",),
