@@ -13,19 +13,10 @@ NO_SPECTRUM = (
 
 
 def to_theory(result: Result) -> dict[str, Any]:
-    """Return a result beside the theory of its surface; of a map it is that of its own slope.
+    """Return the theory of a result's surface (of a map by its own slope), or raise SceneError.
 
-    Returns
-    -------
-    dict
-        "name" of the theory, with g_rms and the range of waves of a map; "steps": one dict per load
-        step above 0 with "step" (its number), "p" and each number that the theory has, by its name
-        in the result file.
-
-    Raises
-    ------
-    SceneError
-        If no theory covers the surface.
+    A dict: "name" of the theory, with g_rms and the range of waves of a map; "steps": one dict per
+    load step above 0 with "step" (its number), "p" and each number that the theory has.
     """
     from ..plotting.theory import theory_beside
 

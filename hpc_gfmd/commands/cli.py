@@ -48,25 +48,7 @@ class Parser(ArgumentParser):
     """An ArgumentParser that raises SceneError, so that under MPI an error is printed once."""
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """Parse arguments as argparse does, but refuse unknown ones here, where `prog` is known.
-
-        Parameters
-        ----------
-        args : sequence of str, optional
-            Command line arguments; by default those of the process.
-        namespace : Namespace, optional
-            The object that takes the attributes.
-
-        Returns
-        -------
-        namespace, list of str
-            The attributes, and an empty list.
-
-        Raises
-        ------
-        SceneError
-            If an argument is unknown or wrong.
-        """
+        """Parse arguments as argparse does, but refuse unknown ones here, where `prog` is known."""
         namespace, unknown = super().parse_known_args(args, namespace)
         if unknown:
             self.error(f"unrecognized arguments: {' '.join(unknown)}")
@@ -78,9 +60,8 @@ class Parser(ArgumentParser):
 
 
 class PrintCompletion(Action):
-    """Option that prints a script for a shell and exits.
-
-    The script completes commands, options and files.
+    """Option that prints a script with which a shell completes commands, options and files, and
+    exits.
     """
 
     def __call__(self, parser: ArgumentParser, namespace: Any, values: Any, *_: Any) -> None:
@@ -94,7 +75,7 @@ class PrintCompletion(Action):
 def build_parser() -> ArgumentParser:
     """Make the parser of hpc-gfmd with all commands, whose files it imports.
 
-    The parsed arguments have the attribute `main`: the function `main` of the chosen command.
+    The parsed arguments have the attribute `main`: that of the chosen command.
     """
     parser = Parser(prog="hpc-gfmd", description=DESCRIPTION)
     version = versions().get("hpc_gfmd", "that is not installed")
@@ -118,22 +99,12 @@ def build_parser() -> ArgumentParser:
 def main(
     argv: Sequence[str] | None = None, script: Callable[[], ArgumentParser] | None = None
 ) -> int:
-    """Run one command; errors are printed on standard error and do not raise. Collective.
+    """Run one command and return its exit code; errors are printed and do not raise. Collective.
 
-    Parameters
-    ----------
-    argv : sequence of str, optional
-        Arguments; by default those of the process.
-    script : function, optional
-        Makes the Parser of another program than hpc-gfmd. Each of its commands has the default
-        `main`, a function of the parsed arguments that returns an exit code or None.
-
-    Returns
-    -------
-    int
-        Exit code: 0 success, 1 failed, 2 wrong input, 130 interrupted, or what the command
-        returned. It is 1 if output cannot be written, except for commands that write their result
-        to files.
+    script makes the Parser of another program than hpc-gfmd; each of its commands has the default
+    `main`, a function of the parsed arguments that returns an exit code or None. Exit code: 0
+    success, 1 failed, 2 wrong input, 130 interrupted, or what the command returned; 1 if output
+    cannot be written, except for commands that write their result to files.
     """
     occupy_standard_descriptors()
     if isinstance(sys.stdout, io.TextIOWrapper):
@@ -149,10 +120,7 @@ def main(
 
 
 def _flush_error() -> OSError | None:
-    """Flush standard output, and return the error if not all of it could be written, else None.
-
-    A broken stream is then redirected to the null device.
-    """
+    """Flush standard output; redirect a broken one to the null device and return the error."""
     if sys.stdout is None:
         return OSError(errno.EBADF, os.strerror(errno.EBADF))
     try:
@@ -164,9 +132,8 @@ def _flush_error() -> OSError | None:
 
 
 def _run(arguments: Sequence[str], script: Callable[[], ArgumentParser] | None) -> int:
-    """Run one command and return its exit code; errors are printed. Collective.
-
-    After an error it waits for the other ranks (see `_leave_together`).
+    """Run one command and return its exit code; after an error, which is printed, wait for the
+    other ranks. Collective.
     """
     command = arguments[0] if arguments else ""
     try:
@@ -190,10 +157,7 @@ def _run(arguments: Sequence[str], script: Callable[[], ArgumentParser] | None) 
 
 
 def _parsed(arguments: Sequence[str], script: Callable[[], ArgumentParser] | None) -> int:
-    """Parse the arguments, call `main` of their command and return its exit code, 0 if None.
-
-    Raises SceneError for wrong arguments, and whatever the command raises.
-    """
+    """Parse the arguments, call `main` of their command and return its exit code, 0 if None."""
     for argument in arguments:
         require_decoded(argument)
     if script is None and arguments and not arguments[0].startswith("-"):

@@ -9,17 +9,7 @@ FILES = {"bash": "_shtab_compgen_files", "zsh": "_files", "tcsh": "f"}
 
 
 def add_file(parser: ArgumentParser, *names: str, **options: Any) -> None:
-    """Add an argument that is the path of a file, which shells can complete.
-
-    Parameters
-    ----------
-    parser : ArgumentParser
-        The parser of a command.
-    *names : str
-        Names or option strings, as `ArgumentParser.add_argument` takes them.
-    **options
-        All else that `ArgumentParser.add_argument` takes.
-    """
+    """Add an argument that is the path of a file, which shells can complete."""
     action = parser.add_argument(*names, **options)
     action.complete = FILES  # type: ignore[attr-defined]
 
@@ -30,28 +20,12 @@ def add_result_file(parser: ArgumentParser) -> None:
 
 
 def add_overrides(parser: ArgumentParser, text: str) -> None:
-    """Add the option --set, which may be repeated.
-
-    Parameters
-    ----------
-    parser : ArgumentParser
-        The parser of a command.
-    text : str
-        Help text.
-    """
+    """Add the option --set, which may be repeated."""
     parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help=text)
 
 
 def add_json(parser: ArgumentParser, instead_of: str) -> None:
-    """Add the option --json.
-
-    Parameters
-    ----------
-    parser : ArgumentParser
-        The parser of a command.
-    instead_of : str
-        What the command prints without the option.
-    """
+    """Add the option --json."""
     parser.add_argument("--json", action="store_true", help=f"print JSON instead of {instead_of}")
 
 
@@ -70,20 +44,8 @@ def number(text: str) -> float:
 
 
 def as_json(value: Any, indent: int | None = None) -> str:
-    """Return a value as JSON.
-
-    Parameters
-    ----------
-    value : object
-        Numbers, texts, lists and dictionaries of them; all else is written as its text. Infinity
-        and NaN, which JSON does not have, become null.
-    indent : int, optional
-        Spaces per level; by default everything is on one line.
-
-    Returns
-    -------
-    str
-        JSON text.
+    """Return a value as JSON: null for infinity and NaN, which JSON does not have, other objects as
+    text.
     """
     plain = json.loads(json.dumps(value, default=str), parse_constant=lambda _: None)
     return json.dumps(plain, indent=indent)

@@ -37,11 +37,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Convert a result to the file of another program and print its name; returns 0.
-
-    Raises SceneError if the result cannot be read, if the format cannot hold it or if there is no
-    folder for the file, and GfmdError if writing fails.
-    """
+    """Convert a result to the file of another program and print its name; returns 0."""
     from ..contact import all_numbers
     from ..output.export import export
     from ..output.read import read_result

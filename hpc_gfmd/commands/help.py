@@ -31,10 +31,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Print help on commands, scene keys or numbers; returns 0.
-
-    Raises SceneError for an unknown topic or key.
-    """
+    """Print help on commands, scene keys or numbers; returns 0."""
     if args.key is not None and (args.topic != "scene" or args.markdown):
         raise SceneError(f"help: found {args.key}, allowed: a key after scene, without --markdown")
     if args.topic == "scene":
@@ -47,11 +44,7 @@ def main(args: Namespace) -> int:
 
 
 def _scene_keys(key: str | None, markdown: bool) -> str:
-    """Return help on the keys of a scene.
-
-    As text it is on one key or table, or on all if key is None; as Markdown it is always on all.
-    Raises SceneError for an unknown key.
-    """
+    """Return help on a key or table of a scene, or on all; as Markdown always on all."""
     from ..contact import all_distributions, observable_names
     from ..scene import reference
     from ..solvers import solver_names
@@ -65,9 +58,8 @@ def _scene_keys(key: str | None, markdown: bool) -> str:
 
 
 def _number_rows() -> list[tuple[str, str, str, str]]:
-    """List (name, unit, name in output.observables, meaning) of all numbers of a load.
-
-    The third is "" for numbers that are always computed.
+    """List (name, unit, name in output.observables or "" if always computed, meaning) of all
+    numbers of a load.
     """
     from ..contact import all_numbers, default_observables, observable_names, observables_named
 
@@ -104,10 +96,7 @@ def _numbers_page() -> str:
 
 
 def _print_command_help(name: str | None) -> None:
-    """Print the help of a command, or of the program if name is None.
-
-    Exits the process after the help of a command. Raises SceneError for an unknown command.
-    """
+    """Print the help of a command, and exit the process, or of the program if name is None."""
     from .cli import COMMANDS, build_parser
 
     if name is None:

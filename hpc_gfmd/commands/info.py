@@ -22,13 +22,7 @@ def main(args: Namespace) -> int:
 
 
 def facts() -> dict[str, str]:
-    """Collect what speed or results may depend on: versions, libraries, cores, memory, cache.
-
-    Returns
-    -------
-    dict of str to str
-        Text by name, in the order of printing.
-    """
+    """Collect what speed or results may depend on: versions, libraries, cores, memory, cache."""
     import h5py
 
     from ..parallel.fftw import load_fftw
@@ -49,9 +43,8 @@ def facts() -> dict[str, str]:
 
 
 def _io() -> str:
-    """Describe how several ranks write a file: "parallel: ..." or "serial: ...".
-
-    The word in parentheses is the attribute `io` of results.
+    """Describe how several ranks write a file: "parallel: ..." or "serial: ...", with the attribute
+    `io` of results in parentheses.
     """
     import h5py
 

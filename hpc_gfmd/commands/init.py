@@ -43,11 +43,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Write a scene file and print remarks and what is still to be filled in; returns 0.
-
-    Raises SceneError if the file exists (unless --force) or cannot be written, or if the height map
-    cannot be read.
-    """
+    """Write a scene file and print remarks and what is still to be filled in; returns 0."""
     path = Path(args.output)
     if path.exists() and not args.force:
         raise SceneError(
@@ -89,18 +85,10 @@ def _asked_boundary(sources: list[str]) -> str:
 
 
 class Draft(NamedTuple):
-    """A scene that is not written yet.
+    """A scene in TOML that is not written yet.
 
-    Attributes
-    ----------
-    text : str
-        The scene in TOML.
-    missing : list of str
-        Keys of [surface] that the user has to fill in.
-    about : list of str
-        What the height map shows, a line each.
-    open : list of str
-        Keys of [surface] that were chosen although only the user knows them.
+    missing: keys of [surface] that the user has to fill in; open: those that were chosen although
+    only the user knows them; about: what the height map shows, a line each.
     """
 
     text: str
@@ -110,25 +98,11 @@ class Draft(NamedTuple):
 
 
 def compose(sources: str | Sequence[str], path: Path, overrides: Sequence[str] = ()) -> Draft:
-    """Compose the text of a scene; height maps are read, nothing is written.
+    """Compose the text of a scene at `path`; height maps are read, nothing is written.
 
-    Parameters
-    ----------
-    sources : str or sequence of str
-        Kind of surface, or the path of a height map, or two paths of height maps.
-    path : Path
-        Path of the scene to be written. Paths of maps in the scene are relative to its folder.
-    overrides : sequence of str
-        Settings "table.key=value".
-
-    Returns
-    -------
-    Draft
-
-    Raises
-    ------
-    SceneError
-        If the scene would be wrong or the map cannot be read.
+    sources: kind of surface, or one or two paths of height maps, in the scene relative to its
+    folder; overrides: "table.key=value". Raises SceneError if the scene would be wrong or a map
+    cannot be read.
     """
     from ..scene import Scene
     from ..scene.read import ALTERNATIVES, apply_override
@@ -175,10 +149,9 @@ def compose(sources: str | Sequence[str], path: Path, overrides: Sequence[str] =
 
 
 def _of_maps(maps: list[str], path: Path, tables: dict[str, Any]) -> Any:
-    """Read one height map or two and return the Suggestion for them.
+    """Read one height map or two and return the Suggestion for the scene at `path`.
 
-    Its paths are relative to the folder of the scene, which will be at `path`. tables: settings of
-    the user by table. Those of "surface" are used when the maps are read; without "material" the
+    The user's settings of tables["surface"] are used when the maps are read; without "material" the
     Suggestion says that a modulus is missing if the maps have units.
     """
     from ..scene import Scene

@@ -93,10 +93,8 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Compute an interface law, print it and write its files. Collective.
-
-    Returns 0, or 3 if some load is not converged; the law says which. Raises SceneError if the
-    scenes are wrong, if a file exists (unless --force), or if the law cannot be written to it.
+    """Compute an interface law, print it and write its files; returns 0, or 3 if some load is not
+    converged. Collective.
     """
     from ..output.interface_law import QUANTITIES
     from ..output.law_files import harmonic_mean, require_file, write_law
@@ -186,9 +184,8 @@ def as_text(law: InterfaceLaw) -> str:
 
 
 def _tightness(law: InterfaceLaw) -> list[str]:
-    """Return a line for each axis along which all channels close within the law.
-
-    A seal that is tight already at the lowest pressure gets no line.
+    """Return a line for each axis along which all channels close within the law, unless at its
+    lowest pressure.
     """
     unit = law.units["pressure"]
     scale, unit = prefixed(law.pressure.tolist(), unit) if unit == "Pa" else (1.0, unit)

@@ -1,6 +1,5 @@
-"""Extrapolation of a result to the thermodynamic, fractal and continuum (TFC) limits.
-
-It works where the tabulated coefficients cover the load steps.
+"""Extrapolation of a result to the thermodynamic, fractal and continuum (TFC) limits, where the
+tabulated coefficients cover the load steps.
 """
 
 from collections.abc import Mapping
@@ -21,27 +20,14 @@ SCATTER = (
 
 
 def to_limits(result: Result, table: str = "ours") -> dict:
-    """Extrapolate contact area and mean gap of all load steps of a result to the TFC limit.
+    """Extrapolate contact area and mean gap of all load steps of a self-affine surface to the TFC
+    limit.
 
-    Parameters
-    ----------
-    result : Result
-        A result of a self-affine surface.
-    table : str
-        "paper", "ours" or the path of a JSON file, as `theory.tfc.table_of` takes it.
-
-    Returns
-    -------
-    dict
-        "table": its name; "steps": one dict per load step with "step" (its number), "p_star" and,
-        for each of "kappa" and "gap_over_h_rms" that it has, a dict with "value", "sigma" and
-        either "refused" (the reason) or the corrections, "extrapolated", "extrapolated_sigma" (of
-        the value and, if the table has it, of the coefficients), "converged" and "notes".
-
-    Raises
-    ------
-    SceneError
-        If the surface is not self-affine, or the table cannot be read.
+    table: as `theory.tfc.table_of` takes it. Returns a dict, "table": its name; "steps": one dict
+    per load step with "step" (its number), "p_star" and, for each of "kappa" and "gap_over_h_rms"
+    that it has, a dict with "value", "sigma" and either "refused" (the reason) or the corrections,
+    "extrapolated", "extrapolated_sigma" (of the value and, if the table has it, of the
+    coefficients), "converged" and "notes". Raises SceneError.
     """
     surface = result.surface
     missing = [
@@ -129,10 +115,7 @@ def extrapolation_text(
     corrections: Mapping[str, Any],
     extrapolated: tuple[float, float | None],
 ) -> str:
-    """Return one line: a value, what is added to it (minus its corrections), and its limit.
-
-    value, extrapolated: with their standard deviations.
-    """
+    """Return one line: a value, what is added to it (minus its corrections), and its limit."""
     terms = ", ".join(f"{i} {-corrections[f'correction_{i}']:+.4f}" for i in "tfc")
     head = _value_text(observable, p_star, value)
     return f"{head}; {terms} -> {_with_sigma(*extrapolated)}"

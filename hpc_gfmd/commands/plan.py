@@ -34,8 +34,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 def main(args: Namespace) -> int:
     """Print grid, memory and time that a scene would take; returns 0.
 
-    Raises SceneError if the scene is wrong or, after printing, if it does not fit into this
-    machine.
+    Raises SceneError, after printing, if it does not fit into this machine.
     """
     from ..parallel.thread_count import auto_threads, ranks_per_node
     from ..runs.loads import check

@@ -76,10 +76,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Draw pictures of results, save them, and print their names and remarks; returns 0.
-
-    Raises SceneError if a file, the folder or an argument is unusable.
-    """
+    """Draw pictures of results, save them, and print their names and remarks; returns 0."""
     from ..output.read import read_result
     from ..plotting import plot_result
 
@@ -104,10 +101,7 @@ def main(args: Namespace) -> int:
 
 
 def _plot_together(args: Namespace) -> int:
-    """Draw and save curves of several results, one picture for each of --what; returns 0.
-
-    Raises SceneError if --step or --window are given.
-    """
+    """Draw and save curves of several results, one picture for each of --what; returns 0."""
     from pathlib import Path
 
     from ..plotting import plot, save_picture
@@ -133,9 +127,8 @@ def _plot_together(args: Namespace) -> int:
 
 
 def _remarks(result: Any, args: Namespace) -> list[str]:
-    """Return lines on load steps that pictures leave out or that are not converged.
-
-    Notes on the load steps follow.
+    """Return lines on load steps that pictures leave out or that are not converged, then their
+    notes.
     """
     from ..output.summary import converged
     from ..plotting import chosen_steps

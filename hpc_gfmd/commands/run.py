@@ -40,9 +40,8 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Solve a scene and write its result; returns its exit code. Collective.
-
-    3 means that a load did not converge.
+    """Solve a scene and write its result; returns its exit code, 3 if a load did not converge.
+    Collective.
     """
     from ..parallel.guard import on_rank_0
     from ..parallel.world import world

@@ -55,10 +55,8 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Print one result, or means of several, as a table or JSON; returns 0.
-
-    With --json notes go to standard error. Raises SceneError if a file is missing, damaged, foreign
-    or too new.
+    """Print one result, or means of several, as a table or JSON (notes go to standard error);
+    returns 0.
     """
     from ..output.read import read_result
 
@@ -94,8 +92,7 @@ def main(args: Namespace) -> int:
 def _show_ensemble(args: Namespace) -> int:
     """Print means and standard deviations of several results, as text or JSON; returns 0.
 
-    Raises SceneError for options of a single result, for results of different loads or units, and
-    for files that cannot be read.
+    Raises SceneError for options of a single result, and for results of different loads or units.
     """
     from ..runs.ensemble import Ensemble
 
@@ -118,19 +115,8 @@ def as_dict(result: Result) -> dict:
 
 
 def as_text(result: Result, errors: bool = False) -> str:
-    """Return head, table and notes of a result as text.
-
-    Parameters
-    ----------
-    result : Result
-        What a result file holds.
-    errors : bool
-        Whether to print errors of solver and grid in separate columns.
-
-    Returns
-    -------
-    str
-        Several lines.
+    """Return head, table and notes of a result as text, with `errors` of solver and grid in
+    separate columns.
     """
     from ..output.summary import surface_line
     from ..runs.table import result_table

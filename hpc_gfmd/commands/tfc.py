@@ -33,10 +33,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Extrapolate a value and print the outcome; returns 0.
-
-    Raises SceneError if arguments are missing or out of range, or the table cannot be read.
-    """
+    """Extrapolate a value and print the outcome; returns 0."""
     from ..theory import tfc
     from .limits import extrapolation_text
 

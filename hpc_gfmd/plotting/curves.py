@@ -1,6 +1,5 @@
-"""Contact area, mean gap and other numbers against the load, with the theory of the surface.
-
-Several results are drawn one by one; if they are many, their mean and scatter.
+"""Contact area, mean gap and other numbers against the load, with the theory of the surface; many
+results by their mean and scatter.
 """
 
 from collections.abc import Mapping, Sequence
@@ -22,9 +21,8 @@ SAME_LOAD = 1e-6  # relative
 
 
 class PlottedQuantity(NamedTuple):
-    """A number of a load as a panel shows it: in words, in TeX, and its unit.
-
-    The unit is a product of powers of "pressure", "gap" (measured like heights) and "length".
+    """A number of a load as a panel shows it: in words, in TeX, and its unit, a product of powers
+    of "pressure", "gap" (measured like heights) and "length".
     """
 
     name: str
@@ -119,8 +117,7 @@ def _axis_label(quantity: PlottedQuantity, scales: list[tuple[Scale, int]]) -> s
 class LoadAxis(NamedTuple):
     """The axis of the loads: numbers `key` of load steps over `unit`.
 
-    `pressure` is the mean pressure, in the unit of the result, at 1 on the axis; nan for an axis of
-    times.
+    `pressure` is the mean pressure, in the unit of the result, at 1 on the axis; nan for times.
     """
 
     key: str
@@ -159,11 +156,11 @@ def _load_axis(views: Sequence[View]) -> LoadAxis:
 
 
 def _curve(ax: Any, views: Sequence[View], key: str, label: str) -> None:
-    """Draw one number over the load on axes, and set labels, scales and limits.
+    """Draw one number over the load on axes, with theory, pull-off and loads without an open
+    channel.
 
-    label: of a single result in the legend; several have their names. Up to MOST_NAMED results are
-    drawn one by one, more by their mean and scatter; theory, pull-off and loads without an open
-    channel are added where they apply.
+    label: of a single result in the legend. Up to MOST_NAMED results are drawn one by one, more by
+    their mean and scatter.
     """
     quantity = quantity_of(key)
     loads = _load_axis(views)
@@ -210,12 +207,11 @@ def _time_axis(ax: Any, times: list[float]) -> None:
 def _points(
     ax: Any, view: View, key: str, loads: LoadAxis, unit: float, how: dict[str, Any]
 ) -> None:
-    """Draw the number `key` of every load of one result over the load, on axes.
+    """Draw the number `key` of every load of one result, in `unit`, with error bars of solver and
+    grid.
 
-    Loads that did not converge get other marks; those without a value that can be shown are left
-    out, see `_is_shown`. Error bars are those of tables, of solver and grid. unit: values are
-    divided by it. how: color, marker and label of errorbar. Points are joined by lines if the
-    surfaces attract, or the loads have a memory.
+    Loads that did not converge get other marks; those that cannot be shown (`_is_shown`) are left
+    out. Points are joined by lines if the surfaces attract, or the loads have a memory.
     """
     for is_converged, changes in ((True, {}), (False, DOUBTFUL)):
         steps = [
@@ -254,8 +250,7 @@ def _mean_and_scatter(
 ) -> None:
     """Draw the mean of many results on axes, with a band of one standard deviation.
 
-    Loads without a value that can be shown are left out; nothing is drawn if none has one. If the
-    results that have any differ in their loads, all are drawn as points of one colour instead.
+    If the results differ in their loads, all are drawn as points of one colour instead.
     """
     rows = [
         [(loads.of(step), step[key] / unit) for step in view.result.steps if _is_shown(key, step)]
@@ -291,9 +286,8 @@ def _mean_and_scatter(
 
 
 def _tight(ax: Any, views: Sequence[View], key: str, loads: LoadAxis) -> None:
-    """Shade the loads from which on no result has an open channel: their critical gap is 0.
-
-    Such gaps would not show on a logarithmic axis. The right limit of the axis stays.
+    """Shade the loads from which on no result has an open channel: a critical gap of 0 would not
+    show on a logarithmic axis. The right limit of the axis stays.
     """
     steps = sorted((step for view in views for step in view.result.steps), key=loads.of)
     open_loads = [k for k, step in enumerate(steps) if not is_tight(key, step)]
@@ -305,7 +299,7 @@ def _tight(ax: Any, views: Sequence[View], key: str, loads: LoadAxis) -> None:
 
 
 def _theory(ax: Any, view: View, key: str, loads: LoadAxis, unit: float, line_colour: Any) -> None:
-    """Draw the theory of a result's surface on axes; nothing if there is none or a load is not > 0.
+    """Draw the theory of a result's surface, if there is one and all loads are > 0.
 
     line_colour: None takes the colour of a single theory.
     """
@@ -328,11 +322,10 @@ def _pull_off(ax: Any, view: View, loads: LoadAxis, line_colour: Any) -> None:
 
 
 def _limits(ax: Any, all_loads: list[float], pushed: bool) -> None:
-    """Set the limits of axes around what has been drawn.
+    """Set the limits of axes around what has been drawn, or all_loads if nothing has.
 
-    The y axis becomes logarithmic if positive values span more than a decade. all_loads: the x axis
-    shows them if nothing has been drawn. pushed: whether all of them are above 0 and the x axis is
-    logarithmic.
+    The y axis becomes logarithmic if positive values span more than a decade. pushed: whether all
+    loads are above 0 and the x axis is logarithmic.
     """
     left, low, right, high = ax.dataLim.extents
     if left > right:

@@ -43,8 +43,7 @@ YIELD_ROUNDING = 1e-5  # relative, of a pressure that is the hardness, in single
 def maps(views: Sequence[View], names: list[str]) -> Page:
     """Return a page with a row for each load of the first result and a column for each field.
 
-    A single field has two columns of loads instead. Fields are read when the page is drawn, each
-    load once.
+    A single field has two columns of loads instead. Fields are read when the page is drawn.
     """
     view = views[0]
     loads = range(len(view.result.steps))
@@ -81,30 +80,9 @@ def height_map(
     window: Any = None,
     dpi: float | None = None,
 ) -> Picture:
-    """Draw a map of heights.
+    """Draw a map of heights (n_x, n_y), peaks up, of a cell of `sizes`, both in `unit` ("m" or "").
 
-    Parameters
-    ----------
-    heights : ndarray, shape (n_x, n_y)
-        Peaks up.
-    sizes : (L_x, L_y)
-        Lengths of the cell, in the unit of the heights.
-    unit : str
-        "m", or "" if lengths have no unit.
-    title : str
-        Title of the picture.
-    window, dpi
-        As for `plot`.
-
-    Returns
-    -------
-    matplotlib.figure.Figure
-        A new figure.
-
-    Raises
-    ------
-    SceneError
-        If the window is not a part of the cell.
+    window, dpi: as for `plot`. Raises SceneError if the window is not a part of the cell.
     """
     n = heights.shape
     h_rms = float(heights.std())
@@ -156,9 +134,8 @@ def _page(panels: Sequence[Callable[[Any], None]], columns: int, window: tuple) 
 
 
 def _mark_yielded(ax: Any, share: np.ndarray, extent: list[float]) -> None:
-    """Colour the pixels in which at least half of the touching points yield, with a legend entry.
-
-    share: of each pixel's touching points, those whose pressure is the hardness.
+    """Colour the pixels in which at least half (`share`) of the touching points yield, with a
+    legend entry.
     """
     yielded = np.ma.masked_less(share, 0.5)
     if yielded.count():
@@ -248,7 +225,7 @@ def reduce_fields(
 ) -> Reduced:
     """Reduce the fields of one load step to at most `pixels` along each axis, a few rows at a time.
 
-    window: points (i0, i1, j0, j1); default: all. hardness: in the unit of the pressure.
+    window: points (i0, i1, j0, j1). hardness: in the unit of the pressure.
     """
     shape = next(iter(fields.values())).shape
     i0, i1, j0, j1 = window or (0, shape[0], 0, shape[1])
@@ -272,8 +249,8 @@ def reduce_fields(
 def slabs(fields: dict, i0: int, i1: int, multiple: int, columns: slice) -> Iterator[Any]:
     """Yield {field: its rows of a slab, float64} for the rows i0 <= i < i1, slab by slab.
 
-    Slabs have a multiple of `multiple` rows, but for the last one. "contact" is added if gap or
-    pressure are there: True where points touch.
+    Slabs have a multiple of `multiple` rows, but for the last one. "contact", where points touch,
+    is added if gap or pressure are there.
     """
     shape = next(iter(fields.values())).shape
     rows = max(1, SLAB_BYTES // (8 * shape[1]) // multiple) * multiple

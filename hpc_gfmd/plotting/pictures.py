@@ -211,26 +211,11 @@ def _result(solution_or_path: Any) -> Result:
 
 
 def figures(result: Any, what: Any = None, **how: Any) -> dict[str, Picture]:
-    """Draw several pictures of a result, each as a new figure.
+    """Draw several pictures of a result, each as a new figure, and return them by name.
 
-    Parameters
-    ----------
-    result : Solutions, Solution or path
-    what : str or list of str, optional
-        Names of pictures. Default: of maps, distributions, spectra and curves those that the result
-        has; with a window maps only; curves of a single load only if there is nothing else.
-    **how
-        As for `plot`.
-
-    Returns
-    -------
-    dict of str to Picture
-        By the names of the pictures.
-
-    Raises
-    ------
-    SceneError, GfmdError
-        As `plot`, and if the result has no finished load step.
+    what: names; by default of maps, distributions, spectra and curves those that the result has;
+    with a window maps only; curves of a single load only if there is nothing else. how: as for
+    `plot`, whose errors it raises.
     """
     result = _result(result)
     if not result.steps:
@@ -247,30 +232,13 @@ def figures(result: Any, what: Any = None, **how: Any) -> dict[str, Picture]:
 
 
 def plot_result(file: Any, where: Any = None, what: Any = None, **how: Any) -> list[Path]:
-    """Draw pictures of a result and save them; existing files are replaced.
+    """Draw pictures of a result, as `figures` does, save them, replacing existing files, and return
+    their paths.
 
-    Parameters
-    ----------
-    file : path or Result
-    where : path, optional
-        A folder, created if its parent exists, or a file .png, .pdf or .svg (if there are several
-        pictures each gets its name appended). Default: RESULT.png beside the result,
-        RESULT_NAME.png if there are several; contact.png in the working directory if the result is
-        in memory.
-    what : str or list of str, optional
-        As for `figures`.
-    **how
-        As for `plot`.
-
-    Returns
-    -------
-    list of Path
-        Paths of the pictures.
-
-    Raises
-    ------
-    SceneError, GfmdError
-        As `figures` and `save_picture`.
+    where: a folder, created if its parent exists, or a file .png, .pdf or .svg (if there are
+    several pictures each gets its name appended). Default: RESULT.png beside the result,
+    RESULT_NAME.png if there are several; contact.png in the working directory if the result is in
+    memory.
     """
     result = _result(file)
     where = Path(where or (result.path or Path("contact")).with_suffix(".png"))
@@ -282,9 +250,10 @@ def plot_result(file: Any, where: Any = None, what: Any = None, **how: Any) -> l
 def save_picture(
     fig: Picture, where: Path, name: str, several: bool = False, dpi: float | None = None
 ) -> Path:
-    """Save a picture as `where`, a .png, .pdf or .svg, or as NAME.png in the folder `where`.
+    """Save a picture as `where`, a .png, .pdf or .svg, or as NAME.png in the folder `where`, which
+    is made if its parent exists.
 
-    The folder is made if its parent exists. several: append _NAME to the name of the file.
+    several: append _NAME to the name of the file.
     """
     as_file = where.suffix.lower() in SUFFIXES and not where.is_dir()
     folder = where.parent if as_file else where

@@ -29,15 +29,8 @@ def tex_number(x: float, form: str = ".3g") -> str:
 class Scale:
     """A unit by which numbers are divided, and how axes name it.
 
-    Attributes
-    ----------
-    unit : float
-        Numbers are divided by it.
-    name : str
-        An absolute unit, such as "MPa", or the formula of a relative one, such as "E^* g"; "" if
-        there is none.
-    relative : bool
-        Whether the name is a formula.
+    name: an absolute unit, such as "MPa", or if `relative` a formula, such as "E^* g"; "" without a
+    unit.
     """
 
     unit: float = 1.0
@@ -49,9 +42,8 @@ class Scale:
         return label(symbol, (self, power))
 
     def value(self, symbol: str, number: float) -> str:
-        """Return an equation such as "$p = 20$ MPa" or, of a relative unit, "$p/E^* = 0.2$".
-
-        The number is in the unit of the result.
+        """Return a number in the unit of the result as "$p = 20$ MPa" or, of a relative unit,
+        "$p/E^* = 0.2$".
         """
         name = "" if self.relative else self.name
         left = label(symbol, (self, 1)).split("$")[1]

@@ -43,9 +43,8 @@ def spectra(views: Sequence[View], names: list[str]) -> Page:
 
 
 def _distribution(ax: Any, view: View, name: str) -> None:
-    """Draw one distribution of every load on axes, with labels, limits and the theory.
-
-    If there is nothing to draw the axes stay empty and their title says so.
+    """Draw one distribution of every load and the theory; axes without one say so in their
+    title.
     """
     symbol, title, fewest, power = DISTRIBUTIONS[name]
     densities = [
@@ -87,9 +86,9 @@ def _distribution(ax: Any, view: View, name: str) -> None:
 
 
 def _theory(ax: Any, view: View, densities: list[Any], unit: float) -> None:
-    """Draw on axes the density that the theory gives for each load; nothing if it gives none.
+    """Draw the density that the theory, if any, gives for each load (index, edges, values).
 
-    densities: (index of the load, edges, values). unit: of the axis, in the unit of the result.
+    unit: of the axis, in the unit of the result.
     """
     theory = view.theory
     if not (theory and theory.density):
@@ -105,8 +104,7 @@ def _shares(result: Result, name: str) -> Iterator[Any]:
     """Yield (index of the load, edges, shares) of every load step that has this distribution.
 
     Shares of the pressure add up to the area in contact, a_r, those of the gap to 1 - a_r, and
-    those of patches to 1. Loads with an empty histogram are left out. They come from the result
-    file if it has them, otherwise from the fields, which are read.
+    those of patches to 1. They come from the result file if it has them, otherwise from the fields.
     """
     for k, (step, fields) in enumerate(zip(result.steps, result.fields)):
         if f"{name}_edges" in step:
@@ -126,10 +124,8 @@ def _shares(result: Result, name: str) -> Iterator[Any]:
 
 
 def _joined(edges: np.ndarray, shares: np.ndarray, fewest: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return (edges, density) of a histogram, joining bins until each is filled enough.
-
-    Empty bins at the ends are dropped; each bin then has at least `fewest` times the smallest share
-    of a bin that is not empty.
+    """Return (edges, density) of a histogram, joining bins until each has at least `fewest` times
+    the smallest share of a bin that is not empty. Empty bins at the ends are dropped.
     """
     filled = np.flatnonzero(shares)
     stop = filled[-1] + 1
@@ -166,9 +162,10 @@ def histogram(fields: dict, name: str) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _lines(view: View, name: str, x: str, y: str) -> Iterator[Any]:
-    """Yield (x, y, keywords of plot) of a field for every load that has this distribution.
+    """Yield (x, y, keywords of plot) of a field for every load that has this distribution, heights
+    once.
 
-    x, y: endings of its keys in a load step. Heights are the same under all loads and come once.
+    x, y: endings of its keys in a load step.
     """
     for k, step in enumerate(view.result.steps):
         if f"{name}_{x}" in step:
@@ -184,9 +181,8 @@ def _lines(view: View, name: str, x: str, y: str) -> Iterator[Any]:
 
 
 def _spectrum(ax: Any, view: View, name: str) -> None:
-    """Draw the power spectrum of a field for each load on axes, with labels and log scales.
-
-    name: of the panel, such as "gap_spectrum". Powers below rounding are left out.
+    """Draw the power spectrum of a field, such as "gap_spectrum", for each load, without powers
+    below rounding.
     """
     length = view.lengths
     lines = list(_lines(view, name, "spectrum_q", "spectrum_power"))
@@ -208,10 +204,7 @@ def _spectrum(ax: Any, view: View, name: str) -> None:
 
 
 def _autocorrelation(ax: Any, view: View, name: str) -> None:
-    """Draw the autocorrelation of a field over its value at 0 for each load on axes, with labels.
-
-    name: of the panel, such as "gap_autocorrelation". A field whose value at 0 is 0 is left out.
-    """
+    """Draw the autocorrelation of a field over its value at 0 for each load, unless that is 0."""
     length = view.lengths
     ax.axhline(0, color="0.8", linewidth=0.7, zorder=0)
     keys = "autocorrelation_r", "autocorrelation_correlation"

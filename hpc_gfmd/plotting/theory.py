@@ -1,8 +1,8 @@
-"""Theories to draw beside results.
+"""Theories to draw beside results: Persson's for self-affine surfaces, Hertz' for spheres and
+cylinders, Westergaard's for waves.
 
-Persson's theory for self-affine surfaces, Hertz' for spheres and cylinders, Westergaard's for
-waves. An argument `surface` is the [surface] of a scene; p is a mean pressure, x a local one, both
-in the unit of the result.
+An argument `surface` is the [surface] of a scene; p is a mean pressure, x a local one, both in the
+unit of the result.
 """
 
 from collections.abc import Callable
@@ -49,7 +49,7 @@ ROUNDING = 1e-12  # share of the largest power below which a spectrum is roundin
 
 
 def theory_beside(result: Result, of_maps: bool) -> Theory | None:
-    """Return the theory of the surface of a result; None if there is none.
+    """Return the theory of the surface of a result or None.
 
     of_maps: for a measured, periodic map Persson's theory of its own slope and spectrum.
     """
@@ -108,17 +108,14 @@ def theory_of(scene: Scene | None, attributes: Any) -> Theory | None:
 
 
 def _areas(area: Callable, unit: float) -> dict[str, Callable]:
-    """Return the curves a_r and kappa of a function area(p).
-
-    unit: the pressure at which p* = 1.
-    """
+    """Return the curves a_r and kappa of area(p); unit: the pressure at which p* = 1."""
     return {"a_r": area, "kappa": lambda p: unit * area(p) / p}
 
 
 def _persson(surface: Any, unit: float, attributes: Any) -> Theory:
     """Return Persson's theory of a self-affine surface; unit: E* g_rms.
 
-    attributes: of the surface in the result. The mean gap needs their eps_f and h_rms.
+    The mean gap needs eps_f and h_rms of the surface in the result, `attributes`.
     """
     name = "Persson"
     eps_f = attributes.get("eps_f")
@@ -146,10 +143,9 @@ def persson_of_map(
     scene: Scene, attributes: Any, spectrum: tuple[np.ndarray, np.ndarray] | None
 ) -> Theory | None:
     """Return Persson's theory of a measured, periodic map: its own g_rms, and the gap of its own
-    spectrum.
+    spectrum (q, C), ascending.
 
-    spectrum: (q, C), ascending; None: without a gap curve. None for layers, adhesion, a hardness
-    and free edges.
+    None for layers, adhesion, a hardness and free edges; without a spectrum no gap curve.
     """
     slope = attributes.get("g_rms")
     sizes = attributes.get("physical_sizes")
@@ -218,9 +214,8 @@ def _hertz(surface: Any, E_star: float) -> Theory:
 
 
 def _hertz_line(surface: Any, E_star: float) -> Theory | None:
-    """Return Hertz' theory of an infinitely long cylinder.
-
-    None unless the cell is periodic along its axis and has free edges across it.
+    """Return Hertz' theory of a cylinder if the cell is periodic along its axis, with free edges
+    across.
     """
     curved = 0 if isfinite(surface.radii[0]) else 1
     if surface.free[1 - curved] or not surface.free[curved]:

@@ -15,26 +15,10 @@ from .theory import scene_of, theory_beside
 class View:
     """Some load steps of a result, with the units, theory and window of a picture of them.
 
-    Attributes
-    ----------
-    result : Result
-        With the chosen load steps only.
-    pull_off : dict or None
-        The last load step before the surfaces separate, chosen or not; None if they do not.
-    left_out : int
-        Number of load steps that are not chosen.
-    window : (x0, x1, y0, y1)
-        In the unit of the sizes.
-    points : (i0, i1, j0, j1) or None
-        The window in grid points; None: all of them.
-    hardness : float or None
-        In the unit of the pressure.
-    attracts : bool
-        Whether the surfaces attract each other.
-    remembers : bool
-        Whether the loads follow from each other: dents stay, or the solid relaxes.
-    lengths : Scale
-        Of positions within the window.
+    result: with the chosen load steps only, of which `left_out` are not chosen; pull_off: the last
+    load step before the surfaces separate, chosen or not, or None; window: (x0, x1, y0, y1) in the
+    unit of the sizes, and points: the same (i0, i1, j0, j1), None for all; remembers: whether the
+    loads follow from each other; lengths: the Scale of positions within the window.
     """
 
     def __init__(
@@ -77,10 +61,10 @@ class View:
 
 
 def window_of(surface: Any, window: Any) -> tuple:
-    """Return a part of the cell at the edges of grid points, and its points (i0, i1, j0, j1).
+    """Return a part of the cell at the edges of grid points, and its points (i0, i1, j0, j1), None
+    for all.
 
-    window: (x0, x1, y0, y1) in the unit of the sizes, or as texts such as "2um"; None is all, whose
-    points are None.
+    window: (x0, x1, y0, y1) in the unit of the sizes, or as texts such as "2um".
     """
     sizes = np.array(surface.get("physical_sizes", (1.0, 1.0)))
     n = np.array(surface["n"])

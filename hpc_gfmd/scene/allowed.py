@@ -22,23 +22,12 @@ COUNTS = {2: "two", 3: "three", 4: "four"}
 
 
 def allowed_values(annotation: Any, metadata: tuple = (), unit: str = "") -> str:
-    """Describe the values that a type allows, in words for a message.
+    """Describe the values that a type allows, with its bounds, such as "a number above 0 and up to
+    1, or a list of them".
 
-    Parameters
-    ----------
-    annotation : type
-        Type of the key; the bounds in Annotated types count, too.
-    metadata : tuple
-        Further bounds: objects of annotated_types or fields of pydantic; anything else is ignored.
-    unit : str
-        What numbers measure: "length", "pressure", "force" or "work" if they may have units. Any
-        other text is ignored.
-
-    Returns
-    -------
-    str
-        Such as "a number above 0 and up to 1, or a list of them"; "a text" for a type that is
-        neither a number nor a bool, a Literal, a tuple or a union of these.
+    metadata: further bounds (annotated_types or fields of pydantic); unit: what numbers measure if
+    they may have units. "a text" for a type that is neither a number nor a bool, a Literal, a tuple
+    or a union of these.
     """
     origin = get_origin(annotation)
     if origin is Annotated:
@@ -65,8 +54,7 @@ def _number(noun: str, metadata: tuple) -> str:
     """Describe a number by its bounds, as "a number from 0 to 1".
 
     The bounds LARGEST and MAX_INT, which only prevent overflow, are left out, and SMALLEST becomes
-    "greater than 0". `noun` is "a number" or "a whole number"; `metadata` is as for
-    `allowed_values`.
+    "greater than 0".
     """
     bounds: dict[str, Any] = {}
     for item in metadata:

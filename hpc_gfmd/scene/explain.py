@@ -58,22 +58,8 @@ def suggested(name: str, names: Iterable[str]) -> str:
 
 
 def require_known(key: str, name: str, names: Iterable[str]) -> None:
-    """Raise SceneError unless a name is valid.
-
-    Parameters
-    ----------
-    key : str
-        The key whose value the name is; the message begins with it.
-    name : str
-        The name to check.
-    names : iterable of str
-        Valid names.
-
-    Raises
-    ------
-    SceneError
-        With a near valid name, or that the physics of this name is not modelled, and all valid
-        names.
+    """Raise SceneError, which begins with `key`, unless a name is valid: with a near valid name, or
+    that its physics is not modelled, and all valid names.
     """
     allowed = sorted(names)
     if name not in allowed:
@@ -83,9 +69,8 @@ def require_known(key: str, name: str, names: Iterable[str]) -> None:
 
 
 def shown(value: object) -> str:
-    """Return a value as text for a message: one line, shortened, texts in quotes.
-
-    A dict is "a table", and a bool is written as in TOML.
+    """Return a value as text for a message: one line, shortened, texts in quotes, bools as in
+    TOML.
     """
     if isinstance(value, bool):
         return str(value).lower()
@@ -98,9 +83,8 @@ def shown(value: object) -> str:
 
 
 def printable(key: str) -> str:
-    """Return a text as it is; quoted and shortened if it is empty, long or has control characters.
-
-    `key` is the name of a key or of a file, for a message.
+    """Return the name of a key or file for a message; quoted and shortened if empty, long or with
+    control characters.
     """
     return key if key and key.isprintable() and len(key) <= 200 else _short.repr(key)
 
@@ -109,23 +93,11 @@ Model = type[BaseModel]
 
 
 def explain(error: ValidationError, scene: Model, data: dict) -> str:
-    """Return one line that explains the first eight validation errors and counts the rest.
+    """Return one line that explains the first eight validation errors (key, what was found and what
+    is allowed; unknown keys first) and counts the rest.
 
-    Errors of the same key count as one.
-
-    Parameters
-    ----------
-    error : ValidationError
-        From pydantic.
-    scene : type
-        The class that was validated: Scene or ArrayScene.
-    data : dict
-        The tables that were validated.
-
-    Returns
-    -------
-    str
-        Key, what was found and what is allowed, of each error; unknown keys first.
+    scene: the class that was validated, with the tables `data`. Errors of the same key count as
+    one.
     """
     # Several errors of one key (alternatives of its type, entries of a list) count as one. A
     # misspelt key comes first: it explains the "not given" that follows from it.
@@ -141,11 +113,7 @@ def explain(error: ValidationError, scene: Model, data: dict) -> str:
 
 
 def _line(item: Any, scene: Model, data: dict) -> tuple[tuple, str]:
-    """Return (key, message) for one error of pydantic; the key is a tuple of names.
-
-    `item` is an entry of `ValidationError.errors`; `scene` is the class and `data` are the tables
-    that were validated.
-    """
+    """Return (key as a tuple of names, message) for one entry of `ValidationError.errors`."""
     if not item["loc"]:  # a rule on the whole scene
         return (), str(item["ctx"]["error"])
     name, *rest = item["loc"]
@@ -195,9 +163,7 @@ def _line(item: Any, scene: Model, data: dict) -> tuple[tuple, str]:
 
 
 def _why(item: Any) -> str:
-    """Return what is wrong with a value, with ", " behind it, or "".
-
-    `item` is an entry of `ValidationError.errors`. The text is "" if the allowed values, which the
+    """Return what is wrong with a value, with ", " behind it; "" if the allowed values, which the
     message has anyway, explain the error.
     """
     value = item["input"]
@@ -209,10 +175,8 @@ def _why(item: Any) -> str:
 
 
 def _limits(item: Any) -> str:
-    """Return ", from ... to ..." if a positive number violates the bound SMALLEST or LARGEST.
-
-    Otherwise "". The description of allowed values leaves these bounds out. `item` is an entry of
-    `ValidationError.errors`.
+    """Return ", from ... to ..." if a positive number violates SMALLEST or LARGEST, which the
+    description of allowed values leaves out, else "".
     """
     beyond = {"greater_than_equal": "ge", "less_than_equal": "le"}.get(item["type"])
     return (
@@ -223,20 +187,18 @@ def _limits(item: Any) -> str:
 
 
 def _fields(scene: Model, table: str) -> Mapping[str, Any]:
-    """Return {key: field} of a table of a scene.
-
-    Empty for [surface], which has kinds, for unknown tables, and for keys that are no table.
+    """Return {key: field} of a table of a scene, empty for [surface], which has kinds, and for no
+    table.
     """
     field = scene.model_fields.get(table)
     return getattr(field and field.annotation, "model_fields", {})
 
 
 def _nearest(name: str, of_table: str, siblings: Iterable[str], scene: Model) -> str:
-    """Return "unknown key, nearest: ..." for an unknown key `name`, without a hint if none is near.
+    """Return "unknown key, nearest: ...": a similar one of `siblings`, or a key of this very name
+    in another table.
 
     `of_table` is the table in which it stands, with a dot ("load."), or "" before the first table.
-    Suggested are a similar one of `siblings`, the valid keys there, and a key of this very name in
-    another table of `scene`.
     """
     places = {
         key: f"{table}.{key}" for table in scene.model_fields for key in _fields(scene, table)

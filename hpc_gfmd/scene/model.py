@@ -56,18 +56,15 @@ class Scene(Table):
 
     @property
     def may_break_symmetry(self) -> bool:
-        """Whether a contact may vary along an axis along which the heights do not.
-
-        With adhesion at a gap or an approach; under a pressure such states are no more stable.
+        """Whether a contact may vary along an axis along which the heights do not: with adhesion at
+        a gap or an approach; under a pressure such states are no more stable.
         """
         return self.material.adhesion is not None and self.load.is_searched
 
     @model_validator(mode="after")
     def _rough(self) -> Self:
-        """Raise ValueError if the surface is flat and the load is no pressure, force or approach.
-
-        A wave of amplitude 0 without a radius is flat; it has no rms slope for load.p_star, and
-        touches everywhere or nowhere.
+        """Raise ValueError if the surface is flat and the load is no pressure, force or approach:
+        it has no rms slope for load.p_star, and touches everywhere or nowhere.
         """
         name, _ = self.load.prescribed
         if (
@@ -85,9 +82,9 @@ class Scene(Table):
     def _units(self) -> Self:
         """Raise ValueError if some quantities have units and others do not.
 
-        An example is "5 MPa" beside a plain modulus. Lengths and pressures are compared among
-        themselves; a force needs units if both of them have units, and work of adhesion if the
-        range has. Lengths of a height map are not compared here: its file may have units.
+        Lengths and pressures are compared among themselves; a force needs units if both of them
+        have units, and work of adhesion if the range has. Lengths of a height map are not compared
+        here: its file may have units.
         """
         parts = {"surface": self.surface, "load": self.load, "material": self.material}
         lengths, pressures, forces = (
@@ -121,9 +118,7 @@ class Scene(Table):
     def _pulled(self) -> Self:
         """Raise ValueError for loads that need or exclude adhesion.
 
-        Refused without adhesion: pressures, forces and approaches that are not positive, the
-        retraction branch, load.unique. Refused with adhesion: a hardness, contact areas as loads,
-        and gaps and approaches that are not positive, except all approaches but the first on
+        With adhesion gaps and approaches must be positive, except all approaches but the first on
         retraction.
         """
         adhesion, hardness = self.material.adhesion, self.material.hardness
@@ -182,9 +177,7 @@ class Scene(Table):
     def _load_fits(self) -> Self:
         """Raise ValueError for a force or an approach that the boundary does not allow.
 
-        A force needs free edges along at least one axis. An approach needs them along both, or a
-        layer on a rigid base. A boundary that the scene leaves to the file of a map is not free
-        here.
+        A boundary that the scene leaves to the file of a map is not free here.
         """
         if self.load.force and not any(self.surface.free):
             raise ValueError(
@@ -200,9 +193,8 @@ class Scene(Table):
 
     @property
     def length_unit(self) -> str:
-        """Unit of lengths in the scene: "m" if they have units, else "".
-
-        A height map may have a unit in its file nevertheless.
+        """Unit of lengths in the scene, "m" or "" without one; the file of a height map may have
+        one.
         """
         return "m" if has_unit(self.surface.physical_sizes) else ""
 
@@ -221,27 +213,11 @@ class Scene(Table):
     def from_dict(
         cls, data: dict[str, Any], origin: str = "scene", folder: str | PathLike | None = None
     ) -> "Scene":
-        """Return a validated scene from tables as read from TOML.
+        """Return a validated scene from tables as read from TOML, or raise SceneError, which begins
+        with `origin`.
 
-        Parameters
-        ----------
-        data : dict
-            The tables; they are not changed.
-        origin : str
-            Where they come from; messages begin with it.
-        folder : path, optional
-            The folder that relative paths of height maps refer to; they become absolute. Default:
-            they stay as they are.
-
-        Returns
-        -------
-        Scene
-            Of the class on which this is called.
-
-        Raises
-        ------
-        SceneError
-            One line: key, what was found, what is allowed.
+        folder: that to which relative paths of height maps refer; they become absolute. Default:
+        they stay.
         """
         try:
             return cls.model_validate(data, context=folder and os.path.abspath(folder))
@@ -250,24 +226,8 @@ class Scene(Table):
 
     @classmethod
     def from_toml(cls, text: str, origin: str = "scene") -> "Scene":
-        """Return a validated scene from TOML text.
-
-        Parameters
-        ----------
-        text : str
-            A scene. Relative paths of height maps stay as they are.
-        origin : str
-            Where it comes from; messages begin with it.
-
-        Returns
-        -------
-        Scene
-            Of the class on which this is called.
-
-        Raises
-        ------
-        SceneError
-            One line: key, what was found, what is allowed.
+        """Return a validated scene from TOML text, or raise SceneError, which begins with
+        `origin`.
         """
         return cls.from_dict(parse_toml(text, origin), origin)
 
@@ -352,24 +312,8 @@ class ArrayScene(Scene):
 
 
 def parse_toml(text: str, origin: str) -> dict[str, Any]:
-    """Return the tables of a TOML text as a dict.
-
-    Parameters
-    ----------
-    text : str
-        TOML.
-    origin : str
-        Where it comes from; messages begin with it.
-
-    Returns
-    -------
-    dict
-        Its tables, not validated.
-
-    Raises
-    ------
-    SceneError
-        If the text is not valid TOML; with the line number, if the parser reports it.
+    """Return the tables of a TOML text, or raise SceneError, which begins with `origin`, with the
+    line number.
     """
     try:
         return tomllib.loads(text)

@@ -27,9 +27,9 @@ OTHERS = ((VISCOELASTIC, WITH_TIME), (CONDUCTION, INSTEAD))
 def not_modelled(*names: str) -> str:
     """Return a message on the first name that stands for physics without a key here, else "".
 
-    The message says that the physics is not modelled, or, for adhesion and conduction, which key to
-    use instead. Names are keys or values of any spelling ("friction_coefficient", "gammaSL"). Words
-    that end in "less" ("frictionless") and the valid key "adhesion" are ignored.
+    For adhesion and conduction it says which key to use instead. Names are keys or values of any
+    spelling ("friction_coefficient", "gammaSL"). Words that end in "less" ("frictionless") and the
+    valid key "adhesion" are ignored.
     """
     for name in names:
         if name == KEY:

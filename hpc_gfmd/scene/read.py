@@ -17,27 +17,9 @@ ALTERNATIVES = {"load": LOADS, "solver": ("accuracy", "residual")}
 
 
 def load_scene(path: str | PathLike, overrides: Iterable[str] = ()) -> Scene:
-    """Read and validate a scene file.
+    """Read and validate a scene file, with overrides as of `apply_override`, or raise SceneError.
 
-    A relative path of a height map, in the file or in an override, refers to the folder of the
-    scene file and becomes absolute.
-
-    Parameters
-    ----------
-    path : path
-        A scene in TOML.
-    overrides : iterable of str
-        See `apply_override`.
-
-    Returns
-    -------
-    Scene
-        The scene with the overrides.
-
-    Raises
-    ------
-    SceneError
-        One line: key, what was found, what is allowed.
+    A relative path of a height map refers to the folder of the scene file and becomes absolute.
     """
     origin = printable(str(path))
     data = parse_toml(_read(path, origin), origin)
@@ -47,26 +29,8 @@ def load_scene(path: str | PathLike, overrides: Iterable[str] = ()) -> Scene:
 
 
 def with_overrides(scene: Scene, overrides: Iterable[str], table: str) -> Scene:
-    """Return a scene with changed keys in one table; the scene itself if there are no overrides.
-
-    Parameters
-    ----------
-    scene : Scene
-        The scene, which stays as it is.
-    overrides : iterable of str
-        "table.key=value", see `apply_override`.
-    table : str
-        The only table that may be changed.
-
-    Returns
-    -------
-    Scene
-        The changed scene.
-
-    Raises
-    ------
-    SceneError
-        For keys of other tables and wrong values.
+    """Return a scene with changed keys ("table.key=value") in one table, the only one that may be
+    changed.
     """
     data = scene.model_dump(exclude_none=True)
     for override in overrides:
@@ -77,10 +41,7 @@ def with_overrides(scene: Scene, overrides: Iterable[str], table: str) -> Scene:
 
 
 def _read(path: str | PathLike, origin: str) -> str:
-    """Return the text of a scene file. Raises SceneError if it cannot be read or is empty.
-
-    `origin` is how messages name the file.
-    """
+    """Return the text of a scene file, called `origin` in messages, or raise SceneError."""
     if not os.path.isfile(path):
         raise SceneError(f"{origin}: no such file, allowed: a scene file in TOML")
     try:
@@ -96,23 +57,12 @@ def _read(path: str | PathLike, origin: str) -> str:
 
 
 def apply_override(data: dict[str, Any], override: str) -> None:
-    """Set one key in the tables of a scene, which are changed in place.
+    """Set one key in the tables of a scene, which are changed in place, without validation.
 
-    Setting one of several alternatives (kinds of load; accuracy, residual) by its own key removes
-    the others. Missing tables are created. The value is not validated.
-
-    Parameters
-    ----------
-    data : dict
-        Tables as read from TOML; they are changed.
-    override : str
-        "table.key=value", "key=value" before the first table, or "table={key = value}", which
-        replaces a whole table. A value that is not TOML is taken as a text.
-
-    Raises
-    ------
-    SceneError
-        If the override has another form or a key within something that is no table.
+    override: "table.key=value", "key=value" before the first table, or "table={key = value}", which
+    replaces a whole table; a value that is not TOML is taken as a text. Setting one of several
+    alternatives (kinds of load; accuracy, residual) by its own key removes the others. Raises
+    SceneError for another form or a key within something that is no table.
     """
     key, equals, value = override.partition("=")
     path = [part.strip() for part in key.split(".")]

@@ -1,6 +1,5 @@
-"""Reference of all keys of a scene, as text and as a page of the documentation.
-
-It is generated from the models that check the keys.
+"""Reference of all keys of a scene, as text and as a page of the documentation, from the models
+that check the keys.
 """
 
 import json
@@ -31,30 +30,14 @@ UNITS = {
 
 @dataclass(frozen=True)
 class Key:
-    """What help and templates show of a key of a table.
-
-    Attributes
-    ----------
-    name : str
-        The key.
-    meaning : str
-        What it is.
-    allowed : str
-        Its allowed values, in words.
-    unit : str
-        "length", "pressure", ..., the name of a unit, or "".
-    default : str or None
-        Its default in TOML or in words; None if the key must be given.
-    example : object
-        A value for templates, by default the default; None if there is none.
-    """
+    """What help and templates show of a key of a table."""
 
     name: str
     meaning: str
-    allowed: str
-    unit: str = ""
-    default: str | None = None
-    example: Any = None
+    allowed: str  # in words
+    unit: str = ""  # "length", "pressure", ..., the name of a unit, or ""
+    default: str | None = None  # in TOML or in words; None if the key must be given
+    example: Any = None  # for templates, by default the default; None if there is none
 
     @property
     def facts(self) -> str:
@@ -69,38 +52,20 @@ KIND = Key("kind", "which surface", ", ".join(map(json.dumps, KINDS)), example="
 
 @dataclass(frozen=True)
 class Section:
-    """The keys of a table of a scene, or of a kind of surface, with a description.
+    """The keys of a table of a scene, or of a kind of surface, with a description."""
 
-    Attributes
-    ----------
-    table : str
-        Name of the table; "" for keys before the first table.
-    heading : str
-        Heading in the help, such as "[load]" or "[surface] of kind = ...".
-    title : str
-        What the table is, in a few words.
-    about : str
-        What it is, in sentences.
-    keys : tuple of Key
-        Its keys.
-    kind : str
-        Kind of surface, or BODIES for the table of a body; "" for the keys of all kinds, and for
-        other tables.
-    """
-
-    table: str
-    heading: str
-    title: str
-    about: str
+    table: str  # "" for keys before the first table
+    heading: str  # such as "[load]" or "[surface] of kind = ..."
+    title: str  # what the table is, in a few words
+    about: str  # the same in sentences
     keys: tuple[Key, ...]
-    kind: str = ""
+    kind: str = ""  # kind of surface, or BODIES for the table of a body; else ""
 
 
 def sections(names: Mapping[str, Any] | None = None) -> list[Section]:
     """Return the sections of all tables and kinds of surface, in the order of the models.
 
     `names` adds lists of values that the models do not know: {"output.observables": ["a_r", ...]}.
-    None adds nothing.
     """
     names = names or {}
     fields = dict(Scene.model_fields)
@@ -132,11 +97,7 @@ def sections(names: Mapping[str, Any] | None = None) -> list[Section]:
 
 
 def toml(value: Any) -> str:
-    """Return a value as TOML, on one line.
-
-    `value` is a text, a number, a bool, or a dict, list or tuple of such values. TOML has no null:
-    None must not be in it. A value of any other type, such as a date, is written as a text.
-    """
+    """Return a value as TOML, on one line; it must not hold None, and a date becomes a text."""
     if isinstance(value, dict):
         items = (
             f"{key if key.isidentifier() else toml(key)} = {toml(item)}"
@@ -156,23 +117,8 @@ def toml(value: Any) -> str:
 def text(key: str | None = None, names: Mapping[str, Any] | None = None) -> str:
     """Return the description of all keys, or of some, as text for a terminal.
 
-    Parameters
-    ----------
-    key : str, optional
-        A table, or a key with or without its table: "solver", "accuracy", "solver.accuracy"; by
-        default all keys.
-    names : mapping, optional
-        As for `sections`.
-
-    Returns
-    -------
-    str
-        Several lines.
-
-    Raises
-    ------
-    SceneError
-        For an unknown key, with the nearest one.
+    key: "solver", "accuracy" or "solver.accuracy"; SceneError names the nearest one to an unknown
+    key. names: as for `sections`.
     """
     lines = []
     indent = " " * 22
@@ -216,18 +162,16 @@ def _listed(allowed: str) -> str:
 
 
 def _names(model: Any) -> list[str]:
-    """Return the keys of a table, in order.
-
-    For a kind of surface these are its own ones: keys of all kinds only if it redefines them.
+    """Return the keys of a table, in order; those of all kinds of surface only if this kind
+    redefines them.
     """
     classes = [base for base in reversed(model.__mro__) if base is model or base not in COMMON]
     return list(dict.fromkeys(name for base in classes for name in get_annotations(base)))
 
 
 def _key(name: str, field: Any, names: Any = ()) -> Key:
-    """Return the Key that describes a field. `names` lists allowed values that its type does not.
-
-    `field` is one that `table.key` has made.
+    """Return the Key of a field that `table.key` has made; `names`: allowed values that its type
+    does not list.
     """
     extra = about(field)
     default = extra["default_text"]

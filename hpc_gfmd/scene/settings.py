@@ -47,10 +47,10 @@ PUSH = "greater than 0, with material.adhesion also 0 and below"
 
 
 def _effective_modulus(solids: dict) -> float:
-    """Return E* of two solids, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 (eq. effMod).
+    """Return E* of two solids, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2 (eq. effMod); 1 without E1 or
+    nu1.
 
-    `solids` holds the keys E1, nu1, E2 and nu2, None or absent if not given. The second solid is
-    rigid if E2 is not given, and nu2 is 0 by default. The result is 1 if E1 or nu1 is not given.
+    The second solid is rigid if E2 is not given, and nu2 is 0 by default.
     """
     E1, nu1, E2, nu2 = (solids.get(key) for key in SOLIDS)
     if E1 is None or nu1 is None:
@@ -158,11 +158,7 @@ class Material(Table):
 
     @model_validator(mode="after")
     def _layer(self) -> Self:
-        """Raise ValueError if the keys of the layer and its base do not fit together.
-
-        Refused are `base` without a thickness; base = "elastic" without both base_E and base_nu;
-        either of these two with any other base; and a bonded layer (base = "bonded") of nu1 = 0.5.
-        """
+        """Raise ValueError if the keys of the layer and its base do not fit together."""
         if self.thickness is None and "base" in self.model_fields_set:
             raise ValueError(
                 f'found base = "{self.base}" without thickness, allowed: both, or none'
@@ -183,9 +179,8 @@ class Material(Table):
 
     @model_serializer(mode="wrap")
     def _as_given(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Return the table for TOML, without a computed E_star, and without `base` if no layer.
-
-        Such keys would be refused when the table is read again.
+        """Return the table for TOML, without a computed E_star, and without `base` if no layer:
+        they would be refused when the table is read again.
         """
         table = dump(self)
         if self.E1 is not None:
@@ -262,9 +257,8 @@ class LoadTable(Table):
 
     @property
     def prescribed(self) -> tuple[str, tuple[float, ...]]:
-        """(name of the prescribed quantity, its value for each load).
-
-        A single value is that of all times.
+        """(name of the prescribed quantity, its value for each load); a single value is that of all
+        times.
         """
         name = next(name for name in LOADS if getattr(self, name) is not None)
         values = getattr(self, name)
@@ -280,21 +274,10 @@ class LoadTable(Table):
         return {"p_star": E_star * g_rms, "force": 1 / area}.get(self.prescribed[0], 1.0)
 
     def p0(self, E_star: float, g_rms: float, area: float = 1.0) -> tuple[float, ...]:
-        """Return the mean pressures of all loads; () if they follow from a search (is_searched).
+        """Return the mean pressures of all loads, in the unit of E_star; () if they follow from a
+        search.
 
-        Parameters
-        ----------
-        E_star : float
-            Effective modulus.
-        g_rms : float
-            Rms slope of the surface on the grid; used for loads given as p_star only.
-        area : float
-            Nominal area of the surface; used for loads given as forces only.
-
-        Returns
-        -------
-        tuple of float
-            In the unit of E_star, one for each load.
+        g_rms: on the grid, for loads given as p_star; area: nominal, for loads given as forces.
         """
         _, values = self.prescribed
         unit = self.unit(E_star, g_rms, area)

@@ -80,18 +80,16 @@ class SurfaceTable(Table):
 
     @property
     def radii(self) -> tuple[float, float]:
-        """(R_x, R_y) of the ball under the roughness, or of the sphere itself.
-
-        inf along an axis where it is straight; (inf, inf) if there is no ball.
+        """(R_x, R_y) of the ball under the roughness, or of the sphere itself; inf where it is
+        straight or missing.
         """
         found = inf if self.radius is None else self.radius
         return found if isinstance(found, tuple) else (found, found)
 
     @property
     def free(self) -> tuple[bool, bool]:
-        """Whether the surface has free edges along x, along y.
-
-        (False, False) also for a map without a boundary in the scene, which has to be periodic.
+        """Whether the surface has free edges along x, along y; (False, False) also for a map
+        without a boundary in the scene, which has to be periodic.
         """
         # None: a height map that has to be periodic, see surface/quality.py
         return self._ends_as("free")
@@ -143,11 +141,7 @@ class SelfAffine(Anisotropy, SurfaceTable):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        """Raise ValueError if keys contradict each other or give no surface.
-
-        Refused are g_rms beside h_rms, a roll-off below the shortest wave length, numbers of points
-        that are not whole, and cutoffs between which the cell has no wave.
-        """
+        """Raise ValueError if keys contradict each other or give no surface."""
         one_of(self, "g_rms", "h_rms")
         if self.lam_l_over_lam_r > self.lam_l_over_lam_s:
             raise ValueError(
@@ -323,10 +317,8 @@ class File(Reading, SurfaceTable):  # type: ignore[misc]
 
     @model_validator(mode="after")
     def _one_way_to_be_periodic(self) -> Self:
-        """Raise ValueError for keys that exclude each other.
-
-        Exactly one of path and bodies must be given, and no window with a boundary that is not
-        periodic.
+        """Raise ValueError unless exactly one of path and bodies is given, and for a window with a
+        boundary that is not periodic.
         """
         one_of(self, "path", "bodies")
         if self.window != "none" and any((*self.free, *self.mirrored)):
@@ -362,9 +354,8 @@ AnySurface = Annotated[
 
 
 def _whole(value: float, what: str) -> None:
-    """Raise ValueError unless a number of points is whole and from 1 to MAX_N.
-
-    `what` is its name and formula, for the message.
+    """Raise ValueError unless a number of points, `what` in the message, is whole and from 1 to
+    MAX_N.
     """
     if not (1 <= value <= MAX_N and abs(value - round(value)) <= 1e-9 * value):
         raise ValueError(f"found {what} = {value:.10g}, allowed: a whole number from 1 to {MAX_N}")

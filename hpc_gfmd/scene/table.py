@@ -50,17 +50,12 @@ def each(value: Any) -> tuple:
 
 
 def _with_unit(dimension: str) -> WrapValidator:
-    """Return a validator of numbers that also accepts a text with a unit, as a Quantity.
-
-    `dimension` is that of the unit, such as "length".
+    """Return a validator of numbers that also accepts a text with a unit of a dimension, as a
+    Quantity.
     """
 
     def read(value: Any, check: Any) -> float:
-        """Return a plain number, or the Quantity of a text.
-
-        `check` is pydantic's validator of the plain number, its bounds included. Raises ValueError
-        if a text is not a number with a unit of this dimension.
-        """
+        """Return a plain number, checked with its bounds, or the Quantity of a text."""
         if not isinstance(value, str | Quantity):
             return check(value)
         value = parse(value, dimension) if isinstance(value, str) else value
@@ -71,9 +66,8 @@ def _with_unit(dimension: str) -> WrapValidator:
 
 
 def _from_folder(path: str, scene: ValidationInfo) -> str:
-    """Return a path; a relative one is joined to the folder of the scene file, if that is known.
-
-    `scene.context` is this folder, or None.
+    """Return a path; a relative one is joined to `scene.context`, the folder of the scene file, if
+    known.
     """
     return os.path.join(scene.context, path) if scene.context else path
 
@@ -166,29 +160,10 @@ def key(
 ) -> Any:
     """Return a pydantic field for a key of a table, with all that help and messages show of it.
 
-    Parameters
-    ----------
-    meaning : str
-        What the key is, for `hpc-gfmd help scene` and the scenes of `hpc-gfmd init`.
-    default : object
-        Its default; without one the key must be given.
-    allowed : str
-        Description of allowed values, if that derived from the type is not good enough
-        (`allowed_of`).
-    unit : str
-        "length", "pressure", "force", "work" or "time" for a number that may have units, or the
-        name of the unit ("s"); "" for a plain number.
-    example : object
-        A value for the scenes of `hpc-gfmd init`; by default the default.
-    default_text : str
-        Text that is shown instead of the default, if that depends on other keys.
-    **more
-        Other arguments of pydantic.Field.
-
-    Returns
-    -------
-    FieldInfo
-        For the body of a Table.
+    allowed: description of allowed values, if that derived from the type is not good enough; unit:
+    what a number that may have units measures, such as "length", or the name of the unit ("s");
+    example: a value for the scenes of `hpc-gfmd init`; default_text: shown instead of the default,
+    if that depends on other keys; more: arguments of pydantic.Field.
     """
     example = default if example is None else example
     extra = {"allowed": allowed, "unit": unit, "example": example, "default_text": default_text}
@@ -196,9 +171,8 @@ def key(
 
 
 def about(field: Any) -> dict[str, Any]:
-    """Return what `key` stored in a field: {"allowed", "unit", "example", "default_text"}.
-
-    Empty for other fields.
+    """Return what `key` stored in a field, "allowed", "unit", "example", "default_text", or an
+    empty dict.
     """
     return field.json_schema_extra or {}
 
@@ -211,10 +185,8 @@ def keys_with_unit(table: type[Table], dimension: str) -> tuple[str, ...]:
 
 
 def allowed_of(field: Any) -> str:
-    """Return a description of the values that a field may have.
-
-    `field` is made by `key`. It is the description given there, or else one derived from the type
-    and the bounds of the field.
+    """Return the description of allowed values given to `key`, or else one derived from type and
+    bounds.
     """
     extra = about(field)
     return extra["allowed"] or allowed_values(
@@ -223,10 +195,7 @@ def allowed_of(field: Any) -> str:
 
 
 def table_fields(field: Any) -> Mapping[str, Any]:
-    """Return {key: field} of the table, or of the tables in a list, that a field takes.
-
-    Empty for a field that takes no table.
-    """
+    """Return {key: field} of the table, or of the tables in a list, that a field takes, if any."""
     types = [field.annotation]
     for annotation in types:  # those inside of others, too
         if hasattr(annotation, "model_fields"):
@@ -236,19 +205,8 @@ def table_fields(field: Any) -> Mapping[str, Any]:
 
 
 def one_of(table: BaseModel, *keys: str) -> None:
-    """Raise ValueError unless exactly one of some keys is set.
-
-    Parameters
-    ----------
-    table : Table
-        The table.
-    *keys : str
-        Its keys; a key that is None is not set.
-
-    Raises
-    ------
-    ValueError
-        With the keys that are set.
+    """Raise ValueError, with the keys that are set, unless exactly one of some keys is set (not
+    None).
     """
     present = [key for key in keys if getattr(table, key) is not None]
     if len(present) != 1:
@@ -262,19 +220,9 @@ def has_unit(value: Any) -> bool:
 
 
 def alike(noun: str, quantities: dict[str, Any]) -> None:
-    """Raise ValueError if some quantities have units and others are plain.
+    """Raise ValueError, with all keys, if some quantities have units and others are plain.
 
-    Parameters
-    ----------
-    noun : str
-        What they are, such as "lengths".
-    quantities : dict
-        Numbers, or tuples of them, by key. 0 and inf fit to any unit, and None is ignored.
-
-    Raises
-    ------
-    ValueError
-        With all keys of both groups.
+    0 and inf fit to any unit, and None is ignored.
     """
     numbers = [
         (key, number)

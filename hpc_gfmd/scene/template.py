@@ -21,54 +21,26 @@ CHOSEN_OF_KIND = {
 
 @dataclass
 class Suggestion:
-    """Values that a height map suggests for the keys of [surface].
+    """Values that a height map suggests for the keys of [surface]."""
 
-    Attributes
-    ----------
-    values : dict
-        Keys to be set, with their values.
-    from_file : dict
-        Keys whose values the file itself has; they are shown as comments.
-    why : dict
-        Reasons for both, by key; shown instead of the meaning of the key.
-    missing : list of str
-        Keys that neither the file nor the user has given, and that only the user knows.
-    open : list of str
-        Keys whose values were chosen although only the user knows them.
-    about : list of str
-        Notes on the map, one line each.
-    unit : str
-        "m" if lengths have units, else "".
-    """
-
-    values: dict = field(default_factory=dict)
+    values: dict = field(default_factory=dict)  # keys to be set
+    # keys whose values the file itself has; shown as comments
     from_file: dict = field(default_factory=dict)
+    # reasons for both, shown instead of the meaning of the key
     why: dict = field(default_factory=dict)
+    # keys that neither the file nor the user has given, and that only the user knows
     missing: list = field(default_factory=list)
+    # keys whose values were chosen although only the user knows them
     open: list = field(default_factory=list)
-    about: list = field(default_factory=list)
-    unit: str = ""
+    about: list = field(default_factory=list)  # notes on the map, one line each
+    unit: str = ""  # "m" if lengths have units, else ""
 
 
 def template(kind: str, tables: Mapping[str, Any], suggestion: Suggestion, head: str) -> str:
     """Return a scene as TOML text with a comment on every key.
 
-    Parameters
-    ----------
-    kind : str
-        Kind of surface.
-    tables : mapping
-        {table: {key: value}} to be set. Keys that must be given and are not among them are set to
-        their examples; all others become comments.
-    suggestion : Suggestion
-        Suggested by a height map; an empty one for other kinds.
-    head : str
-        Text of the first line, which is a comment.
-
-    Returns
-    -------
-    str
-        TOML.
+    tables: {table: {key: value}} to be set; keys that must be given and are not among them are set
+    to their examples, all others become comments. head: text of the first line, which is a comment.
     """
     surface = {"kind": kind} | tables.get("surface", {}) | suggestion.values
     values = {"": tables, **tables, "surface": surface}
@@ -94,11 +66,7 @@ def template(kind: str, tables: Mapping[str, Any], suggestion: Suggestion, head:
 
 
 def _line(key: Key, values: Mapping[str, Any], suggestion: Suggestion) -> str:
-    """Return the line of a key: set, or as a comment with its default and an example.
-
-    `values` maps the keys of its table that are set to their values; `suggestion` has reasons and
-    values of the file, and is empty for tables other than [surface].
-    """
+    """Return the line of a key: set, or as a comment with its default and an example."""
     value = values.get(key.name, key.example if key.default is None else None)
     if key.name == "kind":
         other_kinds = ", ".join(toml(kind) for kind in KINDS if kind != value)

@@ -10,20 +10,7 @@ LINE = 64  # bytes
 
 
 def empty_aligned(shape: Sequence[int], dtype: DTypeLike) -> np.ndarray:
-    """Make an uninitialised array whose first element begins on a cache line (LINE bytes).
-
-    Parameters
-    ----------
-    shape : sequence of int
-        Shape of the array.
-    dtype : dtype
-        Type of its elements.
-
-    Returns
-    -------
-    array
-        C-contiguous.
-    """
+    """Make an uninitialised C-contiguous array that begins on a cache line (LINE bytes)."""
     nbytes = math.prod(shape) * np.dtype(dtype).itemsize
     raw = np.empty(nbytes + LINE, np.uint8)
     start = -raw.ctypes.data % LINE
@@ -31,20 +18,7 @@ def empty_aligned(shape: Sequence[int], dtype: DTypeLike) -> np.ndarray:
 
 
 def zeros_aligned(shape: Sequence[int], dtype: DTypeLike) -> np.ndarray:
-    """Make an array of zeros whose first element begins on a cache line (LINE bytes).
-
-    Parameters
-    ----------
-    shape : sequence of int
-        Shape of the array.
-    dtype : dtype
-        Type of its elements.
-
-    Returns
-    -------
-    array
-        C-contiguous.
-    """
+    """Make a C-contiguous array of zeros that begins on a cache line (LINE bytes)."""
     zeros = empty_aligned(shape, dtype)
     zeros[...] = 0
     return zeros

@@ -11,26 +11,10 @@ from uuid import uuid4
 def atomic_write(path: Path) -> Iterator[Path]:
     """Yield a temporary file that replaces `path` in one step when the block succeeds.
 
-    If the block raises, `path` stays as it was and the temporary file is removed. On file systems
-    that support files without a name (O_TMPFILE) even a killed process leaves no temporary file
-    behind.
-
-    Parameters
-    ----------
-    path : Path
-        The file to create or to replace; its folder must exist.
-
-    Yields
-    ------
-    Path
-        The name by which the block opens the temporary file. It may stand for a descriptor of this
-        process (/proc/self/fd/N): it has no suffix, and only this process can use it. The block
-        has to close the file before it ends.
-
-    Raises
-    ------
-    OSError
-        If the file cannot be created or renamed.
+    If the block raises, `path` stays as it was. On file systems that support files without a name
+    (O_TMPFILE) even a killed process leaves no temporary file behind; its name may then stand for a
+    descriptor of this process (/proc/self/fd/N): it has no suffix, and only this process can use
+    it. The block has to close the file before it ends.
     """
     named = path.with_name(f".{path.name}.{uuid4().hex[:8]}.tmp")
     written = named

@@ -12,10 +12,9 @@ DIGEST_BYTES = hashlib.sha256().digest_size
 
 
 def cache_folder() -> Path | None:
-    """Return the user's cache folder of this program, which may not exist yet.
+    """Return the user's cache folder of this program, which may not exist yet, or None.
 
-    It is $HPC_GFMD_CACHE, $XDG_CACHE_HOME/hpc-gfmd or ~/.cache/hpc-gfmd, the first that is defined;
-    None for a user without a home folder.
+    It is $HPC_GFMD_CACHE, $XDG_CACHE_HOME/hpc-gfmd or ~/.cache/hpc-gfmd, the first that is defined.
     """
     if folder := os.environ.get("HPC_GFMD_CACHE"):
         return Path(folder)
@@ -29,20 +28,10 @@ def cache_folder() -> Path | None:
 
 
 def keep(path: Path, content: bytes, purpose: str | None = None) -> None:
-    """Write bytes to a file together with a checksum, for `kept` to read.
+    """Write bytes to a file, in one step and with a checksum, for `kept` to read.
 
-    The file is replaced in one step: other processes read the old or the new content. Errors of the
-    file system are ignored; the file then stays as it was.
-
-    Parameters
-    ----------
-    path : Path
-        The file. Missing folders are created.
-    content : bytes
-        What `kept` returns.
-    purpose : str, optional
-        What the content is for; part of the checksum, so that `kept` returns the content only for
-        the same purpose. Default: the file's name.
+    `kept` returns them only for the same purpose (default: the file's name). Errors of the file
+    system are ignored; the file then stays as it was.
     """
     with suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -51,20 +40,8 @@ def keep(path: Path, content: bytes, purpose: str | None = None) -> None:
 
 
 def kept(path: Path, purpose: str | None = None) -> bytes | None:
-    """Read the content of a file that `keep` wrote.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    purpose : str, optional
-        The purpose that it was written for; default: the file's name.
-
-    Returns
-    -------
-    bytes or None
-        The content; None if the file cannot be read, is damaged, or was written for another
-        purpose.
+    """Return what `keep` wrote; None if it cannot be read, is damaged, or was written for another
+    purpose.
     """
     try:
         data = path.read_bytes()

@@ -53,19 +53,8 @@ def how_to_install(package: str) -> str:
 
 
 def one_line(text: str, longest: int = 200) -> str:
-    """Replace line ends and other control characters of a text by spaces and shorten it.
-
-    Parameters
-    ----------
-    text : str
-        A text from outside, such as the message of a library.
-    longest : int
-        Largest length, at least 60; a longer text loses its middle.
-
-    Returns
-    -------
-    str
-        One line, without double spaces.
+    """Replace line ends and other control characters of a text from outside by spaces; a text
+    longer than `longest` (>= 60) loses its middle.
     """
     printable = "".join(c if c.isprintable() else " " for c in text[: 100 * longest])
     line = " ".join(printable.split())
@@ -73,10 +62,8 @@ def one_line(text: str, longest: int = 200) -> str:
 
 
 def reason(error: BaseException) -> str:
-    """Return one line that says why an error occurred, without its type and traceback.
-
-    It is the reason of the operating system, also where HDF5 quotes it, or else the error's
-    message.
+    """Return one line that says why an error occurred: the reason of the operating system, also
+    where HDF5 quotes it, or else the error's message.
     """
     text = getattr(error, "strerror", None) or str(error) or type(error).__name__
     if by_system := re.search(r"error message = '([^']+)'", text):

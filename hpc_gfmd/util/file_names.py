@@ -9,21 +9,8 @@ WAY_OUT = "a UTF-8 locale, such as LC_ALL=C.UTF-8, or the environment variable P
 
 
 def require_name(key: str, path: str | os.PathLike) -> None:
-    """Raise SceneError for a file name with characters that the locale's encoding lacks.
-
-    This process can neither find nor create such a file.
-
-    Parameters
-    ----------
-    key : str
-        Key of the scene, or option, that names the file; for the message.
-    path : path
-        The file, which need not exist.
-
-    Raises
-    ------
-    SceneError
-        Names the key and the file, and suggests a UTF-8 locale.
+    """Raise SceneError, naming the key, for a file name with characters that the locale's encoding
+    lacks: this process can neither find nor create such a file.
     """
     try:
         os.fsencode(path)

@@ -39,18 +39,10 @@ def _metres_by_name() -> dict[str, float]:
 
 
 def length_factor(unit: str) -> float | None:
-    """Return the size of a unit of length in metres.
+    """Return the size of a unit of length ("nm", "Angstrom", "NanoMeters", "mil", ...) in metres,
+    or None.
 
-    Parameters
-    ----------
-    unit : str
-        "nm", "µm", "Angstrom", "NanoMeters", "mil", ... Case is ignored, except that "Mm" and "Nm",
-        which mean other things as well, are not accepted.
-
-    Returns
-    -------
-    float or None
-        None if it is not a unit of length, such as "px".
+    Case is ignored, except that "Mm" and "Nm", which mean other things as well, are not accepted.
     """
     text = unit.strip().replace("µ", "u").replace("μ", "u").replace("\u212b", "Å")
     is_symbol = len(text) <= 2 and text.isascii() and text.lower().endswith("m")

@@ -6,11 +6,10 @@ from typing import Any
 
 
 def surface_topography() -> Any:
-    """Import and return SurfaceTopography such that it does not use MPI.
+    """Import and return SurfaceTopography such that every rank reads files on its own.
 
-    With mpi4py it would start MPI even in a process without a launcher. So mpi4py is hidden in
-    sys.modules during the first import. Every rank then reads files on its own. Raises ImportError
-    if SurfaceTopography is not installed.
+    With mpi4py it would start MPI even in a process without a launcher: so mpi4py is hidden in
+    sys.modules during the first import. Raises ImportError if SurfaceTopography is not installed.
     """
     if "NuMPI" not in sys.modules:
         mpi_modules = {

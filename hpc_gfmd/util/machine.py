@@ -16,8 +16,8 @@ def cores() -> list[int]:
 def available_gib() -> float:
     """Return the memory in GiB that new processes can still allocate, all of them together.
 
-    It is what Linux reports as available (on other systems, all memory of the machine), or what the
-    limits of this process's control groups leave, if that is less; infinity if nothing is reported.
+    It is what Linux reports as available (elsewhere all memory), or what the limits of this
+    process's control groups leave, if that is less; infinity if nothing is reported.
     """
     gib = [float("inf")]
     if available_kib := _table(Path("/proc/meminfo")).get("MemAvailable:"):
@@ -42,19 +42,9 @@ def available_gib() -> float:
 def control_groups(
     root: Path = Path("/sys/fs/cgroup"), membership: Path = Path("/proc/self/cgroup")
 ) -> list[Path]:
-    """List the control groups that may limit the memory of this process.
+    """List the folders of the control groups, versions 1 and 2, that contain this process.
 
-    Parameters
-    ----------
-    root : Path
-        Where the control groups are mounted.
-    membership : Path
-        File with the groups of this process.
-
-    Returns
-    -------
-    list of Path
-        Their folders: the group of this process and all groups that contain it, versions 1 and 2.
+    root: where they are mounted; membership: file with the groups of this process.
     """
     try:
         lines = [line.split(":", 2) for line in membership.read_text().splitlines()]

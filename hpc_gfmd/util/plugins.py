@@ -17,22 +17,9 @@ from .errors import GfmdError
 
 @cache
 def names_in(package: str, apart: Sequence[str]) -> Sequence[str]:
-    """List the names of a folder's drop-in files, and of those that other packages add to it.
+    """List the names of drop-in files, those that other packages add first; none is imported.
 
-    None of the files is imported.
-
-    Parameters
-    ----------
-    package : str
-        The folder as a package, such as "hpc_gfmd.bodies".
-    apart : tuple of str
-        Names of files in the folder that are not drop-in files. Not a list: results are cached.
-
-    Returns
-    -------
-    sequence of str
-        First the names that other packages add, then those in the folder, each in alphabetical
-        order.
+    package: the folder, such as "hpc_gfmd.bodies"; apart: files in it that are not drop-in files.
     """
     path = importlib.import_module(package).__path__
     files = {module.name for module in pkgutil.iter_modules(path)}
@@ -43,24 +30,7 @@ def names_in(package: str, apart: Sequence[str]) -> Sequence[str]:
 def module_in(package: str, name: str) -> Any:
     """Import and return a drop-in file.
 
-    Parameters
-    ----------
-    package : str
-        The folder as a package, such as "hpc_gfmd.bodies".
-    name : str
-        Name of the file, as `names_in` lists it.
-
-    Returns
-    -------
-    module
-        The imported file.
-
-    Raises
-    ------
-    GfmdError
-        If a file of another package cannot be imported.
-    ImportError
-        If there is no file of this name, or a file in the folder cannot be imported.
+    Raises GfmdError if a file of another package cannot be imported, ImportError otherwise.
     """
     point = _added(package).get(name)
     if point is None:
@@ -73,24 +43,8 @@ def module_in(package: str, name: str) -> Any:
 
 @cache
 def class_in(package: str, name: str) -> Any:
-    """Import a drop-in file and return its class: the one whose `name` is the name of the file.
-
-    Parameters
-    ----------
-    package : str
-        The folder as a package, such as "hpc_gfmd.bodies".
-    name : str
-        Name of the file, as `names_in` lists it.
-
-    Returns
-    -------
-    type
-        The class.
-
-    Raises
-    ------
-    GfmdError
-        If the file has no such class, or a file of another package cannot be imported.
+    """Import a drop-in file and return the class whose `name` is the name of the file, or raise
+    GfmdError.
     """
     for value in vars(module_in(package, name)).values():
         if isinstance(value, type) and vars(value).get("name") == name:
@@ -99,9 +53,8 @@ def class_in(package: str, name: str) -> Any:
 
 
 def sources_added(package: str) -> list[Path]:
-    """Return the paths of the drop-in files that other packages add to a folder.
-
-    The files are not imported, only the packages that contain them.
+    """Return the paths of the drop-in files that other packages add to a folder, without importing
+    them.
     """
     names = sorted(point.value.partition(":")[0] for point in _added(package).values())
     specs = [find_spec(name) for name in names]
@@ -112,8 +65,8 @@ def sources_added(package: str) -> list[Path]:
 def _added(package: str) -> dict[str, EntryPoint]:
     """Return the entry points, by name, with which other packages add files to a folder.
 
-    Their group is named as the package, but "hpc_gfmd.observables" for hpc_gfmd.contact. The dict
-    is cached and must not be changed.
+    Their group is named as the package, but "hpc_gfmd.observables" for hpc_gfmd.contact. Do not
+    change the dict, which is cached.
     """
     group = package.replace("contact", "observables")
     return {point.name: point for point in entry_points(group=group)}

@@ -28,36 +28,16 @@ _QUANTITY = re.compile(rf"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*({_UN
 
 
 class Quantity(float):
-    """A number in SI units that was given with a unit.
-
-    Attributes
-    ----------
-    text : str
-        The number and its unit as they were given.
-    """
+    """A number in SI units that was given with a unit; `text` is as it was given."""
 
     text: str
 
 
 def parse(text: str, dimension: str) -> Quantity:
-    """Convert a text such as "100 um" or "50 GPa".
+    """Convert a text such as "100 um" to the SI unit of "length", "pressure", "force", "work" or
+    "time".
 
-    Parameters
-    ----------
-    text : str
-        A number and a unit.
-    dimension : str
-        "length", "pressure", "force", "work" or "time".
-
-    Returns
-    -------
-    Quantity
-        The number in the SI unit of the dimension.
-
-    Raises
-    ------
-    ValueError
-        If the text is not a number with a unit of this dimension.
+    Raises ValueError if it is not a number with a unit of this dimension.
     """
     parts = _QUANTITY.fullmatch(text[:100])
     if not parts:
@@ -69,20 +49,8 @@ def parse(text: str, dimension: str) -> Quantity:
 
 
 def format_quantity(value: float, like: float | None = None) -> str:
-    """Write a number for a message, with its unit if it is a Quantity.
-
-    Parameters
-    ----------
-    value : float
-        The number in SI units, or without a unit.
-    like : float, optional
-        A length; if it is a Quantity, `value` is written in its unit, else without a unit. Default:
-        `value` as the user gave it.
-
-    Returns
-    -------
-    str
-        The number and its unit, if any.
+    """Write a number for a message, with its unit if it is a Quantity, or in that of the length
+    `like`.
     """
     if like is None:
         return value.text if isinstance(value, Quantity) else f"{value:g}"
@@ -92,24 +60,9 @@ def format_quantity(value: float, like: float | None = None) -> str:
 
 @cache
 def factor(unit: str, dimension: str = "length") -> float:
-    """Return the size of a unit in SI units.
+    """Return the size of a unit, such as "um" or "N/mm^2", in the SI unit of a dimension.
 
-    Parameters
-    ----------
-    unit : str
-        Name of a unit, such as "um" or "N/mm^2".
-    dimension : str
-        "length", "pressure", "force", "work" or "time".
-
-    Returns
-    -------
-    float
-        One `unit` in the SI unit of the dimension.
-
-    Raises
-    ------
-    ValueError
-        If it is not a unit of this dimension.
+    Raises ValueError if it is not a unit of this dimension.
     """
     unit = str(unit).strip()
     if size := _in_si(unit, dimension):
@@ -151,20 +104,10 @@ def _registry() -> Any:
 
 
 def in_units(unit: str, surface: Mapping[str, Any]) -> str:
-    """Replace the words length, pressure, force and time in a unit by the units of a surface.
+    """Replace the words length, pressure, force and time in a unit by the units of a surface's
+    attributes: "length^2" by "m^2".
 
-    Parameters
-    ----------
-    unit : str
-        A product of "length", "pressure", "force" and "time", such as "length^2"; "" for a plain
-        number. Any other unit in it, such as "s", stays.
-    surface : mapping
-        Attributes of a surface: "unit" (of lengths), "pressure_unit" and "time_unit".
-
-    Returns
-    -------
-    str
-        Such as "m^2"; "1" for a plain number; "" if the surface lacks one of the units.
+    "" (a plain number) becomes "1"; the result is "" if the surface lacks one of the units.
     """
     length, pressure, time = (
         name if isinstance(name, str) else ""
@@ -182,21 +125,10 @@ PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "u", -3: "m", 0: "", 3: "k", 6: "M"
 
 
 def prefixed(values: Iterable[Any], unit: str) -> tuple[float, str]:
-    """Choose the SI prefix that makes the largest of some numbers lie between 1 and 1000.
+    """Return the size and name, such as (1e6, "MPa"), of the SI unit with a prefix from f to T in
+    which the largest of some numbers lies between 1 and 1000.
 
-    Parameters
-    ----------
-    values : iterable
-        Numbers in `unit`, of either sign. Anything else, and numbers that are not finite, are
-        ignored.
-    unit : str
-        Name of an SI unit, or "".
-
-    Returns
-    -------
-    float, str
-        The size of the prefixed unit in `unit`, and its name: (1e6, "MPa"). The prefixes are those
-        from f to T; none if all numbers are 0. (1.0, "") if `unit` is "".
+    Anything but finite numbers is ignored. (1.0, "") if `unit` is "".
     """
     largest = max(
         (abs(value) for value in values if isinstance(value, int | float) and isfinite(value)),

@@ -17,10 +17,8 @@ def occupy_standard_descriptors() -> None:
 
 
 def discard(stream: Any) -> None:
-    """Redirect a broken stream to the null device, so that flushing it at exit does not fail.
-
-    This is the recipe of Python's documentation for SIGPIPE. A stream without a file descriptor, or
-    None, is left as it is.
+    """Redirect a broken stream to the null device, so that flushing it at exit does not fail: the
+    recipe of Python's documentation for SIGPIPE.
     """
     with suppress(OSError, ValueError, AttributeError):
         descriptor = stream.fileno()

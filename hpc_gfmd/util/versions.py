@@ -11,9 +11,8 @@ PACKAGES = ("hpc_gfmd", "numpy", "numba", "scipy", "h5py", "mpi4py", "mpi4py-fft
 
 @cache
 def versions() -> dict[str, str]:
-    """Return the versions of Python and of the installed PACKAGES by name; nothing is imported.
-
-    The dict is cached and must not be changed.
+    """Return the versions of Python and of the installed PACKAGES by name; do not change the
+    dict.
     """
     installed = {"python": platform.python_version()}
     for name in PACKAGES:
