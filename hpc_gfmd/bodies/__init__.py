@@ -22,9 +22,7 @@ def body_classes() -> dict[str, type[Body]]:
 
 
 def body_of(material: Material, free: tuple[bool, bool] = (False, False)) -> Body:
-    """Return the first body whose `of` accepts the material and boundaries of a scene, or raise
-    SceneError.
-    """
+    """Return the first body that accepts the material and boundaries of a scene."""
     for cls in body_classes().values():
         if body := cls.of(material, free):
             return body

@@ -33,9 +33,7 @@ Waves = tuple[np.ndarray, np.ndarray]  # wave numbers along x and along y
 
 
 def once_per_grid(method: Callable[[Any, Grid], T]) -> Callable[[Any, Grid], T]:
-    """Decorate a method of bodies: `Grid.once` keeps its value for each body and size of grid; do
-    not change it.
-    """
+    """Decorate a method of bodies: its value is kept for each body and size of grid."""
 
     @wraps(method)
     def known(self: Any, grid: Grid) -> T:

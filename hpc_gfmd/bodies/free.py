@@ -127,9 +127,7 @@ class Free(HalfSpace):
 
 
 def rounded(q: np.ndarray, spacing: float, ends: bool) -> np.ndarray:
-    """Return the wave numbers of an axis; if it `ends`, |q| without the kink at pi/spacing,
-    averaged over a normal distribution.
-    """
+    """Return the wave numbers of an axis; if it `ends`, without the kink of |q| at pi/spacing."""
     from scipy.special import erfc
 
     if not ends:
@@ -221,9 +219,7 @@ class Coupled(Multipliers):
         )
 
     def multiply(self, block: np.ndarray, m: int, inverse: bool) -> float:
-        """Multiply the columns of a block, and add the coupled modes; their energy is in the share
-        of block 0.
-        """
+        """Multiply the columns of a block; the energy of the coupled modes counts in block 0."""
         energy = super().multiply(block, m, inverse)
         columns = slice(int(self.edges[m]), int(min(self.edges[m + 1], self.modes[1] + 1)))
         width = columns.stop - columns.start

@@ -175,9 +175,7 @@ def measured(
 
 
 def _error_of_load(problem: Problem, error_of_gap: float) -> float | None:
-    """Return the relative error of p0, into which a spring turns that of the mean gap; None under a
-    dead load.
-    """
+    """Return the relative error of p0 that a spring makes of that of the gap; None without."""
     if problem.spring == 0:
         return None
     grid = problem.grid

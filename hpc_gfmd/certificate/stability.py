@@ -123,9 +123,7 @@ def stability_up_to_equilibrium(
 
 
 def scattered(grid: Grid, dtype: np.dtype) -> np.ndarray:
-    """Return an array (local slab) of numbers between 1 - SCATTER and 1 + SCATTER, fixed for each
-    point of a grid on any number of ranks.
-    """
+    """Return numbers from 1 - SCATTER to 1 + SCATTER, the same at a point on any ranks."""
     start, stop = grid.rows
     i = np.arange(start, stop, dtype=np.uint64)[:, None]
     j = np.arange(1, grid.n[1] + 1, dtype=np.uint64)
@@ -136,9 +134,7 @@ def scattered(grid: Grid, dtype: np.dtype) -> np.ndarray:
 
 
 class _Search:
-    """The search of `stability_of`, with its arguments. Making one is collective; `run` overwrites
-    the fields of `levels`.
-    """
+    """The search of `stability_of`; `run` overwrites the fields of `levels`. Collective."""
 
     def __init__(self, problem: Problem, g: np.ndarray, p: np.ndarray, levels: Multilevel):
         self.problem, self.levels = problem, levels
@@ -239,10 +235,7 @@ class _Search:
         self.elastic.use_rows(use)
 
     def _precondition(self) -> float:
-        """Set z = M residual on open points, and return <residual, z> over all ranks.
-
-        Collective.
-        """
+        """Set z = M residual on open points; return <residual, z> of all ranks. Collective."""
         self.levels.restrict_from(0, self.residual_and_contact)
         self.levels.sweep()
         rz = self.levels.smooth(0, self.residual_and_contact, self.z)[0]
@@ -296,9 +289,7 @@ class _Search:
         self.grid.by_rows(subtract)
 
     def _normalise(self, field: np.ndarray) -> None:
-        """Scale a field in place so that its largest absolute value over all ranks is about 1;
-        zeros stay. Collective.
-        """
+        """Scale a field in place so that its largest absolute value is about 1. Collective."""
         largest = self.grid.comm.max([float(np.abs(field).max(initial=0.0))])[0]
         if largest > 0:
             field *= self.dtype.type(1 / largest)

@@ -60,9 +60,7 @@ class Parser(ArgumentParser):
 
 
 class PrintCompletion(Action):
-    """Option that prints a script with which a shell completes commands, options and files, and
-    exits.
-    """
+    """Option that prints a script for a shell, which completes commands and files, and exits."""
 
     def __call__(self, parser: ArgumentParser, namespace: Any, values: Any, *_: Any) -> None:
         """Print the script for the shell `values` and exit the process."""
@@ -132,9 +130,7 @@ def _flush_error() -> OSError | None:
 
 
 def _run(arguments: Sequence[str], script: Callable[[], ArgumentParser] | None) -> int:
-    """Run one command and return its exit code; after an error, which is printed, wait for the
-    other ranks. Collective.
-    """
+    """Run one command and return its exit code; after an error ranks wait. Collective."""
     command = arguments[0] if arguments else ""
     try:
         return _parsed(arguments, script)

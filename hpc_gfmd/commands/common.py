@@ -44,8 +44,6 @@ def number(text: str) -> float:
 
 
 def as_json(value: Any, indent: int | None = None) -> str:
-    """Return a value as JSON: null for infinity and NaN, which JSON does not have, other objects as
-    text.
-    """
+    """Return a value as JSON: null for infinity and NaN, texts for other objects."""
     plain = json.loads(json.dumps(value, default=str), parse_constant=lambda _: None)
     return json.dumps(plain, indent=indent)

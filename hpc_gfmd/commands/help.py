@@ -58,9 +58,7 @@ def _scene_keys(key: str | None, markdown: bool) -> str:
 
 
 def _number_rows() -> list[tuple[str, str, str, str]]:
-    """List (name, unit, name in output.observables or "" if always computed, meaning) of all
-    numbers of a load.
-    """
+    """List (name, unit, name in output.observables or "", meaning) of all numbers of a load."""
     from ..contact import all_numbers, default_observables, observable_names, observables_named
 
     groups = {name: observables_named([name]) for name in observable_names()}

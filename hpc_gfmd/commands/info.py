@@ -43,9 +43,7 @@ def facts() -> dict[str, str]:
 
 
 def _io() -> str:
-    """Describe how several ranks write a file: "parallel: ..." or "serial: ...", with the attribute
-    `io` of results in parentheses.
-    """
+    """Describe how several ranks write a file: "parallel: ..." or "serial: ..."."""
     import h5py
 
     return (

@@ -93,9 +93,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Compute an interface law, print it and write its files; returns 0, or 3 if some load is not
-    converged. Collective.
-    """
+    """Compute an interface law, print it and write its files; 3 if a load did not converge."""
     from ..output.interface_law import QUANTITIES
     from ..output.law_files import harmonic_mean, require_file, write_law
     from ..parallel.guard import on_rank_0
@@ -184,9 +182,7 @@ def as_text(law: InterfaceLaw) -> str:
 
 
 def _tightness(law: InterfaceLaw) -> list[str]:
-    """Return a line for each axis along which all channels close within the law, unless at its
-    lowest pressure.
-    """
+    """Return a line for each axis along which a seal becomes tight within the law."""
     unit = law.units["pressure"]
     scale, unit = prefixed(law.pressure.tolist(), unit) if unit == "Pa" else (1.0, unit)
     lines = []

@@ -1,6 +1,4 @@
-"""Extrapolation of a result to the thermodynamic, fractal and continuum (TFC) limits, where the
-tabulated coefficients cover the load steps.
-"""
+"""Extrapolation of a result to the thermodynamic, fractal and continuum (TFC) limits."""
 
 from collections.abc import Mapping
 from math import isfinite

@@ -127,9 +127,7 @@ def _plot_together(args: Namespace) -> int:
 
 
 def _remarks(result: Any, args: Namespace) -> list[str]:
-    """Return lines on load steps that pictures leave out or that are not converged, then their
-    notes.
-    """
+    """Return lines on load steps that are left out or not converged, then their notes."""
     from ..output.summary import converged
     from ..plotting import chosen_steps
 

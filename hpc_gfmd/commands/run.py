@@ -40,9 +40,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Solve a scene and write its result; returns its exit code, 3 if a load did not converge.
-    Collective.
-    """
+    """Solve a scene and write its result; returns 3 if a load did not converge. Collective."""
     from ..parallel.guard import on_rank_0
     from ..parallel.world import world
     from ..runs.halved import changes_by_halving, require_steps, text_of

@@ -55,9 +55,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Print one result, or means of several, as a table or JSON (notes go to standard error);
-    returns 0.
-    """
+    """Print one result, or means of several, as a table or JSON; returns 0."""
     from ..output.read import read_result
 
     if len(args.file) > 1:
@@ -115,9 +113,7 @@ def as_dict(result: Result) -> dict:
 
 
 def as_text(result: Result, errors: bool = False) -> str:
-    """Return head, table and notes of a result as text, with `errors` of solver and grid in
-    separate columns.
-    """
+    """Return head, table and notes of a result, `errors` of solver and grid in columns."""
     from ..output.summary import surface_line
     from ..runs.table import result_table
 

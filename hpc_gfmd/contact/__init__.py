@@ -34,9 +34,7 @@ def all_observables() -> dict[str, Observable]:
 
 @cache
 def default_observables() -> tuple[str, ...]:
-    """Return the names of the observables that every result has: those that no file lists as
-    ON_REQUEST.
-    """
+    """Return the names of the observables that every result has, those not ON_REQUEST."""
     names: list[str] = []
     for module in _observables():
         observables = getattr(module, "OBSERVABLES", {})
@@ -53,9 +51,7 @@ def observable_names() -> set[str]:
 
 
 def observables_named(names: Iterable[str]) -> dict[str, Observable]:
-    """Return {name: Observable} of requested names, those of groups (TOGETHER) expanded, unknown
-    ones ignored.
-    """
+    """Return {name: Observable} of known names, with those of groups (TOGETHER) expanded."""
     together = _merged("TOGETHER")
     members = {member for name in names for member in together.get(name, (name,))}
     observables = all_observables()
@@ -68,9 +64,7 @@ def all_distributions() -> dict[str, Distribution]:
 
 
 def all_numbers() -> dict[str, tuple[str, str]]:
-    """Return {name: (meaning, unit)} of every number and array (NAME_ARRAY) that a load may
-    have.
-    """
+    """Return {name: (meaning, unit)} of all numbers and arrays (NAME_ARRAY) of a load."""
     counted = {
         f"{name}_{array}": (f"{distribution.meaning}; {array}", unit)
         for name, distribution in all_distributions().items()
@@ -84,9 +78,7 @@ def all_numbers() -> dict[str, tuple[str, str]]:
 
 
 def require_periodic(names: Iterable[str], free: tuple[bool, bool], key: str) -> None:
-    """Raise SceneError, which begins with `key`, if a distribution needs a periodic surface and
-    this one has free edges.
-    """
+    """Raise SceneError if a distribution among the `names` of a key needs a periodic surface."""
     distributions = all_distributions()
     periodic = [name for name in distributions if distributions[name].periodic and any(free)]
     for name in names:
@@ -99,9 +91,7 @@ def require_periodic(names: Iterable[str], free: tuple[bool, bool], key: str) ->
 
 @cache
 def _merged(table: str) -> dict[str, Any]:
-    """Return the tables of one name, such as "OBSERVABLES", of all files merged into one dict; do
-    not change it.
-    """
+    """Return the tables of one name, such as "OBSERVABLES", of all files as one dict."""
     return {
         name: entry
         for module in _observables()

@@ -32,9 +32,7 @@ def separation_work(contact: Contact) -> float | None:
 
 
 def stability(contact: Contact) -> float | None:
-    """Return the stability of an equilibrium with attraction: at most 1, 0 at a jump, negative at a
-    saddle (certificate/stability.py).
-    """
+    """Return the stability with attraction, at most 1: 0 at a jump, negative at a saddle."""
     share = contact.certificate.stability
     return share if isfinite(share) else None
 

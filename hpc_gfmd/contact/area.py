@@ -36,9 +36,7 @@ def contact_area(contact: Contact) -> float:
 
 
 def a_plastic(contact: Contact) -> float | None:
-    """Return the fraction of points that yield or, where dents stay, that have a dent. Collective
-    then.
-    """
+    """Return the fraction of points that yield or, where dents stay, have a dent (collective)."""
     if contact.dents is not None:
         return contact.dent_sums[0] / contact.N
     return None if contact.hardness is None else contact.certificate.yielded / contact.N

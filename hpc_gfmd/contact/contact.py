@@ -151,9 +151,7 @@ class Contact:
 
     @property
     def approach(self) -> float:
-        """Length by which the bodies have approached since they touched undeformed; nan if
-        unbounded.
-        """
+        """Length by which the bodies have approached since they touched; nan if unbounded."""
         return self.certificate.approach * self.surface.height_unit
 
     @property
@@ -293,9 +291,7 @@ class Contact:
 
     @cached_property
     def dent_sums(self) -> tuple[int, float]:
-        """Number of points with a dent, and the mean depth over all points, a length.
-        Collective.
-        """
+        """Number of points with a dent, and mean depth over all points, a length. Collective."""
         grid = self.grid
 
         def sums(i0: int, i1: int) -> tuple[float, float]:
@@ -457,9 +453,7 @@ def compared(contact: Contact, other: Contact) -> OtherBranch | None:
 
 
 def _difference_of_pressures(contact: Contact, other: Contact) -> float:
-    """Return the L2 norm of the difference of two pressure fields over that of the first, inf if
-    that is 0. Collective.
-    """
+    """Return the relative L2 norm of the difference of two pressure fields. Collective."""
 
     def squares(i0: int, i1: int) -> tuple[float, float]:
         """Return the sums of (p - q)^2 and p^2 over some local rows."""

@@ -6,16 +6,12 @@ WITHOUT = "without material.hardness nothing yields"
 
 
 def dent_mean(contact: Contact) -> float | None:
-    """Return the mean depth of the dents over the nominal area, of all loads so far where dents
-    stay. Collective.
-    """
+    """Return the mean depth of the dents over the nominal area, of all loads if they stay."""
     return None if contact.hardness is None else contact.dent_sums[1]
 
 
 def dissipated_work(contact: Contact) -> float | None:
-    """Return the work per nominal area that the dents have taken, hardness times mean depth.
-    Collective.
-    """
+    """Return the work per nominal area that the dents have taken: hardness times depth."""
     return None if contact.hardness is None else contact.hardness * contact.dent_sums[1]
 
 

@@ -75,9 +75,7 @@ OfRows = Callable[[int, int], np.ndarray]
 
 
 def _range(contact: Contact, values: OfRows) -> tuple[float, float]:
-    """Return (lowest, highest) of the values of rows over all ranks; (inf, -inf) without any.
-    Collective.
-    """
+    """Return (lowest, highest) value over all ranks, (inf, -inf) without any. Collective."""
     grid = contact.grid
 
     def ends(i0: int, i1: int) -> tuple[float, float]:
@@ -107,9 +105,7 @@ def _counts(contact: Contact, bins: OfRows, lowest: int, highest: int) -> np.nda
 
 
 def _density(edges: np.ndarray, counts: np.ndarray) -> Arrays:
-    """Return {"edges", "density"} of a histogram, without empty bins at both ends; not all may be
-    empty.
-    """
+    """Return {"edges", "density"} of a histogram, without empty bins at both ends."""
     filled = np.nonzero(counts)[0]
     start = filled[0]
     stop = filled[-1] + 1

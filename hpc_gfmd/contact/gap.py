@@ -6,9 +6,7 @@ from .base import Contact, Observable
 
 
 def gap_mean(contact: Contact) -> float | None:
-    """Return the mean gap over the nominal area, a length; points in contact and dents count
-    as 0.
-    """
+    """Return the mean gap over the nominal area; points in contact and dents count as 0."""
     return None if contact.is_separated else contact.gap_mean
 
 
@@ -20,9 +18,7 @@ def gap_over_h_rms(contact: Contact) -> float | None:
 
 
 def gap_over_g_rms_lam_s(contact: Contact) -> float | None:
-    """Return the mean gap over (g_rms lam_s), lam_s being the shortest wavelength of the
-    surface.
-    """
+    """Return the mean gap over (g_rms lam_s), lam_s being the shortest wavelength."""
     return (
         contact.gap_mean / (contact.g_rms * contact.lam_s)
         if contact.lam_s and contact.g_rms > 0 and not contact.is_separated

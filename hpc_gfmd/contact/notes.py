@@ -60,9 +60,7 @@ def _doubt(contact: Any) -> str | None:
 
 
 def _yields(contact: Any) -> str | None:
-    """Return a note if a metal (METALLIC) without a given hardness would yield at the mean contact
-    pressure.
-    """
+    """Return a note if a metal without a hardness would yield at the mean contact pressure."""
     is_soft = contact.E_star < METALLIC
     if contact.hardness is not None or is_soft or contact.contact_points == 0:
         return None

@@ -46,9 +46,7 @@ def perimeter(contact: Contact) -> float:
 
 
 def average_direction(contact: Contact) -> float:
-    """Return the length of an edge over that of the grid-cell sides along it, on average
-    (`perimeter`).
-    """
+    """Return the mean length of an edge over that of its grid-cell sides, see `perimeter`."""
     return 1.0 if 1 in contact.grid.nominal else np.pi / 4
 
 

@@ -4,9 +4,7 @@ from .base import Contact, Observable
 
 
 def contact_pressure_mean(contact: Contact) -> float | None:
-    """Return the mean pressure over the contact area, to whose load the attraction adds; None
-    without contact.
-    """
+    """Return the mean pressure over the contact area, attraction included; None without contact."""
     if contact.contact_points == 0:
         return None
     return contact.wall_pressure * contact.N / contact.contact_points

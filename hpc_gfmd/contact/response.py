@@ -108,9 +108,7 @@ def gap_bound(contact: Contact) -> float | None:
 
 
 def _energy_norm(contact: Contact) -> float | None:
-    """Return an upper bound of |e|_K (program's units, sums over points); None without a finite
-    duality gap.
-    """
+    """Return an upper bound of |e|_K, program's units; None without a finite duality gap."""
     certificate = contact.certificate
     if certificate.duality_gap is None or not np.isfinite(certificate.duality_gap):
         return None
@@ -120,9 +118,7 @@ def _energy_norm(contact: Contact) -> float | None:
 
 
 def _relative(wrong: float, value: float) -> float | None:
-    """Return wrong/(value - wrong), an upper bound of the relative error of a computed value, or
-    None.
-    """
+    """Return wrong/(value - wrong), an upper bound of the relative error of a value, or None."""
     if wrong == 0:
         return 0.0
     return float(wrong / (value - wrong)) if wrong < value else None

@@ -93,9 +93,7 @@ def autocorrelation(name: str, contact: Contact) -> Arrays:
 
 
 def _transforms(contact: Contact) -> SlabFFT:
-    """Return the transforms already planned for the contact's grid, double precision first, or plan
-    them in the precision of the gap.
-    """
+    """Return transforms planned for the contact's grid, double precision first, or plan them."""
     grid = contact.grid
     planned = grid.planned() or [grid.fft(contact.g.dtype)]
     return max(planned, key=lambda fft: fft.dtype.itemsize)
@@ -146,9 +144,7 @@ def _columns(
 
 
 def _means(grid: Grid, parts: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """Return (mean distance, mean value) over the rings that are not empty, from the `_ring_sums`
-    of this rank. Collective.
-    """
+    """Return (mean distance, mean value) over the rings that are not empty. Collective."""
     rings = int(grid.comm.max([max((part.shape[1] for part in parts), default=0)])[0])
     total = np.zeros((3, rings))
     for part in parts:

@@ -94,8 +94,6 @@ def scaled(law: Law, pressure: float, length: float) -> Law:
 
 
 def in_precision(law: Law, dtype: np.dtype) -> Law:
-    """Return a law with `work` and `range` as NumPy scalars of a dtype, as compiled kernels
-    require.
-    """
+    """Return a law whose numbers are NumPy scalars of a dtype, as compiled kernels require."""
     real = dtype.type
     return type(law)(real(law.work), real(law.range))

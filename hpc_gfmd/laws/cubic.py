@@ -8,9 +8,7 @@ from .base import Law
 
 
 class Cubic(Law):
-    """phi = -work (1 - g/range)^3 for g < range, 0 beyond; the attraction is largest at g = 0, 3
-    work/range.
-    """
+    """phi = -work (1 - g/range)^3 for g < range, 0 beyond; at g = 0 it attracts by 3 work/range."""
 
     name = "cubic"
 

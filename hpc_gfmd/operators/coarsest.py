@@ -129,9 +129,7 @@ class CoarsestLevels:
         self.mode_level = 0
 
     def sweep(self) -> tuple[float, ...]:
-        """Restrict r and t of `fields` to all levels, replace r by z on each of them, and return
-        what `smooth` does.
-        """
+        """Restrict r and t to all levels, replace r by z on each; return what `smooth` does."""
         self._do(0, len(self._tables.pieces))
         return tuple(self._totals[: MEAN + 1].tolist())
 
@@ -162,9 +160,7 @@ class CoarsestLevels:
         self.looks = sum(on_threads(self._threads, work, [()] * self._threads, self._scratch))
 
     def _do_some(self, end: int, scratch: tuple[np.ndarray, ...]) -> int:
-        """Do pieces on one thread until `end`; return what sweep_levels does: < 0 if it lost
-        patience with other threads.
-        """
+        """Do pieces on one thread until `end`; return what the kernel sweep_levels does."""
         tables = self._tables
         return sweep_levels(
             tables.pieces,

@@ -29,9 +29,7 @@ from .elastic import reader
 
 @dataclass(frozen=True)
 class DeflationCalibration:
-    """Accuracy and level of the deflation vector, chosen by the FFT pairs of self-affine walls at
-    small loads.
-    """
+    """Accuracy and level of the deflation vector, chosen by FFT pairs at small loads."""
 
     steps: int = 3  # of conjugate gradients at most
     # The steps end once <r, M r> is below this, relative to its first value: one step is enough
@@ -46,9 +44,7 @@ CALIBRATION = DeflationCalibration()
 
 
 def level_of_mode(levels: Sequence[Level]) -> int | None:
-    """Return the number (>= 1) of the finest level whose number of points meets CALIBRATION, or
-    None.
-    """
+    """Return the number of the finest level (>= 1) of a size within CALIBRATION, or None."""
     points = [level.n[0] * level.n[1] for level in levels]
     most = min(points[0] / CALIBRATION.coarser, CALIBRATION.most)
     return next((k for k, count in enumerate(points) if CALIBRATION.fewest <= count <= most), None)

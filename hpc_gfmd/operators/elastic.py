@@ -38,9 +38,7 @@ class Elastic:
         self.multipliers = self.body.multipliers(self.grid, self.fft)
 
     def make_room(self) -> None:
-        """Free the memory of large transforms until `plan` is called again; until then nothing can
-        be applied.
-        """
+        """Free large transforms; nothing can be applied until `plan` is called again."""
         del self.fft, self.multipliers
         self.grid.forget_fft(self.dtype)
 
@@ -87,9 +85,7 @@ class Elastic:
         return self.fft.forward_rows(fill)
 
     def pressure_columns(self, add: Columns | None = None, spring: float = 0.0) -> float:
-        """Multiply the columns by K and transform them back, after `pressure_rows`; see `_columns`.
-        Collective.
-        """
+        """Multiply the columns by K and transform them back (`_columns`). Collective."""
         return self._columns(add=add, spring=spring)
 
     def use_rows(self, use: RowFunction) -> list:

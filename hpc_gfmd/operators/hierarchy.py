@@ -80,9 +80,7 @@ class Step:
 
     @property
     def counted_rows(self) -> tuple[int, int]:
-        """Range (begin, end) of the rows that this rank counts in sums, from the first of its fine
-        rows.
-        """
+        """Range of this rank's fine rows, from the first one, that it counts in sums."""
         rank = self.transfer.rank
         begin = self.transfer.fine[0]
         return int(self.counted[rank] - begin), int(self.counted[rank + 1] - begin)

@@ -304,9 +304,7 @@ class Multilevel:
     def restrict(
         self, g: np.ndarray, p: np.ndarray, hardness: np.floating | None = None
     ) -> UpdateSums:
-        """Restrict a state to level 1, as `update` does after a step, with K d = 0. Not
-        collective.
-        """
+        """Restrict a state to level 1, as `update` does, with K d = 0. Not collective."""
         longest = int(np.diff(self.ends).max(initial=0))
         still = np.zeros((longest, self.grid.n[1]), self.dtype)
         d = np.zeros(still.shape, stored_dtype(self.dtype))
@@ -347,9 +345,7 @@ class Multilevel:
         return sums if self.last_comm.rank == 0 else nothing
 
     def _find_mode(self, coarsest: CoarsestLevels, share: float) -> None:
-        """Set the gap mode of the contact, from t on the levels that a rank has alone; none if not
-        wanted.
-        """
+        """Set the gap mode, from t on the levels that a rank has alone; none if not wanted."""
         coarsest.mode = coarsest.mode[:0]
         level = self.gap_mode.level
         if level is not None and self.gap_mode.wanted(share):

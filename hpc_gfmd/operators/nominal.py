@@ -14,9 +14,7 @@ from ..parallel.coarsening import Level, restrict_axis
 
 
 class NominalArea:
-    """Norm and sums of s, the product of the two factors in `s`, on the levels; `weights`: softness
-    N/N_l.
-    """
+    """Norm and sums of s, the product of the factors in `s`; `weights`: softness N/N_l."""
 
     def __init__(self, grid: Any, levels: Sequence[Level], softness: Iterable[float]):
         self.weights = [

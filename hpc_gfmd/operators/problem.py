@@ -69,9 +69,7 @@ class Problem:
     spring: float = 0.0
 
     def law(self, dtype: np.dtype | None = None) -> Law | None:
-        """Return the law of attraction in a precision (default: the working one), for kernels, or
-        None.
-        """
+        """Return the law of attraction in a precision (default: the working one), or None."""
         if self.attraction is None:
             return None
         return in_precision(self.attraction, dtype or self.dtype)
@@ -132,15 +130,11 @@ class Problem:
 
     @property
     def sunk(self) -> float:
-        """Estimate of how much the displacement varies if nothing but the load limits it, in units
-        of height.
-        """
+        """Estimate of how much the displacement varies if only the load limits it, a height."""
         return float(self.p_cell * np.sqrt(self.grid.cell_points))
 
     def noise(self, h_rms: float) -> float:
-        """Estimate the largest rms error of the pressure from transforms in the working
-        precision.
-        """
+        """Estimate the largest rms error of the pressure from transforms of this precision."""
         if self.stored is None:
             varies = h_rms
         else:
@@ -180,9 +174,7 @@ class Problem:
         return level
 
     def adder(self, fft: SlabFFT) -> Columns | None:
-        """Return the function (block, m) that subtracts heights that are not stored from columns of
-        g, or None.
-        """
+        """Return the function (block, m) that subtracts heights that are not stored, or None."""
         return self.h.add(fft) if isinstance(self.h, HeightSpectrum) else None
 
 

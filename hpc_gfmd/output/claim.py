@@ -1,6 +1,4 @@
-"""Start of a run in its folder: lock it, find out what an earlier run has left, remove what is
-stale.
-"""
+"""Start of a run in its folder: lock it, find what an earlier run left, remove what is stale."""
 
 from __future__ import annotations
 
@@ -16,9 +14,7 @@ from .result import Result
 
 
 class EarlierRun(NamedTuple):
-    """What an earlier run has left where this run writes; no loads if the new run starts from the
-    beginning.
-    """
+    """What an earlier run has left where this run writes; no loads if nothing is resumed."""
 
     result: Result
     is_resumed: bool

@@ -1,6 +1,4 @@
-"""Coordinates, numbers and units in a result file, so that other programs can read it (xarray,
-netCDF), and the group that ParaView reads.
-"""
+"""Coordinates, numbers and units in a result file for xarray, netCDF and ParaView."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -73,9 +71,7 @@ def coordinates(
 def describe_dataset(
     dataset: Any, surface: Attributes, about: About, scales: Sequence = ()
 ) -> None:
-    """Set `units` and `long_name` of a dataset, whose name ends with that of its number or field,
-    and attach dimension scales.
-    """
+    """Set `units` and `long_name` of a dataset, by its name, and attach dimension scales."""
     dataset.attrs.update(dataset_attributes(dataset.name.rpartition("/")[2], surface, about))
     for axis, scale in zip(dataset.dims, scales):
         axis.attach_scale(scale)

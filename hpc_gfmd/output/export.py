@@ -37,9 +37,7 @@ def export(result: Result, kind: str, path: str | os.PathLike | None, about: Abo
 
 
 def frame(result: Result, about: About) -> Any:
-    """Return a pandas table of all numbers and texts, a row (index "step") for each load;
-    `attrs["units"]` is {column: unit}.
-    """
+    """Return a pandas table of numbers and texts, a row for each load, with attrs["units"]."""
     from pandas import DataFrame, Index
 
     table = DataFrame(numbers(result.steps), Index(result.indices, name="step"))

@@ -1,6 +1,4 @@
-"""Fields of a contact: computed when they are read, or in memory with the interface of stored
-fields.
-"""
+"""Fields of a contact: computed when read, or in memory like stored fields."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass

@@ -27,9 +27,7 @@ def followed(path: str | os.PathLike) -> Path:
 
 
 def partial_folder(path: str | os.PathLike) -> Path:
-    """Return the folder, which need not exist, in which a run that writes `path` keeps its partial
-    results.
-    """
+    """Return the folder, which need not exist, of the partial results of a run."""
     return Path(f"{followed(path)}.partial")
 
 
@@ -69,18 +67,14 @@ def acquire(folder: Path) -> int:
 
 
 def release(folder: Path, lock: int, keep: bool = True) -> None:
-    """Release the lock that `acquire` returned, and remove the folder unless `keep` is set and a
-    run has begun in it.
-    """
+    """Release the lock; remove the folder unless `keep` is set and a run has begun in it."""
     if not keep or not (has_begun(folder) or of_earlier_version(folder)):
         clear(folder)
     os.close(lock)
 
 
 def is_held(folder: Path) -> bool:
-    """Whether a running process holds the lock of a folder; False on a file system without
-    locks.
-    """
+    """Whether a running process holds the lock of a folder; False if there are no locks."""
     with suppress(OSError), open(folder / LOCK, "rb") as file:
         return _taken(file.fileno(), alone=False)
     return False

@@ -85,9 +85,7 @@ def require_file(
     conductivity: float | None = None,
     name: str = "ROUGH",
 ) -> None:
-    """Raise SceneError unless `write_law` can write a law of these quantities; nothing is
-    written.
-    """
+    """Raise SceneError unless `write_law` can write a law of these quantities."""
     path = Path(path)
     if path.suffix not in WRITERS:
         raise SceneError(f"path: found {str(path)!r}, allowed: one in {', '.join(WRITERS)}")

@@ -58,9 +58,7 @@ def numbers(steps: Sequence[Attributes]) -> dict[str, np.ndarray]:
 
 
 def unit_of(name: str, surface: Attributes, about: About) -> str:
-    """Return the unit of a number, such as "m"; "1" if dimensionless or unknown, "" if lengths or
-    pressures have no unit.
-    """
+    """Return the unit of a number: "1" if dimensionless or unknown, "" if it has none."""
     return in_units(about.get(name, ("", ""))[1], surface)
 
 

@@ -182,8 +182,8 @@ def _fields(path: Path, group: Any, n: list[int]) -> dict[str, Stored]:
 
 
 def _attributes(group: Any) -> dict:
-    """Return the attributes of a group in the order of writing; texts on one line, except for the
-    scene.
+    """Return the attributes of a group in the order of writing; texts, but the scene, on one
+    line.
     """
     texts = json.loads(group.attrs[RECORD])
     return {

@@ -120,9 +120,7 @@ class RunFile(AbstractContextManager):
         self._add({}, {} if height_field is None else {HEIGHTS: height_field})
 
     def require_space(self, loads: int, fields: Sequence[str], dtype: DTypeLike) -> None:
-        """Raise SceneError on every rank if the disk is too small for the next loads, as far as
-        known: not for packed fields.
-        """
+        """Raise SceneError if the disk is too small for the next loads (packed: unknown)."""
         count = loads * len([name for name in fields if name != "heights"])
         needed = count * self._n[0] * self._n[1] * np.dtype(self._dtype or dtype).itemsize
 
@@ -140,9 +138,7 @@ class RunFile(AbstractContextManager):
     def write_step(
         self, index: int, attributes: dict, fields: dict[str, Any] | None = None
     ) -> None:
-        """Write a finished load, without numbers that are None, and add it to `finished`; if that
-        fails, steps written before stay.
-        """
+        """Write a finished load, without numbers that are None, and add it to `finished`."""
         attributes = {name: value for name, value in attributes.items() if value is not None}
         group = group_of(index)
         slabs = {f"{group}/{key}": data for key, data in (fields or {}).items()}
@@ -259,9 +255,7 @@ class RunFile(AbstractContextManager):
             raise GfmdError(f"{error}; the finished steps are safe in {self.partial}") from error
 
     def close(self, keep: bool = True) -> None:
-        """Release the lock, which rank 0 holds, once; the folder stays if `keep` is set and the run
-        has begun.
-        """
+        """Release the lock, once; the folder stays if `keep` is set and the run has begun."""
         if self._lock is not None:
             release(self.partial, self._lock, keep)
             self._lock = None

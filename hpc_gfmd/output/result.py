@@ -104,9 +104,7 @@ class Result:
         return {name: self.head[name] for name in scalar_names([self.head])}
 
     def some(self, steps: slice | list[int], **changes: Any) -> "Result":
-        """Return a copy with the load steps at some positions and with changed attributes; fields
-        are shared.
-        """
+        """Return a copy with some load steps, by position, and changed attributes."""
         places = range(len(self.steps))[steps] if isinstance(steps, slice) else steps
         names = "steps", "indices", "fields"
         picked: dict[str, Any] = {name: [getattr(self, name)[k] for k in places] for name in names}

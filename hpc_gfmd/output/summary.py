@@ -1,6 +1,4 @@
-"""One-line descriptions of a load and of a surface, and numbers rounded to their significant
-digits.
-"""
+"""One-line descriptions of loads and surfaces; numbers with their significant digits."""
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -34,8 +32,8 @@ ERRORS = {  # relative errors of a number by the solver and by the grid
 
 
 def summary(step: dict, surface: dict) -> str:
-    """Return the most important numbers of a load in one line, such as "a_r = 6.7 +- 0.6 %, mean
-    gap = 31 nm, converged".
+    """Return the most important numbers of a load in one line, such as "a_r = 6.7 +- 0.6 %,
+    ...".
     """
     parts = []
     if step.get("a_r") is not None:
@@ -55,9 +53,7 @@ def summary(step: dict, surface: dict) -> str:
 
 
 def surface_line(surface: dict) -> str:
-    """Return one line on a surface by its attributes in a result file: points, sizes, roughness,
-    preparation, ...
-    """
+    """Return one line on a surface by its attributes: points, sizes, roughness, ..."""
     unit = surface["unit"] if isinstance(surface.get("unit"), str) else ""
 
     def lengths(values: list[float], digits: int) -> str:
@@ -180,9 +176,7 @@ def estimate(value: float, name: str, step: dict) -> str:
 
 
 def error_bars(name: str, step: dict) -> tuple[float, float] | None:
-    """Return estimated relative errors of a number: by how much it may be too large, too small; or
-    None.
-    """
+    """Return relative errors of a number, too large by and too small by; or None."""
     error = combined_error(name, step)
     if error is None:
         return None
@@ -191,9 +185,7 @@ def error_bars(name: str, step: dict) -> tuple[float, float] | None:
 
 
 def _area_errors(step: dict) -> tuple[float, float, float] | None:
-    """Return relative errors of a_r: the edge correction, at random by the grid, and the solver's;
-    or None.
-    """
+    """Return relative errors of a_r: edge correction, random by the grid, solver's; or None."""
     area, corrected, of_grid, of_solver = map(
         float, _numbers([step.get(name) for name in AREA_NUMBERS]) or [nan] * len(AREA_NUMBERS)
     )
@@ -230,9 +222,7 @@ def is_number(value: object) -> TypeGuard[float]:
 
 
 def _numbers(value: object) -> list[float]:
-    """Return a copy of a list or tuple if it holds finite numbers only, otherwise an empty list:
-    attributes of a file may be anything.
-    """
+    """Return a list of finite numbers of a file as it is, anything else as an empty list."""
     if isinstance(value, list | tuple) and all(is_number(x) and isfinite(x) for x in value):
         return list(value)
     return []

@@ -6,9 +6,7 @@ from ..util.quantities import factor
 
 
 class System(NamedTuple):
-    """Names of the units of a consistent system: a force is a pressure times a squared length, a
-    power a force times a length over a second.
-    """
+    """Names of the units of a consistent system; a power is a force times a length per second."""
 
     length: str
     force: str
@@ -30,9 +28,7 @@ def system_of(length: str, pressure: str) -> System | None:
 
 
 def converted(unit: str, old: System, new: System) -> tuple[float, str]:
-    """Return what one `unit`, such as "Pa/m", of the old system is in the new one: a number and its
-    unit.
-    """
+    """Return one `unit`, such as "Pa/m", of the old system in the new: number and unit."""
     size = 1.0
     parts = []
     for k, part in enumerate(unit.split("/")):

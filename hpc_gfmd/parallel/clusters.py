@@ -110,9 +110,7 @@ class _Joiner:
         return self._joined(pairs, counts, first_row, last_row)
 
     def together(self, upper: _Block | None, lower: _Block | None) -> _Block | None:
-        """Return the block of the rows of two blocks, which stay as they are; None stands for no
-        rows.
-        """
+        """Return the block of the rows of two blocks; None stands for no rows."""
         if upper is None or lower is None:
             return lower if upper is None else upper
         lower_first = lower.first_row.copy()
@@ -124,9 +122,7 @@ class _Joiner:
         return self._joined(pairs, counts, upper.first_row, lower_last)
 
     def close(self, block: _Block) -> None:
-        """Count the clusters of the block of all rows, joined across the border if periodic along
-        x.
-        """
+        """Count the clusters of the block of all rows, joined across a periodic border."""
         pairs = self._pairs(block.last_row, block.first_row, (1, 0)) if self.periodic[0] else []
         border = block.first_row[:, :0]
         self._joined(pairs, block.counts, border, border)

@@ -89,9 +89,7 @@ def restrict_axis(x: np.ndarray, m: int) -> np.ndarray:
 
 
 def axis_mode(n: int, m: int) -> int:
-    """Return how an axis of n points is coarsened to m: 0 not at all, 1 exactly halved, 2
-    otherwise.
-    """
+    """Return how an axis of n points is coarsened to m: 0 not, 1 exactly halved, 2 otherwise."""
     return 0 if n == m else (1 if n == 2 * m and n > 2 else 2)
 
 
@@ -149,9 +147,7 @@ class Transfer:
 
     @cached_property
     def tables(self) -> Tables:
-        """What kernels take as `transfer`, a plain tuple, which numba takes fastest; do not change
-        its arrays, which are shared.
-        """
+        """What kernels take as `transfer`, a plain tuple; its arrays are shared: do not change."""
         J0, f_x = axis_tables(self.n[0], self.m[0], self.dtype, *self.fine)
         # row numbers count the row before the window
         k0 = (J0 - self.lo[self.rank] + 1).astype(np.int32)

@@ -27,9 +27,7 @@ class SerialComm:
         self.parent = parent
 
     def sum(self, values: ArrayLike) -> np.ndarray:
-        """Return the numbers as they are, float64, which are also the `max` and `min` of one
-        rank.
-        """
+        """Return the numbers of the one rank, also their `max` and `min`, as float64."""
         return np.asarray(values, dtype=np.float64)
 
     max = min = sum
@@ -151,9 +149,7 @@ class MpiComm:
         MPI.Request.Waitall(requests)
 
     def allgather_arrays(self, send: np.ndarray, receive: np.ndarray, counts: list[int]) -> None:
-        """Fill `receive` with the flat arrays of all ranks, one after the other, of `counts`
-        numbers.
-        """
+        """Fill `receive` with the flat arrays of all ranks, each of `counts` numbers."""
         self.mpi.Allgatherv(send, [receive, counts])
 
     def alltoall_bytes(self, send: tuple, receive: tuple) -> None:

@@ -165,9 +165,7 @@ class SlabFFT(Layout):
         return on_threads(self.threads, forward, self.passes(), self.rows)
 
     def backward_rows(self, use: RowWork[T]) -> list[T]:
-        """Transform `blocks` back and hand local rows i0 <= i < i1 to use(i0, i1, x). Not
-        collective.
-        """
+        """Transform `blocks` back and hand local rows to use(i0, i1, x). Not collective."""
 
         def backward(i0: int, i1: int, rows: tuple) -> T:
             load_rows(rows[1], i0, i1)
@@ -286,7 +284,5 @@ class SlabFFT(Layout):
 
 
 def _moved(a: np.ndarray) -> np.ndarray:
-    """View complex numbers of single precision as float64, which the compiler moves in one
-    piece.
-    """
+    """View complex64 as float64, which the compiler moves in one piece."""
     return a.view(np.float64) if a.dtype == np.complex64 else a

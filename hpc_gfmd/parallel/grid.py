@@ -34,9 +34,7 @@ SMALL = 2**25  # bytes of transforms below which making them anew costs more tha
 
 
 class GridTables:
-    """Transforms (SlabFFT by dtype), and `values` of `Grid.once` by key, which depend on the size
-    of a grid alone.
-    """
+    """SlabFFT by dtype, and `values` of `Grid.once` by key, for all grids of a size."""
 
     def __init__(self) -> None:
         self.transforms: dict[np.dtype, SlabFFT] = {}
@@ -183,9 +181,7 @@ class Grid:
         return float(np.sqrt(sum(x * x for x in q) / 2)) or 1.0
 
     def multiplicity(self, j: ArrayLike) -> np.ndarray:
-        """Return how often columns j of the half spectrum occur in the full one: 1 or 2, 0 beyond
-        the last.
-        """
+        """Return how often columns j of the half spectrum occur in the full one: 0, 1 or 2."""
         j = np.asarray(j)
         n_y = self.n[1]
         twice = (j > 0) & (2 * j != n_y)
@@ -214,9 +210,7 @@ class Grid:
         return empty_aligned(self.shape, dtype)
 
     def pieces(self, rows: int | None = None) -> tuple[tuple[int, int], ...]:
-        """List the ranges (i0, i1) that a thread works on at a time, of all or the first `rows`
-        local rows.
-        """
+        """List the ranges (i0, i1) of local rows, or of the first `rows`, for one thread each."""
         rows = self.shape[0] if rows is None else rows
         return pieces_of(rows, self.n[1])
 

@@ -64,9 +64,7 @@ class Stored:
         raise AssertionError
 
     def read(self, start: int = 0, stop: int | None = None) -> np.ndarray:
-        """Return the rows start <= i < stop, default all, on this rank alone, or raise
-        GfmdError.
-        """
+        """Return the rows start <= i < stop, default all, on this rank alone."""
         return self.slab(SerialComm(), (start, self.shape[0] if stop is None else stop))
 
     def _rows(self, start: int, stop: int) -> np.ndarray:

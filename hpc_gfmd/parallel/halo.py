@@ -73,9 +73,7 @@ class Windows:
             window[..., rows, :] = values
 
     def add(self, comm: Any, window: np.ndarray, owned: np.ndarray) -> None:
-        """Add the rows of all windows to those of their owners, the transpose of `fill`.
-        Collective.
-        """
+        """Add the rows of all windows to those of their owners: adjoint of `fill`. Collective."""
         received = _exchange(comm, window, self.take, owned, self.give)
         for rows, owned_rows in self._apart(owned, window):
             owned[..., owned_rows, :] += window[..., rows, :]
@@ -90,9 +88,7 @@ class Windows:
         return [piece for piece in self.own if not (is_same_memory and piece[0] == self.interior)]
 
     def sent_rows(self, adding: bool) -> dict[int, int]:
-        """Return how many rows this rank sends to each other rank, by `add` if adding or by
-        `fill`.
-        """
+        """Return how many rows this rank sends to each other rank, by `add` or by `fill`."""
         sent = self.take if adding else self.give
         return {peer: sum(map(_length, pieces)) for peer, pieces in sent.items()}
 
@@ -184,9 +180,7 @@ def add_overlaps(comm: Any, overlaps: Sequence[Overlaps], windows: Sequence[np.n
 def add_all(
     comm: Any, window: np.ndarray, bounds: Sequence[tuple[int, int]], whole: np.ndarray
 ) -> None:
-    """Set `whole` (fields, n, m) on every rank to the sum of all ranks' windows lo <= i < hi.
-    Collective.
-    """
+    """Set `whole` (fields, n, m) on every rank to the sum of all windows. Collective."""
     fields, n, m = whole.shape
     counts = [fields * (hi - lo) * m for lo, hi in bounds]
     received = np.empty(sum(counts), window.dtype)
@@ -214,9 +208,7 @@ _windows = lru_cache(maxsize=64)(Windows)
 
 
 def _exchange(comm: Any, a: np.ndarray, give: Pieces, b: np.ndarray, take: Pieces) -> list[tuple]:
-    """Send rows of a by rank, and return a list of (rows of b, values that came for them).
-    Collective.
-    """
+    """Send rows of a by rank; return [(rows of b, values that came for them)]. Collective."""
     send = {
         peer: np.concatenate([a[..., rows, :] for rows in pieces], axis=-2)
         for peer, pieces in give.items()

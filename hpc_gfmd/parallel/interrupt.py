@@ -18,9 +18,7 @@ _running: "Interrupt | None" = None  # the Interrupt that listens: signals are s
 
 
 class Stopped(Exception):
-    """The run is to stop; raised out of long work between two iterations, with the number of the
-    signal.
-    """
+    """The run is to stop because of a signal (its number), between two iterations."""
 
     def __init__(self, number: int):
         super().__init__(f"stopped by signal {number}")
@@ -46,9 +44,7 @@ def check(comm: Comm) -> None:
 
 
 def stop(number: int) -> NoReturn:
-    """Raise Stopped with a signal that all ranks have agreed on; it sets the Interrupt's exit
-    code.
-    """
+    """Raise Stopped with a signal that all ranks have agreed on; it sets the exit code."""
     if _running is not None:
         _running.agreed = number
     raise Stopped(number)

@@ -72,9 +72,7 @@ class Layout:
         return np.append(np.arange(0, self.n_c, W), self.n_c)
 
     def _rows_per_pass(self) -> int:
-        """Return how many rows to transform at a time, so that they fit the cache; the same on all
-        ranks.
-        """
+        """Return how many rows to transform at a time to fit the cache, equal on all ranks."""
         wanted = int(np.clip(ROW_BYTES // (self.n_c * self.itemsize), 8, 256))
         longest = int(np.diff(self.starts).max())  # on any rank: all plan alike
         passes = max(1, -(-longest // wanted))

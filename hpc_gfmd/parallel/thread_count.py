@@ -38,16 +38,12 @@ def auto_threads(points: int, ranks: int, cores: int) -> int:
 
 
 def ranks_per_node(ranks: int, threads: int) -> int:
-    """Guess how many ranks share a node: as many as Slurm starts on one, or as there are
-    cores for.
-    """
+    """Guess how many ranks share a node: Slurm's tasks, or as many as there are cores for."""
     return min(ranks, tasks_per_node() or max(1, len(cores()) // threads))
 
 
 def oversubscription(comm: Comm, threads: int) -> str:
-    """Return a note if cores run more than one thread each, or a batch job's tasks none, else "".
-    Collective.
-    """
+    """Return a note if cores run several threads each, or a job's tasks none. Collective."""
     if comm.size == 1 and (note := idle_tasks()):
         return note
     usable = cores()

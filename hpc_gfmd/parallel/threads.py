@@ -136,9 +136,7 @@ def added(parts: Sequence[Sequence[float]], count: int) -> np.ndarray:
 
 
 class _Helper:
-    """A thread that does one piece of work after another; two locks take a third of the time of an
-    executor's queue and futures.
-    """
+    """A thread for one piece of work after another, in a third of the time of an executor."""
 
     def __init__(self) -> None:
         self.error: BaseException | None = None

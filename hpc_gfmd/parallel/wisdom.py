@@ -89,9 +89,7 @@ class _Wisdom:
         return folder and folder / "wisdom" / f"{self.kind}-{self.name}"
 
     def read(self) -> set[bytes]:
-        """Add the wisdom in the cache to that of this process; return its lines, none if FFTW
-        rejects it.
-        """
+        """Add the wisdom in the cache to that of this process; return its lines, if accepted."""
         if len(self.text()) > LIMIT:
             self.replace(b"")
         content = (self.path and kept(self.path)) or b""

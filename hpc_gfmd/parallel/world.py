@@ -143,9 +143,7 @@ def comm_of(argument: Any) -> Comm:
 
 
 def _abort_on_error(mpi: Any, hook: Hook) -> Hook:
-    """Return an excepthook that calls `hook` and then ends all ranks, which would wait forever for
-    one that left with an exception.
-    """
+    """Return an excepthook that calls `hook` and ends all ranks, which else wait for ever."""
 
     def excepthook(
         kind: type[BaseException], value: BaseException, traceback: TracebackType | None

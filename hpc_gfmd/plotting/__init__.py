@@ -1,7 +1,4 @@
-"""Pictures of results and surfaces.
-
-Nothing here needs MPI, and fields are read a few rows at a time.
-"""
+"""Pictures of results and surfaces, without MPI; fields are read a few rows at a time."""
 
 from .maps import height_map
 from .pictures import chosen_steps, figures, plot, plot_result, save_picture

@@ -1,6 +1,4 @@
-"""Contact area, mean gap and other numbers against the load, with the theory of the surface; many
-results by their mean and scatter.
-"""
+"""Numbers against the load, with the theory of the surface; many results by mean and scatter."""
 
 from collections.abc import Mapping, Sequence
 from functools import partial

@@ -134,9 +134,7 @@ def _page(panels: Sequence[Callable[[Any], None]], columns: int, window: tuple) 
 
 
 def _mark_yielded(ax: Any, share: np.ndarray, extent: list[float]) -> None:
-    """Colour the pixels in which at least half (`share`) of the touching points yield, with a
-    legend entry.
-    """
+    """Colour the pixels in which at least half of the touching points yield."""
     yielded = np.ma.masked_less(share, 0.5)
     if yielded.count():
         ax.imshow(

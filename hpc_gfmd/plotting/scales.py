@@ -42,9 +42,7 @@ class Scale:
         return label(symbol, (self, power))
 
     def value(self, symbol: str, number: float) -> str:
-        """Return a number in the unit of the result as "$p = 20$ MPa" or, of a relative unit,
-        "$p/E^* = 0.2$".
-        """
+        """Return a number as "$p = 20$ MPa" or, of a relative unit, "$p/E^* = 0.2$"."""
         name = "" if self.relative else self.name
         left = label(symbol, (self, 1)).split("$")[1]
         return f"${left} = {tex_number(number / self.unit)}$ {name}".rstrip()

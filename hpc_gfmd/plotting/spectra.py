@@ -43,9 +43,7 @@ def spectra(views: Sequence[View], names: list[str]) -> Page:
 
 
 def _distribution(ax: Any, view: View, name: str) -> None:
-    """Draw one distribution of every load and the theory; axes without one say so in their
-    title.
-    """
+    """Draw one distribution of every load and the theory; titles tell if there is none."""
     symbol, title, fewest, power = DISTRIBUTIONS[name]
     densities = [
         (k, *_joined(edges, shares, fewest)) for k, edges, shares in _shares(view.result, name)
@@ -181,9 +179,7 @@ def _lines(view: View, name: str, x: str, y: str) -> Iterator[Any]:
 
 
 def _spectrum(ax: Any, view: View, name: str) -> None:
-    """Draw the power spectrum of a field, such as "gap_spectrum", for each load, without powers
-    below rounding.
-    """
+    """Draw the power spectrum of a field for each load, without powers below rounding."""
     length = view.lengths
     lines = list(_lines(view, name, "spectrum_q", "spectrum_power"))
     size = np.sqrt(max(power.max() for _, power, _ in lines) / view.units.size**2)

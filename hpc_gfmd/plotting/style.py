@@ -1,7 +1,4 @@
-"""How all pictures look.
-
-Colour-blind readers can tell the colours apart; sizes are those of a journal of two columns.
-"""
+"""How all pictures look: colours for the colour-blind, sizes of a journal of two columns."""
 
 import io
 from collections.abc import Callable, Iterator, Sequence

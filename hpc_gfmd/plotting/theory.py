@@ -214,9 +214,7 @@ def _hertz(surface: Any, E_star: float) -> Theory:
 
 
 def _hertz_line(surface: Any, E_star: float) -> Theory | None:
-    """Return Hertz' theory of a cylinder if the cell is periodic along its axis, with free edges
-    across.
-    """
+    """Return Hertz' theory of a cylinder that is periodic along its axis alone."""
     curved = 0 if isfinite(surface.radii[0]) else 1
     if surface.free[1 - curved] or not surface.free[curved]:
         return None

@@ -1,6 +1,4 @@
-"""Descriptions of the values that a key of a scene may have, derived from the type that checks
-them.
-"""
+"""Descriptions of the values that a key may have, derived from the type that checks them."""
 
 from dataclasses import asdict
 from types import NoneType, UnionType

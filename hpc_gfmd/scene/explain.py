@@ -42,9 +42,7 @@ WRITTEN_AS = {  # what to write instead of keys that do not exist
 
 
 def nearest(name: str, names: Iterable[str]) -> str:
-    """Return the valid name that was probably meant, by the synonyms in MEANT or a similar one; ""
-    if none is near.
-    """
+    """Return the valid name that was probably meant (MEANT, or a similar one), or ""."""
     names = sorted(names)
     if MEANT.get(name) in names:
         return MEANT[name]
@@ -69,9 +67,7 @@ def require_known(key: str, name: str, names: Iterable[str]) -> None:
 
 
 def shown(value: object) -> str:
-    """Return a value as text for a message: one line, shortened, texts in quotes, bools as in
-    TOML.
-    """
+    """Return a value as text for a message: one short line, texts in quotes, bools as in TOML."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, dict):
@@ -83,8 +79,8 @@ def shown(value: object) -> str:
 
 
 def printable(key: str) -> str:
-    """Return the name of a key or file for a message; quoted and shortened if empty, long or with
-    control characters.
+    """Return a name for a message, quoted and shortened if empty, long or with control
+    characters.
     """
     return key if key and key.isprintable() and len(key) <= 200 else _short.repr(key)
 
@@ -163,9 +159,7 @@ def _line(item: Any, scene: Model, data: dict) -> tuple[tuple, str]:
 
 
 def _why(item: Any) -> str:
-    """Return what is wrong with a value, with ", " behind it; "" if the allowed values, which the
-    message has anyway, explain the error.
-    """
+    """Return what is wrong with a value and ", ", or "" if the allowed values tell."""
     value = item["input"]
     if item["type"] == "value_error":
         return f"{item['ctx']['error']}, "
@@ -187,9 +181,7 @@ def _limits(item: Any) -> str:
 
 
 def _fields(scene: Model, table: str) -> Mapping[str, Any]:
-    """Return {key: field} of a table of a scene, empty for [surface], which has kinds, and for no
-    table.
-    """
+    """Return {key: field} of a table of a scene, empty for [surface], which has kinds."""
     field = scene.model_fields.get(table)
     return getattr(field and field.annotation, "model_fields", {})
 

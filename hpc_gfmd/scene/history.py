@@ -63,9 +63,7 @@ def _require_times(load: LoadTable, material: Material) -> None:
 
 
 def notes_on_history(load: LoadTable, material: Material) -> list[str]:
-    """Return a note on the loads that shape the dents, the largest so far, if others are solved
-    beside them: those return on the same curve.
-    """
+    """Return a note on the loads that shape the dents, if others are solved beside them."""
     name, values = load.prescribed
     if not load.history or material.relaxation is not None:
         return []

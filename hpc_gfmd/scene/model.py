@@ -226,9 +226,7 @@ class Scene(Table):
 
     @classmethod
     def from_toml(cls, text: str, origin: str = "scene") -> "Scene":
-        """Return a validated scene from TOML text, or raise SceneError, which begins with
-        `origin`.
-        """
+        """Return a validated scene from TOML text; errors begin with `origin`."""
         return cls.from_dict(parse_toml(text, origin), origin)
 
     def to_toml(self) -> str:
@@ -312,9 +310,7 @@ class ArrayScene(Scene):
 
 
 def parse_toml(text: str, origin: str) -> dict[str, Any]:
-    """Return the tables of a TOML text, or raise SceneError, which begins with `origin`, with the
-    line number.
-    """
+    """Return the tables of a TOML text; errors begin with `origin` and name the line."""
     try:
         return tomllib.loads(text)
     except RecursionError:

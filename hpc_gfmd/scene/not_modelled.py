@@ -1,6 +1,4 @@
-"""Physics that this program does not model. A key named after it gets this as its message, instead
-of a similar key.
-"""
+"""Physics that is not modelled: keys named after it get a message instead of a similar key."""
 
 import re
 

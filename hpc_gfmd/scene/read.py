@@ -29,9 +29,7 @@ def load_scene(path: str | PathLike, overrides: Iterable[str] = ()) -> Scene:
 
 
 def with_overrides(scene: Scene, overrides: Iterable[str], table: str) -> Scene:
-    """Return a scene with changed keys ("table.key=value") in one table, the only one that may be
-    changed.
-    """
+    """Return a scene with changed keys ("table.key=value") in the one table that allows it."""
     data = scene.model_dump(exclude_none=True)
     for override in overrides:
         if not override.strip().startswith(f"{table}."):

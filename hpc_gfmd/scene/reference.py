@@ -1,6 +1,4 @@
-"""Reference of all keys of a scene, as text and as a page of the documentation, from the models
-that check the keys.
-"""
+"""Reference of all keys of a scene, as text and as a page, from the models that check them."""
 
 import json
 import textwrap
@@ -162,17 +160,13 @@ def _listed(allowed: str) -> str:
 
 
 def _names(model: Any) -> list[str]:
-    """Return the keys of a table, in order; those of all kinds of surface only if this kind
-    redefines them.
-    """
+    """Return the keys of a table in order, of a kind of surface those that it defines."""
     classes = [base for base in reversed(model.__mro__) if base is model or base not in COMMON]
     return list(dict.fromkeys(name for base in classes for name in get_annotations(base)))
 
 
 def _key(name: str, field: Any, names: Any = ()) -> Key:
-    """Return the Key of a field that `table.key` has made; `names`: allowed values that its type
-    does not list.
-    """
+    """Return the Key of a field; `names`: allowed values that its type does not list."""
     extra = about(field)
     default = extra["default_text"]
     if not default and not field.is_required():

@@ -257,9 +257,7 @@ class LoadTable(Table):
 
     @property
     def prescribed(self) -> tuple[str, tuple[float, ...]]:
-        """(name of the prescribed quantity, its value for each load); a single value is that of all
-        times.
-        """
+        """(name of the prescribed quantity, its values); a single value is that of all times."""
         name = next(name for name in LOADS if getattr(self, name) is not None)
         values = getattr(self, name)
         return name, values * len(self.time or [0]) if len(values) == 1 else values

@@ -80,9 +80,7 @@ class SurfaceTable(Table):
 
     @property
     def radii(self) -> tuple[float, float]:
-        """(R_x, R_y) of the ball under the roughness, or of the sphere itself; inf where it is
-        straight or missing.
-        """
+        """(R_x, R_y) of the ball under the roughness or of the sphere; inf where straight."""
         found = inf if self.radius is None else self.radius
         return found if isinstance(found, tuple) else (found, found)
 
@@ -317,9 +315,7 @@ class File(Reading, SurfaceTable):  # type: ignore[misc]
 
     @model_validator(mode="after")
     def _one_way_to_be_periodic(self) -> Self:
-        """Raise ValueError unless exactly one of path and bodies is given, and for a window with a
-        boundary that is not periodic.
-        """
+        """Raise ValueError for path beside bodies, and for a window with free or mirrored edges."""
         one_of(self, "path", "bodies")
         if self.window != "none" and any((*self.free, *self.mirrored)):
             side = "free" if any(self.free) else "mirror"
@@ -354,8 +350,6 @@ AnySurface = Annotated[
 
 
 def _whole(value: float, what: str) -> None:
-    """Raise ValueError unless a number of points, `what` in the message, is whole and from 1 to
-    MAX_N.
-    """
+    """Raise ValueError unless a number of points (`what`) is whole and from 1 to MAX_N."""
     if not (1 <= value <= MAX_N and abs(value - round(value)) <= 1e-9 * value):
         raise ValueError(f"found {what} = {value:.10g}, allowed: a whole number from 1 to {MAX_N}")

@@ -50,9 +50,7 @@ def each(value: Any) -> tuple:
 
 
 def _with_unit(dimension: str) -> WrapValidator:
-    """Return a validator of numbers that also accepts a text with a unit of a dimension, as a
-    Quantity.
-    """
+    """Return a validator of numbers that makes a text with a unit a Quantity."""
 
     def read(value: Any, check: Any) -> float:
         """Return a plain number, checked with its bounds, or the Quantity of a text."""
@@ -66,9 +64,7 @@ def _with_unit(dimension: str) -> WrapValidator:
 
 
 def _from_folder(path: str, scene: ValidationInfo) -> str:
-    """Return a path; a relative one is joined to `scene.context`, the folder of the scene file, if
-    known.
-    """
+    """Return a path; a relative one is joined to the folder of the scene file, if known."""
     return os.path.join(scene.context, path) if scene.context else path
 
 
@@ -171,9 +167,7 @@ def key(
 
 
 def about(field: Any) -> dict[str, Any]:
-    """Return what `key` stored in a field, "allowed", "unit", "example", "default_text", or an
-    empty dict.
-    """
+    """Return what `key` stored in a field: "allowed", "unit", "example", "default_text"."""
     return field.json_schema_extra or {}
 
 
@@ -185,9 +179,7 @@ def keys_with_unit(table: type[Table], dimension: str) -> tuple[str, ...]:
 
 
 def allowed_of(field: Any) -> str:
-    """Return the description of allowed values given to `key`, or else one derived from type and
-    bounds.
-    """
+    """Return the description of allowed values, given to `key` or derived from the type."""
     extra = about(field)
     return extra["allowed"] or allowed_values(
         field.annotation, tuple(field.metadata), extra["unit"]
@@ -205,9 +197,7 @@ def table_fields(field: Any) -> Mapping[str, Any]:
 
 
 def one_of(table: BaseModel, *keys: str) -> None:
-    """Raise ValueError, with the keys that are set, unless exactly one of some keys is set (not
-    None).
-    """
+    """Raise ValueError, with the keys that are set, unless exactly one of some keys is set."""
     present = [key for key in keys if getattr(table, key) is not None]
     if len(present) != 1:
         found_text = f"found {' and '.join(present)}" if present else "not given"

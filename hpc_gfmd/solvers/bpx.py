@@ -359,9 +359,7 @@ class Bpx(Solver):
         return min(n * carried / load, self.N), gap
 
     def expected_area(self, estimate: Estimate) -> float:
-        """Takes two passes over all points, no FFT. Infinite with a hardness if all points touch
-        but one of them may be open.
-        """
+        """Takes two passes over all points, no FFT."""
         open_pp, open_p4 = self.grid.comm.sum(moments_of_open(self.problem, self.g, self.p))
         spread = spread_of(open_pp, open_p4, self.contact, self.N)
         wrong = misclassified_points(

@@ -1,6 +1,7 @@
 """Whether a ball or a rough wall sticks: Tabor's parameter, and Pastewka and Robbins' criterion.
 
-`w` is the work of adhesion per area, in the unit of E_star times that of length.
+`w` is the work of adhesion per area, in the unit of E_star times that of length. Numbers out of
+range raise SceneError.
 """
 
 import numpy as np
@@ -24,11 +25,6 @@ def tabor(R: ArrayLike, w: ArrayLike, length: ArrayLike, E_star: ArrayLike = 1.0
     -------
     array
         (R w^2/(E*^2 length^3))^(1/3).
-
-    Raises
-    ------
-    SceneError
-        If a number is out of range.
     """
     names = (("R", R), ("w", w), ("length", length), ("E_star", E_star))
     R, w, length, E_star = (within(name, x, 0, np.inf, True) for name, x in names)
@@ -67,11 +63,6 @@ def stickiness(
     -------
     array
         a_r (w/reach)/p times pi (3 reach/(4 g_rms diameter))^(2/3).
-
-    Raises
-    ------
-    SceneError
-        If a number is out of range.
     """
     names = (("p", p), ("g_rms", g_rms), ("diameter", diameter), ("w", w), ("reach", reach))
     a_r = within("a_r", a_r, 0, 1)

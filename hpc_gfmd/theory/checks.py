@@ -1,6 +1,4 @@
-"""Range checks shared by the theory functions, with messages that name quantity, number and
-interval.
-"""
+"""Range checks of the theory functions; messages name quantity, number and interval."""
 
 import numpy as np
 from numpy.typing import ArrayLike

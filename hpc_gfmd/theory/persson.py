@@ -160,11 +160,6 @@ def stiffness(
         In units of E* g_rms/h_rms, or of E*/lam_s with unit="g_rms_lam_s", in the shape of p_star.
         Tends to p_star (unit length)/(decay length of the gap) for p_star -> 0 and overflows to inf
         in full contact.
-
-    Raises
-    ------
-    SceneError
-        As `mean_gap`.
     """
     profile = SlopeProfile.self_affine(hurst, eps_f)
     gamma = _gamma(gamma)
@@ -270,9 +265,7 @@ def curve(
 
 
 def _gap(profile: SlopeProfile, p_star: np.ndarray, gamma: float, printed: bool) -> np.ndarray:
-    """Compute the mean gap in units of g_rms/q_min, inf where p_star is 0; checks gamma, not
-    p_star.
-    """
+    """Compute the mean gap in units of g_rms/q_min, inf where p_star is 0; checks gamma."""
     gamma = _gamma(gamma)
     gap = profile.integrate(
         p_star, lambda x: kernels.gap_kernel(x, gamma, printed), power=1

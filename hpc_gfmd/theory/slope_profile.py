@@ -159,9 +159,7 @@ class SlopeProfile:
 
 
 def _piece_integral(C: Function, power: int, q: np.ndarray, width: np.ndarray) -> np.ndarray:
-    """Return int q^power C dy, y = ln q, over every piece from q[i] to q[i+1], of `width` in y; C
-    is called with an array (m-1, 4).
-    """
+    """Return int q^power C d(ln q) over every piece from q[i] to q[i+1], of `width` in ln q."""
     s, w = np.polynomial.legendre.leggauss(4)
     inside = q[:-1, None] * np.exp(width[:, None] * (s + 1) / 2)
     return (inside**power * C(inside) @ w) * width / 2

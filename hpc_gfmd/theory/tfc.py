@@ -229,9 +229,7 @@ def term(row: Mapping[str, Any], i: str, eps: Any) -> Any:
 
 
 def slopes(row: Mapping[str, Any], eps: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the derivatives of eq. tfc with respect to limit, C_i and alpha_i, for the terms in
-    eps.
-    """
+    """Return the derivatives of eq. tfc by limit, C_i and alpha_i, for the terms in eps."""
     derivatives: dict[str, Any] = {"limit": 1.0}
     for i, ratio in eps.items():
         derivatives[f"C_{i}"] = ratio ** row[f"alpha_{i}"]

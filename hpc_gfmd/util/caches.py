@@ -40,9 +40,7 @@ def keep(path: Path, content: bytes, purpose: str | None = None) -> None:
 
 
 def kept(path: Path, purpose: str | None = None) -> bytes | None:
-    """Return what `keep` wrote; None if it cannot be read, is damaged, or was written for another
-    purpose.
-    """
+    """Return what `keep` wrote; None if unreadable, damaged or for another purpose."""
     try:
         data = path.read_bytes()
     except OSError:

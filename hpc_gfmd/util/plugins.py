@@ -43,7 +43,7 @@ def module_in(package: str, name: str) -> Any:
 
 @cache
 def class_in(package: str, name: str) -> Any:
-    """Import a drop-in file and return the class whose `name` is the name of the file, or raise
+    """Import a drop-in file; return the class whose `name` is that of the file, or raise
     GfmdError.
     """
     for value in vars(module_in(package, name)).values():
@@ -53,9 +53,7 @@ def class_in(package: str, name: str) -> Any:
 
 
 def sources_added(package: str) -> list[Path]:
-    """Return the paths of the drop-in files that other packages add to a folder, without importing
-    them.
-    """
+    """Return the paths of the drop-in files of other packages, without importing them."""
     names = sorted(point.value.partition(":")[0] for point in _added(package).values())
     specs = [find_spec(name) for name in names]
     return [Path(spec.origin) for spec in specs if spec is not None and spec.origin]

@@ -49,9 +49,7 @@ def parse(text: str, dimension: str) -> Quantity:
 
 
 def format_quantity(value: float, like: float | None = None) -> str:
-    """Write a number for a message, with its unit if it is a Quantity, or in that of the length
-    `like`.
-    """
+    """Write a number for a message, with the unit that it or the length `like` was given in."""
     if like is None:
         return value.text if isinstance(value, Quantity) else f"{value:g}"
     unit = _QUANTITY.fullmatch(like.text) if isinstance(like, Quantity) else None

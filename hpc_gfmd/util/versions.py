@@ -11,9 +11,7 @@ PACKAGES = ("hpc_gfmd", "numpy", "numba", "scipy", "h5py", "mpi4py", "mpi4py-fft
 
 @cache
 def versions() -> dict[str, str]:
-    """Return the versions of Python and of the installed PACKAGES by name; do not change the
-    dict.
-    """
+    """Return the versions of Python and of the installed PACKAGES by name."""
     installed = {"python": platform.python_version()}
     for name in PACKAGES:
         with suppress(metadata.PackageNotFoundError):
