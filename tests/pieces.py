@@ -5,9 +5,10 @@ from contacts import rough
 from mpi.same import from_rank_0
 from result_files import assert_same_steps
 
+from hpc_gfmd.output import record
 from hpc_gfmd.output.folder import partial_folder
 from hpc_gfmd.output.read import read_result
-from hpc_gfmd.parallel import h5
+from hpc_gfmd.parallel import committed, h5
 from hpc_gfmd.parallel.interrupt import Interrupt
 from hpc_gfmd.runs import simulation
 from hpc_gfmd.runs.simulation import run_scene
@@ -49,7 +50,8 @@ class Pieces:
         monkeypatch.setattr(simulation, "Interrupt", self.interrupt)
         # faster, for many runs
         monkeypatch.setattr(simulation, "compile_once", lambda *_: None)
-        monkeypatch.setattr(h5, "sync", lambda *_, **__: None)
+        for module in h5, committed, record:
+            monkeypatch.setattr(module, "sync", lambda *_, **__: None)
 
     def undisturbed(self, scene):
         """Run without interruption; returns how often the interrupt was polled."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import NamedTuple
 
-from ..parallel.h5 import recover
+from ..parallel.committed import recover
 from ..util.errors import GfmdError, SceneError, reason
 from ..util.file_names import require_name
 from .folder import GROWING, acquire, clear, has_begun, of_earlier_version, partial_folder, release

@@ -10,7 +10,7 @@ import socket
 from contextlib import suppress
 from pathlib import Path
 
-from ..parallel.h5 import committed_file
+from ..parallel.committed import committed_file
 from ..util.errors import SceneError
 
 GROWING = "result.h5"  # what is finished so far; it becomes the result file at the end

@@ -10,7 +10,8 @@ from math import prod
 from pathlib import Path
 from typing import Any
 
-from ..parallel.h5 import Stored, committed_file, inside, reading
+from ..parallel.committed import committed_file, reading
+from ..parallel.h5 import Stored, inside
 from ..util.errors import SceneError, one_line, reason
 from .describe import RECORD
 from .folder import GROWING, has_begun, is_held, of_earlier_version, partial_folder

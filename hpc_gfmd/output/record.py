@@ -1,9 +1,9 @@
 """The result file while it is written.
 
 It grows in the folder OUT.h5.partial: every finished load is added to it at once and committed
-(parallel/h5.py). At the end it gets what other programs need and becomes OUT.h5 by being renamed:
-an incomplete file never has the final name, and each field is written once. The folder also holds
-the gap of a load that was stopped before it converged.
+(parallel/committed.py). At the end it gets what other programs need and becomes OUT.h5 by being
+renamed: an incomplete file never has the final name, and each field is written once. The folder
+also holds the gap of a load that was stopped before it converged.
 """
 
 import os
@@ -19,9 +19,11 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from ..parallel.comm import Comm
+from ..parallel.committed import commit, recover
 from ..parallel.grid import Grid
 from ..parallel.guard import on_rank_0
-from ..parallel.h5 import commit, lay_out, mpi_io_obstacle, recover, sync, write_file, write_rows
+from ..parallel.h5 import lay_out, mpi_io_obstacle, write_file, write_rows
+from ..util.atomic import sync
 from ..util.errors import GfmdError, SceneError
 from .claim import EarlierRun, claim
 from .describe import SIGNS, describe, set_attributes

@@ -3,13 +3,9 @@
 Rank 0 lays a file out: it takes the disk space for all of it, because HDF5 does not survive a full
 disk, and creates the datasets. Then every rank writes its own rows, by MPI-IO or through rank 0.
 
-A file can grow by one more such step. `commit` keeps all bytes of a file that are no numbers of
-fields, and its size, in a second file: whatever dies later, `recover` brings the file back to that
-state, and `reading` shows it in that state meanwhile. So no field is ever written twice.
+A file can grow by one more such step, see committed.py.
 """
 
-import io
-import json
 import os
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
@@ -20,7 +16,9 @@ from typing import Any
 
 import numpy as np
 
+from ..util.atomic import sync
 from .comm import Comm, SerialComm
+from .committed import reading
 from .guard import collective_errors, on_rank_0
 
 VERSIONS = ("v110", "v110")  # HDF5 1.10 and later read it, and its bookkeeping has checksums
@@ -188,23 +186,6 @@ def _piece(field: Any, start: int, stop: int, first: int) -> np.ndarray:
     return np.ascontiguousarray(field[start - first : stop - first])
 
 
-def sync(path: Path, wait: bool = True) -> None:
-    """Have the system write a file or folder to the disk; does nothing on Windows.
-
-    Without `wait` only have it begin, so that the disk is busy while the next piece is made.
-    """
-    if os.name == "nt":  # no descriptor of a folder
-        return
-    descriptor = os.open(path, os.O_RDONLY)
-    try:
-        if wait:
-            os.fsync(descriptor)
-        elif hasattr(os, "posix_fadvise"):
-            os.posix_fadvise(descriptor, 0, 0, os.POSIX_FADV_DONTNEED)
-    finally:
-        os.close(descriptor)
-
-
 @contextmanager
 def _opened(comm: Comm, path: Path, together: bool, doing: str) -> Iterator[Any]:
     """Open a laid-out file to fill in: on all ranks by MPI-IO if `together`, else on rank 0 alone.
@@ -250,158 +231,6 @@ def mpi_io_obstacle(comm: Comm, path: Path) -> str:
         file.Close()  # together: a rank without it would not take part
         return ""
     return str(comm.bcast(reason, failing_rank))
-
-
-def committed_file(path: Path) -> Path:
-    """Return where `commit` keeps what it needs to bring a file back."""
-    return path.with_name(path.name + ".committed")
-
-
-def commit(path: Path) -> None:
-    """Make the present state of a closed file the one that `recover` brings back. One process calls
-    it.
-
-    The numbers of fields must not change later, and stay in place.
-    """
-    size = path.stat().st_size
-    places = []
-    content = []
-    begin = 0
-    with open(path, "rb") as file:
-        for start, length in [*_numbers_in(path), (size, 0)]:
-            if start > begin:
-                file.seek(begin)
-                content.append(file.read(start - begin))
-                places.append((begin, start - begin))
-            begin = max(begin, start + length)
-    committed = committed_file(path)
-    tmp = committed.with_name(committed.name + ".tmp")
-    tmp.write_bytes(json.dumps([size, places]).encode() + b"\n" + b"".join(content))
-    sync(tmp)
-    sync(tmp.replace(committed).parent)
-
-
-def _numbers_in(path: Path) -> list[tuple[int, int]]:
-    """Return (offset, bytes) of all numbers of datasets in a file, in ascending order."""
-    places = []
-
-    def note(_: str, item: Any) -> None:
-        """Add the places of a dataset."""
-        if not hasattr(item, "chunks"):
-            return
-        if item.chunks:
-            for row in range(0, item.shape[0], item.chunks[0]):
-                chunk = item.id.get_chunk_info_by_coord((row, 0))
-                if chunk.byte_offset is not None:
-                    places.append((chunk.byte_offset, chunk.size))
-        elif item.id.get_offset() is not None:
-            places.append((item.id.get_offset(), item.id.get_storage_size()))
-
-    with _plain(path) as file:
-        file.visititems(note)
-    return sorted(places)
-
-
-def _committed(path: Path) -> tuple[int, list[tuple[int, bytes]]]:
-    """Return (size, [(offset, bytes)]) of the committed state of a file.
-
-    Raises OSError if there is none, ValueError if it is damaged.
-    """
-    head, _, content = committed_file(path).read_bytes().partition(b"\n")
-    size, places = json.loads(head)
-    pieces = []
-    for offset, length in places:
-        pieces.append((offset, content[:length]))
-        content = content[length:]
-    return size, pieces
-
-
-def recover(path: Path) -> None:
-    """Bring a file back to its committed state, or remove it if there is none. One process calls
-    it.
-
-    Raises OSError or ValueError if that fails.
-    """
-    if not committed_file(path).exists():
-        path.unlink(missing_ok=True)
-        return
-    size, pieces = _committed(path)
-    with open(path, "r+b") as file:
-        for offset, content in pieces:
-            file.seek(offset)
-            file.write(content)
-        file.truncate(size)
-    sync(path)
-
-
-class _Growing(io.RawIOBase):
-    """A file that may be growing, as it was committed; to read only."""
-
-    def __init__(self, path: Path):
-        self.size, self.pieces = _committed(path)
-        self.file = open(path, "rb")  # noqa: SIM115
-        self.place = 0
-
-    def readable(self) -> bool:
-        return True
-
-    def seekable(self) -> bool:
-        return True
-
-    def seek(self, offset: int, whence: int = 0) -> int:
-        self.place = offset + (0, self.place, self.size)[whence]
-        return self.place
-
-    def tell(self) -> int:
-        return self.place
-
-    def readinto(self, buffer: Any) -> int:
-        """Read what the file has, with the committed bytes in place of its own."""
-        view = memoryview(buffer).cast("B")
-        begin = self.place
-        count = min(len(view), self.size - begin)
-        self.file.seek(begin)
-        self.file.readinto(view[:count])
-        for offset, content in self.pieces:
-            first = max(offset, begin)
-            last = min(offset + len(content), begin + count)
-            if first < last:
-                view[first - begin : last - begin] = content[first - offset : last - offset]
-        self.place += count
-        return count
-
-    def close(self) -> None:
-        self.file.close()
-        super().close()
-
-
-@contextmanager
-def reading(path: Path) -> Iterator[Any]:
-    """Open an h5py file for reading, without locking it, so also while it is written; a growing one
-    as it was committed.
-
-    Raises OSError if it cannot be opened.
-    """
-    import h5py
-
-    if not committed_file(path).exists():
-        with _plain(path) as file:
-            yield file
-        return
-    with _Growing(path) as growing, h5py.File(growing, "r") as file:
-        yield file
-
-
-def _plain(path: Path) -> Any:
-    """Open an h5py file for reading, without locking it where HDF5 allows that."""
-    import h5py
-
-    try:
-        return h5py.File(path, "r", locking=False)
-    except OSError as error:
-        if "locking flag" not in str(error):
-            raise
-        return h5py.File(path, "r")
 
 
 def inside(group: Any, name: str) -> Any:

@@ -32,3 +32,20 @@ def atomic_write(path: Path) -> Iterator[Path]:
         named.unlink(missing_ok=True)
         if nameless_descriptor is not None:
             os.close(nameless_descriptor)
+
+
+def sync(path: Path, wait: bool = True) -> None:
+    """Have the system write a file or folder to the disk; does nothing on Windows.
+
+    Without `wait` only have it begin, so that the disk is busy while the next piece is made.
+    """
+    if os.name == "nt":  # no descriptor of a folder
+        return
+    descriptor = os.open(path, os.O_RDONLY)
+    try:
+        if wait:
+            os.fsync(descriptor)
+        elif hasattr(os, "posix_fadvise"):
+            os.posix_fadvise(descriptor, 0, 0, os.POSIX_FADV_DONTNEED)
+    finally:
+        os.close(descriptor)

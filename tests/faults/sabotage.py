@@ -10,6 +10,7 @@ import resource
 import shutil
 import sys
 import time
+from importlib import import_module
 from pathlib import Path
 
 
@@ -89,15 +90,14 @@ def slow(seconds):
     os.fsync = late
 
 
-def hold(function, text, flag):
-    """Block a function of parallel/h5.py for files with this text in their names.
+def hold(module, function, text, flag):
+    """Block a function of a module of parallel/ for files with this text in their names.
 
     Its arguments name the file. The file `flag` is created when it blocks. It goes on when that is
     deleted, or after a minute, and does not block again.
     """
-    from hpc_gfmd.parallel import h5
-
-    original = getattr(h5, function)
+    module = import_module(f"hpc_gfmd.parallel.{module}")
+    original = getattr(module, function)
     was_held = False
 
     def blocking(target, *args, **named):
@@ -110,7 +110,7 @@ def hold(function, text, flag):
                 time.sleep(0.01)
         return original(target, *args, **named)
 
-    setattr(h5, function, blocking)
+    setattr(module, function, blocking)
 
 
 def unreserved():

@@ -19,10 +19,10 @@ TARGETS = {
     "all ranks": lambda job: job.ranks(),
     "mpirun": lambda job: [],
 }
-# {where: (rank that is blocked, function of parallel/h5.py, text in its arguments)}
+# {where: (rank that is blocked, module of parallel/ and its function, text in its arguments)}
 HELD = {
-    "in a write of rows": (1, "_piece", "LazyField"),
-    "before a commit": (0, "sync", "committed.tmp"),
+    "in a write of rows": (1, "h5 _piece", "LazyField"),
+    "before a commit": (0, "committed sync", "committed.tmp"),
 }
 
 

@@ -85,7 +85,7 @@ def test_two_runs(undisturbed):
     """A second run is refused and does not disturb the first one."""
     path = write_scene()
     flag = Path("held")
-    running = Job("run scene.toml", RANKS, fault=f"hold 0 sync committed.tmp {flag}")
+    running = Job("run scene.toml", RANKS, fault=f"hold 0 committed sync committed.tmp {flag}")
     assert running.wait_for(flag.exists)
     for job in (run("run scene.toml", RANKS), run("restart out.h5")):
         assert job.code == 2, job.err

@@ -8,7 +8,7 @@ from faults.jobs import needs_mpi, run, write_scene
 from result_files import assert_same_steps
 
 from hpc_gfmd.output.read import read_result
-from hpc_gfmd.parallel.h5 import reading
+from hpc_gfmd.parallel.committed import reading
 
 pytestmark = needs_mpi
 RANKS = 2

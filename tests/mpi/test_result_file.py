@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from result_files import HEAD
 
+from hpc_gfmd.output import record
 from hpc_gfmd.output.read import read_partial, read_result
 from hpc_gfmd.output.record import RunFile
-from hpc_gfmd.parallel import h5
+from hpc_gfmd.parallel import committed, h5
 from hpc_gfmd.parallel.comm import SerialComm
 from hpc_gfmd.util.errors import GfmdError, SceneError
 
@@ -47,7 +48,8 @@ def layouts(comm, n_x):
 def with_and_without_mpi(monkeypatch):
     """Run the loop body with HDF5 as it is, then as if it were built without MPI; without waiting
     for the disk."""
-    monkeypatch.setattr(h5, "sync", lambda *_, **__: None)
+    for module in h5, committed, record:
+        monkeypatch.setattr(module, "sync", lambda *_, **__: None)
     yield
     monkeypatch.setattr(h5py, "get_config", lambda: type("Serial", (), {"mpi": False}))
     yield

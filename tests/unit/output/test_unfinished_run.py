@@ -10,7 +10,7 @@ from result_files import FIELD, STEP, begin, complete, interrupted, names
 
 from hpc_gfmd.output.folder import partial_folder
 from hpc_gfmd.output.read import read_result
-from hpc_gfmd.parallel.h5 import committed_file
+from hpc_gfmd.parallel.committed import committed_file
 from hpc_gfmd.runs.simulation import restart
 
 
