@@ -80,6 +80,10 @@ class Contents:
         """Open the bytes as a binary stream, which the caller closes."""
         return BytesIO(self.unpacked) if self.unpacked is not None else open(self.path, "rb")
 
+    def read(self) -> bytes:
+        """Read all bytes."""
+        return self.path.read_bytes() if self.unpacked is None else self.unpacked
+
     def head(self) -> bytes:
         """Read the first HEAD_BYTES bytes, fewer if there are no more."""
         with self.open() as stream:
@@ -177,18 +181,6 @@ def is_utf16(head: bytes) -> bool:
     pairs = len(head) // 2
     zeros = max(head[0::2].count(0), head[1::2].count(0))
     return pairs > 8 and zeros > 0.9 * pairs and b"\0\0" not in head[:64]
-
-
-def encoding_of(head: bytes) -> str:
-    """Return the encoding of a text that begins with these bytes, as Python's codecs call it.
-
-    It is UTF-16, or UTF-8 with or without mark, in which the rest of the text need not be valid.
-    """
-    if head.startswith(_UTF16):
-        return "utf-16"
-    if is_utf16(head):
-        return "utf-16-le" if head[1::2].count(0) > head[0::2].count(0) else "utf-16-be"
-    return "utf-8-sig"
 
 
 def _format_of_archive(contents: Contents) -> str:

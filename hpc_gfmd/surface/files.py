@@ -12,7 +12,7 @@ from zipfile import ZipFile
 from ..scene.height_maps import ANY
 from ..util.errors import SceneError, one_line
 from ..util.file_names import require_name
-from . import arrays_in_files, containers, instruments, pictures, text, zygo
+from . import arrays_in_files, containers, instruments, pictures, text
 from .contents import Contents, contents_of, files_in, format_of
 from .heights import require_map
 from .metadata import Map, missing_numbers
@@ -161,6 +161,6 @@ OPENERS: dict[str, tuple[str, Opener]] = {
     "png": ("png", pictures.read_png),
     "x3p": ("x3p", instruments.read_x3p),
     "container": ("container", containers.read),
-    "zygo xyz": ("zygo xyz", zygo.read),
+    "zygo xyz": ("zygo xyz", text.read_zygo),
     "other": ("other", instruments.read),  # by SurfaceTopography
 }

@@ -1,8 +1,10 @@
 """The lines before the numbers of a text: names and units of columns, headers of instruments."""
 
 import re
-from dataclasses import dataclass
+from collections.abc import Iterable
+from contextlib import suppress
 from io import BytesIO
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,7 +14,7 @@ from .metadata import Metadata
 
 _COLUMN = re.compile(r"([^\W\d_]\w*)\s*(?:[\[(]\s*([^\])]*?)\s*[\])])?")
 _IN_BRACKETS = re.compile(r"[\[(]\s*([^\d\W_]+)\s*[\])]")
-_ROLES = {"x": r"x\d?|x[_ ].*", "y": r"y\d?|y[_ ].*", "z": r"z\d?|z[_ ].*|heights?|h|topography"}
+_ROLES = (r"x\d?|x[_ ].*", r"y\d?|y[_ ].*", r"z\d?|z[_ ].*|heights?|h|topography")
 _GWYDDION_UNIT = re.compile(r"(?P<key>Lateral|Value) units:\s*(?P<unit>\S+)", re.I)
 _NO_DATA = re.compile(
     r"\b(?:no_?data(?:_value)?|_?fill_?value|missing_value)\b\s*[:=]?\s*(\S+)", re.I
@@ -22,19 +24,9 @@ _PIXELS = re.compile(r"(?<=\d)\s*(?:px|pixels?)\s*$", re.I | re.M)
 _ROW = "<row>"  # stands for a line of numbers
 
 
-@dataclass(frozen=True)
-class Columns:
-    """Where the columns x, y and z of a text are.
-
-    Attributes
-    ----------
-    places : (int, int, int)
-        Indices of the columns x, y and z, from 0.
-    units : (str, str, str), optional
-        Units of x, y and z; None unless all three are named.
-    unused : tuple of str
-        Names of all other columns.
-    """
+class Columns(NamedTuple):
+    """Places of the columns x, y and z of a text, their units (None unless all are named), and the
+    names of all other columns."""
 
     places: tuple[int, ...]
     units: tuple[str, ...] | None
@@ -42,48 +34,30 @@ class Columns:
 
 
 def columns_named(header: list[str], mark: str | None, columns: int) -> Columns | None:
-    """Find the columns x, y and z by the names in a header.
+    """Find the columns x, y and z by their names in one of the last three lines of a header.
 
-    Parameters
-    ----------
-    header : list of str
-        Lines before the numbers; only the last three that are not blank are searched.
-    mark : str or None
-        What separates numbers; None: white space.
-    columns : int
-        Numbers in a line.
-
-    Returns
-    -------
-    Columns or None
-        None unless a line has as many fields as there are columns, and exactly one of them names
-        each of x, y and z.
+    None unless a line has as many fields as there are columns, and exactly one of them names each
+    of x, y and z.
     """
     titles = [line.strip().lstrip("#%;/ \t").strip() for line in header if line.strip()][-3:]
     for title in reversed(titles):
-        fields = title.split(mark) if mark and mark in title else _COLUMN.findall(title)
-        matches = [
-            _COLUMN.match(field.strip(' "')) if isinstance(field, str) else field
-            for field in fields
-        ]
-        named = [
-            ("", "") if match is None else match if isinstance(match, tuple) else match.groups("")
-            for match in matches
-        ]
+        if mark and mark in title:
+            fields = [_COLUMN.match(field.strip(' "')) for field in title.split(mark)]
+            named = [("", "") if field is None else field.groups("") for field in fields]
+        else:
+            named = _COLUMN.findall(title)
         if len(named) != columns:
             continue
-        names = [name.lower() for name, _ in named]
-        places = [
-            [k for k, name in enumerate(names) if re.fullmatch(pattern, name)]
-            for pattern in _ROLES.values()
+        roles = [
+            [k for k, (name, _) in enumerate(named) if re.fullmatch(role, name.lower())]
+            for role in _ROLES
         ]
-        if all(len(place) == 1 for place in places):
-            chosen = tuple(place[0] for place in places)
-            unused = tuple(
-                named[k][0] or f"column {k + 1}" for k in range(columns) if k not in chosen
-            )
-            units = tuple(named[k][1] for k in chosen)
-            return Columns(chosen, units if all(units) else units_of(titles), unused)
+        if all(len(role) == 1 for role in roles):
+            places = tuple(role[0] for role in roles)
+            others = [k for k in range(columns) if k not in places]
+            unused = tuple(named[k][0] or f"column {k + 1}" for k in others)
+            units = tuple(named[k][1] for k in places)
+            return Columns(places, units if all(units) else units_of(titles), unused)
     return None
 
 
@@ -107,12 +81,15 @@ def units_of(header: list[str]) -> tuple[str, ...] | None:
 
 def missing_numbers(header: list[str]) -> tuple[float, ...]:
     """Return the numbers that a header declares to mark missing points, such as NODATA_value."""
+    return numbers_in(_NO_DATA.findall("\n".join(header)))
+
+
+def numbers_in(texts: Iterable[str]) -> tuple[float, ...]:
+    """Return the numbers among some texts."""
     numbers = []
-    for match in _NO_DATA.finditer("\n".join(header)):
-        try:
-            numbers.append(float(match[1]))
-        except ValueError:
-            continue
+    for text in texts:
+        with suppress(ValueError):
+            numbers.append(float(text))
     return tuple(numbers)
 
 
@@ -144,24 +121,9 @@ def of_esri(header: list[str], table: np.ndarray) -> tuple[np.ndarray, Metadata]
 def of_instrument(header: list[str], lines: int, columns: int) -> tuple[Metadata, float] | None:
     """Read a header of Gwyddion, SPIP, Wyko, Nova, Attocube or others, by SurfaceTopography.
 
-    Parameters
-    ----------
-    header : list of str
-        Lines before the numbers, with decimal points.
-    lines, columns : int
-        Lines of numbers that follow, and numbers in each.
-
-    Returns
-    -------
-    (Metadata, float) or None
-        The float is the factor from the numbers to heights. None if the header is of another kind,
-        or has neither sizes nor a unit.
-
-    Raises
-    ------
-    ValueError
-        If the header describes another quantity than heights, or another number of lines or
-        columns.
+    Returns metadata and the factor from the numbers to heights; None for another kind of header, or
+    one without sizes and unit. ValueError for another quantity than heights, or another number of
+    lines or columns than those that follow.
     """
     if not any(re.search(r"[^\W\d_]{2}", line) for line in header):
         return None

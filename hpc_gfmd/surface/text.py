@@ -3,87 +3,231 @@
 Every number is accounted for; otherwise the text is refused.
 """
 
-from collections.abc import Iterator
+import re
+from collections.abc import Callable, Iterator
 from dataclasses import replace
-from io import TextIOWrapper
-from itertools import islice
-from typing import Any
+from io import BytesIO, TextIOWrapper
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..scene.height_maps import ANY
 from ..util.errors import one_line
-from . import header
-from .blocks import Block, joined, plain_block, read_blocks
-from .contents import Contents, encoding_of
-from .coordinates import is_grid, numbers_from_0, points_on_grid
-from .layout import LOOKED_AT, TextLayout, layout_of
+from . import header, points
+from .contents import Contents, is_utf16
+from .layout import LOOKED_AT, TextLayout, is_comment, layout_of
 from .metadata import Map, Metadata
-from .tables import Matrix, labels_of, without_coordinates
 
-ALONG_LINE = "along a line of the text"
-ACROSS_LINES = "from line to line of the text"
+SAMPLE = 2**17  # bytes in which the layout is looked for
+END_OF_ZYGO = re.compile(rb"^\s*#\s*$", re.M)  # after the header, and after the points
+
+
+class Block(NamedTuple):
+    """Successive lines of numbers: where they begin (from 1), what stands before, the numbers."""
+
+    first_line: int
+    header: list[str]
+    table: np.ndarray
 
 
 def read(contents: Contents, spec: Any) -> Map:
-    """Read a text whole.
+    """Read a text whole; `spec` is a scene.File.
 
     A matrix is taken as numpy.savetxt writes it: its first index, the line, is x, unless the header
-    says otherwise.
-
-    Parameters
-    ----------
-    contents : Contents
-    spec : scene.File
-        Its skip_lines, decimal, missing, coordinates and dataset are used.
-
-    Returns
-    -------
-    heights : ndarray, shape (lines, columns) of a matrix or (n_x, n_y) of points
-        float64, nan where they are missing.
-    metadata : Metadata
-
-    Raises
-    ------
-    ValueError
-        Names what is wrong, and in which line.
+    says otherwise. Raises ValueError that names what is wrong, and in which line.
     """
-    try:
-        return _read(contents, spec, encoding_of(contents.head()))
-    except UnicodeDecodeError:
-        return _read(contents, spec, "cp1252")  # Western Windows, a superset of Latin-1's letters
-
-
-def _read(contents: Contents, spec: Any, encoding: str) -> Map:
-    """Read a text as `read` does. Raises UnicodeDecodeError if it has another encoding."""
-    sample = list(islice(_lines(contents, encoding), (spec.skip_lines or 0) + LOOKED_AT))
-    layout = layout_of(sample, spec)
+    data = _as_utf8(contents.read())
+    stream = BytesIO(data)
+    sample = [stream.readline() for _ in range(spec.skip_lines or 0)]
+    sample += stream.readlines(SAMPLE)[:LOOKED_AT]
+    lines = [line.decode() for line in sample if line]
+    layout = layout_of(lines, spec)
     if layout.columns < 2:
         raise ValueError(
             "it has one number in a line, a profile, allowed: a matrix, or columns x, y and z"
         )
-    plain = plain_block(_lines(contents, encoding), layout)
-    blocks = [plain] if plain else read_blocks(_lines(contents, encoding), layout)
+    body = data[sum(map(len, sample[: layout.header_lines])) :]
+    blocks = _blocks(body, lines[: layout.header_lines], layout)
     title = [] if spec.skip_lines is not None else blocks[0].header
     names = header.columns_named(title, layout.mark, layout.columns)
     if len(blocks) > 1:
         has_points = names is not None or layout.columns == 3
         if _titled(blocks) or not has_points:
             return _one_of(blocks, layout, spec)
-        blocks = [joined(blocks)]  # a blank line ends each line of the grid
+        blocks = [_joined(blocks)]  # a blank line ends each line of the grid
     if names is not None:
-        return _points(blocks[0], names, title, layout, spec)
-    return _matrix_or_points(blocks[0], layout, title, sample, spec)
+        table = blocks[0].table
+        x, y, z = (table[:, place] for place in names.places)
+        z = _without_missing(z, header.missing_numbers(title), layout, spec)
+        return _points(x, y, z, names.units, names.unused)
+    return _matrix_or_points(blocks[0], layout, title, lines, spec)
 
 
-def _lines(contents: Contents, encoding: str) -> Iterator[str]:
-    """Yield the lines of a text, each with its line end.
+def read_zygo(contents: Contents, spec: Any) -> Map:
+    """Read Zygo's text of pixels and heights; its header has the points and their distance in m."""
+    head, body, *_ = [*END_OF_ZYGO.split(contents.read()), b""]
+    table = np.loadtxt(BytesIO(body.replace(b"No Data", b"nan")), comments=None, ndmin=2)
+    lines = head.splitlines()
+    try:
+        n_x, n_y = map(int, lines[3].split()[2:4])
+        pitch = float(lines[7].split()[6])  # 0 if it is not known
+    except (IndexError, ValueError):
+        raise ValueError(
+            "its header has no points in line 4 or no distance of them in line 8"
+        ) from (None)
+    if table.shape != (n_x * n_y, 3):
+        raise ValueError(
+            f"found {table.shape[0]} lines of {table.shape[1]} numbers, allowed: {n_x} x {n_y}"
+            " lines of x, y and z, as its header says"
+        )
+    heights, _ = points.on_grid(*table.T)
+    return heights, Metadata(
+        sizes=(n_x * pitch, n_y * pitch) if pitch else None,
+        sizes_unit="m" if pitch else "px",
+        unit=spec.unit or "um",
+        direction="along the column x",
+        remarks=() if spec.unit else ("heights are taken in um, Zygo's unit in such a text",),
+    )
 
-    Raises UnicodeDecodeError if it is not UTF-8; in other encodings such bytes are replaced.
+
+def _as_utf8(data: bytes) -> bytes:
+    """Return a text in UTF-8 without mark, its lines ended by a newline; what is none is cp1252."""
+    if is_utf16(data[:4096]):
+        is_little = data[1:4096:2].count(0) > data[0:4096:2].count(0)
+        data = data.decode("utf-16-le" if is_little else "utf-16-be", "replace").encode()
+    data = data.removeprefix(b"\xef\xbb\xbf")
+    if not data.isascii():
+        try:
+            data.decode()
+        except UnicodeDecodeError:
+            data = data.decode("cp1252", "replace").encode()
+    return data.replace(b"\r\n", b"\n").replace(b"\r", b"\n") if b"\r" in data else data
+
+
+# -- numbers
+
+
+def _blocks(body: bytes, title: list[str], layout: TextLayout) -> list[Block]:
+    """Return the blocks of numbers that blank lines or comments separate; one if all have one line.
+
+    Raises ValueError that names the first line that does not obey the layout.
     """
-    errors = "strict" if encoding == "utf-8-sig" else "replace"
-    with contents.open() as stream, TextIOWrapper(stream, encoding, errors=errors) as text:
-        yield from text
+    first_line = layout.header_lines + 1
+    table = _plain_table(body, layout)
+    if table is not None:
+        return [Block(first_line, title, table)]
+    blocks = [
+        Block(number, comments, _table(text, number, layout))
+        for number, comments, text in _separated(body, title, first_line)
+    ]
+    has_doubled_line_ends = len(blocks) > 1 and all(len(block.table) == 1 for block in blocks)
+    return [_joined(blocks)] if has_doubled_line_ends else blocks
+
+
+def _separated(
+    body: bytes, title: list[str], first_line: int
+) -> Iterator[tuple[int, list[str], bytes]]:
+    """Yield first line, header and text of each block."""
+    comments = list(title)
+    block: list[bytes] = []
+    for number, line in enumerate(BytesIO(body), first_line):
+        is_separator = is_comment(line.decode())
+        if is_separator or not line.strip(b"\n "):
+            if block:
+                yield number - len(block), comments, b"".join(block)
+                block = []
+                comments = []
+            comments += [line.decode()] * is_separator
+        else:
+            block.append(line)
+    if block:
+        yield number + 1 - len(block), comments, b"".join(block)
+
+
+def _joined(blocks: list[Block]) -> Block:
+    """Return one block with the numbers of several, and with the header of the first."""
+    return blocks[0]._replace(table=np.concatenate([block.table for block in blocks]))
+
+
+def _plain_table(text: bytes, layout: TextLayout) -> np.ndarray | None:
+    """Return the numbers of a text in which no point is missing; None of any other."""
+    if layout.decimal == ".":
+        return _parsed(text, layout, None)
+    if layout.mark == "," or b"." in text:
+        return None
+    return _parsed(text.replace(b",", b"."), layout, None)
+
+
+def _parsed(
+    text: bytes, layout: TextLayout, number_of: Callable[[str], float] | None
+) -> np.ndarray | None:
+    """Return the numbers of a text by NumPy's parser; None if it refuses or skips a line."""
+    if layout.ended and layout.mark:
+        text = re.sub(rb"%b[ \t]*$" % layout.mark.encode(), b"", text, flags=re.M)
+    try:
+        table = np.loadtxt(
+            TextIOWrapper(BytesIO(text), "utf-8", newline="\n"),
+            delimiter=layout.mark,
+            comments=None,
+            converters=number_of,
+            quotechar='"' if layout.mark else None,
+            ndmin=2,
+        )
+    except ValueError:
+        return None
+    lines = text.count(b"\n", 0, len(text.rstrip(b"\n "))) + 1
+    return table if table.shape == (lines, layout.columns) else None
+
+
+def _table(text: bytes, first_line: int, layout: TextLayout) -> np.ndarray:
+    """Return the numbers of a block, nan for missing ones; ValueError names a wrong line."""
+
+    def number_of(token: str) -> float:
+        value = layout.number(token.strip())
+        if value is None:
+            raise ValueError
+        return value
+
+    table = _plain_table(text, layout)
+    if table is not None:
+        return table
+    is_complete = text.endswith(b"\n")
+    lines = text.decode().removesuffix("\n").split("\n")
+    plain = "\n".join(map(layout.plain, lines))
+    if all(map(str.strip, lines)):
+        table = _parsed(plain.encode(), layout, number_of)
+    if table is not None:
+        return table
+    rows = []
+    for number, line in enumerate(lines, first_line):
+        is_last = number + 1 == first_line + len(lines)
+        end = " (it is the last one: is the file complete?)" * (is_last and not is_complete)
+        tokens = layout.tokens(line)
+        if len(tokens) != layout.columns:
+            raise ValueError(
+                f"line {number}: found {len(tokens)} columns, allowed: {layout.columns}, as in line"
+                f" {layout.header_lines + 1}{end}"
+            )
+        values = list(map(layout.number, tokens))
+        if None in values:
+            raise ValueError(
+                f"line {number}: found {tokens[values.index(None)]!r}, allowed: numbers;"
+                f" surface.missing names what stands for missing points{end}"
+            )
+        rows.append(values)
+    return np.array(rows, dtype=np.float64)
+
+
+def _without_missing(
+    values: np.ndarray, missing: tuple[float, ...], layout: TextLayout, spec: Any
+) -> np.ndarray:
+    """Return values with nan in place of numbers that mark missing points, by header or scene."""
+    of_scene = (text.replace(layout.decimal, ".") for text in spec.missing)
+    numbers = [*missing, *header.numbers_in(of_scene)]
+    return np.where(np.isin(values, numbers), np.nan, values) if numbers else values
+
+
+# -- maps
 
 
 def _titled(blocks: list[Block]) -> bool:
@@ -98,7 +242,9 @@ def _one_of(blocks: list[Block], layout: TextLayout, spec: Any) -> Map:
     channel that spec.dataset names, or the first one. Raises ValueError if there is none, or if a
     block has another header: it may belong to the one before it.
     """
-    places = ", ".join(f"{block.lines} from line {block.first_line} on" for block in blocks[:4])
+    places = ", ".join(
+        f"{len(block.table)} from line {block.first_line} on" for block in blocks[:4]
+    )
     maps: dict[str, Map] = {}
     for block in blocks if _titled(blocks) else ():
         try:
@@ -126,53 +272,18 @@ def _one_of(blocks: list[Block], layout: TextLayout, spec: Any) -> Map:
 def _of_instrument(block: Block, layout: TextLayout, spec: Any) -> Map | None:
     """Read a block with a header of an instrument; None if the header is not one that is known.
 
-    Returns heights of shape (lines, columns) in the unit that the header gives, and metadata.
     Raises ValueError if the header describes another quantity than heights or other numbers of
     points.
     """
     title = block.header
     if layout.decimal == ",":
         title = [line.replace(",", ".") for line in title]
-    metadata_and_factor = header.of_instrument(title, block.lines, layout.columns)
+    metadata_and_factor = header.of_instrument(title, len(block.table), layout.columns)
     if metadata_and_factor is None:
         return None
     metadata, height_factor = metadata_and_factor
-    table = _without_missing(block.table(), header.missing_numbers(title), layout, spec)
+    table = _without_missing(block.table, header.missing_numbers(title), layout, spec)
     return (table if height_factor == 1.0 else table * height_factor), metadata
-
-
-def _points(
-    block: Block, names: header.Columns, title: list[str], layout: TextLayout, spec: Any
-) -> Map:
-    """Put points whose columns are named x, y and z on a grid. Raises ValueError if they fit none.
-
-    names: the columns of the block. title: lines of the header. Returns heights of shape
-    (n_x, n_y) and metadata, with a remark on columns that are not used.
-    """
-    table = block.table()
-    x, y, z = (table[:, place] for place in names.places)
-    z = _without_missing(z, header.missing_numbers(title), layout, spec)
-    heights, sizes = points_on_grid(x, y, z)
-    unused = one_line(", ".join(names.unused))
-    remarks = (f"column {unused} is not used",) if len(names.unused) == 1 else ()
-    remarks = (f"columns {unused} are not used",) if len(names.unused) > 1 else remarks
-    return heights, _of_points(sizes, names.units, remarks)
-
-
-def _of_points(
-    sizes: tuple[float, float], units: tuple[str, ...] | None, remarks: tuple[str, ...] = ()
-) -> Metadata:
-    """Return the metadata of points on a grid. Raises ValueError if x and y have different units.
-
-    sizes: (L_x, L_y) in the unit of x. units: those of x, y and z; None if they are not known.
-    remarks: those of the metadata.
-    """
-    sizes_unit, unit_of_y, unit = units or (None, None, None)
-    if sizes_unit != unit_of_y:
-        raise ValueError(f"its axes are in different units, {sizes_unit} and {unit_of_y}")
-    return Metadata(
-        sizes, sizes_unit, unit, direction="along the column x", remarks=remarks, reader="x, y, z"
-    )
 
 
 def _matrix_or_points(
@@ -181,43 +292,64 @@ def _matrix_or_points(
     """Read a block of numbers whose columns have no names.
 
     In this order it is taken as an ESRI grid, as the map of an instrument, as points with columns
-    x, y and z, and as a matrix, with or without coordinates. title: lines of the header. sample:
-    first lines of the text. Raises ValueError if it is none of them.
+    x, y and z, and as a matrix, with or without coordinates. Raises ValueError if it is none.
     """
+    table = block.table
     missing = header.missing_numbers(title)
-    if title and (grid := header.of_esri(title, block.table())):
+    if title and (grid := header.of_esri(title, table)):
         heights, metadata = grid
         return _without_missing(heights, missing, layout, spec), metadata
     if title and (titled_map := _of_instrument(block, layout, spec)):
         return titled_map
-    table = block.table()
-    if spec.coordinates is None and layout.columns >= 3 and is_grid(table):
-        if layout.columns > 3:
-            raise ValueError(
-                f"its {layout.columns} columns are x, y, z and others, allowed: a header that names"
-                " them, or columns x, y and z alone"
-            )
-        z = _without_missing(table[:, 2], missing, layout, spec)
-        heights, sizes = points_on_grid(table[:, 0], table[:, 1], z)
-        return heights, _of_points(sizes, header.units_of(title))
-    labels = labels_of(sample, layout)
     is_told = spec.coordinates is not None
-    if layout.columns == 3 and not is_told and not labels.any:
-        z = _without_missing(table[:, 2], missing, layout, spec)
-        heights, sizes = points_on_grid(table[:, 0], table[:, 1], z)
-        return heights, _of_points(sizes, header.units_of(title))
-    matrix = without_coordinates(table, labels, spec.coordinates)
-    if matrix.heights.shape[1] < 3 and matrix.of_columns is None and not is_told:
+    is_grid = not is_told and layout.columns >= 3 and points.is_grid(table)
+    if is_grid and layout.columns > 3:
+        raise ValueError(
+            f"its {layout.columns} columns are x, y, z and others, allowed: a header that names"
+            " them, or columns x, y and z alone"
+        )
+    labels = points.labels_of(sample, layout)
+    if is_grid or (layout.columns == 3 and not is_told and not any(labels.signs)):
+        x, y, z = table.T
+        return _points(x, y, _without_missing(z, missing, layout, spec), header.units_of(title))
+    heights, of_lines, of_columns = points.without_coordinates(table, labels, spec.coordinates)
+    if heights.shape[1] < 3 and of_columns is None and not is_told:
         raise ValueError("it has two columns, a profile, allowed: a matrix, or columns x, y and z")
-    heights = _without_missing(matrix.heights, missing, layout, spec)
-    return heights, _of_matrix(matrix, labels.corner, layout)
+    metadata = _of_matrix(heights.shape, of_lines, of_columns, labels.corner, layout)
+    return _without_missing(heights, missing, layout, spec), metadata
 
 
-def _of_matrix(matrix: Matrix, corner: str | None, layout: TextLayout) -> Metadata:
-    """Return the metadata of a matrix; it has sizes only if coordinates have a unit.
+def _points(
+    x: np.ndarray,
+    y: np.ndarray,
+    z: np.ndarray,
+    units: tuple[str, ...] | None,
+    unused: tuple[str, ...] = (),
+) -> Map:
+    """Put points on a grid, with a remark on columns that are not used."""
+    heights, sizes = points.on_grid(x, y, z)
+    sizes_unit, unit_of_y, unit = units or (None, None, None)
+    if sizes_unit != unit_of_y:
+        raise ValueError(f"its axes are in different units, {sizes_unit} and {unit_of_y}")
+    are = "columns {} are not used" if len(unused) > 1 else "column {} is not used"
+    return heights, Metadata(
+        sizes,
+        sizes_unit,
+        unit,
+        direction="along the column x",
+        remarks=(are.format(one_line(", ".join(unused))),) if unused else (),
+        reader="x, y, z",
+    )
 
-    corner: text in the corner of the coordinates, which may name that unit.
-    """
+
+def _of_matrix(
+    n: tuple[int, ...],
+    of_lines: np.ndarray | None,
+    of_columns: np.ndarray | None,
+    corner: str | None,
+    layout: TextLayout,
+) -> Metadata:
+    """Return the metadata of a matrix; sizes only if the coordinates have a unit in the corner."""
     remarks = []
     if layout.ended:
         mark = {"\t": "tab"}.get(str(layout.mark), layout.mark)
@@ -225,16 +357,17 @@ def _of_matrix(matrix: Matrix, corner: str | None, layout: TextLayout) -> Metada
     unit = header.unit_in_brackets(corner or "")
     sizes = []
     falling = []
-    coordinates = {"column": matrix.of_lines, "line": matrix.of_columns}
-    for (place, values), n in zip(coordinates.items(), matrix.heights.shape):
-        step = 0.0 if values is None else float(values[-1] - values[0]) / max(n - 1, 1)
+    for place, counted, values, k in (
+        ("column", "lines", of_lines, n[0]),
+        ("line", "columns", of_columns, n[1]),
+    ):
+        step = 0.0 if values is None else float(values[-1] - values[0]) / max(k - 1, 1)
         falling.append(step < 0)
-        sizes.append(abs(step) * n)
+        sizes.append(abs(step) * k)
         if values is not None:
-            is_count = numbers_from_0(values) or numbers_from_0(values - 1)
+            is_count = points.numbers_from_0(values) or points.numbers_from_0(values - 1)
             meaning = "numbers of" if is_count else "coordinates of the"
             used = ", which are used" if unit and not is_count and all(sizes) else ""
-            counted = {"column": "lines", "line": "columns"}[place]
             remarks.append(
                 f"the first {place} is {meaning} {counted}, {values[0]:g} to {values[-1]:g}{used}"
             )
@@ -242,24 +375,7 @@ def _of_matrix(matrix: Matrix, corner: str | None, layout: TextLayout) -> Metada
         sizes=tuple(sizes) if unit and all(sizes) else None,
         sizes_unit=unit,
         falling=tuple(falling),
-        direction=ACROSS_LINES,
+        direction="from line to line of the text",
         direction_known=False,
         remarks=tuple(remarks),
     )
-
-
-def _without_missing(
-    values: np.ndarray, missing: tuple[float, ...], layout: TextLayout, spec: Any
-) -> np.ndarray:
-    """Return values with nan in place of the numbers that mark missing points.
-
-    missing: the marks that the header names. Those in spec.missing are added, with the decimal mark
-    of the text.
-    """
-    numbers = list(missing)
-    for text in spec.missing:
-        try:
-            numbers.append(float(text.replace(layout.decimal, ".")))
-        except ValueError:
-            continue
-    return np.where(np.isin(values, numbers), np.nan, values) if numbers else values
