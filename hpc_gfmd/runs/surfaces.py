@@ -111,9 +111,6 @@ def surface_of_topography(topography: Any, boundary: Any) -> PreparedSurface:
     """
     as_it_is, spec = _in_memory(topography, {} if boundary is None else {"boundary": boundary})
     checked(complete_array(topography.heights()), 0, "heights")
-    if as_it_is.lacks:
-        key, lack = next(iter(as_it_is.lacks.items()))
-        raise SceneError(f"{lack}, by hpc_gfmd.prepare_surface(topography, {key}=...)")
     notes = notes_on(as_it_is, spec, look=False)
     with_notes = replace(as_it_is, notes=(*as_it_is.notes, *notes))
     return _surface(mirrored(with_notes, spec.mirrored), spec)

@@ -39,14 +39,12 @@ Size = tuple[tuple[int, int], tuple[float, ...]]  # points along x and y, and le
 def open_surface(spec: Any) -> tuple[Topography | None, Size]:
     """Return the opened height map of a scene's [surface] and the size of the surface it gives.
 
-    Not collective. The map is None without a file. Raises SceneError if the file cannot be opened
-    or the scene lacks something; only in the second case heights are read, to list all it lacks.
+    Not collective, and no heights are read. The map is None without a file. Raises SceneError if
+    the file cannot be opened or sizes or units are missing.
     """
     if spec.n is not None:
         return None, (tuple(spec.n), spec.physical_sizes)
     topography = open_topography(spec)
-    if topography.lacks:
-        prepare(topography, spec)
     return topography, prepared_size(topography, spec)
 
 
@@ -181,9 +179,7 @@ def _shared(spec: Any, comm: Any, opened: Callable[[], Topography | None]) -> To
     with collective_errors(comm, "reading the surface"):
         if comm.rank == 0:
             handed.append(opened() or open_topography(spec))
-            is_read_by_rows = (
-                handed[0].by_rows and not handed[0].lacks and not asks_for_preparation(spec)
-            )
+            is_read_by_rows = handed[0].by_rows and not asks_for_preparation(spec)
     if comm.bcast(is_read_by_rows):
         return _read_by_rows(handed[0] if handed else None, spec, comm)
     return _on_rank_0(lambda: prepare(handed.pop(), spec), spec, comm)

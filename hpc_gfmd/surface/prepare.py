@@ -91,13 +91,10 @@ def prepare(topography: Topography, spec: Any, look: bool = False) -> Topography
     Raises
     ------
     SceneError
-        The message lists everything that the scene still has to say (units, sizes, fill, boundary).
+        If the scene still has to say how holes are filled, or what is beyond the edges.
     """
-    lacks = list(topography.lacks.values())
     if topography.bodies:
-        topography = _of_filled_scans(topography, spec, lacks)
-    if lacks:  # only to see what else is
-        spec = spec.model_copy(update={"crop": None})
+        topography = _of_filled_scans(topography, spec)
     size, _ = prepared_size(topography, spec)
     topography = _in_memory(topography)
     if spec.crop:
@@ -109,15 +106,9 @@ def prepare(topography: Topography, spec: Any, look: bool = False) -> Topography
     detrend = "mean" if has_window and spec.detrend == "none" else spec.detrend
     if detrend != "none":
         topography = _detrended(topography, detrend)
-    topography = _filled(topography, spec, lacks)
-    try:
-        topography = replace(
-            topography, notes=(*topography.notes, *notes_on(topography, spec, look))
-        )
-    except SceneError as error:
-        lacks.append(str(error))
-    if lacks:
-        raise SceneError("; ".join(lacks))
+    topography = filled(topography, spec.fill)
+    notes = notes_on(topography, spec, look)
+    topography = replace(topography, notes=(*topography.notes, *notes))
     if spec.flip:
         topography = topography.of_heights(-topography.heights(), "upside down")
     topography = mirrored(topography, spec.mirrored)
@@ -195,38 +186,20 @@ def notes_on(topography: Topography, spec: Any, look: bool) -> list[SurfaceWarni
     return notes
 
 
-def _filled(topography: Topography, spec: Any, lacks: list[str]) -> Topography:
-    """Fill the holes as spec.fill says.
-
-    If that is refused the reason is appended to the list `lacks`, and holes are filled
-    harmonically.
-    """
-    try:
-        return filled(topography, spec.fill)
-    except SceneError as error:
-        lacks.append(str(error))
-        return filled(topography, "harmonic")
-
-
-def _of_filled_scans(topography: Topography, spec: Any, lacks: list[str]) -> Topography:
+def _of_filled_scans(topography: Topography, spec: Any) -> Topography:
     """Fill the holes of the two scans in topography.bodies and return their sum.
 
-    The sum has a note on each interpolated scan that does not resolve its own roughness. Appends to
-    the list `lacks` as `_filled` does. If a scan lacks sizes or units there is no sum, and the
-    first scan is returned (`combined`). Raises SceneError if the scans do not overlap or only one
-    has a unit.
+    The sum has a note on each interpolated scan that does not resolve its own roughness.
     """
-    lower, upper = (_filled(scan, spec, lacks) for scan in topography.bodies)
-    total = combined((lower, upper), spec)
-    if total.lacks:
-        return total
+    scans = filled(topography.bodies[0], spec.fill), filled(topography.bodies[1], spec.fill)
+    total = combined(scans, spec)
     notes = [
         SurfaceWarning(
             f"{name_of(scan)} does not resolve its own roughness: it says nothing of waves shorter"
             f" than {spacings_text(scan, 2)}, and between its points those up to twice as long are"
             " damped"
         )
-        for scan in interpolated((lower, upper), spec)
+        for scan in interpolated(scans, spec)
         if map_quality(scan).unresolved > DOUBT.unresolved
     ]
     return replace(total, notes=(*total.notes, *notes))

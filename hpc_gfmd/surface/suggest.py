@@ -18,10 +18,12 @@ from .arrays import unreliable
 from .bandwidth import bandwidth_line
 from .contents import contents_of
 from .doubtful_numbers import slope_notes
+from .files import open_map
+from .map_units import missing_keys
 from .metadata import Metadata
 from .prepare import map_edges, map_quality, prepare
 from .quality import DOUBT, Edges, MapQuality, outliers, per_cent
-from .topography import Topography, open_topography
+from .topography import Topography, open_topography, specs_of_bodies, topography_of
 from .two_scans import name_of
 
 NEEDED = "TO BE GIVEN, the file does not say it"
@@ -51,11 +53,12 @@ def suggestion(make: Callable[[dict], File], user_keys: dict) -> Suggestion:
     SceneError
         If a file cannot be read, or if the user sets other sizes than the file says.
     """
-    topography = open_topography(make(user_keys))
-    if topography.bodies:
-        return _of_two_scans(topography, make, user_keys)
+    spec = make(user_keys)
+    if spec.bodies:
+        return _of_two_scans(spec, make, user_keys)
+    topography, missing = _opened(spec)
     metadata = topography.metadata
-    result = Suggestion(dict(user_keys), unit=topography.unit, missing=list(topography.lacks))
+    result = Suggestion(dict(user_keys), unit=topography.unit, missing=missing)
     unit = metadata.sizes_unit or user_keys.get("xy_unit") or metadata.unit or user_keys.get("unit")
     if metadata.sizes is not None and (unit is None or length_factor(unit)):
         sizes = _readable(metadata.sizes, unit) if unit else list(metadata.sizes)
@@ -66,27 +69,39 @@ def suggestion(make: Callable[[dict], File], user_keys: dict) -> Suggestion:
         _require_agreement(metadata.sizes, in_file, topography, user_keys)
     if metadata.unit is not None:
         result.from_file["unit"] = metadata.unit
-    result.about += _about(topography, user_keys)
+    result.about += _about(topography, missing, user_keys)
     by_file = result.from_file.keys() - user_keys.keys() - {"crop"}
     result.why = dict.fromkeys(by_file, SAYS_FILE) | dict.fromkeys(result.missing, NEEDED)
     _by_heights(result, make, user_keys, metadata)
-    _by_instrument(result, topography, make(user_keys))
+    _by_instrument(result, topography, spec)
     return result
 
 
-def _of_two_scans(
-    topography: Topography, make: Callable[[dict], File], user_keys: dict
-) -> Suggestion:
-    """Return the Suggestion for two scans; topography is their sum, with both as its `bodies`.
+def _opened(spec: File) -> tuple[Topography, list[str]]:
+    """Return a map, with placeholders for sizes and units to be given, and the keys of these."""
+    data, metadata = open_map(spec)
+    missing = missing_keys(metadata, spec, spec.path)
+    if missing:
+        plain = {"physical_sizes": metadata.sizes or (1.0, 1.0), "xy_unit": None, "crop": None}
+        spec = spec.model_copy(update=plain)
+    return topography_of(data, metadata, spec), list(missing)
 
-    make, user_keys: as for `suggestion`. Heights are read only if no key is missing.
+
+def _of_two_scans(spec: File, make: Callable[[dict], File], user_keys: dict) -> Suggestion:
+    """Return the Suggestion for two scans, which are only opened if a key is missing.
+
+    make, user_keys: as for `suggestion`.
     """
-    result = Suggestion(dict(user_keys), unit=topography.unit, missing=list(topography.lacks))
-    result.why = dict.fromkeys(result.missing, NEEDED_OF_TWO)
-    for scan in topography.bodies:
-        result.about += [f"{name_of(scan)}: {line}" for line in _about(scan, user_keys)]
-    if result.missing:
+    scans = [_opened(of_body) for of_body in specs_of_bodies(spec)]
+    missing = list(dict.fromkeys(key for _, keys in scans for key in keys))
+    units = {scan.unit for scan, _ in scans}
+    result = Suggestion(dict(user_keys), unit=min(units), missing=missing)
+    result.why = dict.fromkeys(missing, NEEDED_OF_TWO)
+    for scan, keys in scans:
+        result.about += [f"{name_of(scan)}: {line}" for line in _about(scan, keys, user_keys)]
+    if missing:
         return result
+    topography = open_topography(spec)
     of_sum = Suggestion(result.values, why=result.why)
     _by_heights(of_sum, make, user_keys, Metadata(periodic=topography.periodic))
     result.open = of_sum.open
@@ -94,14 +109,15 @@ def _of_two_scans(
     return result
 
 
-def _about(topography: Topography, user_keys: dict) -> list[str]:
+def _about(topography: Topography, missing: list[str], user_keys: dict) -> list[str]:
     """Return lines on what was read: points, sizes, unit, format, direction, channel, remarks.
 
-    user_keys: as for `suggestion`; its unit is shown if the file has none.
+    missing: keys that have to be given. user_keys: as for `suggestion`; its unit is shown if the
+    file has none.
     """
     metadata = topography.metadata
     sizes = "of sizes that the file does not say"
-    if "physical_sizes" not in topography.lacks:
+    if "physical_sizes" not in missing:
         scale, name = prefixed(topography.sizes, topography.unit)
         sizes = " x ".join(f"{size / scale:.10g} {name}".strip() for size in topography.sizes)
     unit = metadata.unit or user_keys.get("unit")
@@ -210,7 +226,7 @@ def _by_heights(
     if "boundary" not in user_keys:
         plain["boundary"] = "periodic"
     if result.missing:
-        plain |= {"physical_sizes": metadata.sizes or (1.0, 1.0), "crop": None}
+        plain |= {"physical_sizes": metadata.sizes or (1.0, 1.0), "xy_unit": None, "crop": None}
 
     def prepared_map() -> tuple[Topography, MapQuality, Edges]:
         spec = make(values | plain)

@@ -19,7 +19,7 @@ from ..util.quantities import Quantity
 from .analytic import Rows
 from .files import open_map
 from .heights import checked
-from .map_units import MapUnits, lengths_text
+from .map_units import MapUnits, lengths_text, units_of
 from .metadata import Metadata
 from .two_scans import ALIKE, combined, placed
 
@@ -61,9 +61,6 @@ class Topography:
         What the file says.
     by_rows : bool
         Whether `rows` reads from the file no more than these rows.
-    lacks : dict
-        {key of [surface]: why it has to be given}; `prepare` refuses a Topography that lacks
-        anything.
     prepared : tuple of str
         What was done to the heights, a line each.
     notes : tuple of SurfaceWarning
@@ -83,7 +80,6 @@ class Topography:
     bodies: "tuple[Topography, ...]" = ()
     metadata: Metadata = field(default_factory=Metadata)
     by_rows: bool = False
-    lacks: dict[str, str] = field(default_factory=dict)
     prepared: tuple[str, ...] = ()
     notes: tuple[SurfaceWarning, ...] = ()
 
@@ -174,27 +170,28 @@ def open_topography(spec: Any) -> Topography:
     Returns
     -------
     Topography
-        What neither scene nor file says is in its `lacks`.
 
     Raises
     ------
     SceneError
-        If a file cannot be read, if scene and file contradict each other, or if two maps do not fit
-        together.
+        If a file cannot be read, if scene and file contradict each other or lack sizes or units, or
+        if two maps do not fit together.
     """
     if spec.bodies:
-        return combined(placed((_opened(spec, 0), _opened(spec, 1)), spec), spec)
+        scans = [topography_of(*open_map(one), one) for one in specs_of_bodies(spec)]
+        return combined(placed((scans[0], scans[1]), spec), spec)
     specs = [spec.model_copy(update={"path": path}) for path in each(spec.path)]
     return reduce(_sum, [topography_of(*open_map(one_map), one_map) for one_map in specs])
 
 
-def _opened(spec: Any, k: int) -> Topography:
-    """Open scan k (0 or 1) of the two in spec.bodies, with the keys of spec for those it lacks."""
-    keys = {key: getattr(spec.bodies[k], key) for key in Reading.model_fields}
-    # those that are not given are those of spec
-    keys_of_body = {key: value for key, value in keys.items() if value is not None}
-    of_body = spec.model_copy(update=keys_of_body | {"bodies": None})
-    return topography_of(*open_map(of_body), of_body)
+def specs_of_bodies(spec: Any) -> list[Any]:
+    """Return what a scene says of each of two scans: the keys of [surface] for those it lacks."""
+    specs = []
+    for body in spec.bodies:
+        keys = {key: getattr(body, key) for key in Reading.model_fields}
+        of_body = {key: value for key, value in keys.items() if value is not None}
+        specs.append(spec.model_copy(update=of_body | {"bodies": None}))
+    return specs
 
 
 def topography_of(data: Any, metadata: Metadata, spec: Any) -> Topography:
@@ -216,11 +213,11 @@ def topography_of(data: Any, metadata: Metadata, spec: Any) -> Topography:
     Raises
     ------
     SceneError
-        If scene and file contradict each other, or sizes are not positive.
+        If scene and file contradict each other or lack sizes or units, or sizes are not positive.
     """
     path = Path(spec.path)
     metadata = _with_first_axis(metadata, spec)
-    units = MapUnits(metadata, spec, path)
+    units = units_of(metadata, spec, path)
     if not all(0 < size < inf for size in units.sizes):
         raise SceneError(
             f"surface.physical_sizes: found {list(units.sizes)} in {path}, allowed: two positive"
@@ -238,9 +235,7 @@ def topography_of(data: Any, metadata: Metadata, spec: Any) -> Topography:
             ) from None
         return units.height * checked(z, start, "surface.path", f" in {path}", missing=True)
 
-    notes: list[SurfaceWarning] = [*_notes_on_reading(metadata, spec, n), *units.notes]
-    if "physical_sizes" not in units.lacks:
-        notes += _notes_on_sizes(n, units)
+    notes = (*_notes_on_reading(metadata, spec, n), *units.notes, *_notes_on_sizes(n, units))
     return Topography(
         n,
         units.sizes,
@@ -252,8 +247,7 @@ def topography_of(data: Any, metadata: Metadata, spec: Any) -> Topography:
         plain_unit=units.sizes_unit or "",
         metadata=metadata,
         by_rows=not isinstance(data, np.ndarray) or isinstance(data, np.memmap),
-        lacks=units.lacks,
-        notes=tuple(notes),
+        notes=notes,
     )
 
 
@@ -282,7 +276,6 @@ def _sum(lower: Topography, upper: Topography) -> Topography:
         rows=lambda start, stop: lower.rows(start, stop) + upper.rows(start, stop),
         periodic=lower.periodic and upper.periodic,
         path=f"{lower.path} + {upper.path}",
-        lacks=lower.lacks | upper.lacks,
         notes=each_once([*lower.notes, *upper.notes]),
     )
 

@@ -134,8 +134,7 @@ def combined(scans: tuple[Any, Any], spec: Any) -> Any:
     Returns
     -------
     Topography
-        The sum, with the scans as its `bodies`. If a scan lacks sizes or units there is no sum: it
-        is the first scan, with the `lacks` of both.
+        The sum, with the scans as its `bodies`.
 
     Raises
     ------
@@ -143,19 +142,6 @@ def combined(scans: tuple[Any, Any], spec: Any) -> Any:
         If the scans do not overlap, or only one has a unit.
     """
     lower, upper = scans
-    lacks = dict(lower.lacks)
-    for key, why in upper.lacks.items():
-        lacks[key] = "; ".join(dict.fromkeys([*filter(None, [lacks.get(key)]), why]))
-    whole = replace(
-        lower,
-        lacks=lacks,
-        bodies=scans,
-        filled=0,
-        prepared=(*lower.prepared, *upper.prepared),
-        notes=each_once([*lower.notes, *upper.notes]),
-    )
-    if lacks:
-        return whole
     if lower.unit != upper.unit:
         texts = [f"{scan.path} {'in m' if scan.unit else 'without a unit'}" for scan in scans]
         raise SceneError(
@@ -172,7 +158,7 @@ def combined(scans: tuple[Any, Any], spec: Any) -> Any:
         for scan in interpolated(scans, spec)
     ]
     return replace(
-        whole,
+        lower,
         n=n,
         sizes=sizes,
         rows=lambda start, stop: (_on_grid(lower, x[0], y[0]) + _on_grid(upper, x[1], y[1]))[
@@ -180,8 +166,15 @@ def combined(scans: tuple[Any, Any], spec: Any) -> Any:
         ],
         periodic=repeated or None,
         path=f"{lower.path} + {upper.path}",
+        bodies=scans,
+        notes=each_once([*lower.notes, *upper.notes]),
         filled=sum(round(scan.filled / np.prod(scan.n) * np.prod(n)) for scan in scans),
-        prepared=(*whole.prepared, *steps, f"added where they overlap, {n[0]} x {n[1]} points"),
+        prepared=(
+            *lower.prepared,
+            *upper.prepared,
+            *steps,
+            f"added where they overlap, {n[0]} x {n[1]} points",
+        ),
     )
 
 
