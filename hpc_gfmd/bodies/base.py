@@ -22,7 +22,7 @@ from ..scene import Material
 
 NEAR_POINTS = 64  # along an axis are enough to know what K is between neighbours
 SAMPLES = 400  # of K between the longest and the shortest wave, where it may not be monotone
-FLAT = 6  # how soon a level has nothing to add where K hardly falls
+FLAT = 6  # exponent that suppresses levels where K is flat
 LEFT = 0.3  # wave number over the largest: the typical one of what solvers leave
 NOTHING = 1e30  # a stiffness against which a level does nothing
 STEEP = 4  # times as long: what coarser levels see of a wave

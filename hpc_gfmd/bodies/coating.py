@@ -48,7 +48,6 @@ class Coating(Body):
         return [cls(0.1, 0.3, 0.05, 0.2), cls(0.03, 0.0, 2.0, 0.5), cls(0.02, 0.5, 20.0, 0.3)]
 
     def stiffness(self, q: np.ndarray, a: float) -> np.ndarray:
-        """Return K by the formula of the class."""
         x = np.asarray(q, np.float64) * (self.thickness / a)
         e = np.exp(-2 * x)
         b = 3 - 4 * self.nu

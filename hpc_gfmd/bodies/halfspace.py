@@ -24,7 +24,6 @@ class HalfSpace(Body):
         return HALF_SPACE if material.thickness is None and not any(free) else None
 
     def stiffness(self, q: np.ndarray, a: float) -> np.ndarray:
-        """Return K = |q|/2."""
         return q / 2
 
     def make_multipliers(self, grid: Grid, fft: SlabFFT, q: Waves) -> Multipliers:

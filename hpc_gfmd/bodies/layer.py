@@ -50,7 +50,6 @@ class Layer(Body):
         ]
 
     def stiffness(self, q: np.ndarray, a: float) -> np.ndarray:
-        """Return K = 1/S by the formulas of the class."""
         t = self.thickness / a
         x = np.maximum(np.asarray(q, np.float64) * t, TINY)
         # both parts of the fraction times e: nothing overflows; the upper one over x

@@ -213,7 +213,7 @@ class _Search:
             self._normalise(V[1])
             self._apply(V[1], KV[1])
             directions = min(directions + 1, 3)
-        if s > 0:  # rather than nothing
+        if s > 0:  # safeguard: keep at least a quarter of s
             lowest = max(lowest, DOUBTED * s)
         upward = self.grid.comm.sum([V[0].sum(dtype=float)])[0] >= 0
         return Stability(s, min(lowest, s), V[0] if upward else -V[0], self.elastic.pairs)

@@ -93,7 +93,7 @@ def add_arguments(parser: ArgumentParser) -> None:
 
 
 def main(args: Namespace) -> int:
-    """Compute an interface law, print it and write its files; 3 if a load did not converge."""
+    """Compute a law and write its files; returns 3 if a load did not converge. Collective."""
     from ..output.interface_law import QUANTITIES
     from ..output.law_files import harmonic_mean, require_file, write_law
     from ..parallel.guard import on_rank_0

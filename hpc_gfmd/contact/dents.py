@@ -6,12 +6,12 @@ WITHOUT = "without material.hardness nothing yields"
 
 
 def dent_mean(contact: Contact) -> float | None:
-    """Return the mean depth of the dents over the nominal area, of all loads if they stay."""
+    """Return the mean depth of the dents, of all loads so far where they stay. Collective."""
     return None if contact.hardness is None else contact.dent_sums[1]
 
 
 def dissipated_work(contact: Contact) -> float | None:
-    """Return the work per nominal area that the dents have taken: hardness times depth."""
+    """Return the work per area that the dents have taken: hardness times depth. Collective."""
     return None if contact.hardness is None else contact.hardness * contact.dent_sums[1]
 
 

@@ -57,7 +57,7 @@ def _area(contact: Contact) -> float:
 
 
 def _of_patches(corners: bool) -> dict[str, Observable]:
-    """Return {name: Observable} of the number of patches and their largest and mean area."""
+    """Return {name: Observable} of number, largest and mean area of patches. Collective."""
     suffix = "_8" if corners else ""
     shared = "a side or a corner" if corners else "a side"
 
@@ -167,7 +167,7 @@ def _percolates(
     """Return the observable that is true if the contact, or the gap, percolates along an axis.
 
     Along `open_axis` a cluster percolates if it reaches from edge to edge, else if it goes around
-    the cell.
+    the cell. Collective.
     """
 
     def percolates(contact: Contact) -> bool:

@@ -13,16 +13,13 @@ class Cubic(Law):
     name = "cubic"
 
     def energy(self, g: Any) -> Any:
-        """Return phi(g), the energy per area."""
         left = np.maximum(1 - g / self.range, 0)
         return -self.work * left * left * left
 
     def traction(self, g: Any) -> Any:
-        """Return phi'(g), the attraction."""
         left = np.maximum(1 - g / self.range, 0)
         return 3 * self.work / self.range * left * left
 
     def curvature(self, g: Any) -> Any:
-        """Return phi''(g), the slope of the attraction."""
         left = np.maximum(1 - g / self.range, 0)
         return -6 * self.work / (self.range * self.range) * left

@@ -18,18 +18,15 @@ class Dugdale(Law):
     )
 
     def energy(self, g: Any) -> Any:
-        """Return phi(g), the energy per area."""
         x = g / self.range
         ramp = np.minimum(np.maximum((1 + WIDTH - x) / (2 * WIDTH), 0), 1)
         return -self.work * (np.maximum(1 - WIDTH - x, 0) + WIDTH * ramp * ramp)
 
     def traction(self, g: Any) -> Any:
-        """Return phi'(g), the attraction."""
         x = g / self.range
         return self.work / self.range * np.minimum(np.maximum((1 + WIDTH - x) / (2 * WIDTH), 0), 1)
 
     def curvature(self, g: Any) -> Any:
-        """Return phi''(g), the slope of the attraction."""
         x = g / self.range
         on_ramp = np.abs(x - 1) < WIDTH
         return -self.work / (2 * WIDTH * self.range * self.range) * on_ramp

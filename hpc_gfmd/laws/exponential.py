@@ -13,13 +13,10 @@ class Exponential(Law):
     sources = ("Wang, Zhou, Müser, Lubricants 9 (2021) 17, doi:10.3390/lubricants9020017",)
 
     def energy(self, g: Any) -> Any:
-        """Return phi(g), the energy per area."""
         return -self.work * decay(g / self.range)
 
     def traction(self, g: Any) -> Any:
-        """Return phi'(g), the attraction."""
         return self.work / self.range * decay(g / self.range)
 
     def curvature(self, g: Any) -> Any:
-        """Return phi''(g), the slope of the attraction."""
         return -self.work / (self.range * self.range) * decay(g / self.range)

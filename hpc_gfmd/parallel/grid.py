@@ -210,7 +210,7 @@ class Grid:
         return empty_aligned(self.shape, dtype)
 
     def pieces(self, rows: int | None = None) -> tuple[tuple[int, int], ...]:
-        """List the ranges (i0, i1) of local rows, or of the first `rows`, for one thread each."""
+        """List the ranges (i0, i1) of the first `rows` local rows that a thread takes at a time."""
         rows = self.shape[0] if rows is None else rows
         return pieces_of(rows, self.n[1])
 

@@ -66,12 +66,10 @@ class Bpx(Solver):
         return 1.0 / (self.compliance * self.problem.body.bounds(self.grid)[1])
 
     def make_room(self) -> None:
-        """Free the memory of the transforms and of the last step until `take_room`; g, p stay."""
         del self.d
         self.elastic.make_room()
 
     def take_room(self) -> None:
-        """Allocate memory for the transforms and the last step again; the last step is 0."""
         self.elastic.plan()
         self.d = self.grid.empty(stored_dtype(self.problem.dtype))
         self.d[...] = 0
